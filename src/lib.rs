@@ -1,0 +1,21 @@
+//! raceway predicts the vibration of rolling bearings.
+//!
+//! A request becomes a checked *scene*; the scene becomes a *model* that holds only what it needs;
+//! an integrator advances it; the observed motion becomes the result. The rooms, from the ground up:
+
+/// The HTTP service.
+pub mod api;
+/// Settings from command line and environment.
+pub mod config;
+/// JSON in and out: units in field names, one conversion each way.
+pub mod contract;
+/// Queue and store of jobs.
+pub mod jobs;
+/// Mathematics: integrators, spectra, special functions. Knows no bearing.
+pub mod numerics;
+/// The bearing: contacts, bodies, forces. Knows no JSON, no clock.
+pub mod physics;
+/// Pictures from results.
+pub mod plots;
+/// The motion: scene, model, equilibrium, run, observation.
+pub mod simulation;

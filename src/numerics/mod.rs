@@ -1,0 +1,7 @@
+//! Mathematics that knows no bearing: special functions, spectra, statistics, integrators.
+//! Imports none of the other rooms.
+
+pub mod elliptic;
+pub mod ode;
+pub mod spectrum;
+pub mod statistics;

@@ -1,0 +1,6 @@
+//! What happens where two bodies touch: normal load, dissipation, lubricant film, traction.
+
+pub mod damping;
+pub mod film;
+pub mod hertz;
+pub mod traction;

@@ -1,0 +1,55 @@
+//! What lies between the surfaces.
+
+use super::contact::traction::TractionLaw;
+use super::{InvalidParameter, above, within};
+
+/// Kind of lubrication. For grease the hydrodynamic forces are left out by convention.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LubricantKind {
+    Grease,
+    Oil,
+    Dry,
+}
+
+/// A lubricant at running temperature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lubricant {
+    pub kind: LubricantKind,
+    /// Dynamic viscosity η of the (base) oil [Pa s]; 0 means no film at all.
+    pub viscosity: f64,
+    /// Pressure–viscosity coefficient α_p [1/Pa].
+    pub pressure_viscosity: f64,
+    /// Share `X` of the bearing's free volume that is filled with lubricant [-].
+    pub fill: f64,
+    /// Distance of the inlet meniscus from the contact [m]; `None`: a quarter of the ball diameter.
+    pub inlet_distance: Option<f64>,
+    pub traction: TractionLaw,
+}
+
+/// Density of lubricants [kg/m³] and of air [kg/m³], viscosity of air [Pa s].
+pub const OIL_DENSITY: f64 = 900.0;
+pub const AIR_DENSITY: f64 = 1.2;
+pub const AIR_VISCOSITY: f64 = 1.8e-5;
+
+impl Lubricant {
+    /// Refuses values that no lubricant has.
+    pub fn check(&self) -> Result<(), InvalidParameter> {
+        within("lubricant.viscosity", self.viscosity, 0.0, 100.0)?;
+        within("lubricant.pressure_viscosity", self.pressure_viscosity, 0.0, 1e-6)?;
+        within("lubricant.fill", self.fill, 0.0, 1.0)?;
+        if let Some(distance) = self.inlet_distance {
+            above("lubricant.inlet_distance", distance, 0.0, 1.0)?;
+        }
+        self.traction.check()
+    }
+
+    /// Density of the lubricant–air mixture, ρ_e = X ρ_l + (1 − X) ρ_a [kg/m³].
+    pub fn mixture_density(&self) -> f64 {
+        self.fill * OIL_DENSITY + (1.0 - self.fill) * AIR_DENSITY
+    }
+
+    /// Viscosity of the lubricant–air mixture, η_e = X η + (1 − X) η_a [Pa s].
+    pub fn mixture_viscosity(&self) -> f64 {
+        self.fill * self.viscosity + (1.0 - self.fill) * AIR_VISCOSITY
+    }
+}

@@ -1,0 +1,43 @@
+//! Elastic isotropic materials.
+
+use super::{InvalidParameter, above, within};
+
+/// An elastic isotropic material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus [Pa].
+    pub elastic_modulus: f64,
+    /// Poisson's ratio [-].
+    pub poisson_ratio: f64,
+    /// Density [kg/m³].
+    pub density: f64,
+}
+
+impl Material {
+    /// Refuses what no solid has; `path` names the material's fields in the error
+    /// (elastic modulus, Poisson's ratio, density).
+    pub fn check(&self, path: [&'static str; 3]) -> Result<(), InvalidParameter> {
+        above(path[0], self.elastic_modulus, 0.0, 2e12)?;
+        within(path[1], self.poisson_ratio, 0.0, 0.5)?;
+        above(path[2], self.density, 0.0, 30_000.0)
+    }
+}
+
+/// Contact modulus `E*`, 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [Pa]. The effective modulus of
+/// Hamrock & Dowson is `E' = 2 E*`.
+pub fn contact_modulus(a: &Material, b: &Material) -> f64 {
+    let compliance = |m: &Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / m.elastic_modulus;
+    1.0 / (compliance(a) + compliance(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two equal steels: E* = E / (2 (1 − ν²)), hand calculation.
+    #[test]
+    fn equal_materials_share_the_compliance() {
+        let steel = Material { elastic_modulus: 210e9, poisson_ratio: 0.3, density: 7830.0 };
+        assert!((contact_modulus(&steel, &steel) - 115.384_615_4e9).abs() < 1e3);
+    }
+}

@@ -1,0 +1,131 @@
+//! How the bearing is driven and loaded.
+
+use super::{InvalidParameter, within};
+
+/// Spindle speed over time: constant, or straight lines between points, constant outside them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpeedProfile {
+    /// (time [s], angular speed [rad/s]), times strictly rising, at least one point.
+    points: Vec<(f64, f64)>,
+    /// Angle turned at each point since the first [rad].
+    angles: Vec<f64>,
+}
+
+/// Largest angular speed accepted [rad/s]: 500 000 r/min.
+pub const MAX_SPEED: f64 = 500_000.0 * std::f64::consts::PI / 30.0;
+
+impl SpeedProfile {
+    /// A constant angular speed [rad/s]; negative turns the other way.
+    pub fn constant(speed: f64) -> Result<Self, InvalidParameter> {
+        Self::new(vec![(0.0, speed)])
+    }
+
+    /// Straight lines between points of (time [s], angular speed [rad/s]).
+    pub fn new(points: Vec<(f64, f64)>) -> Result<Self, InvalidParameter> {
+        let inconsistent =
+            |reason: String| Err(InvalidParameter::Inconsistent { parameter: "operation.speed", reason });
+        if points.is_empty() {
+            return inconsistent("needs at least one point".into());
+        }
+        if points.len() > 1000 {
+            return inconsistent(format!("{} points; at most 1000", points.len()));
+        }
+        for &(time, speed) in &points {
+            within("operation.speed", speed, -MAX_SPEED, MAX_SPEED)?;
+            within("operation.speed.at", time, 0.0, 1e6)?;
+        }
+        if let Some(pair) = points.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
+            return inconsistent(format!("times must rise: {} s is followed by {} s", pair[0].0, pair[1].0));
+        }
+        let mut angles = vec![0.0];
+        for pair in points.windows(2) {
+            let turned = 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0);
+            angles.push(angles[angles.len() - 1] + turned);
+        }
+        Ok(Self { points, angles })
+    }
+
+    /// Angle turned since time 0 [rad], angular speed [rad/s] and angular acceleration [rad/s²].
+    pub fn at(&self, time: f64) -> (f64, f64, f64) {
+        let (angle, speed, acceleration) = self.since_first_point(time);
+        (angle - self.since_first_point(0.0).0, speed, acceleration)
+    }
+
+    fn since_first_point(&self, time: f64) -> (f64, f64, f64) {
+        let next = self.points.partition_point(|&(at, _)| at <= time);
+        if next == 0 {
+            let (at, speed) = self.points[0];
+            return (speed * (time - at), speed, 0.0);
+        }
+        let (at, speed) = self.points[next - 1];
+        let elapsed = time - at;
+        let slope = self.points.get(next).map_or(0.0, |&(end, end_speed)| (end_speed - speed) / (end - at));
+        (self.angles[next - 1] + (speed + 0.5 * slope * elapsed) * elapsed, speed + slope * elapsed, slope)
+    }
+
+    /// Times after 0 at which the angular acceleration jumps [s].
+    pub fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
+        let several = self.points.len() > 1;
+        self.points.iter().map(|point| point.0).filter(move |&at| several && at > 0.0)
+    }
+
+    /// Largest |speed| over all time [rad/s].
+    pub fn largest(&self) -> f64 {
+        self.points.iter().fold(0.0, |most, point| most.max(point.1.abs()))
+    }
+
+    /// True when the speed never changes.
+    pub fn is_constant(&self) -> bool {
+        self.points.iter().all(|point| point.1 == self.points[0].1)
+    }
+
+    /// The points (time [s], angular speed [rad/s]) as given.
+    pub fn points(&self) -> &[(f64, f64)] {
+        &self.points
+    }
+}
+
+/// Speed, loads and misalignment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Operation {
+    pub speed: SpeedProfile,
+    /// Load on the spindle along X, Y, Z [N].
+    pub load: [f64; 3],
+    /// Imposed tilt of the spindle about Y and about Z [rad].
+    pub misalignment: [f64; 2],
+}
+
+impl Operation {
+    /// Refuses loads and tilts beyond what any bearing of this program carries.
+    pub fn check(&self) -> Result<(), InvalidParameter> {
+        for (parameter, value) in
+            ["operation.axial_load", "operation.radial_load_y", "operation.radial_load_z"].into_iter().zip(self.load)
+        {
+            within(parameter, value, -1e7, 1e7)?;
+        }
+        within("operation.misalignment.y", self.misalignment[0], -0.02, 0.02)?;
+        within("operation.misalignment.z", self.misalignment[1], -0.02, 0.02)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The angle is the integral of the speed: 0 → 10 rad/s within 2 s turns 10 rad, then 10 rad/s.
+    #[test]
+    fn angle_is_the_integral_of_the_speed() {
+        let ramp = SpeedProfile::new(vec![(1.0, 0.0), (3.0, 10.0)]).unwrap();
+        assert_eq!(ramp.at(0.5), (0.0, 0.0, 0.0));
+        assert_eq!(ramp.at(2.0), (2.5, 5.0, 5.0));
+        assert_eq!(ramp.at(4.0), (20.0, 10.0, 0.0));
+        assert_eq!(ramp.kinks().collect::<Vec<_>>(), [1.0, 3.0]);
+    }
+
+    #[test]
+    fn times_that_do_not_rise_are_refused() {
+        assert!(SpeedProfile::new(vec![(1.0, 0.0), (1.0, 10.0)]).is_err());
+        assert!(SpeedProfile::new(vec![]).is_err());
+        assert!(SpeedProfile::constant(f64::NAN).is_err());
+    }
+}

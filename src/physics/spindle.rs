@@ -1,0 +1,57 @@
+//! The spindle: a rigid mass at prescribed speed that moves in Y and Z, and in X when it is free.
+
+use super::{InvalidParameter, above, within};
+
+/// How the axial direction is held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AxialHold {
+    Fixed,
+    /// The spindle moves along X and carries the axial load.
+    Free,
+    /// Held at this displacement along X [m].
+    Offset(f64),
+}
+
+/// Unbalance of the spindle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unbalance {
+    None,
+    /// Mass times eccentricity [kg m].
+    Product(f64),
+    /// ISO 21940 grade: eccentricity times operating speed [m/s].
+    Grade(f64),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spindle {
+    /// [kg]
+    pub mass: f64,
+    pub unbalance: Unbalance,
+    pub axial: AxialHold,
+}
+
+impl Spindle {
+    pub fn check(&self) -> Result<(), InvalidParameter> {
+        above("spindle.mass", self.mass, 0.0, 1e6)?;
+        match self.unbalance {
+            Unbalance::None => {}
+            Unbalance::Product(product) => within("spindle.unbalance", product, 0.0, 1e3)?,
+            Unbalance::Grade(grade) => within("spindle.balance_grade", grade, 0.0, 5.0)?,
+        }
+        match self.axial {
+            AxialHold::Offset(offset) => within("spindle.axial.offset", offset, -0.01, 0.01),
+            AxialHold::Fixed | AxialHold::Free => Ok(()),
+        }
+    }
+
+    /// Mass times eccentricity [kg m] at an operating speed [rad/s]; no grade can be turned into an
+    /// eccentricity at rest, so it is 0 there.
+    pub fn unbalance_product(&self, operating_speed: f64) -> f64 {
+        match self.unbalance {
+            Unbalance::None => 0.0,
+            Unbalance::Product(product) => product,
+            Unbalance::Grade(_) if operating_speed == 0.0 => 0.0,
+            Unbalance::Grade(grade) => self.mass * grade / operating_speed.abs(),
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! The motion: a checked scene becomes a model that holds only what it needs, an integrator advances
+//! it from equilibrium, and what was asked for is observed. Plain synchronous Rust; knows no JSON, HTTP or SQL.
+
+pub mod channel;
+pub mod equilibrium;
+pub mod lines;
+pub mod metrics;
+pub mod model;
+pub mod needs;
+pub mod observe;
+pub mod run;
+pub mod scene;
+pub mod state;

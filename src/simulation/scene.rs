@@ -1,0 +1,151 @@
+//! What to simulate, checked once on construction.
+
+use crate::physics::bearing::{Bearing, BearingParameters};
+use crate::physics::cage::CageParameters;
+use crate::physics::contact::damping::DampingLaw;
+use crate::physics::lubricant::Lubricant;
+use crate::physics::operation::Operation;
+use crate::physics::spindle::{AxialHold, Spindle};
+use crate::physics::{InvalidParameter, within};
+
+/// Whether a term of the equations is in the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TermChoice {
+    /// The scene decides.
+    #[default]
+    Auto,
+    On,
+    Off,
+}
+
+/// The terms that a scene may switch, by the names used in requests and in `left_out`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Term {
+    Gravity,
+    Drag,
+    Churning,
+    Hydrodynamics,
+    Cage,
+    CageTilt,
+    Axial,
+    Spin,
+    Conformity,
+    PocketFilm,
+    PocketFriction,
+    Unbalance,
+    Land,
+    FilmThickness,
+    BallRadialDynamics,
+    BallSpinDynamics,
+}
+
+impl Term {
+    /// Every term with its name.
+    pub const ALL: [(Term, &'static str); 16] = [
+        (Term::Gravity, "gravity"),
+        (Term::Drag, "drag"),
+        (Term::Churning, "churning"),
+        (Term::Hydrodynamics, "hydrodynamics"),
+        (Term::Cage, "cage"),
+        (Term::CageTilt, "cage_tilt"),
+        (Term::Axial, "axial"),
+        (Term::Spin, "spin"),
+        (Term::Conformity, "conformity"),
+        (Term::PocketFilm, "pocket_film"),
+        (Term::PocketFriction, "pocket_friction"),
+        (Term::Unbalance, "unbalance"),
+        (Term::Land, "land"),
+        (Term::FilmThickness, "film_thickness"),
+        (Term::BallRadialDynamics, "ball_radial_dynamics"),
+        (Term::BallSpinDynamics, "ball_spin_dynamics"),
+    ];
+
+    /// The name in requests and results.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
+}
+
+/// One choice a term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Terms {
+    choices: [TermChoice; Term::ALL.len()],
+}
+
+impl Terms {
+    pub fn get(&self, term: Term) -> TermChoice {
+        self.choices[term as usize]
+    }
+
+    pub fn set(&mut self, term: Term, choice: TermChoice) {
+        self.choices[term as usize] = choice;
+    }
+}
+
+/// What to simulate, unchecked. All in SI and radians.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneParameters {
+    pub bearing: BearingParameters,
+    pub cage: CageParameters,
+    pub spindle: Spindle,
+    pub operation: Operation,
+    pub lubricant: Lubricant,
+    pub raceway_damping: DampingLaw,
+    pub terms: Terms,
+    /// Acceleration of gravity along +Y [m/s²].
+    pub gravity: f64,
+}
+
+/// What to simulate: after this nobody asks again whether a ball fits its groove.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    pub bearing: Bearing,
+    pub cage: CageParameters,
+    pub spindle: Spindle,
+    pub operation: Operation,
+    pub lubricant: Lubricant,
+    pub raceway_damping: DampingLaw,
+    pub terms: Terms,
+    pub gravity: f64,
+}
+
+impl Scene {
+    /// Checks that everything can be built and fits together.
+    pub fn new(p: SceneParameters) -> Result<Self, InvalidParameter> {
+        let bearing = Bearing::new(p.bearing)?;
+        p.cage.check()?;
+        p.spindle.check()?;
+        p.operation.check()?;
+        p.lubricant.check()?;
+        p.raceway_damping.check([
+            "damping.raceway.restitution",
+            "damping.raceway.at_speed",
+            "damping.raceway.viscous",
+        ])?;
+        within("gravity", p.gravity, -1000.0, 1000.0)?;
+        if p.operation.load[0] != 0.0 && p.spindle.axial != AxialHold::Free {
+            return Err(InvalidParameter::Inconsistent {
+                parameter: "spindle.axial",
+                reason: format!(
+                    "an axial load of {} N acts only on a spindle whose axial direction is free",
+                    p.operation.load[0]
+                ),
+            });
+        }
+        Ok(Self {
+            bearing,
+            cage: p.cage,
+            spindle: p.spindle,
+            operation: p.operation,
+            lubricant: p.lubricant,
+            raceway_damping: p.raceway_damping,
+            terms: p.terms,
+            gravity: p.gravity,
+        })
+    }
+
+    /// Angular speed that grades, films and ideal kinematics refer to: the largest of the profile [rad/s].
+    pub fn operating_speed(&self) -> f64 {
+        self.operation.speed.largest()
+    }
+}
