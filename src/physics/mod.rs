@@ -6,6 +6,8 @@ pub mod bearing;
 pub mod cage;
 pub mod contact;
 pub mod drag;
+#[cfg(test)]
+pub(crate) mod examples;
 pub mod frames;
 pub mod kinematics;
 pub mod lubricant;
