@@ -107,7 +107,7 @@ fn log_remainder(x: f64) -> f64 {
         return (x.ln_1p() - x) / (x * x);
     }
     // −1/2 + x/3 − x²/4 + …, nine terms leave 1e−16 at |x| = 0.02.
-    (2..=10).rev().fold(0.0, |sum, n| f64::from(n).recip() - x * sum) * -1.0
+    -(2..=10).rev().fold(0.0, |sum, n| f64::from(n).recip() - x * sum)
 }
 
 #[cfg(test)]
