@@ -264,8 +264,8 @@ mod tests {
     /// leapfrog steps of T/20 000; the constant is printed to five figures.
     #[test]
     fn elastic_impact_lasts_as_hertz_says() {
-        let (mass, stiffness, speed) = (8.789e-5, 1.399e10, 0.1);
-        let expected = 2.9432 * (5.0 * mass / (4.0 * stiffness) as f64).powf(0.4) * f64::powf(speed, -0.2);
+        let (mass, stiffness, speed) = (8.789e-5_f64, 1.399e10, 0.1);
+        let expected = 2.9432 * (5.0 * mass / (4.0 * stiffness)).powf(0.4) * f64::powf(speed, -0.2);
         let step = expected / 20_000.0;
         let (mut depth, mut rate, mut time) = (0.0_f64, speed, 0.0);
         let mut last = 0.0;

@@ -387,7 +387,7 @@ mod tests {
         }
     }
 
-    /// The quotient μ/u joins its series without a step, 1e-12.
+    /// The quotient μ/u joins its series without a step, 1e-10.
     #[test]
     fn quotient_has_no_step_at_its_series() {
         let law = Traction::new(&ARTICLE_LAW, 0.02, 2e-8);
