@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use super::bearing::Bearing;
 use super::lubricant::Lubricant;
 
-/// Drag coefficient of a sphere over Reynolds number; log-log between the points, Stokes-like below, constant
-/// above. Read from the standard drag curve (Schlichting, Boundary-Layer Theory, ch. 1).
+/// Drag coefficient of a sphere over Reynolds number, points of the standard drag curve to two figures; log-log
+/// between them, 27.5/Re below (Stokes: 24/Re), constant above, where the drag crisis is left out.
 const DRAG_COEFFICIENT: [(f64, f64); 7] =
     [(0.1, 275.0), (1.0, 30.0), (10.0, 4.2), (100.0, 1.2), (1e3, 0.48), (1e4, 0.40), (1e5, 0.45)];
 
@@ -28,7 +28,8 @@ pub fn drag_coefficient(reynolds: f64) -> f64 {
 
 /// Moment coefficient `C_n` of a sphere that spins in place [-], Reynolds number ρ ω r²/η.
 ///
-/// C_n = 6.45/√Re + 32.1/Re, laminar boundary layer on a sphere in free fluid. At Re below about 10 the truth
+/// C_n = 6.45/√Re + 32.1/Re, laminar boundary layer on a sphere in free fluid, as bearing literature quotes
+/// it; the first source is still to be confirmed. At Re below about 10 the truth
 /// is the Stokes limit 16π/Re, half as much again; in a bearing the mixture turns with the balls.
 pub fn churning_coefficient(reynolds: f64) -> f64 {
     6.45 / reynolds.sqrt() + 32.1 / reynolds

@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use crate::physics::examples::{article_bearing, deep_groove};
 
-    /// Catalogue ratings (SKF, ISO 281): 608 3.30 kN, 6204 12.7 kN, 6206 19.5 kN, with the makers' rounding 1 %.
+    /// Catalogue ratings after ISO 281: 608 3.30 kN, 6204 12.7 kN, 6206 19.5 kN, with the makers' rounding 1 %.
     #[test]
     fn catalogue_bearings_have_their_rating() {
         for (balls, d, pitch, rating) in [(7, 3.969, 15.0, 3.30e3), (8, 7.938, 33.5, 12.7e3), (9, 9.525, 46.0, 19.5e3)]
