@@ -3,5 +3,6 @@
 
 pub mod elliptic;
 pub mod ode;
+pub mod roots;
 pub mod spectrum;
 pub mod statistics;

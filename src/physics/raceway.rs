@@ -10,6 +10,7 @@ use super::contact::film::{Film, Inlet};
 use super::contact::hertz::{HertzContact, raceway_contacts};
 use super::contact::traction::{Strips, Traction, TractionContext};
 use super::frames::Vector;
+use super::kinematics;
 use super::lubricant::Lubricant;
 use super::surface::SurfaceProfile;
 
@@ -103,8 +104,8 @@ impl RacewayContact {
             traction: Traction::new(&lubricant.traction, lubricant.viscosity, lubricant.pressure_viscosity),
             strips: Strips::new(terms.strips),
             terms,
-            film: Film::new(&hertz, lubricant),
-            inlet: Inlet::new(&hertz, lubricant, p.ball_diameter),
+            film: Film::new(&hertz, lubricant.viscosity, lubricant.pressure_viscosity),
+            inlet: Inlet::new(&hertz, lubricant.viscosity, lubricant.meniscus(p.ball_diameter), 0.5 * p.ball_diameter),
             surface: SurfaceProfile::None,
             hertz,
         };
@@ -168,7 +169,7 @@ impl RacewayContact {
         let semi_major = (self.semi_major_factor * penetration.sqrt()).min(LARGEST_CONTACT * self.ball_radius);
 
         // Across the groove, c = t × m with m towards the contact; (t, m, c) is right-handed.
-        let (across_a, across_r) = (towards_r, -towards_a);
+        let (across_a, across_r) = (-towards_r, towards_a);
         // Slip of the raceway over the ball at height h along m and place η along c (both from the ball's centre):
         // along the groove  u_t = base + h · per_height + η · per_place,   across it  u_c = side − h · roll.
         let speed = motion.raceway_speed;
@@ -187,15 +188,17 @@ impl RacewayContact {
         let shift = edge - (deformed_2 - semi_major_2).sqrt();
         let apex = deformed + shift;
 
-        let context = self.context(normal, penetration, motion, per_height, apex);
+        let (mut context, max_pressure) = self.context(normal, penetration, motion, per_height, apex);
         let (mut along, mut across) = (0.0, 0.0);
         let (mut along_moment, mut across_moment, mut spin_moment) = (0.0, 0.0, 0.0);
-        for strip in if PLANAR { self.strips.half() } else { self.strips.all() } {
-            let place = strip.place * semi_major;
+        for strip in if PLANAR { self.strips.half() } else { self.strips.as_slice() } {
+            let place = strip.position * semi_major;
             let height = if self.terms.conformity { (deformed_2 - place * place).sqrt() + shift } else { apex };
             let slip_t = base + height * per_height + place * per_place;
             let slip_c = side - height * roll;
-            let factor = strip.weight * self.traction.over_speed(slip_t * slip_t + slip_c * slip_c, strip, &context);
+            context.pressure = strip.pressure * max_pressure;
+            let factor =
+                strip.weight * self.traction.traction_over_speed(slip_t * slip_t + slip_c * slip_c, &context);
             along += factor * slip_t;
             along_moment += factor * slip_t * height;
             if !PLANAR {
@@ -220,9 +223,9 @@ impl RacewayContact {
         if self.terms.hydrodynamics {
             let rolling = self.rolling_velocity(motion, per_height, apex);
             let semi_minor = semi_major / self.hertz.ellipse.ellipticity;
-            let hydro = self.inlet.forces(2.0 * rolling, self.central_film(rolling, normal), semi_minor);
+            let hydro = self.inlet.forces(rolling, self.film.central(rolling, normal), semi_minor);
             // F_R at the contact point against rolling on each surface, F_H through the ball's centre.
-            force[2] += hydro.pressure_on_ball - hydro.rolling;
+            force[2] += hydro.pressure - hydro.rolling;
             moment[0] += hydro.rolling * apex * across_a;
             moment[1] += hydro.rolling * apex * across_r;
         }
@@ -246,6 +249,7 @@ impl RacewayContact {
         raceway - 0.5 * slip
     }
 
+    /// What the traction law looks at besides slip, and the largest pressure p₀ [Pa].
     #[inline(always)]
     fn context(
         &self,
@@ -254,21 +258,17 @@ impl RacewayContact {
         motion: &RelativeMotion,
         per_height: f64,
         apex: f64,
-    ) -> TractionContext {
+    ) -> (TractionContext, f64) {
         if !self.traction.needs_context() {
-            return TractionContext::default();
+            return (TractionContext::default(), 0.0);
         }
         let rolling = self.rolling_velocity(motion, per_height, apex);
-        TractionContext {
+        let context = TractionContext {
             rolling_speed: rolling.abs(),
-            max_pressure: self.hertz.max_pressure(self.elastic_load(penetration).0),
-            film_thickness: self.central_film(rolling, normal),
-        }
-    }
-
-    /// Central film thickness [m] at a rolling velocity [m/s] and load [N].
-    fn central_film(&self, rolling: f64, normal: f64) -> f64 {
-        self.film.central_thickness(rolling.abs(), normal)
+            pressure: 0.0,
+            film_thickness: self.film.central(rolling, normal),
+        };
+        (context, self.hertz.max_pressure(self.elastic_load(penetration).0))
     }
 
     /// Minimum film thickness of a loaded contact [m]; 0 without a film.
@@ -276,6 +276,21 @@ impl RacewayContact {
         let (_, (towards_a, towards_r)) = self.penetration::<false>(motion.axial, motion.radius);
         let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
         let rolling = self.rolling_velocity(motion, per_height, self.ball_radius);
-        self.film.minimum_thickness(rolling.abs(), load.normal)
+        self.film.minimum(rolling, load.normal)
     }
+}
+
+/// Rolling friction F_R [N] of a ball on the inner raceway under a load [N], rolling ideally at a spindle speed
+/// [rad/s], its inlet flooded.
+pub fn nominal_rolling_friction(bearing: &Bearing, lubricant: &Lubricant, load: f64, speed: f64) -> f64 {
+    if load <= 0.0 {
+        return 0.0;
+    }
+    let hertz = raceway_contacts(bearing).inner;
+    let p = &bearing.parameters;
+    let groove_radius = 0.5 * (p.pitch_diameter * (1.0 - bearing.gamma()));
+    let rolling = groove_radius * (1.0 - kinematics::ideal_orbit_ratio(bearing)) * speed.abs();
+    let film = Film::new(&hertz, lubricant.viscosity, lubricant.pressure_viscosity).central(rolling, load);
+    let inlet = Inlet::new(&hertz, lubricant.viscosity, lubricant.meniscus(p.ball_diameter), 0.5 * p.ball_diameter);
+    inlet.forces(rolling, film, hertz.semi_axes(load).1).rolling
 }

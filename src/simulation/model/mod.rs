@@ -91,7 +91,7 @@ impl Mechanism {
             ),
             cage: scene.cage,
             land: scene.cage.land.filter(|_| needs.land).map(|land| Land::new(&land, &scene.lubricant)),
-            drag: needs.drag.then(|| drag.clone()),
+            drag: needs.drag.then_some(drag),
             churning: needs.churning.then_some(drag),
             spindle_mass: scene.spindle.mass,
             axial_offset: match scene.spindle.axial {
