@@ -32,7 +32,7 @@ pub struct Mechanism {
     pub speed: SpeedProfile,
     /// Orbit speed of ideal balls over spindle speed.
     pub orbit_ratio: f64,
-    /// Spin ω_x of ideal balls over spindle speed.
+    /// Spin ω_x of ideal balls in space (that in the orbit frame, and the orbit's own) over spindle speed.
     pub spin_ratio: f64,
     pub pitch_radius: f64,
     pub ball_mass: f64,
@@ -61,7 +61,8 @@ impl Mechanism {
     pub fn new(scene: &Scene, needs: &Needs) -> Self {
         let bearing = &scene.bearing;
         let operating_speed = scene.operating_speed();
-        let spin_ratio = kinematics::ideal_spin_ratio(bearing);
+        let orbit_ratio = kinematics::ideal_orbit_ratio(bearing);
+        let relative_spin_ratio = kinematics::ideal_spin_ratio(bearing);
         let drag = Drag::new(bearing, &scene.lubricant);
         Self {
             layout: Layout {
@@ -71,8 +72,8 @@ impl Mechanism {
                 axial_spindle: needs.axial_spindle,
             },
             speed: scene.operation.speed.clone(),
-            orbit_ratio: kinematics::ideal_orbit_ratio(bearing),
-            spin_ratio,
+            orbit_ratio,
+            spin_ratio: relative_spin_ratio + orbit_ratio,
             pitch_radius: 0.5 * bearing.parameters.pitch_diameter,
             ball_mass: bearing.ball_mass,
             ball_inertia: bearing.ball_inertia,
@@ -86,7 +87,7 @@ impl Mechanism {
                 bearing,
                 &scene.cage,
                 &scene.lubricant,
-                spin_ratio * operating_speed,
+                relative_spin_ratio * operating_speed,
                 needs.pocket,
             ),
             cage: scene.cage,
