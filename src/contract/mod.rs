@@ -75,3 +75,6 @@ pub(crate) fn given_fields(input: &impl Serialize) -> Value {
     prune(&mut value);
     value
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,8 +3,8 @@
 use super::problem::FieldError;
 use crate::physics::InvalidParameter;
 
-/// A unit of requests and results: SI value = value · `times` / `over`. Division keeps decimal
-/// fractions what they are: 2.778 mm is the double nearest to 2.778e-3 m.
+/// A unit of requests and results: SI value = value · `times` / `over`. A power of ten divides rather
+/// than multiplies by its inexact inverse, so that most decimal fractions stay what they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     pub name: &'static str,
