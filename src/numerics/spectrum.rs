@@ -1,4 +1,11 @@
-//! Amplitude and envelope spectra.
+//! Amplitude and envelope spectra, band limits, and decimation of sampled signals.
+
+use std::f64::consts::{PI, TAU};
+
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex64;
+
+use super::statistics::mean;
 
 /// One-sided amplitude spectrum: entry `k` belongs to frequency `k · resolution`, and a sine of
 /// amplitude 1 on a bin reads 1.
@@ -9,4 +16,400 @@ pub struct Spectrum {
     pub amplitude: Vec<f64>,
     /// Name of the window.
     pub window: &'static str,
+}
+
+/// Amplitude spectrum of a signal sampled at `rate` [Hz], mean removed, under a periodic Hann window.
+///
+/// n values give n/2 + 1 entries, rate/n apart; no values give none. A tone between two bins reads up to 1.4 dB low:
+/// see `interpolated_peak`.
+pub fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
+    let n = signal.len();
+    if n == 0 {
+        return Spectrum { resolution: 0.0, amplitude: Vec::new(), window: "hann" };
+    }
+    let mean = mean(signal);
+    let window = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos();
+    let mut windowed: Vec<f64> = signal.iter().enumerate().map(|(i, x)| (x - mean) * window(i)).collect();
+    // 2 over the sum of the window, n/2.
+    let one_sided = 4.0 / n as f64;
+    let mut amplitude: Vec<f64> = forward(&mut windowed).iter().map(|bin| one_sided * bin.norm()).collect();
+    // The first entry and, for an even count, the last have no mirror image.
+    amplitude[0] *= 0.5;
+    if n.is_multiple_of(2) {
+        amplitude[n / 2] *= 0.5;
+    }
+    Spectrum { resolution: rate / n as f64, amplitude, window: "hann" }
+}
+
+/// Amplitude spectrum of the envelope: the signal passes the band (from, to) [Hz], and the magnitude of its analytic
+/// signal, mean removed, is analysed. A carrier in the band with amplitude A (1 + m cos Ωt) reads A·m at Ω.
+pub fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectrum {
+    let n = signal.len();
+    if n == 0 {
+        return amplitude_spectrum(signal, rate);
+    }
+    let mut bins = forward(&mut signal.to_vec());
+    let nyquist = n.is_multiple_of(2).then_some(n / 2);
+    for (k, bin) in bins.iter_mut().enumerate() {
+        let frequency = k as f64 * rate / n as f64;
+        if k == 0 || Some(k) == nyquist || frequency < band.0 || frequency > band.1 {
+            *bin = Complex64::ZERO;
+        }
+    }
+    // The analytic signal is the passed signal plus i times the same a quarter turn later.
+    let mut quarter_turn: Vec<Complex64> = bins.iter().map(|bin| Complex64::new(bin.im, -bin.re)).collect();
+    let in_phase = inverse(&mut bins, n);
+    let in_quadrature = inverse(&mut quarter_turn, n);
+    let envelope: Vec<f64> = in_phase.iter().zip(&in_quadrature).map(|(re, im)| re.hypot(*im)).collect();
+    amplitude_spectrum(&envelope, rate)
+}
+
+/// The signal without its mean and without anything above `highest` [Hz]; same length, same rate.
+///
+/// A brick wall in the frequency domain, so the power left is exactly that of the bins kept; the signal is taken as
+/// periodic, and where its ends do not meet the last few values within 1/`highest` of them are rounded off.
+pub fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
+    let n = signal.len();
+    if n == 0 {
+        return Vec::new();
+    }
+    let mut bins = forward(&mut signal.to_vec());
+    bins[0] = Complex64::ZERO;
+    for (k, bin) in bins.iter_mut().enumerate() {
+        if k as f64 * rate / n as f64 > highest {
+            *bin = Complex64::ZERO;
+        }
+    }
+    inverse(&mut bins, n)
+}
+
+/// Frequency [Hz] and amplitude of the tone whose strongest bin is `bin`, from that bin and its two neighbours.
+///
+/// Exact for a lone tone under a Hann window: with δ the tone's distance from the bin in bins, the three entries are
+/// A·w(δ + 1), A·w(δ), A·w(δ − 1), w(x) = sin πx / (πx (1 − x²)), hence δ = 2 (a₊ − a₋)/(a₋ + 2a₀ + a₊). The first
+/// and last entries have no two neighbours and are returned as they stand, a bin outside the spectrum as amplitude 0.
+pub fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
+    let frequency = |bin: f64| bin * spectrum.resolution;
+    let amplitude = &spectrum.amplitude;
+    if bin == 0 || bin + 1 >= amplitude.len() {
+        return (frequency(bin as f64), amplitude.get(bin).copied().unwrap_or(0.0));
+    }
+    let (before, at, after) = (amplitude[bin - 1], amplitude[bin], amplitude[bin + 1]);
+    let sum = before + 2.0 * at + after;
+    if sum <= 0.0 {
+        return (frequency(bin as f64), 0.0);
+    }
+    // Half a bin is the furthest a tone can be from its strongest bin; noise may seem to say more.
+    let offset = (2.0 * (after - before) / sum).clamp(-0.5, 0.5);
+    (frequency(bin as f64 + offset), at / hann_main_lobe(offset))
+}
+
+/// Keeps every `factor`-th frame of several signals side by side, behind a low-pass filter.
+///
+/// The filter is a symmetric FIR (Kaiser window): the delay is constant and no phase is bent. Its edges are tied to
+/// the output rate f: up to 0.1953 f the gain is 1 within 1e-4, and what would fold into that band, from
+/// 0.8047 f, is down by more than 80 dB. From 409.6 kHz to 102.4 kHz, by a factor of 4, that is flat to 20 kHz and
+/// −80 dB from 82.4 kHz; between 20 and 51.2 kHz the gain falls to ½.
+///
+/// Time: only full filters are given out, so there is no transient, and the output frame `j` belongs to the input
+/// frame `delay() + j·factor`, counted from 0. Push `delay()` frames ahead of the first one wanted (or `prime`) and as
+/// many after the last.
+#[derive(Debug, Clone)]
+pub struct Decimator {
+    factor: usize,
+    channels: usize,
+    taps: Vec<f64>,
+    /// The last `taps.len()` frames, written twice so that they always lie in a row.
+    history: Vec<f64>,
+    /// Where the next frame is written; the oldest one stands there.
+    next: usize,
+    /// Frames to wait for until the next output.
+    wait: usize,
+    output: Vec<f64>,
+}
+
+impl Decimator {
+    /// Highest frequency passed unchanged, as a share of the output rate.
+    pub const PASS: f64 = 20.0 / 102.4;
+    /// Attenuation the filter is designed for [dB]: the promised 80 with a margin.
+    const ATTENUATION: f64 = 86.0;
+
+    /// For frames of `channels` signals. A factor of 0 or 1 passes every frame as it is.
+    pub fn new(factor: usize, channels: usize) -> Self {
+        let factor = factor.max(1);
+        let taps = low_pass(factor, Self::PASS, Self::ATTENUATION);
+        Self {
+            factor,
+            channels,
+            history: vec![0.0; 2 * taps.len() * channels],
+            next: 0,
+            wait: taps.len(),
+            output: vec![0.0; channels],
+            taps,
+        }
+    }
+
+    /// Input frames from the middle of the filter to its end: what the first output lies behind.
+    pub fn delay(&self) -> usize {
+        self.taps.len() / 2
+    }
+
+    /// Takes `frame` as having stood still until now: the output frame `j` then belongs to the `j·factor`-th frame
+    /// pushed from here.
+    pub fn prime(&mut self, frame: &[f64]) {
+        self.wait = self.taps.len();
+        for _ in 0..self.delay() {
+            self.push(frame);
+        }
+    }
+
+    /// Takes one frame; gives one out after every `factor`-th, once the filter is full.
+    ///
+    /// # Panics
+    /// When the frame does not have one value a channel.
+    pub fn push(&mut self, frame: &[f64]) -> Option<&[f64]> {
+        let length = self.taps.len();
+        for copy in [self.next, self.next + length] {
+            self.history[copy * self.channels..(copy + 1) * self.channels].copy_from_slice(frame);
+        }
+        self.next = (self.next + 1) % length;
+        self.wait -= 1;
+        if self.wait > 0 {
+            return None;
+        }
+        self.wait = self.factor;
+        self.output.fill(0.0);
+        if self.channels > 0 {
+            let frames = self.history[self.next * self.channels..].chunks_exact(self.channels);
+            for (tap, frame) in self.taps.iter().zip(frames) {
+                for (sum, value) in self.output.iter_mut().zip(frame) {
+                    *sum += tap * value;
+                }
+            }
+        }
+        Some(&self.output)
+    }
+}
+
+/// Symmetric low-pass of gain 1 that passes `pass` and stops 1 − `pass`, both as shares of the output rate.
+///
+/// Kaiser, in Oppenheim & Schafer, Discrete-Time Signal Processing, eqs. (7.75), (7.76): β = 0.1102 (A − 8.7) for
+/// A > 50 dB, length (A − 8) / (2.285 Δω) + 1.
+fn low_pass(factor: usize, pass: f64, attenuation: f64) -> Vec<f64> {
+    if factor == 1 {
+        return vec![1.0];
+    }
+    let transition = TAU * (1.0 - 2.0 * pass) / factor as f64;
+    let half = ((attenuation - 8.0) / (2.285 * transition) / 2.0).ceil() as i64;
+    let beta = 0.1102 * (attenuation - 8.7);
+    let mut taps: Vec<f64> = (-half..=half)
+        .map(|i| {
+            let x = i as f64 / half as f64;
+            let window = bessel_i0(beta * (1.0 - x * x).sqrt()) / bessel_i0(beta);
+            // The middle of the transition is half the output rate.
+            window * sinc(i as f64 / factor as f64)
+        })
+        .collect();
+    let gain: f64 = taps.iter().sum();
+    taps.iter_mut().for_each(|tap| *tap /= gain);
+    taps
+}
+
+/// Modified Bessel function of the first kind, order 0: Σ ((x/2)^k / k!)².
+fn bessel_i0(x: f64) -> f64 {
+    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
+    while term > 1e-17 * sum {
+        term *= (0.5 * x / k).powi(2);
+        sum += term;
+        k += 1.0;
+    }
+    sum
+}
+
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
+}
+
+/// What a bin reads of a tone of amplitude 1 that lies `offset` bins away, |offset| < 1.
+fn hann_main_lobe(offset: f64) -> f64 {
+    sinc(offset) / (1.0 - offset * offset)
+}
+
+/// Fourier transform of a signal that is not empty; overwrites it.
+fn forward(signal: &mut [f64]) -> Vec<Complex64> {
+    let transform = RealFftPlanner::new().plan_fft_forward(signal.len());
+    let mut bins = transform.make_output_vec();
+    transform.process(signal, &mut bins).expect("buffers have the plan's lengths");
+    bins
+}
+
+/// The `n` values that `forward` takes to these bins; overwrites them.
+fn inverse(bins: &mut [Complex64], n: usize) -> Vec<f64> {
+    // The entries without a mirror image are real; rounding may say otherwise.
+    bins[0].im = 0.0;
+    if n.is_multiple_of(2) {
+        bins[n / 2].im = 0.0;
+    }
+    let transform = RealFftPlanner::new().plan_fft_inverse(n);
+    let mut signal = transform.make_output_vec();
+    transform.process(bins, &mut signal).expect("buffers have the plan's lengths");
+    signal.iter_mut().for_each(|x| *x /= n as f64);
+    signal
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::statistics::rms;
+
+    const RATE: f64 = 102_400.0;
+
+    fn tone(n: usize, frequency: f64, amplitude: f64, phase: f64) -> Vec<f64> {
+        (0..n).map(|i| amplitude * (TAU * frequency * i as f64 / RATE + phase).sin()).collect()
+    }
+
+    fn strongest(spectrum: &Spectrum) -> usize {
+        (0..spectrum.amplitude.len()).max_by(|&a, &b| spectrum.amplitude[a].total_cmp(&spectrum.amplitude[b])).unwrap()
+    }
+
+    #[test]
+    fn unit_sine_on_a_bin_reads_one_for_any_length() {
+        for n in [64, 1000, 1001, 997, 4096] {
+            let signal: Vec<f64> = tone(n, 10.0 * RATE / n as f64, 1.0, 0.3).iter().map(|x| x + 5.0).collect();
+            let spectrum = amplitude_spectrum(&signal, RATE);
+            assert_eq!(spectrum.amplitude.len(), n / 2 + 1);
+            assert!((spectrum.resolution - RATE / n as f64).abs() < 1e-9);
+            assert_eq!(strongest(&spectrum), 10);
+            assert!((spectrum.amplitude[10] - 1.0).abs() < 1e-10, "n = {n}: {}", spectrum.amplitude[10]);
+            assert!(spectrum.amplitude[0] < 1e-10 && spectrum.amplitude[14] < 1e-10);
+        }
+    }
+
+    #[test]
+    fn alternating_signal_reads_its_amplitude_in_the_last_bin() {
+        let signal: Vec<f64> = (0..64).map(|i| if i % 2 == 0 { 2.0 } else { -2.0 }).collect();
+        assert!((amplitude_spectrum(&signal, RATE).amplitude[32] - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn signals_of_up_to_three_values_do_not_panic() {
+        for n in 0..4 {
+            let signal = vec![1.5; n];
+            let entries = if n == 0 { 0 } else { n / 2 + 1 };
+            assert_eq!(amplitude_spectrum(&signal, RATE).amplitude, vec![0.0; entries]);
+            assert_eq!(envelope_spectrum(&signal, RATE, (0.0, 2e4)).amplitude.len(), entries);
+            assert_eq!(band_limited(&signal, RATE, 2e4), vec![0.0; n]);
+            let spectrum = amplitude_spectrum(&signal, RATE);
+            for bin in 0..4 {
+                assert_eq!(interpolated_peak(&spectrum, bin).1, 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn tone_between_bins_is_interpolated_to_its_frequency_and_amplitude() {
+        let n = 10_240;
+        for fraction in [-0.5, -0.4, -0.25, -0.1, 0.0, 0.1, 0.25, 0.33, 0.4, 0.49, 0.5] {
+            for phase in [0.0, 1.0, 2.5] {
+                let frequency = (229.0 + fraction) * RATE / n as f64;
+                let spectrum = amplitude_spectrum(&tone(n, frequency, 3.0, phase), RATE);
+                let (found, amplitude) = interpolated_peak(&spectrum, strongest(&spectrum));
+                assert!((found - frequency).abs() < 0.02 * spectrum.resolution, "{found} for {frequency}");
+                assert!((amplitude / 3.0 - 1.0).abs() < 0.005, "{amplitude} at fraction {fraction}");
+            }
+        }
+    }
+
+    #[test]
+    fn envelope_of_a_modulated_carrier_shows_the_modulation() {
+        let n = 10_240;
+        let (carrier, modulation, rest) =
+            (tone(n, 8000.0, 2.0, 0.0), tone(n, 350.0, 0.25, 0.4), tone(n, 800.0, 5.0, 0.0));
+        let signal: Vec<f64> = (0..n).map(|i| carrier[i] * (1.0 + modulation[i]) + rest[i]).collect();
+        let spectrum = envelope_spectrum(&signal, RATE, (6000.0, 10_000.0));
+        assert_eq!(strongest(&spectrum), 35);
+        assert!((spectrum.amplitude[35] - 0.5).abs() < 1e-6);
+        assert!(spectrum.amplitude[80] < 1e-6, "what lies outside the band is not seen");
+    }
+
+    #[test]
+    fn band_limit_keeps_the_band_and_removes_mean_and_rest() {
+        for n in [10_240, 10_241] {
+            let (kept, removed) =
+                (tone(n, 100.0 * RATE / n as f64, 1.0, 0.7), tone(n, 2500.0 * RATE / n as f64, 4.0, 0.0));
+            let signal: Vec<f64> = (0..n).map(|i| 9.0 + kept[i] + removed[i]).collect();
+            let limited = band_limited(&signal, RATE, 20_000.0);
+            assert!(limited.iter().zip(&kept).all(|(a, b)| (a - b).abs() < 1e-9));
+            let everything = band_limited(&signal, RATE, RATE);
+            assert!((rms(&everything) - rms(&signal)).abs() < 1e-9);
+        }
+    }
+
+    /// Gain of a decimator's filter at a frequency given as a share of the output rate.
+    fn gain(decimator: &Decimator, share: f64) -> f64 {
+        let middle = decimator.delay() as f64;
+        let phase = |i: usize| TAU * share * (i as f64 - middle) / decimator.factor as f64;
+        decimator.taps.iter().enumerate().map(|(i, tap)| tap * phase(i).cos()).sum()
+    }
+
+    #[test]
+    fn decimator_is_flat_in_its_band_and_stops_what_would_fold_into_it() {
+        for factor in [2, 3, 4, 8] {
+            let decimator = Decimator::new(factor, 1);
+            for step in 0..=1000 {
+                let share = step as f64 / 1000.0;
+                assert!(
+                    (gain(&decimator, share * Decimator::PASS) - 1.0).abs() < 1e-4,
+                    "factor {factor}, pass {share}"
+                );
+                let stopped = 1.0 - Decimator::PASS;
+                let above = stopped + share * (0.5 * factor as f64 - stopped);
+                assert!(
+                    gain(&decimator, above).abs() < 1e-4,
+                    "factor {factor}, stop at {above}: {}",
+                    gain(&decimator, above)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn decimated_frames_belong_to_the_stated_input_frames() {
+        let mut decimator = Decimator::new(4, 2);
+        let (delay, rate) = (decimator.delay(), 4.0 * RATE);
+        let value = |i: usize| [(TAU * 2293.0 * i as f64 / rate).sin(), 3.0 + (TAU * 19_900.0 * i as f64 / rate).cos()];
+        let mut frames = 0;
+        for i in 0..4000 {
+            if let Some(frame) = decimator.push(&value(i)) {
+                let expected = value(delay + 4 * frames);
+                assert!((frame[0] - expected[0]).abs() < 1e-4 && (frame[1] - expected[1]).abs() < 4e-4);
+                assert_eq!(i, 2 * delay + 4 * frames, "every fourth input frame gives one out");
+                frames += 1;
+            }
+        }
+        assert_eq!(frames, (4000 - 2 * delay).div_ceil(4));
+    }
+
+    #[test]
+    fn primed_decimator_starts_at_the_first_frame() {
+        let mut decimator = Decimator::new(4, 1);
+        decimator.prime(&[2.0]);
+        let delay = decimator.delay();
+        for i in 0..200 {
+            if let Some(frame) = decimator.push(&[2.0]) {
+                assert!((frame[0] - 2.0).abs() < 1e-14);
+                assert_eq!((i - delay) % 4, 0);
+            } else {
+                assert!(i < delay || (i - delay) % 4 != 0);
+            }
+        }
+    }
+
+    #[test]
+    fn factor_one_passes_every_frame() {
+        let mut decimator = Decimator::new(1, 2);
+        assert_eq!(decimator.delay(), 0);
+        assert_eq!(decimator.push(&[1.0, 2.0]), Some(&[1.0, 2.0][..]));
+        assert_eq!(decimator.push(&[3.0, 4.0]), Some(&[3.0, 4.0][..]));
+    }
 }

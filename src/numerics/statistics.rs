@@ -1,1 +1,188 @@
+//! Statistics of sampled signals.
 
+/// Arithmetic mean; 0 of an empty slice.
+pub fn mean(signal: &[f64]) -> f64 {
+    if signal.is_empty() { 0.0 } else { signal.iter().sum::<f64>() / signal.len() as f64 }
+}
+
+/// Root mean square about the mean; 0 of an empty slice.
+pub fn rms(signal: &[f64]) -> f64 {
+    central_moment(signal, 2).sqrt()
+}
+
+/// Largest distance from the mean; 0 of an empty slice.
+pub fn peak(signal: &[f64]) -> f64 {
+    let mean = mean(signal);
+    signal.iter().fold(0.0, |largest, x| f64::max(largest, (x - mean).abs()))
+}
+
+/// peak / rms (√2 for a sine); `None` for a signal that stands still.
+pub fn crest_factor(signal: &[f64]) -> Option<f64> {
+    let rms = rms(signal);
+    (rms > 0.0).then(|| peak(signal) / rms)
+}
+
+/// Fourth central moment over squared variance (1.5 for a sine, 3 for Gaussian noise); `None` for a signal that
+/// stands still.
+pub fn kurtosis(signal: &[f64]) -> Option<f64> {
+    let variance = central_moment(signal, 2);
+    (variance * variance > 0.0).then(|| central_moment(signal, 4) / (variance * variance))
+}
+
+/// Standard error of the level 20 lg rms(signal) [dB] by batch means: the signal is cut into `batches` contiguous
+/// pieces of equal length (a rest at the end is left out) and the scatter of their mean squares about the common
+/// mean gives the error of the whole, first order in that scatter.
+///
+/// Holds when a batch is longer than the signal's memory. `None` with fewer than two batches, fewer values than
+/// batches, or a signal that stands still.
+pub fn level_standard_error_db(signal: &[f64], batches: usize) -> Option<f64> {
+    if batches < 2 || signal.len() < batches {
+        return None;
+    }
+    let mean_of_all = mean(signal);
+    let squares: Vec<f64> = signal
+        .chunks_exact(signal.len() / batches)
+        .take(batches)
+        .map(|batch| batch.iter().map(|x| (x - mean_of_all).powi(2)).sum::<f64>() / batch.len() as f64)
+        .collect();
+    let power = mean(&squares);
+    let n = batches as f64;
+    let standard_error = rms(&squares) / (n - 1.0).sqrt();
+    (power > 0.0).then(|| 10.0 / std::f64::consts::LN_10 * standard_error / power)
+}
+
+/// Slope of the straight line that fits the points (x, y) with least squares; `None` with fewer than two different x.
+pub fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
+    let n = x.len().min(y.len());
+    let (x, y) = (&x[..n], &y[..n]);
+    let (mean_x, mean_y) = (mean(x), mean(y));
+    let spread: f64 = x.iter().map(|x| (x - mean_x).powi(2)).sum();
+    let product: f64 = x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    (spread > 0.0).then(|| product / spread)
+}
+
+/// Positions of at most `max_points` values, ascending, that draw the same picture: first and last value, and least
+/// and largest value of equal stretches between them, so that peaks survive. All positions when they are few enough.
+pub fn thin(values: &[f64], max_points: usize) -> Vec<usize> {
+    let n = values.len();
+    if n <= max_points {
+        return (0..n).collect();
+    }
+    if max_points < 4 {
+        // No room for a stretch: the ends alone.
+        return [0, n - 1][..max_points.min(2)].to_vec();
+    }
+    let stretches = (max_points - 2) / 2;
+    let inner = n - 2;
+    let mut kept = Vec::with_capacity(max_points);
+    kept.push(0);
+    for stretch in 0..stretches {
+        let range = 1 + stretch * inner / stretches..1 + (stretch + 1) * inner / stretches;
+        let (mut least, mut largest) = (range.start, range.start);
+        for i in range {
+            if values[i] < values[least] {
+                least = i;
+            }
+            if values[i] > values[largest] {
+                largest = i;
+            }
+        }
+        kept.push(least.min(largest));
+        if least != largest {
+            kept.push(least.max(largest));
+        }
+    }
+    kept.push(n - 1);
+    kept
+}
+
+fn central_moment(signal: &[f64], order: i32) -> f64 {
+    if signal.is_empty() {
+        return 0.0;
+    }
+    let mean = mean(signal);
+    signal.iter().map(|x| (x - mean).powi(order)).sum::<f64>() / signal.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Uniform in −0.5 … 0.5, the same on every run.
+    fn noise(n: usize) -> Vec<f64> {
+        let mut seed = 0x2545_f491_4f6c_dd1d_u64;
+        let mut next = || {
+            seed ^= seed << 13;
+            seed ^= seed >> 7;
+            seed ^= seed << 17;
+            (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        (0..n).map(|_| next()).collect()
+    }
+
+    fn sine(n: usize, periods: f64) -> Vec<f64> {
+        (0..n).map(|i| (std::f64::consts::TAU * periods * i as f64 / n as f64).sin()).collect()
+    }
+
+    #[test]
+    fn sine_on_a_constant_has_the_statistics_of_a_sine() {
+        let signal: Vec<f64> = sine(4000, 10.0).iter().map(|x| 7.0 + 2.0 * x).collect();
+        assert!((mean(&signal) - 7.0).abs() < 1e-12);
+        assert!((rms(&signal) - 2f64.sqrt()).abs() < 1e-12);
+        assert!((peak(&signal) - 2.0).abs() < 1e-12);
+        assert!((crest_factor(&signal).unwrap() - 2f64.sqrt()).abs() < 1e-12);
+        assert!((kurtosis(&signal).unwrap() - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn uniform_noise_has_kurtosis_nine_fifths() {
+        assert!((kurtosis(&noise(100_000)).unwrap() - 1.8).abs() < 0.02);
+    }
+
+    #[test]
+    fn still_and_empty_signals_have_no_ratios() {
+        for signal in [&[][..], &[3.0], &[3.0, 3.0]] {
+            assert_eq!((rms(signal), peak(signal)), (0.0, 0.0));
+            assert_eq!((crest_factor(signal), kurtosis(signal)), (None, None));
+            assert_eq!(level_standard_error_db(signal, 2), None);
+        }
+    }
+
+    #[test]
+    fn standard_error_is_zero_for_a_steady_tone_and_matches_theory_for_noise() {
+        assert!(level_standard_error_db(&sine(4000, 40.0), 10).unwrap() < 1e-12);
+        // Mean square of n uniform values: relative standard error √((1.8 − 1)/n).
+        let n = 100_000;
+        let expected = 10.0 / std::f64::consts::LN_10 * (0.8 / n as f64).sqrt();
+        let found = level_standard_error_db(&noise(n), 50).unwrap();
+        assert!((found / expected - 1.0).abs() < 0.3, "{found} against {expected}");
+    }
+
+    #[test]
+    fn slope_of_a_line_is_found_exactly_and_needs_two_places() {
+        let x = [0.0, 1.0, 2.0, 5.0];
+        let y = x.map(|x| 3.0 - 4.0 * x);
+        assert!((slope(&x, &y).unwrap() + 4.0).abs() < 1e-14);
+        assert_eq!(slope(&[1.0, 1.0], &[0.0, 2.0]), None);
+        assert_eq!(slope(&[], &[]), None);
+    }
+
+    #[test]
+    fn thinning_keeps_ends_and_extremes_within_the_limit() {
+        let mut signal = sine(10_000, 30.0);
+        signal[1234] = 50.0;
+        signal[8765] = -60.0;
+        for limit in [4, 5, 7, 100, 9_999] {
+            let kept = thin(&signal, limit);
+            assert!(kept.len() <= limit);
+            assert!(kept.contains(&0) && kept.contains(&9_999));
+            assert!(kept.contains(&1234) && kept.contains(&8765), "limit {limit}");
+            assert!(kept.windows(2).all(|pair| pair[0] < pair[1]));
+        }
+        assert_eq!(thin(&signal, 10_000).len(), 10_000);
+        for limit in 0..4 {
+            assert!(thin(&signal, limit).len() <= limit);
+        }
+        assert!(thin(&[], 10).is_empty());
+    }
+}

@@ -1,6 +1,6 @@
 //! Lines of a spectrum, found and labelled by combinations of the bearing's frequencies.
 
-use crate::numerics::spectrum::Spectrum;
+use crate::numerics::spectrum::{Spectrum, interpolated_peak};
 use crate::physics::kinematics::CharacteristicFrequencies;
 
 /// A line of a spectrum.
@@ -16,8 +16,326 @@ pub struct Line {
     pub deviation: f64,
 }
 
-/// The strongest lines of a spectrum, strongest first.
+/// Most lines that are listed.
+const MOST_LINES: usize = 20;
+/// A line is the largest entry within this many bins to both sides: the half width of a Hann window's main lobe.
+const LOBE: usize = 2;
+/// Bins to both sides whose median is taken for the floor.
+const FLOOR_REACH: usize = 25;
+/// A line stands this far above the floor. Gaussian noise does so in one bin of 60 000.
+const FLOOR_FACTOR: f64 = 4.0;
+/// A line has at least this share of the strongest one's amplitude (−60 dB).
+const LEAST_SHARE: f64 = 1e-3;
+
+/// A label may be off by this many bins …
+const TOLERANCE_BINS: f64 = 0.5;
+/// … and by this share of the frequency, for the mean slip of a run is known only so well.
+const TOLERANCE_SHARE: f64 = 5e-4;
+/// A frequency takes part in labels only if it is this many tolerances: closer combs would fit anything.
+const SEPARATION: f64 = 6.0;
+/// Dearest label of more than one term.
+const LARGEST_COST: f64 = 4.2;
+/// Cost of lying at the edge of the tolerance.
+const DEVIATION_COST: f64 = 1.0;
+/// Highest orders of the sidebands.
+const SHAFT_SIDEBANDS: i32 = 4;
+const OUTER_SIDEBANDS: i32 = 2;
+const CAGE_SIDEBANDS: i32 = 3;
+/// Highest order of a harmonic.
+const HIGHEST_ORDER: f64 = 1000.0;
+
+/// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20: local maxima above the local
+/// floor, interpolated between bins, each labelled with the simplest combination of the bearing's frequencies that
+/// lies within half a bin and 0.05 % of it.
 pub fn find_lines(spectrum: &Spectrum, frequencies: &CharacteristicFrequencies, highest: f64) -> Vec<Line> {
-    let _ = (spectrum, frequencies, highest);
-    unimplemented!()
+    let amplitude = &spectrum.amplitude;
+    // The bins at 0 and 1 hold what drifts, and the last ones have no neighbours.
+    let end = amplitude.len().saturating_sub(LOBE);
+    let in_band = || (LOBE..end).take_while(|&bin| bin as f64 * spectrum.resolution <= highest);
+    let strongest = in_band().map(|bin| amplitude[bin]).fold(0.0, f64::max);
+    let mut bins: Vec<usize> = in_band()
+        .filter(|&bin| amplitude[bin] > LEAST_SHARE * strongest && is_local_maximum(amplitude, bin))
+        .filter(|&bin| amplitude[bin] > FLOOR_FACTOR * floor(amplitude, bin))
+        .collect();
+    bins.sort_by(|&a, &b| amplitude[b].total_cmp(&amplitude[a]));
+    let mut lines: Vec<Line> = bins
+        .into_iter()
+        // Interpolation raises a line by at most 18 %; a few more are kept until their order is known.
+        .take(2 * MOST_LINES)
+        .map(|bin| {
+            let (frequency, amplitude) = interpolated_peak(spectrum, bin);
+            let (label, deviation) = label(frequency, frequencies, spectrum.resolution);
+            Line { frequency, amplitude, label, deviation }
+        })
+        .collect();
+    lines.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+    lines.truncate(MOST_LINES);
+    lines
+}
+
+fn is_local_maximum(amplitude: &[f64], bin: usize) -> bool {
+    let at = amplitude[bin];
+    // Of two equal neighbours the first counts.
+    (1..=LOBE).all(|d| at > amplitude[bin - d] && at >= amplitude[bin + d])
+}
+
+/// Median of the entries around a bin, its own main lobe left out.
+fn floor(amplitude: &[f64], bin: usize) -> f64 {
+    let from = bin.saturating_sub(FLOOR_REACH);
+    let to = (bin + FLOOR_REACH + 1).min(amplitude.len());
+    let mut around: Vec<f64> = (from..to).filter(|other| other.abs_diff(bin) > LOBE).map(|i| amplitude[i]).collect();
+    if around.is_empty() {
+        return 0.0;
+    }
+    let middle = around.len() / 2;
+    *around.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// One term `order · name` of a combination.
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    name: &'static str,
+    frequency: f64,
+    /// How far-fetched the frequency is in its first order.
+    weight: f64,
+    order: i32,
+}
+
+impl Term {
+    fn times(self, order: i32) -> Self {
+        Self { order, ..self }
+    }
+
+    /// Grows slowly with the order, so that a high harmonic is simpler than a sideband of sidebands.
+    fn cost(&self) -> f64 {
+        if self.order == 0 { 0.0 } else { self.weight * (1.0 + f64::from(self.order.abs()).ln()) }
+    }
+}
+
+/// Simplest combination near a frequency and the deviation from it; empty and 0 when there is none.
+fn label(frequency: f64, frequencies: &CharacteristicFrequencies, resolution: f64) -> (String, f64) {
+    let tolerance = TOLERANCE_BINS * resolution + TOLERANCE_SHARE * frequency;
+    let mut best: Option<(f64, [Term; 3], f64)> = None;
+    for combination in combinations(frequency, frequencies, tolerance) {
+        let deviation = frequency - combination.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
+        let cost: f64 = combination.iter().map(Term::cost).sum();
+        let terms = combination.iter().filter(|term| term.order != 0).count();
+        if deviation.abs() > tolerance || (terms > 1 && cost > LARGEST_COST) {
+            continue;
+        }
+        let cost = cost + DEVIATION_COST * deviation.abs() / tolerance;
+        if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+            best = Some((cost, combination, deviation));
+        }
+    }
+    best.map_or_else(Default::default, |(_, combination, deviation)| (written(&combination), deviation))
+}
+
+/// The combinations that make sense in a bearing and come near the frequency: harmonics of the shaft and of the ball
+/// passage of the outer raceway, with sidebands of both and of the cage; the ball passage of the inner raceway with
+/// sidebands of the shaft, since it turns with it; and a ball's strikes with sidebands of the cage, since it orbits
+/// with it.
+fn combinations(frequency: f64, all: &CharacteristicFrequencies, tolerance: f64) -> Vec<[Term; 3]> {
+    let term = |name, frequency, weight| Term { name, frequency, weight, order: 0 };
+    let shaft = term("f_r", all.shaft, 1.0);
+    let cage = term("FTF", all.cage, 1.6);
+    let outer = term("BPFO", all.ball_pass_outer, 1.0);
+    let inner = term("BPFI", all.ball_pass_inner, 1.1);
+    let ball = term("BSF", 2.0 * all.ball_spin, 1.3);
+    let usable = |term: &Term| term.frequency >= SEPARATION * tolerance;
+    let side = |term: &Term, reach: i32| if usable(term) { -reach..=reach } else { 0..=0 };
+
+    let mut found = Vec::new();
+    // A carrier's order follows from the frequency once the sidebands are chosen.
+    let mut carry = |carrier: Term, sides: [Term; 2]| {
+        let rest = frequency - sides.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
+        let order = (rest / carrier.frequency).round();
+        if usable(&carrier) && (1.0..=HIGHEST_ORDER).contains(&order) {
+            found.push([carrier.times(order as i32), sides[0], sides[1]]);
+        }
+    };
+    for k in side(&cage, CAGE_SIDEBANDS) {
+        let cage = cage.times(k);
+        for n in side(&shaft, SHAFT_SIDEBANDS) {
+            carry(outer, [shaft.times(n), cage]);
+        }
+        for m in side(&outer, OUTER_SIDEBANDS) {
+            carry(shaft, [outer.times(m), cage]);
+        }
+        carry(ball, [shaft, cage]);
+    }
+    for n in side(&shaft, SHAFT_SIDEBANDS) {
+        carry(inner, [shaft.times(n), cage]);
+    }
+    carry(cage, [shaft, outer]);
+    found
+}
+
+/// The terms that are there, those added before those taken away: `2·BPFO + f_r − FTF`.
+fn written(combination: &[Term; 3]) -> String {
+    let mut text = String::new();
+    let there = |sign: i32| combination.iter().filter(move |term| term.order.signum() == sign);
+    for term in there(1).chain(there(-1)) {
+        text += match (text.is_empty(), term.order > 0) {
+            (true, true) => "",
+            (true, false) => "−",
+            (false, true) => " + ",
+            (false, false) => " − ",
+        };
+        // A ball strikes both raceways in a turn, so its lines lie at even orders.
+        let order = term.order.abs() * if term.name == "BSF" { 2 } else { 1 };
+        if order > 1 {
+            text += &format!("{order}·");
+        }
+        text += term.name;
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::spectrum::amplitude_spectrum;
+
+    const RATE: f64 = 102_400.0;
+
+    /// The bearing of the article with seven balls at 50 000 r/min.
+    fn seven_balls() -> CharacteristicFrequencies {
+        let (shaft, cage) = (833.333, 327.634);
+        CharacteristicFrequencies {
+            shaft,
+            cage,
+            ball_pass_outer: 7.0 * cage,
+            ball_pass_inner: 7.0 * (shaft - cage),
+            ball_spin: 1860.8,
+        }
+    }
+
+    fn labelled(frequency: f64) -> String {
+        label(frequency, &seven_balls(), 10.0).0
+    }
+
+    /// Tones (frequency, amplitude) over 0.1 s in Gaussian-like noise of the given rms.
+    fn spectrum_of(tones: &[(f64, f64)], noise: f64) -> Spectrum {
+        let mut seed = 0x2545_f491_4f6c_dd1d_u64;
+        let mut uniform = || {
+            seed ^= seed << 13;
+            seed ^= seed >> 7;
+            seed ^= seed << 17;
+            (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let signal: Vec<f64> = (0..10_240)
+            .map(|i| {
+                let time = i as f64 / RATE;
+                let tones: f64 = tones.iter().map(|(f, a)| a * (std::f64::consts::TAU * f * time + f).sin()).sum();
+                tones + noise * (0..12).map(|_| uniform()).sum::<f64>()
+            })
+            .collect();
+        amplitude_spectrum(&signal, RATE)
+    }
+
+    #[test]
+    fn simplest_combination_gives_the_label() {
+        for (frequency, label) in [
+            (2293.0, "BPFO"),
+            (4587.0, "2·BPFO"),
+            (6880.0, "3·BPFO"),
+            (18347.0, "8·BPFO"),
+            (833.3, "f_r"),
+            (1666.7, "2·f_r"),
+            (16666.7, "20·f_r"),
+            (3126.7, "BPFO + f_r"),
+            (1460.0, "BPFO − f_r"),
+            (3960.0, "BPFO + 2·f_r"),
+            (3540.0, "BPFI"),
+            (7080.0, "2·BPFI"),
+            (4373.2, "BPFI + f_r"),
+            (2706.6, "BPFI − f_r"),
+            (327.6, "FTF"),
+            (655.3, "2·FTF"),
+            (2621.1, "BPFO + FTF"),
+            (505.7, "f_r − FTF"),
+            (3721.6, "2·BSF"),
+            (7443.2, "4·BSF"),
+            (4049.2, "2·BSF + FTF"),
+            (5833.3, "7·f_r"),
+        ] {
+            assert_eq!(labelled(frequency), label, "{frequency} Hz");
+        }
+    }
+
+    #[test]
+    fn frequency_near_no_combination_has_no_label() {
+        let (label, deviation) = label(2400.0, &seven_balls(), 10.0);
+        assert_eq!((label.as_str(), deviation), ("", 0.0));
+    }
+
+    #[test]
+    fn few_frequencies_get_a_label_by_chance() {
+        let by_chance = (0..2000).filter(|i| !labelled(10.0 * f64::from(*i) + 5.0).is_empty()).count();
+        assert!(by_chance < 400, "{by_chance} of 2000");
+    }
+
+    #[test]
+    fn combs_closer_than_the_resolution_label_nothing() {
+        // A cage at 12 Hz seen with bins of 10 Hz.
+        let slow = CharacteristicFrequencies {
+            shaft: 30.0,
+            cage: 12.0,
+            ball_pass_outer: 108.0,
+            ball_pass_inner: 162.0,
+            ball_spin: 70.0,
+        };
+        assert_eq!(label(108.0, &slow, 10.0).0, "BPFO");
+        assert_eq!(label(120.0, &slow, 10.0).0, "");
+        let standing = CharacteristicFrequencies {
+            shaft: 0.0,
+            cage: 0.0,
+            ball_pass_outer: 0.0,
+            ball_pass_inner: 0.0,
+            ball_spin: 0.0,
+        };
+        assert_eq!(label(120.0, &standing, 10.0), (String::new(), 0.0));
+    }
+
+    #[test]
+    fn two_tones_off_bin_in_noise_are_the_two_strongest_lines() {
+        let bpfo = seven_balls().ball_pass_outer;
+        let lines = find_lines(&spectrum_of(&[(bpfo, 2.0), (2.0 * bpfo, 0.5)], 0.05), &seven_balls(), 20_000.0);
+        assert_eq!(lines[0].label, "BPFO");
+        assert_eq!(lines[1].label, "2·BPFO");
+        assert!((lines[0].amplitude / 2.0 - 1.0).abs() < 0.01 && (lines[1].amplitude / 0.5 - 1.0).abs() < 0.02);
+        assert!((lines[0].frequency - bpfo).abs() < 0.2 && lines[0].deviation.abs() < 0.2);
+        assert!(lines.iter().all(|line| line.label != "f_r"), "no line where nothing turns unbalanced");
+        assert!(lines.len() <= 4, "noise makes hardly any line: {lines:?}");
+        assert!(lines.windows(2).all(|pair| pair[0].amplitude >= pair[1].amplitude));
+    }
+
+    #[test]
+    fn leakage_of_a_pure_tone_makes_no_second_line() {
+        let lines = find_lines(&spectrum_of(&[(2293.44, 1.0)], 0.0), &seven_balls(), 20_000.0);
+        assert_eq!(lines.len(), 1);
+    }
+
+    #[test]
+    fn lines_above_the_highest_frequency_are_not_listed() {
+        let spectrum = spectrum_of(&[(2293.44, 1.0), (25_000.0, 5.0)], 0.0);
+        let lines = find_lines(&spectrum, &seven_balls(), 20_000.0);
+        assert!(lines.iter().all(|line| line.frequency < 20_000.0));
+        assert_eq!(lines[0].label, "BPFO");
+    }
+
+    #[test]
+    fn many_tones_give_at_most_twenty_lines() {
+        let tones: Vec<(f64, f64)> = (1..50).map(|i| (397.0 * f64::from(i), 1.0 / f64::from(i))).collect();
+        assert_eq!(find_lines(&spectrum_of(&tones, 0.0), &seven_balls(), 20_000.0).len(), MOST_LINES);
+    }
+
+    #[test]
+    fn silent_and_short_spectra_have_no_lines() {
+        for entries in [0, 1, 2, 3, 5, 100] {
+            let spectrum = Spectrum { resolution: 10.0, amplitude: vec![0.0; entries], window: "hann" };
+            assert!(find_lines(&spectrum, &seven_balls(), 20_000.0).is_empty());
+        }
+    }
 }

@@ -26,6 +26,24 @@ impl Tolerances {
     }
 }
 
+/// A method that advances one system step by step. It knows the system and its own place in it.
+pub trait Integrator {
+    /// One accepted step that ends at `limit` at the latest (exactly there when it would pass it).
+    fn step(&mut self, limit: f64) -> Result<(), IntegrationError>;
+    /// End of the last step.
+    fn time(&self) -> f64;
+    /// Start of the last step.
+    fn previous_time(&self) -> f64;
+    /// State at `time()`.
+    fn state(&self) -> &[f64];
+    /// State at a time within the last step.
+    fn interpolate(&self, time: f64, state: &mut [f64]);
+    /// Forgets what it knows of the past, after the right-hand side has jumped.
+    fn restart(&mut self);
+    /// Work done so far.
+    fn statistics(&self) -> Statistics;
+}
+
 /// Work done by an integrator.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Statistics {
