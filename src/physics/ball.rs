@@ -1,1 +1,81 @@
+//! A ball: rigid, homogeneous, six degrees of freedom.
 
+use super::frames::{Azimuth, Vector};
+
+/// Motion of a ball, vectors in its orbit frame.
+#[derive(Debug, Clone, Copy)]
+pub struct BallMotion {
+    /// [rad]
+    pub azimuth_angle: f64,
+    pub azimuth: Azimuth,
+    /// [m]
+    pub axial: f64,
+    /// Distance from the bearing axis [m].
+    pub radius: f64,
+    /// θ̇ [rad/s]
+    pub orbit_speed: f64,
+    /// [m/s]
+    pub velocity: Vector,
+    /// [rad/s]
+    pub spin: Vector,
+}
+
+/// Second derivatives of a ball's coordinates.
+#[derive(Debug, Clone, Copy)]
+pub struct BallAcceleration {
+    /// ẍ [m/s²]
+    pub axial: f64,
+    /// r̈ [m/s²]
+    pub radial: f64,
+    /// θ̈ [rad/s²]
+    pub azimuthal: f64,
+    /// Rates of the components of ω in the orbit frame [rad/s²].
+    pub spin: Vector,
+}
+
+impl BallMotion {
+    /// Equations (1)–(6): m (ẍ, r̈ − r θ̇², r θ̈ + 2 ṙ θ̇) = F, I (ω̇_x, ω̇_r − ω_t θ̇, ω̇_t + ω_r θ̇) = M, because
+    /// the components of ω belong to a frame that turns with θ̇ about x.
+    #[inline(always)]
+    pub fn acceleration(&self, force: Vector, moment: Vector, mass: f64, inertia: f64) -> BallAcceleration {
+        let orbit = self.orbit_speed;
+        BallAcceleration {
+            axial: force[0] / mass,
+            radial: force[1] / mass + self.radius * orbit * orbit,
+            azimuthal: (force[2] / mass - 2.0 * self.velocity[1] * orbit) / self.radius,
+            spin: [
+                moment[0] / inertia,
+                moment[1] / inertia + orbit * self.spin[2],
+                moment[2] / inertia - orbit * self.spin[1],
+            ],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A free ball flies straight on and keeps its spin in space, seen from its turning frame.
+    #[test]
+    fn a_free_ball_keeps_velocity_and_spin() {
+        let (azimuth, radius, speed) = (0.3, 2.0, 5.0);
+        let motion = BallMotion {
+            azimuth_angle: azimuth,
+            azimuth: Azimuth::new(azimuth),
+            axial: 0.0,
+            radius,
+            orbit_speed: speed,
+            velocity: [0.5, -1.5, radius * speed],
+            spin: [1.0, 2.0, 3.0],
+        };
+        let a = motion.acceleration([0.0; 3], [0.0; 3], 1.0, 1.0);
+        // d²/dt² of (r cos θ, r sin θ) must vanish.
+        let (r1, t1) = (motion.velocity[1], speed);
+        let radial = a.radial - radius * t1 * t1;
+        let across = radius * a.azimuthal + 2.0 * r1 * t1;
+        assert_eq!((radial, across, a.axial), (0.0, 0.0, 0.0));
+        // dω/dt in space = rate of components + θ̇ x × ω.
+        assert_eq!([a.spin[0], a.spin[1] - speed * 3.0, a.spin[2] + speed * 2.0], [0.0; 3]);
+    }
+}

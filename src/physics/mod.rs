@@ -6,6 +6,7 @@ pub mod bearing;
 pub mod cage;
 pub mod contact;
 pub mod drag;
+pub mod land;
 pub mod frames;
 pub mod kinematics;
 pub mod lubricant;
@@ -46,3 +47,7 @@ pub fn above(parameter: &'static str, value: f64, lowest: f64, highest: f64) -> 
         Err(InvalidParameter::OutOfRange { parameter, value, lowest, highest, exclusive: true })
     }
 }
+
+/// The article's case for the tests of this room.
+#[cfg(test)]
+pub(crate) mod testing;

@@ -1,1 +1,369 @@
+//! A ball in its cage pocket: solid contact with an open crown seat and its rim, the damped film
+//! that decides whether the motion is periodic or chaotic, and friction.
+//!
+//! Vectors are in the cage frame (tilted with the cage, not spinning), X along the mouth.
 
+use super::bearing::Bearing;
+use super::cage::{CageParameters, PocketFilm, PocketSeat};
+use super::contact::damping::{DampingFactor, normal_load};
+use super::contact::hertz::sphere_stiffness;
+use super::frames::{Vector, add, cross, dot, length, scale};
+use super::lubricant::Lubricant;
+use super::material::contact_modulus;
+
+/// Damping of the default film [N s/m]: an assumption. Full squeeze of a disc would give about 45;
+/// the seat of a crown pocket covers part of a sphere and is rarely full.
+pub const WEDGE_DAMPING: f64 = 3.0;
+/// Force of the empirical film at the edge of the clearance [N].
+const EMPIRICAL_EDGE_FORCE: f64 = 11.0;
+/// Largest effective radius of ball and seat [m]; closer conformity has no Hertz contact.
+const LARGEST_RADIUS: f64 = 0.2;
+/// Displacement over which film damping sets in [m].
+const DAMPING_ONSET: f64 = 0.1e-6;
+/// Penetration over which film damping vanishes once the solids touch [m].
+const DAMPING_END: f64 = 1e-6;
+
+/// Constants of the pockets of one cage; all pockets are alike.
+#[derive(Debug, Clone, Copy)]
+pub struct Pocket {
+    ball_radius: f64,
+    /// `C_p`, half the diametral pocket clearance [m].
+    clearance: f64,
+    /// Cosine and sine of the rim angle; `None` where the seat is closed.
+    rim: Option<(f64, f64)>,
+    solid_stiffness: f64,
+    solid_damping: DampingFactor,
+    bar_stiffness: Option<f64>,
+    film_stiffness: f64,
+    film_damping: f64,
+    friction: f64,
+    friction_speed: f64,
+    hydrodynamics: Option<PocketHydrodynamics>,
+}
+
+/// Constants of rolling friction and film shear between ball and pocket.
+#[derive(Debug, Clone, Copy)]
+struct PocketHydrodynamics {
+    /// Rolling friction on each surface over the rolling speed [N s/m].
+    rolling: f64,
+    /// Film shear over the sliding speed [N s/m].
+    shear: f64,
+}
+
+/// Which parts of the pocket force a model contains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PocketTerms {
+    pub film: bool,
+    pub friction: bool,
+    pub hydrodynamics: bool,
+}
+
+/// What the pocket does to its ball; the cage feels the opposite at the contact point.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PocketLoad {
+    /// Normal load, film and solid [N].
+    pub normal: f64,
+    /// Force on the ball [N].
+    pub force: Vector,
+    /// Moment on the ball about its centre [N m].
+    pub moment: Vector,
+    /// From the ball's centre to the contact point [m].
+    pub lever: Vector,
+}
+
+/// Motion of a ball relative to its pocket.
+#[derive(Debug, Clone, Copy)]
+pub struct PocketMotion {
+    /// Ball centre minus pocket centre [m].
+    pub displacement: Vector,
+    /// Velocity of the ball centre relative to the cage material there [m/s].
+    pub velocity: Vector,
+    /// Angular velocity of the ball relative to the cage [rad/s].
+    pub spin: Vector,
+}
+
+impl Pocket {
+    /// Constants at an operating spin of the balls [rad/s].
+    pub fn new(
+        bearing: &Bearing,
+        cage: &CageParameters,
+        lubricant: &Lubricant,
+        ball_spin: f64,
+        terms: PocketTerms,
+    ) -> Self {
+        let ball_radius = 0.5 * bearing.parameters.ball_diameter;
+        let clearance = 0.5 * cage.pocket_clearance;
+        let radius = (ball_radius * (ball_radius + clearance) / clearance).min(LARGEST_RADIUS);
+        let wedge = Wedge {
+            viscosity: lubricant.viscosity,
+            speed: ball_radius * ball_spin.abs(),
+            radius,
+            clearance,
+            half_width: cage.seat_half_width,
+        };
+        let (film_stiffness, film_damping) = match cage.film {
+            _ if !terms.film => (0.0, 0.0),
+            PocketFilm::None => (0.0, 0.0),
+            PocketFilm::Wedge => (wedge.stiffness(), WEDGE_DAMPING),
+            PocketFilm::Empirical11 => (EMPIRICAL_EDGE_FORCE / clearance, 0.0),
+            PocketFilm::Given { stiffness, damping } => (stiffness, damping),
+        };
+        Self {
+            ball_radius,
+            clearance,
+            rim: match cage.seat {
+                PocketSeat::Open => Some((cage.rim_angle.cos(), cage.rim_angle.sin())),
+                PocketSeat::Closed => None,
+            },
+            solid_stiffness: sphere_stiffness(
+                contact_modulus(&bearing.parameters.ball_material, &cage.material),
+                radius,
+            ),
+            solid_damping: cage.damping.resolve(),
+            bar_stiffness: cage.bar_stiffness,
+            film_stiffness,
+            film_damping,
+            friction: if terms.friction { cage.friction } else { 0.0 },
+            friction_speed: cage.friction_speed,
+            hydrodynamics: terms.hydrodynamics.then(|| wedge.hydrodynamics()),
+        }
+    }
+
+    /// Film stiffness `K_c` [N/m]; 0 without a film.
+    pub fn film_stiffness(&self) -> f64 {
+        self.film_stiffness
+    }
+
+    /// Stiffness of the solid contact [N/m^1.5].
+    pub fn solid_stiffness(&self) -> f64 {
+        self.solid_stiffness
+    }
+
+    /// Nearest point of the seat: how far the ball has left the pocket's centre towards it
+    /// (`C_p` at touch) [m], and the unit vector of the force on the ball.
+    ///
+    /// On the cap that is the displacement itself. Where the displacement points out of the mouth,
+    /// the rim is nearest; both agree at the rim angle.
+    #[inline(always)]
+    fn approach(&self, s: Vector) -> (f64, Vector) {
+        let across = (s[1] * s[1] + s[2] * s[2]).sqrt();
+        if let Some((cosine, sine)) = self.rim
+            && s[0] * sine > across * cosine
+        {
+            let seat_radius = self.ball_radius + self.clearance;
+            let outward = if across > 0.0 { [s[1] / across, s[2] / across] } else { [0.0, 0.0] };
+            let along = s[0] - seat_radius * cosine;
+            let radial = across - seat_radius * sine;
+            let distance = (along * along + radial * radial).sqrt();
+            let normal = [along / distance, radial * outward[0] / distance, radial * outward[1] / distance];
+            return (seat_radius - distance, normal);
+        }
+        let distance = length(s);
+        // At the very centre there is no direction and, with every law here, no force.
+        let inverse = if distance > 0.0 { -1.0 / distance } else { 0.0 };
+        (distance, scale(inverse, s))
+    }
+
+    /// Force and moment of the pocket on its ball.
+    ///
+    /// Normal force: Q = Q_film + Q_solid, Q_film = K_c min(s, C_p) + c_f ṡ min(1, s/0.1 µm), its damping
+    /// falling to 0 over the first 1 µm of solid contact, Q_solid = K_n (s − C_p)^1.5 (1 + χ ṡ), neither below 0.
+    /// Friction acts on the solid part only: on an undamped film force it would drive the cage unstable.
+    #[inline]
+    pub fn load(&self, motion: &PocketMotion) -> PocketLoad {
+        let (approach, normal) = self.approach(motion.displacement);
+        if approach <= 0.0 {
+            return PocketLoad::default();
+        }
+        let rate = -dot(motion.velocity, normal);
+        let penetration = approach - self.clearance;
+        let fade = (1.0 - penetration.max(0.0) / DAMPING_END).max(0.0) * (approach / DAMPING_ONSET).min(1.0);
+        let film = (self.film_stiffness * approach.min(self.clearance) + self.film_damping * fade * rate).max(0.0);
+        let solid = if penetration > 0.0 { self.solid_load(penetration, rate) } else { 0.0 };
+        let lever = scale(-self.ball_radius, normal);
+        let mut load =
+            PocketLoad { normal: film + solid, force: scale(film + solid, normal), moment: [0.0; 3], lever };
+        if solid > 0.0 && self.friction > 0.0 || self.hydrodynamics.is_some() {
+            self.add_friction(motion, normal, lever, solid, &mut load);
+        }
+        load
+    }
+
+    fn solid_load(&self, penetration: f64, rate: f64) -> f64 {
+        match self.bar_stiffness {
+            None => normal_load(self.solid_stiffness, penetration, rate, &self.solid_damping),
+            Some(bar) => {
+                let local = contact_share(self.solid_stiffness, bar, penetration);
+                // The contact takes part of the rate: d(local)/d(penetration) = k_bar / (k_bar + 1.5 K √local).
+                let share = bar / (bar + 1.5 * self.solid_stiffness * local.sqrt());
+                normal_load(self.solid_stiffness, local, share * rate, &self.solid_damping)
+            }
+        }
+    }
+
+    /// Dry friction P_S = μ Q_solid tanh(|u|/u₀), rolling friction P_R and film shear of the hydrodynamic terms.
+    fn add_friction(&self, motion: &PocketMotion, normal: Vector, lever: Vector, solid: f64, load: &mut PocketLoad) {
+        let along = dot(motion.velocity, normal);
+        let centre = add(motion.velocity, scale(-along, normal));
+        let rolling = cross(motion.spin, lever);
+        let slip = add(centre, rolling);
+        let speed = length(slip);
+        let mut coefficient = 0.0;
+        if speed > 1e-12 {
+            coefficient += self.friction * solid * (speed / self.friction_speed).tanh() / speed;
+        }
+        let mut force = [0.0; 3];
+        if let Some(hydrodynamics) = self.hydrodynamics {
+            coefficient += hydrodynamics.shear;
+            // The ball's surface carries the lubricant through; rolling friction acts against it.
+            force = scale(-hydrodynamics.rolling, rolling);
+        }
+        let force = add(force, scale(-coefficient, slip));
+        load.force = add(load.force, force);
+        load.moment = add(load.moment, cross(lever, force));
+    }
+}
+
+/// Share of a penetration [m] taken by a contact `K δ^1.5` in series with a bar of stiffness `bar` [N/m]:
+/// solves K δ^1.5 = bar (penetration − δ) by Newton in √δ from above, where it converges monotonically.
+fn contact_share(stiffness: f64, bar: f64, penetration: f64) -> f64 {
+    let mut root = penetration.sqrt();
+    for _ in 0..12 {
+        let residual = (stiffness * root + bar) * root * root - bar * penetration;
+        let slope = (3.0 * stiffness * root + 2.0 * bar) * root;
+        root -= residual / slope;
+    }
+    root * root
+}
+
+/// The lubricant wedge between ball and seat at half the clearance.
+struct Wedge {
+    viscosity: f64,
+    /// Surface speed of the ball in the pocket [m/s].
+    speed: f64,
+    /// Effective radius of ball and seat [m].
+    radius: f64,
+    clearance: f64,
+    half_width: f64,
+}
+
+impl Wedge {
+    fn gap(&self) -> f64 {
+        0.5 * self.clearance
+    }
+
+    /// Half width of the seat over the parabolic length of the gap, t = w_p / √(2 h₀ R_p) [-].
+    fn width_ratio(&self) -> f64 {
+        self.half_width / (2.0 * self.gap() * self.radius).sqrt()
+    }
+
+    /// Film stiffness K_c = W(t) / C_p [N/m], the isoviscous rigid load capacity of a sphere on a
+    /// seat of finite width: W = (2/π)(atan t − t/(1+t²)) · 6√2 π η U R_p √(R_p/h₀) / 5.
+    fn stiffness(&self) -> f64 {
+        use std::f64::consts::{FRAC_2_PI, PI, SQRT_2};
+        let t = self.width_ratio();
+        let truncation = FRAC_2_PI * (t.atan() - t / (1.0 + t * t));
+        let full =
+            6.0 * SQRT_2 * PI * self.viscosity * self.speed * self.radius * (self.radius / self.gap()).sqrt() / 5.0;
+        truncation * full / self.clearance
+    }
+
+    /// P_R = ½ C₀ P̄_R with C₀ = η U R_p / 5 (R_x = R_y, U the sum of surface speeds) and
+    /// P̄_R = max(0, 34.74 ln t − 27.6); film shear P̄_S η u R_p, P̄_S = max(0, 0.26 (34.74 ln t − 27.6) + 10.9).
+    fn hydrodynamics(&self) -> PocketHydrodynamics {
+        let base = 34.74 * self.width_ratio().ln() - 27.6;
+        PocketHydrodynamics {
+            rolling: 0.5 * self.viscosity * self.radius / 5.0 * base.max(0.0),
+            shear: self.viscosity * self.radius * (0.26 * base + 10.9).max(0.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::contact::damping::DampingLaw;
+    use crate::physics::testing;
+
+    fn article_pocket(change: impl Fn(&mut CageParameters), terms: PocketTerms) -> Pocket {
+        let scene = testing::article();
+        let mut cage = scene.cage;
+        change(&mut cage);
+        Pocket::new(&scene.bearing, &cage, &scene.lubricant, 11_692.0, terms)
+    }
+    const ALL: PocketTerms = PocketTerms { film: true, friction: true, hydrodynamics: false };
+
+    fn at_rest(displacement: Vector) -> PocketMotion {
+        PocketMotion { displacement, velocity: [0.0; 3], spin: [0.0; 3] }
+    }
+
+    /// Pins the wedge: 3.8e4 N/m in the article's case, about a tenth of the untruncated 4e5 N/m.
+    #[test]
+    fn wedge_stiffness_of_the_article_s_pocket() {
+        let narrow = article_pocket(|_| {}, ALL).film_stiffness();
+        assert!((narrow / 3.8e4 - 1.0).abs() < 0.03, "{narrow}");
+        let wide = article_pocket(|cage| cage.seat_half_width = 0.5, ALL).film_stiffness();
+        assert!((wide / 4e5 - 1.0).abs() < 0.1, "{wide}");
+    }
+
+    /// K_n = 4/3 E* √R_p with E* = 1.17 GPa and R_p = 77 mm.
+    #[test]
+    fn solid_stiffness_is_hertz_of_ball_and_seat() {
+        let stiffness = article_pocket(|_| {}, ALL).solid_stiffness();
+        assert!((stiffness / (4.0 / 3.0 * 1.17e9 * 0.077_f64.sqrt()) - 1.0).abs() < 0.01, "{stiffness:e}");
+    }
+
+    /// Cap and rim meet at the rim angle without a jump in force.
+    #[test]
+    fn force_is_continuous_where_the_cap_ends() {
+        let pocket = article_pocket(|cage| cage.damping = DampingLaw::None, ALL);
+        let at = |degrees: f64| {
+            let angle = degrees.to_radians();
+            pocket.load(&at_rest([30e-6 * angle.cos(), 30e-6 * angle.sin(), 0.0])).force
+        };
+        let (rim, cap) = (at(65.0 - 1e-9), at(65.0 + 1e-9));
+        for k in 0..3 {
+            assert!((rim[k] - cap[k]).abs() < 1e-6 * length(cap), "{rim:?} {cap:?}");
+        }
+    }
+
+    /// The rim pushes a ball that leaves through the mouth back in, and grows beyond any axial load of a light cage.
+    #[test]
+    fn the_rim_keeps_the_ball_in() {
+        let pocket = article_pocket(|_| {}, ALL);
+        let slightly = pocket.load(&at_rest([0.3e-3, 1e-9, 0.0]));
+        assert!(slightly.force[0] < -20.0, "{:?}", slightly.force);
+        let closed = article_pocket(|cage| cage.seat = PocketSeat::Closed, ALL);
+        assert!(closed.load(&at_rest([40e-6, 0.0, 0.0])).force[0] < 0.0);
+    }
+
+    /// Film never pulls, friction opposes sliding and never acts on the film.
+    #[test]
+    fn film_does_not_pull_and_friction_needs_solid_contact() {
+        let pocket = article_pocket(|_| {}, ALL);
+        let leaving =
+            PocketMotion { displacement: [0.0, 10e-6, 0.0], velocity: [0.0, -10.0, 0.0], spin: [1e4, 0.0, 0.0] };
+        assert_eq!(length(pocket.load(&leaving).force), 0.0);
+        let film_only = PocketMotion { displacement: [0.0, 0.0, 20e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0] };
+        assert_eq!(pocket.load(&film_only).moment, [0.0; 3]);
+        let solid = PocketMotion { displacement: [0.0, 0.0, 30e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0] };
+        let load = pocket.load(&solid);
+        // Contact point at +z, spin about +x moves the ball's surface there towards −y: friction points to +y
+        // and brakes the spin.
+        assert!(load.force[1] > 0.0 && load.moment[0] < 0.0, "{load:?}");
+    }
+
+    /// A soft bar takes almost all of the penetration: Q → bar · penetration.
+    #[test]
+    fn a_soft_bar_in_series_limits_the_load() {
+        let pocket = article_pocket(
+            |cage| {
+                cage.bar_stiffness = Some(1e3);
+                cage.damping = DampingLaw::None;
+            },
+            PocketTerms { film: false, friction: false, hydrodynamics: false },
+        );
+        let load = pocket.load(&at_rest([0.0, 0.0, 25.5e-6 + 100e-6])).normal;
+        assert!((load / 0.1 - 1.0).abs() < 0.01 && load < 0.1, "{load}");
+    }
+}

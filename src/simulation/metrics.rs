@@ -1,9 +1,15 @@
 //! Summary metrics of a run, in the units in which results show them.
 
-use super::channel::Channel;
-use super::lines::Line;
+use super::channel::{Axis, Channel, Motion};
+use super::lines::{Line, find_lines};
+use super::model::Model;
+use super::observe::{ContactExtremes, RATE, Recording};
+use super::run::{ChannelSpectra, RunSettings, Series};
+use super::scene::Scene;
+use crate::numerics::spectrum::{amplitude_spectrum, band_limited, envelope_spectrum};
+use crate::numerics::statistics;
 use crate::physics::bearing::PerRaceway;
-use crate::physics::kinematics::CharacteristicFrequencies;
+use crate::physics::kinematics::{self, CharacteristicFrequencies};
 
 /// Statistics of one channel over the kept time, mean removed, 0–20 kHz, in the channel's unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,4 +115,158 @@ pub struct Summary {
     pub lines: Vec<(Channel, Line)>,
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
+}
+
+/// Upper end of the band in which vibration is judged [Hz].
+pub const BAND: f64 = 20_000.0;
+/// Reference of the acceleration level, equation (15) [m/s²].
+pub const REFERENCE_ACCELERATION: f64 = 9.81e-3;
+/// Band whose envelope is analysed [Hz]: above the shaft and ball-pass lines, where impacts ring.
+const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
+
+/// Level of an acceleration rms [m/s²], L = 20 lg(rms / 9.81e-3) [dB], equation (15); `None` for 0.
+pub fn level_db(rms: f64) -> Option<f64> {
+    (rms > 0.0).then(|| 20.0 * (rms / REFERENCE_ACCELERATION).log10())
+}
+
+/// Spread below which a signal stands still but for rounding, as a share of the size of its values.
+const STANDSTILL: f64 = 1e-12;
+
+/// Metrics of one channel, from its kept values and its variance before the filter (SI).
+pub fn channel_metrics(channel: Channel, signal: &[f64], total_variance: f64) -> ChannelMetrics {
+    let mut in_band = band_limited(signal, RATE, BAND);
+    let largest = signal.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
+    if statistics::peak(&in_band) <= STANDSTILL * largest {
+        in_band.fill(0.0);
+    }
+    let rms = statistics::rms(&in_band);
+    let above = if total_variance > 0.0 && rms > 0.0 { 1.0 - rms * rms / total_variance } else { 0.0 };
+    let acceleration = matches!(channel, Channel::Spindle(_, Motion::Acceleration));
+    ChannelMetrics {
+        rms: channel.scale() * rms,
+        peak: channel.scale() * statistics::peak(&in_band),
+        crest_factor: statistics::crest_factor(&in_band),
+        kurtosis: statistics::kurtosis(&in_band),
+        level_db: if acceleration { level_db(rms) } else { None },
+        above_band: above.clamp(0.0, 1.0),
+    }
+}
+
+/// Metrics of the spindle's channels.
+pub fn vibration(recording: &Recording) -> Vec<(Channel, ChannelMetrics)> {
+    let one = |(channel, variance): &(Channel, f64)| {
+        recording.signal(*channel).map(|signal| (*channel, channel_metrics(*channel, signal, *variance)))
+    };
+    recording.total_variance.iter().filter_map(one).collect()
+}
+
+/// Metrics of the raceway contacts.
+pub fn contacts(model: &Model, recording: &Recording) -> ContactMetrics {
+    let raceway = &model.mechanism().raceway;
+    let one = |extremes: &ContactExtremes, pressure: &dyn Fn(f64) -> f64| {
+        let max_load = extremes.max_load.iter().copied().fold(0.0, f64::max);
+        RacewayContactMetrics {
+            max_load,
+            max_pressure: 1e-6 * pressure(max_load),
+            contact_angle: extremes.angle.map(|(least, most)| (least.to_degrees(), most.to_degrees())),
+            max_slip: extremes.max_slip,
+            min_film_thickness: extremes.least_film.map(|film| 1e6 * film),
+            max_load_per_ball: extremes.max_load.clone(),
+        }
+    };
+    ContactMetrics {
+        raceway: PerRaceway {
+            inner: one(&recording.contacts.inner, &|load| raceway.inner.hertz().max_pressure(load)),
+            outer: one(&recording.contacts.outer, &|load| raceway.outer.hertz().max_pressure(load)),
+        },
+    }
+}
+
+/// Metrics of the cage; `None` where the model has none.
+pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
+    let y = recording.signal(Channel::CageDisplacement(Axis::Y))?;
+    let z = recording.signal(Channel::CageDisplacement(Axis::Z))?;
+    let ideal = recording.shaft_speed * kinematics::ideal_orbit_ratio(&scene.bearing);
+    let turns = |speed: f64| speed / std::f64::consts::TAU;
+    Some(CageMetrics {
+        speed: turns(recording.cage_speed),
+        slip: (ideal > 0.0).then(|| 1.0 - recording.cage_speed / ideal),
+        ball_spin: turns(recording.ball_spin),
+        orbit_radius: 1e6 * statistics::rms(y).hypot(statistics::rms(z)),
+        whirl_ratio: (recording.cage_speed > 0.0).then(|| whirl_rate(y, z) / recording.cage_speed),
+        max_pocket_load: recording.max_pocket_load,
+    })
+}
+
+/// Mean rate at which (y, z) turns about its mean [rad/s], from +Y towards +Z.
+fn whirl_rate(y: &[f64], z: &[f64]) -> f64 {
+    let (mean_y, mean_z) = (statistics::mean(y), statistics::mean(z));
+    let centred = || y.iter().zip(z).map(|(y, z)| (y - mean_y, z - mean_z));
+    let turned: f64 =
+        centred().zip(centred().skip(1)).map(|((y0, z0), (y1, z1))| (y0 * z1 - z0 * y1).atan2(y0 * y1 + z0 * z1)).sum();
+    if y.len() > 1 { turned * RATE / (y.len() - 1) as f64 } else { 0.0 }
+}
+
+/// Frequencies of the bearing from the speeds that were seen [Hz].
+pub fn frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFrequencies {
+    let turns = |speed: f64| speed / std::f64::consts::TAU;
+    kinematics::with_cage_speed(
+        &scene.bearing,
+        turns(recording.shaft_speed),
+        turns(recording.cage_speed),
+        turns(recording.ball_spin),
+    )
+}
+
+/// Spectra of the asked-for channels, in their units.
+pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpectra> {
+    let one = |channel: &Channel| {
+        let signal: Vec<f64> = recording.signal(*channel)?.iter().map(|value| channel.scale() * value).collect();
+        Some(ChannelSpectra {
+            channel: *channel,
+            amplitude: amplitude_spectrum(&signal, RATE),
+            envelope: envelope_spectrum(&signal, RATE, ENVELOPE_BAND),
+        })
+    };
+    settings.outputs.spectra.iter().filter_map(one).collect()
+}
+
+/// Lines of the accelerations among the spectra.
+pub fn lines(spectra: &[ChannelSpectra], frequencies: &CharacteristicFrequencies) -> Vec<(Channel, Line)> {
+    spectra
+        .iter()
+        .filter(|spectra| matches!(spectra.channel, Channel::Spindle(_, Motion::Acceleration)))
+        .flat_map(|spectra| {
+            find_lines(&spectra.amplitude, frequencies, BAND).into_iter().map(|line| (spectra.channel, line))
+        })
+        .collect()
+}
+
+/// The asked-for time series, in their units.
+pub fn series(recording: &Recording, settings: &RunSettings) -> Vec<Series> {
+    let one = |channel: &Channel| {
+        let values = recording.signal(*channel)?.iter().map(|value| channel.scale() * value).collect();
+        Some(Series { channel: *channel, start: recording.start, step: 1.0 / RATE, values })
+    };
+    settings.outputs.series.iter().filter_map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Equation (15): 1 m/s² is 40.17 dB.
+    #[test]
+    fn one_metre_per_second_squared_is_40_17_db() {
+        assert!((level_db(1.0).unwrap() - 40.17).abs() < 0.005);
+        assert_eq!(level_db(0.0), None);
+    }
+
+    #[test]
+    fn a_centre_on_a_circle_whirls_at_its_rate() {
+        let angles = (0..2048).map(|k| 300.0 * f64::from(k) / RATE);
+        let (y, z): (Vec<f64>, Vec<f64>) = angles.map(|a| (3.0 + a.cos(), a.sin() - 1.0)).unzip();
+        assert!((whirl_rate(&y, &z) / 300.0 - 1.0).abs() < 0.05);
+        assert_eq!(whirl_rate(&y[..1], &z[..1]), 0.0);
+    }
 }

@@ -9,5 +9,6 @@ pub mod model;
 pub mod needs;
 pub mod observe;
 pub mod run;
+pub mod accuracy;
 pub mod scene;
 pub mod state;

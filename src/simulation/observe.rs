@@ -1,1 +1,329 @@
+//! Which signals are kept, and how often.
+//!
+//! The motion is looked at 409 600 times a second, by interpolation within the steps. The spindle's signals pass a
+//! low-pass filter on their way to 102 400 values a second (contact resonances lie above the band of interest and must not
+//! fold into it); all others are kept as they stand at those times. Extremes see every look.
 
+use super::channel::{Axis, BallContact, Channel, Motion};
+use super::model::{Model, Watch};
+use super::needs::Needs;
+use super::run::RunSettings;
+use crate::numerics::ode::Integrator;
+use crate::numerics::spectrum::Decimator;
+use crate::physics::bearing::PerRaceway;
+use crate::physics::pocket::PocketLoad;
+use crate::physics::raceway::{RacewayLoad, RelativeMotion};
+
+/// Rate at which signals are kept [Hz].
+pub const RATE: f64 = 102_400.0;
+/// Looks per kept value.
+const OVERSAMPLING: usize = 4;
+/// Rate at which the motion is looked at [Hz].
+const LOOK_RATE: f64 = RATE * OVERSAMPLING as f64;
+
+/// What was seen of one kind of raceway contact, all balls, SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactExtremes {
+    pub max_load: Vec<f64>,
+    /// Range of contact angles under load [rad].
+    pub angle: Option<(f64, f64)>,
+    pub max_slip: f64,
+    /// Least minimum film thickness under load [m]; `None` where it was not asked for.
+    pub least_film: Option<f64>,
+}
+
+/// What a run has shown, in SI.
+#[derive(Debug, Clone)]
+pub struct Recording {
+    /// Time of the first kept value [s]; the others follow at `RATE`.
+    pub start: f64,
+    pub signals: Vec<(Channel, Vec<f64>)>,
+    /// Variance of the spindle's signals before the filter.
+    pub total_variance: Vec<(Channel, f64)>,
+    pub contacts: PerRaceway<ContactExtremes>,
+    pub max_pocket_load: f64,
+    /// Means over the kept time, absolute values [rad/s].
+    pub shaft_speed: f64,
+    pub cage_speed: f64,
+    pub ball_spin: f64,
+}
+
+impl Recording {
+    /// The kept values of a channel [SI].
+    pub fn signal(&self, channel: Channel) -> Option<&[f64]> {
+        self.signals.iter().find(|(kept, _)| *kept == channel).map(|(_, values)| values.as_slice())
+    }
+}
+
+/// Loads of one look.
+struct Snapshot {
+    film: bool,
+    inner: Vec<f64>,
+    outer: Vec<f64>,
+    pocket: Vec<f64>,
+    /// Extremes so far; they grow only while `counts` is set.
+    extremes: PerRaceway<ContactExtremes>,
+    max_pocket_load: f64,
+    counts: bool,
+}
+
+/// The watch of one look, with the model it looks at.
+struct Look<'a> {
+    model: &'a Model,
+    snapshot: &'a mut Snapshot,
+}
+
+impl Watch for Look<'_> {
+    fn raceway(&mut self, ball: usize, side: BallContact, motion: &RelativeMotion, load: &RacewayLoad) {
+        let snapshot = &mut *self.snapshot;
+        let (loads, extremes, contact) = match side {
+            BallContact::Inner => {
+                (&mut snapshot.inner, &mut snapshot.extremes.inner, &self.model.mechanism().raceway.inner)
+            }
+            _ => (&mut snapshot.outer, &mut snapshot.extremes.outer, &self.model.mechanism().raceway.outer),
+        };
+        loads[ball] = load.normal;
+        if !snapshot.counts || load.normal <= 0.0 {
+            return;
+        }
+        extremes.max_load[ball] = extremes.max_load[ball].max(load.normal);
+        extremes.max_slip = extremes.max_slip.max(load.slip.0.hypot(load.slip.1));
+        let angle = load.angle.0.atan2(load.angle.1);
+        let (least, most) = extremes.angle.unwrap_or((angle, angle));
+        extremes.angle = Some((least.min(angle), most.max(angle)));
+        if snapshot.film {
+            let film = contact.minimum_film(motion, load);
+            extremes.least_film = Some(extremes.least_film.map_or(film, |least| least.min(film)));
+        }
+    }
+
+    fn pocket(&mut self, ball: usize, load: &PocketLoad) {
+        self.snapshot.pocket[ball] = load.normal;
+        if self.snapshot.counts {
+            self.snapshot.max_pocket_load = self.snapshot.max_pocket_load.max(load.normal);
+        }
+    }
+}
+
+/// Mean and variance of a growing sample (Welford).
+#[derive(Clone, Copy, Default)]
+struct Moments {
+    count: f64,
+    mean: f64,
+    squares: f64,
+}
+
+impl Moments {
+    fn add(&mut self, value: f64) {
+        self.count += 1.0;
+        let off = value - self.mean;
+        self.mean += off / self.count;
+        self.squares += off * (value - self.mean);
+    }
+
+    fn variance(&self) -> f64 {
+        if self.count > 0.0 { self.squares / self.count } else { 0.0 }
+    }
+}
+
+/// Looks at a run and keeps what is needed.
+pub struct Observer<'m> {
+    model: &'m Model,
+    start: f64,
+    /// Number of values to keep.
+    values: usize,
+    /// Looks taken so far, and in all.
+    looks: usize,
+    all_looks: usize,
+    /// Looks before the first kept value.
+    lead: usize,
+    decimator: Decimator,
+    filtered: Vec<(Channel, Vec<f64>)>,
+    moments: Vec<Moments>,
+    picked: Vec<(Channel, Vec<f64>)>,
+    frame: Vec<f64>,
+    state: Vec<f64>,
+    derivative: Vec<f64>,
+    snapshot: Snapshot,
+    shaft: Moments,
+    cage: Moments,
+    spin: Moments,
+}
+
+impl<'m> Observer<'m> {
+    /// Keeps what metrics, spectra and series of `settings` need.
+    pub fn new(model: &'m Model, needs: &Needs, settings: &RunSettings) -> Self {
+        let layout = model.mechanism().layout;
+        let axes = if layout.axial_spindle { &[Axis::X, Axis::Y, Axis::Z][..] } else { &[Axis::Y, Axis::Z] };
+        let values = kept_values(settings.duration);
+        let filtered: Vec<(Channel, Vec<f64>)> = axes
+            .iter()
+            .flat_map(|&axis| {
+                [Motion::Displacement, Motion::Velocity, Motion::Acceleration].map(|motion| Channel::Spindle(axis, motion))
+            })
+            .map(|channel| (channel, Vec::with_capacity(values)))
+            .collect();
+        let outputs = &settings.outputs;
+        let orbit = [Channel::CageDisplacement(Axis::Y), Channel::CageDisplacement(Axis::Z)];
+        let mut picked: Vec<Channel> = if outputs.cage && layout.cage { orbit.to_vec() } else { Vec::new() };
+        for &channel in outputs.spectra.iter().chain(&outputs.series) {
+            if !matches!(channel, Channel::Spindle(..)) && !picked.contains(&channel) {
+                picked.push(channel);
+            }
+        }
+        let decimator = Decimator::new(OVERSAMPLING, filtered.len());
+        let delay = decimator.delay();
+        // A run without time to settle has no past for the filter: it starts from a standstill then.
+        let lead = if settings.settle * LOOK_RATE >= delay as f64 { delay } else { 0 };
+        let balls = layout.balls;
+        let extremes = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
+        Self {
+            model,
+            start: settings.settle,
+            values,
+            looks: 0,
+            all_looks: lead + (values - 1) * OVERSAMPLING + delay + 1,
+            lead,
+            decimator,
+            moments: vec![Moments::default(); filtered.len()],
+            frame: vec![0.0; filtered.len()],
+            filtered,
+            picked: picked.into_iter().map(|channel| (channel, Vec::with_capacity(values))).collect(),
+            state: vec![0.0; layout.dimension()],
+            derivative: vec![0.0; layout.dimension()],
+            snapshot: Snapshot {
+                film: needs.film_thickness,
+                inner: vec![0.0; balls],
+                outer: vec![0.0; balls],
+                pocket: vec![0.0; balls],
+                extremes: PerRaceway { inner: extremes.clone(), outer: extremes },
+                max_pocket_load: 0.0,
+                counts: false,
+            },
+            shaft: Moments::default(),
+            cage: Moments::default(),
+            spin: Moments::default(),
+        }
+    }
+
+    fn look_time(&self, look: usize) -> f64 {
+        (self.start + (look as f64 - self.lead as f64) / LOOK_RATE).max(0.0)
+    }
+
+    /// Time of the next look [s]; `None` when all are taken.
+    pub fn next_look(&self) -> Option<f64> {
+        (self.looks < self.all_looks).then(|| self.look_time(self.looks))
+    }
+
+    /// Time of the last look [s]: the filter's delay after the last kept value.
+    pub fn end(&self) -> f64 {
+        self.look_time(self.all_looks - 1)
+    }
+
+    /// Takes all looks that lie within the last step.
+    pub fn after(&mut self, step: &dyn Integrator) {
+        while self.next_look().is_some_and(|time| time <= step.time()) {
+            self.look(|time, state| step.interpolate(time, state));
+        }
+    }
+
+    /// Takes the look at `next_look()`; `fill` writes the state then.
+    fn look(&mut self, fill: impl FnOnce(f64, &mut [f64])) {
+        let time = self.look_time(self.looks);
+        fill(time, &mut self.state);
+        let place = self.looks.checked_sub(self.lead).filter(|place| *place <= (self.values - 1) * OVERSAMPLING);
+        self.snapshot.counts = place.is_some();
+        let mut watch = Look { model: self.model, snapshot: &mut self.snapshot };
+        self.model.derivative_watched(time, &self.state, &mut self.derivative, &mut watch);
+        self.gather_spindle();
+        if self.lead == 0 && self.looks == 0 {
+            self.decimator.prime(&self.frame);
+        }
+        if let Some(place) = place {
+            for (moments, value) in self.moments.iter_mut().zip(&self.frame) {
+                moments.add(*value);
+            }
+            self.gather_speeds(time);
+            if place % OVERSAMPLING == 0 {
+                self.pick(time);
+            }
+        }
+        if let Some(frame) = self.decimator.push(&self.frame) {
+            for ((_, signal), value) in self.filtered.iter_mut().zip(frame) {
+                if signal.len() < self.values {
+                    signal.push(*value);
+                }
+            }
+        }
+        self.looks += 1;
+    }
+
+    fn gather_spindle(&mut self) {
+        let layout = self.model.mechanism().layout;
+        let (now, rate) = (layout.spindle(&self.state), layout.spindle(&self.derivative));
+        for (value, (channel, _)) in self.frame.iter_mut().zip(&self.filtered) {
+            if let Channel::Spindle(axis, motion) = *channel {
+                let vector = match motion {
+                    Motion::Displacement => now.position,
+                    Motion::Velocity => now.velocity,
+                    Motion::Acceleration => rate.velocity,
+                };
+                *value = vector[axis as usize];
+            }
+        }
+    }
+
+    fn gather_speeds(&mut self, time: f64) {
+        let m = self.model.mechanism();
+        let (_, speed, _) = m.speed.at(time);
+        let balls = m.layout.balls;
+        let states = (0..balls).map(|ball| m.layout.ball(&self.state, ball));
+        let (mut orbit, mut spin) = (0.0, 0.0);
+        for state in states {
+            orbit += state.arc_velocity / balls as f64;
+            spin += state.spin[0] / balls as f64;
+        }
+        // Without a cage the balls' mean orbit speed stands for it.
+        let arc_velocity = if m.layout.cage { m.layout.cage(&self.state).arc_velocity } else { orbit };
+        self.shaft.add(speed);
+        self.cage.add(m.orbit_ratio * speed + arc_velocity / m.pitch_radius);
+        self.spin.add(m.spin_ratio * speed + spin);
+    }
+
+    fn pick(&mut self, time: f64) {
+        let m = self.model.mechanism();
+        let (_, speed, _) = m.speed.at(time);
+        let cage = m.layout.cage(&self.state);
+        for (channel, signal) in &mut self.picked {
+            signal.push(match *channel {
+                Channel::CageDisplacement(axis) => cage.centre[axis as usize],
+                Channel::CageSpeed => m.orbit_ratio * speed + cage.arc_velocity / m.pitch_radius,
+                Channel::BallSpin(ball) => m.spin_ratio * speed + m.layout.ball(&self.state, ball).spin[0],
+                Channel::BallLoad(ball, BallContact::Inner) => self.snapshot.inner[ball],
+                Channel::BallLoad(ball, BallContact::Outer) => self.snapshot.outer[ball],
+                Channel::BallLoad(ball, BallContact::Pocket) => self.snapshot.pocket[ball],
+                Channel::Spindle(..) => 0.0,
+            });
+        }
+    }
+
+    /// What was seen.
+    pub fn finish(self) -> Recording {
+        let total_variance = self.filtered.iter().zip(&self.moments).map(|((c, _), m)| (*c, m.variance())).collect();
+        Recording {
+            start: self.start,
+            signals: self.filtered.into_iter().chain(self.picked).collect(),
+            total_variance,
+            contacts: self.snapshot.extremes,
+            max_pocket_load: self.snapshot.max_pocket_load,
+            shaft_speed: self.shaft.mean.abs(),
+            cage_speed: self.cage.mean.abs(),
+            ball_spin: self.spin.mean.abs(),
+        }
+    }
+}
+
+/// Number of values kept of a channel over a duration [s]; at least one.
+pub fn kept_values(duration: f64) -> usize {
+    ((duration * RATE).round() as usize).max(1)
+}

@@ -1,10 +1,18 @@
 //! The main story: equilibrium, integrate, observe.
 
+use std::time::Instant;
+
+use super::accuracy;
 use super::channel::Channel;
-use super::metrics::Summary;
-use super::needs::LeftOut;
+use super::equilibrium::equilibrium;
+use super::metrics::{self, AccuracyReport, SolverReport, Summary};
+use super::model::Model;
+use super::needs::{LeftOut, Needs, Unmet};
+use super::observe::{Observer, Recording};
 use super::scene::Scene;
-use crate::numerics::ode::IntegrationError;
+use super::state::{BallState, Layout, SpindleState};
+use crate::numerics::ode::dormand_prince::DormandPrince;
+use crate::numerics::ode::{IntegrationError, Integrator, Statistics};
 use crate::numerics::spectrum::Spectrum;
 
 /// Which integrator advances the model.
@@ -90,6 +98,9 @@ pub struct RunResult {
 /// Why a run failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulationError {
+    /// The scene cannot be given what the request chose.
+    #[error(transparent)]
+    Unmet(#[from] Unmet),
     #[error("no static equilibrium was found to start from: {0}")]
     NoEquilibrium(String),
     #[error("{source} ({entry})")]
@@ -103,8 +114,144 @@ pub enum SimulationError {
     Stopped { time: f64 },
 }
 
+/// Steps between two looks at `Control`.
+const STEPS_PER_LOOK: u64 = 256;
+
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from `wall_time`.
 pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
-    let _ = (scene, settings, control);
-    unimplemented!()
+    let begin = Instant::now();
+    let needs = Needs::of(scene, &settings.outputs, settings.rung)?;
+    let model = Model::new(scene, &needs);
+    let start = start_state(&model)?;
+    let mut observer = Observer::new(&model, &needs, settings);
+    let span = Span { start: 0.0, end: observer.end(), checkpoint: settings.settle, share: (0.0, MAIN_SHARE) };
+    let tolerance = settings.relative_tolerance;
+    let main = integrate(&model, &start, tolerance, settings.fixed_step, &span, control, |step| observer.after(step))?;
+    let recording = observer.finish();
+    let accuracy = accuracy::judge(&model, &needs, settings, &recording, &main.checkpoint, control)?;
+    Ok(summarise(scene, settings, &needs, &model, &recording, &main.statistics, accuracy, begin))
+}
+
+/// Share of the progress that the main integration stands for; the rest judges its accuracy.
+const MAIN_SHARE: f64 = 0.8;
+
+/// Equilibrium of spindle and balls under load, gravity and centrifugal force; cage centred, ideal orbit and rolling.
+pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
+    let mechanism = model.mechanism();
+    let layout = mechanism.layout;
+    let rest = equilibrium(mechanism, mechanism.speed.at(0.0).1)?;
+    let mut state = vec![0.0; layout.dimension()];
+    for (ball, &(axial, radial)) in rest.balls.iter().enumerate() {
+        layout.set_ball(&mut state, ball, &BallState { axial, radial, ..BallState::default() });
+    }
+    layout.set_spindle(&mut state, &SpindleState { position: rest.spindle, velocity: [0.0; 3] });
+    Ok(state)
+}
+
+/// From where to where, what to remember on the way, and which share of the progress that is.
+pub(super) struct Span {
+    pub start: f64,
+    pub end: f64,
+    /// The state at this time is kept.
+    pub checkpoint: f64,
+    /// Progress at its start and at its end.
+    pub share: (f64, f64),
+}
+
+/// What an integration leaves behind.
+pub(super) struct Integrated {
+    pub statistics: Statistics,
+    /// State at the checkpoint.
+    pub checkpoint: Vec<f64>,
+}
+
+/// Integrates a span, showing the integrator to `after_step` after each step. Steps end exactly where
+/// the speed profile has a kink, and the method starts afresh there.
+pub(super) fn integrate(
+    model: &Model,
+    start: &[f64],
+    relative_tolerance: f64,
+    fixed_step: Option<f64>,
+    span: &Span,
+    control: &Control<'_>,
+    mut after_step: impl FnMut(&dyn Integrator),
+) -> Result<Integrated, SimulationError> {
+    let layout = model.mechanism().layout;
+    let tolerances = layout.tolerances(relative_tolerance);
+    let mut integrator = DormandPrince::new(model, span.start, start, tolerances, fixed_step);
+    let mut checkpoint = start.to_vec();
+    let mut stops: Vec<f64> = model.mechanism().speed.kinks().filter(|kink| *kink > span.start && *kink < span.end).collect();
+    stops.push(span.end);
+    for stop in stops {
+        while integrator.time() < stop {
+            integrator.step(stop).map_err(|source| SimulationError::integration(source, &layout))?;
+            if integrator.previous_time() < span.checkpoint && span.checkpoint <= integrator.time() {
+                integrator.interpolate(span.checkpoint, &mut checkpoint);
+            }
+            after_step(&integrator);
+            if integrator.statistics().steps.is_multiple_of(STEPS_PER_LOOK) {
+                if (control.stop)() {
+                    return Err(SimulationError::Stopped { time: integrator.time() });
+                }
+                let done = (integrator.time() - span.start) / (span.end - span.start);
+                (control.progress)(span.share.0 + done * (span.share.1 - span.share.0));
+            }
+        }
+        if stop < span.end {
+            integrator.restart();
+        }
+    }
+    Ok(Integrated { statistics: integrator.statistics(), checkpoint })
+}
+
+#[allow(clippy::too_many_arguments)] // Everything a run knows meets here once.
+fn summarise(
+    scene: &Scene,
+    settings: &RunSettings,
+    needs: &Needs,
+    model: &Model,
+    recording: &Recording,
+    statistics: &Statistics,
+    accuracy: AccuracyReport,
+    begin: Instant,
+) -> RunResult {
+    let spectra = metrics::spectra(recording, settings);
+    let frequencies = metrics::frequencies(scene, recording);
+    let outputs = &settings.outputs;
+    let summary = Summary {
+        channels: if outputs.vibration { metrics::vibration(recording) } else { Vec::new() },
+        contacts: outputs.contacts.then(|| metrics::contacts(model, recording)),
+        cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
+        frequencies,
+        lines: if outputs.vibration { metrics::lines(&spectra, &frequencies) } else { Vec::new() },
+        solver: SolverReport {
+            method: "dormand_prince",
+            method_reason: match settings.method {
+                Method::Auto => "the explicit method is the one built in so far".into(),
+                Method::DormandPrince => "asked for".into(),
+            },
+            rung: needs.rung.name(),
+            check: match needs.rung {
+                Rung::Full => "the full dynamics: nothing richer to check against".into(),
+                Rung::Planar => "planar motion: see left_out for why no motion along the axis is needed".into(),
+            },
+            statistics: *statistics,
+            wall_time: begin.elapsed().as_secs_f64(),
+            simulated_time: settings.settle + settings.duration,
+            states: model.mechanism().layout.dimension(),
+            strips: needs.raceway.strips,
+        },
+        accuracy,
+    };
+    RunResult { summary, spectra, series: metrics::series(recording, settings), left_out: needs.left_out.clone() }
+}
+
+impl SimulationError {
+    pub(super) fn integration(source: IntegrationError, layout: &Layout) -> Self {
+        let component = match source {
+            IntegrationError::Stopped { time } => return Self::Stopped { time },
+            IntegrationError::StepTooSmall { component, .. } | IntegrationError::NotFinite { component, .. } => component,
+        };
+        Self::Integration { entry: layout.name(component), source }
+    }
 }

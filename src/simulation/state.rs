@@ -1,1 +1,303 @@
+//! Names for the entries of `y`. No bare index into a state exists outside this file.
+//!
+//! Balls come first, one block each, then the cage, then the spindle (balls couple only to cage and
+//! spindle, so a Jacobian is bordered block-diagonal). All entries are deviations from ideal rolling, so that a
+//! tolerance means the same early and late in a run. Inside SI; arcs are angles times the pitch radius.
 
+use crate::numerics::ode::Tolerances;
+use crate::physics::frames::Vector;
+
+/// Deviations of one ball, or their rates.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BallState {
+    /// Along X [m].
+    pub axial: f64,
+    /// Radial position less the pitch radius [m].
+    pub radial: f64,
+    /// Along the orbit, less the ideal orbit [m].
+    pub arc: f64,
+    pub axial_velocity: f64,
+    pub radial_velocity: f64,
+    /// Rate of `arc` [m/s].
+    pub arc_velocity: f64,
+    /// Angular velocity in the orbit frame, less the ideal spin about X [rad/s].
+    pub spin: Vector,
+}
+
+/// Deviations of the cage, or their rates.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CageState {
+    /// Centre of mass less its place when all pockets are centred on ideal balls [m].
+    pub centre: Vector,
+    /// Rotation about the cage axis, less the ideal orbit, as an arc [m].
+    pub arc: f64,
+    /// Tilt about Y and about the new Z [rad].
+    pub tilt: [f64; 2],
+    pub velocity: Vector,
+    /// Angular velocity about the cage axis, less the ideal orbit's, times the pitch radius [m/s].
+    pub arc_velocity: f64,
+    /// Angular velocity about the tilted y and z axes [rad/s].
+    pub tilt_rate: [f64; 2],
+}
+
+/// Displacement and velocity of the spindle, or their rates.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SpindleState {
+    pub position: Vector,
+    pub velocity: Vector,
+}
+
+/// Which entries a state has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    pub balls: usize,
+    /// No axial motion, no tilt.
+    pub planar: bool,
+    pub cage: bool,
+    /// The spindle moves along X.
+    pub axial_spindle: bool,
+}
+
+/// Sizes of deviations at which errors begin to matter: a state may err by the relative tolerance times these.
+mod size {
+    /// [m]
+    pub const POSITION: f64 = 1e-6;
+    /// [m]
+    pub const ARC: f64 = 1e-5;
+    /// [m/s]
+    pub const VELOCITY: f64 = 1e-2;
+    /// [m/s]
+    pub const ARC_VELOCITY: f64 = 1e-1;
+    /// [rad/s]
+    pub const SPIN: f64 = 100.0;
+    /// [rad]
+    pub const TILT: f64 = 1e-4;
+    /// [rad/s]
+    pub const TILT_RATE: f64 = 10.0;
+}
+
+const BALL_NAMES: [(&str, f64); 9] = [
+    ("axial position", size::POSITION),
+    ("radial position", size::POSITION),
+    ("arc along the orbit", size::ARC),
+    ("axial velocity", size::VELOCITY),
+    ("radial velocity", size::VELOCITY),
+    ("orbit velocity", size::ARC_VELOCITY),
+    ("spin about x", size::SPIN),
+    ("spin about the radius", size::SPIN),
+    ("spin about the orbit", size::SPIN),
+];
+const PLANAR_BALL: [usize; 5] = [1, 2, 4, 5, 6];
+const CAGE_NAMES: [(&str, f64); 12] = [
+    ("x position", size::POSITION),
+    ("y position", size::POSITION),
+    ("z position", size::POSITION),
+    ("rotation", size::ARC),
+    ("tilt about y", size::TILT),
+    ("tilt about z", size::TILT),
+    ("x velocity", size::VELOCITY),
+    ("y velocity", size::VELOCITY),
+    ("z velocity", size::VELOCITY),
+    ("speed", size::ARC_VELOCITY),
+    ("tilt rate about y", size::TILT_RATE),
+    ("tilt rate about z", size::TILT_RATE),
+];
+const PLANAR_CAGE: [usize; 6] = [1, 2, 3, 7, 8, 9];
+const SPINDLE_NAMES: [(&str, f64); 6] = [
+    ("x position", size::POSITION),
+    ("y position", size::POSITION),
+    ("z position", size::POSITION),
+    ("x velocity", size::VELOCITY),
+    ("y velocity", size::VELOCITY),
+    ("z velocity", size::VELOCITY),
+];
+const RADIAL_SPINDLE: [usize; 4] = [1, 2, 4, 5];
+
+impl Layout {
+    fn ball_size(&self) -> usize {
+        if self.planar { 5 } else { 9 }
+    }
+
+    fn cage_size(&self) -> usize {
+        match (self.cage, self.planar) {
+            (false, _) => 0,
+            (true, true) => 6,
+            (true, false) => 12,
+        }
+    }
+
+    fn spindle_size(&self) -> usize {
+        if self.axial_spindle { 6 } else { 4 }
+    }
+
+    /// Number of entries.
+    pub fn dimension(&self) -> usize {
+        self.balls * self.ball_size() + self.cage_size() + self.spindle_size()
+    }
+
+    #[inline(always)]
+    pub fn ball(&self, y: &[f64], ball: usize) -> BallState {
+        if self.planar {
+            let [radial, arc, radial_velocity, arc_velocity, spin] = block(y, 5 * ball);
+            BallState { radial, arc, radial_velocity, arc_velocity, spin: [spin, 0.0, 0.0], ..BallState::default() }
+        } else {
+            let [axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, x, r, t] = block(y, 9 * ball);
+            BallState { axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, spin: [x, r, t] }
+        }
+    }
+
+    #[inline(always)]
+    pub fn set_ball(&self, y: &mut [f64], ball: usize, s: &BallState) {
+        if self.planar {
+            set_block(y, 5 * ball, [s.radial, s.arc, s.radial_velocity, s.arc_velocity, s.spin[0]]);
+        } else {
+            let [x, r, t] = s.spin;
+            let entries =
+                [s.axial, s.radial, s.arc, s.axial_velocity, s.radial_velocity, s.arc_velocity, x, r, t];
+            set_block(y, 9 * ball, entries);
+        }
+    }
+
+    /// At rest in its place where the layout has no cage.
+    #[inline(always)]
+    pub fn cage(&self, y: &[f64]) -> CageState {
+        let at = self.balls * self.ball_size();
+        match (self.cage, self.planar) {
+            (false, _) => CageState::default(),
+            (true, true) => {
+                let [cy, cz, arc, vy, vz, arc_velocity] = block(y, at);
+                CageState {
+                    centre: [0.0, cy, cz],
+                    arc,
+                    velocity: [0.0, vy, vz],
+                    arc_velocity,
+                    ..CageState::default()
+                }
+            }
+            (true, false) => {
+                let [cx, cy, cz, arc, about_y, about_z, vx, vy, vz, arc_velocity, rate_y, rate_z] = block(y, at);
+                CageState {
+                    centre: [cx, cy, cz],
+                    arc,
+                    tilt: [about_y, about_z],
+                    velocity: [vx, vy, vz],
+                    arc_velocity,
+                    tilt_rate: [rate_y, rate_z],
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub fn set_cage(&self, y: &mut [f64], s: &CageState) {
+        let at = self.balls * self.ball_size();
+        let ([cx, cy, cz], [vx, vy, vz]) = (s.centre, s.velocity);
+        match (self.cage, self.planar) {
+            (false, _) => {}
+            (true, true) => set_block(y, at, [cy, cz, s.arc, vy, vz, s.arc_velocity]),
+            (true, false) => {
+                let ([ty, tz], [ry, rz]) = (s.tilt, s.tilt_rate);
+                set_block(y, at, [cx, cy, cz, s.arc, ty, tz, vx, vy, vz, s.arc_velocity, ry, rz]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub fn spindle(&self, y: &[f64]) -> SpindleState {
+        let at = self.balls * self.ball_size() + self.cage_size();
+        if self.axial_spindle {
+            let [x, sy, z, vx, vy, vz] = block(y, at);
+            SpindleState { position: [x, sy, z], velocity: [vx, vy, vz] }
+        } else {
+            let [sy, z, vy, vz] = block(y, at);
+            SpindleState { position: [0.0, sy, z], velocity: [0.0, vy, vz] }
+        }
+    }
+
+    #[inline(always)]
+    pub fn set_spindle(&self, y: &mut [f64], s: &SpindleState) {
+        let at = self.balls * self.ball_size() + self.cage_size();
+        let ([x, sy, z], [vx, vy, vz]) = (s.position, s.velocity);
+        if self.axial_spindle {
+            set_block(y, at, [x, sy, z, vx, vy, vz]);
+        } else {
+            set_block(y, at, [sy, z, vy, vz]);
+        }
+    }
+
+    /// Name and size of each entry, in order.
+    fn entries(&self) -> impl Iterator<Item = (String, f64)> + '_ {
+        let pick = |all: &'static [(&'static str, f64)], some: &'static [usize], whole: bool| {
+            let chosen: Vec<(&str, f64)> =
+                if whole { all.to_vec() } else { some.iter().map(|&i| all[i]).collect() };
+            chosen
+        };
+        let ball = pick(&BALL_NAMES, &PLANAR_BALL, !self.planar);
+        let cage = if self.cage { pick(&CAGE_NAMES, &PLANAR_CAGE, !self.planar) } else { Vec::new() };
+        let spindle = pick(&SPINDLE_NAMES, &RADIAL_SPINDLE, self.axial_spindle);
+        let balls = (1..=self.balls)
+            .flat_map(move |n| ball.clone().into_iter().map(move |(name, size)| (format!("{name} of ball {n}"), size)));
+        balls
+            .chain(cage.into_iter().map(|(name, size)| (format!("{name} of the cage"), size)))
+            .chain(spindle.into_iter().map(|(name, size)| (format!("{name} of the spindle"), size)))
+    }
+
+    /// An entry in words, such as "radial velocity of ball 3".
+    pub fn name(&self, entry: usize) -> String {
+        self.entries().nth(entry).map_or_else(|| format!("entry {entry}"), |(name, _)| name)
+    }
+
+    /// Sizes of the entries at which deviations begin to matter.
+    pub fn sizes(&self) -> Vec<f64> {
+        self.entries().map(|(_, size)| size).collect()
+    }
+
+    /// Tolerances per step: the relative tolerance times the larger of an entry and its size, except that arcs
+    /// and spins, which drift with the cage, are judged by their size alone.
+    pub fn tolerances(&self, relative: f64) -> Tolerances {
+        let sizes = self.sizes();
+        let drifting = |size: f64| size == size::ARC || size == size::SPIN || size == size::ARC_VELOCITY;
+        Tolerances {
+            relative: sizes.iter().map(|&size| if drifting(size) { 0.0 } else { relative }).collect(),
+            absolute: sizes.iter().map(|&size| relative * size).collect(),
+        }
+    }
+}
+
+#[inline(always)]
+fn block<const N: usize>(y: &[f64], at: usize) -> [f64; N] {
+    let mut entries = [0.0; N];
+    entries.copy_from_slice(&y[at..at + N]);
+    entries
+}
+
+#[inline(always)]
+fn set_block<const N: usize>(y: &mut [f64], at: usize, entries: [f64; N]) {
+    y[at..at + N].copy_from_slice(&entries);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_and_named() {
+        for (planar, axial_spindle, dimension) in [(false, false, 79), (false, true, 81), (true, false, 45)] {
+            let layout = Layout { balls: 7, planar, cage: true, axial_spindle };
+            assert_eq!(layout.dimension(), dimension);
+            assert_eq!(layout.sizes().len(), dimension);
+            let y: Vec<f64> = (0..dimension).map(|i| i as f64 + 1.0).collect();
+            let mut copy = vec![0.0; dimension];
+            for ball in 0..7 {
+                layout.set_ball(&mut copy, ball, &layout.ball(&y, ball));
+            }
+            layout.set_cage(&mut copy, &layout.cage(&y));
+            layout.set_spindle(&mut copy, &layout.spindle(&y));
+            assert_eq!(copy, y);
+        }
+        let layout = Layout { balls: 7, planar: false, cage: true, axial_spindle: false };
+        assert_eq!(layout.name(9 * 2 + 4), "radial velocity of ball 3");
+        assert_eq!(layout.name(78), "z velocity of the spindle");
+        assert_eq!(layout.name(63 + 4), "tilt about y of the cage");
+    }
+}

@@ -1,1 +1,155 @@
+//! The ladder of models, one rung a file: `dy/dt` of a scene with what it needs, loads summed over
+//! bodies. The only place where a bearing implements `OdeSystem`.
 
+mod dynamics;
+mod full;
+mod planar;
+
+pub use dynamics::{Dynamics, Watch};
+pub use full::Full;
+pub use planar::Planar;
+
+use super::needs::Needs;
+use super::run::Rung;
+use super::scene::Scene;
+use super::state::Layout;
+use crate::numerics::ode::OdeSystem;
+use crate::physics::bearing::PerRaceway;
+use crate::physics::cage::CageParameters;
+use crate::physics::drag::Drag;
+use crate::physics::frames::Vector;
+use crate::physics::kinematics;
+use crate::physics::land::Land;
+use crate::physics::operation::SpeedProfile;
+use crate::physics::pocket::Pocket;
+use crate::physics::raceway::RacewayContact;
+use crate::physics::spindle::AxialHold;
+
+/// What stays the same during a run: constants of bodies and contacts.
+#[derive(Debug, Clone)]
+pub struct Mechanism {
+    pub layout: Layout,
+    pub speed: SpeedProfile,
+    /// Orbit speed of ideal balls over spindle speed.
+    pub orbit_ratio: f64,
+    /// Spin ω_x of ideal balls over spindle speed.
+    pub spin_ratio: f64,
+    pub pitch_radius: f64,
+    pub ball_mass: f64,
+    pub ball_inertia: f64,
+    pub raceway: PerRaceway<RacewayContact>,
+    pub pocket: Pocket,
+    pub cage: CageParameters,
+    pub land: Option<Land>,
+    pub drag: Option<Drag>,
+    pub churning: Option<Drag>,
+    pub spindle_mass: f64,
+    /// Axial displacement at which the spindle is held [m].
+    pub axial_offset: f64,
+    /// Imposed tilt of the spindle about Y and Z [rad].
+    pub misalignment: [f64; 2],
+    /// Load on the spindle [N].
+    pub load: Vector,
+    /// Mass times eccentricity [kg m].
+    pub unbalance: f64,
+    /// [m/s²]
+    pub gravity: f64,
+}
+
+impl Mechanism {
+    /// The constants of a scene with what it needs.
+    pub fn new(scene: &Scene, needs: &Needs) -> Self {
+        let bearing = &scene.bearing;
+        let operating_speed = scene.operating_speed();
+        let spin_ratio = kinematics::ideal_spin_ratio(bearing);
+        let drag = Drag::new(bearing, &scene.lubricant);
+        Self {
+            layout: Layout {
+                balls: bearing.parameters.ball_count,
+                planar: needs.rung == Rung::Planar,
+                cage: needs.cage,
+                axial_spindle: needs.axial_spindle,
+            },
+            speed: scene.operation.speed.clone(),
+            orbit_ratio: kinematics::ideal_orbit_ratio(bearing),
+            spin_ratio,
+            pitch_radius: 0.5 * bearing.parameters.pitch_diameter,
+            ball_mass: bearing.ball_mass,
+            ball_inertia: bearing.ball_inertia,
+            raceway: RacewayContact::pair(
+                bearing,
+                &scene.lubricant,
+                scene.raceway_damping.resolve(),
+                needs.raceway,
+            ),
+            pocket: Pocket::new(
+                bearing,
+                &scene.cage,
+                &scene.lubricant,
+                spin_ratio * operating_speed,
+                needs.pocket,
+            ),
+            cage: scene.cage,
+            land: scene.cage.land.filter(|_| needs.land).map(|land| Land::new(&land, &scene.lubricant)),
+            drag: needs.drag.then(|| drag.clone()),
+            churning: needs.churning.then_some(drag),
+            spindle_mass: scene.spindle.mass,
+            axial_offset: match scene.spindle.axial {
+                AxialHold::Offset(offset) => offset,
+                AxialHold::Fixed | AxialHold::Free => 0.0,
+            },
+            misalignment: scene.operation.misalignment,
+            load: scene.operation.load,
+            unbalance: if needs.unbalance { scene.spindle.unbalance_product(operating_speed) } else { 0.0 },
+            gravity: if needs.gravity { scene.gravity } else { 0.0 },
+        }
+    }
+
+    /// Azimuth at which ball or pocket `index` starts [rad]; ball 0 starts at 0, under the load.
+    pub fn start_azimuth(&self, index: usize) -> f64 {
+        std::f64::consts::TAU * index as f64 / self.layout.balls as f64
+    }
+}
+
+/// The equations of motion of a scene: any rung.
+#[derive(Debug, Clone)]
+pub enum Model {
+    Full(Full),
+    Planar(Planar),
+}
+
+impl Model {
+    /// The rung that `needs` chose.
+    pub fn new(scene: &Scene, needs: &Needs) -> Self {
+        let mechanism = Mechanism::new(scene, needs);
+        match needs.rung {
+            Rung::Full => Self::Full(Full::new(mechanism)),
+            Rung::Planar => Self::Planar(Planar::new(mechanism)),
+        }
+    }
+
+    pub fn mechanism(&self) -> &Mechanism {
+        match self {
+            Self::Full(model) => model.mechanism(),
+            Self::Planar(model) => model.mechanism(),
+        }
+    }
+
+    /// As `OdeSystem::derivative`, showing each load to `watch` on the way.
+    pub fn derivative_watched(&self, time: f64, state: &[f64], derivative: &mut [f64], watch: &mut impl Watch) {
+        match self {
+            Self::Full(model) => model.evaluate(time, state, derivative, watch),
+            Self::Planar(model) => model.evaluate(time, state, derivative, watch),
+        }
+    }
+}
+
+impl OdeSystem for Model {
+    fn dimension(&self) -> usize {
+        self.mechanism().layout.dimension()
+    }
+
+    fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
+        self.derivative_watched(time, state, derivative, &mut ());
+    }
+}

@@ -1,0 +1,318 @@
+//! Equations (1)–(14) in vector form: each contact gives one force and one moment, applied with
+//! opposite sign to the two bodies it joins.
+
+use super::Mechanism;
+use crate::numerics::ode::OdeSystem;
+use crate::physics::ball::{BallAcceleration, BallMotion};
+use crate::physics::cage::CageMotion;
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract};
+use crate::physics::pocket::{PocketLoad, PocketMotion};
+use crate::physics::raceway::{RacewayLoad, RelativeMotion};
+use crate::physics::spindle::unbalance_force;
+use crate::simulation::channel::BallContact;
+use crate::simulation::state::{BallState, CageState, SpindleState};
+
+/// Sees every load of one evaluation of the equations, as they are applied.
+pub trait Watch {
+    /// A raceway contact of a ball; forces in the orbit frame, on the ball.
+    fn raceway(&mut self, ball: usize, side: BallContact, motion: &RelativeMotion, load: &RacewayLoad) {
+        let _ = (ball, side, motion, load);
+    }
+    /// A pocket contact; forces in the cage's tilted frame, on the ball.
+    fn pocket(&mut self, ball: usize, load: &PocketLoad) {
+        let _ = (ball, load);
+    }
+}
+
+/// Nobody watches: costs nothing.
+impl Watch for () {}
+
+/// The equations of motion with (`PLANAR = false`) or without motion along X.
+#[derive(Debug, Clone)]
+pub struct Dynamics<const PLANAR: bool> {
+    mechanism: Mechanism,
+    /// The spindle's axis in the inertial frame; `None`: along X.
+    tilted_axis: Option<Vector>,
+}
+
+/// Forces summed over the balls.
+#[derive(Default)]
+struct Sums {
+    /// On the spindle, inertial frame.
+    spindle: Vector,
+    /// On the cage, in its tilted frame.
+    cage_force: Vector,
+    /// On the cage about its centre of mass, in its tilted frame.
+    cage_moment: Vector,
+}
+
+/// The cage in the form in which pockets need it.
+struct CagePose {
+    motion: CageMotion,
+    /// Rotation about the cage axis.
+    azimuth: f64,
+}
+
+impl<const PLANAR: bool> Dynamics<PLANAR> {
+    pub fn new(mechanism: Mechanism) -> Self {
+        let [about_y, about_z] = mechanism.misalignment;
+        let tilted_axis = (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
+        Self { mechanism, tilted_axis }
+    }
+
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+
+    /// Writes `dy/dt`, showing each load to `watch`.
+    pub fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: &mut impl Watch) {
+        let m = &self.mechanism;
+        let (angle, speed, acceleration) = m.speed.at(time);
+        let spindle = m.layout.spindle(y);
+        let cage_state = m.layout.cage(y);
+        let cage = self.cage_pose(&cage_state, angle, speed);
+        let mut sums = Sums::default();
+        for ball in 0..m.layout.balls {
+            let state = m.layout.ball(y, ball);
+            let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + state.arc / m.pitch_radius;
+            let motion = self.ball_motion(&state, azimuth, speed);
+            let (mut force, mut moment) = self.raceways(ball, &motion, &spindle, (angle, speed), &mut sums, watch);
+            if m.layout.cage {
+                let (pocket_force, pocket_moment) = self.pocket(ball, &motion, &cage, &mut sums, watch);
+                force = add(force, pocket_force);
+                moment = add(moment, pocket_moment);
+            }
+            let rates = self.ball_rates(&state, &motion, force, moment, acceleration);
+            m.layout.set_ball(dy, ball, &rates);
+        }
+        m.layout.set_cage(dy, &self.cage_rates(&cage_state, &cage, &sums, acceleration));
+        m.layout.set_spindle(dy, &self.spindle_rates(&spindle, sums.spindle, angle, speed, acceleration));
+    }
+
+    #[inline(always)]
+    fn ball_motion(&self, state: &BallState, azimuth: f64, speed: f64) -> BallMotion {
+        let m = &self.mechanism;
+        let radius = m.pitch_radius + state.radial;
+        let orbit_speed = m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius;
+        BallMotion {
+            azimuth_angle: azimuth,
+            azimuth: Azimuth::new(azimuth),
+            axial: state.axial,
+            radius,
+            orbit_speed,
+            velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
+            spin: [state.spin[0] + m.spin_ratio * speed, state.spin[1], state.spin[2]],
+        }
+    }
+
+    /// Force and moment of both raceways on a ball, in its orbit frame; the spindle's share goes into `sums`.
+    #[inline(always)]
+    fn raceways(
+        &self,
+        ball: usize,
+        motion: &BallMotion,
+        spindle: &SpindleState,
+        (angle, speed): (f64, f64),
+        sums: &mut Sums,
+        watch: &mut impl Watch,
+    ) -> (Vector, Vector) {
+        let m = &self.mechanism;
+        let outer = RelativeMotion {
+            axial: motion.axial,
+            radius: motion.radius,
+            velocity: motion.velocity,
+            spin: motion.spin,
+            raceway_speed: 0.0,
+            orbit_speed: motion.orbit_speed,
+            azimuth: motion.azimuth_angle,
+        };
+        let outer_load = m.raceway.outer.load::<PLANAR>(&outer);
+        watch.raceway(ball, BallContact::Outer, &outer, &outer_load);
+
+        let position = [spindle.position[0] + m.axial_offset, spindle.position[1], spindle.position[2]];
+        let centre = motion.azimuth.to_orbit(position);
+        let velocity = motion.azimuth.to_orbit(spindle.velocity);
+        let frame = self.inner_frame(motion, centre);
+        let inner = RelativeMotion {
+            axial: frame.axial,
+            radius: frame.radius,
+            velocity: frame.components(subtract(motion.velocity, velocity)),
+            spin: frame.components(motion.spin),
+            raceway_speed: speed,
+            orbit_speed: motion.orbit_speed,
+            azimuth: motion.azimuth_angle - angle,
+        };
+        let local = m.raceway.inner.load::<PLANAR>(&inner);
+        let inner_load =
+            RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
+        watch.raceway(ball, BallContact::Inner, &inner, &inner_load);
+        if inner_load.penetration > 0.0 {
+            sums.spindle = subtract(sums.spindle, motion.azimuth.to_inertial(inner_load.force));
+        }
+        (add(inner_load.force, outer_load.force), add(inner_load.moment, outer_load.moment))
+    }
+
+    /// The contact frame of the inner raceway, whose axis may be displaced and tilted.
+    #[inline(always)]
+    fn inner_frame(&self, motion: &BallMotion, centre: Vector) -> ContactFrame {
+        let from_centre = [motion.axial - centre[0], motion.radius - centre[1], -centre[2]];
+        let axis = match self.tilted_axis {
+            None => [1.0, 0.0, 0.0],
+            Some(axis) => motion.azimuth.to_orbit(axis),
+        };
+        let axial = dot(from_centre, axis);
+        let across = subtract(from_centre, scale(axial, axis));
+        let radius = dot(across, across).sqrt();
+        let radial = scale(1.0 / radius, across);
+        ContactFrame { axial, radius, axis, radial, tangential: cross(axis, radial) }
+    }
+
+    fn cage_pose(&self, state: &CageState, angle: f64, speed: f64) -> CagePose {
+        let m = &self.mechanism;
+        let [x, y, z] = state.centre;
+        let [about_y, about_z] = state.tilt_rate;
+        CagePose {
+            motion: CageMotion {
+                // The pocket plane lies in the plane of the balls when the cage is in its place.
+                centre: [x - m.cage.offset, y, z],
+                velocity: state.velocity,
+                tilt: if PLANAR { Tilt::NONE } else { Tilt::new(state.tilt[0], state.tilt[1]) },
+                tilt_about_z: state.tilt[1],
+                spin: [m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius, about_y, about_z],
+            },
+            azimuth: m.orbit_ratio * angle + state.arc / m.pitch_radius,
+        }
+    }
+
+    /// Force and moment of its pocket on a ball, in the ball's orbit frame; the cage's share goes into `sums`.
+    #[inline(always)]
+    fn pocket(
+        &self,
+        ball: usize,
+        motion: &BallMotion,
+        cage: &CagePose,
+        sums: &mut Sums,
+        watch: &mut impl Watch,
+    ) -> (Vector, Vector) {
+        let m = &self.mechanism;
+        let tilt = &cage.motion.tilt;
+        let azimuth = motion.azimuth;
+        // All in the cage's tilted frame, from its centre of mass.
+        let place = azimuth.to_inertial([motion.axial, motion.radius, 0.0]);
+        let ball_place = tilt.to_tilted(subtract(place, cage.motion.centre));
+        let pocket_azimuth = Azimuth::new(m.start_azimuth(ball) + cage.azimuth);
+        let pocket_place = pocket_azimuth.to_inertial([m.cage.offset, m.pitch_radius, 0.0]);
+        let velocity = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), cage.motion.velocity));
+        let relative = PocketMotion {
+            displacement: subtract(ball_place, pocket_place),
+            velocity: subtract(velocity, cross(cage.motion.spin, ball_place)),
+            spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), cage.motion.spin),
+        };
+        let load = m.pocket.load(&relative);
+        watch.pocket(ball, &load);
+        sums.cage_force = subtract(sums.cage_force, load.force);
+        sums.cage_moment = subtract(sums.cage_moment, cross(add(ball_place, load.lever), load.force));
+        let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
+        (to_orbit(load.force), to_orbit(load.moment))
+    }
+
+    /// Rates of a ball's state under the force and moment of its contacts, with drag and gravity added.
+    #[inline(always)]
+    fn ball_rates(
+        &self,
+        state: &BallState,
+        motion: &BallMotion,
+        mut force: Vector,
+        mut moment: Vector,
+        acceleration: f64,
+    ) -> BallState {
+        let m = &self.mechanism;
+        if let Some(drag) = &m.drag {
+            force[2] += drag.force(m.pitch_radius * motion.orbit_speed);
+        }
+        if let Some(churning) = &m.churning {
+            moment = add(moment, churning.churning_moment(motion.spin));
+        }
+        let weight = m.ball_mass * m.gravity;
+        force[1] += weight * motion.azimuth.cosine;
+        force[2] -= weight * motion.azimuth.sine;
+        let BallAcceleration { axial, radial, azimuthal, spin } =
+            motion.acceleration(force, moment, m.ball_mass, m.ball_inertia);
+        BallState {
+            axial: state.axial_velocity,
+            radial: state.radial_velocity,
+            arc: state.arc_velocity,
+            axial_velocity: axial,
+            radial_velocity: radial,
+            arc_velocity: m.pitch_radius * (azimuthal - m.orbit_ratio * acceleration),
+            spin: [spin[0] - m.spin_ratio * acceleration, spin[1], spin[2]],
+        }
+    }
+
+    fn cage_rates(&self, state: &CageState, pose: &CagePose, sums: &Sums, acceleration: f64) -> CageState {
+        let m = &self.mechanism;
+        if !m.layout.cage {
+            return CageState::default();
+        }
+        let mut force = pose.motion.tilt.to_inertial(sums.cage_force);
+        let mut moment = sums.cage_moment;
+        if let Some(land) = &m.land {
+            let (land_force, braking) = land.load(pose.motion.centre, pose.motion.spin[0]);
+            force = add(force, land_force);
+            moment[0] += braking;
+        }
+        let rates = m.cage.acceleration(&pose.motion, force, moment, m.gravity);
+        let [about_y, about_z] = state.tilt_rate;
+        let [_, tilt_z] = state.tilt;
+        CageState {
+            centre: state.velocity,
+            arc: state.arc_velocity - m.pitch_radius * about_y * tilt_z.tan(),
+            tilt: [about_y / tilt_z.cos(), about_z],
+            velocity: rates.linear,
+            arc_velocity: m.pitch_radius * (rates.angular[0] - m.orbit_ratio * acceleration),
+            tilt_rate: [rates.angular[1], rates.angular[2]],
+        }
+    }
+
+    /// Equations (13), (14), and X where the spindle is free.
+    fn spindle_rates(&self, state: &SpindleState, reaction: Vector, angle: f64, speed: f64, acceleration: f64) -> SpindleState {
+        let m = &self.mechanism;
+        let mut force = add(m.load, reaction);
+        force[1] += m.spindle_mass * m.gravity;
+        if m.unbalance != 0.0 {
+            force = add(force, unbalance_force(m.unbalance, angle, speed, acceleration));
+        }
+        SpindleState { position: state.velocity, velocity: scale(1.0 / m.spindle_mass, force) }
+    }
+}
+
+/// Where a ball sits on a raceway: place and axes of the contact's frame, in the orbit frame.
+struct ContactFrame {
+    axial: f64,
+    radius: f64,
+    axis: Vector,
+    radial: Vector,
+    tangential: Vector,
+}
+
+impl ContactFrame {
+    #[inline(always)]
+    fn components(&self, v: Vector) -> Vector {
+        [dot(self.axis, v), dot(self.radial, v), dot(self.tangential, v)]
+    }
+
+    #[inline(always)]
+    fn vector(&self, c: Vector) -> Vector {
+        add(scale(c[0], self.axis), add(scale(c[1], self.radial), scale(c[2], self.tangential)))
+    }
+}
+
+impl<const PLANAR: bool> OdeSystem for Dynamics<PLANAR> {
+    fn dimension(&self) -> usize {
+        self.mechanism.layout.dimension()
+    }
+
+    fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
+        self.evaluate(time, state, derivative, &mut ());
+    }
+}
