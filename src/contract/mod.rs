@@ -1,1 +1,80 @@
+//! JSON in and out: requests become checked scenes and settings, results become answers. Every field
+//! carries its unit in its name and is converted once, here. Knows physics and simulation; knows no
+//! HTTP, no SQL and no thread.
 
+pub mod problem;
+
+pub mod bearing;
+pub mod cage;
+pub mod damping;
+pub mod job;
+pub mod lubricant;
+pub mod material;
+pub mod operation;
+pub mod outputs;
+pub mod presets;
+pub mod scene;
+pub mod solver;
+pub mod spindle;
+pub mod terms;
+
+mod filling;
+mod scaling;
+mod strict;
+mod times;
+mod units;
+
+pub use job::{Job, JobKind, parse_job, parse_scene_request};
+pub use presets::presets_answer;
+pub use problem::{FieldError, Refusal};
+pub use strict::NameOr;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::simulation::scene::Scene;
+
+/// Builds a scene from JSON: a scene, `{ "scene": … }`, or a whole job.
+pub fn scene_from_json(text: &str) -> Result<Scene, Refusal> {
+    let value = strict::read(text.as_bytes())?;
+    let bare = value.get("bearing").is_some() || value.get("operation").is_some();
+    let request = if bare { serde_json::json!({ "scene": value }) } else { value };
+    let job = job::simulation_of(request);
+    job.map(|job| job.resolved.scene).map_err(|refusal| if bare { without_scene_prefix(refusal) } else { refusal })
+}
+
+fn without_scene_prefix(refusal: Refusal) -> Refusal {
+    match refusal {
+        Refusal::Invalid { errors } => Refusal::Invalid {
+            errors: errors
+                .into_iter()
+                .map(|error| match error.pointer.strip_prefix("/scene") {
+                    Some(rest) => FieldError::new(rest, error.detail),
+                    None => error,
+                })
+                .collect(),
+        },
+        other => other,
+    }
+}
+
+/// The JSON of an input type, fields that are left out absent.
+pub(crate) fn given_fields(input: &impl Serialize) -> Value {
+    fn prune(value: &mut Value) {
+        match value {
+            Value::Object(fields) => {
+                fields.retain(|_, field| !field.is_null());
+                fields.values_mut().for_each(prune);
+            }
+            Value::Array(items) => items.iter_mut().for_each(prune),
+            _ => {}
+        }
+    }
+    // Input types have string keys only, so that this never fails.
+    let mut value = serde_json::to_value(input).unwrap_or_default();
+    prune(&mut value);
+    value
+}
+
+#[cfg(test)]
+mod tests;

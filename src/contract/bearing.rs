@@ -1,0 +1,192 @@
+//! The bearing: a preset by name, a preset with changes, or its dimensions.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::cage::CageInput;
+use super::filling::Filling;
+use super::material::MaterialsInput;
+use super::presets::{self, BearingPreset};
+use super::problem::listed;
+use super::scaling;
+use super::strict::{NameOr, optional_object};
+use super::units::{DEG, MM, UM};
+use crate::physics::bearing::{BearingKind, BearingParameters, Fit, PerRaceway};
+use crate::physics::material::Material;
+
+/// A ball bearing. With `preset`, the fields replace those of the preset. Without it, the ball count
+/// and all diameters and the width are required; the other fields have documented defaults.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BearingInput {
+    /// Name of a preset of `GET /v1/presets` to start from.
+    #[schema(nullable = false, example = "article-integrated")]
+    pub preset: Option<String>,
+    /// Default `deep_groove`.
+    #[serde(rename = "type")]
+    #[schema(nullable = false)]
+    pub kind: Option<BearingType>,
+    /// Outer diameter D [mm].
+    #[schema(nullable = false, exclusive_minimum = 0, maximum = 12000, example = 18.0)]
+    pub outer_diameter_mm: Option<f64>,
+    /// Bore; of an integrated bearing the diameter of its spindle [mm].
+    #[schema(nullable = false, exclusive_minimum = 0, maximum = 10000, example = 8.5)]
+    pub inner_diameter_mm: Option<f64>,
+    /// Width B [mm].
+    #[schema(nullable = false, exclusive_minimum = 0, maximum = 2000, example = 5.9)]
+    pub width_mm: Option<f64>,
+    /// Number of balls Z [-].
+    #[serde(default, deserialize_with = "super::strict::whole_number")]
+    #[schema(nullable = false, minimum = 2, maximum = 64, example = 7)]
+    pub ball_count: Option<u32>,
+    /// Ball diameter d [mm].
+    #[schema(nullable = false, exclusive_minimum = 0, maximum = 500, example = 2.778)]
+    pub ball_diameter_mm: Option<f64>,
+    /// Pitch diameter D_m [mm].
+    #[schema(nullable = false, exclusive_minimum = 0, maximum = 10000, example = 13.0)]
+    pub pitch_diameter_mm: Option<f64>,
+    /// Groove radius of the inner raceway over ball diameter [-]. Default 0.52.
+    #[schema(nullable = false, exclusive_minimum = 0.5, maximum = 1, example = 0.529)]
+    pub inner_groove_curvature: Option<f64>,
+    /// Groove radius of the outer raceway over ball diameter [-]. Default 0.53.
+    #[schema(nullable = false, exclusive_minimum = 0.5, maximum = 1, example = 0.529)]
+    pub outer_groove_curvature: Option<f64>,
+    /// Diametral radial clearance [µm]; negative: a radial preload. Default: middle of ISO 5753-1
+    /// group N for the bore; 15° instead for `angular_contact`.
+    #[schema(nullable = false, example = 5.0)]
+    pub radial_clearance_um: Option<f64>,
+    /// Free contact angle [°]. Either this or `radial_clearance_um`.
+    #[schema(nullable = false, minimum = 0, maximum = 60)]
+    pub contact_angle_deg: Option<f64>,
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub materials: Option<MaterialsInput>,
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub cage: Option<CageInput>,
+}
+
+/// `integrated`: the inner raceway is ground on the spindle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BearingType {
+    Integrated,
+    DeepGroove,
+    AngularContact,
+}
+
+/// What the request says of the bearing, and what fills the gaps.
+pub struct ChosenBearing {
+    pub own: BearingInput,
+    pub base: BearingPreset,
+}
+
+/// The named preset, or the defaults of a bearing with these dimensions; `None` after an error.
+pub fn choose(bearing: NameOr<String, BearingInput>, filling: &mut Filling) -> Option<ChosenBearing> {
+    let (name, pointer, own) = match bearing {
+        NameOr::Name(name) => (Some(name), "/scene/bearing", BearingInput::default()),
+        NameOr::Object(mut own) => (own.preset.take(), "/scene/bearing/preset", own),
+    };
+    let base = match name {
+        Some(name) => {
+            let preset = presets::bearing(&name);
+            if preset.is_none() {
+                let known = listed(presets::bearing_names());
+                filling.refuse(pointer, format!("no bearing is called `{name}`; known are {known}"));
+            }
+            preset?
+        }
+        None => {
+            let known_errors = filling.errors.len();
+            let mut number = |name: &str, field| filling.require(format!("/scene/bearing/{name}"), field, f64::NAN);
+            let size = scaling::Size {
+                bore_mm: number("inner_diameter_mm", &own.inner_diameter_mm),
+                ball_diameter_mm: number("ball_diameter_mm", &own.ball_diameter_mm),
+                pitch_diameter_mm: number("pitch_diameter_mm", &own.pitch_diameter_mm),
+            };
+            number("outer_diameter_mm", &own.outer_diameter_mm);
+            number("width_mm", &own.width_mm);
+            filling.require("/scene/bearing/ball_count", &own.ball_count, 0);
+            if filling.errors.len() > known_errors {
+                return None;
+            }
+            scaling::defaults(size, own.kind.unwrap_or(BearingType::DeepGroove))
+        }
+    };
+    Some(ChosenBearing { own, base })
+}
+
+impl BearingInput {
+    /// Fills in what is left out from `base`.
+    pub fn resolve(
+        &mut self,
+        filling: &mut Filling,
+        base: &BearingInput,
+        ball_material: Material,
+        raceway_material: PerRaceway<Material>,
+    ) -> BearingParameters {
+        let kind = base.kind.unwrap_or(BearingType::DeepGroove);
+        let kind = filling.take("/scene/bearing/type", &mut self.kind, kind);
+        let ball_count = filling.take("/scene/bearing/ball_count", &mut self.ball_count, base.ball_count.unwrap_or(0));
+        let fit = self.fit(filling, base);
+        let mut take = |name: &str, field: &mut Option<f64>, default: Option<f64>| {
+            filling.take(format!("/scene/bearing/{name}"), field, default.unwrap_or(f64::NAN))
+        };
+        let outer = take("outer_diameter_mm", &mut self.outer_diameter_mm, base.outer_diameter_mm);
+        let inner = take("inner_diameter_mm", &mut self.inner_diameter_mm, base.inner_diameter_mm);
+        let width = take("width_mm", &mut self.width_mm, base.width_mm);
+        let ball = take("ball_diameter_mm", &mut self.ball_diameter_mm, base.ball_diameter_mm);
+        let pitch = take("pitch_diameter_mm", &mut self.pitch_diameter_mm, base.pitch_diameter_mm);
+        BearingParameters {
+            kind: kind.in_physics(),
+            outer_diameter: MM.to_si(outer),
+            inner_diameter: MM.to_si(inner),
+            width: MM.to_si(width),
+            ball_count: ball_count as usize,
+            ball_diameter: MM.to_si(ball),
+            pitch_diameter: MM.to_si(pitch),
+            groove_curvature: PerRaceway {
+                inner: take("inner_groove_curvature", &mut self.inner_groove_curvature, base.inner_groove_curvature),
+                outer: take("outer_groove_curvature", &mut self.outer_groove_curvature, base.outer_groove_curvature),
+            },
+            fit,
+            ball_material,
+            raceway_material,
+        }
+    }
+
+    /// Clearance or contact angle: the one given, else that of `base`.
+    fn fit(&mut self, filling: &mut Filling, base: &BearingInput) -> Fit {
+        const ANGLE: &str = "/scene/bearing/contact_angle_deg";
+        match (self.radial_clearance_um, self.contact_angle_deg) {
+            (Some(clearance), angle) => {
+                if angle.is_some() {
+                    filling.refuse(
+                        ANGLE,
+                        "give either radial_clearance_um or contact_angle_deg: one determines the other",
+                    );
+                }
+                Fit::RadialClearance(UM.to_si(clearance))
+            }
+            (None, Some(angle)) => Fit::ContactAngle(DEG.to_si(angle)),
+            (None, None) => match base.contact_angle_deg {
+                Some(angle) => Fit::ContactAngle(DEG.to_si(filling.take(ANGLE, &mut self.contact_angle_deg, angle))),
+                None => {
+                    let clearance = base.radial_clearance_um.unwrap_or(0.0);
+                    let pointer = "/scene/bearing/radial_clearance_um";
+                    Fit::RadialClearance(UM.to_si(filling.take(pointer, &mut self.radial_clearance_um, clearance)))
+                }
+            },
+        }
+    }
+}
+
+impl BearingType {
+    fn in_physics(self) -> BearingKind {
+        match self {
+            Self::Integrated => BearingKind::Integrated,
+            Self::DeepGroove => BearingKind::DeepGroove,
+            Self::AngularContact => BearingKind::AngularContact,
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Lubricant and traction.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::filling::Filling;
+use super::presets;
+use super::problem::listed;
+use super::strict::{NameOr, optional_object};
+use super::units::MM;
+use crate::physics::contact::traction::TractionLaw;
+use crate::physics::lubricant::{Lubricant, LubricantKind};
+
+/// A lubricant at running temperature. Fields left out: those of the preset that is called like the kind.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LubricantInput {
+    /// Default `grease`, whose hydrodynamic forces are left out by convention.
+    #[schema(nullable = false)]
+    pub kind: Option<LubricantKindName>,
+    /// Dynamic viscosity of the (base) oil at running temperature [Pa·s]; 0: no film.
+    #[schema(nullable = false, minimum = 0, maximum = 100, example = 0.02)]
+    pub viscosity_pa_s: Option<f64>,
+    /// Pressure–viscosity coefficient [1/Pa].
+    #[schema(nullable = false, minimum = 0, maximum = 0.000001, example = 2e-8)]
+    pub pressure_viscosity_per_pa: Option<f64>,
+    /// Share of the free volume filled with lubricant [-]; sets drag and churning.
+    #[schema(nullable = false, minimum = 0, maximum = 1, example = 0.05)]
+    pub fill: Option<f64>,
+    /// Distance of the inlet meniscus from the contact [mm]. Default: a quarter of the ball diameter.
+    #[schema(nullable = false, exclusive_minimum = 0, maximum = 1000)]
+    pub inlet_distance_mm: Option<f64>,
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub traction: Option<TractionInput>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LubricantKindName {
+    Grease,
+    Oil,
+    Dry,
+}
+
+/// Traction coefficient over slip speed: a law with the fields that it takes.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TractionInput {
+    /// Default `four_parameter`, of a dry bearing `coulomb`.
+    #[schema(nullable = false)]
+    pub law: Option<TractionLawName>,
+    /// `four_parameter`: coefficient at rest [-]. Default 0.
+    #[schema(nullable = false, minimum = 0, maximum = 2)]
+    pub at_rest: Option<f64>,
+    /// `four_parameter`: largest coefficient [-]. Default 0.05.
+    #[schema(nullable = false, minimum = 0, maximum = 2)]
+    pub maximum: Option<f64>,
+    /// `four_parameter`: slip speed at which the largest coefficient is reached [m/s]. Default 1.
+    #[schema(nullable = false, minimum = 0.00001, maximum = 1000)]
+    pub at_slip_m_s: Option<f64>,
+    /// `four_parameter`: coefficient at high slip [-], default 0.036. `eyring`: largest shear stress over pressure [-], default 0.08.
+    #[schema(nullable = false, minimum = 0, maximum = 2)]
+    pub limit: Option<f64>,
+    /// `slide_roll`: A in (A + B s) e^(−C s) + D over the slide/roll ratio s [-]. Required, as are B, C, D.
+    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
+    pub a: Option<f64>,
+    /// `slide_roll`: B [-].
+    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
+    pub b: Option<f64>,
+    /// `slide_roll`: C [-].
+    #[schema(nullable = false, minimum = 0, maximum = 1000000)]
+    pub c: Option<f64>,
+    /// `slide_roll`: D [-].
+    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
+    pub d: Option<f64>,
+    /// `eyring`: Eyring stress [Pa]. Default 5e6.
+    #[schema(nullable = false, exclusive_minimum = 0, maximum = 1e9)]
+    pub stress_pa: Option<f64>,
+    /// `coulomb`: coefficient [-]. Default 0.1.
+    #[schema(nullable = false, minimum = 0, maximum = 2)]
+    pub coefficient: Option<f64>,
+    /// `coulomb`: slip speed over which friction builds up [m/s]. Default 0.05.
+    #[schema(nullable = false, minimum = 0.00001, maximum = 100)]
+    pub regularisation_m_s: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TractionLawName {
+    FourParameter,
+    SlideRoll,
+    Eyring,
+    Coulomb,
+}
+
+/// Fills in defaults, with values in the place of a name.
+pub fn resolve(
+    field: &mut Option<NameOr<String, LubricantInput>>,
+    filling: &mut Filling,
+    default: &str,
+    ball_diameter_mm: f64,
+) -> Lubricant {
+    let given = field.is_some();
+    let mut own = match field.take().unwrap_or_else(|| NameOr::Name(default.to_owned())) {
+        NameOr::Object(own) => own,
+        NameOr::Name(name) => {
+            let kind = presets::lubricant(&name).and_then(|preset| preset.kind);
+            if kind.is_none() {
+                let known = listed(presets::LUBRICANTS.iter().map(|lubricant| lubricant.name));
+                filling.refuse("/scene/lubricant", format!("no lubricant is called `{name}`; known are {known}"));
+            }
+            if !given {
+                filling.defaults.push("/scene/lubricant/kind".to_owned());
+            }
+            LubricantInput { kind, ..LubricantInput::default() }
+        }
+    };
+    let lubricant = own.resolve(filling, ball_diameter_mm);
+    *field = Some(NameOr::Object(own));
+    lubricant
+}
+
+impl LubricantInput {
+    fn resolve(&mut self, filling: &mut Filling, ball_diameter_mm: f64) -> Lubricant {
+        let kind = filling.take("/scene/lubricant/kind", &mut self.kind, LubricantKindName::Grease);
+        let base = presets::lubricant_of(kind);
+        let viscosity = filling.take("/scene/lubricant/viscosity_pa_s", &mut self.viscosity_pa_s, base.viscosity_pa_s);
+        let pressure_viscosity = filling.take(
+            "/scene/lubricant/pressure_viscosity_per_pa",
+            &mut self.pressure_viscosity_per_pa,
+            base.pressure_viscosity_per_pa,
+        );
+        let fill = filling.take("/scene/lubricant/fill", &mut self.fill, base.fill);
+        let inlet =
+            filling.take("/scene/lubricant/inlet_distance_mm", &mut self.inlet_distance_mm, 0.25 * ball_diameter_mm);
+        Lubricant {
+            kind: kind.in_physics(),
+            viscosity,
+            pressure_viscosity,
+            fill,
+            inlet_distance: Some(MM.to_si(inlet)),
+            traction: self.traction.get_or_insert_default().resolve(filling, base.law),
+        }
+    }
+}
+
+impl LubricantKindName {
+    fn in_physics(self) -> LubricantKind {
+        match self {
+            Self::Grease => LubricantKind::Grease,
+            Self::Oil => LubricantKind::Oil,
+            Self::Dry => LubricantKind::Dry,
+        }
+    }
+}
+
+impl TractionInput {
+    /// Fills in the defaults of the law; `slide_roll` has none, because no fit for a real oil is public.
+    pub fn resolve(&mut self, filling: &mut Filling, default: TractionLawName) -> TractionLaw {
+        const AT: &str = "/scene/lubricant/traction";
+        let law = filling.take(format!("{AT}/law"), &mut self.law, default);
+        let four = law == TractionLawName::FourParameter;
+        let slide_roll = law == TractionLawName::SlideRoll;
+        let eyring = law == TractionLawName::Eyring;
+        let coulomb = law == TractionLawName::Coulomb;
+        let name = match law {
+            TractionLawName::FourParameter => "four_parameter",
+            TractionLawName::SlideRoll => "slide_roll",
+            TractionLawName::Eyring => "eyring",
+            TractionLawName::Coulomb => "coulomb",
+        };
+        filling.only_used(
+            AT,
+            name,
+            &[
+                ("at_rest", self.at_rest.is_some(), four),
+                ("maximum", self.maximum.is_some(), four),
+                ("at_slip_m_s", self.at_slip_m_s.is_some(), four),
+                ("limit", self.limit.is_some(), four || eyring),
+                ("a", self.a.is_some(), slide_roll),
+                ("b", self.b.is_some(), slide_roll),
+                ("c", self.c.is_some(), slide_roll),
+                ("d", self.d.is_some(), slide_roll),
+                ("stress_pa", self.stress_pa.is_some(), eyring),
+                ("coefficient", self.coefficient.is_some(), coulomb),
+                ("regularisation_m_s", self.regularisation_m_s.is_some(), coulomb),
+            ],
+        );
+        let mut take =
+            |field: &str, value: &mut Option<f64>, default| filling.take(format!("{AT}/{field}"), value, default);
+        match law {
+            TractionLawName::FourParameter => TractionLaw::FourParameter {
+                at_rest: take("at_rest", &mut self.at_rest, 0.0),
+                maximum: take("maximum", &mut self.maximum, 0.05),
+                at_slip: take("at_slip_m_s", &mut self.at_slip_m_s, 1.0),
+                limit: take("limit", &mut self.limit, 0.036),
+            },
+            TractionLawName::Eyring => TractionLaw::Eyring {
+                stress: take("stress_pa", &mut self.stress_pa, 5e6),
+                limit: take("limit", &mut self.limit, 0.08),
+            },
+            TractionLawName::Coulomb => TractionLaw::Coulomb {
+                coefficient: take("coefficient", &mut self.coefficient, 0.1),
+                regularisation: take("regularisation_m_s", &mut self.regularisation_m_s, 0.05),
+            },
+            TractionLawName::SlideRoll => TractionLaw::SlideRoll {
+                a: filling.require(format!("{AT}/a"), &self.a, 0.0),
+                b: filling.require(format!("{AT}/b"), &self.b, 0.0),
+                c: filling.require(format!("{AT}/c"), &self.c, 0.0),
+                d: filling.require(format!("{AT}/d"), &self.d, 0.0),
+            },
+        }
+    }
+}

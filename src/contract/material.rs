@@ -1,0 +1,88 @@
+//! Materials of balls, raceways and cage.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::filling::Filling;
+use super::presets;
+use super::problem::listed;
+use super::strict::NameOr;
+use super::units::GPA;
+use crate::physics::material::Material;
+
+/// An elastic isotropic material.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialInput {
+    /// Young's modulus [GPa].
+    #[schema(exclusive_minimum = 0, maximum = 2000, example = 219.0)]
+    pub elastic_modulus_gpa: f64,
+    /// Poisson's ratio [-].
+    #[schema(minimum = 0, maximum = 0.5, example = 0.3)]
+    pub poisson_ratio: f64,
+    /// Density [kg/m³].
+    #[schema(exclusive_minimum = 0, maximum = 30000, example = 7830.0)]
+    pub density_kg_m3: f64,
+}
+
+/// Materials of a bearing, each a preset name or its constants. Default: that of the bearing's
+/// preset; `gcr15` and a cage of `pa46` for a bearing without one.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialsInput {
+    #[schema(nullable = false)]
+    pub ball: Option<NameOr<String, MaterialInput>>,
+    #[schema(nullable = false)]
+    pub inner_raceway: Option<NameOr<String, MaterialInput>>,
+    #[schema(nullable = false)]
+    pub outer_raceway: Option<NameOr<String, MaterialInput>>,
+    #[schema(nullable = false)]
+    pub cage: Option<NameOr<String, MaterialInput>>,
+}
+
+/// Materials in SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Materials {
+    pub ball: Material,
+    pub inner_raceway: Material,
+    pub outer_raceway: Material,
+    pub cage: Material,
+}
+
+impl MaterialsInput {
+    /// Fills in the defaults of `base`, with constants in the place of names.
+    pub fn resolve(&mut self, filling: &mut Filling, base: &MaterialsInput) -> Materials {
+        let mut one = |part: &str, field: &mut Option<NameOr<String, MaterialInput>>, default| {
+            material(filling, format!("/scene/bearing/materials/{part}"), field, default)
+        };
+        Materials {
+            ball: one("ball", &mut self.ball, &base.ball),
+            inner_raceway: one("inner_raceway", &mut self.inner_raceway, &base.inner_raceway),
+            outer_raceway: one("outer_raceway", &mut self.outer_raceway, &base.outer_raceway),
+            cage: one("cage", &mut self.cage, &base.cage),
+        }
+    }
+}
+
+fn material(
+    filling: &mut Filling,
+    pointer: String,
+    field: &mut Option<NameOr<String, MaterialInput>>,
+    default: &Option<NameOr<String, MaterialInput>>,
+) -> Material {
+    let default = default.clone().unwrap_or_else(|| NameOr::Name(presets::STEEL.to_owned()));
+    let constants = match filling.take(pointer.clone(), field, default) {
+        NameOr::Object(constants) => constants,
+        NameOr::Name(name) => presets::material(&name).unwrap_or_else(|| {
+            let known = listed(presets::MATERIALS.iter().map(|material| material.0));
+            filling.refuse(pointer, format!("no material is called `{name}`; known are {known}"));
+            presets::MATERIALS[0].2
+        }),
+    };
+    *field = Some(NameOr::Object(constants));
+    Material {
+        elastic_modulus: GPA.to_si(constants.elastic_modulus_gpa),
+        poisson_ratio: constants.poisson_ratio,
+        density: constants.density_kg_m3,
+    }
+}

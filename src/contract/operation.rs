@@ -1,0 +1,143 @@
+//! Speed, loads and misalignment.
+
+use std::fmt;
+
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use utoipa::ToSchema;
+
+use super::filling::Filling;
+use super::strict::{ObjectOnly, optional_object};
+use super::units::{self, MRAD, RPM};
+use crate::physics::InvalidParameter;
+use crate::physics::operation::{Operation, SpeedProfile};
+
+/// How the bearing is driven and loaded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OperationInput {
+    /// Speed of the inner ring.
+    pub speed_rpm: SpeedInput,
+    /// Radial load on the spindle along +Y, the direction of gravity [N]. Default 0.
+    #[schema(nullable = false, minimum = -1e7, maximum = 1e7, example = 200.0)]
+    pub radial_load_y_n: Option<f64>,
+    /// Radial load on the spindle along +Z [N]. Default 0.
+    #[schema(nullable = false, minimum = -1e7, maximum = 1e7)]
+    pub radial_load_z_n: Option<f64>,
+    /// Axial load on the spindle along +X [N]; only a spindle whose axial direction is free carries one. Default 0.
+    #[schema(nullable = false, minimum = -1e7, maximum = 1e7)]
+    pub axial_load_n: Option<f64>,
+    /// Imposed tilt of the spindle.
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub misalignment_mrad: Option<MisalignmentInput>,
+}
+
+/// A constant speed [r/min], or straight lines between points; a negative one turns the other way.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum SpeedInput {
+    Constant(f64),
+    Profile(Vec<SpeedPointInput>),
+}
+
+/// A speed at a time; before the first point and after the last one the speed is constant.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedPointInput {
+    /// Time since the start, settling included [s]; rises from point to point.
+    #[schema(minimum = 0, maximum = 1000000, example = 0.0)]
+    pub at_s: f64,
+    /// [r/min]
+    #[schema(minimum = -500000, maximum = 500000, example = 50000.0)]
+    pub rpm: f64,
+}
+
+/// Tilt of the spindle about Y and about Z [mrad]. Default 0.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MisalignmentInput {
+    #[schema(nullable = false, minimum = -20, maximum = 20)]
+    pub y: Option<f64>,
+    #[schema(nullable = false, minimum = -20, maximum = 20)]
+    pub z: Option<f64>,
+}
+
+impl OperationInput {
+    /// `None` when the speed is refused.
+    pub fn resolve(&mut self, filling: &mut Filling) -> Option<Operation> {
+        let mut take =
+            |name: &str, field: &mut Option<f64>| filling.take(format!("/scene/operation/{name}"), field, 0.0);
+        let load = [
+            take("axial_load_n", &mut self.axial_load_n),
+            take("radial_load_y_n", &mut self.radial_load_y_n),
+            take("radial_load_z_n", &mut self.radial_load_z_n),
+        ];
+        let tilt = self.misalignment_mrad.get_or_insert_default();
+        let misalignment = [
+            MRAD.to_si(take("misalignment_mrad/y", &mut tilt.y)),
+            MRAD.to_si(take("misalignment_mrad/z", &mut tilt.z)),
+        ];
+        let speed = self.speed_rpm.resolve(filling)?;
+        Some(Operation { speed, load, misalignment })
+    }
+}
+
+impl SpeedInput {
+    fn resolve(&self, filling: &mut Filling) -> Option<SpeedProfile> {
+        let profile = match self {
+            Self::Constant(rpm) => SpeedProfile::constant(RPM.to_si(*rpm)),
+            Self::Profile(points) => {
+                let points: Vec<_> = points.iter().map(|point| (point.at_s, RPM.to_si(point.rpm))).collect();
+                refuse_points(&points, filling)?;
+                SpeedProfile::new(points)
+            }
+        };
+        profile.map_err(|error| filling.errors.push(units::field_error(&error))).ok()
+    }
+}
+
+/// Checks each point by itself, so that the error names it.
+fn refuse_points(points: &[(f64, f64)], filling: &mut Filling) -> Option<()> {
+    let fault = points.iter().enumerate().find_map(|(index, point)| {
+        let error = SpeedProfile::new(vec![*point]).err()?;
+        let of_time = matches!(error, InvalidParameter::OutOfRange { parameter: "operation.speed.at", .. });
+        let mut error = units::field_error(&error);
+        error.pointer += &format!("/{index}/{}", if of_time { "at_s" } else { "rpm" });
+        Some(error)
+    });
+    match fault {
+        Some(error) => {
+            filling.errors.push(error);
+            None
+        }
+        None => Some(()),
+    }
+}
+
+impl<'de> Deserialize<'de> for SpeedInput {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Speed;
+        impl<'de> Visitor<'de> for Speed {
+            type Value = SpeedInput;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number or an array of {\"at_s\", \"rpm\"}")
+            }
+            fn visit_f64<E>(self, rpm: f64) -> Result<SpeedInput, E> {
+                Ok(SpeedInput::Constant(rpm))
+            }
+            fn visit_u64<E>(self, rpm: u64) -> Result<SpeedInput, E> {
+                Ok(SpeedInput::Constant(rpm as f64))
+            }
+            fn visit_i64<E>(self, rpm: i64) -> Result<SpeedInput, E> {
+                Ok(SpeedInput::Constant(rpm as f64))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, points: A) -> Result<SpeedInput, A::Error> {
+                let points = Vec::<ObjectOnly<SpeedPointInput>>::deserialize(SeqAccessDeserializer::new(points))?;
+                Ok(SpeedInput::Profile(points.into_iter().map(|point| point.0).collect()))
+            }
+        }
+        deserializer.deserialize_any(Speed)
+    }
+}

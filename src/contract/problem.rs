@@ -1,0 +1,49 @@
+//! What is wrong with a request: which field, and why.
+
+/// A refused request.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// The body is no JSON text.
+    #[error("not JSON: {detail}")]
+    NotJson { detail: String },
+    /// The body is JSON, but no valid request. Never empty.
+    #[error("{}", in_words(.errors))]
+    Invalid { errors: Vec<FieldError> },
+}
+
+/// One wrong field.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, utoipa::ToSchema)]
+pub struct FieldError {
+    /// JSON pointer (RFC 6901) to the field from the root of the body.
+    #[schema(example = "/scene/bearing/ball_diameter_mm")]
+    pub pointer: String,
+    /// What is wrong, in the user's units.
+    #[schema(example = "-1 mm: must be above 0 and at most 500 mm")]
+    pub detail: String,
+}
+
+impl FieldError {
+    pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
+        Self { pointer: pointer.into(), detail: detail.into() }
+    }
+}
+
+impl From<FieldError> for Refusal {
+    fn from(error: FieldError) -> Self {
+        Self::Invalid { errors: vec![error] }
+    }
+}
+
+/// A key as a reference token of a JSON pointer.
+pub fn escape(key: &str) -> String {
+    key.replace('~', "~0").replace('/', "~1")
+}
+
+/// Names in backticks, separated by commas.
+pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    names.into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+fn in_words(errors: &[FieldError]) -> String {
+    errors.iter().map(|error| format!("{}: {}", error.pointer, error.detail)).collect::<Vec<_>>().join("; ")
+}

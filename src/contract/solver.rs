@@ -1,0 +1,115 @@
+//! How to simulate.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::filling::Filling;
+use super::problem::listed;
+use super::units::US;
+use crate::simulation::run::{Method, Rung};
+
+/// Integrator, tolerances and model.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SolverInput {
+    /// Default `auto`: the run chooses, and the result names what ran and why.
+    #[schema(nullable = false, value_type = Option<MethodName>)]
+    pub method: Option<String>,
+    /// Relative tolerance of the integrator [-]. Default 1e-5.
+    #[schema(nullable = false, minimum = 1e-12, maximum = 0.01, example = 0.00001)]
+    pub relative_tolerance: Option<f64>,
+    /// How much a level may change by what is left out by judgement [dB]; 0: identities and
+    /// conventions only. Default 0.05.
+    #[schema(nullable = false, minimum = 0, maximum = 20, example = 0.05)]
+    pub model_tolerance_db: Option<f64>,
+    /// A rung of the ladder of models; left out, the scene and the outputs decide.
+    #[schema(nullable = false, value_type = Option<RungName>)]
+    pub rung: Option<String>,
+    /// Steps of this size instead of error control [µs]; only with `dormand_prince`.
+    #[schema(nullable = false, minimum = 0.001, maximum = 1000)]
+    pub fixed_step_us: Option<f64>,
+}
+
+/// `dormand_prince`: explicit Runge–Kutta of order 5.
+#[derive(ToSchema)]
+#[schema(rename_all = "snake_case")]
+pub enum MethodName {
+    Auto,
+    DormandPrince,
+}
+
+/// `full`: six degrees of freedom a ball and cage; `planar`: no axial motion, no tilt.
+#[derive(ToSchema)]
+#[schema(rename_all = "snake_case")]
+pub enum RungName {
+    Full,
+    Planar,
+}
+
+const METHODS: [(&str, Option<Method>); 10] = [
+    ("auto", Some(Method::Auto)),
+    ("dormand_prince", Some(Method::DormandPrince)),
+    ("gear", None),
+    ("fine_abm", None),
+    ("radau", None),
+    ("adams_moulton", None),
+    ("runge_kutta_4", None),
+    ("semi_implicit", None),
+    ("shooting", None),
+    ("harmonic_balance", None),
+];
+
+const RUNGS: [(&str, Option<Rung>); 5] = [
+    ("full", Some(Rung::Full)),
+    ("planar", Some(Rung::Planar)),
+    ("radially_condensed", None),
+    ("spindle_only", None),
+    ("periodic", None),
+];
+
+/// The solver of a run, in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solver {
+    pub method: Method,
+    pub rung: Option<Rung>,
+    pub relative_tolerance: f64,
+    pub model_tolerance_db: f64,
+    /// [s]
+    pub fixed_step: Option<f64>,
+}
+
+impl SolverInput {
+    pub fn resolve(&mut self, filling: &mut Filling) -> Solver {
+        let name = filling.take("/solver/method", &mut self.method, "auto".to_owned());
+        let method = chosen(filling, "/solver/method", &name, &METHODS).unwrap_or(Method::Auto);
+        let rung = self.rung.as_ref().and_then(|name| chosen(filling, "/solver/rung", name, &RUNGS));
+        let relative_tolerance = filling.take("/solver/relative_tolerance", &mut self.relative_tolerance, 1e-5);
+        filling.within("/solver/relative_tolerance", relative_tolerance, 1e-12, 1e-2, "");
+        let model_tolerance_db = filling.take("/solver/model_tolerance_db", &mut self.model_tolerance_db, 0.05);
+        filling.within("/solver/model_tolerance_db", model_tolerance_db, 0.0, 20.0, "dB");
+        if let Some(step) = self.fixed_step_us {
+            filling.within("/solver/fixed_step_us", step, 1e-3, 1e3, "µs");
+            if method != Method::DormandPrince {
+                filling.refuse(
+                    "/solver/fixed_step_us",
+                    format!("goes with the method `dormand_prince`, not with `{name}`"),
+                );
+            }
+        }
+        let fixed_step = self.fixed_step_us.map(|step| US.to_si(step));
+        Solver { method, rung, relative_tolerance, model_tolerance_db, fixed_step }
+    }
+}
+
+/// The choice of that name; known names without one are not available yet.
+fn chosen<T: Copy>(filling: &mut Filling, pointer: &str, name: &str, choices: &[(&str, Option<T>)]) -> Option<T> {
+    let available = listed(choices.iter().filter(|choice| choice.1.is_some()).map(|choice| choice.0));
+    match choices.iter().find(|choice| choice.0 == name) {
+        Some((_, Some(choice))) => return Some(*choice),
+        Some(_) => {
+            filling.refuse(pointer, format!("`{name}` is not available in this version; available: {available}"))
+        }
+        None => filling.refuse(pointer, format!("`{name}` is unknown; available: {available}")),
+    }
+    None
+}

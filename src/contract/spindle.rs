@@ -1,0 +1,70 @@
+//! The spindle.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::filling::Filling;
+use super::units::{G_MM, MM_S, UM};
+use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
+
+/// A rigid spindle.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpindleInput {
+    /// Mass [kg]. Default: that of the bearing's preset, else a solid steel shaft of the bore, 7 bores long.
+    #[schema(nullable = false, exclusive_minimum = 0, maximum = 1000000, example = 0.05)]
+    pub mass_kg: Option<f64>,
+    /// Mass times eccentricity [g·mm]. Either this or `balance_grade`. Default 0.
+    #[schema(nullable = false, minimum = 0, maximum = 1e9)]
+    pub unbalance_g_mm: Option<f64>,
+    /// Balance quality grade G of ISO 21940: eccentricity times operating speed [mm/s].
+    #[schema(nullable = false, minimum = 0, maximum = 5000, example = 6.3)]
+    pub balance_grade: Option<f64>,
+    /// How the axial direction is held. Default: `free` with an axial load, else `fixed`.
+    #[schema(nullable = false)]
+    pub axial: Option<AxialInput>,
+}
+
+/// `fixed`, `free` (the spindle moves along X and carries the axial load), or held at an offset.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AxialInput {
+    Fixed,
+    Free,
+    /// Held at this displacement along X [µm].
+    OffsetUm(f64),
+}
+
+impl SpindleInput {
+    pub fn resolve(&mut self, filling: &mut Filling, default_mass: f64, axial_load: f64) -> Spindle {
+        let mass = filling.take("/scene/spindle/mass_kg", &mut self.mass_kg, default_mass);
+        let usual = if axial_load == 0.0 { AxialInput::Fixed } else { AxialInput::Free };
+        let axial = filling.take("/scene/spindle/axial", &mut self.axial, usual);
+        Spindle { mass, unbalance: self.unbalance(filling), axial: axial.in_physics() }
+    }
+
+    fn unbalance(&mut self, filling: &mut Filling) -> Unbalance {
+        match self.balance_grade {
+            Some(_) if self.unbalance_g_mm.is_some() => {
+                filling.refuse("/scene/spindle/balance_grade", "give either unbalance_g_mm or balance_grade, not both");
+                Unbalance::None
+            }
+            Some(0.0) => Unbalance::None,
+            Some(grade) => Unbalance::Grade(MM_S.to_si(grade)),
+            None => match filling.take("/scene/spindle/unbalance_g_mm", &mut self.unbalance_g_mm, 0.0) {
+                0.0 => Unbalance::None,
+                product => Unbalance::Product(G_MM.to_si(product)),
+            },
+        }
+    }
+}
+
+impl AxialInput {
+    fn in_physics(self) -> AxialHold {
+        match self {
+            Self::Fixed => AxialHold::Fixed,
+            Self::Free => AxialHold::Free,
+            Self::OffsetUm(offset) => AxialHold::Offset(UM.to_si(offset)),
+        }
+    }
+}

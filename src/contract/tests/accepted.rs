@@ -1,0 +1,136 @@
+//! Good requests: extremes, defaults, and the way back from the resolved scene.
+
+use serde_json::{Value, json};
+
+use crate::contract::{Job, parse_job, parse_scene_request, presets, scene_from_json};
+use crate::physics::bearing::Fit;
+use crate::physics::cage::PocketFilm;
+use crate::physics::spindle::{AxialHold, Unbalance};
+
+fn job(request: &Value) -> Job {
+    parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{request}: {refusal}"))
+}
+
+fn article(operation: Value) -> Value {
+    json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": operation}})
+}
+
+#[test]
+fn extremes_are_accepted() {
+    for operation in [
+        json!({"speed_rpm": 0}),
+        json!({"speed_rpm": 50000}),
+        json!({"speed_rpm": -50000, "radial_load_y_n": -200}),
+        json!({"speed_rpm": 500000}),
+        json!({"speed_rpm": -0.0}),
+        json!({"speed_rpm": [{"at_s": 0, "rpm": 0}, {"at_s": 0.1, "rpm": 50000}]}),
+        json!({"speed_rpm": 50000, "axial_load_n": -20}),
+    ] {
+        job(&article(operation));
+    }
+    for clearance in [0.0, -3.0] {
+        let bearing = json!({"preset": "article-integrated", "radial_clearance_um": clearance});
+        let job = job(&json!({"kind": "simulation", "scene": {"bearing": bearing, "operation": {"speed_rpm": 1}}}));
+        assert_eq!(job.scene().bearing.free_contact_angle, 0.0);
+    }
+}
+
+/// The article's case in SI (the model's table of the article's case).
+#[test]
+fn the_article_is_what_its_tables_say() {
+    let job = job(&article(json!({"speed_rpm": 50000, "radial_load_y_n": 200})));
+    let scene = job.scene();
+    let bearing = &scene.bearing.parameters;
+    assert_eq!((bearing.ball_count, bearing.ball_diameter, bearing.pitch_diameter), (7, 2.778e-3, 13e-3));
+    assert_eq!(bearing.fit, Fit::RadialClearance(5e-6));
+    assert_eq!(bearing.raceway_material.inner.elastic_modulus, 219e9);
+    assert!((scene.cage.mass - 0.13e-3).abs() < 1e-18);
+    assert_eq!((scene.cage.axial_inertia, scene.cage.offset), (5.5e-9, 0.7e-3));
+    assert_eq!((scene.cage.pocket_clearance, scene.cage.film), (0.051e-3, PocketFilm::Wedge));
+    assert_eq!((scene.spindle.mass, scene.spindle.axial), (0.05, AxialHold::Fixed));
+    assert_eq!(scene.spindle.unbalance, Unbalance::None);
+    assert_eq!((scene.lubricant.viscosity, scene.lubricant.fill), (0.02, 0.05));
+    assert_eq!(scene.operation.load, [0.0, 200.0, 0.0]);
+    assert!((scene.operating_speed() - 5235.987_755_98).abs() < 1e-6);
+    assert_eq!((job.settings.settle, job.settings.duration), (0.02, 0.1));
+    assert_eq!((job.settings.relative_tolerance, job.settings.model_tolerance_db), (1e-5, 0.05));
+    assert_eq!((job.priority, job.reuse, job.settings.outputs.spectra.len()), (2, true, 2));
+}
+
+#[test]
+fn times_follow_the_cage() {
+    let slow = job(&article(json!({"speed_rpm": 600})));
+    assert!((slow.settings.settle - 3.0 / (10.0 * 0.393_154)).abs() < 1e-3);
+    assert!((slow.settings.duration - 20.0 / (7.0 * 10.0 * 0.393_154)).abs() < 1e-3);
+    let crawling = job(&article(json!({"speed_rpm": 1})));
+    assert_eq!((crawling.settings.settle, crawling.settings.duration), (1.0, 1.0));
+    let still = job(&article(json!({"speed_rpm": 0})));
+    assert_eq!((still.settings.settle, still.settings.duration), (0.02, 0.1));
+}
+
+#[test]
+fn defaults_follow_what_is_given() {
+    let scene = |fields: Value| {
+        let mut scene = json!({"bearing": "608", "operation": {"speed_rpm": 1000}});
+        scene.as_object_mut().unwrap().extend(fields.as_object().unwrap().clone());
+        scene_from_json(&scene.to_string()).unwrap()
+    };
+    assert_eq!(scene(json!({"lubricant": "dry"})).cage.film, PocketFilm::None);
+    assert_eq!(scene(json!({"operation": {"speed_rpm": 1, "axial_load_n": 1}})).spindle.axial, AxialHold::Free);
+    assert_eq!(scene(json!({"spindle": {"axial": {"offset_um": 5}}})).spindle.axial, AxialHold::Offset(5e-6));
+    assert_eq!(scene(json!({"spindle": {"balance_grade": 6.3}})).spindle.unbalance, Unbalance::Grade(6.3e-3));
+    let angle = scene(json!({"bearing": {"preset": "608", "contact_angle_deg": 15, "ball_count": 7.0}}));
+    assert!((angle.bearing.free_contact_angle.to_degrees() - 15.0).abs() < 1e-9);
+}
+
+/// What resolving prints can be posted again, gives the same scene to the bit, and then has no defaults.
+#[test]
+fn resolved_scenes_resolve_to_themselves() {
+    let dimensions = json!({"outer_diameter_mm": 62, "inner_diameter_mm": 30, "width_mm": 16, "ball_count": 9,
+        "ball_diameter_mm": 9.525, "pitch_diameter_mm": 46.0, "type": "angular_contact"});
+    let mut bearings: Vec<Value> = presets::bearing_names().map(Value::from).collect();
+    bearings.push(dimensions);
+    bearings.push(json!({"preset": "608", "contact_angle_deg": 12.3, "materials": {"ball": "si3n4"},
+        "cage": {"film": {"stiffness_n_per_m": 1e4, "damping_n_s_per_m": 1}, "land": {"clearance_mm": 0.1, "diameter_mm": 18, "width_mm": 1}}}));
+    for bearing in bearings {
+        for lubricant in ["grease", "oil", "dry"] {
+            let body = json!({"scene": {"bearing": bearing, "lubricant": lubricant,
+                "operation": {"speed_rpm": 12345.678, "radial_load_y_n": 0.1, "axial_load_n": 3}}});
+            let first = parse_scene_request(body.to_string().as_bytes()).unwrap();
+            let again = json!({"scene": first.scene_json()}).to_string();
+            let second = parse_scene_request(again.as_bytes()).unwrap();
+            assert_eq!(first.scene(), second.scene());
+            assert_eq!(first.scene_json(), second.scene_json());
+            assert_eq!(first.canonical(), second.canonical());
+            let left: Vec<_> =
+                second.resolved.defaults.iter().filter(|pointer| pointer.starts_with("/scene")).collect();
+            assert!(left.is_empty(), "{left:?}");
+        }
+    }
+}
+
+#[test]
+fn equal_work_has_one_canonical_form() {
+    let short = job(&article(json!({"speed_rpm": 50000})));
+    let mut long = article(json!({"speed_rpm": 5e4, "radial_load_z_n": 0}));
+    long["solver"] = json!({"method": "auto"});
+    long["labels"] = json!(["a"]);
+    long["duration_s"] = json!(0.1);
+    assert_eq!(short.canonical(), job(&long).canonical());
+    long["duration_s"] = json!(0.2);
+    assert_ne!(short.canonical(), job(&long).canonical());
+}
+
+#[test]
+fn every_preset_states_what_it_sets() {
+    let answer = serde_json::to_value(presets::presets_answer()).unwrap();
+    assert_eq!(answer["bearings"]["6205"]["bearing"]["ball_count"], 9);
+    assert_eq!(answer["lubricants"]["oil"]["lubricant"]["traction"]["maximum"], 0.05);
+    assert_eq!(answer["materials"]["pa46"]["poisson_ratio"], 0.39);
+    for (name, preset) in answer["bearings"].as_object().unwrap() {
+        let scene = json!({"bearing": preset["bearing"], "operation": {"speed_rpm": 1},
+            "spindle": {"mass_kg": preset["spindle_mass_kg"]}, "lubricant": preset["lubricant"]});
+        let named = json!({"bearing": name, "operation": {"speed_rpm": 1}});
+        assert_eq!(scene_from_json(&scene.to_string()).unwrap(), scene_from_json(&named.to_string()).unwrap());
+    }
+}

@@ -1,0 +1,249 @@
+//! Wrong requests, each with the field that is named and words of the reason.
+
+use crate::contract::{Refusal, parse_job};
+
+/// A job of the article's bearing with `operation` replaced.
+fn operation(fields: &str) -> String {
+    format!(r#"{{"kind":"simulation","scene":{{"bearing":"article-integrated","operation":{{{fields}}}}}}}"#)
+}
+
+/// A job with further fields of the scene.
+fn scene(fields: &str) -> String {
+    format!(
+        r#"{{"kind":"simulation","scene":{{"bearing":"article-integrated","operation":{{"speed_rpm":50000}},{fields}}}}}"#
+    )
+}
+
+/// A job with fields of the bearing changed in the article's preset.
+fn preset(fields: &str) -> String {
+    bearing(&format!(r#""preset":"article-integrated",{fields}"#))
+}
+
+/// A job with this bearing object.
+fn bearing(fields: &str) -> String {
+    format!(r#"{{"kind":"simulation","scene":{{"bearing":{{{fields}}},"operation":{{"speed_rpm":50000}}}}}}"#)
+}
+
+/// A job with further fields at the top.
+fn job(fields: &str) -> String {
+    format!(
+        r#"{{"kind":"simulation","scene":{{"bearing":"article-integrated","operation":{{"speed_rpm":50000}}}},{fields}}}"#
+    )
+}
+
+const DIMENSIONS: &str = r#""outer_diameter_mm":52,"inner_diameter_mm":25,"width_mm":15,"ball_count":9,"ball_diameter_mm":7.94,"pitch_diameter_mm":39.04"#;
+
+fn check(cases: &[(String, &str, &str)]) {
+    let mut wrong = String::new();
+    for (body, pointer, words) in cases {
+        match parse_job(body.as_bytes()) {
+            Err(Refusal::Invalid { errors }) => {
+                let hit = errors.iter().any(|error| error.pointer == *pointer && error.detail.contains(words));
+                if !hit || errors.len() > 1 {
+                    wrong += &format!("{body}\n  wanted {pointer}: {words}\n  got {errors:?}\n");
+                }
+            }
+            other => wrong += &format!("{body}\n  wanted {pointer}: {words}\n  got {:?}\n", other.map(|_| "a job")),
+        }
+    }
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+#[test]
+fn impossible_bearings_are_refused() {
+    let b = |name: &str| format!("/scene/bearing/{name}");
+    let cases = [
+        (r#""ball_diameter_mm":-1"#, b("ball_diameter_mm"), "-1 mm: must be above 0 and at most 500 mm"),
+        (r#""ball_diameter_mm":0"#, b("ball_diameter_mm"), "0 mm: must be above 0"),
+        (r#""pitch_diameter_mm":0"#, b("pitch_diameter_mm"), "must be above 0"),
+        (r#""outer_diameter_mm":-18"#, b("outer_diameter_mm"), "-18 mm"),
+        (r#""inner_diameter_mm":0"#, b("inner_diameter_mm"), "above 0"),
+        (r#""width_mm":-5.9"#, b("width_mm"), "-5.9 mm"),
+        (r#""ball_count":0"#, b("ball_count"), "0: must be from 2 to 64"),
+        (r#""ball_count":1"#, b("ball_count"), "1: must be"),
+        (r#""ball_count":-3"#, b("ball_count"), "-3: must be a whole number"),
+        (r#""ball_count":7.5"#, b("ball_count"), "7.5: must be a whole number"),
+        (r#""ball_count":1e30"#, b("ball_count"), "whole number"),
+        (r#""ball_count":65"#, b("ball_count"), "from 2 to 64"),
+        (r#""ball_count":15"#, b("ball_count"), "overlap on a pitch circle"),
+        (r#""outer_diameter_mm":15"#, b("outer_diameter_mm"), "leaves no outer ring"),
+        (r#""inner_diameter_mm":12"#, b("inner_diameter_mm"), "leaves no inner raceway"),
+        (r#""inner_groove_curvature":0.5"#, b("inner_groove_curvature"), "0.5: must be above 0.5 and at most 1"),
+        (r#""outer_groove_curvature":0.4"#, b("outer_groove_curvature"), "0.4: must be above 0.5"),
+        (r#""radial_clearance_um":500"#, b("radial_clearance_um"), "leaves no contact angle"),
+        (r#""radial_clearance_um":-500"#, b("radial_clearance_um"), "at least -55.56 µm"),
+        (r#""contact_angle_deg":61"#, b("contact_angle_deg"), "61 °: must be from 0 to 60 °"),
+        (r#""contact_angle_deg":15,"radial_clearance_um":5"#, b("contact_angle_deg"), "give either"),
+        (r#""type":"roller""#, b("type"), "unknown variant"),
+        (r#""cage":{"mass_g":0}"#, b("cage/mass_g"), "above 0"),
+        (r#""cage":{"mass_g":-0.1}"#, b("cage/mass_g"), "-0.1 g"),
+        (r#""cage":{"film":"oil"}"#, b("cage/film"), "unknown variant"),
+        (
+            r#""cage":{"film":{"stiffness_n_per_m":-1,"damping_n_s_per_m":3}}"#,
+            b("cage/film/stiffness_n_per_m"),
+            "-1 N/m",
+        ),
+        (r#""cage":{"film":{"stiffness_n_per_m":1}}"#, b("cage/film/damping_n_s_per_m"), "required"),
+        (r#""cage":{"land":{"clearance_mm":0,"diameter_mm":1,"width_mm":1}}"#, b("cage/land/clearance_mm"), "above 0"),
+        (r#""cage":{"bar_stiffness_n_per_m":0}"#, b("cage/bar_stiffness_n_per_m"), "above 0"),
+        (r#""materials":{"ball":"cheese"}"#, b("materials/ball"), "known are `gcr15`"),
+        (r#""materials":{"ball":{"elastic_modulus_gpa":210}}"#, b("materials/ball/poisson_ratio"), "required"),
+        (
+            r#""materials":{"ball":{"elastic_modulus_gpa":0,"poisson_ratio":0.3,"density_kg_m3":7800}}"#,
+            b("materials/ball/elastic_modulus_gpa"),
+            "0 GPa: must be above 0 and at most 2000 GPa",
+        ),
+    ]
+    .map(|(fields, pointer, words)| (preset(fields), pointer, words));
+    check(&cases.each_ref().map(|case| (case.0.clone(), case.1.as_str(), case.2)));
+}
+
+#[test]
+fn impossible_scenes_are_refused() {
+    check(&[
+        (bearing(r#""preset":"9999""#), "/scene/bearing/preset", "known are `article-integrated`"),
+        (bearing(&DIMENSIONS.replace(r#""ball_count":9,"#, "")), "/scene/bearing/ball_count", "required"),
+        (operation(""), "/scene/operation/speed_rpm", "required"),
+        (operation(r#""speed_rpm":500001"#), "/scene/operation/speed_rpm", "500001 r/min: must be from -500000 to 500000"),
+        (operation(r#""speed_rpm":[]"#), "/scene/operation/speed_rpm", "at least one point"),
+        (operation(r#""speed_rpm":[{"at_s":0,"rpm":1},{"at_s":0,"rpm":2}]"#), "/scene/operation/speed_rpm", "times must rise"),
+        (operation(r#""speed_rpm":[{"at_s":0,"rpm":1},{"at_s":1,"rpm":6e5}]"#), "/scene/operation/speed_rpm/1/rpm", "600000 r/min"),
+        (operation(r#""speed_rpm":[{"at_s":-1,"rpm":1}]"#), "/scene/operation/speed_rpm/0/at_s", "-1 s"),
+        (operation(r#""speed_rpm":[{"at_s":0}]"#), "/scene/operation/speed_rpm/0/rpm", "required"),
+        (operation(r#""speed_rpm":[[0,1]]"#), "/scene/operation/speed_rpm/0", "expected an object"),
+        (operation(r#""speed_rpm":1,"radial_load_y_n":1e8"#), "/scene/operation/radial_load_y_n", "100000000 N"),
+        (operation(r#""speed_rpm":1,"misalignment_mrad":{"y":21}"#), "/scene/operation/misalignment_mrad/y", "21 mrad"),
+        (scene(r#""spindle":{"mass_kg":-1}"#), "/scene/spindle/mass_kg", "-1 kg"),
+        (scene(r#""spindle":{"mass_kg":0}"#), "/scene/spindle/mass_kg", "above 0"),
+        (scene(r#""spindle":{"unbalance_g_mm":1,"balance_grade":6.3}"#), "/scene/spindle/balance_grade", "not both"),
+        (scene(r#""spindle":{"axial":"loose"}"#), "/scene/spindle/axial", "unknown variant"),
+        (scene(r#""spindle":{"axial":{"offset_um":"1"}}"#), "/scene/spindle/axial/offset_um", "expected a number"),
+        (scene(r#""spindle":{"axial":{"offset_um":1e6}}"#), "/scene/spindle/axial/offset_um", "1000000 µm"),
+        (scene(r#""lubricant":"water""#), "/scene/lubricant", "known are `grease`"),
+        (scene(r#""lubricant":{"viscosity_pa_s":-1}"#), "/scene/lubricant/viscosity_pa_s", "-1 Pa·s"),
+        (scene(r#""lubricant":{"fill":2}"#), "/scene/lubricant/fill", "from 0 to 1"),
+        (scene(r#""lubricant":{"traction":{"law":"slide_roll","a":1,"b":1,"c":1}}"#), "/scene/lubricant/traction/d", "required"),
+        (scene(r#""lubricant":{"traction":{"law":"coulomb","a":1}}"#), "/scene/lubricant/traction/a", "takes `coefficient`"),
+        (scene(r#""lubricant":{"traction":{"maximum":0.01}}"#), "/scene/lubricant/traction/maximum", "must be at least"),
+        (scene(r#""damping":{"raceway":{"restitution":1.1}}"#), "/scene/damping/raceway/restitution", "from 0.05 to 1"),
+        (scene(r#""damping":{"pocket":{"at_speed_m_s":0}}"#), "/scene/damping/pocket/at_speed_m_s", "0 m/s"),
+        (scene(r#""damping":{"pocket":{"law":"viscous"}}"#), "/scene/damping/pocket/viscous_n_s_per_m", "required"),
+        (scene(r#""damping":{"raceway":{"law":"none","restitution":1}}"#), "/scene/damping/raceway/restitution", "no other field"),
+        (scene(r#""terms":{"magic":"on"}"#), "/scene/terms/magic", "unknown field"),
+        (scene(r#""terms":{"drag":"maybe"}"#), "/scene/terms/drag", "unknown variant"),
+        (scene(r#""terms":{"ball_spin_dynamics":"off"}"#), "/scene/terms/ball_spin_dynamics", "cannot be switched off"),
+        (scene(r#""gravity_m_s2":1001"#), "/scene/gravity_m_s2", "1001 m/s²"),
+        (
+            r#"{"kind":"simulation","scene":{"bearing":"nope","operation":{"speed_rpm":1}}}"#.into(),
+            "/scene/bearing",
+            "no bearing is called `nope`",
+        ),
+        (
+            r#"{"kind":"simulation","scene":{"bearing":"608","operation":{"speed_rpm":1,"axial_load_n":10},"spindle":{"axial":"fixed"}}}"#.into(),
+            "/scene/spindle/axial",
+            "axial load of 10 N",
+        ),
+    ]);
+}
+
+#[test]
+fn impossible_jobs_are_refused() {
+    check(&[
+        (job(r#""duration_s":0"#), "/duration_s", "0 s: must be above 0"),
+        (job(r#""duration_s":-1"#), "/duration_s", "-1 s"),
+        (job(r#""duration_s":3600"#), "/duration_s", "more than 1 GiB; at most 23.405 s"),
+        (job(r#""settle_s":-0.1"#), "/settle_s", "-0.1 s: must be from 0"),
+        (job(r#""priority":5"#), "/priority", "5: must be from 1 to 4"),
+        (job(r#""priority":0"#), "/priority", "0: must be"),
+        (job(r#""keep_for_s":-5"#), "/keep_for_s", "-5 s"),
+        (job(r#""labels":"a""#), "/labels", "expected a sequence"),
+        (job(r#""labels":[1]"#), "/labels/0", "expected a string"),
+        (job(r#""labels":["a","b\u0000"]"#), "/labels/1", "control characters"),
+        (job(&format!(r#""labels":["{}"]"#, "x".repeat(201))), "/labels/0", "201 characters"),
+        (job(&format!(r#""labels":[{}]"#, vec![r#""a""#; 17].join(","))), "/labels", "at most 16"),
+        (job(r#""reuse":"yes""#), "/reuse", "expected a boolean"),
+        (job(r#""solver":{"method":"gear"}"#), "/solver/method", "not available in this version"),
+        (job(r#""solver":{"method":"shooting"}"#), "/solver/method", "not available in this version"),
+        (job(r#""solver":{"method":"euler"}"#), "/solver/method", "unknown"),
+        (job(r#""solver":{"rung":"periodic"}"#), "/solver/rung", "not available in this version"),
+        (
+            job(r#""solver":{"relative_tolerance":1e-13}"#),
+            "/solver/relative_tolerance",
+            "1e-13: must be from 1e-12 to 0.01",
+        ),
+        (job(r#""solver":{"relative_tolerance":0}"#), "/solver/relative_tolerance", "0: must be"),
+        (job(r#""solver":{"model_tolerance_db":-1}"#), "/solver/model_tolerance_db", "-1 dB"),
+        (job(r#""solver":{"fixed_step_us":1}"#), "/solver/fixed_step_us", "goes with the method `dormand_prince`"),
+        (job(r#""solver":{"method":"dormand_prince","fixed_step_us":0}"#), "/solver/fixed_step_us", "0 µs"),
+        (job(r#""outputs":{"metrics":["noise"]}"#), "/outputs/metrics/0", "unknown variant"),
+        (job(r#""outputs":{"metrics":["cage","cage"]}"#), "/outputs/metrics/1", "more than once"),
+        (job(r#""outputs":{"spectra":["spindle.q.acceleration"]}"#), "/outputs/spectra/0", "channels are spindle."),
+        (job(r#""outputs":{"spectra":["spindle.x.velocity"]}"#), "/outputs/spectra/0", "axial direction is free"),
+        (job(r#""outputs":{"series":["cage.speed","cage.speed"]}"#), "/outputs/series/1", "more than once"),
+        (job(r#""outputs":{"series":["ball.8.spin"]}"#), "/outputs/series/0", "N = 1…7"),
+        (
+            job(&format!(r#""outputs":{{"series":[{}]}}"#, vec![r#""cage.speed""#; 65].join(","))),
+            "/outputs/series",
+            "at most 64",
+        ),
+        (r#"{"kind":"study"}"#.into(), "/kind", "not available in this version"),
+        (r#"{"kind":"guess"}"#.into(), "/kind", "kinds are `simulation`, `study`"),
+        (r#"{"kind":7}"#.into(), "/kind", "must be a string"),
+        (r#"{"scene":{}}"#.into(), "/kind", "required"),
+        (r#"{"kind":"simulation"}"#.into(), "/scene", "required"),
+        ("[]".into(), "", "must be an object"),
+        ("7".into(), "", "must be an object"),
+    ]);
+}
+
+#[test]
+fn wrong_json_is_refused_where_it_stands() {
+    check(&[
+        (operation(r#""speed_rpm":"fast""#), "/scene/operation/speed_rpm", "a number or an array"),
+        (operation(r#""speed_rpm":1e999"#), "/scene/operation/speed_rpm", "beyond double precision"),
+        (operation(r#""speed_rpm":1,"speed_rpm":2"#), "/scene/operation/speed_rpm", "more than once"),
+        (operation(r#""speed_rpm":1,"radial_load_y_n":null"#), "/scene/operation/radial_load_y_n", "null is no value"),
+        (
+            operation(r#""speed_rpm":1,"radial_load_y_n":"200""#),
+            "/scene/operation/radial_load_y_n",
+            "expected a number",
+        ),
+        (operation(r#""speed_rpm":1,"a/b~c":2"#), "/scene/operation/a~1b~0c", "unknown field"),
+        (operation(r#""speed_rpm":1,"x":{"y":[{"z":1,"z":2}]}"#), "/scene/operation/x/y/0/z", "more than once"),
+        (preset(r#""cage":{"mass_g":1,"mass_g":1}"#), "/scene/bearing/cage/mass_g", "more than once"),
+        (preset(r#""cage":[]"#), "/scene/bearing/cage", "expected an object"),
+        (preset(r#""cage":{"weight":1}"#), "/scene/bearing/cage/weight", "unknown field"),
+        (preset(r#""preset":"608""#), "/scene/bearing/preset", "more than once"),
+        (scene(r#""spindle":[0.05]"#), "/scene/spindle", "expected an object"),
+        (scene(r#""lubricant":["grease"]"#), "/scene/lubricant", "a name or an object"),
+        (scene(r#""terms":null"#), "/scene/terms", "null is no value"),
+        (job(r#""outputs":{"spectra":[null]}"#), "/outputs/spectra/0", "null is no value"),
+        (job(r#""colour":"red""#), "/colour", "unknown field"),
+        (job(r#""kind":"simulation""#), "/kind", "more than once"),
+        (r#"{"kind":"simulation","scene":[]}"#.into(), "/scene", "expected an object"),
+    ]);
+}
+
+#[test]
+fn text_that_is_no_json_is_told_apart() {
+    let deep = "[".repeat(100_000);
+    for body in ["", "{", "{}{}", "nope", "{\"kind\":NaN}", &deep, "{\"a\":\"\\ud800\"}"] {
+        assert!(matches!(parse_job(body.as_bytes()), Err(Refusal::NotJson { .. })), "{body:.40}");
+    }
+    assert!(matches!(parse_job(b"{\"kind\":\"\xff\"}"), Err(Refusal::NotJson { .. })));
+}
+
+#[test]
+fn several_faults_are_told_at_once() {
+    let body = r#"{"kind":"simulation","duration_s":-1,"priority":9,"solver":{"method":"gear"},
+        "scene":{"bearing":{"preset":"608","ball_diameter_mm":-1,"cage":{"mass_g":-1}},
+        "operation":{"speed_rpm":1e6,"radial_load_y_n":1},"spindle":{"mass_kg":0}}}"#;
+    let Err(Refusal::Invalid { errors }) = parse_job(body.as_bytes()) else { panic!("accepted") };
+    let pointers: Vec<_> = errors.iter().map(|error| error.pointer.as_str()).collect();
+    assert!(pointers.contains(&"/scene/operation/speed_rpm"), "{pointers:?}");
+    assert!(
+        pointers.contains(&"/duration_s") && pointers.contains(&"/priority") && pointers.contains(&"/solver/method")
+    );
+    let missing = parse_job(bearing(r#""ball_count":9"#).as_bytes());
+    assert!(matches!(missing, Err(Refusal::Invalid { errors }) if errors.len() == 5));
+}
