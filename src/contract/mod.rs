@@ -18,15 +18,22 @@ pub mod solver;
 pub mod spindle;
 pub mod terms;
 
+pub mod execute;
+pub mod metrics;
+pub mod signals;
+
 mod filling;
 mod scaling;
 mod strict;
 mod times;
 mod units;
 
+pub use execute::{Outcome, RunFailure, execute};
 pub use job::{Job, JobKind, parse_job, parse_scene_request};
+pub use metrics::Metrics;
 pub use presets::presets_answer;
 pub use problem::{FieldError, Refusal};
+pub use signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
 pub use strict::NameOr;
 
 use serde::Serialize;

@@ -219,8 +219,8 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
             for (weight, slope) in D.iter().zip(&self.slopes) {
                 last += weight * slope[i];
             }
-            *value = self.previous_state[i]
-                + theta * (difference + rest * (start + theta * (end + rest * step * last)));
+            *value =
+                self.previous_state[i] + theta * (difference + rest * (start + theta * (end + rest * step * last)));
         }
     }
 
@@ -317,7 +317,8 @@ mod tests {
             }
         };
         match failure {
-            IntegrationError::StepTooSmall { time, component, .. } | IntegrationError::NotFinite { time, component, .. } => {
+            IntegrationError::StepTooSmall { time, component, .. }
+            | IntegrationError::NotFinite { time, component, .. } => {
                 assert!((time - 1.0).abs() < 1e-3, "{time}");
                 assert_eq!(component, 0);
             }

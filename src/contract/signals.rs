@@ -1,0 +1,148 @@
+//! Spectra and time series as JSON.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::numerics::spectrum::Spectrum;
+use crate::simulation::channel::Channel;
+use crate::simulation::metrics::SolverReport;
+use crate::simulation::run::Series;
+
+/// A one-sided amplitude spectrum: a sine of amplitude 1 reads 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SpectrumAnswer {
+    #[schema(example = "spindle.y.acceleration")]
+    pub channel: String,
+    pub kind: SpectrumKind,
+    #[schema(example = "m/s²")]
+    pub unit: String,
+    #[schema(example = "hann")]
+    pub window: String,
+    /// Distance of the entries [Hz].
+    pub resolution_hz: f64,
+    /// Mean step of the integrator [s].
+    pub mean_step_s: f64,
+    /// Above this frequency [Hz] the integrator no longer resolves an oscillation: less than one step a radian.
+    pub damped_above_hz: f64,
+    /// [Hz]
+    pub frequency_hz: Vec<f64>,
+    /// In `unit`.
+    pub amplitude: Vec<f64>,
+}
+
+/// `amplitude`: of the signal. `envelope`: of its magnitude after a band pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SpectrumKind {
+    Amplitude,
+    Envelope,
+}
+
+impl SpectrumAnswer {
+    pub fn of(channel: Channel, kind: SpectrumKind, spectrum: &Spectrum, solver: &SolverReport) -> Self {
+        let mean_step = solver.statistics.advanced / solver.statistics.steps.max(1) as f64;
+        Self {
+            channel: channel.to_string(),
+            kind,
+            unit: channel.unit().to_owned(),
+            window: spectrum.window.to_owned(),
+            resolution_hz: spectrum.resolution,
+            mean_step_s: mean_step,
+            damped_above_hz: if mean_step > 0.0 { 0.5 / (std::f64::consts::PI * mean_step) } else { 0.0 },
+            frequency_hz: (0..spectrum.amplitude.len()).map(|bin| bin as f64 * spectrum.resolution).collect(),
+            amplitude: spectrum.amplitude.clone(),
+        }
+    }
+
+    /// The part up to this frequency [Hz].
+    pub fn up_to(mut self, max_frequency_hz: f64) -> Self {
+        let count = self.frequency_hz.partition_point(|&frequency| frequency <= max_frequency_hz);
+        self.frequency_hz.truncate(count);
+        self.amplitude.truncate(count);
+        self
+    }
+
+    pub fn is_finite(&self) -> bool {
+        self.resolution_hz.is_finite() && self.mean_step_s.is_finite() && self.amplitude.iter().all(|a| a.is_finite())
+    }
+}
+
+/// A signal over time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SeriesAnswer {
+    #[schema(example = "cage.y.displacement")]
+    pub channel: String,
+    #[schema(example = "µm")]
+    pub unit: String,
+    /// Time since the start of the run, settling included [s].
+    pub time_s: Vec<f64>,
+    /// In `unit`.
+    pub value: Vec<f64>,
+}
+
+impl SeriesAnswer {
+    pub fn of(series: &Series) -> Self {
+        Self {
+            channel: series.channel.to_string(),
+            unit: series.channel.unit().to_owned(),
+            time_s: (0..series.values.len()).map(|index| series.start + index as f64 * series.step).collect(),
+            value: series.values.clone(),
+        }
+    }
+
+    /// The part from one time to another [s], both included.
+    pub fn between(mut self, from_s: f64, to_s: f64) -> Self {
+        let end = self.time_s.partition_point(|&time| time <= to_s);
+        let start = self.time_s.partition_point(|&time| time < from_s).min(end);
+        self.time_s = self.time_s[start..end].to_vec();
+        self.value = self.value[start..end].to_vec();
+        self
+    }
+
+    /// At most `max_points` points, of each stretch the least and the greatest, so that peaks survive.
+    pub fn thinned(self, max_points: usize) -> Self {
+        let count = self.value.len();
+        if count <= max_points {
+            return self;
+        }
+        let stretches = (max_points / 2).max(1);
+        let mut kept = Vec::with_capacity(2 * stretches);
+        for stretch in 0..stretches {
+            let range = stretch * count / stretches..(stretch + 1) * count / stretches;
+            let by_value = |a: &usize, b: &usize| self.value[*a].total_cmp(&self.value[*b]);
+            let extremes = (range.clone().min_by(by_value), range.max_by(by_value));
+            if let (Some(least), Some(greatest)) = extremes {
+                kept.push(least.min(greatest));
+                if least != greatest {
+                    kept.push(least.max(greatest));
+                }
+            }
+        }
+        kept.truncate(max_points);
+        let pick = |values: &[f64]| kept.iter().map(|&index| values[index]).collect();
+        Self { time_s: pick(&self.time_s), value: pick(&self.value), channel: self.channel, unit: self.unit }
+    }
+
+    pub fn is_finite(&self) -> bool {
+        self.value.iter().all(|value| value.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_peak() {
+        let mut value = vec![0.0; 10_000];
+        value[4321] = 7.0;
+        value[4322] = -5.0;
+        let time_s = (0..10_000).map(f64::from).collect();
+        let series = SeriesAnswer { channel: String::new(), unit: String::new(), time_s, value };
+        let thin = series.clone().thinned(100);
+        assert!(thin.value.len() <= 100 && thin.time_s.is_sorted());
+        assert!(thin.value.contains(&7.0) && thin.value.contains(&-5.0));
+        assert_eq!(series.clone().thinned(1).value.len(), 1);
+        assert_eq!(series.between(10.0, 12.0).time_s, [10.0, 11.0, 12.0]);
+    }
+}
