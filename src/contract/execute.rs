@@ -31,6 +31,7 @@ pub enum RunFailure {
 /// Causes of failures.
 pub const DID_NOT_CONVERGE: &str = "did-not-converge";
 pub const NUMERICAL_BLOWUP: &str = "numerical-blowup";
+pub const INTERNAL: &str = "internal";
 
 /// Simulates the job's scene. Every number of the outcome is finite.
 pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
@@ -87,6 +88,8 @@ impl From<SimulationError> for RunFailure {
             SimulationError::Integration { source: IntegrationError::NotFinite { .. }, .. } => NUMERICAL_BLOWUP,
             SimulationError::Integration { source: IntegrationError::StepTooSmall { .. }, .. }
             | SimulationError::NoEquilibrium(_) => DID_NOT_CONVERGE,
+            // A checked job has had its needs decided already.
+            SimulationError::Unmet(_) => INTERNAL,
         };
         Self::Failed { cause, detail: error.to_string() }
     }

@@ -11,6 +11,7 @@ use super::scene::{ResolvedScene, SceneInput};
 use super::solver::{Solver, SolverInput};
 use super::strict::{self, object, optional_object};
 use super::{given_fields, times};
+use crate::simulation::needs::{Needs, Unmet};
 use crate::simulation::run::RunSettings;
 
 /// A request for one simulation.
@@ -74,6 +75,8 @@ pub struct Job {
     pub request: Value,
     pub resolved: ResolvedScene,
     pub settings: RunSettings,
+    /// What the model contains.
+    pub needs: Needs,
     /// Solver and outputs with every default, as in a request.
     pub solver: SolverInput,
     pub outputs: OutputsInput,
@@ -161,6 +164,7 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
     errors.append(&mut filling.errors);
     match resolved {
         Some(mut resolved) if errors.is_empty() => {
+            let needs = Needs::of(&resolved.scene, &kept, rung).map_err(unmet)?;
             resolved.defaults.append(&mut filling.defaults);
             Ok(Job {
                 kind,
@@ -176,6 +180,7 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
                     duration,
                     outputs: kept,
                 },
+                needs,
                 solver,
                 outputs,
                 labels,
@@ -205,6 +210,15 @@ fn kind_of(request: &Value) -> Result<JobKind, FieldError> {
         },
         Some(_) => refuse(format!("must be a string; kinds are {known}")),
     }
+}
+
+/// The choice that the scene cannot be given.
+fn unmet(unmet: Unmet) -> FieldError {
+    let pointer = match &unmet {
+        Unmet::Rung { .. } => "/solver/rung".to_owned(),
+        Unmet::Term { term, .. } => format!("/scene/terms/{}", term.name()),
+    };
+    FieldError::new(pointer, unmet.to_string())
 }
 
 fn check_labels(labels: &[String], filling: &mut Filling) {

@@ -362,7 +362,7 @@ impl From<&LeftOut> for LeftOutAnswer {
     fn from(left_out: &LeftOut) -> Self {
         let bound = left_out.bound.filter(|bound| bound.0.is_finite());
         Self {
-            term: left_out.term.name().to_owned(),
+            term: left_out.term.to_owned(),
             reason: left_out.reason.clone(),
             by: match left_out.by {
                 Grounds::Identity => GroundsName::Identity,

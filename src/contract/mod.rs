@@ -20,8 +20,10 @@ pub mod terms;
 
 pub mod execute;
 pub mod metrics;
+pub mod resolve;
 pub mod signals;
 
+mod cost;
 mod filling;
 mod scaling;
 mod strict;
@@ -33,6 +35,7 @@ pub use job::{Job, JobKind, parse_job, parse_scene_request};
 pub use metrics::Metrics;
 pub use presets::presets_answer;
 pub use problem::{FieldError, Refusal};
+pub use resolve::{ResolveAnswer, resolve_answer};
 pub use signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
 pub use strict::NameOr;
 

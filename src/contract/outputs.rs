@@ -7,9 +7,9 @@ use utoipa::ToSchema;
 
 use super::filling::Filling;
 use crate::physics::spindle::AxialHold;
-use crate::simulation::channel::{Axis, Channel};
+use crate::simulation::channel::{Axis, BallContact, Channel};
 use crate::simulation::run::Outputs;
-use crate::simulation::scene::Scene;
+use crate::simulation::scene::{Scene, Term, TermChoice};
 
 /// What the result contains; what is not asked for is neither computed nor stored.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -89,9 +89,15 @@ fn channel(name: &str, scene: &Scene) -> Result<Channel, String> {
              cage.{{x|y|z}}.displacement, cage.speed, ball.N.spin and ball.N.{{inner|outer|pocket}}.load with N = 1…{balls}"
         )
     })?;
+    let off = |term| scene.terms.get(term) == TermChoice::Off;
     match channel {
-        Channel::Spindle(Axis::X, _) if scene.spindle.axial != AxialHold::Free => {
+        Channel::Spindle(Axis::X, _) if scene.spindle.axial != AxialHold::Free || off(Term::Axial) => {
             Err(format!("`{name}` exists only where the spindle's axial direction is free (/scene/spindle/axial)"))
+        }
+        Channel::CageDisplacement(_) | Channel::CageSpeed | Channel::BallLoad(_, BallContact::Pocket)
+            if off(Term::Cage) =>
+        {
+            Err(format!("`{name}` exists only with a cage (/scene/terms/cage is off)"))
         }
         _ => Ok(channel),
     }

@@ -3,6 +3,7 @@
 use super::filling::Filling;
 use super::units::{self, short};
 use crate::physics::kinematics::{CharacteristicFrequencies, ideal_frequencies};
+use crate::simulation::observe::RATE;
 use crate::simulation::run::Outputs;
 use crate::simulation::scene::Scene;
 
@@ -10,8 +11,6 @@ use crate::simulation::scene::Scene;
 const LONGEST_DEFAULT: f64 = 1.0;
 /// Longest settling time [s].
 const LONGEST_SETTLE: f64 = 1000.0;
-/// Rate at which signals are observed [Hz].
-const OBSERVED_RATE: f64 = 102_400.0;
 /// Channels that metrics and plots keep, whatever was asked for.
 const USUAL_CHANNELS: usize = 12;
 /// Bytes a sample: the value itself, its transform and copies on the way.
@@ -33,7 +32,7 @@ pub fn duration(field: &mut Option<f64>, scene: Option<&Scene>, outputs: &Output
     let duration = filling.take("/duration_s", field, default);
     let asked = outputs.spectra.iter().chain(&outputs.series).collect::<std::collections::BTreeSet<_>>().len();
     let channels = USUAL_CHANNELS + asked;
-    let longest = MOST_BYTES / (OBSERVED_RATE * BYTES_PER_SAMPLE * channels as f64);
+    let longest = MOST_BYTES / (RATE * BYTES_PER_SAMPLE * channels as f64);
     if !(duration > 0.0) {
         filling.refuse("/duration_s", units::out_of_range(duration, 0.0, longest, true, "s"));
     } else if duration > longest {

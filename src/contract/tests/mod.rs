@@ -1,2 +1,3 @@
 mod accepted;
 mod refused;
+mod results;

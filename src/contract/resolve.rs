@@ -1,0 +1,143 @@
+//! What a job means before it runs: every default, derived quantities, what is left out, and the cost.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use utoipa::ToSchema;
+
+use super::cost;
+use super::given_fields;
+use super::job::Job;
+use super::metrics::{FrequenciesAnswer, LeftOutAnswer};
+use super::outputs::OutputsInput;
+use super::scene::SceneInput;
+use super::solver::SolverInput;
+use super::units::{DEG, UM};
+use crate::physics::bearing::Bearing;
+use crate::physics::contact::hertz::raceway_contacts;
+use crate::physics::kinematics::ideal_frequencies;
+use crate::simulation::equilibrium::{StaticLoads, static_loads};
+
+/// The answer to `POST /v1/scenes/resolve`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ResolveAnswer {
+    /// The scene with every default filled in; posted again, it gives the same scene.
+    #[schema(value_type = SceneInput)]
+    pub scene: Value,
+    #[schema(value_type = SolverInput)]
+    pub solver: Value,
+    #[schema(value_type = OutputsInput)]
+    pub outputs: Value,
+    /// [s]
+    pub settle_s: f64,
+    /// [s]
+    pub duration_s: f64,
+    /// Pointers, from the root of a job, to the fields that were left to their default.
+    #[schema(example = json!(["/scene/spindle/mass_kg"]))]
+    pub defaults: Vec<String>,
+    pub derived: DerivedAnswer,
+    /// What will not be in the equations, and why.
+    pub left_out: Vec<LeftOutAnswer>,
+    pub cost: CostAnswer,
+}
+
+/// Quantities that follow from the scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct DerivedAnswer {
+    /// Load–deflection factor of a ball on the inner raceway [N/m^1.5].
+    pub inner_stiffness_n_per_m1_5: f64,
+    /// Load–deflection factor of a ball on the outer raceway [N/m^1.5].
+    pub outer_stiffness_n_per_m1_5: f64,
+    /// Basic dynamic load rating by the table of f_c of ISO 281 [N].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub dynamic_load_rating_n: Option<f64>,
+    /// The same by the full formula for f_c, which knows the groove curvatures [N].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub dynamic_load_rating_full_formula_n: Option<f64>,
+    /// Axial load over `dynamic_load_rating_n` [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub axial_load_over_rating: Option<f64>,
+    /// [°]
+    pub free_contact_angle_deg: f64,
+    /// Diametral [µm].
+    pub radial_clearance_um: f64,
+    /// Of ideal rolling at the operating speed.
+    pub frequencies_hz: FrequenciesAnswer,
+    /// Equilibrium of the raceways under the applied loads alone; absent where there is none.
+    #[serde(rename = "static", skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub at_rest: Option<StaticAnswer>,
+}
+
+/// Equilibrium under the applied loads alone (no gravity, no centrifugal load), first ball under +Y.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct StaticAnswer {
+    /// From the centred position along the radial load, clearance included [µm].
+    pub radial_displacement_um: f64,
+    /// Along the axial load [µm].
+    pub axial_displacement_um: f64,
+    /// [N]
+    pub max_ball_load_n: f64,
+    /// Load of each ball on the inner raceway [N], ball 1 first.
+    pub ball_loads_n: Vec<f64>,
+    /// Over both raceways [MPa].
+    pub max_pressure_mpa: f64,
+}
+
+/// What the run will cost.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CostAnswer {
+    /// Number of first-order states.
+    pub states: u64,
+    /// Rough estimate, on one core [s].
+    pub estimated_wall_time_s: f64,
+}
+
+/// Resolves a checked job.
+pub fn resolve_answer(job: &Job) -> ResolveAnswer {
+    let at_rest = static_loads(job.scene(), &job.needs).ok();
+    ResolveAnswer {
+        scene: job.scene_json(),
+        solver: given_fields(&job.solver),
+        outputs: given_fields(&job.outputs),
+        settle_s: job.settings.settle,
+        duration_s: job.settings.duration,
+        defaults: job.resolved.defaults.clone(),
+        left_out: job.needs.left_out.iter().map(LeftOutAnswer::from).collect(),
+        cost: cost::estimate(job, at_rest.as_ref()),
+        derived: derived(job, at_rest.as_ref()),
+    }
+}
+
+fn derived(job: &Job, at_rest: Option<&StaticLoads>) -> DerivedAnswer {
+    let scene = job.scene();
+    let bearing: &Bearing = &scene.bearing;
+    let stiffness = raceway_contacts(bearing).map(|contact| contact.stiffness);
+    DerivedAnswer {
+        inner_stiffness_n_per_m1_5: stiffness.inner,
+        outer_stiffness_n_per_m1_5: stiffness.outer,
+        dynamic_load_rating_n: None,
+        dynamic_load_rating_full_formula_n: None,
+        axial_load_over_rating: None,
+        free_contact_angle_deg: DEG.from_si(bearing.free_contact_angle),
+        radial_clearance_um: UM.from_si(bearing.radial_clearance),
+        frequencies_hz: ideal_frequencies(bearing, scene.operating_speed()).into(),
+        at_rest: at_rest.and_then(static_answer),
+    }
+}
+
+/// `None` unless every number is finite.
+fn static_answer(loads: &StaticLoads) -> Option<StaticAnswer> {
+    let answer = StaticAnswer {
+        radial_displacement_um: UM.from_si(loads.radial_displacement),
+        axial_displacement_um: UM.from_si(loads.axial_displacement),
+        max_ball_load_n: loads.max_ball_load,
+        ball_loads_n: loads.ball_loads.clone(),
+        max_pressure_mpa: loads.max_pressure / 1e6,
+    };
+    let numbers = [answer.radial_displacement_um, answer.axial_displacement_um, answer.max_pressure_mpa];
+    let finite = answer.ball_loads_n.iter().chain(&numbers).all(|number| number.is_finite());
+    finite.then_some(answer)
+}

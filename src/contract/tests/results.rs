@@ -1,0 +1,69 @@
+//! Resolving and running.
+
+use serde_json::{Value, json};
+
+use crate::contract::{RunFailure, SpectrumKind, execute, parse_job, parse_scene_request, resolve_answer};
+use crate::simulation::run::Control;
+
+fn article() -> Value {
+    json!({"kind": "simulation", "settle_s": 0.001, "duration_s": 0.004,
+        "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}},
+        "outputs": {"series": ["cage.y.displacement"]}})
+}
+
+/// Stiffnesses, frequencies and clearance of the article's case (the model's table).
+#[test]
+fn the_article_resolves_to_its_numbers() {
+    let job = parse_scene_request(article().to_string().as_bytes()).unwrap();
+    let answer = resolve_answer(&job);
+    let derived = &answer.derived;
+    assert!((derived.inner_stiffness_n_per_m1_5 / 1.399e10 - 1.0).abs() < 1e-3);
+    assert!((derived.outer_stiffness_n_per_m1_5 / 1.492e10 - 1.0).abs() < 1e-3);
+    assert!((derived.frequencies_hz.ball_pass_outer - 2293.4).abs() < 0.1);
+    assert!((derived.radial_clearance_um - 5.0).abs() < 1e-12);
+    let at_rest = derived.at_rest.as_ref().unwrap();
+    assert!((120.0..150.0).contains(&at_rest.max_ball_load_n), "{at_rest:?}");
+    assert!(answer.left_out.iter().any(|left_out| left_out.term == "hydrodynamics"));
+    assert!(answer.defaults.iter().any(|pointer| pointer == "/scene/spindle/mass_kg"));
+    assert_eq!(answer.cost.states, 7 * 9 + 12 + 4);
+    let json = serde_json::to_value(&answer).unwrap();
+    assert!(json["derived"]["static"]["ball_loads_n"].as_array().is_some_and(|loads| loads.len() == 7));
+}
+
+#[test]
+fn a_short_run_gives_what_was_asked_for() {
+    let mut request = article();
+    request["outputs"]["metrics"] = json!(["vibration"]);
+    let job = parse_job(request.to_string().as_bytes()).unwrap();
+    let outcome = execute(&job, &Control { stop: &|| false, progress: &|_| () }).unwrap();
+    let metrics = serde_json::to_value(&outcome.metrics).unwrap();
+    assert!(metrics["channels"]["spindle.y.acceleration"]["level_db"].is_f64());
+    for absent in ["contacts", "kinematics", "cage"] {
+        assert!(metrics.get(absent).is_none(), "{absent}");
+    }
+    assert_eq!(metrics["solver"]["rung"], "full");
+    let kinds: Vec<_> = outcome.spectra.iter().map(|spectrum| spectrum.kind).collect();
+    assert_eq!(kinds, [SpectrumKind::Amplitude, SpectrumKind::Envelope].repeat(2));
+    assert_eq!(outcome.series.len(), 1);
+    assert_eq!(outcome.series[0].value.len(), outcome.series[0].time_s.len());
+}
+
+#[test]
+fn extremes_run() {
+    for request in [
+        json!({"kind": "simulation", "duration_s": 1e-6, "settle_s": 0, "scene": {"bearing": "608", "operation": {"speed_rpm": 1000}}}),
+        json!({"kind": "simulation", "duration_s": 0.002, "settle_s": 0, "scene": {"bearing": "608", "operation": {"speed_rpm": 0}}}),
+        json!({"kind": "simulation", "duration_s": 0.002, "settle_s": 0, "scene": {"bearing": "608", "gravity_m_s2": 0, "operation": {"speed_rpm": 0}}}),
+    ] {
+        let job = parse_job(request.to_string().as_bytes()).unwrap();
+        let outcome = execute(&job, &Control { stop: &|| false, progress: &|_| () });
+        assert!(outcome.is_ok(), "{request}: {:?}", outcome.err());
+    }
+}
+
+#[test]
+fn a_stopped_run_is_cancelled() {
+    let job = parse_job(article().to_string().as_bytes()).unwrap();
+    let failure = execute(&job, &Control { stop: &|| true, progress: &|_| () });
+    assert_eq!(failure.err(), Some(RunFailure::Cancelled));
+}
