@@ -3,7 +3,7 @@
 use uuid::Uuid;
 
 use super::super::{JobError, JobRecord, NewJob, Status};
-use super::{Store, stored};
+use super::stored;
 use crate::jobs::queue::Tx;
 
 /// A finished result of identical work.
@@ -81,13 +81,4 @@ async fn insert_row(
         .execute(&mut **tx)
         .await?;
     Ok(())
-}
-
-impl Store {
-    /// Whether anything is left that this process or another must run.
-    pub async fn unfinished(&self) -> Result<u64, JobError> {
-        let sql = "SELECT count(*) FROM jobs WHERE status IN ('queued', 'running')";
-        let count: i64 = sqlx::query_scalar(sql).fetch_one(&self.readers).await?;
-        Ok(count.unsigned_abs())
-    }
 }
