@@ -398,9 +398,9 @@ mod tests {
         for i in 0..200 {
             if let Some(frame) = decimator.push(&[2.0]) {
                 assert!((frame[0] - 2.0).abs() < 1e-14);
-                assert_eq!((i - delay) % 4, 0);
+                assert!((i - delay).is_multiple_of(4));
             } else {
-                assert!(i < delay || (i - delay) % 4 != 0);
+                assert!(i < delay || !(i - delay).is_multiple_of(4));
             }
         }
     }

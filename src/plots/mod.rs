@@ -1,1 +1,14 @@
+//! Pictures from results, as SVG text that stands alone: title and description for those who cannot see it, units on
+//! every axis, colours that follow the viewer's light or dark setting. Takes plain numbers and labelled lines; knows
+//! no HTTP, no file, and not where a result comes from.
 
+mod orbit;
+mod series;
+mod spectrum;
+
+mod axis;
+mod svg;
+
+pub use orbit::{OrbitCurve, orbit_svg};
+pub use series::{SeriesCurve, series_svg};
+pub use spectrum::{SpectrumCurve, spectrum_svg};

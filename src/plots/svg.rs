@@ -1,0 +1,189 @@
+//! Writes SVG text.
+
+use std::fmt::Write;
+
+/// Colours and type for every picture. Selectors are scoped, for a picture may stand inside a page; no variables,
+/// which not every renderer knows.
+const STYLE: &str = "\
+.raceway-plot{font-family:system-ui,'Segoe UI',Helvetica,Arial,sans-serif;font-size:13px;max-width:100%;height:auto}\
+.raceway-plot .paper{fill:#fff}\
+.raceway-plot .panel{fill:#f7f9fb;stroke:#b8c2cc}\
+.raceway-plot .grid{stroke:#dde3e9;stroke-width:1}\
+.raceway-plot text{fill:#2b333b}\
+.raceway-plot .title{font-size:18px;font-weight:600}\
+.raceway-plot .subtitle{font-size:13.5px;fill:#56616c}\
+.raceway-plot .name{font-size:14px;font-weight:600}\
+.raceway-plot .note{fill:#56616c}\
+.raceway-plot .leader{stroke:#7b8792;stroke-width:.8}\
+.raceway-plot .curve{fill:none;stroke-width:1.1;stroke-linejoin:round}\
+.raceway-plot .c0{stroke:#0b63b0}.raceway-plot .c1{stroke:#b4530a}.raceway-plot .c2{stroke:#2e7d32}\
+.raceway-plot .dot{stroke:none}\
+.raceway-plot .f0{fill:#0b63b0}.raceway-plot .f1{fill:#b4530a}.raceway-plot .f2{fill:#2e7d32}\
+@media (prefers-color-scheme:dark){\
+.raceway-plot .paper{fill:#14181d}\
+.raceway-plot .panel{fill:#1a2027;stroke:#48535e}\
+.raceway-plot .grid{stroke:#2b343d}\
+.raceway-plot text{fill:#e4e9ee}\
+.raceway-plot .subtitle,.raceway-plot .note{fill:#a3afba}\
+.raceway-plot .leader{stroke:#8693a0}\
+.raceway-plot .c0{stroke:#6cb4ff}.raceway-plot .c1{stroke:#ffb26b}.raceway-plot .c2{stroke:#7fd08a}\
+.raceway-plot .f0{fill:#6cb4ff}.raceway-plot .f1{fill:#ffb26b}.raceway-plot .f2{fill:#7fd08a}}";
+
+/// Colours before they repeat.
+const COLOURS: usize = 3;
+
+/// Which end of a text stands at its position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// A picture that grows by what is drawn on it, first things below.
+pub struct Drawing {
+    svg: String,
+}
+
+impl Drawing {
+    /// Blank paper with its headings; `description` says in words what the picture shows.
+    pub fn new(width: f64, height: f64, title: &str, subtitle: &str, description: &str) -> Self {
+        let svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"raceway-plot\" role=\"img\" width=\"{width:.0}\" \
+             height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\">\n<title>{}</title>\n<desc>{}</desc>\n\
+             <style>{STYLE}</style>\n",
+            escaped(title),
+            escaped(description)
+        );
+        let mut drawing = Self { svg };
+        drawing.rectangle("paper", 0.0, 0.0, width, height);
+        drawing.text("title", Anchor::Start, 16.0, 30.0, &shortened(title, (width / 10.5) as usize));
+        drawing.text("subtitle", Anchor::Start, 16.0, 51.0, &shortened(subtitle, (width / 7.6) as usize));
+        drawing
+    }
+
+    pub fn rectangle(&mut self, class: &str, x: f64, y: f64, width: f64, height: f64) {
+        self.element(format_args!(
+            "<rect class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>"
+        ));
+    }
+
+    pub fn line(&mut self, class: &str, from: (f64, f64), to: (f64, f64)) {
+        self.element(format_args!(
+            "<line class=\"{class}\" x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\"/>",
+            from.0, from.1, to.0, to.1
+        ));
+    }
+
+    /// A curve in the colour of that number.
+    pub fn curve(&mut self, colour: usize, points: impl IntoIterator<Item = (f64, f64)>) {
+        let mut path = String::new();
+        for (x, y) in points {
+            let command = if path.is_empty() { 'M' } else { 'L' };
+            write!(path, "{command}{x:.1} {y:.1}").expect("writing to a string cannot fail");
+        }
+        if !path.is_empty() {
+            self.element(format_args!("<path class=\"curve c{}\" d=\"{path}\"/>", colour % COLOURS));
+        }
+    }
+
+    pub fn dot(&mut self, colour: usize, x: f64, y: f64) {
+        self.element(format_args!(
+            "<circle class=\"dot f{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.6\"/>",
+            colour % COLOURS
+        ));
+    }
+
+    pub fn text(&mut self, class: &str, anchor: Anchor, x: f64, y: f64, text: &str) {
+        self.placed_text(class, anchor, format_args!("x=\"{x:.1}\" y=\"{y:.1}\""), text);
+    }
+
+    /// A text that reads upwards, its middle at the position.
+    pub fn upright_text(&mut self, class: &str, x: f64, y: f64, text: &str) {
+        let place = format_args!("transform=\"translate({x:.1} {y:.1}) rotate(-90)\"");
+        self.placed_text(class, Anchor::Middle, place, text);
+    }
+
+    pub fn finish(mut self) -> String {
+        self.svg += "</svg>\n";
+        self.svg
+    }
+
+    fn placed_text(&mut self, class: &str, anchor: Anchor, place: std::fmt::Arguments<'_>, text: &str) {
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let text = escaped(text);
+        self.element(format_args!("<text class=\"{class}\" text-anchor=\"{anchor}\" {place}>{text}</text>"));
+    }
+
+    fn element(&mut self, element: std::fmt::Arguments<'_>) {
+        writeln!(self.svg, "{element}").expect("writing to a string cannot fail");
+    }
+}
+
+/// Text as XML shows it literally; what XML cannot hold is left out.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => out += "&amp;",
+            '<' => out += "&lt;",
+            '>' => out += "&gt;",
+            '"' => out += "&quot;",
+            '\u{fffe}' | '\u{ffff}' => {}
+            c if c.is_control() && !c.is_ascii_whitespace() => {}
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn shortened(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    text.chars().take(most.saturating_sub(1)).chain(['…']).collect()
+}
+
+/// Panics unless every tag is closed in order and every `&` begins an entity.
+#[cfg(test)]
+pub fn assert_well_formed(svg: &str) {
+    let mut open = Vec::new();
+    for tag in svg.split('<').skip(1) {
+        let (tag, text) = tag.split_once('>').expect("a tag ends");
+        assert!(!text.contains('>'), "stray > in {text}");
+        assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
+        let name = tag.trim_start_matches('/').split([' ', '/']).next().unwrap();
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else if !tag.ends_with('/') {
+            open.push(name);
+        }
+    }
+    assert!(open.is_empty(), "still open: {open:?}");
+    for entity in svg.split('&').skip(1) {
+        assert!(["amp;", "lt;", "gt;", "quot;"].iter().any(|known| entity.starts_with(known)), "&{entity}");
+    }
+    assert!(!svg.contains("NaN") && !svg.contains("inf\""), "a coordinate is no number");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_escaped_and_long_headings_shortened() {
+        let mut drawing = Drawing::new(200.0, 100.0, "<b> & \"co\"", &"x".repeat(300), "a < b\u{0}");
+        drawing.text("note", Anchor::End, 1.0, 2.0, "</svg>&");
+        drawing.upright_text("note", 1.0, 2.0, "m/s²");
+        drawing.curve(4, [(0.0, 1.0), (2.0, 3.0)]);
+        drawing.curve(0, []);
+        let svg = drawing.finish();
+        assert_well_formed(&svg);
+        assert!(svg.contains("<title>&lt;b&gt; &amp; &quot;co&quot;</title>"));
+        assert!(svg.contains("&lt;/svg&gt;&amp;") && svg.contains("x…") && svg.contains("d=\"M0.0 1.0L2.0 3.0\""));
+    }
+}
