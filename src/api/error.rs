@@ -17,7 +17,7 @@ pub const PROBLEM_JSON: &str = "application/problem+json";
 pub struct Problem {
     /// What kind of problem this is; stays the same from version to version.
     #[serde(rename = "type")]
-    #[schema(format = UriReference, example = "urn:raceway:problem:invalid-request")]
+    #[schema(format = "uri-reference", example = "urn:raceway:problem:invalid-request")]
     pub kind: String,
     /// The kind in words.
     #[schema(example = "The request is not valid")]
@@ -87,6 +87,8 @@ pub enum ApiError {
     UnsupportedMediaType(String),
     ForeignHost(String),
     Job(JobError),
+    /// The service takes no jobs now.
+    NotReady(JobError),
     /// A request that could not be served, for reasons that are logged and not told.
     Internal,
 }
@@ -179,6 +181,13 @@ impl ApiError {
                 of(S::MISDIRECTED_REQUEST, "foreign-host", "The request was meant for another host", detail)
             }
             Self::Job(error) => of_job(error),
+            Self::NotReady(error) => {
+                let detail = match error {
+                    JobError::Stopping | JobError::DiskFull => error.to_string(),
+                    _ => "the database does not answer".into(),
+                };
+                of(S::SERVICE_UNAVAILABLE, "not-ready", "The service takes no jobs now", detail)
+            }
             Self::Internal => internal(),
         }
     }

@@ -92,14 +92,28 @@ impl<S: Send + Sync> FromRequestParts<S> for JobId {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
-        let Path(segments) = Path::<Vec<(String, String)>>::from_request_parts(parts, state)
-            .await
-            .map_err(|_| ApiError::UnknownJob)?;
-        let id = segments.into_iter().find(|segment| segment.0 == "id").ok_or(ApiError::UnknownJob)?;
+        let id = segment(parts, state, "id").await.ok_or(ApiError::UnknownJob)?;
         // The one form in which ids are given out; others would be a second address of the same job.
-        let parsed: Uuid = id.1.parse().map_err(|_| ApiError::UnknownJob)?;
-        if parsed.to_string() == id.1 { Ok(Self(parsed)) } else { Err(ApiError::UnknownJob) }
+        let parsed: Uuid = id.parse().map_err(|_| ApiError::UnknownJob)?;
+        if parsed.to_string() == id { Ok(Self(parsed)) } else { Err(ApiError::UnknownJob) }
     }
+}
+
+/// The file that the path names.
+pub struct PlotFile(pub String);
+
+impl<S: Send + Sync> FromRequestParts<S> for PlotFile {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
+        segment(parts, state, "file").await.map(Self).ok_or(ApiError::UnknownPath)
+    }
+}
+
+/// A named segment of the path; `None` also where it is no UTF-8.
+async fn segment<S: Send + Sync>(parts: &mut Parts, state: &S, name: &str) -> Option<String> {
+    let Path(segments) = Path::<Vec<(String, String)>>::from_request_parts(parts, state).await.ok()?;
+    segments.into_iter().find(|segment| segment.0 == name).map(|segment| segment.1)
 }
 
 /// The format that the client likes best among those offered, the first in doubt.
