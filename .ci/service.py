@@ -17,9 +17,12 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
 def binary():
-    """The release build: RACEWAY, else where cargo puts it."""
+    """The release build: the file that RACEWAY names, else where cargo puts it."""
     target = os.environ.get("CARGO_TARGET_DIR", os.path.join(ROOT, "target"))
-    return os.environ.get("RACEWAY", os.path.join(target, "release", "raceway"))
+    path = os.environ.get("RACEWAY", os.path.join(target, "release", "raceway"))
+    if not os.path.exists(path):
+        sys.exit(f"{path} is not there; build it with: cargo build --release")
+    return path
 
 
 ARTICLE = {
