@@ -1,1 +1,180 @@
+//! Settings from command line and environment: the only place that reads either.
 
+use std::net::{IpAddr, SocketAddr};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::api::auth::Tokens;
+use crate::jobs::Settings;
+
+/// Predicts the vibration of rolling bearings.
+#[derive(Debug, Parser)]
+#[command(name = "raceway", version, about, arg_required_else_help = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Start the service on loopback, run the article's case over HTTP, print and plot the results
+    Demo(DemoOptions),
+    /// Serve the HTTP API and run jobs
+    Serve(ServeOptions),
+    /// Run one job without a server: metrics on stdout as JSON
+    Simulate(SimulateOptions),
+    /// Print the OpenAPI document
+    Openapi,
+    /// Ask a running service whether it takes jobs; the exit status tells
+    Health(HealthOptions),
+}
+
+#[derive(Debug, Args)]
+pub struct DemoOptions {
+    /// Stop after the demonstration instead of serving on
+    #[arg(long, env = "RACEWAY_ONCE")]
+    pub once: bool,
+    /// Directory for spectrum.svg
+    #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
+    pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct SimulateOptions {
+    /// The job's JSON; - reads stdin
+    #[arg(value_name = "JOB.json|-")]
+    pub job: PathBuf,
+    /// Directory for metrics, spectra, series and plots
+    #[arg(long, env = "RACEWAY_OUTPUT", value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct HealthOptions {
+    /// Address of the service
+    #[arg(long, env = "RACEWAY_LISTEN", default_value = "127.0.0.1:8080", value_name = "ADDRESS:PORT")]
+    pub listen: SocketAddr,
+}
+
+#[derive(Debug, Args)]
+pub struct ServeOptions {
+    /// Address to listen on; port 0 picks a free one
+    #[arg(long, env = "RACEWAY_LISTEN", default_value = "127.0.0.1:8080", value_name = "ADDRESS:PORT")]
+    pub listen: SocketAddr,
+    /// Database, made when it does not exist
+    #[arg(long, env = "RACEWAY_DATABASE", default_value = "sqlite://raceway.db", value_name = "URL")]
+    pub database: String,
+    /// Simulations at a time [default: number of cores]
+    #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub workers: Option<u16>,
+    /// Jobs that may wait; more are answered with 429
+    #[arg(long, env = "RACEWAY_QUEUE_LIMIT", default_value_t = 10_000)]
+    pub queue_limit: u32,
+    /// Runs of a job that may end with their process before the job fails
+    #[arg(long, env = "RACEWAY_MAX_LOST_RUNS", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_lost_runs: u32,
+    /// Wall time a run may take, in seconds
+    #[arg(long, env = "RACEWAY_TIME_LIMIT_S", default_value_t = 3600, value_parser = clap::value_parser!(u32).range(1..))]
+    pub time_limit_s: u32,
+    /// How long ended jobs are kept that say nothing about it, in seconds
+    #[arg(long, env = "RACEWAY_KEEP_FOR_S", default_value_t = 30 * 86_400, value_parser = clap::value_parser!(u32).range(1..))]
+    pub keep_for_s: u32,
+    /// Serve beyond loopback without tokens: everyone who reaches the port may do everything
+    #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH")]
+    pub insecure_no_auth: bool,
+}
+
+/// Why settings make no sense.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    #[error("the database {0}: postgres is not available in this version; use sqlite://FILE")]
+    PostgresUnavailable(String),
+    #[error("the database {0}: not understood; use sqlite://FILE")]
+    UnknownDatabase(String),
+    #[error(
+        "{0} can be reached from other machines, and there are no tokens: set RACEWAY_API_TOKENS, listen on \
+         127.0.0.1, or accept the risk with --insecure-no-auth"
+    )]
+    OpenToEveryone(SocketAddr),
+}
+
+impl ServeOptions {
+    /// Settings of queue and store.
+    pub fn job_settings(&self) -> Result<Settings, ConfigError> {
+        let settings = Settings::new(database_file(&self.database)?);
+        Ok(Settings {
+            workers: self.workers.map_or(settings.workers, usize::from),
+            queue_limit: u64::from(self.queue_limit),
+            max_lost_runs: self.max_lost_runs,
+            time_limit: Duration::from_secs(u64::from(self.time_limit_s)),
+            keep_s: f64::from(self.keep_for_s),
+            ..settings
+        })
+    }
+
+    /// Refuses to be open to everyone by accident.
+    pub fn check_access(&self, tokens: &Tokens) -> Result<(), ConfigError> {
+        if tokens.is_empty() && !self.insecure_no_auth && !is_loopback(self.listen.ip()) {
+            return Err(ConfigError::OpenToEveryone(self.listen));
+        }
+        Ok(())
+    }
+}
+
+/// Whether only this machine reaches the address.
+pub fn is_loopback(address: IpAddr) -> bool {
+    address.to_canonical().is_loopback()
+}
+
+/// The file behind a database URL. URLs with a server's name may hold a password, so only their scheme is told.
+fn database_file(url: &str) -> Result<PathBuf, ConfigError> {
+    let scheme = url.split_once(':').map_or("", |parts| parts.0);
+    match (scheme, url.strip_prefix("sqlite://")) {
+        ("postgres" | "postgresql", _) => Err(ConfigError::PostgresUnavailable(format!("{scheme}://…"))),
+        (_, Some(file)) if !file.is_empty() && !file.contains(['?', '#']) => Ok(file.into()),
+        ("sqlite", _) => Err(ConfigError::UnknownDatabase(url.to_owned())),
+        _ => Err(ConfigError::UnknownDatabase(format!("{scheme}:…"))),
+    }
+}
+
+/// Tokens from `RACEWAY_API_TOKENS`, separated by commas. Not an option, because every user of a machine
+/// can read the command lines of all its processes.
+pub fn tokens() -> Tokens {
+    Tokens::parse(&std::env::var("RACEWAY_API_TOKENS").unwrap_or_default())
+}
+
+/// How much is logged: `RACEWAY_LOG` is one of error, warn, info, debug, trace.
+pub fn log_level() -> tracing::Level {
+    std::env::var("RACEWAY_LOG").ok().and_then(|level| level.parse().ok()).unwrap_or(tracing::Level::INFO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_files_are_databases() {
+        assert_eq!(database_file("sqlite:///data/raceway.db").ok(), Some("/data/raceway.db".into()));
+        assert_eq!(database_file("sqlite://raceway.db").ok(), Some("raceway.db".into()));
+        let refused = database_file("postgres://me:secret@host/db").err().map(|error| error.to_string());
+        let refused = refused.unwrap_or_default();
+        assert!(refused.contains("not available in this version") && !refused.contains("secret"), "{refused}");
+        for url in ["", "raceway.db", "sqlite:raceway.db", "sqlite://", "mysql://x:secret@y/z"] {
+            let refused = database_file(url).err().map(|error| error.to_string()).unwrap_or_default();
+            assert!(refused.contains("sqlite://FILE") && !refused.contains("secret"), "{url}: {refused}");
+        }
+    }
+
+    #[test]
+    fn every_loopback_address_counts() {
+        for address in ["127.0.0.1", "127.1.2.3", "::1", "::ffff:127.0.0.1"] {
+            assert!(address.parse().is_ok_and(is_loopback), "{address}");
+        }
+        for address in ["0.0.0.0", "::", "192.168.1.1"] {
+            assert!(!address.parse().is_ok_and(is_loopback), "{address}");
+        }
+    }
+}

@@ -5,6 +5,8 @@
 
 /// The HTTP service.
 pub mod api;
+/// What the program does when it is called: serve, simulate, demonstrate.
+pub mod commands;
 /// Settings from command line and environment.
 pub mod config;
 /// JSON in and out: units in field names, one conversion each way.
@@ -17,5 +19,7 @@ pub mod numerics;
 pub mod physics;
 /// Pictures from results.
 pub mod plots;
+/// Answers as pictures and tables.
+pub mod render;
 /// The motion: scene, model, equilibrium, run, observation.
 pub mod simulation;

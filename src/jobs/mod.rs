@@ -1,1 +1,30 @@
+//! Queue and store of jobs: what was accepted survives a power cut, is run once, and ends in one of
+//! three ways. Our table of jobs is the truth; the queue only delivers. Knows contract and simulation;
+//! knows no HTTP.
 
+/// The life of a job.
+pub mod job;
+/// What the rest of the service asks for: submit, look, cancel, delete.
+pub mod service;
+
+/// What can go wrong, with what the caller may do about it.
+pub mod error;
+/// One transaction for many submissions.
+mod intake;
+/// One server a database.
+mod lock;
+/// The port to the queue, and River behind it.
+mod queue;
+/// Runs of this process: stop flags, progress, and who waits for an end.
+mod running;
+/// Every SQL statement.
+mod store;
+/// Brings back what was lost, removes what has expired.
+mod sweep;
+/// One delivered job from claim to result.
+mod worker;
+
+pub use error::JobError;
+pub use job::{Failure, JobRecord, NewJob, Status};
+pub use service::{Cancelled, Jobs, Settings, Simulator};
+pub use store::{Filter, Signal};

@@ -6,9 +6,9 @@ pub mod bearing;
 pub mod cage;
 pub mod contact;
 pub mod drag;
-pub mod land;
 pub mod frames;
 pub mod kinematics;
+pub mod land;
 pub mod lubricant;
 pub mod material;
 pub mod operation;
@@ -47,7 +47,6 @@ pub fn above(parameter: &'static str, value: f64, lowest: f64, highest: f64) -> 
         Err(InvalidParameter::OutOfRange { parameter, value, lowest, highest, exclusive: true })
     }
 }
-
 
 #[cfg(test)]
 pub(crate) mod examples;

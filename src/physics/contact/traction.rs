@@ -1,5 +1,6 @@
 //! Traction of a lubricated contact with slip, spin and conformity.
 
+use crate::numerics::exponential::exponential;
 use crate::numerics::roots::bracketed_root;
 use crate::physics::{InvalidParameter, above, within};
 
@@ -178,7 +179,7 @@ impl Traction {
     }
 
     /// μ(|u|)/|u| [s/m] from the square of the slip speed [m²/s²]; finite at rest.
-    #[inline]
+    #[inline(always)]
     pub fn traction_over_speed(&self, slip_squared: f64, context: &TractionContext) -> f64 {
         match self {
             Self::RisingFromZero(law) => rising(law, slip_squared.sqrt()),
@@ -216,10 +217,10 @@ impl Traction {
 }
 
 /// μ/s of the four-parameter law with A = −D: D (1 − e^(−C s))/s + B e^(−C s).
-#[inline]
-fn rising(law: &FourParameters, s: f64) -> f64 {
+#[inline(always)]
+pub fn rising(law: &FourParameters, s: f64) -> f64 {
     let x = law.c * s;
-    let decay = (-x).exp();
+    let decay = exponential(-x);
     // (1 − e^(−x))/x; below 0.01 its series, for the difference would lose the digits.
     let share =
         if x < 0.01 { 1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0))) } else { (1.0 - decay) / x };
@@ -227,9 +228,9 @@ fn rising(law: &FourParameters, s: f64) -> f64 {
 }
 
 /// μ/√(u² + u_r²) of the four-parameter law that does not vanish at rest, s its argument.
-#[inline]
+#[inline(always)]
 fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
-    let mu = (law.a + law.b * s) * (-law.c * s).exp() + law.d;
+    let mu = (law.a + law.b * s) * exponential(-law.c * s) + law.d;
     mu / (slip_squared + DIRECTION_SPEED * DIRECTION_SPEED).sqrt()
 }
 

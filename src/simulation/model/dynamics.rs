@@ -49,14 +49,15 @@ struct Sums {
 /// The cage in the form in which pockets need it.
 struct CagePose {
     motion: CageMotion,
-    /// Rotation about the cage axis.
-    azimuth: f64,
+    /// Azimuth of the first pocket about the cage axis.
+    azimuth: Azimuth,
 }
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     pub fn new(mechanism: Mechanism) -> Self {
         let [about_y, about_z] = mechanism.misalignment;
-        let tilted_axis = (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
+        let tilted_axis =
+            (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
         Self { mechanism, tilted_axis }
     }
 
@@ -143,8 +144,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             azimuth: motion.azimuth_angle - angle,
         };
         let local = m.raceway.inner.load::<PLANAR>(&inner);
-        let inner_load =
-            RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
+        let inner_load = RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
         watch.raceway(ball, BallContact::Inner, &inner, &inner_load);
         if inner_load.penetration > 0.0 {
             sums.spindle = subtract(sums.spindle, motion.azimuth.to_inertial(inner_load.force));
@@ -180,7 +180,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 tilt_about_z: state.tilt[1],
                 spin: [m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius, about_y, about_z],
             },
-            azimuth: m.orbit_ratio * angle + state.arc / m.pitch_radius,
+            azimuth: Azimuth::new(m.orbit_ratio * angle + state.arc / m.pitch_radius),
         }
     }
 
@@ -200,7 +200,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         // All in the cage's tilted frame, from its centre of mass.
         let place = azimuth.to_inertial([motion.axial, motion.radius, 0.0]);
         let ball_place = tilt.to_tilted(subtract(place, cage.motion.centre));
-        let pocket_azimuth = Azimuth::new(m.start_azimuth(ball) + cage.azimuth);
+        let pocket_azimuth = cage.azimuth.turned(m.start[ball]);
         let pocket_place = pocket_azimuth.to_inertial([m.cage.offset, m.pitch_radius, 0.0]);
         let velocity = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), cage.motion.velocity));
         let relative = PocketMotion {
@@ -275,7 +275,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     /// Equations (13), (14), and X where the spindle is free.
-    fn spindle_rates(&self, state: &SpindleState, reaction: Vector, angle: f64, speed: f64, acceleration: f64) -> SpindleState {
+    fn spindle_rates(
+        &self,
+        state: &SpindleState,
+        reaction: Vector,
+        angle: f64,
+        speed: f64,
+        acceleration: f64,
+    ) -> SpindleState {
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
         force[1] += m.spindle_mass * m.gravity;

@@ -17,7 +17,7 @@ use crate::numerics::ode::OdeSystem;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageParameters;
 use crate::physics::drag::Drag;
-use crate::physics::frames::Vector;
+use crate::physics::frames::{Azimuth, Vector};
 use crate::physics::kinematics;
 use crate::physics::land::Land;
 use crate::physics::operation::SpeedProfile;
@@ -35,6 +35,8 @@ pub struct Mechanism {
     /// Spin ω_x of ideal balls in space (that in the orbit frame, and the orbit's own) over spindle speed.
     pub spin_ratio: f64,
     pub pitch_radius: f64,
+    /// Azimuths at which balls and pockets start.
+    pub start: Vec<Azimuth>,
     pub ball_mass: f64,
     pub ball_inertia: f64,
     pub raceway: PerRaceway<RacewayContact>,
@@ -75,14 +77,12 @@ impl Mechanism {
             orbit_ratio,
             spin_ratio: relative_spin_ratio + orbit_ratio,
             pitch_radius: 0.5 * bearing.parameters.pitch_diameter,
+            start: (0..bearing.parameters.ball_count)
+                .map(|ball| Azimuth::new(start_azimuth(ball, bearing.parameters.ball_count)))
+                .collect(),
             ball_mass: bearing.ball_mass,
             ball_inertia: bearing.ball_inertia,
-            raceway: RacewayContact::pair(
-                bearing,
-                &scene.lubricant,
-                scene.raceway_damping.resolve(),
-                needs.raceway,
-            ),
+            raceway: RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway),
             pocket: Pocket::new(
                 bearing,
                 &scene.cage,
@@ -108,8 +108,12 @@ impl Mechanism {
 
     /// Azimuth at which ball or pocket `index` starts [rad]; ball 0 starts at 0, under the load.
     pub fn start_azimuth(&self, index: usize) -> f64 {
-        std::f64::consts::TAU * index as f64 / self.layout.balls as f64
+        start_azimuth(index, self.layout.balls)
     }
+}
+
+fn start_azimuth(index: usize, balls: usize) -> f64 {
+    std::f64::consts::TAU * index as f64 / balls as f64
 }
 
 /// The equations of motion of a scene: any rung.

@@ -1,0 +1,298 @@
+//! Errors as problem details (RFC 9457). The only place that knows status codes of errors.
+
+use axum::http::header::{ACCEPT, ALLOW, CONTENT_TYPE, RETRY_AFTER, WWW_AUTHENTICATE};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::contract::problem::listed;
+use crate::contract::{FieldError, Refusal};
+use crate::jobs::{Failure, JobError, Status};
+
+pub const PROBLEM_JSON: &str = "application/problem+json";
+
+/// What went wrong (RFC 9457).
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct Problem {
+    /// What kind of problem this is; stays the same from version to version.
+    #[serde(rename = "type")]
+    #[schema(format = "uri-reference", example = "urn:raceway:problem:invalid-request")]
+    pub kind: String,
+    /// The kind in words.
+    #[schema(example = "The request is not valid")]
+    pub title: String,
+    /// The answer's status code; absent where the problem is not the answer's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 400, maximum = 599, example = 422)]
+    pub status: Option<u16>,
+    /// What happened this time.
+    pub detail: String,
+    /// The fields of the body that are wrong.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schema(nullable = false)]
+    pub errors: Vec<FieldError>,
+}
+
+impl Problem {
+    fn new(kind: &str, title: &str, detail: impl Into<String>) -> Self {
+        Self {
+            kind: format!("urn:raceway:problem:{kind}"),
+            title: title.to_owned(),
+            status: None,
+            detail: detail.into(),
+            errors: Vec::new(),
+        }
+    }
+
+    /// Why a job failed.
+    pub fn of_run(failure: &Failure) -> Self {
+        let title = match failure.cause.as_str() {
+            "did-not-converge" => "The simulation did not converge",
+            "numerical-blowup" => "The simulation blew up",
+            "time-limit" => "The run took too long",
+            "memory-limit" => "The run needed too much memory",
+            "worker-lost" => "The run was lost with its process, again and again",
+            _ => "The service made an error",
+        };
+        Self::new(&failure.cause, title, failure.detail.clone())
+    }
+}
+
+/// Why a request is answered with an error.
+#[derive(Debug)]
+pub enum ApiError {
+    /// Body is no JSON, or no valid request.
+    Refused(Refusal),
+    /// A wrong header or query.
+    BadRequest(String),
+    Unauthorized,
+    UnknownPath,
+    UnknownJob,
+    UnknownPlot {
+        known: &'static [&'static str],
+    },
+    UnknownChannel {
+        channel: String,
+        kept: Vec<String>,
+    },
+    MethodNotAllowed,
+    NotAcceptable {
+        offered: &'static [&'static str],
+    },
+    SlowBody,
+    TooLarge {
+        limit: usize,
+    },
+    UnsupportedMediaType(String),
+    ForeignHost(String),
+    Job(JobError),
+    /// The service takes no jobs now.
+    NotReady(JobError),
+    /// A request that could not be served, for reasons that are logged and not told.
+    Internal,
+}
+
+impl From<JobError> for ApiError {
+    fn from(error: JobError) -> Self {
+        match error {
+            JobError::NotFound => Self::UnknownJob,
+            error => Self::Job(error),
+        }
+    }
+}
+
+impl From<Refusal> for ApiError {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
+    }
+}
+
+/// Seconds after which a full queue is worth another try, and a run worth another look.
+const QUEUE_RETRY_S: &str = "5";
+const RESULT_RETRY_S: &str = "1";
+
+impl ApiError {
+    /// Status and problem.
+    pub fn problem(&self) -> (StatusCode, Problem) {
+        let (status, problem) = self.untold();
+        (status, Problem { status: Some(status.as_u16()), ..problem })
+    }
+
+    fn untold(&self) -> (StatusCode, Problem) {
+        use StatusCode as S;
+        let of = |status, kind, title, detail: String| (status, Problem::new(kind, title, detail));
+        match self {
+            Self::Refused(Refusal::NotJson { detail }) => {
+                of(S::BAD_REQUEST, "not-json", "The body is not JSON", detail.clone())
+            }
+            Self::Refused(Refusal::Invalid { errors }) => {
+                let detail = match errors.as_slice() {
+                    [only] => format!("{}: {}", only.pointer, only.detail),
+                    several => format!("{} fields are wrong", several.len()),
+                };
+                let problem = Problem::new("invalid-request", "The request is not valid", detail);
+                (S::UNPROCESSABLE_ENTITY, Problem { errors: errors.clone(), ..problem })
+            }
+            Self::BadRequest(detail) => of(S::BAD_REQUEST, "bad-request", "Header or query is wrong", detail.clone()),
+            Self::Unauthorized => {
+                let detail = "send Authorization: Bearer with one of the service's tokens".into();
+                of(S::UNAUTHORIZED, "unauthorized", "A token is needed", detail)
+            }
+            Self::UnknownPath => {
+                of(S::NOT_FOUND, "not-found", "There is nothing here", "the paths are listed in /openapi.json".into())
+            }
+            Self::UnknownJob => {
+                let detail = "it never was, has been deleted or has expired, or belongs to another token".into();
+                of(S::NOT_FOUND, "unknown-job", "There is no such job", detail)
+            }
+            Self::UnknownPlot { known } => {
+                let detail = format!("plots of this job are {}", listed(known.iter().copied()));
+                of(S::NOT_FOUND, "unknown-plot", "There is no such plot", detail)
+            }
+            Self::UnknownChannel { channel, kept } => {
+                of(S::NOT_FOUND, "unknown-channel", "The channel is not kept", not_kept(channel, kept))
+            }
+            Self::MethodNotAllowed => {
+                let detail = "the header Allow names the methods of this path".into();
+                of(S::METHOD_NOT_ALLOWED, "method-not-allowed", "The path has no such method", detail)
+            }
+            Self::NotAcceptable { offered } => {
+                let detail = format!("available are {}", listed(offered.iter().copied()));
+                of(S::NOT_ACCEPTABLE, "not-acceptable", "The answer is not available in that format", detail)
+            }
+            Self::SlowBody => {
+                let detail = "the body did not arrive in time".into();
+                of(S::REQUEST_TIMEOUT, "slow-request", "The request took too long to arrive", detail)
+            }
+            Self::TooLarge { limit } => {
+                let detail = format!("a body may have {limit} bytes at most");
+                of(S::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
+            }
+            Self::UnsupportedMediaType(detail) => {
+                let title = "The body is not in a format that is understood";
+                of(S::UNSUPPORTED_MEDIA_TYPE, "unsupported-media-type", title, detail.clone())
+            }
+            Self::ForeignHost(host) => {
+                let detail = format!(
+                    "without tokens the service answers only to localhost and to addresses, not to `{}`",
+                    host.chars().take(100).collect::<String>()
+                );
+                of(S::MISDIRECTED_REQUEST, "foreign-host", "The request was meant for another host", detail)
+            }
+            Self::Job(error) => of_job(error),
+            Self::NotReady(error) => {
+                let detail = match error {
+                    JobError::Stopping | JobError::DiskFull => error.to_string(),
+                    _ => "the database does not answer".into(),
+                };
+                of(S::SERVICE_UNAVAILABLE, "not-ready", "The service takes no jobs now", detail)
+            }
+            Self::Internal => internal(),
+        }
+    }
+
+    fn headers(&self) -> HeaderMap {
+        let mut headers = HeaderMap::new();
+        let mut set = |name, value| headers.insert(name, HeaderValue::from_static(value));
+        match self {
+            Self::Unauthorized => drop(set(WWW_AUTHENTICATE, "Bearer")),
+            Self::UnsupportedMediaType(_) => drop(set(ACCEPT, "application/json")),
+            Self::MethodNotAllowed => drop(set(ALLOW, "")),
+            Self::Job(JobError::QueueFull { .. }) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
+            Self::Job(JobError::Stopping | JobError::DiskFull) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
+            Self::Job(JobError::NotReady(_)) => drop(set(RETRY_AFTER, RESULT_RETRY_S)),
+            _ => {}
+        }
+        headers
+    }
+}
+
+fn not_kept(channel: &str, kept: &[String]) -> String {
+    let channel: String = channel.chars().take(100).collect();
+    match kept {
+        [] => format!("nothing of this sort is kept for `{channel}` or any other channel; see outputs in the request"),
+        kept => format!("`{channel}` is not kept; kept are {}", listed(kept.iter().map(String::as_str))),
+    }
+}
+
+fn of_job(error: &JobError) -> (StatusCode, Problem) {
+    use StatusCode as S;
+    let of = |status, kind, title, detail: String| (status, Problem::new(kind, title, detail));
+    match error {
+        JobError::NotReady(Status::Queued) => {
+            of(S::CONFLICT, "result-not-ready", "The result is not there yet", "the job is waiting to run".into())
+        }
+        JobError::NotReady(_) => {
+            of(S::CONFLICT, "result-not-ready", "The result is not there yet", "the job is running".into())
+        }
+        JobError::NoResult(status) => {
+            let detail = format!("the job has {}; its `error` tells why, if it failed", ended(*status));
+            of(S::CONFLICT, "no-result", "The job has no result", detail)
+        }
+        JobError::Conflict(status) => {
+            let detail = format!("the job has {} already", ended(*status));
+            let detail = if status.is_final() { detail } else { "the job has not ended; cancel it first".into() };
+            of(S::CONFLICT, "conflict", "The job's status does not allow it", detail)
+        }
+        JobError::QueueFull { limit } => {
+            let detail = format!("{limit} jobs are waiting; try again later");
+            of(S::TOO_MANY_REQUESTS, "queue-full", "The queue is full", detail)
+        }
+        JobError::Stopping => {
+            let detail = "nothing that was accepted is lost; try again".into();
+            of(S::SERVICE_UNAVAILABLE, "stopping", "The service is stopping", detail)
+        }
+        JobError::DiskFull => {
+            let detail = "nothing was accepted; try again once there is space".into();
+            of(S::INSUFFICIENT_STORAGE, "disk-full", "No space is left for the database", detail)
+        }
+        JobError::Database(sqlx::Error::PoolTimedOut | sqlx::Error::PoolClosed) => {
+            let detail = "the database does not answer; try again".into();
+            of(S::SERVICE_UNAVAILABLE, "database-away", "The database is away", detail)
+        }
+        _ => internal(),
+    }
+}
+
+fn ended(status: Status) -> &'static str {
+    match status {
+        Status::Cancelled => "been cancelled",
+        status => status.name(),
+    }
+}
+
+fn internal() -> (StatusCode, Problem) {
+    let detail = "the cause is in the service's log";
+    (StatusCode::INTERNAL_SERVER_ERROR, Problem::new("internal", "The service made an error", detail))
+}
+
+impl IntoResponse for ApiError {
+    fn into_response(self) -> Response {
+        let (status, problem) = self.problem();
+        if status == StatusCode::INTERNAL_SERVER_ERROR {
+            tracing::error!(cause = ?self, "a request was answered with an internal error");
+        }
+        answer(status, &problem, self.headers())
+    }
+}
+
+fn answer(status: StatusCode, problem: &Problem, mut headers: HeaderMap) -> Response {
+    headers.insert(CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
+    let body = serde_json::to_string(problem).unwrap_or_default();
+    (status, headers, body).into_response()
+}
+
+/// The problem for an error that axum answered by itself, which has no body or one in plain text; its
+/// headers, such as Allow, are kept.
+pub fn of_bare(status: StatusCode) -> Option<ApiError> {
+    Some(match status {
+        StatusCode::NOT_FOUND => ApiError::UnknownPath,
+        StatusCode::METHOD_NOT_ALLOWED => ApiError::MethodNotAllowed,
+        StatusCode::PAYLOAD_TOO_LARGE => ApiError::TooLarge { limit: super::request::BODY_LIMIT },
+        StatusCode::UNSUPPORTED_MEDIA_TYPE => ApiError::UnsupportedMediaType("application/json is".into()),
+        status if status.is_client_error() => ApiError::BadRequest("the request could not be read".into()),
+        status if status.is_server_error() => ApiError::Internal,
+        _ => return None,
+    })
+}

@@ -1,0 +1,273 @@
+//! Submit, list, show, cancel and delete jobs.
+
+use std::time::Duration;
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::header::{HeaderName, LINK, LOCATION, RETRY_AFTER};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use utoipa::{IntoParams, ToSchema};
+use uuid::Uuid;
+
+use super::answers::{JobAnswer, JobList, StatusName, path_of};
+use super::auth::Owner;
+use super::describe::{Anywhere, BadBody, BadQuery, NoJob, NoSpace, NotAccepted, QueueFull};
+use super::error::{ApiError, Problem};
+use super::request::{JobId, JsonBody, Query, header, negotiated};
+use super::{App, describe};
+use crate::contract::job::JobInput;
+use crate::contract;
+use crate::jobs::{Cancelled, Filter, JobRecord, Status};
+
+const JSON: &[&str] = &["application/json"];
+const PREFER: HeaderName = HeaderName::from_static("prefer");
+const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-applied");
+
+/// Longest time that an answer waits for the end of a job [s].
+const LONGEST_WAIT_S: u64 = 60;
+
+/// Submit a job
+///
+/// Checks the job and puts it into the queue. Once this answers, the job survives a crash of the service and
+/// a power cut. With `Prefer: wait=N` the answer waits up to N seconds for the end of the job.
+#[utoipa::path(
+    post, path = "/v1/jobs", tag = describe::JOBS, operation_id = "submitJob",
+    params(("Prefer" = Option<String>, Header, description = "`wait=N`: answer once the job has ended, after N seconds at the latest (at most 60)", example = "wait=10")),
+    request_body(content = JobInput, content_type = "application/json", examples(
+        ("article" = (summary = "The article's integrated bearing", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}}))),
+        ("unbalanced" = (summary = "The same on an unbalanced spindle", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}, "spindle": {"balance_grade": 6.3}}})))
+    )),
+    responses(
+        (status = 202, description = "The job is in the queue, or identical finished work answered it (`reused`)", body = JobAnswer,
+            headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which another look is worth while"))),
+        (status = 200, description = "The job ended within the time of `Prefer: wait`; with its metrics", body = JobAnswer,
+            headers(("Location" = String, description = "Path of the job"), ("Preference-Applied" = String, description = "The wait that was granted"))),
+        BadBody, NotAccepted, QueueFull, NoSpace, Anywhere
+    )
+)]
+pub async fn submit(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JsonBody(body): JsonBody,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, JSON)?;
+    let wait = preferred_wait(&headers)?;
+    let job = contract::parse_job(&body)?;
+    let record = app.jobs.submit(&job, &owner).await?;
+    let location = [(LOCATION, text(path_of(record.id)))];
+    let Some(wait) = wait else {
+        return Ok((StatusCode::ACCEPTED, location, waiting(&record), Json(JobAnswer::of(record)?)).into_response());
+    };
+    let applied = [(PREFERENCE_APPLIED, text(format!("wait={wait}")))];
+    let record = app.jobs.wait(&owner, record.id, Duration::from_secs(wait)).await?;
+    let status = if record.status.is_final() { StatusCode::OK } else { StatusCode::ACCEPTED };
+    let look_again = waiting(&record);
+    let answer = with_metrics(&app, &owner, record).await?;
+    Ok((status, location, applied, look_again, Json(answer)).into_response())
+}
+
+/// List jobs
+///
+/// Newest first. `next` is the path of the next page, also in the header `Link`.
+#[utoipa::path(
+    get, path = "/v1/jobs", tag = describe::JOBS, operation_id = "listJobs", params(ListQuery),
+    responses(
+        (status = 200, description = "A page of jobs", body = JobList,
+            headers(("Link" = String, description = "The next page, `rel=\"next\"`; absent on the last one"))),
+        BadQuery, NotAccepted, Anywhere
+    )
+)]
+pub async fn list(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    Query(query): Query<ListQuery>,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, JSON)?;
+    let (records, more) = app.jobs.list(&owner, &query.filter()?).await?;
+    let next = records.last().filter(|_| more).map(|last| query.page_after(last.id));
+    let link = next.iter().map(|next| (LINK, text(format!("<{next}>; rel=\"next\"")))).collect::<HeaderMap>();
+    let jobs = records.into_iter().map(JobAnswer::of).collect::<Result<_, _>>()?;
+    Ok((link, Json(JobList { jobs, next })).into_response())
+}
+
+/// Show a job
+///
+/// Its status and progress, why it failed, when it expires; with `include=metrics` its result in short.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}", tag = describe::JOBS, operation_id = "showJob",
+    params(("id" = Uuid, Path, description = "The job"), ShowQuery),
+    responses(
+        (status = 200, description = "The job", body = JobAnswer,
+            headers(("Retry-After" = u32, description = "Seconds after which another look is worth while; absent once the job has ended"))),
+        BadQuery, NoJob, NotAccepted, Anywhere
+    )
+)]
+pub async fn show(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    Query(query): Query<ShowQuery>,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, JSON)?;
+    let record = app.jobs.get(&owner, id).await?;
+    let look_again = waiting(&record);
+    let answer = match query.include {
+        Some(Include::Metrics) => with_metrics(&app, &owner, record).await?,
+        None => JobAnswer::of(record)?,
+    };
+    Ok((look_again, Json(answer)).into_response())
+}
+
+/// Cancel a job
+///
+/// A waiting job is cancelled at once, a running one within half a second. Cancelling again changes nothing.
+#[utoipa::path(
+    post, path = "/v1/jobs/{id}/cancel", tag = describe::JOBS, operation_id = "cancelJob",
+    params(("id" = Uuid, Path, description = "The job")),
+    responses(
+        (status = 200, description = "The job is cancelled", body = JobAnswer),
+        (status = 202, description = "The job is running and has been told to stop", body = JobAnswer),
+        (status = 409, description = "The job has succeeded or failed", body = Problem, content_type = "application/problem+json"),
+        NoJob, NotAccepted, NoSpace, Anywhere
+    )
+)]
+pub async fn cancel(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, JSON)?;
+    let (status, record) = match app.jobs.cancel(&owner, id).await? {
+        Cancelled::Now(record) => (StatusCode::OK, record),
+        Cancelled::Soon(record) => (StatusCode::ACCEPTED, record),
+    };
+    Ok((status, waiting(&record), Json(JobAnswer::of(record)?)).into_response())
+}
+
+/// Delete a job
+///
+/// Removes the job with its result. A job that waits or runs must be cancelled first.
+#[utoipa::path(
+    delete, path = "/v1/jobs/{id}", tag = describe::JOBS, operation_id = "deleteJob",
+    params(("id" = Uuid, Path, description = "The job")),
+    responses(
+        (status = 204, description = "The job is gone"),
+        (status = 409, description = "The job waits or runs", body = Problem, content_type = "application/problem+json"),
+        NoJob, NoSpace, Anywhere
+    )
+)]
+pub async fn delete(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    JobId(id): JobId,
+) -> Result<StatusCode, ApiError> {
+    app.jobs.delete(&owner, id).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Which jobs a list shows.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct ListQuery {
+    /// Only jobs with this status.
+    #[param(inline = false)]
+    status: Option<StatusName>,
+    /// Only jobs of this kind.
+    #[param(example = "simulation")]
+    kind: Option<String>,
+    /// Only jobs with this label.
+    label: Option<String>,
+    /// Jobs a page has at most; 50 unless told.
+    #[param(minimum = 1, maximum = 200)]
+    limit: Option<u32>,
+    /// Where the page begins, from `next` of the page before.
+    cursor: Option<String>,
+}
+
+impl ListQuery {
+    fn filter(&self) -> Result<Filter, ApiError> {
+        let limit = self.limit.unwrap_or(50);
+        if !(1..=200).contains(&limit) {
+            return Err(ApiError::BadRequest(format!("query: limit {limit}: must be 1 to 200")));
+        }
+        let cursor = self.cursor.as_ref().map(|cursor| cursor.parse::<Uuid>()).transpose();
+        Ok(Filter {
+            status: self.status.map(Status::from),
+            kind: self.kind.clone(),
+            label: self.label.clone(),
+            before: cursor.map_err(|_| ApiError::BadRequest("query: cursor: not one of this service".into()))?,
+            limit,
+        })
+    }
+
+    /// The path of the page that goes on behind a job, with the same filters.
+    fn page_after(&self, last: Uuid) -> String {
+        let mut path = format!("/v1/jobs?limit={}&cursor={last}", self.limit.unwrap_or(50));
+        let status = self.status.map(|status| Status::from(status).name().to_owned());
+        for (name, value) in [("status", &status), ("kind", &self.kind), ("label", &self.label)] {
+            if let Some(value) = value {
+                path.push_str(&format!("&{name}={}", percent_encoded(value)));
+            }
+        }
+        path
+    }
+}
+
+fn percent_encoded(value: &str) -> String {
+    let encode = |byte: u8| match byte {
+        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
+        byte => format!("%{byte:02X}"),
+    };
+    value.bytes().map(encode).collect()
+}
+
+/// What comes with a job.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct ShowQuery {
+    /// `metrics`: the metrics too, once the job has succeeded.
+    #[param(inline = true)]
+    include: Option<Include>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Include {
+    Metrics,
+}
+
+async fn with_metrics(app: &App, owner: &str, record: JobRecord) -> Result<JobAnswer, ApiError> {
+    let (id, succeeded) = (record.id, record.status == Status::Succeeded);
+    let answer = JobAnswer::of(record)?;
+    if succeeded { answer.with_metrics(app.jobs.metrics(owner, id).await?) } else { Ok(answer) }
+}
+
+/// When to look again.
+fn waiting(record: &JobRecord) -> HeaderMap {
+    let look_again = !record.status.is_final();
+    look_again.then(|| (RETRY_AFTER, HeaderValue::from_static("1"))).into_iter().collect()
+}
+
+/// Seconds of `Prefer: wait=N`; other preferences are the client's wish and may be left.
+fn preferred_wait(headers: &HeaderMap) -> Result<Option<u64>, ApiError> {
+    let preferences = header(headers, &PREFER).unwrap_or_default().split([',', ';']).map(str::trim);
+    let mut wait = preferences.filter_map(|preference| preference.split_once('='));
+    let Some((_, seconds)) = wait.find(|(name, _)| name.trim().eq_ignore_ascii_case("wait")) else { return Ok(None) };
+    match seconds.trim().trim_matches('"').parse::<u64>() {
+        Ok(seconds) => Ok(Some(seconds.min(LONGEST_WAIT_S))),
+        Err(_) => Err(ApiError::BadRequest("Prefer: wait takes a whole number of seconds".into())),
+    }
+}
+
+/// Paths and numbers are visible ASCII, so that this always is the value.
+fn text(value: String) -> HeaderValue {
+    HeaderValue::try_from(value).unwrap_or_else(|_| HeaderValue::from_static(""))
+}

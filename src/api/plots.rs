@@ -1,0 +1,90 @@
+//! Pictures of a succeeded job.
+
+use axum::extract::State;
+use axum::http::HeaderMap;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use uuid::Uuid;
+
+use super::auth::Owner;
+use super::describe::{Anywhere, NoJob, NoResult, NotAccepted};
+use super::error::ApiError;
+use super::request::{JobId, PlotFile, negotiated};
+use super::results::{read, shaped, signal_of};
+use super::{App, describe};
+use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer};
+use crate::jobs::Signal;
+use crate::render;
+
+const SVG: &str = "image/svg+xml";
+const KNOWN: &[&str] = &["spectrum.svg", "velocity.svg", "acceleration.svg"];
+
+/// Get a plot
+///
+/// `spectrum.svg`: the amplitude spectra that are kept, with labelled lines. `velocity.svg`,
+/// `acceleration.svg`: the spindle's, where the request asked for these series.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/plots/{file}", tag = describe::RESULTS, operation_id = "getPlot",
+    params(
+        ("id" = Uuid, Path, description = "The job"),
+        ("file" = String, Path, description = "`spectrum.svg`, `velocity.svg` or `acceleration.svg`", example = "spectrum.svg")
+    ),
+    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"), NoJob, NoResult, NotAccepted, Anywhere)
+)]
+pub async fn plot(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    PlotFile(file): PlotFile,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, &[SVG])?;
+    match file.as_str() {
+        "spectrum.svg" => spectra(&app, &owner, id).await,
+        "velocity.svg" => series(&app, &owner, id, "velocity").await,
+        "acceleration.svg" => series(&app, &owner, id, "acceleration").await,
+        _ => {
+            // Whether the job is there comes first.
+            app.jobs.get(&owner, id).await?;
+            Err(ApiError::UnknownPlot { known: KNOWN })
+        }
+    }
+}
+
+async fn spectra(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
+    let metrics = app.jobs.metrics(owner, id).await?;
+    let mut stored = Vec::new();
+    for channel in app.jobs.channels(owner, id, Signal::Amplitude).await? {
+        stored.push(signal_of(app, owner, id, Signal::Amplitude, &channel).await?);
+    }
+    if stored.is_empty() {
+        return Err(ApiError::UnknownChannel { channel: "spindle.y.acceleration".into(), kept: Vec::new() });
+    }
+    shaped(move || {
+        let metrics: Metrics = read(metrics.as_bytes())?;
+        let spectra = stored.iter().map(|stored| read(stored)).collect::<Result<Vec<SpectrumAnswer>, _>>()?;
+        Ok(drawn(render::spectra(&metrics, &spectra)))
+    })
+    .await
+}
+
+async fn series(app: &App, owner: &str, id: Uuid, quantity: &str) -> Result<Response, ApiError> {
+    let kept = app.jobs.channels(owner, id, Signal::Series).await?;
+    let wanted = kept.iter().filter(|channel| render::is_of_spindle(channel, quantity));
+    let mut stored = Vec::new();
+    for channel in wanted {
+        stored.push(signal_of(app, owner, id, Signal::Series, channel).await?);
+    }
+    if stored.is_empty() {
+        return Err(ApiError::UnknownChannel { channel: format!("spindle.y.{quantity}"), kept });
+    }
+    shaped(move || {
+        let series = stored.iter().map(|stored| read(stored)).collect::<Result<Vec<SeriesAnswer>, _>>()?;
+        Ok(drawn(render::series(&series)))
+    })
+    .await
+}
+
+fn drawn(svg: String) -> Response {
+    ([(CONTENT_TYPE, SVG)], svg).into_response()
+}

@@ -1,0 +1,47 @@
+//! Errors that do not come from a handler: the framework's own refusals and panics.
+
+use std::any::Any;
+
+use axum::extract::Request;
+use axum::http::header::{ALLOW, CONTENT_LENGTH, CONTENT_TYPE, X_CONTENT_TYPE_OPTIONS};
+use axum::http::{HeaderValue, Method};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use super::error::{self, ApiError, PROBLEM_JSON};
+
+/// Gives every error that is no problem yet the form of one, keeping its headers.
+pub async fn as_problems(request: Request, next: Next) -> Response {
+    let is_head = request.method() == Method::HEAD;
+    let mut response = next.run(request).await;
+    let is_problem = response.headers().get(CONTENT_TYPE).is_some_and(|value| value == PROBLEM_JSON);
+    if let (false, Some(error)) = (is_problem || is_head, error::of_bare(response.status())) {
+        let mut problem = error.into_response();
+        for (name, value) in response.headers() {
+            if *name != CONTENT_TYPE && *name != CONTENT_LENGTH {
+                problem.headers_mut().insert(name, value.clone());
+            }
+        }
+        response = problem;
+    }
+    spread(&mut response);
+    response.headers_mut().insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    response
+}
+
+/// Writes the list of allowed methods as other servers do, with a space after each comma.
+fn spread(response: &mut Response) {
+    let allowed = response.headers().get(ALLOW).and_then(|value| value.to_str().ok());
+    let spread = allowed.map(|allowed| allowed.split(',').map(str::trim).collect::<Vec<_>>().join(", "));
+    if let Some(Ok(value)) = spread.map(HeaderValue::try_from) {
+        response.headers_mut().insert(ALLOW, value);
+    }
+}
+
+/// A panic of a handler is one request's misfortune, not the service's.
+pub fn of_panic(panic: Box<dyn Any + Send + 'static>) -> Response {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+    tracing::error!(panic = text, "a handler panicked");
+    ApiError::Internal.into_response()
+}

@@ -1,0 +1,175 @@
+//! Parts of a request, each refused with a problem of its own.
+
+use std::time::Duration;
+
+use axum::body::{Body, Bytes};
+use axum::extract::{FromRequest, FromRequestParts, Path, Request};
+use axum::http::header::{ACCEPT, CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, HeaderName};
+use http_body_util::{BodyExt, LengthLimitError, Limited};
+use serde::de::DeserializeOwned;
+use uuid::Uuid;
+
+use super::error::ApiError;
+
+/// Bytes of a body at most.
+pub const BODY_LIMIT: usize = 1 << 20;
+
+/// Time that a body has to arrive.
+const BODY_TIME: Duration = Duration::from_secs(30);
+
+/// A body that says it is JSON.
+pub struct JsonBody(pub Bytes);
+
+impl<S: Sync> FromRequest<S> for JsonBody {
+    type Rejection = ApiError;
+
+    async fn from_request(request: Request, _state: &S) -> Result<Self, ApiError> {
+        check_media_type(request.headers())?;
+        let announced = header(request.headers(), &CONTENT_LENGTH).and_then(|length| length.parse::<usize>().ok());
+        if announced.is_some_and(|length| length > BODY_LIMIT) {
+            return Err(ApiError::TooLarge { limit: BODY_LIMIT });
+        }
+        let body = tokio::time::timeout(BODY_TIME, read(request.into_body()));
+        body.await.unwrap_or(Err(ApiError::SlowBody)).map(Self)
+    }
+}
+
+async fn read(body: Body) -> Result<Bytes, ApiError> {
+    match Limited::new(body, BODY_LIMIT).collect().await {
+        Ok(body) => Ok(body.to_bytes()),
+        Err(error) if error.is::<LengthLimitError>() => Err(ApiError::TooLarge { limit: BODY_LIMIT }),
+        Err(_) => Err(ApiError::BadRequest("the body ended too early".into())),
+    }
+}
+
+/// A form of a foreign page can send text/plain without being asked, but not JSON.
+fn check_media_type(headers: &HeaderMap) -> Result<(), ApiError> {
+    let refuse = |detail: &str| Err(ApiError::UnsupportedMediaType(detail.to_owned()));
+    let media_type = header(headers, &CONTENT_TYPE).map(|value| value.split(';').next().unwrap_or_default().trim());
+    match media_type {
+        Some(media_type) if media_type.eq_ignore_ascii_case("application/json") => {}
+        _ => return refuse("send Content-Type: application/json"),
+    }
+    match header(headers, &CONTENT_ENCODING) {
+        None | Some("identity") => Ok(()),
+        Some(_) => refuse("send the body without Content-Encoding"),
+    }
+}
+
+/// A header as text.
+pub fn header<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
+    headers.get(name)?.to_str().ok()
+}
+
+/// The query; unknown and repeated parameters are refused.
+pub struct Query<T>(pub T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
+        match axum::extract::Query::from_request_parts(parts, state).await {
+            Ok(axum::extract::Query(query)) => Ok(Self(query)),
+            Err(rejection) => Err(ApiError::BadRequest(format!("query: {}", innermost(&rejection)))),
+        }
+    }
+}
+
+fn innermost(error: &dyn std::error::Error) -> String {
+    let mut error = error;
+    while let Some(source) = error.source() {
+        error = source;
+    }
+    error.to_string()
+}
+
+/// The job that the path names; what is no UUID names none.
+pub struct JobId(pub Uuid);
+
+impl<S: Send + Sync> FromRequestParts<S> for JobId {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
+        let id = segment(parts, state, "id").await.ok_or(ApiError::UnknownJob)?;
+        // The one form in which ids are given out; others would be a second address of the same job.
+        let parsed: Uuid = id.parse().map_err(|_| ApiError::UnknownJob)?;
+        if parsed.to_string() == id { Ok(Self(parsed)) } else { Err(ApiError::UnknownJob) }
+    }
+}
+
+/// The file that the path names.
+pub struct PlotFile(pub String);
+
+impl<S: Send + Sync> FromRequestParts<S> for PlotFile {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
+        segment(parts, state, "file").await.map(Self).ok_or(ApiError::UnknownPath)
+    }
+}
+
+/// A named segment of the path; `None` also where it is no UTF-8.
+async fn segment<S: Send + Sync>(parts: &mut Parts, state: &S, name: &str) -> Option<String> {
+    let Path(segments) = Path::<Vec<(String, String)>>::from_request_parts(parts, state).await.ok()?;
+    segments.into_iter().find(|segment| segment.0 == name).map(|segment| segment.1)
+}
+
+/// The format that the client likes best among those offered, the first in doubt.
+pub fn negotiated(headers: &HeaderMap, offered: &'static [&'static str]) -> Result<&'static str, ApiError> {
+    let accepted: Vec<&str> = headers.get_all(ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
+    if accepted.is_empty() {
+        return Ok(offered[0]);
+    }
+    let accepted = accepted.join(",");
+    let mut best: (&str, f32) = ("", 0.0);
+    for &format in offered {
+        let quality = quality(&accepted, format);
+        if quality > best.1 {
+            best = (format, quality);
+        }
+    }
+    offered.iter().copied().find(|&format| format == best.0).ok_or(ApiError::NotAcceptable { offered })
+}
+
+/// How much an Accept header likes a format, 0–1; the most specific range counts.
+fn quality(accepted: &str, format: &str) -> f32 {
+    let group = format.split('/').next().unwrap_or_default();
+    let mut found: (u8, f32) = (0, 0.0);
+    for range in accepted.split(',') {
+        let mut parts = range.split(';').map(str::trim);
+        let specific = match parts.next().unwrap_or_default().to_ascii_lowercase() {
+            range if range == format => 3,
+            range if range.strip_suffix("/*") == Some(group) => 2,
+            range if range == "*/*" => 1,
+            _ => continue,
+        };
+        let quality = parts.find_map(|part| part.strip_prefix("q=")).map_or(Some(1.0), |q| q.trim().parse().ok());
+        if specific > found.0 {
+            found = (specific, quality.unwrap_or(0.0));
+        }
+    }
+    found.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_format_that_is_liked_best_is_chosen() {
+        const OFFERED: &[&str] = &["application/json", "text/csv"];
+        let choose = |accept: &'static str| {
+            let headers = HeaderMap::from_iter([(ACCEPT, axum::http::HeaderValue::from_static(accept))]);
+            negotiated(&headers, OFFERED).ok()
+        };
+        assert_eq!(negotiated(&HeaderMap::new(), OFFERED).ok(), Some("application/json"));
+        assert_eq!(choose("*/*"), Some("application/json"));
+        assert_eq!(choose("text/csv"), Some("text/csv"));
+        assert_eq!(choose("text/*;q=0.9, application/json;q=0.2"), Some("text/csv"));
+        assert_eq!(choose("text/csv;q=0, */*"), Some("application/json"));
+        assert_eq!(choose("application/json;q=0"), None);
+        assert_eq!(choose("image/png"), None);
+    }
+}

@@ -1,0 +1,195 @@
+//! Metrics, spectra and series of a succeeded job.
+
+use axum::extract::State;
+use axum::http::HeaderMap;
+use axum::http::header::{CONTENT_TYPE, VARY};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use utoipa::IntoParams;
+use uuid::Uuid;
+
+use super::auth::Owner;
+use super::describe::{Anywhere, BadQuery, NoChannel, NoJob, NoResult, NotAccepted};
+use super::error::ApiError;
+use super::request::{JobId, Query, negotiated};
+use super::{App, describe};
+use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer, SpectrumKind};
+use crate::jobs::{JobError, Signal};
+use crate::render;
+
+const JSON: &str = "application/json";
+const CSV: &str = "text/csv";
+
+/// Get the metrics
+///
+/// Vibration levels, labelled lines, loads, cage motion, how the solver worked, how far the result can be
+/// trusted, and what was left out of the equations.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/metrics", tag = describe::RESULTS, operation_id = "getMetrics",
+    params(("id" = Uuid, Path, description = "The job")),
+    responses((status = 200, description = "The metrics", body = Metrics), NoJob, NoResult, NotAccepted, Anywhere)
+)]
+pub async fn metrics(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    Ok(([(CONTENT_TYPE, JSON)], app.jobs.metrics(&owner, id).await?).into_response())
+}
+
+/// Get a spectrum
+///
+/// One-sided amplitude spectrum of a channel that the request asked for: a sine of amplitude 1 reads 1. As
+/// JSON, or as CSV with the header `Accept: text/csv`.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/spectrum", tag = describe::RESULTS, operation_id = "getSpectrum",
+    params(("id" = Uuid, Path, description = "The job"), SpectrumQuery),
+    responses(
+        (status = 200, description = "The spectrum", content((SpectrumAnswer = "application/json"), (String = "text/csv", example = json!("frequency_hz,amplitude\n0,0\n8,0.0123\n")))),
+        BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
+    )
+)]
+pub async fn spectrum(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    Query(query): Query<SpectrumQuery>,
+) -> Result<Response, ApiError> {
+    let format = negotiated(&headers, &[JSON, CSV])?;
+    let highest = query.max_frequency_hz;
+    if highest.is_some_and(|highest| !(highest >= 0.0)) {
+        return Err(ApiError::BadRequest("query: max_frequency_hz: must be 0 or more".into()));
+    }
+    let signal = match query.kind {
+        None | Some(SpectrumKind::Amplitude) => Signal::Amplitude,
+        Some(SpectrumKind::Envelope) => Signal::Envelope,
+    };
+    let stored = signal_of(&app, &owner, id, signal, &query.channel).await?;
+    if format == JSON && highest.is_none() {
+        return Ok(sent(JSON, stored));
+    }
+    shaped(move || {
+        let spectrum = read::<SpectrumAnswer>(&stored)?.up_to(highest.unwrap_or(f64::INFINITY));
+        Ok(match format {
+            CSV => sent(CSV, render::spectrum_csv(&spectrum)),
+            _ => sent(JSON, written(&spectrum)?),
+        })
+    })
+    .await
+}
+
+/// Get a time series
+///
+/// A channel whose series the request asked for, thinned to `max_points` in such a way that peaks survive.
+/// As JSON, or as CSV with the header `Accept: text/csv`.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/series", tag = describe::RESULTS, operation_id = "getSeries",
+    params(("id" = Uuid, Path, description = "The job"), SeriesQuery),
+    responses(
+        (status = 200, description = "The series", content((SeriesAnswer = "application/json"), (String = "text/csv", example = json!("time_s,value\n0.02,0.31\n")))),
+        BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
+    )
+)]
+pub async fn series(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    Query(query): Query<SeriesQuery>,
+) -> Result<Response, ApiError> {
+    let format = negotiated(&headers, &[JSON, CSV])?;
+    query.check()?;
+    let stored = signal_of(&app, &owner, id, Signal::Series, &query.channel).await?;
+    if format == JSON && query.from_s.is_none() && query.to_s.is_none() && query.max_points.is_none() {
+        return Ok(sent(JSON, stored));
+    }
+    shaped(move || {
+        let (from, to) = (query.from_s.unwrap_or(f64::NEG_INFINITY), query.to_s.unwrap_or(f64::INFINITY));
+        let series = read::<SeriesAnswer>(&stored)?.between(from, to);
+        let series = match query.max_points {
+            Some(most) => series.thinned(most as usize),
+            None => series,
+        };
+        Ok(match format {
+            CSV => sent(CSV, render::series_csv(&series)),
+            _ => sent(JSON, written(&series)?),
+        })
+    })
+    .await
+}
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct SpectrumQuery {
+    /// The channel.
+    #[param(example = "spindle.y.acceleration")]
+    channel: String,
+    /// `amplitude` unless told.
+    #[param(inline = false)]
+    kind: Option<SpectrumKind>,
+    /// Highest frequency of the answer [Hz].
+    #[param(minimum = 0, example = 5000.0)]
+    max_frequency_hz: Option<f64>,
+}
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct SeriesQuery {
+    /// The channel.
+    #[param(example = "cage.y.displacement")]
+    channel: String,
+    /// Begin of the answer, in time since the start of the run [s].
+    from_s: Option<f64>,
+    /// End of the answer [s].
+    to_s: Option<f64>,
+    /// Points of the answer at most.
+    #[param(minimum = 1, example = 2000)]
+    max_points: Option<u32>,
+}
+
+impl SeriesQuery {
+    fn check(&self) -> Result<(), ApiError> {
+        let refuse = |what: &str| Err(ApiError::BadRequest(format!("query: {what}")));
+        match (self.from_s, self.to_s, self.max_points) {
+            (Some(from), _, _) if from.is_nan() => refuse("from_s: not a number"),
+            (_, Some(to), _) if to.is_nan() => refuse("to_s: not a number"),
+            (Some(from), Some(to), _) if from > to => refuse("from_s: after to_s"),
+            (_, _, Some(0)) => refuse("max_points: must be 1 or more"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A stored signal, or which there are.
+pub async fn signal_of(app: &App, owner: &str, id: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, ApiError> {
+    app.jobs.signal(owner, id, signal, channel).await.map_err(|error| match error {
+        JobError::UnknownChannel { kept } => ApiError::UnknownChannel { channel: channel.to_owned(), kept },
+        other => other.into(),
+    })
+}
+
+/// Shapes an answer away from the threads that serve HTTP: it may hold a million numbers.
+pub async fn shaped(
+    shape: impl FnOnce() -> Result<Response, ApiError> + Send + 'static,
+) -> Result<Response, ApiError> {
+    tokio::task::spawn_blocking(shape).await.unwrap_or(Err(ApiError::Internal))
+}
+
+/// A stored answer.
+pub fn read<T: DeserializeOwned>(stored: &[u8]) -> Result<T, ApiError> {
+    serde_json::from_slice(stored).map_err(|error| JobError::Corrupt(error.to_string()).into())
+}
+
+fn written(answer: &impl serde::Serialize) -> Result<Vec<u8>, ApiError> {
+    serde_json::to_vec(answer).map_err(|error| JobError::Corrupt(error.to_string()).into())
+}
+
+fn sent(format: &'static str, body: impl IntoResponse) -> Response {
+    ([(VARY, "Accept"), (CONTENT_TYPE, format)], body.into_response().into_body()).into_response()
+}

@@ -1,0 +1,65 @@
+//! What the program does when it is called, one command a file. Above all other rooms.
+
+/// Asks a service over HTTP.
+mod client;
+pub mod demo;
+pub mod health;
+pub mod serve;
+pub mod simulate;
+/// Metrics as text for people.
+mod table;
+
+use std::process::ExitCode;
+
+use tokio::runtime::{Builder, Runtime};
+
+use crate::config::{Cli, Command};
+
+/// How a command ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    Well,
+    /// It did not work out: exit status 1.
+    Badly,
+    /// It was not understood or not allowed: exit status 2.
+    Refused,
+}
+
+impl From<Ended> for ExitCode {
+    fn from(ended: Ended) -> Self {
+        match ended {
+            Ended::Well => Self::SUCCESS,
+            Ended::Badly => Self::from(1),
+            Ended::Refused => Self::from(2),
+        }
+    }
+}
+
+/// Does what the command line says.
+pub fn run(cli: Cli) -> Ended {
+    match cli.command {
+        Command::Demo(options) => on_runtime(demo::run(options)),
+        Command::Serve(options) => on_runtime(serve::run(options)),
+        Command::Simulate(options) => simulate::run(&options),
+        Command::Openapi => {
+            print!("{}", crate::api::document_text());
+            Ended::Well
+        }
+        Command::Health(options) => on_runtime(health::run(options)),
+    }
+}
+
+/// Two threads answer all requests; solvers have threads of their own.
+fn on_runtime(command: impl Future<Output = Ended>) -> Ended {
+    match runtime() {
+        Ok(runtime) => runtime.block_on(command),
+        Err(error) => {
+            eprintln!("raceway: no threads to work with: {error}");
+            Ended::Badly
+        }
+    }
+}
+
+fn runtime() -> std::io::Result<Runtime> {
+    Builder::new_multi_thread().worker_threads(2).max_blocking_threads(16).enable_all().build()
+}

@@ -1,0 +1,64 @@
+//! What can go wrong with a job, apart from the simulation itself.
+
+use super::job::Status;
+
+/// Why a request about jobs was not done.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    #[error("there is no such job")]
+    NotFound,
+    /// The result will come.
+    #[error("the job is {}", .0.name())]
+    NotReady(Status),
+    /// The job ended without a result.
+    #[error("the job is {}", .0.name())]
+    NoResult(Status),
+    /// The job's status forbids it.
+    #[error("the job is {}", .0.name())]
+    Conflict(Status),
+    /// Nothing is kept under that channel; these are.
+    #[error("nothing is kept for that channel")]
+    UnknownChannel { kept: Vec<String> },
+    #[error("{limit} jobs are waiting")]
+    QueueFull { limit: u64 },
+    #[error("the service is stopping")]
+    Stopping,
+    #[error("no space is left for the database")]
+    DiskFull,
+    #[error("another server uses the database {0}")]
+    Locked(String),
+    #[error("database: {0}")]
+    Database(#[source] sqlx::Error),
+    #[error("migration: {0}")]
+    Migration(String),
+    #[error("queue: {0}")]
+    Queue(#[source] riverqueue::Error),
+    #[error("a stored record cannot be read: {0}")]
+    Corrupt(String),
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+}
+
+/// SQLite's "database or disk is full" and "some kind of disk I/O error occurred" (a full disk shows as
+/// either); extended codes carry them in the low byte.
+const SQLITE_IOERR: i64 = 10;
+const SQLITE_FULL: i64 = 13;
+
+impl From<sqlx::Error> for JobError {
+    fn from(error: sqlx::Error) -> Self {
+        let code = error.as_database_error().and_then(|e| e.code()).and_then(|code| code.parse::<i64>().ok());
+        match code.map(|code| code & 0xff) {
+            Some(SQLITE_FULL | SQLITE_IOERR) => Self::DiskFull,
+            _ => Self::Database(error),
+        }
+    }
+}
+
+impl From<riverqueue::Error> for JobError {
+    fn from(error: riverqueue::Error) -> Self {
+        match error {
+            riverqueue::Error::Database(error) => error.into(),
+            other => Self::Queue(other),
+        }
+    }
+}

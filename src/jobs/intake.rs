@@ -1,0 +1,123 @@
+//! One transaction, and one flush to the disk, for all submissions that wait: a transaction each would be
+//! several times slower under load, and no faster without.
+
+use std::sync::Arc;
+
+use tokio::sync::{mpsc, oneshot};
+
+use super::queue::{Queue, Tx};
+use super::store::{Store, submissions};
+use super::{JobError, JobRecord, NewJob};
+
+/// Submissions that one transaction takes at most.
+const BATCH: usize = 64;
+
+type Answer = Result<JobRecord, JobError>;
+type Waiting = (NewJob, oneshot::Sender<Answer>);
+
+/// Where submissions are handed in.
+#[derive(Debug, Clone)]
+pub struct Intake {
+    sender: mpsc::Sender<Waiting>,
+}
+
+/// What a submission is measured against.
+#[derive(Debug, Clone, Copy)]
+pub struct IntakeLimits {
+    /// Jobs that may wait.
+    pub queue: u64,
+    /// How long jobs are kept that say nothing about it [s].
+    pub keep_s: f64,
+}
+
+impl Intake {
+    /// Starts the task that writes submissions.
+    pub fn start(store: Store, queue: Arc<Queue>, limits: IntakeLimits) -> Self {
+        let (sender, mut receiver) = mpsc::channel::<Waiting>(4 * BATCH);
+        tokio::spawn(async move {
+            let mut batch = Vec::with_capacity(BATCH);
+            while receiver.recv_many(&mut batch, BATCH).await > 0 {
+                write(&store, &queue, limits, std::mem::take(&mut batch)).await;
+            }
+        });
+        Self { sender }
+    }
+
+    /// Hands in a job; the answer comes once it is on the disk.
+    pub async fn submit(&self, job: NewJob) -> Answer {
+        let (answer, answered) = oneshot::channel();
+        self.sender.send((job, answer)).await.map_err(|_| JobError::Stopping)?;
+        answered.await.map_err(|_| JobError::Stopping)?
+    }
+}
+
+async fn write(store: &Store, queue: &Queue, limits: IntakeLimits, batch: Vec<Waiting>) {
+    let (jobs, waiting): (Vec<NewJob>, Vec<_>) = batch.into_iter().unzip();
+    match write_all(store, queue, limits, &jobs).await {
+        // Whoever no longer waits for an answer has still submitted the job.
+        Ok(answers) => waiting.into_iter().zip(answers).for_each(|(sender, answer)| drop(sender.send(answer))),
+        Err(error) => {
+            tracing::error!(%error, jobs = jobs.len(), "submissions could not be written");
+            waiting.into_iter().for_each(|sender| drop(sender.send(Err(same_for_each(&error)))));
+        }
+    }
+}
+
+/// The error of a batch, told to each of those in it.
+fn same_for_each(error: &JobError) -> JobError {
+    match error {
+        JobError::DiskFull => JobError::DiskFull,
+        JobError::Database(sqlx::Error::PoolClosed) => JobError::Stopping,
+        other => JobError::Corrupt(other.to_string()),
+    }
+}
+
+async fn write_all(
+    store: &Store,
+    queue: &Queue,
+    limits: IntakeLimits,
+    jobs: &[NewJob],
+) -> Result<Vec<Answer>, JobError> {
+    let mut tx = store.begin().await?;
+    let mut places = limits.queue.saturating_sub(submissions::waiting(&mut tx).await?);
+    let mut plans = Vec::with_capacity(jobs.len());
+    for job in jobs {
+        plans.push(plan(&mut tx, job, &mut places).await?);
+    }
+    let queued = jobs.iter().zip(&plans).filter(|(_, plan)| matches!(plan, Plan::Queue));
+    let queued: Vec<_> = queued.map(|(job, _)| (job.id, job.priority)).collect();
+    let mut deliveries = queue.enqueue(&mut tx, &queued).await?.into_iter();
+    let mut answers = Vec::with_capacity(jobs.len());
+    for (job, plan) in jobs.iter().zip(plans) {
+        answers.push(match plan {
+            Plan::Answer(found) => Ok(submissions::insert_answered(&mut tx, job, found, limits.keep_s).await?),
+            Plan::Refuse => Err(JobError::QueueFull { limit: limits.queue }),
+            Plan::Queue => {
+                let delivery = deliveries.next().ok_or_else(|| JobError::Corrupt("a delivery is missing".into()))?;
+                Ok(submissions::insert(&mut tx, job, delivery).await?)
+            }
+        });
+    }
+    tx.commit().await?;
+    Ok(answers)
+}
+
+/// What happens to a submission.
+enum Plan {
+    Queue,
+    Answer(submissions::Reusable),
+    Refuse,
+}
+
+async fn plan(tx: &mut Tx, job: &NewJob, places: &mut u64) -> Result<Plan, JobError> {
+    if job.reuse
+        && let Some(found) = submissions::reusable(tx, job).await?
+    {
+        return Ok(Plan::Answer(found));
+    }
+    if *places == 0 {
+        return Ok(Plan::Refuse);
+    }
+    *places -= 1;
+    Ok(Plan::Queue)
+}

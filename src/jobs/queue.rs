@@ -1,0 +1,172 @@
+//! The port to the queue: enqueue, cancel, start, drain, stats, recover. Behind it River; nothing of it
+//! shows outside this file, so that another queue is one file's work.
+
+use std::future::Future;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::time::Duration;
+
+use riverqueue::migrate::SqliteMigrator;
+use riverqueue::{
+    BoxError, Client, InsertManyItem, InsertOpts, MaintenanceConfig, QueueConfig, RunHandle, WorkCancelled,
+    WorkContext, WorkOutcome, Workers,
+};
+use serde::{Deserialize, Serialize};
+use sqlx::{Sqlite, SqlitePool, Transaction};
+use tokio::sync::Mutex;
+use uuid::Uuid;
+
+use super::JobError;
+
+/// A write transaction.
+pub type Tx = Transaction<'static, Sqlite>;
+
+/// What River stores of a job: our row has the rest.
+#[derive(Debug, Clone, Serialize, Deserialize, riverqueue::JobArgs)]
+#[river(kind = "run_job")]
+struct RunJob {
+    job: Uuid,
+}
+
+/// How a delivery ended.
+#[derive(Debug)]
+pub enum Delivered {
+    /// Nothing is left to do.
+    Done,
+    /// The process stops; deliver again.
+    HandedBack,
+    /// The database refused; deliver again after a while.
+    Again(JobError),
+}
+
+/// Works a delivery.
+pub type Handler = Arc<dyn Fn(Ticket) -> Pin<Box<dyn Future<Output = Delivered> + Send>> + Send + Sync>;
+
+/// A delivered job.
+pub struct Ticket {
+    pub job: Uuid,
+    /// Number of this delivery.
+    pub delivery: i64,
+    context: WorkContext,
+}
+
+impl Ticket {
+    /// Ends the delivery together with what else is in the transaction.
+    pub async fn complete(&self, tx: &mut Tx) -> Result<(), JobError> {
+        match self.context.job_complete_tx(&mut *tx).await {
+            // River's row never decides over ours: someone may have completed it while this process slept.
+            Ok(_) | Err(riverqueue::Error::JobNotRunning { .. } | riverqueue::Error::NotFound(_)) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Ends when the process stops.
+    pub async fn stopping(&self) {
+        self.context.cancellation_token().cancelled().await;
+    }
+}
+
+/// Counts of the queue's rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct QueueStats {
+    pub available: i64,
+    pub running: i64,
+}
+
+const QUEUE: &str = "runs";
+
+/// The queue.
+pub struct Queue {
+    client: Client,
+    pool: SqlitePool,
+    run: Mutex<Option<RunHandle>>,
+}
+
+impl Queue {
+    /// Makes the queue's tables.
+    pub async fn migrate(pool: &SqlitePool) -> Result<(), JobError> {
+        SqliteMigrator::new(pool.clone()).migrate_up().await.map_err(|error| JobError::Migration(error.to_string()))?;
+        Ok(())
+    }
+
+    /// A queue that is not started yet; runs are rescued from their worker after `rescue_after`.
+    pub fn new(pool: SqlitePool, workers: usize, rescue_after: Duration, handler: Handler) -> Result<Self, JobError> {
+        // An insert in our own transaction rings no bell, so the queue is polled at this pace.
+        let pace = QueueConfig::new(workers).with_fetch_poll_interval(Duration::from_millis(5));
+        let client = Client::builder(pool.clone())
+            .workers(workers_for(handler)?)
+            .queue(QUEUE, pace)
+            .fetch_cooldown(Duration::from_millis(2))
+            // Runs have a limit of their own, which ends them by a flag.
+            .without_job_timeout()
+            .maintenance(MaintenanceConfig::default().with_rescue_after(rescue_after))
+            .build()?;
+        Ok(Self { client, pool, run: Mutex::new(None) })
+    }
+
+    /// Adds jobs, each with its priority; answers with the numbers of their deliveries, in order.
+    pub async fn enqueue(&self, tx: &mut Tx, jobs: &[(Uuid, u8)]) -> Result<Vec<i64>, JobError> {
+        let items = jobs.iter().map(|(job, priority)| {
+            let opts = InsertOpts::default().with_queue(QUEUE).with_priority(i16::from(*priority));
+            InsertManyItem::new(RunJob { job: *job }, opts)
+        });
+        let inserted = self.client.insert_many(items.collect::<Vec<_>>()).tx(&mut *tx).await?;
+        Ok(inserted.iter().map(|result| result.id()).collect())
+    }
+
+    /// Withdraws a delivery that has not begun.
+    pub async fn cancel(&self, tx: &mut Tx, delivery: i64) -> Result<(), JobError> {
+        match self.client.jobs().cancel(delivery).tx(&mut *tx).await {
+            Ok(_) | Err(riverqueue::Error::NotFound(_)) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Begins to deliver.
+    pub async fn start(&self) -> Result<(), JobError> {
+        *self.run.lock().await = Some(self.client.start()?);
+        Ok(())
+    }
+
+    /// Stops delivering and waits until the running deliveries have handed their jobs back.
+    pub async fn drain(&self) -> Result<(), JobError> {
+        match self.run.lock().await.take() {
+            Some(mut run) => Ok(run.stop_and_cancel().await?),
+            None => Ok(()),
+        }
+    }
+
+    /// Counts of what waits and runs.
+    pub async fn stats(&self) -> Result<QueueStats, JobError> {
+        let sql = "SELECT state, count(*) FROM river_job WHERE state IN ('available', 'running') GROUP BY state";
+        let rows: Vec<(String, i64)> = sqlx::query_as(sql).fetch_all(&self.pool).await?;
+        let count = |state: &str| rows.iter().find(|row| row.0 == state).map_or(0, |row| row.1);
+        Ok(QueueStats { available: count("available"), running: count("running") })
+    }
+
+    /// Delivers again what a dead process was working on. Only for the one who holds the database's lock.
+    pub async fn recover(&self) -> Result<u64, JobError> {
+        let sql = "UPDATE river_job SET state = 'available' WHERE state = 'running'";
+        Ok(sqlx::query(sql).execute(&self.pool).await?.rows_affected())
+    }
+}
+
+fn workers_for(handler: Handler) -> Result<Workers, JobError> {
+    let mut workers = Workers::new();
+    workers.add_fn(move |context: WorkContext, job: riverqueue::Job<RunJob>| {
+        let ticket = Ticket { job: job.args.job, delivery: job.row.id, context };
+        let delivered = handler(ticket);
+        async move {
+            match delivered.await {
+                Delivered::Done => Ok(WorkOutcome::Complete),
+                // Gives the row back without using up an attempt.
+                Delivered::HandedBack => Err(BoxError::from(WorkCancelled)),
+                Delivered::Again(error) => {
+                    tracing::warn!(%error, "a job could not be taken from the queue");
+                    Ok(WorkOutcome::Snooze(Duration::from_secs(1)))
+                }
+            }
+        }
+    })?;
+    Ok(workers)
+}

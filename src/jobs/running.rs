@@ -1,0 +1,123 @@
+//! Runs of this process: stop flags, progress, and who waits for an end.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::Notify;
+use uuid::Uuid;
+
+/// Why a run is asked to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum StopReason {
+    /// Someone asked for it.
+    Cancelled = 1,
+    /// The process stops; the job runs again later.
+    HandedBack = 2,
+    /// Another worker has taken the job.
+    ClaimLost = 3,
+    /// It took longer than a run may.
+    TimeLimit = 4,
+}
+
+/// One run, shared by the solver's thread and those who look at it.
+#[derive(Debug, Default)]
+pub struct Run {
+    stop: AtomicU8,
+    progress: AtomicU64,
+}
+
+impl Run {
+    /// Asks the run to stop; the first reason counts.
+    pub fn stop(&self, reason: StopReason) {
+        let _ = self.stop.compare_exchange(0, reason as u8, Ordering::AcqRel, Ordering::Acquire);
+    }
+
+    /// Why the run was asked to stop, if it was.
+    pub fn stopped(&self) -> Option<StopReason> {
+        match self.stop.load(Ordering::Acquire) {
+            1 => Some(StopReason::Cancelled),
+            2 => Some(StopReason::HandedBack),
+            3 => Some(StopReason::ClaimLost),
+            4 => Some(StopReason::TimeLimit),
+            _ => None,
+        }
+    }
+
+    pub fn set_progress(&self, share: f64) {
+        self.progress.store(share.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+    }
+
+    /// Finished share, 0–1.
+    pub fn progress(&self) -> f64 {
+        f64::from_bits(self.progress.load(Ordering::Relaxed))
+    }
+}
+
+/// The runs of this process.
+#[derive(Debug, Default)]
+pub struct Running {
+    runs: Mutex<HashMap<Uuid, Arc<Run>>>,
+    waiting: Mutex<HashMap<Uuid, Arc<Notify>>>,
+}
+
+impl Running {
+    /// Adds a run; it leaves when the guard is dropped.
+    pub fn enter(self: &Arc<Self>, id: Uuid) -> RunGuard {
+        let run = Arc::new(Run::default());
+        locked(&self.runs).insert(id, Arc::clone(&run));
+        RunGuard { running: Arc::clone(self), id, run }
+    }
+
+    pub fn get(&self, id: Uuid) -> Option<Arc<Run>> {
+        locked(&self.runs).get(&id).cloned()
+    }
+
+    pub fn ids(&self) -> Vec<Uuid> {
+        locked(&self.runs).keys().copied().collect()
+    }
+
+    /// Asks every run to stop.
+    pub fn stop_all(&self, reason: StopReason) {
+        locked(&self.runs).values().for_each(|run| run.stop(reason));
+    }
+
+    /// A bell that rings once the job has ended; to be taken before the job is looked at.
+    pub fn bell(&self, id: Uuid) -> Arc<Notify> {
+        let mut waiting = locked(&self.waiting);
+        // Bells that nobody waits for any more are only held by this map.
+        waiting.retain(|_, bell| Arc::strong_count(bell) > 1);
+        Arc::clone(waiting.entry(id).or_default())
+    }
+
+    /// Tells those who wait that the job has ended.
+    pub fn ended(&self, id: Uuid) {
+        if let Some(bell) = locked(&self.waiting).remove(&id) {
+            bell.notify_waiters();
+        }
+    }
+}
+
+/// A run's place among the running ones.
+#[derive(Debug)]
+pub struct RunGuard {
+    running: Arc<Running>,
+    id: Uuid,
+    pub run: Arc<Run>,
+}
+
+impl Drop for RunGuard {
+    fn drop(&mut self) {
+        let mut runs = locked(&self.running.runs);
+        // A later run of the same job may have taken the place.
+        if runs.get(&self.id).is_some_and(|run| Arc::ptr_eq(run, &self.run)) {
+            runs.remove(&self.id);
+        }
+    }
+}
+
+/// These maps are whole after every statement, so that a panic elsewhere spoils nothing.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

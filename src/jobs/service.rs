@@ -1,0 +1,265 @@
+//! What the rest of the service asks for: submit, look, cancel, delete. Owns the parts and their order of
+//! starting and stopping.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use uuid::Uuid;
+
+use super::intake::{Intake, IntakeLimits};
+use super::lock::DatabaseLock;
+use super::queue::{Handler, Queue, QueueStats};
+use super::running::{Running, StopReason};
+use super::store::{Filter, Signal, Store, records};
+use super::worker::Worker;
+use super::{JobError, JobRecord, NewJob, Status, sweep};
+use crate::contract::{Job, Outcome, RunFailure};
+use crate::simulation::run::Control;
+
+/// What computes a job: the contract's `execute`, or a stand-in of a test.
+pub type Simulator = Arc<dyn Fn(&Job, &Control<'_>) -> Result<Outcome, RunFailure> + Send + Sync>;
+
+/// Settings of queue and store.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    pub database: PathBuf,
+    /// Runs at a time.
+    pub workers: usize,
+    /// Jobs that may wait.
+    pub queue_limit: u64,
+    /// Runs of a job that may end with their process before the job fails.
+    pub max_lost_runs: u32,
+    /// Wall time a run may take.
+    pub time_limit: Duration,
+    /// How long jobs are kept that say nothing about it [s].
+    pub keep_s: f64,
+    /// Silence after which a run counts as lost.
+    pub lost_after: Duration,
+    pub sweep_every: Duration,
+}
+
+impl Settings {
+    /// The usual settings for a database file.
+    pub fn new(database: impl Into<PathBuf>) -> Self {
+        Self {
+            database: database.into(),
+            workers: std::thread::available_parallelism().map_or(1, usize::from),
+            queue_limit: 10_000,
+            max_lost_runs: 5,
+            time_limit: Duration::from_secs(3600),
+            keep_s: 30.0 * 86_400.0,
+            lost_after: Duration::from_secs(15),
+            sweep_every: Duration::from_secs(10),
+        }
+    }
+}
+
+/// Answer to a cancellation.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cancelled {
+    /// The job will not run, or had been cancelled before.
+    Now(JobRecord),
+    /// The job is running and has been told to stop.
+    Soon(JobRecord),
+}
+
+/// The jobs of the service.
+#[derive(Clone)]
+pub struct Jobs {
+    inner: Arc<Inner>,
+}
+
+/// The parts.
+pub(super) struct Inner {
+    pub settings: Settings,
+    pub store: Store,
+    pub queue: Arc<Queue>,
+    pub running: Arc<Running>,
+    intake: Intake,
+    stopping: AtomicBool,
+    disk_full: AtomicBool,
+    _lock: DatabaseLock,
+}
+
+impl Inner {
+    pub fn is_stopping(&self) -> bool {
+        self.stopping.load(Ordering::Acquire)
+    }
+
+    pub fn disk_is_full(&self) -> bool {
+        self.disk_full.load(Ordering::Acquire)
+    }
+
+    /// Remembers whether the disk took a write.
+    pub fn note<T>(&self, written: Result<T, JobError>) -> Result<T, JobError> {
+        match &written {
+            Ok(_) => self.disk_full.store(false, Ordering::Release),
+            Err(JobError::DiskFull) => self.disk_full.store(true, Ordering::Release),
+            Err(_) => {}
+        }
+        written
+    }
+}
+
+impl Jobs {
+    /// Opens the database, brings back what a dead process left, and begins to run jobs.
+    pub async fn start(settings: Settings, simulator: Simulator) -> Result<Self, JobError> {
+        let lock = DatabaseLock::take(&settings.database)?;
+        let store = Store::open(&settings.database).await?;
+        let running = Arc::new(Running::default());
+        let worker = Arc::new(Worker::new(store.clone(), Arc::clone(&running), simulator, settings.clone()));
+        let handler: Handler = Arc::new(move |ticket| {
+            let worker = Arc::clone(&worker);
+            Box::pin(async move { worker.work(ticket).await })
+        });
+        // The run's own limit comes first; this is for a worker that does not even hear its stop flag.
+        let rescue_after = settings.time_limit + Duration::from_secs(30);
+        let queue = Queue::new(store.writer().clone(), settings.workers, rescue_after, handler)?;
+        let queue = Arc::new(queue);
+        let limits = IntakeLimits { queue: settings.queue_limit, keep_s: settings.keep_s };
+        let intake = Intake::start(store.clone(), Arc::clone(&queue), limits);
+        let stopping = AtomicBool::new(false);
+        let disk_full = AtomicBool::new(false);
+        let inner = Inner { settings, store, queue, running, intake, stopping, disk_full, _lock: lock };
+        let inner = Arc::new(inner);
+        recover(&inner).await?;
+        sweep::start(&inner);
+        Ok(Self { inner })
+    }
+
+    /// Hands in a job; it is safe on the disk when this returns.
+    pub async fn submit(&self, job: &Job, owner: &str) -> Result<JobRecord, JobError> {
+        if self.inner.is_stopping() {
+            return Err(JobError::Stopping);
+        }
+        self.inner.note(self.inner.intake.submit(NewJob::new(job, owner)).await)
+    }
+
+    /// A job, with the progress of this moment.
+    pub async fn get(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
+        Ok(self.live(self.inner.store.job(owner, id).await?))
+    }
+
+    /// A page of jobs, newest first, and whether there are more.
+    pub async fn list(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, bool), JobError> {
+        let (page, more) = self.inner.store.jobs(owner, filter).await?;
+        Ok((page.into_iter().map(|record| self.live(record)).collect(), more))
+    }
+
+    fn live(&self, mut record: JobRecord) -> JobRecord {
+        if record.status == Status::Running
+            && let Some(run) = self.inner.running.get(record.id)
+        {
+            record.progress = run.progress();
+        }
+        record
+    }
+
+    /// The job once it has ended, or as it is when the time is over.
+    pub async fn wait(&self, owner: &str, id: Uuid, at_most: Duration) -> Result<JobRecord, JobError> {
+        let bell = self.inner.running.bell(id);
+        let rings = bell.notified();
+        tokio::pin!(rings);
+        // Listens before it looks, or an end between the two would be missed.
+        rings.as_mut().enable();
+        let record = self.get(owner, id).await?;
+        if record.status.is_final() {
+            return Ok(record);
+        }
+        drop(tokio::time::timeout(at_most, rings).await);
+        self.get(owner, id).await
+    }
+
+    /// Ends a job that waits or runs.
+    pub async fn cancel(&self, owner: &str, id: Uuid) -> Result<Cancelled, JobError> {
+        let mut tx = self.inner.store.begin().await?;
+        let (status, delivery) = records::standing(&mut tx, owner, id).await?;
+        match status {
+            Status::Queued => {
+                records::cancel_queued(&mut tx, id, self.inner.settings.keep_s).await?;
+                if let Some(delivery) = delivery {
+                    self.inner.queue.cancel(&mut tx, delivery).await?;
+                }
+            }
+            Status::Running => records::request_cancel(&mut tx, id).await?,
+            Status::Cancelled => {}
+            Status::Succeeded | Status::Failed => return Err(JobError::Conflict(status)),
+        }
+        tx.commit().await?;
+        if let (Status::Running, Some(run)) = (status, self.inner.running.get(id)) {
+            run.stop(StopReason::Cancelled);
+        } else if status == Status::Queued {
+            self.inner.running.ended(id);
+        }
+        let record = self.get(owner, id).await?;
+        Ok(if status == Status::Running { Cancelled::Soon(record) } else { Cancelled::Now(record) })
+    }
+
+    /// Removes a job that has ended, with its result.
+    pub async fn delete(&self, owner: &str, id: Uuid) -> Result<(), JobError> {
+        let mut tx = self.inner.store.begin().await?;
+        let (status, _) = records::standing(&mut tx, owner, id).await?;
+        if !status.is_final() {
+            return Err(JobError::Conflict(status));
+        }
+        records::delete(&mut tx, id).await?;
+        Ok(tx.commit().await?)
+    }
+
+    /// The metrics of a succeeded job, as JSON text.
+    pub async fn metrics(&self, owner: &str, id: Uuid) -> Result<String, JobError> {
+        self.inner.store.metrics(owner, id).await
+    }
+
+    /// A spectrum or series of a succeeded job, as JSON text.
+    pub async fn signal(&self, owner: &str, id: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
+        self.inner.store.signal(owner, id, signal, channel).await
+    }
+
+    /// Channels of which a succeeded job keeps a signal.
+    pub async fn channels(&self, owner: &str, id: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
+        self.inner.store.channels(owner, id, signal).await
+    }
+
+    /// Whether jobs can be taken now.
+    pub async fn ready(&self) -> Result<(), JobError> {
+        if self.inner.is_stopping() {
+            return Err(JobError::Stopping);
+        }
+        if self.inner.disk_is_full() {
+            return Err(JobError::DiskFull);
+        }
+        self.inner.store.ping().await
+    }
+
+    /// Counts of the queue.
+    pub async fn stats(&self) -> Result<QueueStats, JobError> {
+        self.inner.queue.stats().await
+    }
+
+    /// Takes no more jobs; those that run go on.
+    pub fn refuse_new(&self) {
+        self.inner.stopping.store(true, Ordering::Release);
+    }
+
+    /// Hands running jobs back, so that they run again at the next start, and closes the database.
+    pub async fn stop(&self) -> Result<(), JobError> {
+        self.refuse_new();
+        self.inner.running.stop_all(StopReason::HandedBack);
+        let drained = self.inner.queue.drain().await;
+        self.inner.store.close().await;
+        drained
+    }
+}
+
+/// Starts the queue on what a dead process left.
+async fn recover(inner: &Inner) -> Result<(), JobError> {
+    let recovered = inner.queue.recover().await?;
+    if recovered > 0 {
+        tracing::warn!(jobs = recovered, "the last process ended during these runs; they start again");
+    }
+    sweep::sweep(inner).await?;
+    inner.queue.start().await
+}

@@ -1,0 +1,135 @@
+//! Claims, heartbeats and ends. The queue does not fence its attempts, so the claim counter does: whoever
+//! took the job last may write, everyone else is told that the claim is lost.
+
+use jiff::{SignedDuration, Timestamp};
+use uuid::Uuid;
+
+use super::results::{self, StoredResult};
+use super::{Store, stored};
+use crate::jobs::queue::Tx;
+use crate::jobs::{Failure, JobError};
+
+/// A job in the hands of this process.
+#[derive(Debug, Clone)]
+pub struct Claim {
+    pub job: Uuid,
+    pub number: i64,
+    pub request: String,
+    pub keep_for_s: Option<f64>,
+    /// Earlier runs that ended with their process.
+    pub lost: u32,
+    pub cancel_requested: bool,
+}
+
+/// How a run ended.
+#[derive(Debug)]
+pub enum End {
+    Succeeded(StoredResult),
+    Failed(Failure),
+    Cancelled,
+}
+
+/// What a heartbeat learns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pulse {
+    Alive,
+    CancelRequested,
+    ClaimLost,
+}
+
+impl Store {
+    /// How often a run of this job has ended with its process; `None`: this delivery is void.
+    pub async fn losses(&self, job: Uuid, delivery: i64) -> Result<Option<u32>, JobError> {
+        let sql = "SELECT lost + (status = 'running') FROM jobs \
+                   WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running')";
+        // Read where it is written: a reader may not see the row of a delivery that it has just caused.
+        let losses: Option<i64> =
+            sqlx::query_scalar(sql).bind(job).bind(delivery).fetch_optional(&self.writer).await?;
+        Ok(losses.map(|losses| u32::try_from(losses).unwrap_or(u32::MAX)))
+    }
+
+    /// Takes the job; `None`: it has ended, or another delivery has replaced this one.
+    pub async fn claim(&self, job: Uuid, delivery: i64) -> Result<Option<Claim>, JobError> {
+        let sql = "UPDATE jobs SET status = 'running', claim = claim + 1, lost = lost + (status = 'running'), \
+                   started_at = $3, heartbeat_at = $3, progress = 0 \
+                   WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running') \
+                   RETURNING claim, request, keep_for_s, lost, cancel_requested_at IS NOT NULL";
+        let row: Option<(i64, String, Option<f64>, i64, bool)> = sqlx::query_as(sql)
+            .bind(job)
+            .bind(delivery)
+            .bind(stored(Timestamp::now()))
+            .fetch_optional(&self.writer)
+            .await?;
+        Ok(row.map(|(number, request, keep_for_s, lost, cancel_requested)| Claim {
+            job,
+            number,
+            request,
+            keep_for_s,
+            lost: u32::try_from(lost).unwrap_or(u32::MAX),
+            cancel_requested,
+        }))
+    }
+
+    /// Shows that the run is alive and how far it is.
+    pub async fn heartbeat(&self, claim: &Claim, progress: f64) -> Result<Pulse, JobError> {
+        let sql = "UPDATE jobs SET heartbeat_at = $3, progress = $4 \
+                   WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING cancel_requested_at IS NOT NULL";
+        let cancel_requested: Option<bool> = sqlx::query_scalar(sql)
+            .bind(claim.job)
+            .bind(claim.number)
+            .bind(stored(Timestamp::now()))
+            .bind(progress)
+            .fetch_optional(&self.writer)
+            .await?;
+        Ok(match cancel_requested {
+            None => Pulse::ClaimLost,
+            Some(true) => Pulse::CancelRequested,
+            Some(false) => Pulse::Alive,
+        })
+    }
+
+    /// Puts the job back into the queue: it was not lost, only interrupted.
+    pub async fn hand_back(&self, claim: &Claim) -> Result<(), JobError> {
+        let sql = "UPDATE jobs SET status = 'queued', started_at = NULL, heartbeat_at = NULL, progress = 0 \
+                   WHERE id = $1 AND claim = $2 AND status = 'running'";
+        sqlx::query(sql).bind(claim.job).bind(claim.number).execute(&self.writer).await?;
+        Ok(())
+    }
+}
+
+/// Writes how the run ended; false: the claim is lost and nothing was written.
+pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Result<bool, JobError> {
+    let sql = "SELECT cancel_requested_at IS NOT NULL FROM jobs WHERE id = $1 AND claim = $2 AND status = 'running'";
+    let cancel_requested: Option<bool> =
+        sqlx::query_scalar(sql).bind(claim.job).bind(claim.number).fetch_optional(&mut **tx).await?;
+    let Some(cancel_requested) = cancel_requested else { return Ok(false) };
+    let (status, result, failure) = match end {
+        // Whoever asked for the cancellation was promised it, also when the run was a little faster.
+        _ if cancel_requested => ("cancelled", None, None),
+        End::Succeeded(result) => ("succeeded", Some(results::insert(tx, result).await?), None),
+        End::Failed(failure) => ("failed", None, Some(failure)),
+        End::Cancelled => ("cancelled", None, None),
+    };
+    let now = Timestamp::now();
+    let sql = "UPDATE jobs SET status = $2, result_id = $3, error_cause = $4, error_detail = $5, finished_at = $6, \
+               expires_at = $7, progress = CASE $2 WHEN 'succeeded' THEN 1 ELSE progress END WHERE id = $1";
+    sqlx::query(sql)
+        .bind(claim.job)
+        .bind(status)
+        .bind(result)
+        .bind(failure.map(|failure| &failure.cause))
+        .bind(failure.map(|failure| &failure.detail))
+        .bind(stored(now))
+        .bind(stored(expiry(now, claim.keep_for_s.unwrap_or(keep_s))))
+        .execute(&mut **tx)
+        .await?;
+    Ok(true)
+}
+
+/// When something that ended at a time and is kept for so many seconds goes.
+pub fn expiry(ended: Timestamp, keep_s: f64) -> Timestamp {
+    SignedDuration::try_from_secs_f64(keep_s)
+        .ok()
+        .and_then(|kept| ended.checked_add(kept).ok())
+        .unwrap_or(Timestamp::MAX)
+}

@@ -1,0 +1,141 @@
+//! Jobs looked up and listed, cancelled and deleted.
+
+use futures_util::TryStreamExt;
+use jiff::Timestamp;
+use sqlx::FromRow;
+use uuid::Uuid;
+
+use super::{Store, results, stored, time};
+use crate::jobs::queue::Tx;
+use crate::jobs::{Failure, JobError, JobRecord, Status};
+
+/// Which jobs a list shows.
+#[derive(Debug, Clone, Default)]
+pub struct Filter {
+    pub status: Option<Status>,
+    pub kind: Option<String>,
+    pub label: Option<String>,
+    /// Only jobs older than this one.
+    pub before: Option<Uuid>,
+    pub limit: u32,
+}
+
+/// A page ends early when its requests are larger than this, so that no list takes the memory of the service.
+const PAGE_BYTES: usize = 4 << 20;
+
+const COLUMNS: &str = "id, kind, status, request, labels, priority, created_at, started_at, finished_at, expires_at, \
+                       cancel_requested_at, progress, reused, error_cause, error_detail";
+
+#[derive(FromRow)]
+struct Row {
+    id: Uuid,
+    kind: String,
+    status: String,
+    request: String,
+    labels: String,
+    priority: i64,
+    created_at: i64,
+    started_at: Option<i64>,
+    finished_at: Option<i64>,
+    expires_at: Option<i64>,
+    cancel_requested_at: Option<i64>,
+    progress: f64,
+    reused: bool,
+    error_cause: Option<String>,
+    error_detail: Option<String>,
+}
+
+impl Row {
+    fn record(self) -> Result<JobRecord, JobError> {
+        let corrupt = |what: &str| JobError::Corrupt(format!("{what} of job {}", self.id));
+        Ok(JobRecord {
+            status: Status::parse(&self.status).ok_or_else(|| corrupt("status"))?,
+            labels: serde_json::from_str(&self.labels).map_err(|_| corrupt("labels"))?,
+            priority: u8::try_from(self.priority).map_err(|_| corrupt("priority"))?,
+            created_at: time(self.created_at)?,
+            started_at: self.started_at.map(time).transpose()?,
+            finished_at: self.finished_at.map(time).transpose()?,
+            expires_at: self.expires_at.map(time).transpose()?,
+            cancel_requested_at: self.cancel_requested_at.map(time).transpose()?,
+            failure: self
+                .error_cause
+                .map(|cause| Failure { cause, detail: self.error_detail.unwrap_or_default() }),
+            id: self.id,
+            kind: self.kind,
+            request: self.request,
+            progress: self.progress,
+            reused: self.reused,
+        })
+    }
+}
+
+impl Store {
+    /// A job of this owner.
+    pub async fn job(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
+        let sql = sqlx::AssertSqlSafe(format!("SELECT {COLUMNS} FROM jobs WHERE id = $1 AND owner = $2"));
+        let row: Option<Row> = sqlx::query_as(sql).bind(id).bind(owner).fetch_optional(&self.readers).await?;
+        row.ok_or(JobError::NotFound)?.record()
+    }
+
+    /// A page of this owner's jobs, newest first, and whether there are more.
+    pub async fn jobs(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, bool), JobError> {
+        let sql = sqlx::AssertSqlSafe(format!(
+            "SELECT {COLUMNS} FROM jobs WHERE owner = $1 AND ($2 IS NULL OR id < $2) AND ($3 IS NULL OR status = $3) \
+             AND ($4 IS NULL OR kind = $4) \
+             AND ($5 IS NULL OR EXISTS (SELECT 1 FROM json_each(jobs.labels) AS label WHERE label.value = $5)) \
+             ORDER BY id DESC LIMIT $6"
+        ));
+        let mut rows = sqlx::query_as::<_, Row>(sql)
+            .bind(owner)
+            .bind(filter.before)
+            .bind(filter.status.map(Status::name))
+            .bind(&filter.kind)
+            .bind(&filter.label)
+            .bind(i64::from(filter.limit) + 1)
+            .fetch(&self.readers);
+        let (mut page, mut bytes) = (Vec::new(), 0);
+        while let Some(row) = rows.try_next().await? {
+            if page.len() == filter.limit as usize || bytes > PAGE_BYTES {
+                return Ok((page, true));
+            }
+            bytes += row.request.len();
+            page.push(row.record()?);
+        }
+        Ok((page, false))
+    }
+}
+
+/// A job's status and delivery, in a transaction that may change them.
+pub async fn standing(tx: &mut Tx, owner: &str, id: Uuid) -> Result<(Status, Option<i64>), JobError> {
+    let sql = "SELECT status, delivery FROM jobs WHERE id = $1 AND owner = $2";
+    let row: Option<(String, Option<i64>)> = sqlx::query_as(sql).bind(id).bind(owner).fetch_optional(&mut **tx).await?;
+    let (status, delivery) = row.ok_or(JobError::NotFound)?;
+    let status = Status::parse(&status).ok_or_else(|| JobError::Corrupt(format!("status of job {id}")))?;
+    Ok((status, delivery))
+}
+
+/// Ends a job that has not begun.
+pub async fn cancel_queued(tx: &mut Tx, id: Uuid, keep_s: f64) -> Result<(), JobError> {
+    let now = Timestamp::now();
+    let sql = "UPDATE jobs SET status = 'cancelled', cancel_requested_at = $2, finished_at = $2, \
+               expires_at = $2 + CAST(coalesce(keep_for_s, $3) * 1e6 AS INTEGER) WHERE id = $1 AND status = 'queued'";
+    sqlx::query(sql).bind(id).bind(stored(now)).bind(keep_s).execute(&mut **tx).await?;
+    Ok(())
+}
+
+/// Notes that a running job shall end; the first request counts.
+pub async fn request_cancel(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
+    let sql = "UPDATE jobs SET cancel_requested_at = coalesce(cancel_requested_at, $2) WHERE id = $1";
+    sqlx::query(sql).bind(id).bind(stored(Timestamp::now())).execute(&mut **tx).await?;
+    Ok(())
+}
+
+/// Removes an ended job and what only it points to.
+pub async fn delete(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
+    let sql = "DELETE FROM jobs WHERE id = $1 RETURNING result_id";
+    let result: Option<Option<Uuid>> = sqlx::query_scalar(sql).bind(id).fetch_optional(&mut **tx).await?;
+    match result.flatten() {
+        Some(result) => results::remove_orphan(tx, result).await,
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,140 @@
+//! Results: metrics as they are sent, spectra and series compressed, one row a channel.
+
+use std::io::{Read, Write};
+
+use flate2::Compression;
+use flate2::read::ZlibDecoder;
+use flate2::write::ZlibEncoder;
+use serde::Serialize;
+use uuid::Uuid;
+
+use super::Store;
+use crate::contract::{Outcome, SpectrumKind};
+use crate::jobs::queue::Tx;
+use crate::jobs::{JobError, Status};
+
+/// Which signal of a channel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Signal {
+    Amplitude,
+    Envelope,
+    Series,
+}
+
+impl Signal {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Amplitude => "amplitude",
+            Self::Envelope => "envelope",
+            Self::Series => "series",
+        }
+    }
+}
+
+/// A result as it is written. Made outside of any transaction: compressing takes time.
+#[derive(Debug)]
+pub struct StoredResult {
+    metrics: String,
+    signals: Vec<(Signal, String, Vec<u8>)>,
+}
+
+impl StoredResult {
+    /// Encodes and compresses what a run left behind.
+    pub fn of(outcome: &Outcome) -> Result<Self, JobError> {
+        let metrics = serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()))?;
+        let mut signals = Vec::new();
+        for spectrum in &outcome.spectra {
+            let signal = match spectrum.kind {
+                SpectrumKind::Amplitude => Signal::Amplitude,
+                SpectrumKind::Envelope => Signal::Envelope,
+            };
+            signals.push((signal, spectrum.channel.clone(), compressed(spectrum)?));
+        }
+        for series in &outcome.series {
+            signals.push((Signal::Series, series.channel.clone(), compressed(series)?));
+        }
+        Ok(Self { metrics, signals })
+    }
+}
+
+fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+    serde_json::to_writer(&mut encoder, answer).map_err(|error| JobError::Corrupt(error.to_string()))?;
+    encoder.flush()?;
+    Ok(encoder.finish()?)
+}
+
+/// Adds a result.
+pub(super) async fn insert(tx: &mut Tx, result: &StoredResult) -> Result<Uuid, JobError> {
+    let id = Uuid::now_v7();
+    let sql = "INSERT INTO results (id, metrics) VALUES ($1, $2)";
+    sqlx::query(sql).bind(id).bind(&result.metrics).execute(&mut **tx).await?;
+    for (signal, channel, answer) in &result.signals {
+        let sql = "INSERT INTO signals (result_id, sort, channel, answer) VALUES ($1, $2, $3, $4)";
+        sqlx::query(sql).bind(id).bind(signal.name()).bind(channel).bind(answer).execute(&mut **tx).await?;
+    }
+    Ok(id)
+}
+
+/// Removes results that no job points to any more.
+pub(super) async fn remove_orphan(tx: &mut Tx, result: Uuid) -> Result<(), JobError> {
+    let sql = "DELETE FROM results WHERE id = $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE result_id = $1)";
+    sqlx::query(sql).bind(result).execute(&mut **tx).await?;
+    Ok(())
+}
+
+impl Store {
+    /// The metrics of a succeeded job, as JSON text.
+    pub async fn metrics(&self, owner: &str, job: Uuid) -> Result<String, JobError> {
+        let result = self.result_of(owner, job).await?;
+        let sql = "SELECT metrics FROM results WHERE id = $1";
+        let metrics = sqlx::query_scalar(sql).bind(result).fetch_optional(&self.readers).await?;
+        metrics.ok_or(JobError::NotFound)
+    }
+
+    /// A signal of a succeeded job, as JSON text.
+    pub async fn signal(&self, owner: &str, job: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
+        let result = self.result_of(owner, job).await?;
+        let sql = "SELECT answer FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
+        let answer: Option<Vec<u8>> = sqlx::query_scalar(sql)
+            .bind(result)
+            .bind(signal.name())
+            .bind(channel)
+            .fetch_optional(&self.readers)
+            .await?;
+        match answer {
+            Some(answer) => decompressed(&answer),
+            None => Err(JobError::UnknownChannel { kept: self.kept(result, signal).await? }),
+        }
+    }
+
+    /// Channels of which a job keeps a signal.
+    pub async fn channels(&self, owner: &str, job: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
+        let result = self.result_of(owner, job).await?;
+        self.kept(result, signal).await
+    }
+
+    async fn kept(&self, result: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
+        let sql = "SELECT channel FROM signals WHERE result_id = $1 AND sort = $2 ORDER BY rowid";
+        Ok(sqlx::query_scalar(sql).bind(result).bind(signal.name()).fetch_all(&self.readers).await?)
+    }
+
+    async fn result_of(&self, owner: &str, job: Uuid) -> Result<Uuid, JobError> {
+        let sql = "SELECT status, result_id FROM jobs WHERE id = $1 AND owner = $2";
+        let row: Option<(String, Option<Uuid>)> =
+            sqlx::query_as(sql).bind(job).bind(owner).fetch_optional(&self.readers).await?;
+        let (status, result) = row.ok_or(JobError::NotFound)?;
+        match (result, Status::parse(&status)) {
+            (Some(result), _) => Ok(result),
+            (None, Some(status)) if status.is_final() => Err(JobError::NoResult(status)),
+            (None, Some(status)) => Err(JobError::NotReady(status)),
+            (None, None) => Err(JobError::Corrupt(format!("status {status}"))),
+        }
+    }
+}
+
+fn decompressed(answer: &[u8]) -> Result<Vec<u8>, JobError> {
+    let mut text = Vec::with_capacity(4 * answer.len());
+    ZlibDecoder::new(answer).read_to_end(&mut text)?;
+    Ok(text)
+}

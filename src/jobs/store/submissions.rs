@@ -1,0 +1,84 @@
+//! Submissions: our row, with the delivery that was made for it in the same transaction.
+
+use uuid::Uuid;
+
+use super::super::{JobError, JobRecord, NewJob, Status};
+use super::stored;
+use crate::jobs::queue::Tx;
+
+/// A finished result of identical work.
+#[derive(Debug, Clone, Copy)]
+pub struct Reusable {
+    pub result: Uuid,
+}
+
+/// Number of jobs that wait.
+pub async fn waiting(tx: &mut Tx) -> Result<u64, JobError> {
+    let count: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE status = 'queued'").fetch_one(&mut **tx).await?;
+    Ok(count.unsigned_abs())
+}
+
+/// The result of identical finished work of the same owner.
+pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, JobError> {
+    let sql = "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 LIMIT 1";
+    let result: Option<Uuid> =
+        sqlx::query_scalar(sql).bind(&job.content_hash).bind(&job.owner).fetch_optional(&mut **tx).await?;
+    Ok(result.map(|result| Reusable { result }))
+}
+
+/// Adds a job that waits for its delivery.
+pub async fn insert(tx: &mut Tx, job: &NewJob, delivery: i64) -> Result<JobRecord, JobError> {
+    let record = job.record();
+    insert_row(tx, job, &record, Some(delivery), None).await?;
+    Ok(record)
+}
+
+/// Adds a job whose result is there already.
+pub async fn insert_answered(tx: &mut Tx, job: &NewJob, found: Reusable, keep_s: f64) -> Result<JobRecord, JobError> {
+    let now = job.created_at;
+    let record = JobRecord {
+        status: Status::Succeeded,
+        started_at: Some(now),
+        finished_at: Some(now),
+        expires_at: Some(super::claims::expiry(now, job.keep_for_s.unwrap_or(keep_s))),
+        progress: 1.0,
+        reused: true,
+        ..job.record()
+    };
+    insert_row(tx, job, &record, None, Some(found.result)).await?;
+    Ok(record)
+}
+
+async fn insert_row(
+    tx: &mut Tx,
+    job: &NewJob,
+    record: &JobRecord,
+    delivery: Option<i64>,
+    result: Option<Uuid>,
+) -> Result<(), JobError> {
+    let sql = "INSERT INTO jobs (id, owner, kind, status, request, labels, priority, keep_for_s, created_at, \
+               started_at, finished_at, expires_at, progress, delivery, content_hash, reused, result_id) \
+               VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17)";
+    let labels = serde_json::to_string(&job.labels).map_err(|error| JobError::Corrupt(error.to_string()))?;
+    sqlx::query(sql)
+        .bind(job.id)
+        .bind(&job.owner)
+        .bind(job.kind)
+        .bind(record.status.name())
+        .bind(&job.request)
+        .bind(labels)
+        .bind(i64::from(job.priority))
+        .bind(job.keep_for_s)
+        .bind(stored(record.created_at))
+        .bind(record.started_at.map(stored))
+        .bind(record.finished_at.map(stored))
+        .bind(record.expires_at.map(stored))
+        .bind(record.progress)
+        .bind(delivery)
+        .bind(&job.content_hash)
+        .bind(record.reused)
+        .bind(result)
+        .execute(&mut **tx)
+        .await?;
+    Ok(())
+}

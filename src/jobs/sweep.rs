@@ -1,0 +1,55 @@
+//! Brings back what was lost, removes what has expired, and tries the disk again after it was full.
+
+use std::sync::Arc;
+
+use super::JobError;
+use super::service::Inner;
+use super::store::upkeep;
+
+/// Sweeps now and then until the service is dropped.
+pub fn start(inner: &Arc<Inner>) {
+    let (inner, every) = (Arc::downgrade(inner), inner.settings.sweep_every);
+    tokio::spawn(async move {
+        loop {
+            tokio::time::sleep(every).await;
+            let Some(inner) = inner.upgrade() else { return };
+            if inner.is_stopping() {
+                return;
+            }
+            if let Err(error) = sweep(&inner).await {
+                tracing::warn!(%error, "a sweep was broken off");
+            }
+        }
+    });
+}
+
+/// One sweep.
+pub async fn sweep(inner: &Inner) -> Result<(), JobError> {
+    if inner.disk_is_full() {
+        inner.note(inner.store.try_write().await)?;
+    }
+    let delivered = redeliver(inner).await?;
+    if delivered > 0 {
+        tracing::info!(jobs = delivered, "stranded jobs are back in the queue");
+    }
+    let expired = inner.store.expired().await?;
+    if !expired.is_empty() {
+        inner.store.remove(&expired).await?;
+    }
+    Ok(())
+}
+
+async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
+    let mut tx = inner.store.begin().await?;
+    let lost_after = inner.settings.lost_after.try_into().unwrap_or(jiff::SignedDuration::MAX);
+    let stranded = upkeep::stranded(&mut tx, lost_after, &inner.running.ids()).await?;
+    if stranded.is_empty() {
+        return Ok(0);
+    }
+    let deliveries = inner.queue.enqueue(&mut tx, &stranded).await?;
+    for ((job, _), delivery) in stranded.iter().zip(deliveries) {
+        upkeep::redeliver(&mut tx, *job, delivery).await?;
+    }
+    tx.commit().await?;
+    Ok(stranded.len())
+}

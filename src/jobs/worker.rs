@@ -1,0 +1,201 @@
+//! One delivered job: claim it, run it on a thread of its own, write how it ended.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
+
+use super::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
+use super::queue::{Delivered, Ticket};
+use super::running::{Run, Running, StopReason};
+use super::service::{Settings, Simulator};
+use super::store::claims::{self, Pulse};
+use super::store::{Claim, End, Store, StoredResult};
+use super::{Failure, JobError};
+use crate::contract::{self, RunFailure};
+use crate::simulation::run::Control;
+
+/// Runs delivered jobs.
+pub struct Worker {
+    pub store: Store,
+    pub running: Arc<Running>,
+    pub simulator: Simulator,
+    pub settings: Settings,
+    slots: Arc<Semaphore>,
+}
+
+/// What became of a run.
+enum Outcome {
+    Ended(End),
+    HandedBack,
+    ClaimLost,
+}
+
+/// From this number of losses on a job runs alone, so that it takes no neighbour with it.
+const LOSSES_TO_RUN_ALONE: u32 = 2;
+
+impl Worker {
+    pub fn new(store: Store, running: Arc<Running>, simulator: Simulator, settings: Settings) -> Self {
+        let slots = Arc::new(Semaphore::new(settings.workers));
+        Self { store, running, simulator, settings, slots }
+    }
+
+    /// Works a delivery to its end.
+    pub async fn work(&self, ticket: Ticket) -> Delivered {
+        self.attempt(&ticket).await.unwrap_or_else(Delivered::Again)
+    }
+
+    async fn attempt(&self, ticket: &Ticket) -> Result<Delivered, JobError> {
+        let Some(losses) = self.store.losses(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
+        let Some(_slot) = self.slot(losses, ticket).await else { return Ok(Delivered::HandedBack) };
+        let Some(claim) = self.store.claim(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
+        let guard = self.running.enter(claim.job);
+        let outcome = match self.without_running(&claim) {
+            Some(end) => Outcome::Ended(end),
+            None => self.run(&claim, &guard.run, ticket).await,
+        };
+        self.conclude(&claim, outcome, ticket).await
+    }
+
+    /// One slot, or all of them for a job that may have taken its process down; none once the service stops.
+    async fn slot(&self, losses: u32, ticket: &Ticket) -> Option<OwnedSemaphorePermit> {
+        let slots = if losses < LOSSES_TO_RUN_ALONE { 1 } else { self.settings.workers };
+        let slots = u32::try_from(slots).unwrap_or(1);
+        tokio::select! {
+            slot = Arc::clone(&self.slots).acquire_many_owned(slots) => slot.ok(),
+            () = ticket.stopping() => None,
+        }
+    }
+
+    /// The end of a job that must not run.
+    fn without_running(&self, claim: &Claim) -> Option<End> {
+        if claim.cancel_requested {
+            return Some(End::Cancelled);
+        }
+        (claim.lost >= self.settings.max_lost_runs).then(|| {
+            let detail = format!("the process that ran the job ended {} times during the run", claim.lost);
+            End::Failed(Failure::new(WORKER_LOST, detail))
+        })
+    }
+
+    async fn run(&self, claim: &Claim, run: &Arc<Run>, ticket: &Ticket) -> Outcome {
+        let mut solved = self.solver_thread(claim, run);
+        let mut pulse = tokio::time::interval(self.settings.lost_after / 5);
+        loop {
+            tokio::select! {
+                end = &mut solved => return ended(end, run, self.settings.time_limit),
+                () = ticket.stopping(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
+                _ = pulse.tick() => self.beat(claim, run).await,
+            }
+        }
+    }
+
+    async fn beat(&self, claim: &Claim, run: &Run) {
+        match self.store.heartbeat(claim, run.progress()).await {
+            Ok(Pulse::Alive) => {}
+            Ok(Pulse::CancelRequested) => run.stop(StopReason::Cancelled),
+            Ok(Pulse::ClaimLost) => run.stop(StopReason::ClaimLost),
+            // The run goes on: nobody else may take it while this process holds the database's lock.
+            Err(error) => tracing::warn!(%error, job = %claim.job, "a heartbeat could not be written"),
+        }
+    }
+
+    /// Simulates away from the threads that serve HTTP. A panic ends the thread, not the service: the
+    /// channel closes without an answer.
+    fn solver_thread(&self, claim: &Claim, run: &Arc<Run>) -> oneshot::Receiver<Result<StoredResult, RunFailure>> {
+        let (sender, receiver) = oneshot::channel();
+        let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
+        let (request, time_limit) = (claim.request.clone(), self.settings.time_limit);
+        let work = move || {
+            yield_to_readers();
+            let solve = || solve(&simulator, &request, &run, time_limit);
+            if let Ok(result) = catch_unwind(AssertUnwindSafe(solve)) {
+                // Nobody waits any more: the service stops.
+                drop(sender.send(result));
+            }
+        };
+        // A thread that cannot be made drops the sender, like a panic.
+        if let Err(error) = std::thread::Builder::new().name("solver".into()).spawn(work) {
+            tracing::error!(%error, "no thread could be made for a run");
+        }
+        receiver
+    }
+
+    /// Writes the end with the delivery's, again and again while the database refuses.
+    async fn conclude(&self, claim: &Claim, outcome: Outcome, ticket: &Ticket) -> Result<Delivered, JobError> {
+        let end = match outcome {
+            Outcome::Ended(end) => end,
+            Outcome::ClaimLost => return Ok(Delivered::Done),
+            Outcome::HandedBack => {
+                self.store.hand_back(claim).await?;
+                return Ok(Delivered::HandedBack);
+            }
+        };
+        let mut pause = Duration::from_millis(100);
+        while let Err(error) = self.write_end(claim, &end, ticket).await {
+            tracing::error!(%error, job = %claim.job, "the end of a run could not be written; trying again");
+            tokio::select! {
+                () = tokio::time::sleep(pause) => {}
+                () = ticket.stopping() => return Ok(Delivered::HandedBack),
+            }
+            pause = (2 * pause).min(Duration::from_secs(5));
+        }
+        self.running.ended(claim.job);
+        Ok(Delivered::Done)
+    }
+
+    async fn write_end(&self, claim: &Claim, end: &End, ticket: &Ticket) -> Result<(), JobError> {
+        let mut tx = self.store.begin().await?;
+        if claims::finish(&mut tx, claim, end, self.settings.keep_s).await? {
+            ticket.complete(&mut tx).await?;
+        }
+        Ok(tx.commit().await?)
+    }
+}
+
+/// Reads the request and simulates it, until it is told to stop or its time is over.
+fn solve(
+    simulator: &Simulator,
+    request: &str,
+    run: &Run,
+    time_limit: Duration,
+) -> Result<StoredResult, RunFailure> {
+    let internal = |detail: String| RunFailure::Failed { cause: INTERNAL, detail };
+    let job = contract::parse_job(request.as_bytes()).map_err(|refusal| internal(refusal.to_string()))?;
+    let begin = Instant::now();
+    let stop = || {
+        if begin.elapsed() > time_limit {
+            run.stop(StopReason::TimeLimit);
+        }
+        run.stopped().is_some()
+    };
+    let outcome = simulator(&job, &Control { stop: &stop, progress: &|share| run.set_progress(share) })?;
+    StoredResult::of(&outcome).map_err(|error| internal(error.to_string()))
+}
+
+type Solved = Result<Result<StoredResult, RunFailure>, oneshot::error::RecvError>;
+
+fn ended(solved: Solved, run: &Run, time_limit: Duration) -> Outcome {
+    Outcome::Ended(match solved {
+        Ok(Ok(result)) => End::Succeeded(result),
+        Ok(Err(RunFailure::Failed { cause, detail })) => End::Failed(Failure::new(cause, detail)),
+        Ok(Err(RunFailure::Cancelled)) => match run.stopped() {
+            Some(StopReason::HandedBack) => return Outcome::HandedBack,
+            Some(StopReason::ClaimLost) => return Outcome::ClaimLost,
+            Some(StopReason::TimeLimit) => {
+                let detail = format!("the run took longer than {} s of wall time", time_limit.as_secs_f64());
+                End::Failed(Failure::new(TIME_LIMIT, detail))
+            }
+            Some(StopReason::Cancelled) | None => End::Cancelled,
+        },
+        // The thread panicked; what it said is in the log, not for the user.
+        Err(_) => End::Failed(Failure::new(INTERNAL, "the simulation broke off by an error in the service")),
+    })
+}
+
+/// Solvers burn whole cores; whoever only wants to look at a result goes first.
+fn yield_to_readers() {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::setpriority_process(None, 5);
+}
