@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use raceway::simulation::channel::{Axis, BallContact, Channel, Motion};
+use raceway::simulation::channel::{Axis, Channel, Motion};
 use raceway::simulation::lines::Line;
 use raceway::simulation::run::{Control, Method, Outputs, RunResult, RunSettings, run};
 use serde_json::json;
@@ -31,14 +31,10 @@ pub fn patient() -> Control<'static> {
     Control { stop: &|| false, progress: &|_| {} }
 }
 
-/// The article's case, with the outer load of ball 1 kept.
+/// The article's case.
 pub fn balanced() -> &'static RunResult {
     static RUN: OnceLock<RunResult> = OnceLock::new();
-    RUN.get_or_init(|| {
-        let mut settings = settings();
-        settings.outputs.series = vec![Channel::BallLoad(0, BallContact::Inner), Channel::BallSpin(0)];
-        run(&scene(&article()), &settings, &patient()).unwrap()
-    })
+    RUN.get_or_init(|| run(&scene(&article()), &settings(), &patient()).unwrap())
 }
 
 /// The same with the unbalance of grade G 6.3.

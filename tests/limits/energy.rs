@@ -1,5 +1,5 @@
-//! Energy is kept where nothing dissipates it: no damping, traction, friction, drag or churning. What is left over is the
-//! integrator's error and falls with its tolerance.
+//! Energy is kept where nothing dissipates it: no damping, traction, friction, drag or churning. What is left over
+//! is the integrator's error and falls with its tolerance.
 
 use raceway::physics::frames::{Azimuth, dot};
 use raceway::simulation::model::Model;
@@ -80,9 +80,10 @@ fn drift(model: &Model, start: &[f64], duration: f64, tolerance: f64) -> f64 {
     most
 }
 
-/// Over 1 ms, two ball passes and some 150 oscillations of the balls between their raceways, with balls that leave their raceways
-/// and hit pockets and rims. Of 0.09 J, about 1e-3 J of it elastic, less than 1e-8 J is lost or won at a tolerance of
-/// 1e-10; the change falls in proportion to the tolerance, at least tenfold for a hundredth of it.
+/// Over 1 ms, two ball passes and some 150 oscillations of the balls between their raceways, with balls that leave
+/// their raceways and hit pockets and rims. Of 0.09 J, about 1e-3 J of it elastic, less than 1e-8 J is lost or won
+/// at a tolerance of 1e-10; the change falls in proportion to the tolerance, at least tenfold for a hundredth of
+/// it.
 #[test]
 fn energy_is_kept_without_dissipation() {
     for (name, json) in [
@@ -95,7 +96,6 @@ fn energy_is_kept_without_dissipation() {
         let model = model(&json);
         let start = disturbed(&model, 2);
         let [coarse, fine] = [1e-8, 1e-10].map(|tolerance| drift(&model, &start, 1e-3, tolerance));
-        println!("{name}: {coarse:e} {fine:e} of {:e}", energy(&model, 0.0, &start));
         assert!(fine < 1e-8 && fine < 0.1 * coarse, "{name}: {coarse:e} J, then {fine:e} J");
     }
 }

@@ -4,6 +4,7 @@
 mod article_run;
 mod scenes;
 
+mod dissipation;
 mod energy;
 mod extremes;
 mod mirror_symmetry;

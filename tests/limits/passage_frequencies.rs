@@ -6,18 +6,16 @@ use crate::article_run::{Y, Z, balanced, line, lines, unbalanced};
 const PASSAGE: f64 = 2293.4;
 const SHAFT: f64 = 50_000.0 / 60.0;
 
-/// Varying compliance: the strongest line along Z is the ball passage, within 1 % of its frequency at ideal rolling (the cage lags
-/// by its slip), and the other lines of both directions are its harmonics.
+/// Varying compliance: the strongest line along Z is the ball passage, within 1 % of its frequency at ideal rolling
+/// (the cage lags by its slip), and the other lines of both directions are its harmonics.
 #[test]
 fn ball_passage_rules_where_nothing_is_unbalanced() {
     let run = balanced();
     let strongest = lines(run, Z)[0];
-    println!("{strongest:?}");
     assert_eq!(strongest.label, "BPFO");
     assert!((strongest.frequency / PASSAGE - 1.0).abs() < 0.01);
     for channel in [Y, Z] {
         let found = lines(run, channel);
-        println!("{:?}", found.iter().map(|l| (l.label.as_str(), l.frequency, l.amplitude)).collect::<Vec<_>>());
         let strongest = found[0].amplitude;
         for order in ["BPFO", "2·BPFO", "3·BPFO"] {
             let line = line(run, channel, order).unwrap_or_else(|| panic!("no {order} along {channel}"));
@@ -40,8 +38,8 @@ fn share_at(run: &raceway::simulation::run::RunResult, channel: raceway::simulat
     near / spectrum.amplitude.iter().copied().fold(0.0, f64::max)
 }
 
-/// Circles are ideal and nothing is unbalanced: nothing repeats with the shaft, so that no line stands at f_r or 2 f_r. What a
-/// Hann window leaks there from the passage is below a hundredth of it.
+/// Circles are ideal and nothing is unbalanced: nothing repeats with the shaft, so that no line stands at f_r or 2
+/// f_r. What a Hann window leaks there from the passage is below a hundredth of it.
 #[test]
 fn no_line_at_the_shaft_frequency_without_unbalance() {
     for channel in [Y, Z] {
@@ -49,7 +47,6 @@ fn no_line_at_the_shaft_frequency_without_unbalance() {
             let near = |l: &&raceway::simulation::lines::Line| (l.frequency - order * SHAFT).abs() < 60.0;
             assert_eq!(lines(balanced(), channel).into_iter().find(near), None);
             let share = share_at(balanced(), channel, order * SHAFT);
-            println!("{channel} {order} f_r: {share:e}");
             assert!(share < 0.01, "{channel}, {order} f_r: {share}");
         }
     }
@@ -61,8 +58,6 @@ fn no_line_at_the_shaft_frequency_without_unbalance() {
 fn unbalance_brings_the_shaft_frequency_and_its_combinations() {
     let run = unbalanced();
     for channel in [Y, Z] {
-        let found = lines(run, channel);
-        println!("{:?}", found.iter().map(|l| (l.label.as_str(), l.frequency, l.amplitude)).collect::<Vec<_>>());
         let shaft = line(run, channel, "f_r").unwrap_or_else(|| panic!("no f_r along {channel}"));
         assert!((shaft.frequency / SHAFT - 1.0).abs() < 0.01);
         assert!(share_at(run, channel, SHAFT) > 10.0 * share_at(balanced(), channel, SHAFT));

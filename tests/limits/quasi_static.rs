@@ -11,9 +11,10 @@ use serde_json::json;
 
 use crate::scenes::{advance, article, azimuth, changed, model, watched};
 
-/// Where the spindle rests on balls at given azimuths under a load along Y [N]: raceways in series, Q = K δ^1.5, the balls' own
-/// weight and centrifugal force (2e-4 N) left out. A contact leans by the spindle's displacement over the radius; of the tangential force
-/// that this gives each raceway takes half by traction. Newton's method with differences.
+/// Where the spindle rests on balls at given azimuths under a load along Y [N]: raceways in series, Q = K δ^1.5,
+/// the balls' own weight and centrifugal force (2e-4 N) left out. A contact leans by the spindle's displacement
+/// over the radius; of the tangential force that this gives each raceway takes half by traction. Newton's method
+/// with differences.
 fn resting_place(model: &Model, clearance: f64, azimuths: &[f64], load: f64) -> [f64; 2] {
     let raceway = &model.mechanism().raceway;
     let compliance = |contact: &RacewayContact| contact.hertz().stiffness.powf(-2.0 / 3.0);
@@ -47,9 +48,10 @@ fn resting_place(model: &Model, clearance: f64, azimuths: &[f64], load: f64) -> 
     place
 }
 
-/// At 500 r/min the spindle passes through the static states of the balls' momentary azimuths: the ball passage of 23 Hz lies far
-/// below the contact resonance of 4 kHz, (23/4000)² = 3e-5. Pinned to 2 % of the path between a ball and half way between two,
-/// 0.3 µm. (Slow balls creep apart under the load by some 30 µm, because the traction law is linear in slip: hence momentary azimuths.)
+/// At 500 r/min the spindle passes through the static states of the balls' momentary azimuths: the ball passage of
+/// 23 Hz lies far below the contact resonance of 4 kHz, (23/4000)² = 3e-5. Pinned to 2 % of the path between a ball
+/// and half way between two, 0.3 µm. (Slow balls creep apart under the load by some 30 µm, because the traction law
+/// is linear in slip: hence momentary azimuths.)
 #[test]
 fn a_slow_spindle_passes_through_static_states() {
     let json = changed(article(), json!({ "gravity_m_s2": 0, "operation": { "speed_rpm": 500 } }));
@@ -66,7 +68,6 @@ fn a_slow_spindle_passes_through_static_states() {
         let azimuths: Vec<f64> = (0..7).map(|ball| azimuth(&model, time, &state, ball)).collect();
         let expected = resting_place(&model, 5e-6, &azimuths, 200.0);
         let found = m.layout.spindle(&state).position;
-        println!("{expected:?} {:e} {:e}", found[1] - expected[0], found[2] - expected[1]);
         worst = worst.max((found[1] - expected[0]).hypot(found[2] - expected[1]));
         (highest, lowest) = (highest.max(expected[1]), lowest.min(expected[1]));
     }
@@ -74,10 +75,10 @@ fn a_slow_spindle_passes_through_static_states() {
     assert!(path > 2e-7 && worst < 0.02 * path, "{worst:e} m off a path of {path:e} m");
 }
 
-/// In the article's case the mean of the outer raceway's reactions over whole ball passes balances load and weight, but for
-/// what the bodies' momentum has changed meanwhile: an integral of rates, exact to the integrator's error. Over a periodic
-/// motion that change vanishes, and the mean of the inner raceway's reactions is the load on the spindle: to 0.05 N after
-/// 6 ms of settling.
+/// In the article's case the mean of the outer raceway's reactions over whole ball passes balances load and weight,
+/// but for what the bodies' momentum has changed meanwhile: an integral of rates, exact to the integrator's error.
+/// Over a periodic motion that change vanishes, and the mean of the inner raceway's reactions is the load on the
+/// spindle: to 0.05 N after 6 ms of settling.
 #[test]
 fn mean_reactions_balance_the_mean_load() {
     let model = model(&article());
@@ -108,7 +109,6 @@ fn mean_reactions_balance_the_mean_load() {
     });
     let spindle = 200.0 + m.spindle_mass * m.gravity;
     let all = spindle + (7.0 * m.ball_mass + m.cage.mass) * m.gravity;
-    println!("inner {inner:?} of {spindle}, outer {outer:?} of {all}");
     assert_eq!(look, looks);
     assert!((inner[1] - spindle).abs() < 0.05 && inner[2].abs() < 0.05, "{inner:?}");
     assert!((outer[1] + all).abs() < 0.05 && outer[2].abs() < 0.05, "{outer:?}");

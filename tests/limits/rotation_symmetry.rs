@@ -11,10 +11,10 @@ use crate::mirror_symmetry::difference;
 use crate::scenes::{article, changed, disturbed, everything, model, rates};
 
 const TIME: f64 = 2.3e-4;
-const ROUNDING: f64 = 1e-10;
+const ROUNDING: f64 = 1e-11;
 
-/// A state, or rates of state, turned by `steps` ball spacings: ball j becomes ball j + `steps`. The cage must not be tilted,
-/// for Cardan angles do not turn like vectors.
+/// A state, or rates of state, turned by `steps` ball spacings: ball j becomes ball j + `steps`. The cage must not
+/// be tilted, for Cardan angles do not turn like vectors.
 fn turned(model: &Model, y: &[f64], steps: usize) -> Vec<f64> {
     let layout = model.mechanism().layout;
     let turn = Azimuth::new(TAU * steps as f64 / layout.balls as f64);
@@ -114,9 +114,9 @@ fn renumbered(model: &Model, y: &[f64], steps: usize, rates: bool) -> Vec<f64> {
     image
 }
 
-/// The resultant does not depend on the order in which balls are summed: the same balls and pockets with other numbers.
-/// To rounding: arcs of up to a circumference leave azimuths 1e-15 and places 1e-17 m, which a pocket film of 1e5 N/m and
-/// contacts of 1e8 N/m turn into 1e-9 N.
+/// The resultant does not depend on the order in which balls are summed: the same balls and pockets with other
+/// numbers. To rounding: arcs of up to a circumference leave azimuths 1e-15 and places 1e-17 m, which a pocket film
+/// of 1e5 N/m and contacts of 1e8 N/m turn into 1e-9 N.
 #[test]
 fn numbers_of_balls_do_not_matter() {
     let model = model(&everything());

@@ -95,8 +95,9 @@ impl Random {
     }
 }
 
-/// Equilibrium with every entry displaced at random: places by up to 2 µm (cage 30 µm, arcs 40 µm), velocities by up to
-/// 0.2 m/s, spins by 1000 rad/s, the cage's tilt by 1 mrad: some contacts separate, some pockets touch and hit their rims.
+/// Equilibrium with every entry displaced at random: places by up to 2 µm (cage 30 µm, arcs 40 µm), velocities by
+/// up to 0.2 m/s, spins by 1000 rad/s, the cage's tilt by 1 mrad: some contacts separate, some pockets touch and
+/// hit their rims.
 pub fn disturbed(model: &Model, seed: u64) -> Vec<f64> {
     let layout = model.mechanism().layout;
     let mut random = Random::new(seed);

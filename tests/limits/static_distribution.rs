@@ -27,11 +27,9 @@ fn stribeck_at_zero_clearance() {
     assert!((7.0 / sum - 4.3373).abs() < 5e-5);
     let seven = at_rest(&changed(clearance(0.0), json!({ "operation": { "radial_load_y_n": 2 } })));
     let factor = seven.max_ball_load * 7.0 / 2.0;
-    println!("Z 7: {factor}");
     assert!((factor / 4.3373 - 1.0).abs() < 1e-4, "{factor}");
     let many = at_rest(&many_balls(0.0, 200.0));
     let factor = many.max_ball_load * 40.0 / 200.0;
-    println!("Z 40: {factor}");
     assert!((factor / 4.37 - 1.0).abs() < 1e-3, "{factor}");
 }
 
@@ -60,14 +58,12 @@ fn many_balls(clearance_um: f64, load: f64) -> Value {
 fn sjovall_integral_of_point_contact() {
     let loads = at_rest(&many_balls(0.0, 2000.0));
     let integral = 2000.0 / (40.0 * loads.max_ball_load);
-    println!("J_r(0.5) {integral}");
     assert!((integral / 0.2288 - 1.0).abs() < 2e-3, "{integral}");
     for clearance in [10.0, 25.0] {
         let loads = at_rest(&many_balls(clearance, 2000.0));
         let epsilon = 0.5 * (1.0 - 0.5e-6 * clearance / loads.radial_displacement);
         let integral = 2000.0 / (40.0 * loads.max_ball_load);
         let expected = sjovall(epsilon);
-        println!("J_r({epsilon}) {integral} {expected}");
         assert!((integral / expected - 1.0).abs() < 5e-3, "J_r({epsilon}) = {integral}, not {expected}");
     }
     assert!(
@@ -100,8 +96,8 @@ fn bearing_209() -> Scene {
     }))
 }
 
-/// Loads of the classical theory, which lets no contact lean: Q_j = K (δ_r cos φ_j − P_d/2)^1.5, Σ Q_j cos φ_j = F, K of
-/// both raceways in series; δ_r by bisection.
+/// Loads of the classical theory, which lets no contact lean: Q_j = K (δ_r cos φ_j − P_d/2)^1.5, Σ Q_j cos φ_j = F,
+/// K of both raceways in series; δ_r by bisection.
 fn classical_loads(scene: &Scene, load: f64) -> Vec<f64> {
     let raceway = Model::new(scene, &needs(scene, None)).mechanism().raceway.clone();
     let compliance = |contact: &RacewayContact| contact.hertz().stiffness.powf(-2.0 / 3.0);
@@ -121,15 +117,14 @@ fn classical_loads(scene: &Scene, load: f64) -> Vec<f64> {
     loads(low)
 }
 
-/// Harris prints 4536, 2842 and 61 N at 0, ±40 and ±80°; the classical theory with exact Hertz contacts gives 4527, 2841 and
-/// 61 N, to the digit; the printed values follow to 0.3 %, the accuracy of his tabulated contact factor. Here contacts also lean
-/// with the spindle's displacement of 66 µm on a radius of 32.5 mm: 0.1 % of the load.
+/// Harris prints 4536, 2842 and 61 N at 0, ±40 and ±80°; the classical theory with exact Hertz contacts gives 4527,
+/// 2841 and 61 N, to the digit; the printed values follow to 0.3 %, the accuracy of his tabulated contact factor.
+/// Here contacts also lean with the spindle's displacement of 66 µm on a radius of 32.5 mm: 0.1 % of the load.
 #[test]
 fn the_209_bearing_of_harris() {
     let scene = bearing_209();
     let classical = classical_loads(&scene, 8900.0);
     let loads = static_loads(&scene, &needs(&scene, None)).unwrap().ball_loads;
-    println!("{classical:?}\n{loads:?}");
     for (ball, exact, printed) in [(0, 4527.0, 4536.0), (1, 2841.0, 2842.0), (2, 61.0, 61.0)] {
         assert!((classical[ball] - exact).abs() < 0.6, "ball {ball}: {}", classical[ball]);
         assert!((classical[ball] - printed).abs() < 0.003 * printed + 0.6);
@@ -139,8 +134,8 @@ fn the_209_bearing_of_harris() {
     assert!(loads[3..=6].iter().all(|load| *load == 0.0));
 }
 
-/// The raceways carry what is applied: Σ Q cos φ = F with φ the direction from the displaced spindle to the ball. To the share
-/// 1e-6 by which balls move off the pitch circle and change that direction.
+/// The raceways carry what is applied: Σ Q cos φ = F with φ the direction from the displaced spindle to the ball.
+/// To the share 1e-6 by which balls move off the pitch circle and change that direction.
 #[test]
 fn static_loads_balance_the_applied_load() {
     for um in [-2.0, 0.0, 5.0, 13.0] {
@@ -153,7 +148,6 @@ fn static_loads_balance_the_applied_load() {
             along += load * y / y.hypot(z);
             across += load * z / y.hypot(z);
         }
-        println!("{um}: {along} {across}");
         assert!((along / 200.0 - 1.0).abs() < 1e-5 && across.abs() < 1e-9, "{um}: {along}, {across}");
     }
 }

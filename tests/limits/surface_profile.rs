@@ -2,16 +2,11 @@
 
 use raceway::physics::raceway::{RacewayContact, RelativeMotion};
 use raceway::physics::surface::SurfaceProfile;
-use raceway::simulation::model::Model;
-use serde_json::json;
 
-use crate::scenes::{Random, changed, everything, model};
+use crate::scenes::{Random, everything, model};
 
 fn contacts() -> [RacewayContact; 2] {
-    let raceway = match model(&changed(everything(), json!({}))) {
-        Model::Full(model) => model.mechanism().raceway.clone(),
-        Model::Planar(model) => model.mechanism().raceway.clone(),
-    };
+    let raceway = model(&everything()).mechanism().raceway.clone();
     [raceway.inner, raceway.outer]
 }
 
@@ -51,7 +46,8 @@ fn constant_height_zero_is_no_profile() {
     }
 }
 
-/// A height h adds h to the penetration, and the load is that of a ball pushed in by as much more; to rounding of the radius.
+/// A height h adds h to the penetration, and the load is that of a ball pushed in by as much more; to rounding of
+/// the radius.
 #[test]
 fn constant_height_adds_to_the_penetration() {
     const HEIGHT: f64 = 1.5e-6;
