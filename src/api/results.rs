@@ -175,9 +175,7 @@ pub async fn signal_of(app: &App, owner: &str, id: Uuid, signal: Signal, channel
 }
 
 /// Shapes an answer away from the threads that serve HTTP: it may hold a million numbers.
-pub async fn shaped(
-    shape: impl FnOnce() -> Result<Response, ApiError> + Send + 'static,
-) -> Result<Response, ApiError> {
+pub async fn shaped(shape: impl FnOnce() -> Result<Response, ApiError> + Send + 'static) -> Result<Response, ApiError> {
     tokio::task::spawn_blocking(shape).await.unwrap_or(Err(ApiError::Internal))
 }
 

@@ -1,0 +1,20 @@
+//! Limits that physics sets to the model, a file a law. Tolerances are stated where they are used, with their reason:
+//! "to rounding" is measured against the sizes of what is added up, "to integration error" falls with the tolerance.
+
+mod article_run;
+mod scenes;
+
+mod dissipation;
+mod energy;
+mod extremes;
+mod mirror_symmetry;
+mod momentum;
+mod other_integrator;
+mod passage_frequencies;
+mod plane_motion;
+mod quasi_static;
+mod repeatability;
+mod rolling;
+mod rotation_symmetry;
+mod static_distribution;
+mod surface_profile;

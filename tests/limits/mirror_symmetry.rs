@@ -1,0 +1,154 @@
+//! Mirrored in the plane of X and Y, a bearing is a bearing: φ → −φ, with the load along Z, the speed, the phase of
+//! the unbalance (it starts at +Y and turns the other way) and the tilt about Y of the other sign.
+
+use raceway::physics::frames::Vector;
+use raceway::simulation::model::Model;
+use raceway::simulation::state::{BallState, CageState, SpindleState};
+use serde_json::{Value, json};
+
+use crate::scenes::{article, changed, disturbed, everything, model, model_on, rates};
+use raceway::simulation::run::Rung;
+
+const TIME: f64 = 2.3e-4;
+
+/// [x, y, z] or [x, r, t] of a force, displacement or velocity.
+fn polar([x, y, z]: Vector) -> Vector {
+    [x, y, -z]
+}
+
+/// Of a moment or angular velocity: the component normal to the mirror stays.
+fn axial([x, y, z]: Vector) -> Vector {
+    [-x, -y, z]
+}
+
+/// A state, or rates of state, in the mirror: ball j becomes ball Z − j.
+pub fn mirrored(model: &Model, y: &[f64]) -> Vec<f64> {
+    let layout = model.mechanism().layout;
+    let mut image = vec![0.0; y.len()];
+    for ball in 0..layout.balls {
+        let s = layout.ball(y, ball);
+        let s = BallState { arc: -s.arc, arc_velocity: -s.arc_velocity, spin: axial(s.spin), ..s };
+        layout.set_ball(&mut image, (layout.balls - ball) % layout.balls, &s);
+    }
+    let s = layout.cage(y);
+    let flipped = |[about_y, about_z]: [f64; 2]| [-about_y, about_z];
+    let s = CageState {
+        centre: polar(s.centre),
+        arc: -s.arc,
+        tilt: flipped(s.tilt),
+        velocity: polar(s.velocity),
+        arc_velocity: -s.arc_velocity,
+        tilt_rate: flipped(s.tilt_rate),
+    };
+    layout.set_cage(&mut image, &s);
+    let s = layout.spindle(y);
+    layout.set_spindle(&mut image, &SpindleState { position: polar(s.position), velocity: polar(s.velocity) });
+    image
+}
+
+/// The scene in the mirror.
+fn mirrored_scene(mut json: Value) -> Value {
+    let negate = |value: &mut Value| {
+        if let Some(number) = value.as_f64() {
+            *value = json!(-number);
+        }
+    };
+    let operation = &mut json["operation"];
+    for field in ["radial_load_z_n", "speed_rpm"] {
+        if operation.get(field).is_some() {
+            negate(&mut operation[field]);
+        }
+    }
+    if let Some(points) = operation["speed_rpm"].as_array_mut() {
+        points.iter_mut().for_each(|point| negate(&mut point["rpm"]));
+    }
+    if operation.get("misalignment_mrad").is_some() {
+        negate(&mut operation["misalignment_mrad"]["y"]);
+    }
+    json
+}
+
+/// Largest difference of two vectors of rates, each entry over the size of its unit and, in that unit, over the largest
+/// acceleration (or velocity) among all balls, of the cage or of the spindle.
+pub fn difference(model: &Model, a: &[f64], b: &[f64]) -> f64 {
+    let layout = model.mechanism().layout;
+    let sizes = layout.sizes();
+    let moves = |name: &str| ["velocity", "spin", "speed", "rate"].iter().any(|word| name.contains(word));
+    let groups: Vec<(bool, &str)> = (0..a.len())
+        .map(|entry| {
+            let name = layout.name(entry);
+            let body = ["ball", "cage", "spindle"].into_iter().find(|body| name.contains(body));
+            (moves(&name), body.unwrap())
+        })
+        .collect();
+    let size = |i: usize| a[i].abs().max(b[i].abs()) / sizes[i];
+    let largest = |group| (0..a.len()).filter(|&i| groups[i] == group).map(size).fold(1e-300, f64::max);
+    (0..a.len()).map(|i| (a[i] - b[i]).abs() / sizes[i] / largest(groups[i])).fold(0.0, f64::max)
+}
+
+/// Penetrations of about 1 µm are differences of millimetres, so that forces keep 12 of their digits; sums run in
+/// another order.
+const ROUNDING: f64 = 1e-11;
+
+/// dy/dt of the mirrored state in the mirrored scene = mirrored dy/dt, to rounding.
+#[test]
+fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
+    let ramp = json!([{ "at_s": 0, "rpm": 30_000 }, { "at_s": 0.01, "rpm": 50_000 }]);
+    let of = |change: Value| changed(everything(), change);
+    for (name, json) in [
+        ("article", article()),
+        ("everything", everything()),
+        ("misaligned", of(json!({ "operation": { "misalignment_mrad": { "y": 1.0, "z": -0.7 } } }))),
+        (
+            "angular contact, rising speed, drag",
+            of(json!({
+                "bearing": { "type": "angular_contact", "contact_angle_deg": 15 },
+                "operation": { "speed_rpm": ramp },
+                "terms": { "drag": "on", "churning": "on" }
+            })),
+        ),
+        (
+            "land-guided",
+            of(
+                json!({ "bearing": { "cage": { "land": { "clearance_mm": 0.1, "diameter_mm": 15, "width_mm": 0.5 } } } }),
+            ),
+        ),
+        ("eight balls", of(json!({ "bearing": { "ball_count": 8 } }))),
+    ] {
+        let (model, image) = (model(&json), model(&mirrored_scene(json)));
+        for seed in 1..=10 {
+            let state = disturbed(&model, seed);
+            let expected = mirrored(&model, &rates(&model, TIME, &state));
+            let found = rates(&image, TIME, &mirrored(&model, &state));
+            let off = difference(&model, &found, &expected);
+            assert!(off < ROUNDING, "{name}, state {seed}: {off:e}");
+        }
+    }
+}
+
+/// The same in the plane.
+#[test]
+fn plane_motion_is_mirrored_too() {
+    let json =
+        changed(article(), json!({ "operation": { "radial_load_z_n": 70 }, "spindle": { "balance_grade": 6.3 } }));
+    let model = model_on(&json, Some(Rung::Planar));
+    let image = model_on(&mirrored_scene(json), Some(Rung::Planar));
+    for seed in 1..=10 {
+        let state = disturbed(&model, seed);
+        let expected = mirrored(&model, &rates(&model, TIME, &state));
+        let off = difference(&model, &rates(&image, TIME, &mirrored(&model, &state)), &expected);
+        assert!(off < ROUNDING, "state {seed}: {off:e}");
+    }
+}
+
+/// A load of the other sign along Z alone is no mirror image, because the speed breaks that symmetry: the test
+/// above would notice if it ignored the speed.
+#[test]
+fn the_speed_alone_breaks_the_symmetry() {
+    let json = changed(article(), json!({ "operation": { "radial_load_z_n": 70 } }));
+    let model = model(&json);
+    let image = self::model(&changed(json, json!({ "operation": { "radial_load_z_n": -70 } })));
+    let state = disturbed(&model, 1);
+    let expected = mirrored(&model, &rates(&model, 0.0, &state));
+    assert!(difference(&model, &rates(&image, 0.0, &mirrored(&model, &state)), &expected) > 1e-2);
+}

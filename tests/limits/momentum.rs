@@ -1,0 +1,275 @@
+//! Newton's third law: what one body feels, another one gives. Checked at states far from equilibrium, where spin,
+//! slip, hydrodynamic forces, pocket contacts and the cage's tilt all act, and with the speed rising.
+
+use raceway::physics::frames::{Azimuth, Tilt, Vector, add, cross, length, scale, subtract};
+use raceway::physics::spindle::unbalance_force;
+use raceway::simulation::model::Model;
+use serde_json::{Value, json};
+
+use crate::scenes::{Loads, azimuth, changed, disturbed, everything, model, sizes, watched};
+
+const TIME: f64 = 1.7e-4;
+/// Rounding of sums of forces: a few units in the last place for each of the 21 contacts, and the terms r θ̇² and
+/// 2 ṙ θ̇ that are added to rates and taken away again here.
+const ROUNDING: f64 = 1e-14;
+
+/// Scenes with all forces: radial type, misaligned, angular contact with a rising speed, each traction law.
+fn all_scenes() -> Vec<(&'static str, Value)> {
+    let ramp = json!([{ "at_s": 0, "rpm": 30_000 }, { "at_s": 0.01, "rpm": 50_000 }]);
+    let of = |change: Value| changed(everything(), change);
+    vec![
+        ("everything", everything()),
+        ("misaligned", of(json!({ "operation": { "misalignment_mrad": { "y": 1.0, "z": -0.7 } } }))),
+        (
+            "angular contact, rising speed",
+            of(json!({
+                "bearing": { "type": "angular_contact", "contact_angle_deg": 15 },
+                "operation": { "speed_rpm": ramp }
+            })),
+        ),
+        ("Eyring", of(json!({ "lubricant": { "traction": { "law": "eyring" } } }))),
+        ("Coulomb", of(json!({ "lubricant": { "traction": { "law": "coulomb" } } }))),
+        ("elastic bars", of(json!({ "bearing": { "cage": { "bar_stiffness_n_per_m": 1e5 } } }))),
+    ]
+}
+
+/// Force on the cage and on the spindle as the watch saw them, and on all balls from the outer raceway; inertial frame.
+struct Forces {
+    inner: Vec<Vector>,
+    outer: Vec<Vector>,
+    pocket: Vec<Vector>,
+}
+
+fn forces(model: &Model, state: &[f64], loads: &Loads) -> Forces {
+    let layout = model.mechanism().layout;
+    let tilt = layout.cage(state).tilt;
+    let tilt = Tilt::new(tilt[0], tilt[1]);
+    let turned = |ball: usize, v| Azimuth::new(azimuth(model, TIME, state, ball)).to_inertial(v);
+    Forces {
+        inner: loads.inner.iter().enumerate().map(|(ball, load)| turned(ball, load.force)).collect(),
+        outer: loads.outer.iter().enumerate().map(|(ball, load)| turned(ball, load.force)).collect(),
+        pocket: loads.pocket.iter().map(|load| tilt.to_inertial(load.force)).collect(),
+    }
+}
+
+fn total(vectors: &[Vector]) -> Vector {
+    vectors.iter().fold([0.0; 3], |sum, v| add(sum, *v))
+}
+
+/// Acceleration of a ball in the inertial frame from its rates of state.
+fn ball_acceleration(model: &Model, state: &[f64], rates: &[f64], ball: usize) -> Vector {
+    let m = model.mechanism();
+    let (_, speed, acceleration) = m.speed.at(TIME);
+    let (now, rate) = (m.layout.ball(state, ball), m.layout.ball(rates, ball));
+    let radius = m.pitch_radius + now.radial;
+    let orbit = m.orbit_ratio * speed + now.arc_velocity / m.pitch_radius;
+    let orbit_rate = m.orbit_ratio * acceleration + rate.arc_velocity / m.pitch_radius;
+    let local = [
+        rate.axial_velocity,
+        rate.radial_velocity - radius * orbit * orbit,
+        radius * orbit_rate + 2.0 * now.radial_velocity * orbit,
+    ];
+    Azimuth::new(azimuth(model, TIME, state, ball)).to_inertial(local)
+}
+
+/// Load, weight and unbalance of the spindle.
+fn spindle_load(model: &Model) -> Vector {
+    let m = model.mechanism();
+    let (angle, speed, acceleration) = m.speed.at(TIME);
+    let weight = [0.0, m.spindle_mass * m.gravity, 0.0];
+    add(add(m.load, weight), unbalance_force(m.unbalance, angle, speed, acceleration))
+}
+
+fn assert_near(what: &str, a: Vector, b: Vector, tolerance: f64) {
+    let off = length(subtract(a, b));
+    assert!(off <= tolerance, "{what}: {a:?} and {b:?} differ by {off:e}, allowed {tolerance:e}");
+}
+
+/// dp/dt of all bodies = loads, weights and the reaction of the outer ring: no force between bodies is left over.
+#[test]
+fn momentum_changes_by_outer_forces_alone() {
+    for (name, json) in all_scenes() {
+        let model = model(&json);
+        let m = model.mechanism();
+        for seed in 1..=20 {
+            let state = disturbed(&model, seed);
+            let (rates, loads) = watched(&model, TIME, &state);
+            let forces = forces(&model, &state, &loads);
+            let balls = (0..m.layout.balls)
+                .map(|ball| scale(m.ball_mass, ball_acceleration(&model, &state, &rates, ball)))
+                .fold([0.0; 3], add);
+            let cage = scale(m.cage.mass, m.layout.cage(&rates).velocity);
+            let spindle = scale(m.spindle_mass, m.layout.spindle(&rates).velocity);
+            let weight = (m.layout.balls as f64 * m.ball_mass + m.cage.mass) * m.gravity;
+            let outside = add(add(spindle_load(&model), [0.0, weight, 0.0]), total(&forces.outer));
+            let size = sizes(&forces.inner) + sizes(&forces.outer) + sizes(&forces.pocket);
+            let what = format!("{name}, state {seed}");
+            assert_near(&what, add(balls, add(cage, spindle)), outside, ROUNDING * size);
+        }
+    }
+}
+
+/// The spindle feels its loads and minus the sum of the forces of the inner raceway on the balls.
+#[test]
+fn spindle_feels_the_opposite_of_what_the_balls_feel() {
+    for (name, json) in all_scenes() {
+        let model = model(&json);
+        let m = model.mechanism();
+        for seed in 1..=20 {
+            let state = disturbed(&model, seed);
+            let (rates, loads) = watched(&model, TIME, &state);
+            let inner = forces(&model, &state, &loads).inner;
+            let reaction = subtract(scale(m.spindle_mass, m.layout.spindle(&rates).velocity), spindle_load(&model));
+            let what = format!("{name}, state {seed}");
+            assert_near(&what, reaction, scale(-1.0, total(&inner)), ROUNDING * (sizes(&inner) + 1.0));
+        }
+    }
+}
+
+/// The cage feels its weight and minus the sum of the forces of the pockets on the balls; in these states most
+/// pockets carry.
+#[test]
+fn cage_feels_the_opposite_of_what_its_pockets_give() {
+    for (name, json) in all_scenes() {
+        let model = model(&json);
+        let m = model.mechanism();
+        for seed in 1..=20 {
+            let state = disturbed(&model, seed);
+            let (rates, loads) = watched(&model, TIME, &state);
+            let pocket = forces(&model, &state, &loads).pocket;
+            assert!(pocket.iter().filter(|force| length(**force) > 0.0).count() >= 4);
+            let weight = [0.0, m.cage.mass * m.gravity, 0.0];
+            let change = scale(m.cage.mass, m.layout.cage(&rates).velocity);
+            let what = format!("{name}, state {seed}");
+            assert_near(&what, change, subtract(weight, total(&pocket)), ROUNDING * (sizes(&pocket) + 1.0));
+        }
+    }
+}
+
+/// Angular momentum of the cage about its centre of mass, inertial frame.
+fn cage_spin_momentum(model: &Model, time: f64, state: &[f64]) -> Vector {
+    let m = model.mechanism();
+    let cage = m.layout.cage(state);
+    let spin = m.orbit_ratio * m.speed.at(time).1 + cage.arc_velocity / m.pitch_radius;
+    let (axial, transverse) = (m.cage.axial_inertia, m.cage.transverse_inertia);
+    let local = [axial * spin, transverse * cage.tilt_rate[0], transverse * cage.tilt_rate[1]];
+    Tilt::new(cage.tilt[0], cage.tilt[1]).to_inertial(local)
+}
+
+/// Place of the cage's centre of mass from the bearing centre.
+fn cage_centre(model: &Model, state: &[f64]) -> Vector {
+    let m = model.mechanism();
+    let [x, y, z] = m.layout.cage(state).centre;
+    [x - m.cage.offset, y, z]
+}
+
+/// Angular momentum of balls and cage about the bearing centre, inertial frame.
+fn angular_momentum(model: &Model, time: f64, state: &[f64]) -> Vector {
+    let m = model.mechanism();
+    let speed = m.speed.at(time).1;
+    let cage = scale(m.cage.mass, cross(cage_centre(model, state), m.layout.cage(state).velocity));
+    let mut sum = add(cage_spin_momentum(model, time, state), cage);
+    for index in 0..m.layout.balls {
+        let ball = m.layout.ball(state, index);
+        let radius = m.pitch_radius + ball.radial;
+        let orbit = m.orbit_ratio * speed + ball.arc_velocity / m.pitch_radius;
+        let place = [ball.axial, radius, 0.0];
+        let velocity = [ball.axial_velocity, ball.radial_velocity, radius * orbit];
+        let spin = add(ball.spin, [m.spin_ratio * speed, 0.0, 0.0]);
+        let own = add(scale(m.ball_mass, cross(place, velocity)), scale(m.ball_inertia, spin));
+        sum = add(sum, Azimuth::new(azimuth(model, time, state, index)).to_inertial(own));
+    }
+    sum
+}
+
+/// Rate of a quantity of the motion, by a central difference over `2 STEP` along the rates of state.
+fn rate_of(quantity: impl Fn(f64, &[f64]) -> Vector, state: &[f64], rates: &[f64]) -> Vector {
+    const STEP: f64 = 2e-9;
+    let moved = |by: f64| -> Vec<f64> { state.iter().zip(rates).map(|(y, dy)| y + by * dy).collect() };
+    let change = subtract(quantity(TIME + STEP, &moved(STEP)), quantity(TIME - STEP, &moved(-STEP)));
+    scale(0.5 / STEP, change)
+}
+
+/// dL/dt of the cage about its centre = moments of the forces at the contact points of its pockets. Pins the
+/// levers, the gyroscopic terms and the tilt angles' rates together. To the rounding of the difference quotient,
+/// 1e-16 L / 2 ns.
+#[test]
+fn cage_turns_by_the_moments_of_its_pockets() {
+    for (name, json) in all_scenes() {
+        let model = model(&json);
+        let m = model.mechanism();
+        for seed in 1..=20 {
+            let state = disturbed(&model, seed);
+            let (rates, loads) = watched(&model, TIME, &state);
+            let pocket = forces(&model, &state, &loads).pocket;
+            let cage = m.layout.cage(&state);
+            let tilt = Tilt::new(cage.tilt[0], cage.tilt[1]);
+            let centre = cage_centre(&model, &state);
+            let (mut moment, mut size) = ([0.0; 3], 0.0);
+            for (ball, load) in loads.pocket.iter().enumerate() {
+                let now = m.layout.ball(&state, ball);
+                let place = [now.axial, m.pitch_radius + now.radial, 0.0];
+                let place = Azimuth::new(azimuth(&model, TIME, &state, ball)).to_inertial(place);
+                let point = add(place, tilt.to_inertial(load.lever));
+                let one = cross(subtract(point, centre), scale(-1.0, pocket[ball]));
+                moment = add(moment, one);
+                size += length(one);
+            }
+            let change = rate_of(|time, y| cage_spin_momentum(&model, time, y), &state, &rates);
+            assert_near(&format!("{name}, state {seed}"), change, moment, 1e-10 * size + 1e-12);
+        }
+    }
+}
+
+/// dL/dt of balls and cage about the bearing centre = moments of raceways and weights: what passes between ball and
+/// pocket, moments included, cancels. Tolerance as above.
+#[test]
+fn angular_momentum_changes_by_raceways_and_weight_alone() {
+    for (name, json) in all_scenes() {
+        let model = model(&json);
+        let m = model.mechanism();
+        for seed in 1..=20 {
+            let state = disturbed(&model, seed);
+            let (rates, loads) = watched(&model, TIME, &state);
+            let cage_weight = [0.0, m.cage.mass * m.gravity, 0.0];
+            let mut moment = cross(cage_centre(&model, &state), cage_weight);
+            let mut size = 0.0;
+            for index in 0..m.layout.balls {
+                let ball = m.layout.ball(&state, index);
+                let azimuth = Azimuth::new(azimuth(&model, TIME, &state, index));
+                let place = [ball.axial, m.pitch_radius + ball.radial, 0.0];
+                let weight = azimuth.to_orbit([0.0, m.ball_mass * m.gravity, 0.0]);
+                let (inner, outer) = (&loads.inner[index], &loads.outer[index]);
+                let own =
+                    add(cross(place, add(weight, add(inner.force, outer.force))), add(inner.moment, outer.moment));
+                moment = add(moment, azimuth.to_inertial(own));
+                size += m.pitch_radius * (length(inner.force) + length(outer.force));
+            }
+            let change = rate_of(|time, y| angular_momentum(&model, time, y), &state, &rates);
+            assert_near(&format!("{name}, state {seed}"), change, moment, 1e-10 * size);
+        }
+    }
+}
+
+/// Drag and churning act from outside: they take momentum from the balls alone, each ball the same at the same speed.
+#[test]
+fn drag_brakes_each_ball_and_nothing_else() {
+    let bare = model(&everything());
+    let braked = model(&changed(everything(), json!({ "terms": { "drag": "on", "churning": "on" } })));
+    let m = braked.mechanism();
+    let state = disturbed(&bare, 3);
+    let (with, without) = (watched(&braked, TIME, &state).0, watched(&bare, TIME, &state).0);
+    for index in 0..m.layout.balls {
+        let (a, b) = (m.layout.ball(&with, index), m.layout.ball(&without, index));
+        let ball = m.layout.ball(&state, index);
+        let orbit = m.orbit_ratio * m.speed.at(TIME).1 + ball.arc_velocity / m.pitch_radius;
+        let force = m.drag.unwrap().force(m.pitch_radius * orbit);
+        let radius = m.pitch_radius + ball.radial;
+        let expected = m.pitch_radius * force / (m.ball_mass * radius);
+        assert!(force < 0.0 && (a.arc_velocity - b.arc_velocity - expected).abs() < 1e-6 * expected.abs());
+        assert_eq!((a.axial_velocity, a.radial_velocity), (b.axial_velocity, b.radial_velocity));
+        assert!(a.spin[0] > b.spin[0], "balls spin negatively about x");
+    }
+    assert_eq!(m.layout.cage(&with), m.layout.cage(&without));
+    assert_eq!(m.layout.spindle(&with), m.layout.spindle(&without));
+}

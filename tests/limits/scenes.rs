@@ -1,0 +1,187 @@
+//! Scenes from JSON, their models, and states off their equilibrium.
+
+use raceway::contract::scene_from_json;
+use raceway::numerics::ode::dormand_prince::DormandPrince;
+use raceway::numerics::ode::{Integrator, OdeSystem};
+use raceway::physics::frames::Vector;
+use raceway::physics::pocket::PocketLoad;
+use raceway::physics::raceway::{RacewayLoad, RelativeMotion};
+use raceway::simulation::channel::BallContact;
+use raceway::simulation::model::{Model, Watch};
+use raceway::simulation::needs::Needs;
+use raceway::simulation::run::{Outputs, Rung, start_state};
+use raceway::simulation::scene::Scene;
+use serde_json::{Value, json};
+
+/// The article's case: integrated bearing, 50 000 r/min, 200 N along +Y, grease.
+pub fn article() -> Value {
+    json!({
+        "bearing": { "preset": "article-integrated" },
+        "operation": { "speed_rpm": 50_000, "radial_load_y_n": 200 }
+    })
+}
+
+/// The article's case in flooding oil with hydrodynamic forces, free along X under an axial load: every force
+/// between bodies is there; drag and churning, which act from outside, are not.
+pub fn everything() -> Value {
+    changed(
+        article(),
+        json!({
+            "lubricant": { "kind": "oil" },
+            "operation": { "radial_load_z_n": -60, "axial_load_n": 25 },
+            "spindle": { "balance_grade": 6.3 },
+            "terms": { "hydrodynamics": "on", "drag": "off", "churning": "off" }
+        }),
+    )
+}
+
+/// `base` with the fields of `changes` in place of its own, object by object.
+pub fn changed(mut base: Value, changes: Value) -> Value {
+    fn merge(base: &mut Value, changes: Value) {
+        match (base, changes) {
+            (Value::Object(fields), Value::Object(changes)) => {
+                for (name, change) in changes {
+                    merge(fields.entry(name).or_insert(Value::Null), change);
+                }
+            }
+            (base, changes) => *base = changes,
+        }
+    }
+    merge(&mut base, changes);
+    base
+}
+
+pub fn scene(json: &Value) -> Scene {
+    scene_from_json(&json.to_string()).unwrap_or_else(|refusal| panic!("{refusal:?}\n{json:#}"))
+}
+
+pub fn nothing_asked() -> Outputs {
+    Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() }
+}
+
+pub fn needs(scene: &Scene, rung: Option<Rung>) -> Needs {
+    Needs::of(scene, &nothing_asked(), rung).unwrap()
+}
+
+/// The model of a scene in JSON on the rung it needs.
+pub fn model(json: &Value) -> Model {
+    model_on(json, None)
+}
+
+pub fn model_on(json: &Value, rung: Option<Rung>) -> Model {
+    let scene = scene(json);
+    Model::new(&scene, &needs(&scene, rung))
+}
+
+pub fn rates(model: &Model, time: f64, state: &[f64]) -> Vec<f64> {
+    let mut rates = vec![0.0; model.dimension()];
+    model.derivative(time, state, &mut rates);
+    rates
+}
+
+/// Numbers in −1 … 1, the same in every run.
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    pub fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Equilibrium with every entry displaced at random: places by up to 2 µm (cage 30 µm, arcs 40 µm), velocities by
+/// up to 0.2 m/s, spins by 1000 rad/s, the cage's tilt by 1 mrad: some contacts separate, some pockets touch and
+/// hit their rims.
+pub fn disturbed(model: &Model, seed: u64) -> Vec<f64> {
+    let layout = model.mechanism().layout;
+    let mut random = Random::new(seed);
+    let mut state = start_state(model).unwrap();
+    let mut spread = |size: f64| size * random.next();
+    for index in 0..layout.balls {
+        let mut ball = layout.ball(&state, index);
+        ball.axial += spread(2e-6);
+        ball.radial += spread(2e-6);
+        ball.arc += spread(40e-6);
+        ball.axial_velocity += spread(0.2);
+        ball.radial_velocity += spread(0.2);
+        ball.arc_velocity += spread(0.2);
+        ball.spin = ball.spin.map(|spin| spin + spread(1000.0));
+        layout.set_ball(&mut state, index, &ball);
+    }
+    let mut cage = layout.cage(&state);
+    cage.centre = cage.centre.map(|_| spread(30e-6));
+    cage.arc = spread(20e-6);
+    cage.tilt = cage.tilt.map(|_| spread(1e-3));
+    cage.velocity = cage.velocity.map(|_| spread(0.2));
+    cage.arc_velocity = spread(0.2);
+    cage.tilt_rate = cage.tilt_rate.map(|_| spread(30.0));
+    layout.set_cage(&mut state, &cage);
+    let mut spindle = layout.spindle(&state);
+    spindle.position = spindle.position.map(|x| x + spread(2e-6));
+    spindle.velocity = spindle.velocity.map(|_| spread(0.1));
+    layout.set_spindle(&mut state, &spindle);
+    state
+}
+
+/// Every load of one evaluation, by ball.
+#[derive(Default, Clone)]
+pub struct Loads {
+    pub inner: Vec<RacewayLoad>,
+    pub outer: Vec<RacewayLoad>,
+    pub pocket: Vec<PocketLoad>,
+}
+
+impl Watch for Loads {
+    fn raceway(&mut self, _ball: usize, side: BallContact, _motion: &RelativeMotion, load: &RacewayLoad) {
+        match side {
+            BallContact::Inner => self.inner.push(*load),
+            _ => self.outer.push(*load),
+        }
+    }
+
+    fn pocket(&mut self, _ball: usize, load: &PocketLoad) {
+        self.pocket.push(*load);
+    }
+}
+
+/// Rates and loads of one state.
+pub fn watched(model: &Model, time: f64, state: &[f64]) -> (Vec<f64>, Loads) {
+    let mut rates = vec![0.0; model.dimension()];
+    let mut loads = Loads::default();
+    model.derivative_watched(time, state, &mut rates, &mut loads);
+    (rates, loads)
+}
+
+/// Azimuth of a ball [rad].
+pub fn azimuth(model: &Model, time: f64, state: &[f64], ball: usize) -> f64 {
+    let m = model.mechanism();
+    m.start_azimuth(ball) + m.orbit_ratio * m.speed.at(time).0 + m.layout.ball(state, ball).arc / m.pitch_radius
+}
+
+/// Advances a model with the built-in integrator and shows it after each step.
+pub fn advance(
+    model: &Model,
+    state: &[f64],
+    (start, end): (f64, f64),
+    tolerance: f64,
+    mut after: impl FnMut(&dyn Integrator),
+) -> Vec<f64> {
+    let tolerances = model.mechanism().layout.tolerances(tolerance);
+    let mut integrator = DormandPrince::new(model, start, state, tolerances, None);
+    while integrator.time() < end {
+        integrator.step(end).unwrap();
+        after(&integrator);
+    }
+    integrator.state().to_vec()
+}
+
+/// Sum of the magnitudes of vectors.
+pub fn sizes(vectors: &[Vector]) -> f64 {
+    vectors.iter().map(|v| raceway::physics::frames::length(*v)).sum()
+}
