@@ -17,8 +17,8 @@ use super::describe::{Anywhere, BadBody, BadQuery, NoJob, NoSpace, NotAccepted, 
 use super::error::{ApiError, Problem};
 use super::request::{JobId, JsonBody, Query, header, negotiated};
 use super::{App, describe};
-use crate::contract::job::JobInput;
 use crate::contract;
+use crate::contract::job::JobInput;
 use crate::jobs::{Cancelled, Filter, JobRecord, Status};
 
 const JSON: &[&str] = &["application/json"];
@@ -162,11 +162,7 @@ pub async fn cancel(
         NoJob, NoSpace, Anywhere
     )
 )]
-pub async fn delete(
-    State(app): State<App>,
-    Owner(owner): Owner,
-    JobId(id): JobId,
-) -> Result<StatusCode, ApiError> {
+pub async fn delete(State(app): State<App>, Owner(owner): Owner, JobId(id): JobId) -> Result<StatusCode, ApiError> {
     app.jobs.delete(&owner, id).await?;
     Ok(StatusCode::NO_CONTENT)
 }

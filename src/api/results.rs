@@ -61,7 +61,7 @@ pub async fn spectrum(
 ) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV])?;
     let highest = query.max_frequency_hz;
-    if highest.is_some_and(|highest| !(highest >= 0.0)) {
+    if highest.is_some_and(|highest| highest.is_nan() || highest < 0.0) {
         return Err(ApiError::BadRequest("query: max_frequency_hz: must be 0 or more".into()));
     }
     let signal = match query.kind {
@@ -175,9 +175,7 @@ pub async fn signal_of(app: &App, owner: &str, id: Uuid, signal: Signal, channel
 }
 
 /// Shapes an answer away from the threads that serve HTTP: it may hold a million numbers.
-pub async fn shaped(
-    shape: impl FnOnce() -> Result<Response, ApiError> + Send + 'static,
-) -> Result<Response, ApiError> {
+pub async fn shaped(shape: impl FnOnce() -> Result<Response, ApiError> + Send + 'static) -> Result<Response, ApiError> {
     tokio::task::spawn_blocking(shape).await.unwrap_or(Err(ApiError::Internal))
 }
 

@@ -7,8 +7,8 @@ use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
-use super::{Access, App, router, server};
 pub use super::server::url;
+use super::{Access, App, router, server};
 use crate::jobs::{JobError, Jobs, Settings, Simulator};
 
 /// A running service.

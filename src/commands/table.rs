@@ -50,7 +50,8 @@ pub fn lines(name: &str, job: &Value) -> String {
     for line in lines.iter().filter(|line| line["label"] != "").take(12) {
         let number = |field: &str| line[field].as_f64().unwrap_or(f64::NAN);
         let (frequency, amplitude, deviation) = (number("frequency_hz"), number("amplitude"), number("deviation_hz"));
-        let (channel, label) = (line["channel"].as_str().unwrap_or_default(), line["label"].as_str().unwrap_or_default());
+        let (channel, label) =
+            (line["channel"].as_str().unwrap_or_default(), line["label"].as_str().unwrap_or_default());
         let _ = writeln!(text, "  {channel:<24}{frequency:>10.1} Hz {amplitude:>12.4e}   {label} ({deviation:+.1} Hz)");
     }
     text

@@ -155,12 +155,7 @@ impl Worker {
 }
 
 /// Reads the request and simulates it, until it is told to stop or its time is over.
-fn solve(
-    simulator: &Simulator,
-    request: &str,
-    run: &Run,
-    time_limit: Duration,
-) -> Result<StoredResult, RunFailure> {
+fn solve(simulator: &Simulator, request: &str, run: &Run, time_limit: Duration) -> Result<StoredResult, RunFailure> {
     let internal = |detail: String| RunFailure::Failed { cause: INTERNAL, detail };
     let job = contract::parse_job(request.as_bytes()).map_err(|refusal| internal(refusal.to_string()))?;
     let begin = Instant::now();

@@ -1,8 +1,8 @@
 //! The crown cage: a rigid body with a pocket a ball.
 
 use super::contact::damping::DampingLaw;
-use super::material::Material;
 use super::frames::{Tilt, Vector};
+use super::material::Material;
 use super::{InvalidParameter, above, within};
 
 /// Shape of a pocket seat.

@@ -181,8 +181,7 @@ impl Pocket {
         let film = (self.film_stiffness * approach.min(self.clearance) + self.film_damping * fade * rate).max(0.0);
         let solid = if penetration > 0.0 { self.solid_load(penetration, rate) } else { 0.0 };
         let lever = scale(-self.ball_radius, normal);
-        let mut load =
-            PocketLoad { normal: film + solid, force: scale(film + solid, normal), moment: [0.0; 3], lever };
+        let mut load = PocketLoad { normal: film + solid, force: scale(film + solid, normal), moment: [0.0; 3], lever };
         if solid > 0.0 && self.friction > 0.0 || self.hydrodynamics.is_some() {
             self.add_friction(motion, normal, lever, solid, &mut load);
         }

@@ -56,8 +56,7 @@ pub(super) fn judge(
             divergence_rate,
         });
     }
-    let tolerance_error =
-        tolerance_error(model, needs, settings, recording, checkpoint, stretch, control)?;
+    let tolerance_error = tolerance_error(model, needs, settings, recording, checkpoint, stretch, control)?;
     (control.progress)(1.0);
     Ok(AccuracyReport {
         level_error_db: tolerance_error,

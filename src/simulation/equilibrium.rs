@@ -45,7 +45,9 @@ pub fn static_loads(scene: &Scene, needs: &Needs) -> Result<StaticLoads, Simulat
     let max_pressure = rest
         .loads
         .iter()
-        .flat_map(|load| [pressure(&mechanism.raceway.inner, load.inner), pressure(&mechanism.raceway.outer, load.outer)])
+        .flat_map(|load| {
+            [pressure(&mechanism.raceway.inner, load.inner), pressure(&mechanism.raceway.outer, load.outer)]
+        })
         .fold(0.0, f64::max);
     let [x, y, z] = mechanism.load;
     let radial = y.hypot(z);
@@ -198,10 +200,8 @@ impl<'a> Search<'a> {
                 // Entries of the unknowns that move this contact, and how they move it.
                 let spindle_towards = self.azimuths[ball].to_inertial(touch.towards);
                 let spindle_across = self.azimuths[ball].to_inertial(touch.across);
-                let mut entries = vec![
-                    (at, touch.towards[0], touch.across[0]),
-                    (at + 1, touch.towards[1], touch.across[1]),
-                ];
+                let mut entries =
+                    vec![(at, touch.towards[0], touch.across[0]), (at + 1, touch.towards[1], touch.across[1])];
                 if moves_spindle {
                     for (k, &direction) in self.free.iter().enumerate() {
                         entries.push((border + k, -spindle_towards[direction], -spindle_across[direction]));
@@ -210,8 +210,7 @@ impl<'a> Search<'a> {
                 for &(i, towards_i, across_i) in &entries {
                     gradient[i] += touch.load * towards_i;
                     for &(j, towards_j, across_j) in &entries {
-                        hessian[(i, j)] +=
-                            touch.slope * towards_i * towards_j + touch.turning * across_i * across_j;
+                        hessian[(i, j)] += touch.slope * towards_i * towards_j + touch.turning * across_i * across_j;
                     }
                 }
             }

@@ -1,6 +1,7 @@
 //! The motion: a checked scene becomes a model that holds only what it needs, an integrator advances
 //! it from equilibrium, and what was asked for is observed. Plain synchronous Rust; knows no JSON, HTTP or SQL.
 
+pub mod accuracy;
 pub mod channel;
 pub mod equilibrium;
 pub mod lines;
@@ -9,6 +10,5 @@ pub mod model;
 pub mod needs;
 pub mod observe;
 pub mod run;
-pub mod accuracy;
 pub mod scene;
 pub mod state;

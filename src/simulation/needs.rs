@@ -101,14 +101,13 @@ impl Needs {
                 hydrodynamics,
             },
             pocket: PocketTerms { film, friction, hydrodynamics: hydrodynamics && cage },
-            gravity: decision
-                .keep(Term::Gravity, true, || (scene.gravity == 0.0).then(|| "gravity_m_s2 is 0".into())),
+            gravity: decision.keep(Term::Gravity, true, || (scene.gravity == 0.0).then(|| "gravity_m_s2 is 0".into())),
             drag: decision.keep(Term::Drag, true, no_mixture),
             churning: decision.keep(Term::Churning, true, no_mixture),
             cage,
-            land: decision.keep(Term::Land, true, || {
-                scene.cage.land.is_none().then(|| "the cage is guided by its balls".into())
-            }) && cage,
+            land: decision
+                .keep(Term::Land, true, || scene.cage.land.is_none().then(|| "the cage is guided by its balls".into()))
+                && cage,
             unbalance: decision.keep(Term::Unbalance, true, || {
                 (scene.spindle.unbalance == Unbalance::None).then(|| "the spindle has none".into())
             }),
@@ -134,7 +133,11 @@ fn refuse_unbuilt(scene: &Scene) -> Result<(), Unmet> {
 fn strips(law: &TractionLaw) -> usize {
     let saturates_within = match *law {
         TractionLaw::FourParameter { at_rest, at_slip, .. } => {
-            if at_rest > 0.0 { 0.0 } else { at_slip }
+            if at_rest > 0.0 {
+                0.0
+            } else {
+                at_slip
+            }
         }
         TractionLaw::Coulomb { regularisation, .. } => regularisation,
         TractionLaw::SlideRoll { .. } | TractionLaw::Eyring { .. } => f64::INFINITY,
@@ -263,7 +266,15 @@ impl Decision<'_> {
                          model; the bound is F_R of the most loaded ball if its base oil flooded the inlet"
                     .into(),
                 by: Grounds::Convention,
-                bound: Some((nominal_rolling_friction(&self.scene.bearing, lubricant, self.largest_ball_load(), self.scene.operating_speed()), "N")),
+                bound: Some((
+                    nominal_rolling_friction(
+                        &self.scene.bearing,
+                        lubricant,
+                        self.largest_ball_load(),
+                        self.scene.operating_speed(),
+                    ),
+                    "N",
+                )),
             });
             return false;
         }

@@ -159,7 +159,8 @@ impl<'m> Observer<'m> {
         let filtered: Vec<(Channel, Vec<f64>)> = axes
             .iter()
             .flat_map(|&axis| {
-                [Motion::Displacement, Motion::Velocity, Motion::Acceleration].map(|motion| Channel::Spindle(axis, motion))
+                [Motion::Displacement, Motion::Velocity, Motion::Acceleration]
+                    .map(|motion| Channel::Spindle(axis, motion))
             })
             .map(|channel| (channel, Vec::with_capacity(values)))
             .collect();

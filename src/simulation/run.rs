@@ -180,7 +180,8 @@ pub(super) fn integrate(
     let tolerances = layout.tolerances(relative_tolerance);
     let mut integrator = DormandPrince::new(model, span.start, start, tolerances, fixed_step);
     let mut checkpoint = start.to_vec();
-    let mut stops: Vec<f64> = model.mechanism().speed.kinks().filter(|kink| *kink > span.start && *kink < span.end).collect();
+    let mut stops: Vec<f64> =
+        model.mechanism().speed.kinks().filter(|kink| *kink > span.start && *kink < span.end).collect();
     stops.push(span.end);
     for stop in stops {
         while integrator.time() < stop {
@@ -250,7 +251,9 @@ impl SimulationError {
     pub(super) fn integration(source: IntegrationError, layout: &Layout) -> Self {
         let component = match source {
             IntegrationError::Stopped { time } => return Self::Stopped { time },
-            IntegrationError::StepTooSmall { component, .. } | IntegrationError::NotFinite { component, .. } => component,
+            IntegrationError::StepTooSmall { component, .. } | IntegrationError::NotFinite { component, .. } => {
+                component
+            }
         };
         Self::Integration { entry: layout.name(component), source }
     }

@@ -152,8 +152,7 @@ impl Layout {
             set_block(y, 5 * ball, [s.radial, s.arc, s.radial_velocity, s.arc_velocity, s.spin[0]]);
         } else {
             let [x, r, t] = s.spin;
-            let entries =
-                [s.axial, s.radial, s.arc, s.axial_velocity, s.radial_velocity, s.arc_velocity, x, r, t];
+            let entries = [s.axial, s.radial, s.arc, s.axial_velocity, s.radial_velocity, s.arc_velocity, x, r, t];
             set_block(y, 9 * ball, entries);
         }
     }
@@ -166,13 +165,7 @@ impl Layout {
             (false, _) => CageState::default(),
             (true, true) => {
                 let [cy, cz, arc, vy, vz, arc_velocity] = block(y, at);
-                CageState {
-                    centre: [0.0, cy, cz],
-                    arc,
-                    velocity: [0.0, vy, vz],
-                    arc_velocity,
-                    ..CageState::default()
-                }
+                CageState { centre: [0.0, cy, cz], arc, velocity: [0.0, vy, vz], arc_velocity, ..CageState::default() }
             }
             (true, false) => {
                 let [cx, cy, cz, arc, about_y, about_z, vx, vy, vz, arc_velocity, rate_y, rate_z] = block(y, at);
@@ -228,8 +221,7 @@ impl Layout {
     /// Name and size of each entry, in order.
     fn entries(&self) -> impl Iterator<Item = (String, f64)> + '_ {
         let pick = |all: &'static [(&'static str, f64)], some: &'static [usize], whole: bool| {
-            let chosen: Vec<(&str, f64)> =
-                if whole { all.to_vec() } else { some.iter().map(|&i| all[i]).collect() };
+            let chosen: Vec<(&str, f64)> = if whole { all.to_vec() } else { some.iter().map(|&i| all[i]).collect() };
             chosen
         };
         let ball = pick(&BALL_NAMES, &PLANAR_BALL, !self.planar);

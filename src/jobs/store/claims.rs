@@ -43,8 +43,7 @@ impl Store {
         let sql = "SELECT lost + (status = 'running') FROM jobs \
                    WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running')";
         // Read where it is written: a reader may not see the row of a delivery that it has just caused.
-        let losses: Option<i64> =
-            sqlx::query_scalar(sql).bind(job).bind(delivery).fetch_optional(&self.writer).await?;
+        let losses: Option<i64> = sqlx::query_scalar(sql).bind(job).bind(delivery).fetch_optional(&self.writer).await?;
         Ok(losses.map(|losses| u32::try_from(losses).unwrap_or(u32::MAX)))
     }
 

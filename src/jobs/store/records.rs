@@ -57,9 +57,7 @@ impl Row {
             finished_at: self.finished_at.map(time).transpose()?,
             expires_at: self.expires_at.map(time).transpose()?,
             cancel_requested_at: self.cancel_requested_at.map(time).transpose()?,
-            failure: self
-                .error_cause
-                .map(|cause| Failure { cause, detail: self.error_detail.unwrap_or_default() }),
+            failure: self.error_cause.map(|cause| Failure { cause, detail: self.error_detail.unwrap_or_default() }),
             id: self.id,
             kind: self.kind,
             request: self.request,

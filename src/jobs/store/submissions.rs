@@ -14,7 +14,8 @@ pub struct Reusable {
 
 /// Number of jobs that wait.
 pub async fn waiting(tx: &mut Tx) -> Result<u64, JobError> {
-    let count: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE status = 'queued'").fetch_one(&mut **tx).await?;
+    let count: i64 =
+        sqlx::query_scalar("SELECT count(*) FROM jobs WHERE status = 'queued'").fetch_one(&mut **tx).await?;
     Ok(count.unsigned_abs())
 }
 

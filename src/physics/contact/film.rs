@@ -24,9 +24,17 @@ impl Film {
         let load = 1.0 / (modulus * radius * radius);
         let material = lubricant.pressure_viscosity * modulus;
         Self {
-            central: 2.69 * speed.powf(0.67) * material.powf(0.53) * load.powf(-0.067) * radius
+            central: 2.69
+                * speed.powf(0.67)
+                * material.powf(0.53)
+                * load.powf(-0.067)
+                * radius
                 * (1.0 - 0.61 * (-0.73 * k).exp()),
-            minimum: 3.63 * speed.powf(0.68) * material.powf(0.49) * load.powf(-0.073) * radius
+            minimum: 3.63
+                * speed.powf(0.68)
+                * material.powf(0.49)
+                * load.powf(-0.073)
+                * radius
                 * (1.0 - (-0.68 * k).exp()),
         }
     }
@@ -97,7 +105,11 @@ pub fn nominal_rolling_friction(bearing: &Bearing, lubricant: &Lubricant, load: 
     }
     let contact = raceway_contacts(bearing).inner;
     let gamma = bearing.gamma();
-    let rolling = 0.5 * bearing.parameters.pitch_diameter * (1.0 - gamma) * (1.0 - kinematics::ideal_orbit_ratio(bearing)) * speed.abs();
+    let rolling = 0.5
+        * bearing.parameters.pitch_diameter
+        * (1.0 - gamma)
+        * (1.0 - kinematics::ideal_orbit_ratio(bearing))
+        * speed.abs();
     let film = Film::new(&contact, lubricant).central_thickness(rolling, load);
     let inlet = Inlet::new(&contact, lubricant, bearing.parameters.ball_diameter);
     inlet.forces(2.0 * rolling, film, contact.semi_axes(load).1).rolling

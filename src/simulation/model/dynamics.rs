@@ -56,7 +56,8 @@ struct CagePose {
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     pub fn new(mechanism: Mechanism) -> Self {
         let [about_y, about_z] = mechanism.misalignment;
-        let tilted_axis = (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
+        let tilted_axis =
+            (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
         Self { mechanism, tilted_axis }
     }
 
@@ -143,8 +144,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             azimuth: motion.azimuth_angle - angle,
         };
         let local = m.raceway.inner.load::<PLANAR>(&inner);
-        let inner_load =
-            RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
+        let inner_load = RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
         watch.raceway(ball, BallContact::Inner, &inner, &inner_load);
         if inner_load.penetration > 0.0 {
             sums.spindle = subtract(sums.spindle, motion.azimuth.to_inertial(inner_load.force));
@@ -275,7 +275,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     /// Equations (13), (14), and X where the spindle is free.
-    fn spindle_rates(&self, state: &SpindleState, reaction: Vector, angle: f64, speed: f64, acceleration: f64) -> SpindleState {
+    fn spindle_rates(
+        &self,
+        state: &SpindleState,
+        reaction: Vector,
+        angle: f64,
+        speed: f64,
+        acceleration: f64,
+    ) -> SpindleState {
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
         force[1] += m.spindle_mass * m.gravity;
