@@ -15,6 +15,7 @@ use super::units::{DEG, UM};
 use crate::physics::bearing::Bearing;
 use crate::physics::contact::hertz::raceway_contacts;
 use crate::physics::kinematics::ideal_frequencies;
+use crate::physics::rating::{dynamic_load_rating, dynamic_load_rating_full_formula};
 use crate::simulation::equilibrium::{StaticLoads, static_loads};
 
 /// The answer to `POST /v1/scenes/resolve`.
@@ -48,17 +49,11 @@ pub struct DerivedAnswer {
     /// Load–deflection factor of a ball on the outer raceway [N/m^1.5].
     pub outer_stiffness_n_per_m1_5: f64,
     /// Basic dynamic load rating by the table of f_c of ISO 281 [N].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub dynamic_load_rating_n: Option<f64>,
+    pub dynamic_load_rating_n: f64,
     /// The same by the full formula for f_c, which knows the groove curvatures [N].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub dynamic_load_rating_full_formula_n: Option<f64>,
-    /// Axial load over `dynamic_load_rating_n` [-].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub axial_load_over_rating: Option<f64>,
+    pub dynamic_load_rating_full_formula_n: f64,
+    /// Size of the axial load over `dynamic_load_rating_n` [-].
+    pub axial_load_over_rating: f64,
     /// [°]
     pub free_contact_angle_deg: f64,
     /// Diametral [µm].
@@ -115,14 +110,15 @@ fn derived(job: &Job, at_rest: Option<&StaticLoads>) -> DerivedAnswer {
     let scene = job.scene();
     let bearing: &Bearing = &scene.bearing;
     let stiffness = raceway_contacts(bearing).map(|contact| contact.stiffness);
+    let rating = dynamic_load_rating(bearing);
     DerivedAnswer {
         inner_stiffness_n_per_m1_5: stiffness.inner,
         outer_stiffness_n_per_m1_5: stiffness.outer,
-        dynamic_load_rating_n: None,
-        dynamic_load_rating_full_formula_n: None,
-        axial_load_over_rating: None,
-        free_contact_angle_deg: DEG.from_si(bearing.free_contact_angle),
-        radial_clearance_um: UM.from_si(bearing.radial_clearance),
+        dynamic_load_rating_n: rating,
+        dynamic_load_rating_full_formula_n: dynamic_load_rating_full_formula(bearing),
+        axial_load_over_rating: scene.operation.load[0].abs() / rating,
+        free_contact_angle_deg: DEG.to_user(bearing.free_contact_angle),
+        radial_clearance_um: UM.to_user(bearing.radial_clearance),
         frequencies_hz: ideal_frequencies(bearing, scene.operating_speed()).into(),
         at_rest: at_rest.and_then(static_answer),
     }
@@ -131,8 +127,8 @@ fn derived(job: &Job, at_rest: Option<&StaticLoads>) -> DerivedAnswer {
 /// `None` unless every number is finite.
 fn static_answer(loads: &StaticLoads) -> Option<StaticAnswer> {
     let answer = StaticAnswer {
-        radial_displacement_um: UM.from_si(loads.radial_displacement),
-        axial_displacement_um: UM.from_si(loads.axial_displacement),
+        radial_displacement_um: UM.to_user(loads.radial_displacement),
+        axial_displacement_um: UM.to_user(loads.axial_displacement),
         max_ball_load_n: loads.max_ball_load,
         ball_loads_n: loads.ball_loads.clone(),
         max_pressure_mpa: loads.max_pressure / 1e6,

@@ -33,7 +33,7 @@ pub fn duration(field: &mut Option<f64>, scene: Option<&Scene>, outputs: &Output
     let asked = outputs.spectra.iter().chain(&outputs.series).collect::<std::collections::BTreeSet<_>>().len();
     let channels = USUAL_CHANNELS + asked;
     let longest = MOST_BYTES / (RATE * BYTES_PER_SAMPLE * channels as f64);
-    if !(duration > 0.0) {
+    if duration <= 0.0 {
         filling.refuse("/duration_s", units::out_of_range(duration, 0.0, longest, true, "s"));
     } else if duration > longest {
         let detail = format!(

@@ -17,7 +17,7 @@ impl Unit {
         value * self.times / self.over
     }
 
-    pub fn from_si(self, value: f64) -> f64 {
+    pub fn to_user(self, value: f64) -> f64 {
         value * self.over / self.times
     }
 }
@@ -141,7 +141,7 @@ pub fn field_error(error: &InvalidParameter) -> FieldError {
     };
     let detail = match error {
         InvalidParameter::OutOfRange { value, lowest, highest, exclusive, .. } => {
-            out_of_range(unit.from_si(*value), unit.from_si(*lowest), unit.from_si(*highest), *exclusive, unit.name)
+            out_of_range(unit.to_user(*value), unit.to_user(*lowest), unit.to_user(*highest), *exclusive, unit.name)
         }
         InvalidParameter::Inconsistent { reason, .. } => reason.clone(),
     };

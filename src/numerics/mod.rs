@@ -2,6 +2,8 @@
 //! Imports none of the other rooms.
 
 pub mod elliptic;
+pub mod exponential;
 pub mod ode;
+pub mod roots;
 pub mod spectrum;
 pub mod statistics;

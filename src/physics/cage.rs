@@ -156,7 +156,7 @@ mod tests {
     /// integrated by the midpoint rule over many turns.
     #[test]
     fn a_free_cage_keeps_its_angular_momentum() {
-        let cage = crate::physics::testing::article().cage;
+        let cage = crate::physics::examples::article_cage();
         // (tilt about y, tilt about z, ω in the tilted frame)
         let rates = |y: [f64; 5]| {
             let motion = CageMotion {

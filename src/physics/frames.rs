@@ -60,6 +60,15 @@ impl Azimuth {
         Self { cosine, sine }
     }
 
+    /// The sum of two azimuths.
+    #[inline(always)]
+    pub fn turned(self, by: Azimuth) -> Self {
+        Self {
+            cosine: self.cosine * by.cosine - self.sine * by.sine,
+            sine: self.sine * by.cosine + self.cosine * by.sine,
+        }
+    }
+
     /// A vector of the inertial frame, in the orbit frame at this azimuth.
     #[inline(always)]
     pub fn to_orbit(self, v: Vector) -> Vector {

@@ -22,7 +22,7 @@ pub fn ideal_orbit_ratio(bearing: &Bearing) -> f64 {
     0.5 * (1.0 - bearing.gamma())
 }
 
-/// Ratio of the spin ω_x of ideally rolling balls to the spindle speed, −(D_m/2d)(1 − γ²) [-], negative
+/// Ratio of the spin ω_x of ideally rolling balls, seen from the orbit frame, to the spindle speed, −(D_m/2d)(1 − γ²) [-], negative
 /// because a ball turns against the spindle.
 pub fn ideal_spin_ratio(bearing: &Bearing) -> f64 {
     let p = &bearing.parameters;
@@ -45,5 +45,57 @@ pub fn with_cage_speed(bearing: &Bearing, shaft: f64, cage: f64, ball_spin: f64)
         ball_pass_outer: balls * cage,
         ball_pass_inner: balls * (shaft - cage),
         ball_spin,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::examples::{article_bearing, deep_groove};
+
+    /// Article's bearing at 50 000 r/min: f_r 833.3, FTF 327.6, BPFO 2293.4, BPFI 3539.9, BSF 1860.8 Hz, hand
+    /// calculation to the digit printed.
+    #[test]
+    fn article_bearing_has_its_frequencies() {
+        let lines = ideal_frequencies(&article_bearing(), 50_000.0 * std::f64::consts::TAU / 60.0);
+        for (value, expected) in [
+            (lines.shaft, 833.3),
+            (lines.cage, 327.6),
+            (lines.ball_pass_outer, 2293.4),
+            (lines.ball_pass_inner, 3539.9),
+            (lines.ball_spin, 1860.8),
+        ] {
+            assert!((value - expected).abs() < 0.051, "{value} against {expected}");
+        }
+    }
+
+    /// Published orders of the 6205-2RS (9 balls of 0.3126 in on 1.537 in): BPFO 3.5848, BPFI 5.4152, FTF
+    /// 0.39828, 2·BSF 4.7135 (Case Western Reserve University Bearing Data Center), to the last digit; FTF 3e-5 off there.
+    #[test]
+    fn orders_of_the_6205() {
+        let bearing = deep_groove(9, 0.3126 * 25.4, 1.537 * 25.4, [0.52, 0.53], 5e-6, 206e9);
+        let orders = ideal_frequencies(&bearing, -std::f64::consts::TAU);
+        for (value, expected, digit) in [
+            (orders.shaft, 1.0, 1e-12),
+            (orders.ball_pass_outer, 3.5848, 6e-5),
+            (orders.ball_pass_inner, 5.4152, 6e-5),
+            (orders.cage, 0.398_28, 4e-5),
+            (2.0 * orders.ball_spin, 4.7135, 6e-5),
+        ] {
+            assert!((value - expected).abs() < digit, "{value} against {expected}");
+        }
+    }
+
+    /// Without slip the surfaces of ball and raceways have one speed at both contacts, to rounding.
+    #[test]
+    fn ideal_rolling_slips_nowhere() {
+        let bearing = article_bearing();
+        let p = &bearing.parameters;
+        let (orbit, spin) = (ideal_orbit_ratio(&bearing), ideal_spin_ratio(&bearing));
+        let (r, ball) = (0.5 * p.pitch_diameter, 0.5 * p.ball_diameter);
+        // The ball turns with `spin` against the orbit frame, which itself turns with `orbit`.
+        let inner = (r - ball) * (1.0 - orbit) + ball * spin;
+        let outer = -(r + ball) * orbit - ball * spin;
+        assert!(inner.abs() < 1e-15 && outer.abs() < 1e-15);
     }
 }

@@ -62,7 +62,7 @@ mod tests {
     /// Total film force of the short bearing: W = η U L³/(4C²) · ε/(1−ε²)² · √(16ε² + π²(1−ε²)) (Ocvirk 1953).
     #[test]
     fn load_capacity_is_that_of_the_short_bearing() {
-        let lubricant = crate::physics::testing::article().lubricant;
+        let lubricant = crate::physics::examples::article_lubricant();
         let land = Land::new(&GuidingLand { clearance: 100e-6, diameter: 15e-3, width: 1e-3 }, &lubricant);
         let ratio: f64 = 0.6;
         let (force, moment) = land.load([0.0, 0.0, ratio * 50e-6], 2000.0);

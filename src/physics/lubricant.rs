@@ -43,6 +43,11 @@ impl Lubricant {
         self.traction.check()
     }
 
+    /// Distance of the inlet meniscus from a contact of balls of that diameter [m].
+    pub fn meniscus(&self, ball_diameter: f64) -> f64 {
+        self.inlet_distance.unwrap_or(0.25 * ball_diameter)
+    }
+
     /// Density of the lubricant–air mixture, ρ_e = X ρ_l + (1 − X) ρ_a [kg/m³].
     pub fn mixture_density(&self) -> f64 {
         self.fill * OIL_DENSITY + (1.0 - self.fill) * AIR_DENSITY

@@ -48,6 +48,5 @@ pub fn above(parameter: &'static str, value: f64, lowest: f64, highest: f64) -> 
     }
 }
 
-/// The article's case for the tests of this room.
 #[cfg(test)]
-pub(crate) mod testing;
+pub(crate) mod examples;

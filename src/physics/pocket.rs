@@ -282,13 +282,12 @@ impl Wedge {
 mod tests {
     use super::*;
     use crate::physics::contact::damping::DampingLaw;
-    use crate::physics::testing;
+    use crate::physics::examples;
 
     fn article_pocket(change: impl Fn(&mut CageParameters), terms: PocketTerms) -> Pocket {
-        let scene = testing::article();
-        let mut cage = scene.cage;
+        let mut cage = examples::article_cage();
         change(&mut cage);
-        Pocket::new(&scene.bearing, &cage, &scene.lubricant, 11_692.0, terms)
+        Pocket::new(&examples::article_bearing(), &cage, &examples::article_lubricant(), 11_692.0, terms)
     }
     const ALL: PocketTerms = PocketTerms { film: true, friction: true, hydrodynamics: false };
 

@@ -8,8 +8,9 @@ use super::bearing::{Bearing, PerRaceway};
 use super::contact::damping::{DampingFactor, normal_load};
 use super::contact::film::{Film, Inlet};
 use super::contact::hertz::{HertzContact, raceway_contacts};
-use super::contact::traction::{Strips, Traction, TractionContext};
+use super::contact::traction::{MAX_STRIPS, Strip, Strips, Traction, TractionContext, rising};
 use super::frames::Vector;
+use super::kinematics;
 use super::lubricant::Lubricant;
 use super::surface::SurfaceProfile;
 
@@ -37,7 +38,8 @@ pub struct RacewayContact {
     semi_major_factor: f64,
     damping: DampingFactor,
     traction: Traction,
-    strips: Strips,
+    all_strips: StripColumns,
+    half_strips: StripColumns,
     terms: RacewayTerms,
     film: Film,
     inlet: Inlet,
@@ -80,6 +82,50 @@ pub struct RacewayLoad {
     pub slip: (f64, f64),
 }
 
+/// Strips of a contact, column by column.
+#[derive(Debug, Clone, Copy)]
+struct StripColumns {
+    count: usize,
+    position: [f64; MAX_STRIPS],
+    weight: [f64; MAX_STRIPS],
+    pressure: [f64; MAX_STRIPS],
+}
+
+impl StripColumns {
+    fn new(strips: &[Strip]) -> Self {
+        let column = |value: fn(&Strip) -> f64| std::array::from_fn(|k| strips.get(k).map_or(0.0, value));
+        Self {
+            count: strips.len().min(MAX_STRIPS),
+            position: column(|strip| strip.position),
+            weight: column(|strip| strip.weight),
+            pressure: column(|strip| strip.pressure),
+        }
+    }
+}
+
+/// Slip over a contact as a function of height and place, and the shape of its surface.
+struct StripMotion {
+    semi_major: f64,
+    apex: f64,
+    shift: f64,
+    deformed_2: f64,
+    base: f64,
+    per_height: f64,
+    per_place: f64,
+    side: f64,
+    roll: f64,
+}
+
+/// Traction and its moments over the normal load, along the groove and across it.
+#[derive(Default)]
+struct StripSums {
+    along: f64,
+    across: f64,
+    along_moment: f64,
+    across_moment: f64,
+    spin_moment: f64,
+}
+
 /// Largest share of the ball's radius that a contact reaches across the groove. Hertz has lost its
 /// meaning long before; the share keeps extreme scenes finite.
 const LARGEST_CONTACT: f64 = 0.95;
@@ -101,10 +147,11 @@ impl RacewayContact {
             semi_major_factor: hertz.semi_axes(hertz.stiffness).0,
             damping,
             traction: Traction::new(&lubricant.traction, lubricant.viscosity, lubricant.pressure_viscosity),
-            strips: Strips::new(terms.strips),
+            all_strips: StripColumns::new(Strips::new(terms.strips).as_slice()),
+            half_strips: StripColumns::new(Strips::new(terms.strips).half()),
             terms,
-            film: Film::new(&hertz, lubricant),
-            inlet: Inlet::new(&hertz, lubricant, p.ball_diameter),
+            film: Film::new(&hertz, lubricant.viscosity, lubricant.pressure_viscosity),
+            inlet: Inlet::new(&hertz, lubricant.viscosity, lubricant.meniscus(p.ball_diameter), 0.5 * p.ball_diameter),
             surface: SurfaceProfile::None,
             hertz,
         };
@@ -168,7 +215,7 @@ impl RacewayContact {
         let semi_major = (self.semi_major_factor * penetration.sqrt()).min(LARGEST_CONTACT * self.ball_radius);
 
         // Across the groove, c = t × m with m towards the contact; (t, m, c) is right-handed.
-        let (across_a, across_r) = (towards_r, -towards_a);
+        let (across_a, across_r) = (-towards_r, towards_a);
         // Slip of the raceway over the ball at height h along m and place η along c (both from the ball's centre):
         // along the groove  u_t = base + h · per_height + η · per_place,   across it  u_c = side − h · roll.
         let speed = motion.raceway_speed;
@@ -187,23 +234,20 @@ impl RacewayContact {
         let shift = edge - (deformed_2 - semi_major_2).sqrt();
         let apex = deformed + shift;
 
-        let context = self.context(normal, penetration, motion, per_height, apex);
-        let (mut along, mut across) = (0.0, 0.0);
-        let (mut along_moment, mut across_moment, mut spin_moment) = (0.0, 0.0, 0.0);
-        for strip in if PLANAR { self.strips.half() } else { self.strips.all() } {
-            let place = strip.place * semi_major;
-            let height = if self.terms.conformity { (deformed_2 - place * place).sqrt() + shift } else { apex };
-            let slip_t = base + height * per_height + place * per_place;
-            let slip_c = side - height * roll;
-            let factor = strip.weight * self.traction.over_speed(slip_t * slip_t + slip_c * slip_c, strip, &context);
-            along += factor * slip_t;
-            along_moment += factor * slip_t * height;
-            if !PLANAR {
-                across += factor * slip_c;
-                across_moment += factor * slip_c * height;
-                spin_moment += factor * slip_t * place;
+        let contact = StripMotion { semi_major, apex, shift, deformed_2, base, per_height, per_place, side, roll };
+        let sums = match &self.traction {
+            // The law of most scenes, chosen once per contact and not once per strip.
+            Traction::RisingFromZero(law) => {
+                self.sum_strips::<PLANAR>(&contact, |slip_2, _| rising(law, slip_2.sqrt()))
             }
-        }
+            other => {
+                let (context, max_pressure) = self.context(normal, penetration, motion, per_height, apex);
+                self.sum_strips::<PLANAR>(&contact, |slip_2, pressure| {
+                    other.traction_over_speed(slip_2, &TractionContext { pressure: pressure * max_pressure, ..context })
+                })
+            }
+        };
+        let StripSums { mut along, mut across, mut along_moment, mut across_moment, mut spin_moment } = sums;
         along *= normal;
         across *= normal;
         along_moment *= normal;
@@ -220,9 +264,9 @@ impl RacewayContact {
         if self.terms.hydrodynamics {
             let rolling = self.rolling_velocity(motion, per_height, apex);
             let semi_minor = semi_major / self.hertz.ellipse.ellipticity;
-            let hydro = self.inlet.forces(2.0 * rolling, self.central_film(rolling, normal), semi_minor);
+            let hydro = self.inlet.forces(rolling, self.film.central(rolling, normal), semi_minor);
             // F_R at the contact point against rolling on each surface, F_H through the ball's centre.
-            force[2] += hydro.pressure_on_ball - hydro.rolling;
+            force[2] += hydro.pressure - hydro.rolling;
             moment[0] += hydro.rolling * apex * across_a;
             moment[1] += hydro.rolling * apex * across_r;
         }
@@ -236,6 +280,36 @@ impl RacewayContact {
         }
     }
 
+    /// Traction over load, summed over the strips; `law` gives μ/|u| of a squared slip and the strip's mean
+    /// pressure over p₀. In two passes, so that the first has no order of summation to keep.
+    #[inline(always)]
+    fn sum_strips<const PLANAR: bool>(&self, c: &StripMotion, law: impl Fn(f64, f64) -> f64) -> StripSums {
+        let strips = if PLANAR { &self.half_strips } else { &self.all_strips };
+        let n = strips.count.min(MAX_STRIPS);
+        let (mut along, mut across, mut heights) = ([0.0; MAX_STRIPS], [0.0; MAX_STRIPS], [0.0; MAX_STRIPS]);
+        for k in 0..n {
+            let place = strips.position[k] * c.semi_major;
+            let height = if self.terms.conformity { (c.deformed_2 - place * place).sqrt() + c.shift } else { c.apex };
+            let slip_t = c.base + height * c.per_height + place * c.per_place;
+            let slip_c = c.side - height * c.roll;
+            let factor = strips.weight[k] * law(slip_t * slip_t + slip_c * slip_c, strips.pressure[k]);
+            along[k] = factor * slip_t;
+            across[k] = factor * slip_c;
+            heights[k] = height;
+        }
+        let mut sums = StripSums::default();
+        for k in 0..n {
+            sums.along += along[k];
+            sums.along_moment += along[k] * heights[k];
+            if !PLANAR {
+                sums.across += across[k];
+                sums.across_moment += across[k] * heights[k];
+                sums.spin_moment += along[k] * (strips.position[k] * c.semi_major);
+            }
+        }
+        sums
+    }
+
     /// Mean velocity of both surfaces along the groove, in the frame that moves with the contact [m/s].
     #[inline(always)]
     fn rolling_velocity(&self, motion: &RelativeMotion, per_height: f64, apex: f64) -> f64 {
@@ -246,6 +320,7 @@ impl RacewayContact {
         raceway - 0.5 * slip
     }
 
+    /// What the traction law looks at besides slip, and the largest pressure p₀ [Pa].
     #[inline(always)]
     fn context(
         &self,
@@ -254,21 +329,17 @@ impl RacewayContact {
         motion: &RelativeMotion,
         per_height: f64,
         apex: f64,
-    ) -> TractionContext {
+    ) -> (TractionContext, f64) {
         if !self.traction.needs_context() {
-            return TractionContext::default();
+            return (TractionContext::default(), 0.0);
         }
         let rolling = self.rolling_velocity(motion, per_height, apex);
-        TractionContext {
+        let context = TractionContext {
             rolling_speed: rolling.abs(),
-            max_pressure: self.hertz.max_pressure(self.elastic_load(penetration).0),
-            film_thickness: self.central_film(rolling, normal),
-        }
-    }
-
-    /// Central film thickness [m] at a rolling velocity [m/s] and load [N].
-    fn central_film(&self, rolling: f64, normal: f64) -> f64 {
-        self.film.central_thickness(rolling.abs(), normal)
+            pressure: 0.0,
+            film_thickness: self.film.central(rolling, normal),
+        };
+        (context, self.hertz.max_pressure(self.elastic_load(penetration).0))
     }
 
     /// Minimum film thickness of a loaded contact [m]; 0 without a film.
@@ -276,6 +347,21 @@ impl RacewayContact {
         let (_, (towards_a, towards_r)) = self.penetration::<false>(motion.axial, motion.radius);
         let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
         let rolling = self.rolling_velocity(motion, per_height, self.ball_radius);
-        self.film.minimum_thickness(rolling.abs(), load.normal)
+        self.film.minimum(rolling, load.normal)
     }
+}
+
+/// Rolling friction F_R [N] of a ball on the inner raceway under a load [N], rolling ideally at a spindle speed
+/// [rad/s], its inlet flooded.
+pub fn nominal_rolling_friction(bearing: &Bearing, lubricant: &Lubricant, load: f64, speed: f64) -> f64 {
+    if load <= 0.0 {
+        return 0.0;
+    }
+    let hertz = raceway_contacts(bearing).inner;
+    let p = &bearing.parameters;
+    let groove_radius = 0.5 * (p.pitch_diameter * (1.0 - bearing.gamma()));
+    let rolling = groove_radius * (1.0 - kinematics::ideal_orbit_ratio(bearing)) * speed.abs();
+    let film = Film::new(&hertz, lubricant.viscosity, lubricant.pressure_viscosity).central(rolling, load);
+    let inlet = Inlet::new(&hertz, lubricant.viscosity, lubricant.meniscus(p.ball_diameter), 0.5 * p.ball_diameter);
+    inlet.forces(rolling, film, hertz.semi_axes(load).1).rolling
 }

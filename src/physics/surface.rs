@@ -1,31 +1,61 @@
-//! The place where a surface leaves the ideal circle: a height over azimuth, added to the penetration.
-//! Waviness and local defects are new variants here and nothing else.
+//! The shape of a surface besides its ideal circle: a height over azimuth.
+//!
+//! This is the seam for waviness and local defects. Whatever is added here must be continuous with a
+//! continuous slope, for the integrators see the height through the penetration δ and the slope through its
+//! rate; a step would be an impact that no step size resolves.
 
-/// Height of a raceway's surface over its ideal circle, positive towards the ball.
+/// A height that is added to the penetration of a contact: positive where the surface stands out.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum SurfaceProfile {
-    /// An ideal circle.
+    /// The ideal circle.
     #[default]
     None,
-    /// The same height everywhere [m].
+    /// The same height everywhere [m]: a radius that differs from nominal.
     Constant(f64),
 }
 
 impl SurfaceProfile {
-    /// Height at an azimuth on the raceway [rad], in m.
-    #[inline(always)]
-    pub fn height(&self, azimuth: f64) -> f64 {
-        let _ = azimuth;
+    /// Height at an azimuth in the frame of the body [rad], added to the penetration [m].
+    #[inline]
+    pub fn height(&self, _azimuth: f64) -> f64 {
         match *self {
             Self::None => 0.0,
             Self::Constant(height) => height,
         }
     }
 
-    /// Rate of the height over azimuth [m/rad].
-    #[inline(always)]
-    pub fn slope(&self, azimuth: f64) -> f64 {
-        let _ = azimuth;
-        0.0
+    /// Change of the height with azimuth [m/rad]; its product with the angular velocity of the contact along
+    /// the body adds to the rate of penetration.
+    #[inline]
+    pub fn slope(&self, _azimuth: f64) -> f64 {
+        match *self {
+            Self::None | Self::Constant(_) => 0.0,
+        }
+    }
+
+    /// True where the profile changes nothing, so that a model may leave it out.
+    pub fn is_ideal(&self) -> bool {
+        match *self {
+            Self::None => true,
+            Self::Constant(height) => height == 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The slope is the derivative of the height (central difference), everywhere.
+    #[test]
+    fn slope_is_the_derivative_of_the_height() {
+        for profile in [SurfaceProfile::None, SurfaceProfile::Constant(2e-6)] {
+            for azimuth in [-3.0, 0.0, 0.1, 7.0] {
+                let difference = profile.height(azimuth + 1e-4) - profile.height(azimuth - 1e-4);
+                assert_eq!(profile.slope(azimuth), difference / 2e-4);
+            }
+        }
+        assert_eq!(SurfaceProfile::Constant(2e-6).height(1.0), 2e-6);
+        assert!(SurfaceProfile::default().is_ideal() && !SurfaceProfile::Constant(2e-6).is_ideal());
     }
 }

@@ -4,11 +4,10 @@
 use super::run::{Outputs, Rung};
 use super::scene::{Scene, Term, TermChoice};
 use crate::physics::cage::{PocketFilm, PocketSeat};
-use crate::physics::contact::film::nominal_rolling_friction;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::lubricant::LubricantKind;
 use crate::physics::pocket::PocketTerms;
-use crate::physics::raceway::RacewayTerms;
+use crate::physics::raceway::{RacewayTerms, nominal_rolling_friction};
 use crate::physics::spindle::{AxialHold, Unbalance};
 
 /// Why a term may be left out.

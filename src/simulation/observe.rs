@@ -45,6 +45,7 @@ pub struct Recording {
     /// Means over the kept time, absolute values [rad/s].
     pub shaft_speed: f64,
     pub cage_speed: f64,
+    /// About X, seen from the orbit frame.
     pub ball_spin: f64,
 }
 
@@ -288,7 +289,7 @@ impl<'m> Observer<'m> {
         let arc_velocity = if m.layout.cage { m.layout.cage(&self.state).arc_velocity } else { orbit };
         self.shaft.add(speed);
         self.cage.add(m.orbit_ratio * speed + arc_velocity / m.pitch_radius);
-        self.spin.add(m.spin_ratio * speed + spin);
+        self.spin.add((m.spin_ratio - m.orbit_ratio) * speed + spin - orbit / m.pitch_radius);
     }
 
     fn pick(&mut self, time: f64) {
@@ -299,7 +300,11 @@ impl<'m> Observer<'m> {
             signal.push(match *channel {
                 Channel::CageDisplacement(axis) => cage.centre[axis as usize],
                 Channel::CageSpeed => m.orbit_ratio * speed + cage.arc_velocity / m.pitch_radius,
-                Channel::BallSpin(ball) => m.spin_ratio * speed + m.layout.ball(&self.state, ball).spin[0],
+                Channel::BallSpin(ball) => {
+                    let state = m.layout.ball(&self.state, ball);
+                    let orbit = m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius;
+                    m.spin_ratio * speed + state.spin[0] - orbit
+                }
                 Channel::BallLoad(ball, BallContact::Inner) => self.snapshot.inner[ball],
                 Channel::BallLoad(ball, BallContact::Outer) => self.snapshot.outer[ball],
                 Channel::BallLoad(ball, BallContact::Pocket) => self.snapshot.pocket[ball],

@@ -21,6 +21,7 @@ fn the_article_resolves_to_its_numbers() {
     assert!((derived.outer_stiffness_n_per_m1_5 / 1.492e10 - 1.0).abs() < 1e-3);
     assert!((derived.frequencies_hz.ball_pass_outer - 2293.4).abs() < 0.1);
     assert!((derived.radial_clearance_um - 5.0).abs() < 1e-12);
+    assert!((derived.dynamic_load_rating_n - 1786.0).abs() < 5.0, "{derived:?}");
     let at_rest = derived.at_rest.as_ref().unwrap();
     assert!((120.0..150.0).contains(&at_rest.max_ball_load_n), "{at_rest:?}");
     assert!(answer.left_out.iter().any(|left_out| left_out.term == "hydrodynamics"));

@@ -1,5 +1,7 @@
 //! Traction of a lubricated contact with slip, spin and conformity.
 
+use crate::numerics::exponential::exponential;
+use crate::numerics::roots::bracketed_root;
 use crate::physics::{InvalidParameter, above, within};
 
 /// Traction coefficient μ as a function of slip speed.
@@ -55,201 +57,270 @@ impl TractionLaw {
     }
 }
 
-/// Slip speed below which a law that does not vanish at rest is made to [m/s].
-const REST_SPEED: f64 = 1e-3;
-/// Least rolling speed of the slide/roll ratio [m/s].
-const LEAST_ROLLING: f64 = 0.1;
-/// Largest growth of viscosity under pressure, as an exponent.
-const LARGEST_PRESSURE_EXPONENT: f64 = 25.0;
-/// Least film thickness of the Eyring law [m]: below it the surfaces' roughness carries.
-const LEAST_FILM: f64 = 1e-9;
-
-/// A traction law ready for use.
-#[derive(Debug, Clone, Copy)]
-pub struct Traction {
-    law: TractionLaw,
-    /// (A, B, C, D) of the exponential laws.
-    exponential: [f64; 4],
-    /// Squared speed of the regularisation at rest; 0 where the law vanishes there [m²/s²].
-    rest: f64,
-    viscosity: f64,
-    pressure_viscosity: f64,
+/// Constants of μ(u) = (A + B u) e^(−C u) + D [-, s/m, s/m, -].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FourParameters {
+    pub a: f64,
+    pub b: f64,
+    pub c: f64,
+    pub d: f64,
 }
 
-/// What a contact shares with all its strips. Laws that need none of it get zeros.
-#[derive(Debug, Clone, Copy, Default)]
+/// Constants of the four-parameter law from μ at rest, its maximum, the slip where it is reached, and
+/// its limit: A = μ₀ − μ_∞, D = μ_∞, and B, C from μ(u_m) = μ_max and μ'(u_m) = 0, C = B/(A + B u_m).
+///
+/// With x = C u_m both conditions become A = (μ_max − μ_∞) e^x (1 − x). A law whose maximum is its limit
+/// reaches that only at infinity: it comes within a thousandth of A at u_m instead. A law whose maximum
+/// is its value at rest falls from there as e^(−u/u_m).
+pub fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f64) -> FourParameters {
+    let (a, d) = (at_rest - limit, limit);
+    let rise = (maximum - limit).max(1e-3 * a.abs());
+    if a > 0.0 && rise <= a * (1.0 + 1e-9) {
+        return FourParameters { a, b: 0.0, c: 1.0 / at_slip, d };
+    }
+    let x = if a == 0.0 {
+        1.0
+    } else {
+        // x < 1 where μ falls from rest to its limit, x > 1 where it rises; the bracket holds the root.
+        let (low, high) = if a > 0.0 { (0.0, 1.0) } else { (1.0, 1.0 - a / rise) };
+        bracketed_root(|x| a * (-x).exp() - rise * (1.0 - x), low, high)
+    };
+    FourParameters { a, b: x * rise * x.exp() / at_slip, c: x / at_slip, d }
+}
+
+/// What a traction law may depend on besides slip.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TractionContext {
-    /// ū [m/s]
+    /// Mean rolling speed ū, a magnitude [m/s].
     pub rolling_speed: f64,
-    /// p₀ [Pa]
-    pub max_pressure: f64,
-    /// [m]
+    /// Mean pressure where the slip acts [Pa].
+    pub pressure: f64,
+    /// Film thickness [m].
     pub film_thickness: f64,
 }
 
+/// A traction law made ready for the time step.
+///
+/// The force on a surface is `load · traction_over_speed(u², …) · slip vector`: no division, no branch on
+/// rest and no jump there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Traction {
+    /// (A + B u) e^(−C u) + D with A + D = 0.
+    RisingFromZero(FourParameters),
+    /// (A + B u) e^(−C u) + D with μ at rest.
+    StickingAtRest(FourParameters),
+    /// As `RisingFromZero`, over s = u / max(ū, 0.1 m/s).
+    SlideRollFromZero(FourParameters),
+    /// As `StickingAtRest`, over s = u / max(ū, 0.1 m/s).
+    SlideRollAtRest(FourParameters),
+    /// min(τ_E asinh(η(p) u / (h τ_E)), Λ p) / p, its slope at rest held below Λ/u_r.
+    Eyring {
+        /// [Pa]
+        stress: f64,
+        /// Largest τ/p [-].
+        limit: f64,
+        /// η₀ [Pa s].
+        viscosity: f64,
+        /// α_p [1/Pa].
+        pressure_viscosity: f64,
+        /// Largest α_p p, where the oil is a glass [-].
+        largest_exponent: f64,
+    },
+    /// μ tanh(u / u_r).
+    Coulomb {
+        coefficient: f64,
+        /// 1 / u_r [s/m].
+        per_regularisation: f64,
+    },
+}
+
+/// Slip speed u_r over which a law that does not vanish at rest turns its direction [m/s].
+pub const DIRECTION_SPEED: f64 = 1e-3;
+/// Smallest rolling speed to which slip is related by the slide/roll law [m/s].
+pub const LEAST_ROLLING_SPEED: f64 = 0.1;
+/// Viscosity at which a liquid counts as a glass, the usual definition of the glass transition [Pa s].
+pub const GLASS_VISCOSITY: f64 = 1e12;
+/// A film thinner than a molecule is none [m].
+const LEAST_FILM: f64 = 1e-9;
+/// Stands in for a slip of 0 where a quotient with a limit is formed.
+const TINY: f64 = 1e-150;
+
 impl Traction {
-    /// The law with the lubricant's viscosity [Pa s] and pressure–viscosity coefficient [1/Pa].
+    /// Prepares a law for a lubricant of viscosity η₀ [Pa s] and pressure–viscosity coefficient α_p [1/Pa].
     pub fn new(law: &TractionLaw, viscosity: f64, pressure_viscosity: f64) -> Self {
-        let exponential = match *law {
+        match *law {
             TractionLaw::FourParameter { at_rest, maximum, at_slip, limit } => {
-                four_parameters(at_rest, maximum, at_slip, limit)
+                let parameters = four_parameters(at_rest, maximum, at_slip, limit);
+                if at_rest == 0.0 { Self::RisingFromZero(parameters) } else { Self::StickingAtRest(parameters) }
             }
-            TractionLaw::SlideRoll { a, b, c, d } => [a, b, c, d],
-            TractionLaw::Eyring { .. } | TractionLaw::Coulomb { .. } => [0.0; 4],
-        };
-        let at_rest = exponential[0] + exponential[3];
-        let rest = if at_rest.abs() > 1e-12 { REST_SPEED * REST_SPEED } else { 0.0 };
-        Self { law: *law, exponential, rest, viscosity, pressure_viscosity }
-    }
-
-    /// Whether the law looks at rolling speed, pressure or film.
-    #[inline(always)]
-    pub fn needs_context(&self) -> bool {
-        matches!(self.law, TractionLaw::SlideRoll { .. } | TractionLaw::Eyring { .. })
-    }
-
-    /// μ/|u| [s/m] at a squared slip speed u² [m²/s²], so that traction is this times the slip vector: no
-    /// division and no direction at rest.
-    #[inline(always)]
-    pub fn over_speed(&self, squared_slip: f64, strip: &Strip, context: &TractionContext) -> f64 {
-        let [a, b, c, d] = self.exponential;
-        match self.law {
-            TractionLaw::FourParameter { .. } => {
-                let speed = squared_slip.sqrt();
-                self.exponential_over_speed(speed, (a + b * speed) * (-c * speed).exp() + d)
+            TractionLaw::SlideRoll { a, b, c, d } => {
+                let parameters = FourParameters { a, b, c, d };
+                if a + d == 0.0 { Self::SlideRollFromZero(parameters) } else { Self::SlideRollAtRest(parameters) }
             }
-            TractionLaw::SlideRoll { .. } => {
-                let speed = squared_slip.sqrt();
-                let ratio = speed / context.rolling_speed.max(LEAST_ROLLING);
-                self.exponential_over_speed(speed, (a + b * ratio) * (-c * ratio).exp() + d)
-            }
+            TractionLaw::Eyring { stress, limit } => Self::Eyring {
+                stress,
+                limit,
+                viscosity,
+                pressure_viscosity,
+                largest_exponent: (GLASS_VISCOSITY / viscosity.max(1e-9)).ln(),
+            },
             TractionLaw::Coulomb { coefficient, regularisation } => {
-                let speed = squared_slip.sqrt();
-                let x = speed / regularisation;
-                coefficient / regularisation * if x < 1e-4 { 1.0 - x * x / 3.0 } else { x.tanh() / x }
-            }
-            TractionLaw::Eyring { stress, limit } => {
-                let speed = squared_slip.sqrt();
-                let pressure = strip.mean_pressure * context.max_pressure;
-                let exponent = (self.pressure_viscosity * pressure).min(LARGEST_PRESSURE_EXPONENT);
-                let rate = self.viscosity * exponent.exp() / (context.film_thickness.max(LEAST_FILM) * stress);
-                let x = rate * speed;
-                let shear = stress * if x < 1e-4 { rate } else { x.asinh() / speed };
-                shear.min(limit * pressure / speed.max(1e-300)) / pressure.max(1.0)
+                Self::Coulomb { coefficient, per_regularisation: 1.0 / regularisation }
             }
         }
     }
 
+    /// True where `coefficient` reads rolling speed, pressure or film thickness.
+    pub fn needs_context(&self) -> bool {
+        match self {
+            Self::RisingFromZero(_) | Self::StickingAtRest(_) | Self::Coulomb { .. } => false,
+            Self::SlideRollFromZero(_) | Self::SlideRollAtRest(_) | Self::Eyring { .. } => true,
+        }
+    }
+
+    /// μ(|u|)/|u| [s/m] from the square of the slip speed [m²/s²]; finite at rest.
     #[inline(always)]
-    fn exponential_over_speed(&self, speed: f64, coefficient: f64) -> f64 {
-        if self.rest > 0.0 {
-            return coefficient / (speed * speed + self.rest).sqrt();
+    pub fn traction_over_speed(&self, slip_squared: f64, context: &TractionContext) -> f64 {
+        match self {
+            Self::RisingFromZero(law) => rising(law, slip_squared.sqrt()),
+            Self::StickingAtRest(law) => sticking(law, slip_squared.sqrt(), slip_squared),
+            Self::SlideRollFromZero(law) => {
+                let per_rolling = 1.0 / context.rolling_speed.max(LEAST_ROLLING_SPEED);
+                per_rolling * rising(law, per_rolling * slip_squared.sqrt())
+            }
+            Self::SlideRollAtRest(law) => {
+                let per_rolling = 1.0 / context.rolling_speed.max(LEAST_ROLLING_SPEED);
+                sticking(law, per_rolling * slip_squared.sqrt(), slip_squared)
+            }
+            Self::Eyring { stress, limit, viscosity, pressure_viscosity, largest_exponent } => {
+                let slip = slip_squared.sqrt().max(TINY);
+                let pressure = context.pressure.max(1.0);
+                let viscosity = viscosity * (pressure_viscosity * pressure).min(*largest_exponent).exp();
+                let rate = viscosity / (context.film_thickness.max(LEAST_FILM) * stress);
+                let coefficient = ((stress / pressure) * (rate * slip).asinh()).min(*limit);
+                // 1 GPa makes oil so stiff that τ would turn within 1e-10 m/s: no steeper than Λ/u_r.
+                let (softness, softest) = (slip / coefficient, DIRECTION_SPEED / limit);
+                1.0 / (softness * softness + softest * softest).sqrt()
+            }
+            Self::Coulomb { coefficient, per_regularisation } => {
+                let slip = slip_squared.sqrt().max(TINY);
+                coefficient * (slip * per_regularisation).tanh() / slip
+            }
         }
-        // The law vanishes linearly at rest: μ → (B − A C) |u|, its slope scaled for the ratio law.
-        if speed > 1e-9 { coefficient / speed } else { self.slope_at_rest() }
     }
 
-    /// dμ/d|u| at rest [s/m] of the exponential laws; for the slide/roll law at the least rolling speed.
-    fn slope_at_rest(&self) -> f64 {
-        let [a, b, c, _] = self.exponential;
-        let scale = if matches!(self.law, TractionLaw::SlideRoll { .. }) { 1.0 / LEAST_ROLLING } else { 1.0 };
-        (b - a * c) * scale
-    }
-
-    /// Largest dμ/d|u| [s/m] near rest: what makes a scene stiff. 0 where it depends on the contact.
-    pub fn steepness(&self) -> f64 {
-        match self.law {
-            TractionLaw::Coulomb { coefficient, regularisation } => coefficient / regularisation,
-            TractionLaw::Eyring { .. } => 0.0,
-            _ if self.rest > 0.0 => (self.exponential[0] + self.exponential[3]).abs() / REST_SPEED,
-            _ => self.slope_at_rest().abs(),
-        }
+    /// Traction coefficient μ(u) with the sign of the slip speed [-].
+    #[inline]
+    pub fn coefficient(&self, slip_speed: f64, context: &TractionContext) -> f64 {
+        self.traction_over_speed(slip_speed * slip_speed, context) * slip_speed
     }
 }
 
-/// A, B, C, D of μ = (A + B|u|) e^(−C|u|) + D from μ at rest, its maximum at a slip speed, and its limit:
-/// A = μ₀ − μ_∞, D = μ_∞, dμ/du = 0 at u_m (B = C (A + B u_m)) and μ(u_m) = μ_max.
-fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f64) -> [f64; 4] {
-    let a = at_rest - limit;
-    // With x = C u_m < 1: (A + B u_m) = A/(1 − x), so μ_max − μ_∞ = A e^(−x)/(1 − x) where A > 0. In general let
-    // y = A + B u_m; then B u_m = x y, y = A + x y, and y e^(−x) = μ_max − μ_∞ is solved for x ≠ 1.
-    let rise = maximum - limit;
-    if rise <= 0.0 {
-        // No maximum above the limit: a plain exponential approach to it, 99 % at u_m.
-        return [a, 0.0, 100f64.ln() / at_slip, limit];
-    }
-    // f(x) = A − (1 − x) rise e^x rises from A − rise (≤ 0) at 0 without bound.
-    let f = |x: f64| a - (1.0 - x) * rise * x.exp();
-    let (mut low, mut high) = (0.0, 50.0);
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if f(middle) < 0.0 { low = middle } else { high = middle }
-    }
-    let x = 0.5 * (low + high);
-    let peak = rise * x.exp();
-    [a, (peak - a) / at_slip, x / at_slip, limit]
+/// μ/s of the four-parameter law with A = −D: D (1 − e^(−C s))/s + B e^(−C s).
+#[inline(always)]
+pub fn rising(law: &FourParameters, s: f64) -> f64 {
+    let x = law.c * s;
+    let decay = exponential(-x);
+    // (1 − e^(−x))/x; below 0.01 its series, for the difference would lose the digits.
+    let share =
+        if x < 0.01 { 1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0))) } else { (1.0 - decay) / x };
+    law.d * law.c * share + law.b * decay
 }
 
-/// A strip of the contact ellipse along rolling.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+/// μ/√(u² + u_r²) of the four-parameter law that does not vanish at rest, s its argument.
+#[inline(always)]
+fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
+    let mu = (law.a + law.b * s) * exponential(-law.c * s) + law.d;
+    mu / (slip_squared + DIRECTION_SPEED * DIRECTION_SPEED).sqrt()
+}
+
+/// A strip of the ellipse of contact, parallel to rolling.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Strip {
-    /// Centre of its load over the semi-major axis [-].
-    pub place: f64,
-    /// Share of the load [-].
+    /// Where the strip's load acts, t = η/a in −1 … 1 [-].
+    pub position: f64,
+    /// Share of the normal load [-].
     pub weight: f64,
-    /// Mean pressure over the largest one [-].
-    pub mean_pressure: f64,
+    /// Mean pressure over the largest pressure p₀ [-].
+    pub pressure: f64,
 }
 
-/// Most strips of a contact.
+/// Largest number of strips.
 pub const MAX_STRIPS: usize = 33;
+/// Number of strips where nothing else is asked.
+pub const DEFAULT_STRIPS: usize = 9;
 
-/// Strips of equal width across the ellipse, and half of them (the middle one and one of each pair with
-/// doubled weight) for contacts that are symmetric.
-#[derive(Debug, Clone, Copy)]
+/// The ellipse of contact in strips of equal width over t = η/a, made once a scene.
+///
+/// The semi-ellipsoid of pressure, integrated along rolling, leaves ¾ (1 − t²) of the load per unit of t;
+/// weights and positions integrate that exactly, so that traction which is linear within each strip is exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strips {
-    all: [Strip; MAX_STRIPS],
-    half: [Strip; MAX_STRIPS],
     count: usize,
+    strips: [Strip; MAX_STRIPS],
+    /// The strips up to the middle, their weights doubled but for the middle one's.
+    half: [Strip; MAX_STRIPS],
 }
 
 impl Strips {
-    /// `count` strips, odd and at most `MAX_STRIPS` (else rounded to that).
+    /// `count` strips, at least 1 and at most `MAX_STRIPS`.
     pub fn new(count: usize) -> Self {
-        let count = count.clamp(1, MAX_STRIPS) | 1;
-        let mut strips = Self { all: [Strip::default(); MAX_STRIPS], half: [Strip::default(); MAX_STRIPS], count };
-        for (k, strip) in strips.all[..count].iter_mut().enumerate() {
-            let edge = |k: usize| 2.0 * k as f64 / count as f64 - 1.0;
-            *strip = Strip::between(edge(k), edge(k + 1));
+        let count = count.clamp(1, MAX_STRIPS);
+        let mut strips = [Strip::default(); MAX_STRIPS];
+        // Half of the strips from the middle outwards, mirrored, so that symmetry holds to the bit.
+        for (i, slot) in strips[..count].iter_mut().enumerate() {
+            let mirrored = 2 * i + 1 < count;
+            let i = if mirrored { count - 1 - i } else { i };
+            let edge = |i: usize| (2 * i) as f64 / count as f64 - 1.0;
+            let mut strip = strip_between(edge(i), edge(i + 1));
+            if 2 * i + 1 == count {
+                strip.position = 0.0;
+            } else if mirrored {
+                strip.position = -strip.position;
+            }
+            *slot = strip;
         }
-        strips.half = strips.all;
-        strips.half[..count / 2].iter_mut().for_each(|strip| strip.weight *= 2.0);
-        strips.half[count / 2].place = 0.0;
-        strips
+        let mut half = strips;
+        half[..count / 2].iter_mut().for_each(|strip| strip.weight *= 2.0);
+        Self { count, strips, half }
     }
 
-    #[inline(always)]
-    pub fn all(&self) -> &[Strip] {
-        &self.all[..self.count]
-    }
-
-    #[inline(always)]
+    /// The strips from t = −1 to the middle, with the weights of their mirror images added: enough for
+    /// a contact that is symmetric across the groove.
+    #[inline]
     pub fn half(&self) -> &[Strip] {
-        &self.half[..self.count / 2 + 1]
+        &self.half[..self.count.div_ceil(2)]
+    }
+
+    /// The strips from t = −1 to t = 1.
+    #[inline]
+    pub fn as_slice(&self) -> &[Strip] {
+        &self.strips[..self.count]
     }
 }
 
-impl Strip {
-    /// The strip between two places t = η/a: the pressure of the semi-ellipsoid, integrated along rolling, is
-    /// ¾ (1 − t²), so its load is ¾ (t − t³/3) and its moment ¾ (t²/2 − t⁴/4) between the edges.
-    fn between(low: f64, high: f64) -> Self {
-        let load = |t: f64| 0.75 * (t - t * t * t / 3.0);
-        let moment = |t: f64| 0.75 * (0.5 * t * t - 0.25 * t.powi(4));
-        let weight = load(high) - load(low);
-        let place = (moment(high) - moment(low)) / weight;
-        // Mean over the strip's chord: p₀ √(1−t²) · π/4.
-        let mean_pressure = std::f64::consts::FRAC_PI_4 * (1.0 - place * place).max(0.0).sqrt();
-        Self { place, weight, mean_pressure }
+impl Default for Strips {
+    fn default() -> Self {
+        Self::new(DEFAULT_STRIPS)
+    }
+}
+
+/// Share of the normal load at t' < t, ½ + ¾ (t − t³/3) [-].
+pub fn load_share_below(t: f64) -> f64 {
+    0.5 + 0.75 * (t - t * t * t / 3.0)
+}
+
+/// The strip from t = `low` to t = `high`.
+fn strip_between(low: f64, high: f64) -> Strip {
+    let weight = load_share_below(high) - load_share_below(low);
+    let first_moment = |t: f64| 0.75 * t * t * (0.5 - 0.25 * t * t);
+    // Area under √(1 − t²), as a share of the half circle.
+    let area_below = |t: f64| (t * (1.0 - t * t).max(0.0).sqrt() + t.asin()) / std::f64::consts::PI;
+    Strip {
+        position: (first_moment(high) - first_moment(low)) / weight,
+        weight,
+        // The mean pressure of the whole ellipse is ⅔ p₀.
+        pressure: 2.0 / 3.0 * weight / (area_below(high) - area_below(low)),
     }
 }
 
@@ -257,73 +328,171 @@ impl Strip {
 mod tests {
     use super::*;
 
-    const DEFAULT: TractionLaw = TractionLaw::FourParameter { at_rest: 0.0, maximum: 0.05, at_slip: 1.0, limit: 0.036 };
+    const CONTEXT: TractionContext = TractionContext { rolling_speed: 14.0, pressure: 1.5e9, film_thickness: 0.5e-6 };
+    const ARTICLE_LAW: TractionLaw =
+        TractionLaw::FourParameter { at_rest: 0.0, maximum: 0.05, at_slip: 1.0, limit: 0.036 };
 
-    /// The default law's constants: A −0.036, B 0.101781 s/m, C 1.547272 s/m, D 0.036, maximum 0.05 at 1 m/s.
-    #[test]
-    fn four_parameters_of_the_default_law() {
-        let [a, b, c, d] = four_parameters(0.0, 0.05, 1.0, 0.036);
-        assert!((a + 0.036).abs() < 1e-12 && (d - 0.036).abs() < 1e-12);
-        assert!((b - 0.101_781).abs() < 1e-6 && (c - 1.547_272).abs() < 1e-6, "{b} {c}");
-        let law = Traction::new(&DEFAULT, 0.0, 0.0);
-        let at = |u: f64| law.over_speed(u * u, &Strip::default(), &TractionContext::default()) * u;
-        assert!((at(1.0) - 0.05).abs() < 1e-12 && at(0.99) < at(1.0) && at(1.01) < at(1.0));
-        assert!((at(50.0) - 0.036).abs() < 1e-12);
-        assert!((at(1e-6) / 1e-6 - law.steepness()).abs() < 1e-6);
-    }
-
-    /// Without a maximum above the limit the law rises to it; with one at rest it is regularised there.
-    #[test]
-    fn degenerate_laws_stay_finite() {
-        let flat = TractionLaw::FourParameter { at_rest: 0.0, maximum: 0.05, at_slip: 0.001, limit: 0.05 };
-        let law = Traction::new(&flat, 0.0, 0.0);
-        let at = |law: &Traction, u: f64| law.over_speed(u * u, &Strip::default(), &TractionContext::default()) * u;
-        assert!((at(&law, 0.001) / 0.05 - 0.99).abs() < 1e-9);
-        let dry = TractionLaw::FourParameter { at_rest: 0.1, maximum: 0.1, at_slip: 1.0, limit: 0.05 };
-        let law = Traction::new(&dry, 0.0, 0.0);
-        assert_eq!(at(&law, 0.0), 0.0);
-        assert!((at(&law, 0.1) - 0.1).abs() < 0.01);
-    }
-
-    #[test]
-    fn every_law_is_smooth_at_rest() {
-        let context = TractionContext { rolling_speed: 10.0, max_pressure: 2e9, film_thickness: 0.5e-6 };
-        let strip = Strip::between(-0.1, 0.1);
-        for law in [
-            DEFAULT,
-            TractionLaw::SlideRoll { a: -0.03, b: 5.0, c: 60.0, d: 0.03 },
+    fn every_law() -> [Traction; 7] {
+        [
+            ARTICLE_LAW,
+            TractionLaw::FourParameter { at_rest: 0.1, maximum: 0.12, at_slip: 0.5, limit: 0.04 },
+            TractionLaw::FourParameter { at_rest: 0.02, maximum: 0.06, at_slip: 0.5, limit: 0.04 },
+            TractionLaw::SlideRoll { a: -0.036, b: 1.4, c: 20.0, d: 0.036 },
+            TractionLaw::SlideRoll { a: 0.01, b: 1.4, c: 20.0, d: 0.036 },
             TractionLaw::Eyring { stress: 5e6, limit: 0.08 },
-            TractionLaw::Coulomb { coefficient: 0.08, regularisation: 1e-3 },
-        ] {
-            let law = Traction::new(&law, 0.02, 2e-8);
-            let at = |u: f64| law.over_speed(u * u, &strip, &context);
-            assert!(at(0.0).is_finite());
-            assert!((at(2e-9) / at(4e-9) - 1.0).abs() < 1e-3, "{law:?}: {} {}", at(2e-9), at(4e-9));
-            assert!(at(100.0) * 100.0 < 0.2);
+            TractionLaw::Coulomb { coefficient: 0.08, regularisation: 0.01 },
+        ]
+        .map(|law| Traction::new(&law, 0.02, 2e-8))
+    }
+
+    /// μ₀ 0, μ_max 0.05 at 1 m/s, μ_∞ 0.036 give A −0.036, B 0.101781, C 1.547272 (six decimals).
+    #[test]
+    fn default_law_has_its_constants() {
+        let FourParameters { a, b, c, d } = four_parameters(0.0, 0.05, 1.0, 0.036);
+        for (value, expected) in [(a, -0.036), (b, 0.101_781), (c, 1.547_272), (d, 0.036)] {
+            assert!((value - expected).abs() < 1e-6, "{value} against {expected}");
         }
     }
 
+    /// Definition of the law: μ at rest, maximum with a horizontal tangent at u_m, limit at high slip; 1e-9.
     #[test]
-    fn weights_sum_to_one_and_pure_slip_gives_mu_q() {
-        for count in [1, 9, 17, 33] {
-            let strips = Strips::new(count);
-            for some in [strips.all(), strips.half()] {
-                assert!((some.iter().map(|strip| strip.weight).sum::<f64>() - 1.0).abs() < 1e-14);
+    fn four_parameters_meet_their_conditions() {
+        for (at_rest, maximum, at_slip, limit) in [
+            (0.0, 0.05, 1.0, 0.036),
+            (0.1, 0.12, 0.5, 0.04),
+            (0.02, 0.06, 3.0, 0.04),
+            (0.04, 0.06, 0.2, 0.04),
+            (0.0, 0.1, 1.0, 0.0),
+            (0.0, 0.0501, 1e-3, 0.05),
+        ] {
+            let p = four_parameters(at_rest, maximum, at_slip, limit);
+            let mu = |u: f64| (p.a + p.b * u) * (-p.c * u).exp() + p.d;
+            assert!((mu(0.0) - at_rest).abs() < 1e-9 && (mu(at_slip) - maximum).abs() < 1e-9);
+            assert!((p.b - p.c * (p.a + p.b * at_slip)).abs() * at_slip < 1e-9);
+            assert!((mu(200.0 * at_slip) - limit).abs() < 1e-9);
+            assert!((1..400).all(|i| mu(f64::from(i) * 0.01 * at_slip) <= maximum + 1e-12));
+        }
+    }
+
+    /// Maxima that no finite slip reaches still give a bounded law.
+    #[test]
+    fn degenerate_maxima_stay_bounded() {
+        for (at_rest, maximum, limit) in [(0.0, 0.05, 0.05), (0.08, 0.08, 0.03), (0.05, 0.05, 0.05), (0.0, 0.0, 0.0)] {
+            let p = four_parameters(at_rest, maximum, 1.0, limit);
+            let mu = |u: f64| (p.a + p.b * u) * (-p.c * u).exp() + p.d;
+            assert!((mu(0.0) - at_rest).abs() < 1e-12 && (mu(500.0) - limit).abs() < 1e-9);
+            assert!((0..900).all(|i| mu(f64::from(i) * 0.01) <= maximum * 1.0011 + 1e-12));
+        }
+    }
+
+    /// Each law is odd, has one slope through u = 0 from both sides, and never divides by it.
+    #[test]
+    fn laws_are_smooth_and_odd_at_rest() {
+        for law in every_law() {
+            let at_rest = law.traction_over_speed(0.0, &CONTEXT);
+            assert!(at_rest.is_finite() && at_rest > 0.0);
+            assert_eq!(law.coefficient(0.0, &CONTEXT), 0.0);
+            for u in [1e-9, 1e-6] {
+                assert!((law.traction_over_speed(u * u, &CONTEXT) / at_rest - 1.0).abs() < 2e-3);
+                assert_eq!(law.coefficient(-u, &CONTEXT), -law.coefficient(u, &CONTEXT));
             }
         }
     }
 
-    /// Pure spin under Coulomb friction: moment 3/8 μ Q a, less what the middle strip cannot see.
+    /// The quotient μ/u joins its series without a step, 1e-10.
     #[test]
-    fn pure_spin_gives_three_eighths() {
-        let moment = |count| Strips::new(count).all().iter().map(|s| s.weight * s.place.abs()).sum::<f64>();
-        assert!((moment(9) - 0.375).abs() < 0.01 && (moment(33) - 0.375).abs() < 1e-3, "{}", moment(9));
+    fn quotient_has_no_step_at_its_series() {
+        let law = Traction::new(&ARTICLE_LAW, 0.02, 2e-8);
+        let at = 0.01 / 1.547_271_9;
+        let (below, above) = (at * (1.0 - 1e-9), at * (1.0 + 1e-9));
+        let ratio = law.coefficient(above, &CONTEXT) / law.coefficient(below, &CONTEXT);
+        assert!((ratio - 1.0 - 2e-9).abs() < 1e-10);
+        assert!((law.coefficient(1.0, &CONTEXT) - 0.05).abs() < 1e-12);
     }
 
-    /// Pure conformity: forward slip inside and backward slip outside ±0.3473 a carry the same load.
+    /// Eyring: Newtonian η(p) u / (h p) at low slip, τ_E asinh above, at most Λ; the exponent stops at the glass.
     #[test]
-    fn no_slip_lines_of_pure_conformity() {
-        let inside = Strip::between(-0.3473, 0.3473).weight;
-        assert!((inside - 0.5).abs() < 1e-4, "{inside}");
+    fn eyring_law_has_its_limits() {
+        let thick = TractionContext { pressure: 0.2e9, film_thickness: 1e-6, rolling_speed: 10.0 };
+        let law = Traction::new(&TractionLaw::Eyring { stress: 5e6, limit: 0.08 }, 0.02, 2e-8);
+        let newtonian = 0.02 * f64::exp(4.0) / (1e-6 * 0.2e9);
+        assert!((law.traction_over_speed(1e-12, &thick) / newtonian - 1.0).abs() < 1e-6);
+        let sheared = 5e6 * f64::asinh(newtonian * 0.2e9 * 5.0 / 5e6) / 0.2e9;
+        assert!((law.coefficient(5.0, &thick) - sheared).abs() < 1e-8);
+        let glassy = 5e6 / 1.5e9 * (0.02 * 30f64.exp() * 50.0 / 2.5).asinh();
+        assert!((law.coefficient(50.0, &CONTEXT) - glassy.min(0.08)).abs() < 1e-9);
+        assert!((law.traction_over_speed(0.0, &CONTEXT) / (0.08 / DIRECTION_SPEED) - 1.0).abs() < 1e-6);
+        let tight = TractionContext { pressure: 1e12, film_thickness: 0.0, rolling_speed: 0.0 };
+        assert!(law.coefficient(1.0, &tight).is_finite());
+        assert!(law.traction_over_speed(0.0, &TractionContext::default()).is_finite());
+        let dry = Traction::new(&TractionLaw::Eyring { stress: 5e6, limit: 0.08 }, 0.0, 2e-8);
+        assert_eq!(dry.coefficient(1.0, &tight), 0.0);
+    }
+
+    /// Weights sum to 1, positions mirror to the bit, pressures average to ⅔ p₀ of the whole ellipse.
+    #[test]
+    fn strips_share_the_whole_load() {
+        for count in 1..=MAX_STRIPS {
+            let strips = Strips::new(count);
+            let slice = strips.as_slice();
+            assert_eq!(slice.len(), count);
+            assert!((slice.iter().map(|s| s.weight).sum::<f64>() - 1.0).abs() < 1e-14);
+            for (left, right) in slice.iter().zip(slice.iter().rev()) {
+                assert_eq!((left.position, left.weight), (-right.position, right.weight));
+            }
+            assert!(slice.windows(2).all(|pair| pair[0].position < pair[1].position));
+            let areas: f64 = slice.iter().map(|s| s.weight / s.pressure).sum();
+            assert!((areas - 1.5).abs() < 1e-13);
+        }
+        assert_eq!(Strips::new(0).as_slice().len(), 1);
+        assert_eq!(Strips::new(1000).as_slice().len(), MAX_STRIPS);
+    }
+
+    /// Pure slip gives μ Q with any number of strips, to rounding.
+    #[test]
+    fn pure_slip_gives_coulomb() {
+        let law = Traction::new(&TractionLaw::Coulomb { coefficient: 0.08, regularisation: 1e-5 }, 0.0, 0.0);
+        for count in [1, 2, 9, 33] {
+            let force: f64 =
+                Strips::new(count).as_slice().iter().map(|s| s.weight * law.coefficient(1.0, &CONTEXT)).sum();
+            assert!((force - 0.08).abs() < 1e-14);
+        }
+    }
+
+    /// Pure spin with Coulomb friction: ⅜ μ Q a along the major axis (closed integral). Exact for an even
+    /// count; an odd one loses its middle strip, ¾/n² of the load times lever.
+    #[test]
+    fn pure_spin_gives_three_eighths() {
+        let law = Traction::new(&TractionLaw::Coulomb { coefficient: 0.08, regularisation: 1e-5 }, 0.0, 0.0);
+        let moment = |count| -> f64 {
+            let strips = Strips::new(count);
+            strips.as_slice().iter().map(|s| s.weight * s.position * law.coefficient(10.0 * s.position, &CONTEXT)).sum()
+        };
+        for count in [2, 8, 32] {
+            assert!((moment(count) / (0.08 * 0.375) - 1.0).abs() < 1e-12);
+        }
+        for count in [9, 33] {
+            let n = count as f64;
+            let expected = 0.375 - 0.75 / (n * n) * (1.0 - 0.5 / (n * n));
+            assert!((moment(count) / 0.08 - expected).abs() < 1e-12);
+        }
+    }
+
+    /// Pure conformity: the lines of no slip at ±t₀ part the load in halves, ¾(t₀ − t₀³/3) = ¼, t₀ = 0.3473 (four
+    /// figures); strips find it within half their width.
+    #[test]
+    fn conformity_slips_nowhere_at_its_two_lines() {
+        let exact = bracketed_root(|t| load_share_below(t) - 0.75, 0.0, 1.0);
+        assert!((exact - 0.3473).abs() < 5e-5);
+        let law = Traction::new(&TractionLaw::Coulomb { coefficient: 0.08, regularisation: 1e-2 }, 0.0, 0.0);
+        for count in [9, 33] {
+            let strips = Strips::new(count);
+            let force = |line: f64| -> f64 {
+                let slip = |t: f64| t * t - line * line;
+                strips.as_slice().iter().map(|s| s.weight * law.coefficient(slip(s.position), &CONTEXT)).sum()
+            };
+            let line = bracketed_root(force, 0.0, 1.0);
+            assert!((line - exact).abs() < 1.0 / count as f64, "{line}");
+        }
     }
 }

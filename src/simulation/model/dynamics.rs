@@ -49,8 +49,8 @@ struct Sums {
 /// The cage in the form in which pockets need it.
 struct CagePose {
     motion: CageMotion,
-    /// Rotation about the cage axis.
-    azimuth: f64,
+    /// Azimuth of the first pocket about the cage axis.
+    azimuth: Azimuth,
 }
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
@@ -180,7 +180,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 tilt_about_z: state.tilt[1],
                 spin: [m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius, about_y, about_z],
             },
-            azimuth: m.orbit_ratio * angle + state.arc / m.pitch_radius,
+            azimuth: Azimuth::new(m.orbit_ratio * angle + state.arc / m.pitch_radius),
         }
     }
 
@@ -200,7 +200,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         // All in the cage's tilted frame, from its centre of mass.
         let place = azimuth.to_inertial([motion.axial, motion.radius, 0.0]);
         let ball_place = tilt.to_tilted(subtract(place, cage.motion.centre));
-        let pocket_azimuth = Azimuth::new(m.start_azimuth(ball) + cage.azimuth);
+        let pocket_azimuth = cage.azimuth.turned(m.start[ball]);
         let pocket_place = pocket_azimuth.to_inertial([m.cage.offset, m.pitch_radius, 0.0]);
         let velocity = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), cage.motion.velocity));
         let relative = PocketMotion {

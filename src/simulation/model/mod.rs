@@ -17,7 +17,7 @@ use crate::numerics::ode::OdeSystem;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageParameters;
 use crate::physics::drag::Drag;
-use crate::physics::frames::Vector;
+use crate::physics::frames::{Azimuth, Vector};
 use crate::physics::kinematics;
 use crate::physics::land::Land;
 use crate::physics::operation::SpeedProfile;
@@ -32,9 +32,11 @@ pub struct Mechanism {
     pub speed: SpeedProfile,
     /// Orbit speed of ideal balls over spindle speed.
     pub orbit_ratio: f64,
-    /// Spin ω_x of ideal balls over spindle speed.
+    /// Spin ω_x of ideal balls in space (that in the orbit frame, and the orbit's own) over spindle speed.
     pub spin_ratio: f64,
     pub pitch_radius: f64,
+    /// Azimuths at which balls and pockets start.
+    pub start: Vec<Azimuth>,
     pub ball_mass: f64,
     pub ball_inertia: f64,
     pub raceway: PerRaceway<RacewayContact>,
@@ -61,7 +63,8 @@ impl Mechanism {
     pub fn new(scene: &Scene, needs: &Needs) -> Self {
         let bearing = &scene.bearing;
         let operating_speed = scene.operating_speed();
-        let spin_ratio = kinematics::ideal_spin_ratio(bearing);
+        let orbit_ratio = kinematics::ideal_orbit_ratio(bearing);
+        let relative_spin_ratio = kinematics::ideal_spin_ratio(bearing);
         let drag = Drag::new(bearing, &scene.lubricant);
         Self {
             layout: Layout {
@@ -71,16 +74,25 @@ impl Mechanism {
                 axial_spindle: needs.axial_spindle,
             },
             speed: scene.operation.speed.clone(),
-            orbit_ratio: kinematics::ideal_orbit_ratio(bearing),
-            spin_ratio,
+            orbit_ratio,
+            spin_ratio: relative_spin_ratio + orbit_ratio,
             pitch_radius: 0.5 * bearing.parameters.pitch_diameter,
+            start: (0..bearing.parameters.ball_count)
+                .map(|ball| Azimuth::new(start_azimuth(ball, bearing.parameters.ball_count)))
+                .collect(),
             ball_mass: bearing.ball_mass,
             ball_inertia: bearing.ball_inertia,
             raceway: RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway),
-            pocket: Pocket::new(bearing, &scene.cage, &scene.lubricant, spin_ratio * operating_speed, needs.pocket),
+            pocket: Pocket::new(
+                bearing,
+                &scene.cage,
+                &scene.lubricant,
+                relative_spin_ratio * operating_speed,
+                needs.pocket,
+            ),
             cage: scene.cage,
             land: scene.cage.land.filter(|_| needs.land).map(|land| Land::new(&land, &scene.lubricant)),
-            drag: needs.drag.then(|| drag.clone()),
+            drag: needs.drag.then_some(drag),
             churning: needs.churning.then_some(drag),
             spindle_mass: scene.spindle.mass,
             axial_offset: match scene.spindle.axial {
@@ -96,8 +108,12 @@ impl Mechanism {
 
     /// Azimuth at which ball or pocket `index` starts [rad]; ball 0 starts at 0, under the load.
     pub fn start_azimuth(&self, index: usize) -> f64 {
-        std::f64::consts::TAU * index as f64 / self.layout.balls as f64
+        start_azimuth(index, self.layout.balls)
     }
+}
+
+fn start_azimuth(index: usize, balls: usize) -> f64 {
+    std::f64::consts::TAU * index as f64 / balls as f64
 }
 
 /// The equations of motion of a scene: any rung.
