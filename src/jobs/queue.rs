@@ -112,6 +112,10 @@ impl Queue {
 
     /// Adds jobs, each with its priority; answers with the numbers of their deliveries, in order.
     pub async fn enqueue(&self, tx: &mut Tx, jobs: &[(Uuid, u8)]) -> Result<Vec<i64>, JobError> {
+        // River takes an empty list for a mistake.
+        if jobs.is_empty() {
+            return Ok(Vec::new());
+        }
         let items = jobs.iter().map(|(job, priority)| {
             let opts = InsertOpts::default().with_queue(QUEUE).with_priority(i16::from(*priority));
             InsertManyItem::new(RunJob { job: *job }, opts)

@@ -113,7 +113,7 @@ fn an_answer_may_wait_for_the_end() {
     assert_eq!(done.status, 200, "{done:?}");
     assert_eq!(done.header("preference-applied"), Some("wait=30"));
     assert!(done.json()["metrics"]["solver"].is_object());
-    let not_yet = post("wait=1", job_with(json!({ "labels": ["slow"] })));
+    let not_yet = post("wait=1", job_with(json!({ "labels": ["slow"], "reuse": false })));
     assert_eq!(not_yet.status, 202);
     assert_eq!(not_yet.json()["status"], "running");
     post("wait=soon", job()).problem(400);

@@ -45,7 +45,7 @@ fn an_ended_job_is_not_cancelled() {
     let path = server.submit(&job());
     server.wait_for(&path, &["succeeded"]);
     cancel(&server, &path).problem(409);
-    let failed = server.submit(&job_with(json!({ "labels": ["fail"] })));
+    let failed = server.submit(&job_with(json!({ "labels": ["fail"], "reuse": false })));
     server.wait_for(&failed, &["failed"]);
     cancel(&server, &failed).problem(409);
     cancel(&server, "/v1/jobs/01919f5c-8c4e-7d3a-9a51-2f6d1b0c4e7f").problem(404);
