@@ -61,7 +61,7 @@ pub async fn spectrum(
 ) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV])?;
     let highest = query.max_frequency_hz;
-    if highest.is_some_and(|highest| !(highest >= 0.0)) {
+    if highest.is_some_and(|highest| highest.is_nan() || highest < 0.0) {
         return Err(ApiError::BadRequest("query: max_frequency_hz: must be 0 or more".into()));
     }
     let signal = match query.kind {
