@@ -61,17 +61,18 @@ pub struct JobAnswer {
     #[schema(value_type = String, format = DateTime)]
     pub created_at: Timestamp,
     /// Begin of the run; of the last one, if a run was lost or interrupted.
-    #[schema(value_type = Option<String>, format = DateTime)]
+    #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub started_at: Option<Timestamp>,
-    #[schema(value_type = Option<String>, format = DateTime)]
+    #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub finished_at: Option<Timestamp>,
     /// When the job and its result are removed; set once it has ended.
-    #[schema(value_type = Option<String>, format = DateTime)]
+    #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub expires_at: Option<Timestamp>,
-    #[schema(value_type = Option<String>, format = DateTime)]
+    #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub cancel_requested_at: Option<Timestamp>,
     /// Why the job failed: its `type` ends in `did-not-converge`, `numerical-blowup`, `time-limit`,
     /// `memory-limit`, `worker-lost` or `internal`.
+    #[schema(required = true)]
     pub error: Option<Problem>,
     pub labels: Vec<String>,
     /// 1 (first) to 4 (last).
@@ -119,7 +120,7 @@ pub struct JobList {
     /// Newest first.
     pub jobs: Vec<JobAnswer>,
     /// Path of the next page; null on the last one.
-    #[schema(example = "/v1/jobs?limit=50&cursor=01919f5c-8c4e-7d3a-9a51-2f6d1b0c4e7f")]
+    #[schema(required = true, example = "/v1/jobs?limit=50&cursor=01919f5c-8c4e-7d3a-9a51-2f6d1b0c4e7f")]
     pub next: Option<String>,
 }
 

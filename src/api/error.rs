@@ -1,6 +1,6 @@
 //! Errors as problem details (RFC 9457). The only place that knows status codes of errors.
 
-use axum::http::header::{ACCEPT, ALLOW, CONTENT_TYPE, RETRY_AFTER, WWW_AUTHENTICATE};
+use axum::http::header::{ACCEPT, CONTENT_TYPE, RETRY_AFTER, WWW_AUTHENTICATE};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
@@ -198,7 +198,6 @@ impl ApiError {
         match self {
             Self::Unauthorized => drop(set(WWW_AUTHENTICATE, "Bearer")),
             Self::UnsupportedMediaType(_) => drop(set(ACCEPT, "application/json")),
-            Self::MethodNotAllowed => drop(set(ALLOW, "")),
             Self::Job(JobError::QueueFull { .. }) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
             Self::Job(JobError::Stopping | JobError::DiskFull) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
             Self::Job(JobError::NotReady(_)) => drop(set(RETRY_AFTER, RESULT_RETRY_S)),

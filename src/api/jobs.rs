@@ -34,7 +34,7 @@ const LONGEST_WAIT_S: u64 = 60;
 /// a power cut. With `Prefer: wait=N` the answer waits up to N seconds for the end of the job.
 #[utoipa::path(
     post, path = "/v1/jobs", tag = describe::JOBS, operation_id = "submitJob",
-    params(("Prefer" = Option<String>, Header, description = "`wait=N`: answer once the job has ended, after N seconds at the latest (at most 60)", example = "wait=10")),
+    params(SubmitHeaders),
     request_body(content = JobInput, content_type = "application/json", examples(
         ("article" = (summary = "The article's integrated bearing", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}}))),
         ("unbalanced" = (summary = "The same on an unbalanced spindle", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}, "spindle": {"balance_grade": 6.3}}})))
@@ -165,6 +165,16 @@ pub async fn cancel(
 pub async fn delete(State(app): State<App>, Owner(owner): Owner, JobId(id): JobId) -> Result<StatusCode, ApiError> {
     app.jobs.delete(&owner, id).await?;
     Ok(StatusCode::NO_CONTENT)
+}
+
+/// Headers of a submission.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Header)]
+#[allow(dead_code, reason = "only describes the header; `preferred_wait` reads it")]
+struct SubmitHeaders {
+    /// `wait=N`: answer once the job has ended, after N seconds at the latest (at most 60).
+    #[param(rename = "Prefer", example = "wait=10")]
+    prefer: Option<String>,
 }
 
 /// Which jobs a list shows.

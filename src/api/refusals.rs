@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use axum::extract::Request;
-use axum::http::header::{ALLOW, CONTENT_LENGTH, CONTENT_TYPE, X_CONTENT_TYPE_OPTIONS};
+use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, X_CONTENT_TYPE_OPTIONS};
 use axum::http::{HeaderValue, Method};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -24,18 +24,8 @@ pub async fn as_problems(request: Request, next: Next) -> Response {
         }
         response = problem;
     }
-    spread(&mut response);
     response.headers_mut().insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     response
-}
-
-/// Writes the list of allowed methods as other servers do, with a space after each comma.
-fn spread(response: &mut Response) {
-    let allowed = response.headers().get(ALLOW).and_then(|value| value.to_str().ok());
-    let spread = allowed.map(|allowed| allowed.split(',').map(str::trim).collect::<Vec<_>>().join(", "));
-    if let Some(Ok(value)) = spread.map(HeaderValue::try_from) {
-        response.headers_mut().insert(ALLOW, value);
-    }
 }
 
 /// A panic of a handler is one request's misfortune, not the service's.

@@ -43,15 +43,24 @@ pub fn metrics(jobs: &[(&str, Value)]) -> String {
     text
 }
 
+/// Lines that are shown of a channel.
+const LINES: usize = 6;
+
 /// The strongest labelled lines of a job.
 pub fn lines(name: &str, job: &Value) -> String {
     let mut text = format!("Lines, {name}:\n");
     let lines = job["metrics"]["lines"].as_array().map(Vec::as_slice).unwrap_or_default();
-    for line in lines.iter().filter(|line| line["label"] != "").take(12) {
+    let mut shown: Vec<(&str, usize)> = Vec::new();
+    for line in lines.iter().filter(|line| line["label"] != "") {
+        let channel = line["channel"].as_str().unwrap_or_default();
+        match shown.iter_mut().find(|(name, _)| *name == channel) {
+            Some((_, count)) if *count == LINES => continue,
+            Some((_, count)) => *count += 1,
+            None => shown.push((channel, 1)),
+        }
         let number = |field: &str| line[field].as_f64().unwrap_or(f64::NAN);
         let (frequency, amplitude, deviation) = (number("frequency_hz"), number("amplitude"), number("deviation_hz"));
-        let (channel, label) =
-            (line["channel"].as_str().unwrap_or_default(), line["label"].as_str().unwrap_or_default());
+        let label = line["label"].as_str().unwrap_or_default();
         let _ = writeln!(text, "  {channel:<24}{frequency:>10.1} Hz {amplitude:>12.4e}   {label} ({deviation:+.1} Hz)");
     }
     text

@@ -99,6 +99,7 @@ async fn write_all(
         });
     }
     tx.commit().await?;
+    queue.wake();
     Ok(answers)
 }
 

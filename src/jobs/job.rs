@@ -112,7 +112,7 @@ impl NewJob {
             keep_for_s: job.keep_for_s,
             reuse: job.reuse,
             content_hash: content_hash(job),
-            created_at: Timestamp::now(),
+            created_at: now(),
         }
     }
 
@@ -135,6 +135,12 @@ impl NewJob {
             failure: None,
         }
     }
+}
+
+/// This moment as precisely as it is stored: an answer shows the same time before and after.
+fn now() -> Timestamp {
+    let now = Timestamp::now();
+    Timestamp::from_microsecond(now.as_microsecond()).unwrap_or(now)
 }
 
 /// Digest of all that determines the result; the version belongs to it, because results move with it.

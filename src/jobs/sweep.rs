@@ -51,5 +51,6 @@ async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
         upkeep::redeliver(&mut tx, *job, delivery).await?;
     }
     tx.commit().await?;
+    inner.queue.wake();
     Ok(stranded.len())
 }

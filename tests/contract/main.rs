@@ -1,0 +1,15 @@
+//! The HTTP contract, over real sockets and a real database. Files are named after routes; the simulator
+//! is a stand-in wherever the physics does not matter.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod server;
+
+mod access;
+mod jobs;
+mod jobs_cancel;
+mod jobs_list;
+mod openapi;
+mod refusals;
+mod results;
+mod scenes;

@@ -1,0 +1,81 @@
+//! Wrong requests, and the form of every error.
+
+use serde_json::json;
+
+use crate::common::{Server, job, request};
+use crate::server::start;
+
+#[test]
+fn wrong_bodies_are_refused_with_their_reason() {
+    let server = start();
+    let json = [("Content-Type", "application/json")];
+    let post = |body: &[u8]| request(server.address(), "POST", "/v1/jobs", &json, body);
+    let table: [(&[u8], u16); 12] = [
+        (b"", 400),
+        (b"{", 400),
+        (b"not json", 400),
+        (b"\xff\xfe", 400),
+        (b"null", 422),
+        (b"[]", 422),
+        (b"{}", 422),
+        (br#"{"kind":"simulation"}"#, 422),
+        (br#"{"kind":"simulation","scene":{"bearing":"608","operation":{"speed_rpm":"fast"}}}"#, 422),
+        (br#"{"kind":"simulation","scene":{"bearing":"608","operation":{"speed_rpm":1e9}}}"#, 422),
+        (br#"{"kind":"simulation","scene":{"bearing":"608","operation":{"speed_rpm":3000}},"colour":"red"}"#, 422),
+        (br#"{"kind":"simulation","scene":{"bearing":"608","operation":{"speed_rpm":null}}}"#, 422),
+    ];
+    for (body, status) in table {
+        let problem = post(body).problem(status);
+        if status == 422 {
+            assert!(problem["errors"][0]["pointer"].is_string(), "{problem}");
+        }
+    }
+    assert_eq!(server.get("/v1/jobs").json()["jobs"], json!([]), "none of them is a job");
+}
+
+#[test]
+fn only_json_of_a_reasonable_size_is_read() {
+    let server = start();
+    let body = job().to_string();
+    let post = |headers: &[(&str, &str)], body: &[u8]| request(server.address(), "POST", "/v1/jobs", headers, body);
+    post(&[], body.as_bytes()).problem(415);
+    post(&[("Content-Type", "text/plain")], body.as_bytes()).problem(415);
+    post(&[("Content-Type", "application/json"), ("Content-Encoding", "gzip")], body.as_bytes()).problem(415);
+    assert_eq!(post(&[("Content-Type", "application/json; charset=utf-8")], body.as_bytes()).status, 202);
+    let large = format!("{}{}", body, " ".repeat(1 << 20));
+    post(&[("Content-Type", "application/json")], large.as_bytes()).problem(413);
+    let padded = format!("{}{}", body, " ".repeat((1 << 20) - body.len()));
+    assert_eq!(post(&[("Content-Type", "application/json")], padded.as_bytes()).status, 202);
+}
+
+#[test]
+fn every_refusal_is_a_problem() {
+    let server = start();
+    let send = |method: &str, path: &str| request(server.address(), method, path, &[], b"");
+    send("GET", "/v2").problem(404);
+    send("GET", "/v1/jobs/").problem(404);
+    send("GET", "/v1/jobs/no-uuid").problem(404);
+    send("GET", "/v1/jobs/%ff").problem(404);
+    send("GET", "/v1/jobs/01919F5C-8C4E-7D3A-9A51-2F6D1B0C4E7F").problem(404);
+    send("GET", "/v1/jobs/01919f5c-8c4e-7d3a-9a51-2f6d1b0c4e7f").problem(404);
+    send("GET", "/docs/no-such-file").problem(404);
+    let wrong_method = send("PUT", "/v1/jobs");
+    wrong_method.problem(405);
+    let allowed = wrong_method.header("allow").expect("a 405 has Allow");
+    assert!(allowed.contains("GET") && allowed.contains("POST"), "{allowed}");
+    send("POST", "/v1/presets").problem(405);
+    send("BREW", "/v1/presets").problem(405);
+}
+
+#[test]
+fn probes_and_pages_answer() {
+    let server = start();
+    assert_eq!(server.get("/health/live").json()["status"], "ok");
+    assert_eq!(server.get("/health/ready").json()["status"], "ok");
+    assert_eq!(server.get("/").status, 307);
+    let page = server.get("/docs/");
+    assert!(page.status == 200 && page.body.contains("swagger"), "{page:?}");
+    for file in page.body.split("./").skip(1).filter_map(|rest| rest.split('"').next()) {
+        assert_eq!(server.get(&format!("/docs/{file}")).status, 200, "{file}");
+    }
+}

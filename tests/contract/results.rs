@@ -1,0 +1,124 @@
+//! `GET /v1/jobs/{id}/metrics`, `spectrum`, `series`, `plots/{file}`.
+
+use serde_json::{Value, json};
+
+use crate::common::{Server, job_with, request};
+use crate::server::{InProcess, start};
+
+fn finished(server: &InProcess) -> String {
+    let outputs = json!({ "series": ["spindle.y.velocity"] });
+    let path = server.submit(&job_with(json!({ "outputs": outputs })));
+    server.wait_for(&path, &["succeeded"]);
+    path
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("numbers").iter().filter_map(Value::as_f64).collect()
+}
+
+#[test]
+fn a_spectrum_comes_as_json_and_csv() {
+    let server = start();
+    let path = finished(&server);
+    let whole = server.get(&format!("{path}/spectrum?channel=spindle.y.acceleration")).json();
+    for field in ["channel", "unit", "window", "resolution_hz", "mean_step_s", "damped_above_hz"] {
+        assert!(!whole[field].is_null(), "{field}");
+    }
+    let frequencies = numbers(&whole["frequency_hz"]);
+    assert_eq!(frequencies.len(), numbers(&whole["amplitude"]).len());
+    let low = server.get(&format!("{path}/spectrum?channel=spindle.y.acceleration&max_frequency_hz=3000")).json();
+    let expected: Vec<f64> = frequencies.iter().copied().filter(|frequency| *frequency <= 3000.0).collect();
+    assert_eq!(numbers(&low["frequency_hz"]), expected);
+    let csv = format!("{path}/spectrum?channel=spindle.y.acceleration&max_frequency_hz=3000");
+    let csv = request(server.address(), "GET", &csv, &[("Accept", "text/csv")], b"");
+    assert_eq!(csv.header("content-type"), Some("text/csv"));
+    assert_eq!(csv.body.lines().next(), Some("frequency_hz,amplitude"));
+    assert_eq!(csv.body.lines().count(), 1 + expected.len());
+    let envelope = server.get(&format!("{path}/spectrum?channel=spindle.y.acceleration&kind=envelope")).json();
+    assert_eq!(envelope["kind"], "envelope");
+}
+
+#[test]
+fn a_series_is_cut_and_thinned() {
+    let server = start();
+    let path = finished(&server);
+    let whole = server.get(&format!("{path}/series?channel=spindle.y.velocity")).json();
+    let (times, values) = (numbers(&whole["time_s"]), numbers(&whole["value"]));
+    assert!(times.len() > 20 && times.len() == values.len());
+    let thin = server.get(&format!("{path}/series?channel=spindle.y.velocity&max_points=10")).json();
+    assert!(numbers(&thin["value"]).len() <= 10);
+    let largest = |values: &[f64]| values.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+    assert_eq!(largest(&numbers(&thin["value"])), largest(&values));
+    let (from, to) = (times[3], times[9]);
+    let cut = server.get(&format!("{path}/series?channel=spindle.y.velocity&from_s={from}&to_s={to}")).json();
+    assert_eq!(numbers(&cut["time_s"]), times[3..=9]);
+}
+
+#[test]
+fn unknown_channels_name_the_kept_ones() {
+    let server = start();
+    let path = finished(&server);
+    let problem = server.get(&format!("{path}/spectrum?channel=cage.speed")).problem(404);
+    let detail = problem["detail"].as_str().expect("a detail");
+    assert!(detail.contains("spindle.y.acceleration") && detail.contains("cage.speed"), "{detail}");
+    server.get(&format!("{path}/series?channel=cage.speed")).problem(404);
+}
+
+#[test]
+fn plots_are_drawn() {
+    let server = start();
+    let path = finished(&server);
+    for file in ["spectrum.svg", "velocity.svg"] {
+        let plot = server.get(&format!("{path}/plots/{file}"));
+        assert_eq!((plot.status, plot.header("content-type")), (200, Some("image/svg+xml")), "{file}");
+        assert!(plot.body.starts_with("<svg"), "{file}");
+    }
+    server.get(&format!("{path}/plots/acceleration.svg")).problem(404);
+    server.get(&format!("{path}/plots/cat.svg")).problem(404);
+    server.get(&format!("{path}/plots/spectrum.png")).problem(404);
+}
+
+#[test]
+fn wrong_queries_are_refused() {
+    let server = start();
+    let path = finished(&server);
+    for query in [
+        "spectrum",
+        "spectrum?channel=spindle.y.acceleration&max_frequency_hz=-1",
+        "spectrum?channel=spindle.y.acceleration&max_frequency_hz=NaN",
+        "spectrum?channel=spindle.y.acceleration&kind=power",
+        "spectrum?channel=spindle.y.acceleration&colour=red",
+        "series?channel=spindle.y.velocity&from_s=1&to_s=0",
+        "series?channel=spindle.y.velocity&max_points=0",
+        "series?channel=spindle.y.velocity&max_points=1.5",
+    ] {
+        server.get(&format!("{path}/{query}")).problem(400);
+    }
+    for suffix in ["/spectrum?channel=spindle.y.acceleration", "/metrics", "/plots/spectrum.svg", ""] {
+        let answer = request(server.address(), "GET", &format!("{path}{suffix}"), &[("Accept", "image/png")], b"");
+        answer.problem(406);
+    }
+}
+
+#[test]
+fn the_contract_of_the_metrics_holds() {
+    let server = start();
+    let path = finished(&server);
+    let metrics = server.get(&format!("{path}/metrics")).json();
+    for pointer in [
+        "/channels/spindle.y.acceleration/rms",
+        "/channels/spindle.z.velocity/peak",
+        "/channels/spindle.y.acceleration/above_band",
+        "/contacts/inner/max_load_n",
+        "/contacts/outer/max_pressure_mpa",
+        "/kinematics/cage_speed_hz",
+        "/frequencies_hz/ball_pass_outer",
+        "/lines",
+        "/solver/method",
+        "/solver/wall_time_s",
+        "/accuracy/how",
+        "/left_out",
+    ] {
+        assert!(metrics.pointer(pointer).is_some_and(|value| !value.is_null()), "{pointer}");
+    }
+}

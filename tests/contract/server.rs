@@ -1,0 +1,100 @@
+//! A server inside the test's process, with a stand-in simulator.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use raceway::api::Access;
+use raceway::api::auth::Tokens;
+use raceway::api::service::Service;
+use raceway::contract::{self, Job, Outcome, RunFailure};
+use raceway::jobs::{Settings, Simulator};
+use raceway::simulation::run::Control;
+use tempfile::TempDir;
+use tokio::runtime::Runtime;
+
+use crate::common::Server;
+
+/// A running service with its runtime and its directory.
+pub struct InProcess {
+    runtime: Runtime,
+    service: Option<Service>,
+    address: String,
+    _place: TempDir,
+}
+
+impl Server for InProcess {
+    fn address(&self) -> &str {
+        &self.address
+    }
+}
+
+impl Drop for InProcess {
+    fn drop(&mut self) {
+        if let Some(service) = self.service.take() {
+            self.runtime.block_on(service.stop());
+        }
+    }
+}
+
+/// How a test wants its server.
+pub struct Wishes {
+    pub tokens: &'static str,
+    pub workers: usize,
+    pub queue_limit: u64,
+    pub time_limit: Duration,
+}
+
+impl Default for Wishes {
+    fn default() -> Self {
+        Self { tokens: "", workers: 2, queue_limit: 1000, time_limit: Duration::from_secs(60) }
+    }
+}
+
+/// A server whose jobs do what their first label says.
+pub fn start() -> InProcess {
+    start_with(Wishes::default())
+}
+
+pub fn start_with(wishes: Wishes) -> InProcess {
+    let place = tempfile::tempdir().expect("a directory");
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().expect("threads");
+    let settings = Settings {
+        workers: wishes.workers,
+        queue_limit: wishes.queue_limit,
+        time_limit: wishes.time_limit,
+        sweep_every: Duration::from_millis(200),
+        ..Settings::new(place.path().join("test.db"))
+    };
+    let access = Access { tokens: Tokens::parse(wishes.tokens), only_local_hosts: wishes.tokens.is_empty() };
+    let listen = SocketAddr::from(([127, 0, 0, 1], 0));
+    let service = runtime.block_on(Service::start(listen, settings, access, stand_in())).expect("the service starts");
+    let address = service.url().strip_prefix("http://").expect("a URL").to_owned();
+    InProcess { runtime, service: Some(service), address, _place: place }
+}
+
+/// `slow` runs until it is stopped, `panic` panics, `fail` fails; everything else gives a short real run.
+pub fn stand_in() -> Simulator {
+    Arc::new(|job: &Job, control: &Control<'_>| match job.labels.first().map(String::as_str) {
+        Some("slow") => slow(control),
+        Some("panic") => panic!("as the test wants"),
+        Some("fail") => Err(RunFailure::Failed { cause: "did-not-converge", detail: "as the test wants".into() }),
+        _ => short(job, control),
+    })
+}
+
+fn slow(control: &Control<'_>) -> Result<Outcome, RunFailure> {
+    (control.progress)(0.25);
+    while !(control.stop)() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Err(RunFailure::Cancelled)
+}
+
+/// The real simulation, cut to a millisecond: results have their real form.
+fn short(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
+    let mut job = job.clone();
+    job.settings.settle = 0.0;
+    job.settings.duration = 0.001;
+    contract::execute(&job, control)
+}

@@ -1,0 +1,57 @@
+//! Commands, from outside.
+
+use std::io::Write;
+use std::process::{Output, Stdio};
+
+use serde_json::Value;
+
+use crate::common::{Process, Server, job_with};
+
+fn simulate(job: &str, more: &[&str]) -> Output {
+    let mut arguments = vec!["simulate", "-"];
+    arguments.extend(more);
+    let mut child = Process::command(&arguments).stdin(Stdio::piped()).spawn().expect("the program starts");
+    child.stdin.take().expect("a pipe").write_all(job.as_bytes()).expect("the job is read");
+    child.wait_with_output().expect("the program ends")
+}
+
+#[test]
+fn simulate_prints_metrics_and_writes_files() {
+    let place = tempfile::tempdir().expect("a directory");
+    let directory = place.path().join("out").display().to_string();
+    let job = job_with(serde_json::json!({ "settle_s": 0.0, "duration_s": 0.002 }));
+    let output = simulate(&job.to_string(), &["--output", &directory]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let metrics: Value = serde_json::from_slice(&output.stdout).expect("stdout is JSON and nothing else");
+    assert!(metrics["solver"]["steps"].as_u64() > Some(0));
+    for file in ["metrics.json", "spectrum.spindle.y.acceleration.csv", "spectrum.svg"] {
+        assert!(place.path().join("out").join(file).exists(), "{file}");
+    }
+}
+
+#[test]
+fn a_refused_job_exits_with_2_and_its_problem() {
+    let output = simulate(r#"{"kind":"simulation","scene":{"bearing":"nope","operation":{"speed_rpm":1}}}"#, &[]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(output.stdout.is_empty());
+    let problem: Value = serde_json::from_slice(&output.stderr).expect("stderr is a problem");
+    assert!(problem["errors"][0]["pointer"].is_string(), "{problem}");
+}
+
+#[test]
+fn health_tells_by_its_exit_status() {
+    let place = tempfile::tempdir().expect("a directory");
+    let server = Process::serve(&place.path().join("a.db"), &[]);
+    let listen = server.address().to_owned();
+    let health = || Process::command(&["health", "--listen", &listen]).output().expect("the program starts");
+    assert!(health().status.success(), "{:?}", health());
+    server.kill();
+    assert_eq!(health().status.code(), Some(1));
+}
+
+#[test]
+fn the_document_is_printed() {
+    let output = Process::command(&["openapi"]).output().expect("the program starts");
+    let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(document["info"]["title"], "raceway");
+}

@@ -1,0 +1,110 @@
+//! A job survives its process.
+
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use crate::common::{Process, Server, job_with};
+
+/// A run that takes some seconds.
+fn long_job() -> serde_json::Value {
+    job_with(json!({ "settle_s": 0.0, "duration_s": 0.1, "reuse": false }))
+}
+
+/// A run that takes a moment.
+fn short_job() -> serde_json::Value {
+    job_with(json!({ "settle_s": 0.0, "duration_s": 0.001, "reuse": false }))
+}
+
+#[test]
+fn what_was_accepted_ends_once_although_the_process_is_killed() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = place.path().join("raceway.db");
+    let server = Process::serve(&database, &["--workers", "1"]);
+    let running = server.submit(&long_job());
+    server.wait_for(&running, &["running"]);
+    let waiting: Vec<String> = (0..5).map(|_| server.submit(&short_job())).collect();
+    server.kill();
+
+    let server = Process::serve(&database, &["--workers", "2"]);
+    for path in waiting.iter().chain([&running]) {
+        let job = server.wait_for(path, &["succeeded", "failed", "cancelled"]);
+        assert_eq!(job["status"], "succeeded", "{job}");
+        assert_eq!(server.get(&format!("{path}/metrics")).status, 200);
+    }
+    assert_eq!(server.get("/v1/jobs").json()["jobs"].as_array().map(Vec::len), Some(6));
+}
+
+#[test]
+fn a_job_that_is_lost_too_often_fails() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = place.path().join("raceway.db");
+    let options = ["--workers", "1", "--max-lost-runs", "2"];
+    let server = Process::serve(&database, &options);
+    let path = server.submit(&job_with(json!({ "settle_s": 0.0, "duration_s": 1.0 })));
+    server.wait_for(&path, &["running"]);
+    server.kill();
+    let server = Process::serve(&database, &options);
+    let begin = Instant::now();
+    // Running in the database from the last process: progress shows that this one has taken it.
+    while server.get(&path).json()["progress"].as_f64() <= Some(0.0) {
+        assert!(begin.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    server.kill();
+    let server = Process::serve(&database, &options);
+    let job = server.wait_for(&path, &["failed"]);
+    assert_eq!(job["error"]["type"], "urn:raceway:problem:worker-lost", "{job}");
+}
+
+#[test]
+fn a_stopping_service_hands_its_runs_back() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = place.path().join("raceway.db");
+    // One loss would be one too many: handing back is none.
+    let options = ["--workers", "1", "--max-lost-runs", "1"];
+    let mut server = Process::serve(&database, &options);
+    let path = server.submit(&long_job());
+    server.wait_for(&path, &["running"]);
+    let begin = Instant::now();
+    server.signal("-TERM");
+    let status = server.child.wait().expect("the process ends");
+    assert!(status.success() && begin.elapsed() < Duration::from_secs(5), "{status} after {:?}", begin.elapsed());
+    assert!(!place.path().join("raceway.db-wal").exists(), "the log is in the database file");
+    let server = Process::serve(&database, &options);
+    assert_eq!(server.wait_for(&path, &["succeeded", "failed"])["status"], "succeeded");
+}
+
+#[test]
+fn a_cancellation_survives_the_process() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = place.path().join("raceway.db");
+    let server = Process::serve(&database, &["--workers", "1"]);
+    let running = server.submit(&long_job());
+    server.wait_for(&running, &["running"]);
+    let waiting = server.submit(&short_job());
+    assert_eq!(server.post(&format!("{waiting}/cancel"), &json!({})).status, 200);
+    assert_eq!(server.post(&format!("{running}/cancel"), &json!({})).status, 202);
+    server.kill();
+    let server = Process::serve(&database, &["--workers", "1"]);
+    assert_eq!(server.wait_for(&running, &["cancelled", "succeeded"])["status"], "cancelled");
+    assert_eq!(server.get(&waiting).json()["status"], "cancelled");
+}
+
+#[test]
+fn two_servers_do_not_share_a_database() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = place.path().join("raceway.db");
+    let first = Process::serve(&database, &[]);
+    let url = format!("sqlite://{}", database.display());
+    let second = Process::command(&["serve", "--listen", "127.0.0.1:0", "--database", &url])
+        .stdout(Stdio::piped())
+        .output()
+        .expect("the program starts");
+    assert!(!second.status.success());
+    let stderr = String::from_utf8_lossy(&second.stderr);
+    assert!(stderr.contains("another server uses the database"), "{stderr}");
+    assert!(second.stdout.is_empty());
+    assert_eq!(first.get("/health/ready").status, 200);
+}

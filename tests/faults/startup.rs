@@ -1,0 +1,75 @@
+//! Careless starts.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::time::Duration;
+
+use crate::common::{Process, Server};
+
+fn refused(arguments: &[&str], environment: &[(&str, &str)]) -> String {
+    let place = tempfile::tempdir().expect("a directory");
+    let output = Process::command(arguments)
+        .envs(environment.iter().copied())
+        .current_dir(place.path())
+        .output()
+        .expect("the program starts");
+    assert!(!output.status.success(), "{output:?}");
+    assert!(output.stdout.is_empty(), "{output:?}");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn beyond_loopback_tokens_are_needed() {
+    for listen in ["0.0.0.0:0", "[::]:0"] {
+        let stderr = refused(&["serve", "--listen", listen], &[]);
+        assert!(stderr.contains("RACEWAY_API_TOKENS") && stderr.contains("--insecure-no-auth"), "{stderr}");
+    }
+    refused(&["serve"], &[("RACEWAY_LISTEN", "0.0.0.0:0")]);
+    refused(&["serve", "--listen", "0.0.0.0:0"], &[("RACEWAY_API_TOKENS", " , ")]);
+}
+
+#[test]
+fn with_tokens_or_at_ones_own_risk_it_listens_everywhere() {
+    let place = tempfile::tempdir().expect("a directory");
+    let open = ["--listen", "0.0.0.0:0", "--insecure-no-auth"];
+    let server = Process::serve_with(&place.path().join("a.db"), &open, &[]);
+    assert_eq!(server.get("/v1/presets").status, 200);
+    let closed = ["--listen", "0.0.0.0:0"];
+    let server = Process::serve_with(&place.path().join("b.db"), &closed, &[("RACEWAY_API_TOKENS", "alpha")]);
+    server.get("/v1/presets").problem(401);
+}
+
+#[test]
+fn other_databases_are_not_available() {
+    let stderr = refused(&["serve", "--database", "postgres://me:secret@host/db"], &[]);
+    assert!(stderr.contains("not available in this version") && !stderr.contains("secret"), "{stderr}");
+    refused(&["serve", "--database", "raceway.db"], &[]);
+    refused(&["serve", "--database", "sqlite:///no/such/directory/raceway.db"], &[]);
+}
+
+#[test]
+fn tokens_are_never_shown() {
+    let stderr = refused(
+        &["serve", "--listen", "0.0.0.0:0", "--database", "sqlite:///no/such/directory/x.db"],
+        &[("RACEWAY_API_TOKENS", "a-secret-token"), ("RACEWAY_LOG", "trace")],
+    );
+    assert!(!stderr.contains("a-secret-token"), "{stderr}");
+}
+
+#[test]
+fn half_a_request_holds_nobody_up() {
+    let place = tempfile::tempdir().expect("a directory");
+    let server = Process::serve(&place.path().join("a.db"), &[]);
+    let mut lazy: Vec<TcpStream> = (0..50)
+        .map(|_| {
+            let mut stream = TcpStream::connect(server.address()).expect("the server listens");
+            stream.write_all(b"GET /v1/jobs HTTP/1.1\r\nHost: local").expect("half a header is read");
+            stream
+        })
+        .collect();
+    assert_eq!(server.get("/health/live").status, 200);
+    server.signal("-TERM");
+    // A stopping service does not wait for the other half.
+    lazy[0].set_read_timeout(Some(Duration::from_secs(10))).expect("a socket has timeouts");
+    assert!(lazy[0].read(&mut [0; 1]).is_ok_and(|count| count == 0), "the connection is closed");
+}
