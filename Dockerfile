@@ -11,7 +11,8 @@ WORKDIR /source
 COPY Cargo.toml Cargo.lock ./
 COPY src src
 COPY migrations migrations
-COPY openapi openapi
+# Not built, but Cargo.toml names them.
+COPY benches benches
 RUN cargo build --release --locked --bin raceway
 
 FROM debian:bookworm-slim

@@ -25,9 +25,24 @@ health = json.loads(instruction("HEALTHCHECK").split(" CMD ", 1)[1])
 user = instruction("USER")
 uid = int(user.split(":")[0])
 check(entry == ["raceway"] and uid > 0, f"the entry point is raceway, the user is {user}")
-for source in re.findall(r"^COPY (?!--from)(.+) \S+$", text, re.MULTILINE):
-    for path in source.split():
-        check(os.path.exists(os.path.join(ROOT, path)), f"{path}, which is copied in, exists")
+with open(os.path.join(ROOT, ".dockerignore"), encoding="utf-8") as file:
+    let_in = {line[1:] for line in file.read().splitlines() if line.startswith("!")}
+with tempfile.TemporaryDirectory(prefix="raceway-context-") as context:
+    for source in re.findall(r"^COPY (?!--from)(.+) \S+$", text, re.MULTILINE):
+        for path in source.split():
+            check(path in let_in, f"{path} is let into the build")
+            if os.path.isdir(os.path.join(ROOT, path)):
+                shutil.copytree(os.path.join(ROOT, path), os.path.join(context, path))
+            else:
+                shutil.copy(os.path.join(ROOT, path), context)
+    # Not a second build: that every file which the manifest names is among those copied.
+    told = subprocess.run(["cargo", "metadata", "--locked", "--no-deps", "--format-version", "1"], cwd=context,
+                          capture_output=True, text=True)
+    check(told.returncode == 0, f"cargo finds its targets among what is copied {told.stderr}")
+    for file in re.findall(r'include_str!\("((?:\.\./)*)([^"]+)"\)', "".join(
+            open(os.path.join(place, name), encoding="utf-8").read()
+            for place, _, names in os.walk(os.path.join(context, "src")) for name in names if name.endswith(".rs"))):
+        check(os.path.exists(os.path.join(context, file[1])), f"{file[1]}, which the code includes, is copied")
 
 libraries = subprocess.run(["ldd", binary()], capture_output=True, text=True, check=True).stdout
 needed = {os.path.basename(line.split()[0]).split(".so")[0] for line in libraries.splitlines() if ".so" in line}
