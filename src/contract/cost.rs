@@ -15,6 +15,8 @@ use crate::simulation::scene::Scene;
 /// measured on one core of a shared server.
 const SECONDS_PER_BALL: f64 = 0.2e-6;
 const SECONDS_PER_STRIP: f64 = 0.06e-6;
+/// Longest estimate [s]; a run that long is never finished.
+const LONGEST: f64 = 1e12;
 /// Evaluations a step of the explicit method.
 const EVALUATIONS: f64 = 6.0;
 /// The explicit method is stable up to these products of step and rate of decay, and of step and
@@ -38,7 +40,7 @@ pub fn estimate(job: &Job, at_rest: Option<&StaticLoads>) -> CostAnswer {
     let time = job.settings.settle + job.settings.duration;
     let evaluation = balls * (SECONDS_PER_BALL + 2.0 * job.needs.raceway.strips as f64 * SECONDS_PER_STRIP);
     let wall_time = ACCURACY_SHARE * time / step * EVALUATIONS * evaluation;
-    CostAnswer { states: states as u64, estimated_wall_time_s: significant(wall_time.min(f64::MAX), 2) }
+    CostAnswer { states: states as u64, estimated_wall_time_s: significant(wall_time.min(LONGEST), 2) }
 }
 
 /// Centrifugal force of a ball [N] at an orbit speed [rad/s].

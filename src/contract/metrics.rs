@@ -5,12 +5,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::physics::kinematics::CharacteristicFrequencies;
+pub use super::report::{AccuracyAnswer, FrequenciesAnswer, GroundsName, LeftOutAnswer, MotionName, SolverAnswer};
 use crate::simulation::lines::Line;
-use crate::simulation::metrics::{
-    AccuracyReport, CageMetrics, ChannelMetrics, MotionKind, RacewayContactMetrics, SolverReport, Summary,
-};
-use crate::simulation::needs::{Grounds, LeftOut};
+use crate::simulation::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
 use crate::simulation::run::{Outputs, RunResult};
 
 /// Everything a user reads first.
@@ -135,16 +132,6 @@ pub struct CageAnswer {
     pub whirl_ratio: Option<f64>,
 }
 
-/// Characteristic frequencies [Hz].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct FrequenciesAnswer {
-    pub shaft: f64,
-    pub cage: f64,
-    pub ball_pass_outer: f64,
-    pub ball_pass_inner: f64,
-    pub ball_spin: f64,
-}
-
 /// A line of a spectrum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LineAnswer {
@@ -158,79 +145,6 @@ pub struct LineAnswer {
     pub label: String,
     /// Frequency less that of the label [Hz].
     pub deviation_hz: f64,
-}
-
-/// What ran, and its work.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct SolverAnswer {
-    pub method: String,
-    pub method_reason: String,
-    pub rung: String,
-    pub check: String,
-    pub steps: u64,
-    pub rejected_steps: u64,
-    pub rhs_evaluations: u64,
-    pub jacobian_evaluations: u64,
-    pub factorizations: u64,
-    /// [s]
-    pub wall_time_s: f64,
-    /// [s]
-    pub simulated_time_s: f64,
-    /// Simulated time over wall time [-].
-    pub real_time_factor: f64,
-    pub states: u64,
-    /// Strips a raceway contact is cut into for traction.
-    pub strips: u64,
-    /// [s]
-    pub mean_step_s: f64,
-    /// [s]
-    pub least_step_s: f64,
-}
-
-/// How far the result can be trusted.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct AccuracyAnswer {
-    /// Estimated error of the worst acceleration level [dB]; absent where there is no level.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub level_error_db: Option<f64>,
-    pub how: String,
-    pub motion: MotionName,
-    /// Rate at which neighbouring runs part; negative: they meet [1/s].
-    pub divergence_rate_per_s: f64,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum MotionName {
-    Decaying,
-    Diverging,
-}
-
-/// A term that is not in the equations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct LeftOutAnswer {
-    #[schema(example = "hydrodynamics")]
-    pub term: String,
-    pub reason: String,
-    pub by: GroundsName,
-    /// Size of the effect, in `unit`; absent where it is none or unknown.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub bound: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub unit: Option<String>,
-}
-
-/// `identity`: the result is the same. `judgement`: the effect is bounded. `convention`: by a named
-/// convention or on request.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum GroundsName {
-    Identity,
-    Judgement,
-    Convention,
 }
 
 impl Metrics {
@@ -304,73 +218,6 @@ impl From<&RacewayContactMetrics> for RacewayAnswer {
             max_slip_m_s: m.max_slip,
             min_film_thickness_um: m.min_film_thickness,
             max_load_per_ball_n: m.max_load_per_ball.clone(),
-        }
-    }
-}
-
-impl From<CharacteristicFrequencies> for FrequenciesAnswer {
-    fn from(f: CharacteristicFrequencies) -> Self {
-        Self {
-            shaft: f.shaft,
-            cage: f.cage,
-            ball_pass_outer: f.ball_pass_outer,
-            ball_pass_inner: f.ball_pass_inner,
-            ball_spin: f.ball_spin,
-        }
-    }
-}
-
-impl From<&SolverReport> for SolverAnswer {
-    fn from(report: &SolverReport) -> Self {
-        let work = &report.statistics;
-        Self {
-            method: report.method.to_owned(),
-            method_reason: report.method_reason.clone(),
-            rung: report.rung.to_owned(),
-            check: report.check.clone(),
-            steps: work.steps,
-            rejected_steps: work.rejected_steps,
-            rhs_evaluations: work.rhs_evaluations,
-            jacobian_evaluations: work.jacobian_evaluations,
-            factorizations: work.factorizations,
-            wall_time_s: report.wall_time,
-            simulated_time_s: report.simulated_time,
-            real_time_factor: report.simulated_time / report.wall_time.max(1e-9),
-            states: report.states as u64,
-            strips: report.strips as u64,
-            mean_step_s: work.advanced / work.steps.max(1) as f64,
-            least_step_s: work.least_step,
-        }
-    }
-}
-
-impl From<&AccuracyReport> for AccuracyAnswer {
-    fn from(report: &AccuracyReport) -> Self {
-        Self {
-            level_error_db: report.level_error_db,
-            how: report.how.clone(),
-            motion: match report.motion {
-                MotionKind::Decaying => MotionName::Decaying,
-                MotionKind::Diverging => MotionName::Diverging,
-            },
-            divergence_rate_per_s: report.divergence_rate,
-        }
-    }
-}
-
-impl From<&LeftOut> for LeftOutAnswer {
-    fn from(left_out: &LeftOut) -> Self {
-        let bound = left_out.bound.filter(|bound| bound.0.is_finite());
-        Self {
-            term: left_out.term.to_owned(),
-            reason: left_out.reason.clone(),
-            by: match left_out.by {
-                Grounds::Identity => GroundsName::Identity,
-                Grounds::Judgement => GroundsName::Judgement,
-                Grounds::Convention => GroundsName::Convention,
-            },
-            bound: bound.map(|bound| bound.0),
-            unit: bound.map(|bound| bound.1.to_owned()),
         }
     }
 }

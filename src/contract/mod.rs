@@ -20,6 +20,7 @@ pub mod terms;
 
 pub mod execute;
 pub mod metrics;
+pub mod report;
 pub mod resolve;
 pub mod signals;
 

@@ -134,3 +134,14 @@ fn every_preset_states_what_it_sets() {
         assert_eq!(scene_from_json(&scene.to_string()).unwrap(), scene_from_json(&named.to_string()).unwrap());
     }
 }
+
+/// Decimal text to double and back loses nothing, so that a scene printed with 17 digits stays the same scene.
+#[test]
+fn long_decimals_survive_the_way_through_text() {
+    let mut number = 0.1_f64;
+    for _ in 0..2000 {
+        number = (number * 997.0 + 0.123_456_789).fract();
+        let text = format!("{{\"value\":{number}}}");
+        assert_eq!(crate::contract::strict::read(text.as_bytes()).unwrap()["value"].as_f64(), Some(number), "{text}");
+    }
+}

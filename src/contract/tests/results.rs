@@ -68,3 +68,33 @@ fn a_stopped_run_is_cancelled() {
     let failure = execute(&job, &Control { stop: &|| true, progress: &|_| () });
     assert_eq!(failure.err(), Some(RunFailure::Cancelled));
 }
+
+/// Whatever number is put into whatever field, it is refused or every number of the answer is finite.
+#[test]
+fn absurd_numbers_never_reach_an_answer() {
+    let body = br#"{"scene":{"bearing":"608","operation":{"speed_rpm":20000,"radial_load_y_n":100}}}"#;
+    let scene = parse_scene_request(body).unwrap().scene_json();
+    let mut pointers = Vec::new();
+    number_pointers(&scene, String::new(), &mut pointers);
+    assert!(pointers.len() > 40);
+    for pointer in &pointers {
+        for value in [1e-300, 1e-9, 0.0, 0.7, 1e3, 1e9, 1e300, -1e-300, -1.0] {
+            let mut scene = scene.clone();
+            *scene.pointer_mut(pointer).unwrap() = json!(value);
+            let body = json!({"scene": scene}).to_string();
+            let Ok(job) = parse_scene_request(body.as_bytes()) else { continue };
+            let answer = serde_json::to_string(&resolve_answer(&job)).unwrap();
+            assert!(!answer.contains("null"), "{pointer} {value}: {answer}");
+        }
+    }
+}
+
+fn number_pointers(value: &Value, pointer: String, found: &mut Vec<String>) {
+    match value {
+        Value::Number(_) => found.push(pointer),
+        Value::Object(fields) => {
+            fields.iter().for_each(|(key, field)| number_pointers(field, format!("{pointer}/{key}"), found));
+        }
+        _ => {}
+    }
+}

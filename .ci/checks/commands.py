@@ -1,0 +1,30 @@
+#!/usr/bin/env python3
+"""Exit statuses and streams of the commands: stdout carries only what was asked for."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+from service import ARTICLE, binary, check, clean_environment  # noqa: E402
+
+
+def raceway(*arguments, stdin=""):
+    return subprocess.run([binary(), *arguments], input=stdin, capture_output=True, text=True, timeout=120,
+                          env=clean_environment())
+
+
+short = ARTICLE | {"duration_s": 0.01, "settle_s": 0.001}
+with tempfile.TemporaryDirectory() as directory:
+    done = raceway("simulate", "-", "--output", directory, stdin=json.dumps(short))
+    check(done.returncode == 0 and "channels" in json.loads(done.stdout), "simulate prints metrics as JSON")
+    check({"metrics.json", "spectrum.svg"} <= set(os.listdir(directory)), "and writes its files")
+refused = raceway("simulate", "-", stdin=json.dumps(short | {"duration_s": -1}))
+check(refused.returncode == 2 and refused.stdout == "", "a refused job ends with 2 and an empty stdout")
+check(json.loads(refused.stderr)["errors"][0]["pointer"] == "/duration_s", "the problem names the field")
+check(raceway("simulate", "no-such-file.json").returncode == 2, "a missing file ends with 2")
+check("openapi" in json.loads(raceway("openapi").stdout), "openapi prints the document")
+check(raceway("health", "--listen", "127.0.0.1:1").returncode == 1, "health of nobody ends with 1")
+check(raceway("--version").stdout.startswith("raceway "), "the version is told")
