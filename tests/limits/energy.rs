@@ -112,9 +112,8 @@ fn damping_takes_energy() {
     assert!(lost > 1e-6, "{lost:e} J");
 }
 
-/// A bearing that stands still but for a disturbance is driven by nothing: with traction, rolling friction,
-/// friction in pockets, drag and churning its energy falls at every instant, in whatever way its bodies move. A
-/// relative velocity that forgets one of the bodies would make energy in some of these states. Rate by a central
+/// A bearing that stands still but for a disturbance is driven by nothing: with traction, rolling friction, friction
+/// in pockets, drag and churning its energy falls at every instant, in whatever way its bodies move. Rate by a central
 /// difference along the rates of state.
 #[test]
 fn a_standing_bearing_loses_energy_at_every_instant() {

@@ -333,3 +333,43 @@ fn contacts_see_velocities_that_are_rates_of_their_places() {
         }
     }
 }
+
+/// The rate at which a film in a pocket is squeezed is the rate of the ball's displacement in it, cage's motion,
+/// rotation and tilting included: the damping force of a film over its damping against a central difference of its
+/// elastic force over its stiffness.
+#[test]
+fn pockets_see_velocities_that_are_rates_of_their_places() {
+    const STEP: f64 = 1e-9;
+    const STIFFNESS: f64 = 1e5;
+    const DAMPING: f64 = 1.0;
+    let with = |damping: f64| {
+        let film = json!({ "stiffness_n_per_m": STIFFNESS, "damping_n_s_per_m": damping });
+        let terms = json!({ "hydrodynamics": "off", "pocket_friction": "off" });
+        model(&changed(everything(), json!({ "bearing": { "cage": { "film": film } }, "terms": terms })))
+    };
+    let (elastic, damped) = (with(0.0), with(DAMPING));
+    let edge = 0.5 * elastic.mechanism().cage.pocket_clearance * STIFFNESS;
+    let mut compared = 0;
+    for seed in 1..=100 {
+        let state = disturbed(&elastic, seed);
+        let (rates, loads) = watched(&elastic, TIME, &state);
+        let (_, damped_loads) = watched(&damped, TIME, &state);
+        let seen = |by: f64| {
+            let moved: Vec<f64> = state.iter().zip(&rates).map(|(y, dy)| y + by * dy).collect();
+            watched(&elastic, TIME + by, &moved).1.pocket
+        };
+        let (after, before) = (seen(STEP), seen(-STEP));
+        for ball in 0..7 {
+            let (slow, fast) = (loads.pocket[ball].normal, damped_loads.pocket[ball].normal);
+            // Within the clearance, beyond the film's onset, and not leaving so fast that the film cannot follow.
+            if slow < 0.2e-6 * STIFFNESS || slow > 0.99 * edge || fast == 0.0 {
+                continue;
+            }
+            let rate = (after[ball].normal - before[ball].normal) / (2.0 * STEP * STIFFNESS);
+            let felt = (fast - slow) / DAMPING;
+            assert!((felt - rate).abs() < 1e-5, "state {seed}, ball {ball}: {felt} m/s, not {rate} m/s");
+            compared += 1;
+        }
+    }
+    assert!(compared > 100, "{compared}");
+}
