@@ -48,7 +48,10 @@ impl From<sqlx::Error> for JobError {
     fn from(error: sqlx::Error) -> Self {
         let code = error.as_database_error().and_then(|e| e.code()).and_then(|code| code.parse::<i64>().ok());
         match code.map(|code| code & 0xff) {
-            Some(SQLITE_FULL | SQLITE_IOERR) => Self::DiskFull,
+            Some(SQLITE_FULL | SQLITE_IOERR) => {
+                tracing::error!(%error, "the disk does not take what is written");
+                Self::DiskFull
+            }
             _ => Self::Database(error),
         }
     }

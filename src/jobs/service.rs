@@ -38,6 +38,8 @@ pub struct Settings {
     /// Silence after which a run counts as lost.
     pub lost_after: Duration,
     pub sweep_every: Duration,
+    /// Pages of 4 KiB at which the database counts as full; tests fill a disk with it.
+    pub max_pages: Option<u32>,
 }
 
 impl Settings {
@@ -52,6 +54,7 @@ impl Settings {
             keep_s: 30.0 * 86_400.0,
             lost_after: Duration::from_secs(15),
             sweep_every: Duration::from_secs(10),
+            max_pages: None,
         }
     }
 }
@@ -107,7 +110,7 @@ impl Jobs {
     /// Opens the database, brings back what a dead process left, and begins to run jobs.
     pub async fn start(settings: Settings, simulator: Simulator) -> Result<Self, JobError> {
         let lock = DatabaseLock::take(&settings.database)?;
-        let store = Store::open(&settings.database).await?;
+        let store = Store::open(&settings.database, settings.max_pages).await?;
         let running = Arc::new(Running::default());
         let worker = Arc::new(Worker::new(store.clone(), Arc::clone(&running), simulator, settings.clone()));
         let handler: Handler = Arc::new(move |ticket| {
@@ -174,6 +177,10 @@ impl Jobs {
 
     /// Ends a job that waits or runs.
     pub async fn cancel(&self, owner: &str, id: Uuid) -> Result<Cancelled, JobError> {
+        self.inner.note(self.try_cancel(owner, id).await)
+    }
+
+    async fn try_cancel(&self, owner: &str, id: Uuid) -> Result<Cancelled, JobError> {
         let mut tx = self.inner.store.begin().await?;
         let (status, delivery) = records::standing(&mut tx, owner, id).await?;
         match status {

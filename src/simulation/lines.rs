@@ -35,8 +35,8 @@ const TOLERANCE_SHARE: f64 = 5e-4;
 const SEPARATION: f64 = 6.0;
 /// Dearest label of more than one term.
 const LARGEST_COST: f64 = 4.2;
-/// Cost of lying at the edge of the tolerance.
-const DEVIATION_COST: f64 = 1.0;
+/// Cost of lying at the edge of the tolerance: an exact sideband beats a simpler label that is off.
+const DEVIATION_COST: f64 = 3.0;
 /// Highest orders of the sidebands.
 const SHAFT_SIDEBANDS: i32 = 4;
 const OUTER_SIDEBANDS: i32 = 2;

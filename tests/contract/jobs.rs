@@ -84,6 +84,41 @@ fn a_full_queue_refuses_and_recovers() {
 }
 
 #[test]
+fn a_full_disk_refuses_and_recovers_and_loses_nothing() {
+    let server = start_with(Wishes { workers: 1, max_pages: Some(200), ..Wishes::default() });
+    let large = |first: &str| {
+        let labels: Vec<String> = std::iter::once(first.to_owned()).chain((0..15).map(|_| "x".repeat(200))).collect();
+        job_with(json!({ "labels": labels }))
+    };
+    let ended: Vec<String> = (0..10).map(|_| server.submit(&large("fail"))).collect();
+    ended.iter().for_each(|path| drop(server.wait_for(path, &["failed"])));
+    let running = server.submit(&large("slow"));
+    server.wait_for(&running, &["running"]);
+    let mut accepted = Vec::new();
+    let refused = loop {
+        let answer = server.post("/v1/jobs", &large("fail"));
+        match answer.status {
+            202 => accepted.push(answer.header("location").expect("a location").to_owned()),
+            _ => break answer,
+        }
+    };
+    assert_eq!(refused.problem(507)["type"], "urn:raceway:problem:disk-full");
+    server.get("/health/ready").problem(503);
+    accepted.iter().for_each(|path| assert_eq!(server.get(path).json()["status"], "queued"));
+    for path in &ended {
+        assert_eq!(request(server.address(), "DELETE", path, &[], b"").status, 204);
+    }
+    let begin = Instant::now();
+    while server.get("/health/ready").status != 200 {
+        assert!(begin.elapsed() < Duration::from_secs(10));
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    server.post(&format!("{running}/cancel"), &json!({}));
+    accepted.iter().for_each(|path| drop(server.wait_for(path, &["failed"])));
+    server.submit(&large("fail"));
+}
+
+#[test]
 fn identical_finished_work_is_reused_unless_told() {
     let server = start();
     let first = server.submit(&job());

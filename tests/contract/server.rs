@@ -43,11 +43,12 @@ pub struct Wishes {
     pub workers: usize,
     pub queue_limit: u64,
     pub time_limit: Duration,
+    pub max_pages: Option<u32>,
 }
 
 impl Default for Wishes {
     fn default() -> Self {
-        Self { tokens: "", workers: 2, queue_limit: 1000, time_limit: Duration::from_secs(60) }
+        Self { tokens: "", workers: 2, queue_limit: 1000, time_limit: Duration::from_secs(60), max_pages: None }
     }
 }
 
@@ -63,6 +64,7 @@ pub fn start_with(wishes: Wishes) -> InProcess {
         workers: wishes.workers,
         queue_limit: wishes.queue_limit,
         time_limit: wishes.time_limit,
+        max_pages: wishes.max_pages,
         sweep_every: Duration::from_millis(200),
         ..Settings::new(place.path().join("test.db"))
     };

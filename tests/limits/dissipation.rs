@@ -64,6 +64,36 @@ fn raceways_take_energy_from_slip_spin_and_rolling() {
     }
 }
 
+/// Rolling friction acts at the contact point along the groove: its moment on the ball lies across the contact
+/// normal, to rounding, and brakes the ball's rolling on either raceway.
+#[test]
+fn rolling_friction_turns_no_ball_about_its_contact_normal() {
+    let model = model(&changed(everything(), json!({ "lubricant": { "traction": { "maximum": 0, "limit": 0 } } })));
+    let m = model.mechanism();
+    let (orbit, spin) = (m.orbit_ratio * 5236.0, m.spin_ratio * 5236.0);
+    for (contact, towards, speed) in [(&m.raceway.inner, -1.0, 5236.0), (&m.raceway.outer, 1.0, 0.0)] {
+        for axial in [-30e-6, 10e-6, 30e-6] {
+            let radius = 6.5e-3 + towards * 10e-6;
+            let motion = RelativeMotion {
+                axial,
+                radius,
+                velocity: [0.0, 0.0, radius * orbit],
+                spin: [spin, 0.0, 0.0],
+                raceway_speed: speed,
+                orbit_speed: orbit,
+                azimuth: 0.0,
+            };
+            let load = contact.load::<false>(&motion);
+            let (_, (towards_a, towards_r)) = contact.penetration::<false>(axial, radius);
+            let about_normal = dot(load.moment, [towards_a, towards_r, 0.0]);
+            let size = dot(load.moment, load.moment).sqrt();
+            assert!(towards_a.abs() > 0.05 && size > 1e-6);
+            assert!(about_normal.abs() < 1e-12 * size, "{about_normal:e} of {size:e} N m");
+            assert!(load.moment[0] * (spin - orbit) < 0.0);
+        }
+    }
+}
+
 /// Pockets with an elastic film and solid contact: friction, rolling friction and film shear take energy.
 #[test]
 fn pockets_take_energy_from_sliding_and_rolling() {

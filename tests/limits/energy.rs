@@ -111,3 +111,31 @@ fn damping_takes_energy() {
     let lost = before - energy(&model, 1e-3, &end);
     assert!(lost > 1e-6, "{lost:e} J");
 }
+
+/// A bearing that stands still but for a disturbance is driven by nothing: with traction, rolling friction, friction
+/// in pockets, drag and churning its energy falls at every instant, in whatever way its bodies move. Rate by a central
+/// difference along the rates of state.
+#[test]
+fn a_standing_bearing_loses_energy_at_every_instant() {
+    const STEP: f64 = 1e-9;
+    let lossy = json!({
+        "operation": { "speed_rpm": 0, "axial_load_n": 15 },
+        "lubricant": { "kind": "oil", "traction": { "law": "coulomb", "coefficient": 0.2, "regularisation_m_s": 0.01 } },
+        "damping": { "raceway": { "law": "none" }, "pocket": { "law": "none" } },
+        "bearing": { "cage": { "friction": 0.5, "film": { "stiffness_n_per_m": FILM, "damping_n_s_per_m": 0 } } }
+    });
+    let raceways = json!({ "terms": { "pocket_friction": "off", "drag": "off", "churning": "off" } });
+    let pockets = json!({
+        "lubricant": { "traction": { "coefficient": 0 } }, "terms": { "hydrodynamics": "off", "drag": "off", "churning": "off" }
+    });
+    for (name, change) in [("all", json!({})), ("raceways", raceways), ("pockets", pockets)] {
+        let model = model(&changed(changed(article(), lossy.clone()), change));
+        for seed in 1..=200 {
+            let state = disturbed(&model, seed);
+            let (rates, _) = watched(&model, 0.0, &state);
+            let moved = |by: f64| -> Vec<f64> { state.iter().zip(&rates).map(|(y, dy)| y + by * dy).collect() };
+            let rate = (energy(&model, STEP, &moved(STEP)) - energy(&model, -STEP, &moved(-STEP))) / (2.0 * STEP);
+            assert!(rate < 1e-7, "{name}, state {seed}: {rate:e} W");
+        }
+    }
+}

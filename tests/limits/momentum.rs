@@ -2,8 +2,10 @@
 //! slip, hydrodynamic forces, pocket contacts and the cage's tilt all act, and with the speed rising.
 
 use raceway::physics::frames::{Azimuth, Tilt, Vector, add, cross, length, scale, subtract};
+use raceway::physics::raceway::{RacewayLoad, RelativeMotion};
 use raceway::physics::spindle::unbalance_force;
-use raceway::simulation::model::Model;
+use raceway::simulation::channel::BallContact;
+use raceway::simulation::model::{Model, Watch};
 use serde_json::{Value, json};
 
 use crate::scenes::{Loads, azimuth, changed, disturbed, everything, model, sizes, watched};
@@ -272,4 +274,102 @@ fn drag_brakes_each_ball_and_nothing_else() {
     }
     assert_eq!(m.layout.cage(&with), m.layout.cage(&without));
     assert_eq!(m.layout.spindle(&with), m.layout.spindle(&without));
+}
+
+/// The unbalance is the inertia of a mass that turns with the spindle: F = −m e d²(cos ψ, sin ψ)/dt², also while
+/// the speed changes; to the difference quotient's 1e-6.
+#[test]
+fn unbalance_is_the_inertia_of_a_turning_mass() {
+    let ramp = json!([{ "at_s": 0, "rpm": 1_000 }, { "at_s": 0.001, "rpm": 60_000 }]);
+    let model = model(&changed(everything(), json!({ "operation": { "speed_rpm": ramp } })));
+    let m = model.mechanism();
+    assert!(m.unbalance > 0.0);
+    const STEP: f64 = 1e-7;
+    for time in [1e-5, 1e-4, 5e-4, 9e-4] {
+        let (angle, speed, acceleration) = m.speed.at(time);
+        let found = unbalance_force(m.unbalance, angle, speed, acceleration);
+        let place = |time: f64| {
+            let (sine, cosine) = m.speed.at(time).0.sin_cos();
+            [0.0, cosine, sine]
+        };
+        let bend = subtract(add(place(time + STEP), place(time - STEP)), scale(2.0, place(time)));
+        let expected = scale(-m.unbalance / (STEP * STEP), bend);
+        assert_near(&format!("at {time} s"), found, expected, 1e-5 * m.unbalance * acceleration.max(speed * speed));
+    }
+}
+
+/// Places of the balls as their raceways see them.
+#[derive(Default)]
+struct Motions(Vec<RelativeMotion>);
+
+impl Watch for Motions {
+    fn raceway(&mut self, _ball: usize, _side: BallContact, motion: &RelativeMotion, _load: &RacewayLoad) {
+        self.0.push(*motion);
+    }
+}
+
+/// The velocity that a contact sees is the rate of the place that it sees, spindle's motion and tilt included: by a
+/// central difference, to its 1e-7 m/s.
+#[test]
+fn contacts_see_velocities_that_are_rates_of_their_places() {
+    const STEP: f64 = 1e-9;
+    for (name, json) in all_scenes() {
+        let model = model(&json);
+        for seed in 1..=20 {
+            let state = disturbed(&model, seed);
+            let (rates, _) = watched(&model, TIME, &state);
+            let seen = |by: f64| {
+                let moved: Vec<f64> = state.iter().zip(&rates).map(|(y, dy)| y + by * dy).collect();
+                let mut motions = Motions::default();
+                model.derivative_watched(TIME + by, &moved, &mut vec![0.0; moved.len()], &mut motions);
+                motions.0
+            };
+            for ((now, after), before) in seen(0.0).iter().zip(seen(STEP)).zip(seen(-STEP)) {
+                let axial = (after.axial - before.axial) / (2.0 * STEP);
+                let radial = (after.radius - before.radius) / (2.0 * STEP);
+                let off = (axial - now.velocity[0]).abs().max((radial - now.velocity[1]).abs());
+                assert!(off < 1e-6, "{name}, state {seed}: {off:e} m/s of {:?}", now.velocity);
+            }
+        }
+    }
+}
+
+/// The rate at which a film in a pocket is squeezed is the rate of the ball's displacement in it, cage's motion,
+/// rotation and tilting included: the damping force of a film over its damping against a central difference of its
+/// elastic force over its stiffness.
+#[test]
+fn pockets_see_velocities_that_are_rates_of_their_places() {
+    const STEP: f64 = 1e-9;
+    const STIFFNESS: f64 = 1e5;
+    const DAMPING: f64 = 1.0;
+    let with = |damping: f64| {
+        let film = json!({ "stiffness_n_per_m": STIFFNESS, "damping_n_s_per_m": damping });
+        let terms = json!({ "hydrodynamics": "off", "pocket_friction": "off" });
+        model(&changed(everything(), json!({ "bearing": { "cage": { "film": film } }, "terms": terms })))
+    };
+    let (elastic, damped) = (with(0.0), with(DAMPING));
+    let edge = 0.5 * elastic.mechanism().cage.pocket_clearance * STIFFNESS;
+    let mut compared = 0;
+    for seed in 1..=100 {
+        let state = disturbed(&elastic, seed);
+        let (rates, loads) = watched(&elastic, TIME, &state);
+        let (_, damped_loads) = watched(&damped, TIME, &state);
+        let seen = |by: f64| {
+            let moved: Vec<f64> = state.iter().zip(&rates).map(|(y, dy)| y + by * dy).collect();
+            watched(&elastic, TIME + by, &moved).1.pocket
+        };
+        let (after, before) = (seen(STEP), seen(-STEP));
+        for ball in 0..7 {
+            let (slow, fast) = (loads.pocket[ball].normal, damped_loads.pocket[ball].normal);
+            // Within the clearance, beyond the film's onset, and not leaving so fast that the film cannot follow.
+            if slow < 0.2e-6 * STIFFNESS || slow > 0.99 * edge || fast == 0.0 {
+                continue;
+            }
+            let rate = (after[ball].normal - before[ball].normal) / (2.0 * STEP * STIFFNESS);
+            let felt = (fast - slow) / DAMPING;
+            assert!((felt - rate).abs() < 1e-5, "state {seed}, ball {ball}: {felt} m/s, not {rate} m/s");
+            compared += 1;
+        }
+    }
+    assert!(compared > 100, "{compared}");
 }

@@ -18,7 +18,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
-use sqlx::{AssertSqlSafe, SqlSafeStr};
+use sqlx::{AssertSqlSafe, Connection, SqlSafeStr, SqliteConnection};
 
 use super::JobError;
 use super::queue::{Queue, Tx};
@@ -39,8 +39,8 @@ const READERS: u32 = 3;
 
 impl Store {
     /// Opens the database and brings its tables up to date.
-    pub async fn open(path: &Path) -> Result<Self, JobError> {
-        let options = SqliteConnectOptions::new()
+    pub async fn open(path: &Path, max_pages: Option<u32>) -> Result<Self, JobError> {
+        let mut options = SqliteConnectOptions::new()
             .filename(path)
             .create_if_missing(true)
             .journal_mode(SqliteJournalMode::Wal)
@@ -48,6 +48,9 @@ impl Store {
             .synchronous(SqliteSynchronous::Full)
             .foreign_keys(true)
             .busy_timeout(Duration::from_secs(10));
+        if let Some(pages) = max_pages {
+            options = options.pragma("max_page_count", pages.to_string());
+        }
         let writer = pool(1).connect_with(options.clone()).await?;
         Queue::migrate(&writer).await?;
         migrate(&writer).await?;
@@ -82,7 +85,16 @@ impl Store {
 }
 
 fn pool(connections: u32) -> SqlitePoolOptions {
-    SqlitePoolOptions::new().max_connections(connections).acquire_timeout(Duration::from_secs(30))
+    SqlitePoolOptions::new()
+        .max_connections(connections)
+        .acquire_timeout(Duration::from_secs(30))
+        .before_acquire(|connection, _| Box::pin(std::future::ready(Ok(is_outside_transactions(connection)))))
+}
+
+/// Whether the connection may be used again. On a full disk SQLite ends a transaction by itself; sqlx then
+/// fails to end it, counts it as open for ever, and refuses every later one.
+fn is_outside_transactions(connection: &SqliteConnection) -> bool {
+    !connection.is_in_transaction()
 }
 
 /// Our migrations, in order; never edited once released.
