@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
 from service import ARTICLE, ROOT, Service, binary, check, free_port  # noqa: E402
@@ -35,10 +36,13 @@ with tempfile.TemporaryDirectory(prefix="raceway-context-") as context:
                 shutil.copytree(os.path.join(ROOT, path), os.path.join(context, path))
             else:
                 shutil.copy(os.path.join(ROOT, path), context)
-    # Not a second build: that every file which the manifest names is among those copied.
-    told = subprocess.run(["cargo", "metadata", "--locked", "--no-deps", "--format-version", "1"], cwd=context,
-                          capture_output=True, text=True)
-    check(told.returncode == 0, f"cargo finds its targets among what is copied {told.stderr}")
+    # Instead of a second build: whatever file the manifest or the code names is among those copied.
+    with open(os.path.join(context, "Cargo.toml"), "rb") as file:
+        manifest = tomllib.load(file)
+    for kind, folder in (("bench", "benches"), ("test", "tests"), ("example", "examples")):
+        for name in (target["name"] for target in manifest.get(kind, [])):
+            there = [os.path.join(context, folder, end) for end in (f"{name}.rs", f"{name}/main.rs")]
+            check(any(map(os.path.exists, there)), f"the {kind} {name}, which Cargo.toml names, is copied")
     for file in re.findall(r'include_str!\("((?:\.\./)*)([^"]+)"\)', "".join(
             open(os.path.join(place, name), encoding="utf-8").read()
             for place, _, names in os.walk(os.path.join(context, "src")) for name in names if name.endswith(".rs"))):
