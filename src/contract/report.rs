@@ -52,7 +52,9 @@ pub struct AccuracyAnswer {
     #[schema(nullable = false)]
     pub level_error_db: Option<f64>,
     pub how: String,
-    pub motion: MotionName,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub motion: Option<MotionName>,
     /// Rate at which neighbouring runs part; negative: they meet [1/s].
     pub divergence_rate_per_s: f64,
 }
@@ -131,10 +133,10 @@ impl From<&AccuracyReport> for AccuracyAnswer {
         Self {
             level_error_db: report.level_error_db,
             how: report.how.clone(),
-            motion: match report.motion {
+            motion: report.motion.map(|motion| match motion {
                 MotionKind::Decaying => MotionName::Decaying,
                 MotionKind::Diverging => MotionName::Diverging,
-            },
+            }),
             divergence_rate_per_s: report.divergence_rate,
         }
     }

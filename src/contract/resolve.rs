@@ -86,8 +86,10 @@ pub struct StaticAnswer {
 pub struct CostAnswer {
     /// Number of first-order states.
     pub states: u64,
-    /// Rough estimate, on one core [s].
-    pub estimated_wall_time_s: f64,
+    /// Order of magnitude, on one core [s]; absent where the run has no equilibrium to start from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub estimated_wall_time_s: Option<f64>,
 }
 
 /// Resolves a checked job.
@@ -101,7 +103,7 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
         duration_s: job.settings.duration,
         defaults: job.resolved.defaults.clone(),
         left_out: job.needs.left_out.iter().map(LeftOutAnswer::from).collect(),
-        cost: cost::estimate(job, at_rest.as_ref()),
+        cost: cost::estimate(job),
         derived: derived(job, at_rest.as_ref()),
     }
 }

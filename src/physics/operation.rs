@@ -14,6 +14,9 @@ pub struct SpeedProfile {
 /// Largest angular speed accepted [rad/s]: 500 000 r/min.
 pub const MAX_SPEED: f64 = 500_000.0 * std::f64::consts::PI / 30.0;
 
+/// Shortest time between two points of a profile [s].
+const SHORTEST_RAMP: f64 = 1e-9;
+
 impl SpeedProfile {
     /// A constant angular speed [rad/s]; negative turns the other way.
     pub fn constant(speed: f64) -> Result<Self, InvalidParameter> {
@@ -34,8 +37,11 @@ impl SpeedProfile {
             within("operation.speed", speed, -MAX_SPEED, MAX_SPEED)?;
             within("operation.speed.at", time, 0.0, 1e6)?;
         }
-        if let Some(pair) = points.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
-            return inconsistent(format!("times must rise: {} s is followed by {} s", pair[0].0, pair[1].0));
+        if let Some(pair) = points.windows(2).find(|pair| pair[1].0 < pair[0].0 + SHORTEST_RAMP) {
+            return inconsistent(format!(
+                "times must rise by at least 1 ns: {:e} s is followed by {:e} s",
+                pair[0].0, pair[1].0
+            ));
         }
         let mut angles = vec![0.0];
         for pair in points.windows(2) {

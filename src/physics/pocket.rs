@@ -129,6 +129,11 @@ impl Pocket {
         }
     }
 
+    /// `C_p`, half the diametral pocket clearance [m].
+    pub fn clearance(&self) -> f64 {
+        self.clearance
+    }
+
     /// Film stiffness `K_c` [N/m]; 0 without a film.
     pub fn film_stiffness(&self) -> f64 {
         self.film_stiffness

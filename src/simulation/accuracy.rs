@@ -30,6 +30,14 @@ const ACCELERATIONS: [Channel; 2] =
 /// Batches for the sampling error of a level.
 const BATCHES: usize = 10;
 
+/// Shortest stretch that tells decay from divergence; shorter runs say nothing about it [s].
+const LEAST_STRETCH: f64 = 5e-3;
+
+/// How much of a run is judged [s].
+pub fn judged_stretch(settings: &RunSettings) -> f64 {
+    settings.duration.min(STRETCH)
+}
+
 /// Judges a run from the state at its checkpoint, the end of settling.
 pub(super) fn judge(
     model: &Model,
@@ -39,20 +47,21 @@ pub(super) fn judge(
     checkpoint: &[f64],
     control: &Control<'_>,
 ) -> Result<AccuracyReport, SimulationError> {
-    let stretch = settings.duration.min(STRETCH);
+    let stretch = judged_stretch(settings);
     let divergence_rate = divergence_rate(model, settings, checkpoint, stretch, control)?;
     (control.progress)(0.9);
     let diverging = divergence_rate * stretch > FOLDS;
+    let decided = stretch >= LEAST_STRETCH;
     let signals = ACCELERATIONS.iter().filter_map(|&channel| recording.signal(channel));
     let sampling = signals
         .filter_map(|signal| level_standard_error_db(&band_limited(signal, RATE, BAND), BATCHES))
         .fold(None, largest);
-    if diverging {
+    if decided && diverging {
         let how = "the motion is chaotic: standard error of the level by ten batch means, worst of y and z";
         return Ok(AccuracyReport {
             level_error_db: sampling,
             how: how.into(),
-            motion: MotionKind::Diverging,
+            motion: Some(MotionKind::Diverging),
             divergence_rate,
         });
     }
@@ -61,10 +70,11 @@ pub(super) fn judge(
     Ok(AccuracyReport {
         level_error_db: tolerance_error,
         how: format!(
-            "level over {:.3} ms repeated at a tenth of the relative tolerance, worst of y and z",
-            1e3 * stretch
+            "level over {:.3} ms repeated at {}, worst of y and z",
+            1e3 * stretch,
+            if settings.fixed_step.is_some() { "half of the step" } else { "a tenth of the relative tolerance" }
         ),
-        motion: MotionKind::Decaying,
+        motion: decided.then_some(MotionKind::Decaying),
         divergence_rate,
     })
 }
@@ -164,12 +174,17 @@ fn divergence_rate(
     let tolerances = Tolerances { relative: one.relative.repeat(2), absolute: one.absolute.repeat(2) };
     let pair = Pair { model };
     let mut integrator = DormandPrince::new(&pair, settings.settle, &start, tolerances, settings.fixed_step);
+    let kinks: Vec<f64> = model.mechanism().speed.kinks().collect();
     let (mut times, mut logarithms) = (Vec::new(), Vec::new());
     let mut state = start.clone();
     for k in 1..=SAMPLES {
         let time = settings.settle + stretch * k as f64 / SAMPLES as f64;
         while integrator.time() < time {
-            step(&mut integrator, time, model, control)?;
+            let kink = kinks.iter().copied().find(|kink| *kink > integrator.time() && *kink < time);
+            step(&mut integrator, kink.unwrap_or(time), model, control)?;
+            if Some(integrator.time()) == kink {
+                integrator.restart();
+            }
         }
         integrator.interpolate(time, &mut state);
         let squares: f64 = (0..n).map(|i| ((state[n + i] - state[i]) / sizes[i]).powi(2)).sum();

@@ -95,7 +95,8 @@ pub struct AccuracyReport {
     /// Estimated error of the worst acceleration level [dB]; absent where no level exists.
     pub level_error_db: Option<f64>,
     pub how: String,
-    pub motion: MotionKind,
+    /// `None`: the run is too short to tell.
+    pub motion: Option<MotionKind>,
     /// Rate at which two runs 1e-10 apart part (negative: meet) [1/s].
     pub divergence_rate: f64,
 }

@@ -8,6 +8,7 @@ pub mod lines;
 pub mod metrics;
 pub mod model;
 pub mod needs;
+pub mod stiffness;
 pub mod observe;
 pub mod run;
 pub mod scene;

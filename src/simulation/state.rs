@@ -234,9 +234,9 @@ impl Layout {
             .chain(spindle.into_iter().map(|(name, size)| (format!("{name} of the spindle"), size)))
     }
 
-    /// An entry in words, such as "radial velocity of ball 3".
+    /// An entry in words, such as "radial velocity of ball 3"; of several states side by side, too.
     pub fn name(&self, entry: usize) -> String {
-        self.entries().nth(entry).map_or_else(|| format!("entry {entry}"), |(name, _)| name)
+        self.entries().nth(entry % self.dimension()).map_or_else(|| format!("entry {entry}"), |(name, _)| name)
     }
 
     /// Sizes of the entries at which deviations begin to matter.
