@@ -76,7 +76,18 @@ fn other_databases_are_not_available() {
     let stderr = refused(&["serve", "--database", "postgres://me:secret@host/db"], &[]);
     assert!(stderr.contains("not available in this version") && !stderr.contains("secret"), "{stderr}");
     refused(&["serve", "--database", "raceway.db"], &[]);
-    refused(&["serve", "--database", "sqlite:///no/such/directory/raceway.db"], &[]);
+}
+
+#[test]
+fn a_database_that_cannot_be_opened_is_named() {
+    let place = tempfile::tempdir().expect("a directory");
+    let file = place.path().join("no.db");
+    std::fs::write(&file, "no database at all, whatever its name says".repeat(100)).expect("a file is written");
+    for path in ["/no/such/directory/raceway.db", &file.display().to_string()] {
+        let url = format!("sqlite://{path}");
+        let stderr = refused(&["serve", "--listen", "127.0.0.1:0", "--database", &url], &[]);
+        assert!(stderr.contains(&format!("cannot open the database {path}: ")), "{stderr}");
+    }
 }
 
 #[test]
