@@ -1,9 +1,11 @@
 //! Settings from command line and environment: the only place that reads either.
 
+use std::ffi::OsStr;
 use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::BoolishValueParser;
 use clap::{Args, Parser, Subcommand};
 
 use crate::api::auth::Tokens;
@@ -35,7 +37,7 @@ pub enum Command {
 #[derive(Debug, Args)]
 pub struct DemoOptions {
     /// Stop after the demonstration instead of serving on
-    #[arg(long, env = "RACEWAY_ONCE")]
+    #[arg(long, env = "RACEWAY_ONCE", value_parser = BoolishValueParser::new())]
     pub once: bool,
     /// Directory for spectrum.svg
     #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
@@ -83,7 +85,7 @@ pub struct ServeOptions {
     #[arg(long, env = "RACEWAY_KEEP_FOR_S", default_value_t = 30 * 86_400, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep_for_s: u32,
     /// Serve beyond loopback without tokens: everyone who reaches the port may do everything
-    #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH")]
+    #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH", value_parser = BoolishValueParser::new())]
     pub insecure_no_auth: bool,
 }
 
@@ -99,6 +101,12 @@ pub enum ConfigError {
          127.0.0.1, or accept the risk with --insecure-no-auth"
     )]
     OpenToEveryone(SocketAddr),
+    #[error("RACEWAY_API_TOKENS is not UTF-8")]
+    UnreadableTokens,
+    #[error("RACEWAY_API_TOKENS is set, but holds no token: set tokens, separated by commas, or unset it")]
+    NoTokens,
+    #[error("RACEWAY_LOG is {0:?}: must be error, warn, info, debug or trace")]
+    UnknownLogLevel(String),
 }
 
 impl ServeOptions {
@@ -141,14 +149,22 @@ fn database_file(url: &str) -> Result<PathBuf, ConfigError> {
 }
 
 /// Tokens from `RACEWAY_API_TOKENS`, separated by commas. Not an option, because every user of a machine
-/// can read the command lines of all its processes.
-pub fn tokens() -> Tokens {
-    Tokens::parse(&std::env::var("RACEWAY_API_TOKENS").unwrap_or_default())
+/// can read the command lines of all its processes. Only without the variable is the service open: one that is
+/// set was meant to close it.
+pub fn tokens() -> Result<Tokens, ConfigError> {
+    std::env::var_os("RACEWAY_API_TOKENS").map_or_else(|| Ok(Tokens::default()), |list| tokens_of(&list))
+}
+
+fn tokens_of(list: &OsStr) -> Result<Tokens, ConfigError> {
+    let tokens = Tokens::parse(list.to_str().ok_or(ConfigError::UnreadableTokens)?);
+    if tokens.is_empty() { Err(ConfigError::NoTokens) } else { Ok(tokens) }
 }
 
 /// How much is logged: `RACEWAY_LOG` is one of error, warn, info, debug, trace.
-pub fn log_level() -> tracing::Level {
-    std::env::var("RACEWAY_LOG").ok().and_then(|level| level.parse().ok()).unwrap_or(tracing::Level::INFO)
+pub fn log_level() -> Result<tracing::Level, ConfigError> {
+    let Some(level) = std::env::var_os("RACEWAY_LOG") else { return Ok(tracing::Level::INFO) };
+    let level = level.to_string_lossy();
+    level.parse().map_err(|_| ConfigError::UnknownLogLevel(level.into_owned()))
 }
 
 #[cfg(test)]
@@ -166,6 +182,17 @@ mod tests {
             let refused = database_file(url).err().map(|error| error.to_string()).unwrap_or_default();
             assert!(refused.contains("sqlite://FILE") && !refused.contains("secret"), "{url}: {refused}");
         }
+    }
+
+    #[test]
+    fn tokens_that_are_set_are_there() {
+        use std::os::unix::ffi::OsStrExt;
+        assert!(tokens_of(OsStr::new("one,")).is_ok_and(|tokens| !tokens.is_empty()));
+        for nothing in ["", " ", ",", " , ,"] {
+            assert!(matches!(tokens_of(OsStr::new(nothing)), Err(ConfigError::NoTokens)), "{nothing:?}");
+        }
+        let refused = tokens_of(OsStr::from_bytes(b"secret,\xff")).err().map(|error| error.to_string());
+        assert_eq!(refused.as_deref(), Some("RACEWAY_API_TOKENS is not UTF-8"));
     }
 
     #[test]

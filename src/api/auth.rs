@@ -83,19 +83,30 @@ fn bearer(headers: &HeaderMap) -> Option<&str> {
 /// A page on the internet can have its name point to 127.0.0.1 and so reach a service without tokens
 /// through its reader's browser, but it cannot choose the Host that the browser sends.
 fn check_host(uri: &Uri, headers: &HeaderMap) -> Result<(), ApiError> {
-    let host = match (uri.authority(), headers.get(HOST)) {
-        (Some(authority), _) => authority.as_str(),
-        (None, Some(host)) => host.to_str().unwrap_or("?"),
-        (None, None) => return Ok(()),
+    let mut hosts = headers.get_all(HOST).iter();
+    let host = match (uri.authority(), hosts.next(), hosts.next()) {
+        (Some(authority), ..) => authority.as_str(),
+        (None, Some(host), None) => host.to_str().unwrap_or("?"),
+        _ => return Err(ApiError::BadRequest("send one Host header".into())),
     };
     if is_local(host) { Ok(()) } else { Err(ApiError::ForeignHost(host.to_owned())) }
 }
 
 fn is_local(host: &str) -> bool {
     let Ok(authority) = host.parse::<Authority>() else { return false };
+    // What follows the name; with a user's name in front there is none.
+    let Some(port) = host.strip_prefix(authority.host()) else { return false };
+    if !port.is_empty() && !port.strip_prefix(':').is_some_and(is_port) {
+        return false;
+    }
     let name = authority.host().trim_start_matches('[').trim_end_matches(']');
+    let name = name.strip_suffix('.').unwrap_or(name);
     let is_name = name.eq_ignore_ascii_case("localhost") || name.to_ascii_lowercase().ends_with(".localhost");
     is_name || name.parse::<std::net::IpAddr>().is_ok()
+}
+
+fn is_port(text: &str) -> bool {
+    text.bytes().all(|byte| byte.is_ascii_digit()) && text.parse::<u16>().is_ok()
 }
 
 #[cfg(test)]
@@ -116,6 +127,12 @@ mod tests {
 
     #[test]
     fn addresses_and_localhost_are_local() {
+        for host in ["localhost.", "localhost.:80", "127.0.0.1"] {
+            assert!(is_local(host), "{host}");
+        }
+        for host in ["me@localhost", "me:80@127.0.0.1", "localhost:99999", "localhost:+80", "localhost:http"] {
+            assert!(!is_local(host), "{host}");
+        }
         for host in ["localhost", "LOCALHOST:80", "127.0.0.1:8080", "[::1]:8080", "192.168.0.3", "a.localhost"] {
             assert!(is_local(host), "{host}");
         }

@@ -71,7 +71,7 @@ problems! {
         "503": "The service is stopping, or its database is away",
     }
     BadBody {
-        "400": "The body is not JSON, or a header is wrong",
+        "400": "The body is not JSON, or a header or the query is wrong",
         "408": "The body did not arrive in time",
         "413": "The body is larger than 1 MiB",
         "415": "The body is not `application/json`",
@@ -83,7 +83,7 @@ problems! {
     NoResult { "409": "`result-not-ready`: the job has not ended, try again; `no-result`: it failed or was cancelled" }
     NotAccepted { "406": "The answer is not available in a format that `Accept` names" }
     QueueFull { "429": "The queue is full; `Retry-After` tells when to try again" }
-    NoSpace { "507": "No space is left for the database; nothing was changed" }
+    NoSpace { "507": "No space is left for the database; nothing was written" }
 }
 
 fn problem(description: &str) -> RefOr<Response> {

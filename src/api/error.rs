@@ -128,7 +128,7 @@ impl ApiError {
             }
             Self::Refused(Refusal::Invalid { errors }) => {
                 let detail = match errors.as_slice() {
-                    [only] => format!("{}: {}", only.pointer, only.detail),
+                    [only] => only.to_string(),
                     several => format!("{} fields are wrong", several.len()),
                 };
                 let problem = Problem::new("invalid-request", "The request is not valid", detail);
@@ -243,7 +243,7 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
             of(S::SERVICE_UNAVAILABLE, "stopping", "The service is stopping", detail)
         }
         JobError::DiskFull => {
-            let detail = "nothing was accepted; try again once there is space".into();
+            let detail = "nothing was written; try again once there is space".into();
             of(S::INSUFFICIENT_STORAGE, "disk-full", "No space is left for the database", detail)
         }
         JobError::Database(sqlx::Error::PoolTimedOut | sqlx::Error::PoolClosed) => {

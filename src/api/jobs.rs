@@ -15,7 +15,7 @@ use super::answers::{JobAnswer, JobList, StatusName, path_of};
 use super::auth::Owner;
 use super::describe::{Anywhere, BadBody, BadQuery, NoJob, NoSpace, NotAccepted, QueueFull};
 use super::error::{ApiError, Problem};
-use super::request::{JobId, JsonBody, Query, header, negotiated};
+use super::request::{JobId, JsonBody, Nothing, Query, header, negotiated};
 use super::{App, describe};
 use crate::contract;
 use crate::contract::job::JobInput;
@@ -51,6 +51,7 @@ pub async fn submit(
     State(app): State<App>,
     Owner(owner): Owner,
     headers: HeaderMap,
+    _: Query<Nothing>,
     JsonBody(body): JsonBody,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, JSON)?;
@@ -125,7 +126,8 @@ pub async fn show(
 
 /// Cancel a job
 ///
-/// A waiting job is cancelled at once, a running one within half a second. Cancelling again changes nothing.
+/// A waiting job is cancelled at once, a running one within half a second, even if a full disk
+/// does not take the note of it (507). Cancelling again changes nothing.
 #[utoipa::path(
     post, path = "/v1/jobs/{id}/cancel", tag = describe::JOBS, operation_id = "cancelJob",
     params(("id" = Uuid, Path, description = "The job")),
@@ -133,7 +135,7 @@ pub async fn show(
         (status = 200, description = "The job is cancelled", body = JobAnswer),
         (status = 202, description = "The job is running and has been told to stop", body = JobAnswer),
         (status = 409, description = "The job has succeeded or failed", body = Problem, content_type = "application/problem+json"),
-        NoJob, NotAccepted, NoSpace, Anywhere
+        BadQuery, NoJob, NotAccepted, NoSpace, Anywhere
     )
 )]
 pub async fn cancel(
@@ -141,6 +143,7 @@ pub async fn cancel(
     Owner(owner): Owner,
     headers: HeaderMap,
     JobId(id): JobId,
+    _: Query<Nothing>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, JSON)?;
     let (status, record) = match app.jobs.cancel(&owner, id).await? {
@@ -159,10 +162,15 @@ pub async fn cancel(
     responses(
         (status = 204, description = "The job is gone"),
         (status = 409, description = "The job waits or runs", body = Problem, content_type = "application/problem+json"),
-        NoJob, NoSpace, Anywhere
+        BadQuery, NoJob, NoSpace, Anywhere
     )
 )]
-pub async fn delete(State(app): State<App>, Owner(owner): Owner, JobId(id): JobId) -> Result<StatusCode, ApiError> {
+pub async fn delete(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    JobId(id): JobId,
+    _: Query<Nothing>,
+) -> Result<StatusCode, ApiError> {
     app.jobs.delete(&owner, id).await?;
     Ok(StatusCode::NO_CONTENT)
 }

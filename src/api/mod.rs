@@ -9,6 +9,7 @@ mod describe;
 mod error;
 mod health;
 mod jobs;
+mod patience;
 mod plots;
 mod refusals;
 mod request;

@@ -7,9 +7,9 @@ use axum::response::{IntoResponse, Response};
 use uuid::Uuid;
 
 use super::auth::Owner;
-use super::describe::{Anywhere, NoJob, NoResult, NotAccepted};
+use super::describe::{Anywhere, BadQuery, NoJob, NoResult, NotAccepted};
 use super::error::ApiError;
-use super::request::{JobId, PlotFile, negotiated};
+use super::request::{JobId, Nothing, PlotFile, Query, negotiated};
 use super::results::{read, shaped, signal_of};
 use super::{App, describe};
 use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer};
@@ -29,7 +29,7 @@ const KNOWN: &[&str] = &["spectrum.svg", "velocity.svg", "acceleration.svg"];
         ("id" = Uuid, Path, description = "The job"),
         ("file" = String, Path, description = "`spectrum.svg`, `velocity.svg` or `acceleration.svg`", example = "spectrum.svg")
     ),
-    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"), NoJob, NoResult, NotAccepted, Anywhere)
+    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
 pub async fn plot(
     State(app): State<App>,
@@ -37,6 +37,7 @@ pub async fn plot(
     headers: HeaderMap,
     JobId(id): JobId,
     PlotFile(file): PlotFile,
+    _: Query<Nothing>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[SVG])?;
     match file.as_str() {

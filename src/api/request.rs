@@ -8,6 +8,7 @@ use axum::http::header::{ACCEPT, CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE}
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName};
 use http_body_util::{BodyExt, LengthLimitError, Limited};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use uuid::Uuid;
 
@@ -77,6 +78,11 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
     }
 }
 
+/// No query at all, where there are no parameters.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Nothing {}
+
 fn innermost(error: &dyn std::error::Error) -> String {
     let mut error = error;
     while let Some(source) = error.source() {
@@ -119,10 +125,11 @@ async fn segment<S: Send + Sync>(parts: &mut Parts, state: &S, name: &str) -> Op
 /// The format that the client likes best among those offered, the first in doubt.
 pub fn negotiated(headers: &HeaderMap, offered: &'static [&'static str]) -> Result<&'static str, ApiError> {
     let accepted: Vec<&str> = headers.get_all(ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
-    if accepted.is_empty() {
+    let accepted = accepted.join(",");
+    // A header that names nothing asks for nothing.
+    if accepted.trim_matches([',', ' ', '\t']).is_empty() {
         return Ok(offered[0]);
     }
-    let accepted = accepted.join(",");
     let mut best: (&str, f32) = ("", 0.0);
     for &format in offered {
         let quality = quality(&accepted, format);
@@ -166,6 +173,8 @@ mod tests {
         };
         assert_eq!(negotiated(&HeaderMap::new(), OFFERED).ok(), Some("application/json"));
         assert_eq!(choose("*/*"), Some("application/json"));
+        assert_eq!(choose(""), Some("application/json"));
+        assert_eq!(choose(" , ,"), Some("application/json"));
         assert_eq!(choose("text/csv"), Some("text/csv"));
         assert_eq!(choose("text/*;q=0.9, application/json;q=0.2"), Some("text/csv"));
         assert_eq!(choose("text/csv;q=0, */*"), Some("application/json"));

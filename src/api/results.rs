@@ -12,7 +12,7 @@ use uuid::Uuid;
 use super::auth::Owner;
 use super::describe::{Anywhere, BadQuery, NoChannel, NoJob, NoResult, NotAccepted};
 use super::error::ApiError;
-use super::request::{JobId, Query, negotiated};
+use super::request::{JobId, Nothing, Query, negotiated};
 use super::{App, describe};
 use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer, SpectrumKind};
 use crate::jobs::{JobError, Signal};
@@ -28,13 +28,14 @@ const CSV: &str = "text/csv";
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/metrics", tag = describe::RESULTS, operation_id = "getMetrics",
     params(("id" = Uuid, Path, description = "The job")),
-    responses((status = 200, description = "The metrics", body = Metrics), NoJob, NoResult, NotAccepted, Anywhere)
+    responses((status = 200, description = "The metrics", body = Metrics), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
 pub async fn metrics(
     State(app): State<App>,
     Owner(owner): Owner,
     headers: HeaderMap,
     JobId(id): JobId,
+    _: Query<Nothing>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     Ok(([(CONTENT_TYPE, JSON)], app.jobs.metrics(&owner, id).await?).into_response())

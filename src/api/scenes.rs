@@ -5,9 +5,9 @@ use axum::http::HeaderMap;
 use utoipa::ToSchema;
 
 use super::describe;
-use super::describe::{Anywhere, BadBody, NotAccepted};
+use super::describe::{Anywhere, BadBody, BadQuery, NotAccepted};
 use super::error::ApiError;
-use super::request::{JsonBody, negotiated};
+use super::request::{JsonBody, Nothing, Query, negotiated};
 use crate::contract::presets::PresetsAnswer;
 use crate::contract::resolve::{ResolveAnswer, resolve_answer};
 use crate::contract::scene::SceneInput;
@@ -29,7 +29,11 @@ pub struct SceneRequest {
     request_body(content = SceneRequest, content_type = "application/json", example = json!({"scene": {"bearing": "6205", "operation": {"speed_rpm": 6000, "radial_load_y_n": 500}}})),
     responses((status = 200, description = "What the scene means", body = ResolveAnswer), BadBody, NotAccepted, Anywhere)
 )]
-pub async fn resolve(headers: HeaderMap, JsonBody(body): JsonBody) -> Result<Json<ResolveAnswer>, ApiError> {
+pub async fn resolve(
+    headers: HeaderMap,
+    _: Query<Nothing>,
+    JsonBody(body): JsonBody,
+) -> Result<Json<ResolveAnswer>, ApiError> {
     negotiated(&headers, &["application/json"])?;
     let resolved = tokio::task::spawn_blocking(move || Ok(resolve_answer(&parse_scene_request(&body)?)));
     Ok(Json(resolved.await.unwrap_or(Err(ApiError::Internal))?))
@@ -40,9 +44,9 @@ pub async fn resolve(headers: HeaderMap, JsonBody(body): JsonBody) -> Result<Jso
 /// Bearings, materials and lubricants by name, each with every default it sets.
 #[utoipa::path(
     get, path = "/v1/presets", tag = describe::SCENES, operation_id = "listPresets",
-    responses((status = 200, description = "The presets", body = PresetsAnswer), NotAccepted, Anywhere)
+    responses((status = 200, description = "The presets", body = PresetsAnswer), BadQuery, NotAccepted, Anywhere)
 )]
-pub async fn presets(headers: HeaderMap) -> Result<Json<PresetsAnswer>, ApiError> {
+pub async fn presets(headers: HeaderMap, _: Query<Nothing>) -> Result<Json<PresetsAnswer>, ApiError> {
     negotiated(&headers, &["application/json"])?;
     Ok(Json(presets_answer()))
 }

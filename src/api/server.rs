@@ -1,4 +1,4 @@
-//! The accept loop. A client that sends half a header and then waits is cut off, which `axum::serve`
+//! The accept loop. A client that sends half a header and then waits, or does not read its answer, is cut off, which `axum::serve`
 //! cannot do, and no number of connections takes more than its share.
 
 use std::net::SocketAddr;
@@ -14,9 +14,14 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
+use super::patience::Patient;
+
 /// Time for a whole request header, from the first moment of waiting for it: also the longest silence
 /// between two requests of a connection.
 const HEADER_TIME: Duration = Duration::from_secs(30);
+
+/// Longest time in which a client may take nothing of its answer.
+const READING_TIME: Duration = Duration::from_secs(30);
 
 /// Connections at a time; more wait to be accepted.
 const CONNECTIONS: usize = 1024;
@@ -69,7 +74,7 @@ async fn converse(stream: TcpStream, router: Router, stop: CancellationToken, _p
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEADER_TIME)
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router));
+        .serve_connection(TokioIo::new(Patient::new(stream, READING_TIME)), TowerToHyperService::new(router));
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,

@@ -9,7 +9,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::client::{Client, ClientError};
-use super::serve::{announce, log_to_stderr, simulator, wait_for_signal};
+use super::serve::{Signals, announce, log_to_stderr, simulator};
 use super::{Ended, table};
 use crate::api::Access;
 use crate::api::service::Service;
@@ -18,13 +18,9 @@ use crate::jobs::Settings;
 
 /// Starts the service, shows both cases, and serves on unless told to stop.
 pub async fn run(options: DemoOptions) -> Ended {
-    log_to_stderr();
     let place = Place::new();
-    let settings = Settings::new(place.0.join("raceway.db"));
-    let listen = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
-    let access = Access { only_local_hosts: true, ..Access::default() };
-    let service = match Service::start(listen, settings, access, simulator()).await {
-        Ok(service) => service,
+    let (service, mut signals) = match start(&place).await {
+        Ok(started) => started,
         Err(error) => {
             eprintln!("raceway: {error}");
             return Ended::Badly;
@@ -34,14 +30,23 @@ pub async fn run(options: DemoOptions) -> Ended {
     announce(&url);
     let ended = tokio::select! {
         shown = show(&url, &options) => shown,
-        () = wait_for_signal() => Ended::Badly,
+        () = signals.next() => Ended::Badly,
     };
     if ended == Ended::Well && !options.once {
         println!("\nThe service runs on; its documentation is at {url}/docs/. Stop it with Ctrl-C.");
-        wait_for_signal().await;
+        signals.next().await;
     }
     service.stop().await;
     ended
+}
+
+async fn start(place: &Place) -> Result<(Service, Signals), Box<dyn std::error::Error>> {
+    log_to_stderr()?;
+    let signals = Signals::listen()?;
+    let settings = Settings::new(place.0.join("raceway.db"));
+    let listen = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
+    let access = Access { only_local_hosts: true, ..Access::default() };
+    Ok((Service::start(listen, settings, access, simulator()).await?, signals))
 }
 
 /// The article's integrated bearing, on a perfect spindle and on an unbalanced one.

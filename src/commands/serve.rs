@@ -1,46 +1,49 @@
 //! `raceway serve`.
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::sync::Arc;
 
-use tokio::signal::unix::{SignalKind, signal};
+use tokio::signal::unix::{Signal, SignalKind, signal};
 
 use super::Ended;
 use crate::api::Access;
 use crate::api::service::Service;
-use crate::config::{self, ServeOptions};
+use crate::config::{self, ConfigError, ServeOptions};
 use crate::contract;
 use crate::jobs::Simulator;
 
 /// Serves until a signal comes.
 pub async fn run(options: ServeOptions) -> Ended {
-    log_to_stderr();
-    let service = match start(&options).await {
-        Ok(service) => service,
+    let (service, mut signals) = match start(&options).await {
+        Ok(started) => started,
         Err(error) => {
             eprintln!("raceway: {error}");
             return Ended::Badly;
         }
     };
     announce(&service.url());
-    wait_for_signal().await;
+    signals.next().await;
     tracing::info!("stopping; running jobs go back into the queue");
     // Whoever asks twice does not want to wait.
     tokio::select! {
         () = service.stop() => Ended::Well,
-        () = wait_for_signal() => Ended::Badly,
+        () = signals.next() => Ended::Badly,
     }
 }
 
-async fn start(options: &ServeOptions) -> Result<Service, Box<dyn std::error::Error>> {
-    let tokens = config::tokens();
+/// Signals are heard before anyone learns that there is a service: whoever reads its address may stop it at once.
+async fn start(options: &ServeOptions) -> Result<(Service, Signals), Box<dyn std::error::Error>> {
+    log_to_stderr()?;
+    let signals = Signals::listen()?;
+    let tokens = config::tokens()?;
     options.check_access(&tokens)?;
     let settings = options.job_settings()?;
     let only_local_hosts = tokens.is_empty() && config::is_loopback(options.listen.ip());
     if tokens.is_empty() && !only_local_hosts {
         tracing::warn!(listen = %options.listen, "there are no tokens: whoever reaches the port may do everything");
     }
-    Ok(Service::start(options.listen, settings, Access { tokens, only_local_hosts }, simulator()).await?)
+    let access = Access { tokens, only_local_hosts };
+    Ok((Service::start(options.listen, settings, access, simulator()).await?, signals))
 }
 
 /// What production runs.
@@ -55,26 +58,35 @@ pub fn announce(url: &str) {
 }
 
 /// Logs go to stderr; stdout carries only what a command is asked for.
-pub fn log_to_stderr() {
+pub fn log_to_stderr() -> Result<(), ConfigError> {
     use tracing_subscriber::filter::Targets;
     use tracing_subscriber::prelude::*;
-    let level = config::log_level();
+    let level = config::log_level()?;
     // What the libraries tell is only of interest when something is wrong with them.
     let targets = Targets::new().with_default(tracing::Level::WARN.min(level)).with_target("raceway", level);
     let layer = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    // Colours are for people; a file would keep their codes.
+    let layer = if std::io::stderr().is_terminal() { layer } else { layer.with_ansi(false) };
     let _ = tracing_subscriber::registry().with(layer.with_filter(targets)).try_init();
+    Ok(())
 }
 
-/// Ends with SIGINT or SIGTERM.
-pub async fn wait_for_signal() {
-    match (signal(SignalKind::interrupt()), signal(SignalKind::terminate())) {
-        (Ok(mut interrupt), Ok(mut terminate)) => {
-            tokio::select! {
-                _ = interrupt.recv() => {}
-                _ = terminate.recv() => {}
-            }
+/// SIGINT and SIGTERM; from the moment this exists they no longer end the process.
+pub struct Signals {
+    interrupt: Signal,
+    terminate: Signal,
+}
+
+impl Signals {
+    pub fn listen() -> std::io::Result<Self> {
+        Ok(Self { interrupt: signal(SignalKind::interrupt())?, terminate: signal(SignalKind::terminate())? })
+    }
+
+    /// Ends with the next one.
+    pub async fn next(&mut self) {
+        tokio::select! {
+            _ = self.interrupt.recv() => {}
+            _ = self.terminate.recv() => {}
         }
-        // Without signals the process can still be killed, which loses nothing.
-        _ => std::future::pending().await,
     }
 }

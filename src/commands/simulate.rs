@@ -63,15 +63,19 @@ fn finish(outcome: &Outcome, output: Option<&Path>) -> Ended {
         return badly(&format!("stdout: {error}"));
     }
     match output.map(|directory| write(outcome, directory)) {
-        Some(Err(error)) => badly(&error.to_string()),
+        Some(Err(error)) => badly(&error),
         _ => Ended::Well,
     }
 }
 
 /// Everything the run left, as files.
-fn write(outcome: &Outcome, directory: &Path) -> std::io::Result<()> {
-    fs::create_dir_all(directory)?;
-    let write = |name: String, text: String| fs::write(directory.join(name), text);
+fn write(outcome: &Outcome, directory: &Path) -> Result<(), String> {
+    let at = |path: &Path, error: std::io::Error| format!("cannot write {}: {error}", path.display());
+    fs::create_dir_all(directory).map_err(|error| at(directory, error))?;
+    let write = |name: String, text: String| {
+        let path = directory.join(name);
+        fs::write(&path, text).map_err(|error| at(&path, error))
+    };
     write("metrics.json".into(), json(&outcome.metrics))?;
     for spectrum in &outcome.spectra {
         let sort = match spectrum.kind {

@@ -28,6 +28,13 @@ impl FieldError {
     }
 }
 
+impl std::fmt::Display for FieldError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let field = if self.pointer.is_empty() { "the body" } else { &self.pointer };
+        write!(f, "{field}: {}", self.detail)
+    }
+}
+
 impl From<FieldError> for Refusal {
     fn from(error: FieldError) -> Self {
         Self::Invalid { errors: vec![error] }
@@ -45,5 +52,5 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 fn in_words(errors: &[FieldError]) -> String {
-    errors.iter().map(|error| format!("{}: {}", error.pointer, error.detail)).collect::<Vec<_>>().join("; ")
+    errors.iter().map(FieldError::to_string).collect::<Vec<_>>().join("; ")
 }

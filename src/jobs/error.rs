@@ -1,5 +1,8 @@
 //! What can go wrong with a job, apart from the simulation itself.
 
+use std::fmt::Display;
+use std::path::Path;
+
 use super::job::Status;
 
 /// Why a request about jobs was not done.
@@ -35,8 +38,17 @@ pub enum JobError {
     Queue(#[source] riverqueue::Error),
     #[error("a stored record cannot be read: {0}")]
     Corrupt(String),
+    #[error("cannot open the database {path}: {reason}")]
+    CannotOpen { path: String, reason: String },
     #[error("{0}")]
     Io(#[from] std::io::Error),
+}
+
+impl JobError {
+    /// The database's files cannot be used.
+    pub fn opening(path: &Path, reason: impl Display) -> Self {
+        Self::CannotOpen { path: path.display().to_string(), reason: reason.to_string() }
+    }
 }
 
 /// SQLite's "database or disk is full" and "some kind of disk I/O error occurred" (a full disk shows as

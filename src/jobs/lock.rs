@@ -16,11 +16,12 @@ impl DatabaseLock {
     pub fn take(database: &Path) -> Result<Self, JobError> {
         let mut name = database.as_os_str().to_owned();
         name.push(".lock");
-        let file = OpenOptions::new().create(true).truncate(false).write(true).open(&name)?;
+        let opened = OpenOptions::new().create(true).truncate(false).write(true).open(&name);
+        let file = opened.map_err(|error| JobError::opening(database, error))?;
         match file.try_lock() {
             Ok(()) => Ok(Self { _file: file }),
             Err(TryLockError::WouldBlock) => Err(JobError::Locked(database.display().to_string())),
-            Err(TryLockError::Error(error)) => Err(error.into()),
+            Err(TryLockError::Error(error)) => Err(JobError::opening(database, error)),
         }
     }
 }

@@ -110,7 +110,8 @@ impl Jobs {
     /// Opens the database, brings back what a dead process left, and begins to run jobs.
     pub async fn start(settings: Settings, simulator: Simulator) -> Result<Self, JobError> {
         let lock = DatabaseLock::take(&settings.database)?;
-        let store = Store::open(&settings.database, settings.max_pages).await?;
+        let store = Store::open(&settings.database, settings.max_pages).await;
+        let store = store.map_err(|error| JobError::opening(&settings.database, error))?;
         let running = Arc::new(Running::default());
         let worker = Arc::new(Worker::new(store.clone(), Arc::clone(&running), simulator, settings.clone()));
         let handler: Handler = Arc::new(move |ticket| {
@@ -190,14 +191,18 @@ impl Jobs {
                     self.inner.queue.cancel(&mut tx, delivery).await?;
                 }
             }
-            Status::Running => records::request_cancel(&mut tx, id).await?,
+            Status::Running => {
+                // Before it is written down: a full disk refuses that, and is no reason for the run to go on.
+                if let Some(run) = self.inner.running.get(id) {
+                    run.stop(StopReason::Cancelled);
+                }
+                records::request_cancel(&mut tx, id).await?;
+            }
             Status::Cancelled => {}
             Status::Succeeded | Status::Failed => return Err(JobError::Conflict(status)),
         }
         tx.commit().await?;
-        if let (Status::Running, Some(run)) = (status, self.inner.running.get(id)) {
-            run.stop(StopReason::Cancelled);
-        } else if status == Status::Queued {
+        if status == Status::Queued {
             self.inner.running.ended(id);
         }
         let record = self.get(owner, id).await?;

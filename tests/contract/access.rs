@@ -1,5 +1,8 @@
 //! Who may ask.
 
+use std::io::{Read, Write};
+use std::net::TcpStream;
+
 use serde_json::json;
 
 use crate::common::{Answer, Server, job, request};
@@ -19,6 +22,17 @@ fn without_tokens_only_local_hosts_are_answered() {
         get(&server, "/v1/jobs", &[("Host", host)]).problem(421);
         get(&server, "/health/ready", &[("Host", host)]).problem(421);
     }
+}
+
+#[test]
+fn without_tokens_one_host_is_needed() {
+    let server = start();
+    let mut stream = TcpStream::connect(server.address()).expect("the server listens");
+    stream.write_all(b"GET /v1/jobs HTTP/1.1\r\nConnection: close\r\n\r\n").expect("a request is read");
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).expect("an answer comes");
+    assert!(answer.starts_with("HTTP/1.1 400 ") && answer.contains("urn:raceway:problem:bad-request"), "{answer}");
+    get(&server, "/v1/jobs", &[("Host", "localhost"), ("Host", "example.org")]).problem(400);
 }
 
 #[test]

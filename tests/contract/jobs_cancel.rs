@@ -40,6 +40,17 @@ fn a_running_job_is_cancelled_soon() {
 }
 
 #[test]
+fn a_run_stops_even_if_that_cannot_be_written() {
+    let server = start();
+    let path = server.submit(&job_with(json!({ "labels": ["slow"] })));
+    server.wait_for(&path, &["running"]);
+    server
+        .sql("CREATE TRIGGER refuse BEFORE UPDATE OF cancel_requested_at ON jobs BEGIN SELECT RAISE(ABORT, 'no'); END");
+    cancel(&server, &path).problem(500);
+    server.wait_for(&path, &["cancelled"]);
+}
+
+#[test]
 fn an_ended_job_is_not_cancelled() {
     let server = start();
     let path = server.submit(&job());

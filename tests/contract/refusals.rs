@@ -30,6 +30,7 @@ fn wrong_bodies_are_refused_with_their_reason() {
             assert!(problem["errors"][0]["pointer"].is_string(), "{problem}");
         }
     }
+    assert_eq!(post(b"[]").problem(422)["detail"], "the body: must be an object");
     assert_eq!(server.get("/v1/jobs").json()["jobs"], json!([]), "none of them is a job");
 }
 
@@ -63,6 +64,15 @@ fn every_refusal_is_a_problem() {
     wrong_method.problem(405);
     let allowed = wrong_method.header("allow").expect("a 405 has Allow");
     assert!(allowed.contains("GET") && allowed.contains("POST"), "{allowed}");
+    for (method, path) in [("GET", "/v1/presets?x=1"), ("POST", "/v1/jobs?x=1"), ("POST", "/v1/scenes/resolve?x=1")] {
+        let json = [("Content-Type", "application/json")];
+        request(server.address(), method, path, &json, job().to_string().as_bytes()).problem(400);
+    }
+    let job = "/v1/jobs/01919f5c-8c4e-7d3a-9a51-2f6d1b0c4e7f";
+    send("GET", &format!("{job}/metrics?x=1")).problem(400);
+    send("GET", &format!("{job}/plots/spectrum.svg?x=1")).problem(400);
+    send("POST", &format!("{job}/cancel?x=1")).problem(400);
+    send("DELETE", &format!("{job}?x=1")).problem(400);
     send("POST", "/v1/presets").problem(405);
     send("BREW", "/v1/presets").problem(405);
 }

@@ -20,7 +20,7 @@ pub struct InProcess {
     runtime: Runtime,
     service: Option<Service>,
     address: String,
-    _place: TempDir,
+    place: TempDir,
 }
 
 impl Server for InProcess {
@@ -34,6 +34,20 @@ impl Drop for InProcess {
         if let Some(service) = self.service.take() {
             self.runtime.block_on(service.stop());
         }
+    }
+}
+
+impl InProcess {
+    /// Changes the database behind the service's back.
+    pub fn sql(&self, sql: &'static str) {
+        use sqlx::Connection;
+        let url = format!("sqlite://{}", self.place.path().join("test.db").display());
+        let done = self.runtime.block_on(async {
+            let mut connection = sqlx::SqliteConnection::connect(&url).await?;
+            sqlx::raw_sql(sql).execute(&mut connection).await?;
+            connection.close().await
+        });
+        done.expect("the database takes it");
     }
 }
 
@@ -72,7 +86,7 @@ pub fn start_with(wishes: Wishes) -> InProcess {
     let listen = SocketAddr::from(([127, 0, 0, 1], 0));
     let service = runtime.block_on(Service::start(listen, settings, access, stand_in())).expect("the service starts");
     let address = service.url().strip_prefix("http://").expect("a URL").to_owned();
-    InProcess { runtime, service: Some(service), address, _place: place }
+    InProcess { runtime, service: Some(service), address, place }
 }
 
 /// `slow` runs until it is stopped, `panic` panics, `fail` fails; everything else gives a short real run.

@@ -30,6 +30,17 @@ fn simulate_prints_metrics_and_writes_files() {
 }
 
 #[test]
+fn what_cannot_be_written_is_named() {
+    let place = tempfile::NamedTempFile::new().expect("a file");
+    let directory = place.path().join("out").display().to_string();
+    let job = job_with(serde_json::json!({ "settle_s": 0.0, "duration_s": 0.001 }));
+    let output = simulate(&job.to_string(), &["--output", &directory]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains(&format!("cannot write {directory}: ")), "{stderr}");
+}
+
+#[test]
 fn a_refused_job_exits_with_2_and_its_problem() {
     let output = simulate(r#"{"kind":"simulation","scene":{"bearing":"nope","operation":{"speed_rpm":1}}}"#, &[]);
     assert_eq!(output.status.code(), Some(2), "{output:?}");

@@ -25,7 +25,39 @@ fn beyond_loopback_tokens_are_needed() {
         assert!(stderr.contains("RACEWAY_API_TOKENS") && stderr.contains("--insecure-no-auth"), "{stderr}");
     }
     refused(&["serve"], &[("RACEWAY_LISTEN", "0.0.0.0:0")]);
-    refused(&["serve", "--listen", "0.0.0.0:0"], &[("RACEWAY_API_TOKENS", " , ")]);
+}
+
+#[test]
+fn settings_that_mean_nothing_are_refused() {
+    for tokens in ["", " , "] {
+        let stderr = refused(&["serve", "--listen", "127.0.0.1:0"], &[("RACEWAY_API_TOKENS", tokens)]);
+        assert!(stderr.contains("holds no token"), "{stderr}");
+    }
+    let stderr = refused(&["serve", "--listen", "127.0.0.1:0"], &[("RACEWAY_LOG", "loud")]);
+    assert!(stderr.contains("loud") && stderr.contains("error, warn, info, debug or trace"), "{stderr}");
+    for no in ["0", "false"] {
+        let environment = [("RACEWAY_INSECURE_NO_AUTH", no)];
+        assert!(refused(&["serve", "--listen", "0.0.0.0:0"], &environment).contains("RACEWAY_API_TOKENS"));
+    }
+    refused(&["serve", "--listen", "0.0.0.0:0"], &[("RACEWAY_INSECURE_NO_AUTH", "perhaps")]);
+}
+
+#[test]
+fn it_can_be_stopped_as_soon_as_it_listens() {
+    for signal in ["-TERM", "-INT"] {
+        let place = tempfile::tempdir().expect("a directory");
+        let mut server = Process::serve(&place.path().join("a.db"), &[]);
+        server.signal(signal);
+        assert!(server.child.wait().is_ok_and(|status| status.success()), "{signal}");
+    }
+}
+
+#[test]
+fn logs_in_a_file_have_no_colours() {
+    let environment = [("RACEWAY_INSECURE_NO_AUTH", "1"), ("RACEWAY_LOG", "warn")];
+    let database = "sqlite:///no/such/directory/raceway.db";
+    let stderr = refused(&["serve", "--listen", "0.0.0.0:0", "--database", database], &environment);
+    assert!(stderr.contains("WARN") && !stderr.contains('\u{1b}'), "{stderr}");
 }
 
 #[test]
@@ -44,7 +76,18 @@ fn other_databases_are_not_available() {
     let stderr = refused(&["serve", "--database", "postgres://me:secret@host/db"], &[]);
     assert!(stderr.contains("not available in this version") && !stderr.contains("secret"), "{stderr}");
     refused(&["serve", "--database", "raceway.db"], &[]);
-    refused(&["serve", "--database", "sqlite:///no/such/directory/raceway.db"], &[]);
+}
+
+#[test]
+fn a_database_that_cannot_be_opened_is_named() {
+    let place = tempfile::tempdir().expect("a directory");
+    let file = place.path().join("no.db");
+    std::fs::write(&file, "no database at all, whatever its name says".repeat(100)).expect("a file is written");
+    for path in ["/no/such/directory/raceway.db", &file.display().to_string()] {
+        let url = format!("sqlite://{path}");
+        let stderr = refused(&["serve", "--listen", "127.0.0.1:0", "--database", &url], &[]);
+        assert!(stderr.contains(&format!("cannot open the database {path}: ")), "{stderr}");
+    }
 }
 
 #[test]
