@@ -61,7 +61,8 @@ pub fn lines(name: &str, job: &Value) -> String {
         let number = |field: &str| line[field].as_f64().unwrap_or(f64::NAN);
         let (frequency, amplitude, deviation) = (number("frequency_hz"), number("amplitude"), number("deviation_hz"));
         let label = line["label"].as_str().unwrap_or_default();
-        let _ = writeln!(text, "  {channel:<24}{frequency:>10.1} Hz {amplitude:>12.4e}   {label} ({deviation:+.1} Hz)");
+        let off = if deviation.abs() < 0.05 { String::new() } else { format!(" ({deviation:+.1} Hz)") };
+        let _ = writeln!(text, "  {channel:<24}{frequency:>10.1} Hz {amplitude:>12.4e} m/s²   {label}{off}");
     }
     text
 }

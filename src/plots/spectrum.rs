@@ -28,6 +28,10 @@ const BOTTOM: f64 = 48.0;
 
 /// Highest frequency shown [Hz].
 const HIGHEST: f64 = 20_000.0;
+/// A line without a name is shown when it has this share of the strongest one's amplitude.
+const STRONG: f64 = 0.02;
+/// Share of the axis that the last line shown takes, inverted.
+const BEYOND_LAST_LINE: f64 = 1.2;
 /// Decades shown: as many as the quiet tenth of the spectrum needs, between these.
 const DECADES: (i32, i32) = (2, 6);
 const MOST_LABELS: usize = 8;
@@ -39,12 +43,30 @@ const SEARCH_LIMIT: usize = 20_000;
 /// Generous mean width of a character of a label.
 const CHARACTER: f64 = 7.6;
 
-/// Spectra stacked above each other on one amplitude scale, 0–20 kHz.
+/// Upper end of the frequency axis [Hz]: far enough for every named or strong line, at most 20 kHz and the spectrum's
+/// reach; all of it where there is no line.
+fn highest_shown(curves: &[SpectrumCurve<'_>]) -> f64 {
+    let reach = curves.iter().map(|c| c.amplitude.len().saturating_sub(1) as f64 * c.resolution_hz).fold(0.0, f64::max);
+    let all = if reach > 0.0 { reach.min(HIGHEST) } else { HIGHEST };
+    let shown = |curve: &SpectrumCurve<'_>| {
+        let strongest = curve.lines.iter().fold(0.0, |most, line| f64::max(most, line.amplitude));
+        let counts = |line: &&Line| !line.label.is_empty() || line.amplitude >= STRONG * strongest;
+        curve.lines.iter().filter(counts).fold(0.0, |last, line| f64::max(last, line.frequency))
+    };
+    let last = curves.iter().map(shown).fold(0.0, f64::max);
+    if last == 0.0 {
+        return all;
+    }
+    // Rounded up to the next half or whole of the power of ten below.
+    let step = 0.5 * 10f64.powf(last.log10().floor());
+    ((BEYOND_LAST_LINE * last / step).ceil() * step).min(all)
+}
+
+/// Spectra stacked above each other on one amplitude scale, as far as there are lines and at most 0–20 kHz.
 pub fn spectrum_svg(title: &str, subtitle: &str, curves: &[SpectrumCurve<'_>]) -> String {
     let height = TOP + 22.0 + curves.len().max(1) as f64 * PITCH - 46.0 + BOTTOM;
     let mut drawing = Drawing::new(WIDTH, height, title, subtitle, &description(subtitle, curves));
-    let reach = curves.iter().map(|c| c.amplitude.len().saturating_sub(1) as f64 * c.resolution_hz).fold(0.0, f64::max);
-    let highest = if reach > 0.0 { reach.min(HIGHEST) } else { HIGHEST };
+    let highest = highest_shown(curves);
     let mut bottom = TOP + 22.0;
     for (number, curve) in curves.iter().enumerate() {
         let top = TOP + 22.0 + number as f64 * PITCH;

@@ -69,11 +69,15 @@ pub(super) fn judge(
     (control.progress)(1.0);
     Ok(AccuracyReport {
         level_error_db: tolerance_error,
-        how: format!(
-            "level over {:.3} ms repeated at {}, worst of y and z",
-            1e3 * stretch,
-            if settings.fixed_step.is_some() { "half of the step" } else { "a tenth of the relative tolerance" }
-        ),
+        how: if tolerance_error.is_none() {
+            "no level to compare: nothing moves, or the run is too short to repeat a part of it".into()
+        } else {
+            format!(
+                "level over {:.3} ms repeated at {}, worst of y and z",
+                1e3 * stretch,
+                if settings.fixed_step.is_some() { "half of the step" } else { "a tenth of the relative tolerance" }
+            )
+        },
         motion: decided.then_some(MotionKind::Decaying),
         divergence_rate,
     })

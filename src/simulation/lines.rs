@@ -35,6 +35,10 @@ const TOLERANCE_SHARE: f64 = 5e-4;
 const SEPARATION: f64 = 6.0;
 /// Dearest label of more than one term.
 const LARGEST_COST: f64 = 4.2;
+/// Cost of a sideband of the first order of shaft or outer ball passage.
+const PLAIN_SIDEBAND: f64 = 1.0;
+/// Share of the tolerance within which a combination fits well.
+const GOOD_FIT: f64 = 0.1;
 /// Cost of lying at the edge of the tolerance: an exact sideband beats a simpler label that is off.
 const DEVIATION_COST: f64 = 3.0;
 /// Highest orders of the sidebands.
@@ -120,7 +124,10 @@ fn label(frequency: f64, frequencies: &CharacteristicFrequencies, resolution: f6
         let deviation = frequency - combination.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
         let cost: f64 = combination.iter().map(Term::cost).sum();
         let terms = combination.iter().filter(|term| term.order != 0).count();
-        if deviation.abs() > tolerance || (terms > 1 && cost > LARGEST_COST) {
+        // A carrier of any order may have one plain sideband, if that fits well.
+        let sides: f64 = combination[1..].iter().map(Term::cost).sum();
+        let plain = sides <= PLAIN_SIDEBAND && deviation.abs() <= GOOD_FIT * tolerance;
+        if deviation.abs() > tolerance || (terms > 1 && cost > LARGEST_COST && !plain) {
             continue;
         }
         let cost = cost + DEVIATION_COST * deviation.abs() / tolerance;

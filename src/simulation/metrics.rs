@@ -194,7 +194,7 @@ pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
         slip: (ideal > 0.0).then(|| 1.0 - recording.cage_speed / ideal),
         ball_spin: turns(recording.ball_spin),
         orbit_radius: 1e6 * statistics::rms(y).hypot(statistics::rms(z)),
-        whirl_ratio: (recording.cage_speed > 0.0).then(|| whirl_rate(y, z) / recording.cage_speed),
+        whirl_ratio: (ideal > 0.0).then(|| recording.direction * whirl_rate(y, z) / recording.cage_speed),
         max_pocket_load: recording.max_pocket_load,
     })
 }
@@ -233,12 +233,20 @@ pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpec
 }
 
 /// Lines of the accelerations among the spectra.
-pub fn lines(spectra: &[ChannelSpectra], frequencies: &CharacteristicFrequencies) -> Vec<(Channel, Line)> {
+///
+/// Where the speed varies no frequency is characteristic, and lines are not named.
+pub fn lines(
+    scene: &Scene,
+    spectra: &[ChannelSpectra],
+    frequencies: &CharacteristicFrequencies,
+) -> Vec<(Channel, Line)> {
+    let named = scene.operation.speed.is_constant();
+    let name = |line: Line| if named { line } else { Line { label: String::new(), deviation: 0.0, ..line } };
     spectra
         .iter()
         .filter(|spectra| matches!(spectra.channel, Channel::Spindle(_, Motion::Acceleration)))
         .flat_map(|spectra| {
-            find_lines(&spectra.amplitude, frequencies, BAND).into_iter().map(|line| (spectra.channel, line))
+            find_lines(&spectra.amplitude, frequencies, BAND).into_iter().map(move |line| (spectra.channel, name(line)))
         })
         .collect()
 }

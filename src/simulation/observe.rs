@@ -42,6 +42,8 @@ pub struct Recording {
     pub total_variance: Vec<(Channel, f64)>,
     pub contacts: PerRaceway<ContactExtremes>,
     pub max_pocket_load: f64,
+    /// Sign of the shaft's mean speed.
+    pub direction: f64,
     /// Means over the kept time, absolute values [rad/s].
     pub shaft_speed: f64,
     pub cage_speed: f64,
@@ -322,6 +324,7 @@ impl<'m> Observer<'m> {
             total_variance,
             contacts: self.snapshot.extremes,
             max_pocket_load: self.snapshot.max_pocket_load,
+            direction: if self.shaft.mean < 0.0 { -1.0 } else { 1.0 },
             shaft_speed: self.shaft.mean.abs(),
             cage_speed: self.cage.mean.abs(),
             ball_spin: self.spin.mean.abs(),

@@ -224,7 +224,7 @@ fn summarise(
         contacts: outputs.contacts.then(|| metrics::contacts(model, recording)),
         cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
         frequencies,
-        lines: if outputs.vibration { metrics::lines(&spectra, &frequencies) } else { Vec::new() },
+        lines: if outputs.vibration { metrics::lines(scene, &spectra, &frequencies) } else { Vec::new() },
         solver: SolverReport {
             method: "dormand_prince",
             method_reason: match settings.method {
