@@ -6,8 +6,9 @@ use raceway::simulation::model::Model;
 use raceway::simulation::state::{BallState, CageState, SpindleState};
 use serde_json::{Value, json};
 
-use crate::scenes::{article, changed, disturbed, everything, model, model_on, rates};
-use raceway::simulation::run::Rung;
+use crate::article_run::{patient, settings};
+use crate::scenes::{article, changed, disturbed, everything, model, model_on, rates, scene};
+use raceway::simulation::run::{RunSettings, Rung, run};
 
 const TIME: f64 = 2.3e-4;
 
@@ -151,4 +152,18 @@ fn the_speed_alone_breaks_the_symmetry() {
     let state = disturbed(&model, 1);
     let expected = mirrored(&model, &rates(&model, 0.0, &state));
     assert!(difference(&model, &rates(&image, 0.0, &mirrored(&model, &state)), &expected) > 1e-2);
+}
+
+/// Turning the other way mirrors the motion: metrics, the whirl's sense against the shaft among them, stay the same.
+#[test]
+fn metrics_do_not_depend_on_the_sense_of_rotation() {
+    let run_at = |speed: f64| {
+        let settings = RunSettings { settle: 2e-3, duration: 4e-3, ..settings() };
+        let json = changed(article(), json!({ "operation": { "speed_rpm": speed } }));
+        run(&scene(&json), &settings, &patient()).unwrap().summary.cage.unwrap()
+    };
+    let (forward, backward) = (run_at(50_000.0), run_at(-50_000.0));
+    assert!((forward.speed / backward.speed - 1.0).abs() < 1e-9);
+    let (ahead, mirrored) = (forward.whirl_ratio.unwrap(), backward.whirl_ratio.unwrap());
+    assert!((ahead - mirrored).abs() < 1e-3 * ahead.abs(), "{ahead} {mirrored}");
 }
