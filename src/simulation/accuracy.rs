@@ -5,7 +5,7 @@ use super::metrics::{AccuracyReport, BAND, MotionKind};
 use super::model::Model;
 use super::needs::Needs;
 use super::observe::{self, Observer, RATE, Recording};
-use super::run::{Control, Outputs, RunSettings, SimulationError, Span, integrate};
+use super::run::{Control, Outputs, RunSettings, STEPS_PER_LOOK, SimulationError, Span, integrate};
 use crate::numerics::ode::dormand_prince::DormandPrince;
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::spectrum::band_limited;
@@ -137,7 +137,7 @@ fn step(
     control: &Control<'_>,
 ) -> Result<(), SimulationError> {
     integrator.step(limit).map_err(|source| SimulationError::integration(source, &model.mechanism().layout))?;
-    if integrator.statistics().steps.is_multiple_of(256) && (control.stop)() {
+    if integrator.statistics().steps.is_multiple_of(STEPS_PER_LOOK) && (control.stop)() {
         return Err(SimulationError::Stopped { time: integrator.time() });
     }
     Ok(())

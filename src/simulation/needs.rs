@@ -214,8 +214,7 @@ impl Decision<'_> {
                 return Err(Unmet::Rung { rung: planar, reason: "terms.cage_tilt is on".into() });
             }
             (Some(Rung::Full), _) => return Ok(Rung::Full),
-            (None, Some(reason)) if choice == TermChoice::Off => {
-                let _ = reason;
+            (None, Some(_)) if choice == TermChoice::Off => {
                 let reason = "the scene moves along X; only a planar scene can do without";
                 return Err(Unmet::Term { term: Term::CageTilt, choice: "off", reason });
             }

@@ -115,7 +115,7 @@ pub enum SimulationError {
 }
 
 /// Steps between two looks at `Control`.
-const STEPS_PER_LOOK: u64 = 256;
+pub(super) const STEPS_PER_LOOK: u64 = 256;
 
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from `wall_time`.
 pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
