@@ -5,8 +5,8 @@ use super::metrics::{AccuracyReport, BAND, MotionKind};
 use super::model::Model;
 use super::needs::Needs;
 use super::observe::{self, Observer, RATE, Recording};
-use super::run::{Control, Outputs, RunSettings, STEPS_PER_LOOK, SimulationError, Span, integrate};
-use crate::numerics::ode::dormand_prince::DormandPrince;
+use super::run::{Control, Outputs, RunSettings, STEPS_PER_LOOK, SimulationError, Span, Stepping, integrate};
+use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{level_standard_error_db, rms, slope};
@@ -117,11 +117,14 @@ fn tolerance_error(
         outputs: Outputs { spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() },
         ..settings.clone()
     };
-    let tolerance = (TIGHTER * settings.relative_tolerance).max(LEAST_TOLERANCE);
-    let fixed = settings.fixed_step.map(|step| 0.5 * step);
+    let stepping = Stepping {
+        relative_tolerance: (TIGHTER * settings.relative_tolerance).max(LEAST_TOLERANCE),
+        fixed_step: settings.fixed_step.map(|step| 0.5 * step),
+        ..Stepping::of(settings)
+    };
     let mut observer = Observer::new(model, needs, &again);
     let span = Span { start: settings.settle, end: observer.end(), checkpoint: settings.settle, share: (0.9, 1.0) };
-    integrate(model, checkpoint, tolerance, fixed, &span, control, |step| observer.after(step))?;
+    integrate(model, checkpoint, &stepping, &span, control, |step| observer.after(step))?;
     let repeated = observer.finish();
     let difference = |channel: Channel| {
         let first = recording.signal(channel)?.get(SKIPPED..values)?;
@@ -131,7 +134,7 @@ fn tolerance_error(
 }
 
 fn step(
-    integrator: &mut impl Integrator,
+    integrator: &mut dyn Integrator,
     limit: f64,
     model: &Model,
     control: &Control<'_>,
@@ -158,6 +161,16 @@ impl OdeSystem for Pair<'_> {
         self.model.derivative(time, &state[..n], &mut derivative[..n]);
         self.model.derivative(time, &state[n..], &mut derivative[n..]);
     }
+
+    fn structure(&self) -> Structure {
+        Structure { copies: 2, ..self.model.structure() }
+    }
+
+    /// That of the first copy: the second is never far.
+    fn jacobian(&self, time: f64, state: &[f64], rate: &[f64], displacement: &[f64], jacobian: &mut Jacobian) -> u64 {
+        let n = self.model.dimension();
+        self.model.jacobian(time, &state[..n], &rate[..n], &displacement[..n], jacobian)
+    }
 }
 
 /// Rate at which a small disturbance grows (negative: shrinks) [1/s], by a straight line through the
@@ -177,7 +190,7 @@ fn divergence_rate(
     let one = model.mechanism().layout.tolerances(settings.relative_tolerance);
     let tolerances = Tolerances { relative: one.relative.repeat(2), absolute: one.absolute.repeat(2) };
     let pair = Pair { model };
-    let mut integrator = DormandPrince::new(&pair, settings.settle, &start, tolerances, settings.fixed_step);
+    let mut integrator = settings.method.start(&pair, settings.settle, &start, tolerances, settings.fixed_step);
     let kinks: Vec<f64> = model.mechanism().speed.kinks().collect();
     let (mut times, mut logarithms) = (Vec::new(), Vec::new());
     let mut state = start.clone();
@@ -185,7 +198,7 @@ fn divergence_rate(
         let time = settings.settle + stretch * k as f64 / SAMPLES as f64;
         while integrator.time() < time {
             let kink = kinks.iter().copied().find(|kink| *kink > integrator.time() && *kink < time);
-            step(&mut integrator, kink.unwrap_or(time), model, control)?;
+            step(integrator.as_mut(), kink.unwrap_or(time), model, control)?;
             if Some(integrator.time()) == kink {
                 integrator.restart();
             }

@@ -11,17 +11,9 @@ use super::needs::{LeftOut, Needs, Unmet};
 use super::observe::{Observer, Recording};
 use super::scene::Scene;
 use super::state::{BallState, Layout, SpindleState};
-use crate::numerics::ode::dormand_prince::DormandPrince;
-use crate::numerics::ode::{IntegrationError, Integrator, Statistics};
+pub use crate::numerics::ode::Method;
+use crate::numerics::ode::{Choice, IntegrationError, Integrator, Statistics};
 use crate::numerics::spectrum::Spectrum;
-
-/// Which integrator advances the model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// The run chooses and says what it chose.
-    Auto,
-    DormandPrince,
-}
 
 /// A rung of the ladder of models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,11 +117,10 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let start = start_state(&model)?;
     let mut observer = Observer::new(&model, &needs, settings);
     let span = Span { start: 0.0, end: observer.end(), checkpoint: settings.settle, share: (0.0, MAIN_SHARE) };
-    let tolerance = settings.relative_tolerance;
-    let main = integrate(&model, &start, tolerance, settings.fixed_step, &span, control, |step| observer.after(step))?;
+    let main = integrate(&model, &start, &Stepping::of(settings), &span, control, |step| observer.after(step))?;
     let recording = observer.finish();
     let accuracy = accuracy::judge(&model, &needs, settings, &recording, &main.checkpoint, control)?;
-    Ok(summarise(scene, settings, &needs, &model, &recording, &main.statistics, accuracy, begin))
+    Ok(summarise(scene, settings, &needs, &model, &recording, &main, accuracy, begin))
 }
 
 /// Share of the progress that the main integration stands for; the rest judges its accuracy.
@@ -148,6 +139,25 @@ pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
     Ok(state)
 }
 
+/// By which method, and how finely.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stepping {
+    pub method: Method,
+    pub relative_tolerance: f64,
+    /// [s]
+    pub fixed_step: Option<f64>,
+}
+
+impl Stepping {
+    pub fn of(settings: &RunSettings) -> Self {
+        Self {
+            method: settings.method,
+            relative_tolerance: settings.relative_tolerance,
+            fixed_step: settings.fixed_step,
+        }
+    }
+}
+
 /// From where to where, what to remember on the way, and which share of the progress that is.
 pub(super) struct Span {
     pub start: f64,
@@ -161,6 +171,8 @@ pub(super) struct Span {
 /// What an integration leaves behind.
 pub(super) struct Integrated {
     pub statistics: Statistics,
+    /// What ran at the end.
+    pub choice: Choice,
     /// State at the checkpoint.
     pub checkpoint: Vec<f64>,
 }
@@ -170,15 +182,14 @@ pub(super) struct Integrated {
 pub(super) fn integrate(
     model: &Model,
     start: &[f64],
-    relative_tolerance: f64,
-    fixed_step: Option<f64>,
+    stepping: &Stepping,
     span: &Span,
     control: &Control<'_>,
     mut after_step: impl FnMut(&dyn Integrator),
 ) -> Result<Integrated, SimulationError> {
     let layout = model.mechanism().layout;
-    let tolerances = layout.tolerances(relative_tolerance);
-    let mut integrator = DormandPrince::new(model, span.start, start, tolerances, fixed_step);
+    let tolerances = layout.tolerances(stepping.relative_tolerance);
+    let mut integrator = stepping.method.start(model, span.start, start, tolerances, stepping.fixed_step);
     let mut checkpoint = start.to_vec();
     let mut stops: Vec<f64> =
         model.mechanism().speed.kinks().filter(|kink| *kink > span.start && *kink < span.end).collect();
@@ -189,7 +200,7 @@ pub(super) fn integrate(
             if integrator.previous_time() < span.checkpoint && span.checkpoint <= integrator.time() {
                 integrator.interpolate(span.checkpoint, &mut checkpoint);
             }
-            after_step(&integrator);
+            after_step(integrator.as_ref());
             if integrator.statistics().steps.is_multiple_of(STEPS_PER_LOOK) {
                 if (control.stop)() {
                     return Err(SimulationError::Stopped { time: integrator.time() });
@@ -202,7 +213,7 @@ pub(super) fn integrate(
             integrator.restart();
         }
     }
-    Ok(Integrated { statistics: integrator.statistics(), checkpoint })
+    Ok(Integrated { statistics: integrator.statistics(), choice: integrator.choice(), checkpoint })
 }
 
 #[allow(clippy::too_many_arguments)] // Everything a run knows meets here once.
@@ -212,7 +223,7 @@ fn summarise(
     needs: &Needs,
     model: &Model,
     recording: &Recording,
-    statistics: &Statistics,
+    main: &Integrated,
     accuracy: AccuracyReport,
     begin: Instant,
 ) -> RunResult {
@@ -226,17 +237,14 @@ fn summarise(
         frequencies,
         lines: if outputs.vibration { metrics::lines(scene, &spectra, &frequencies) } else { Vec::new() },
         solver: SolverReport {
-            method: "dormand_prince",
-            method_reason: match settings.method {
-                Method::Auto => "the explicit method is the one built in so far".into(),
-                Method::DormandPrince => "asked for".into(),
-            },
+            method: main.choice.method.name(),
+            method_reason: main.choice.reason.clone().unwrap_or_else(|| "asked for".into()),
             rung: needs.rung.name(),
             check: match needs.rung {
                 Rung::Full => "the full dynamics: nothing richer to check against".into(),
                 Rung::Planar => "planar motion: see left_out for why no motion along the axis is needed".into(),
             },
-            statistics: *statistics,
+            statistics: main.statistics,
             wall_time: begin.elapsed().as_secs_f64(),
             simulated_time: settings.settle + settings.duration,
             states: model.mechanism().layout.dimension(),

@@ -5,6 +5,7 @@
 //! tolerance means the same early and late in a run. Inside SI; arcs are angles times the pitch radius.
 
 use crate::numerics::ode::Tolerances;
+use crate::numerics::ode::structure::Structure;
 use crate::physics::frames::Vector;
 
 /// Deviations of one ball, or their rates.
@@ -114,7 +115,8 @@ const SPINDLE_NAMES: [(&str, f64); 6] = [
 const RADIAL_SPINDLE: [usize; 4] = [1, 2, 4, 5];
 
 impl Layout {
-    fn ball_size(&self) -> usize {
+    /// Entries of a ball.
+    pub fn ball_size(&self) -> usize {
         if self.planar { 5 } else { 9 }
     }
 
@@ -128,6 +130,11 @@ impl Layout {
 
     fn spindle_size(&self) -> usize {
         if self.axial_spindle { 6 } else { 4 }
+    }
+
+    /// Entries of cage and spindle.
+    pub fn border_size(&self) -> usize {
+        self.cage_size() + self.spindle_size()
     }
 
     /// Number of entries.
@@ -215,6 +222,22 @@ impl Layout {
             set_block(y, at, [x, sy, z, vx, vy, vz]);
         } else {
             set_block(y, at, [sy, z, vy, vz]);
+        }
+    }
+
+    /// Balls as blocks, cage and spindle as border. The cage's angles count as pairs with their velocities: what its
+    /// tilt adds to their rates is of second order.
+    pub fn structure(&self) -> Structure {
+        let pairs = |at: usize, count: usize| (0..count).map(move |i| (at + i, at + count + i));
+        let half_cage = self.cage_size() / 2;
+        let half_spindle = self.spindle_size() / 2;
+        Structure {
+            blocks: self.balls,
+            block: self.ball_size(),
+            border: self.border_size(),
+            block_pairs: pairs(0, if self.planar { 2 } else { 3 }).collect(),
+            border_pairs: pairs(0, half_cage).chain(pairs(self.cage_size(), half_spindle)).collect(),
+            copies: 1,
         }
     }
 

@@ -7,6 +7,7 @@ mod scenes;
 mod dissipation;
 mod energy;
 mod extremes;
+mod jacobian;
 mod mirror_symmetry;
 mod momentum;
 mod other_integrator;

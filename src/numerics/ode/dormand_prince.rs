@@ -4,7 +4,7 @@
 //! dense output of order 4: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.6.
 
 use super::step_size::{StepSizeControl, error_norm, worst_component};
-use super::{IntegrationError, Integrator, OdeSystem, Statistics, Tolerances};
+use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
 const C: [f64; 5] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0];
 const A: [[f64; 6]; 6] = [
@@ -234,6 +234,10 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
 
     fn statistics(&self) -> Statistics {
         self.statistics
+    }
+
+    fn choice(&self) -> Choice {
+        Choice { method: Method::DormandPrince, reason: None }
     }
 }
 

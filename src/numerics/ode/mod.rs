@@ -1,8 +1,13 @@
 //! Ordinary differential equations `dy/dt = f(t, y)`: what an integrator needs to know of a system,
 //! what it reports, and how it fails. One method a file; none knows what a bearing is.
 
+pub mod arrowhead;
 pub mod dormand_prince;
 pub mod step_size;
+pub mod structure;
+
+use dormand_prince::DormandPrince;
+use structure::{Jacobian, Structure, dense_differences};
 
 /// A system `dy/dt = f(t, y)`. It never changes during a run: all that moves is in `y`.
 pub trait OdeSystem {
@@ -10,6 +15,17 @@ pub trait OdeSystem {
     fn dimension(&self) -> usize;
     /// Writes `f(time, state)` into `derivative`; both slices have `dimension()` entries.
     fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]);
+
+    /// Which entries of `∂f/∂y` may differ from zero. Unless told otherwise: all.
+    fn structure(&self) -> Structure {
+        Structure::dense(self.dimension())
+    }
+
+    /// Writes `∂f/∂y` at `(time, state)`, where `f` is `rate`, and returns the evaluations of `f` it took.
+    /// Unless told otherwise by difference quotients over `displacement`, which a system that knows better may ignore.
+    fn jacobian(&self, time: f64, state: &[f64], rate: &[f64], displacement: &[f64], jacobian: &mut Jacobian) -> u64 {
+        dense_differences(self, time, state, rate, displacement, jacobian)
+    }
 }
 
 /// Error tolerances: component `i` may err by `absolute[i] + relative[i] · |y_i|` a step.
@@ -23,6 +39,56 @@ impl Tolerances {
     /// The same relative and absolute tolerance for each of `dimension` components.
     pub fn uniform(dimension: usize, relative: f64, absolute: f64) -> Self {
         Self { relative: vec![relative; dimension], absolute: vec![absolute; dimension] }
+    }
+}
+
+/// The methods by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Chooses between the others, and may change its mind on the way.
+    Auto,
+    /// Backward differentiation of variable step and order 1–5.
+    Gear,
+    /// Precise integration with exponential Adams–Bashforth–Moulton.
+    FineAbm,
+    /// Explicit Runge–Kutta of order 5.
+    DormandPrince,
+    /// Implicit Runge–Kutta of order 5: the reference.
+    Radau,
+}
+
+impl Method {
+    /// All that a scene can be run by.
+    pub const NAMED: [Self; 4] = [Self::Gear, Self::FineAbm, Self::DormandPrince, Self::Radau];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Gear => "gear",
+            Self::FineAbm => "fine_abm",
+            Self::DormandPrince => "dormand_prince",
+            Self::Radau => "radau",
+        }
+    }
+
+    /// Can run with steps of a fixed size.
+    pub fn takes_fixed_steps(self) -> bool {
+        matches!(self, Self::DormandPrince | Self::FineAbm)
+    }
+
+    /// The method at the start of its way. `fixed_step` [s]: only for methods that take fixed steps.
+    pub fn start<'a, S: OdeSystem + ?Sized>(
+        self,
+        system: &'a S,
+        time: f64,
+        state: &[f64],
+        tolerances: Tolerances,
+        fixed_step: Option<f64>,
+    ) -> Box<dyn Integrator + 'a> {
+        match self {
+            // The others join here as they are built.
+            _ => Box::new(DormandPrince::new(system, time, state, tolerances, fixed_step)),
+        }
     }
 }
 
@@ -42,13 +108,27 @@ pub trait Integrator {
     fn restart(&mut self);
     /// Work done so far.
     fn statistics(&self) -> Statistics;
+    /// What runs, and why where the integrator chose it itself.
+    fn choice(&self) -> Choice;
+}
+
+/// Which method runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    pub method: Method,
+    /// Why; `None` where nothing was chosen.
+    pub reason: Option<String>,
 }
 
 /// Work done by an integrator.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Statistics {
     pub steps: u64,
+    /// Steps tried in vain, for whatever reason.
     pub rejected_steps: u64,
+    /// Those among them for which Newton's iteration did not converge.
+    pub newton_failures: u64,
+    /// All evaluations of the right-hand side, those for Jacobians included.
     pub rhs_evaluations: u64,
     pub jacobian_evaluations: u64,
     pub factorizations: u64,

@@ -3,6 +3,7 @@
 
 use super::Mechanism;
 use crate::numerics::ode::OdeSystem;
+use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::physics::ball::{BallAcceleration, BallMotion};
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract};
@@ -22,6 +23,10 @@ pub trait Watch {
     fn pocket(&mut self, ball: usize, load: &PocketLoad) {
         let _ = (ball, load);
     }
+    /// What a ball passes on to spindle and cage.
+    fn reaction(&mut self, ball: usize, reaction: &Reaction) {
+        let _ = (ball, reaction);
+    }
 }
 
 /// Nobody watches: costs nothing.
@@ -35,19 +40,28 @@ pub struct Dynamics<const PLANAR: bool> {
     tilted_axis: Option<Vector>,
 }
 
-/// Forces summed over the balls.
-#[derive(Default)]
-struct Sums {
+/// Forces that balls exert, one or all.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Reaction {
     /// On the spindle, inertial frame.
-    spindle: Vector,
+    pub spindle: Vector,
     /// On the cage, in its tilted frame.
-    cage_force: Vector,
+    pub cage_force: Vector,
     /// On the cage about its centre of mass, in its tilted frame.
-    cage_moment: Vector,
+    pub cage_moment: Vector,
+}
+
+impl Reaction {
+    #[inline(always)]
+    fn add(&mut self, other: &Self) {
+        self.spindle = add(self.spindle, other.spindle);
+        self.cage_force = add(self.cage_force, other.cage_force);
+        self.cage_moment = add(self.cage_moment, other.cage_moment);
+    }
 }
 
 /// The cage in the form in which pockets need it.
-struct CagePose {
+pub(super) struct CagePose {
     motion: CageMotion,
     /// Azimuth of the first pocket about the cage axis.
     azimuth: Azimuth,
@@ -68,26 +82,30 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// Writes `dy/dt`, showing each load to `watch`.
     pub fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: &mut impl Watch) {
         let m = &self.mechanism;
-        let (angle, speed, acceleration) = m.speed.at(time);
+        let motion = m.speed.at(time);
+        let (angle, speed, acceleration) = motion;
         let spindle = m.layout.spindle(y);
         let cage_state = m.layout.cage(y);
         let cage = self.cage_pose(&cage_state, angle, speed);
-        let mut sums = Sums::default();
+        let mut sum = Reaction::default();
         for ball in 0..m.layout.balls {
             let state = m.layout.ball(y, ball);
             let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + state.arc / m.pitch_radius;
             let motion = self.ball_motion(&state, azimuth, speed);
-            let (mut force, mut moment) = self.raceways(ball, &motion, &spindle, (angle, speed), &mut sums, watch);
+            let mut reaction = Reaction::default();
+            let (mut force, mut moment) = self.raceways(ball, &motion, &spindle, (angle, speed), &mut reaction, watch);
             if m.layout.cage {
-                let (pocket_force, pocket_moment) = self.pocket(ball, &motion, &cage, &mut sums, watch);
+                let (pocket_force, pocket_moment) = self.pocket(ball, &motion, &cage, &mut reaction, watch);
                 force = add(force, pocket_force);
                 moment = add(moment, pocket_moment);
             }
+            watch.reaction(ball, &reaction);
+            sum.add(&reaction);
             let rates = self.ball_rates(&state, &motion, force, moment, acceleration);
             m.layout.set_ball(dy, ball, &rates);
         }
-        m.layout.set_cage(dy, &self.cage_rates(&cage_state, &cage, &sums, acceleration));
-        m.layout.set_spindle(dy, &self.spindle_rates(&spindle, sums.spindle, angle, speed, acceleration));
+        m.layout.set_cage(dy, &self.cage_rates(&cage_state, &cage, &sum, acceleration));
+        m.layout.set_spindle(dy, &self.spindle_rates(&spindle, sum.spindle, motion));
     }
 
     #[inline(always)]
@@ -106,7 +124,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Force and moment of both raceways on a ball, in its orbit frame; the spindle's share goes into `sums`.
+    /// Force and moment of both raceways on a ball, in its orbit frame; the spindle's share goes into `reaction`.
     #[inline(always)]
     fn raceways(
         &self,
@@ -114,7 +132,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         motion: &BallMotion,
         spindle: &SpindleState,
         (angle, speed): (f64, f64),
-        sums: &mut Sums,
+        reaction: &mut Reaction,
         watch: &mut impl Watch,
     ) -> (Vector, Vector) {
         let m = &self.mechanism;
@@ -147,7 +165,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let inner_load = RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
         watch.raceway(ball, BallContact::Inner, &inner, &inner_load);
         if inner_load.penetration > 0.0 {
-            sums.spindle = subtract(sums.spindle, motion.azimuth.to_inertial(inner_load.force));
+            reaction.spindle = subtract(reaction.spindle, motion.azimuth.to_inertial(inner_load.force));
         }
         (add(inner_load.force, outer_load.force), add(inner_load.moment, outer_load.moment))
     }
@@ -167,7 +185,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         ContactFrame { axial, radius, axis, radial, tangential: cross(axis, radial) }
     }
 
-    fn cage_pose(&self, state: &CageState, angle: f64, speed: f64) -> CagePose {
+    pub(super) fn cage_pose(&self, state: &CageState, angle: f64, speed: f64) -> CagePose {
         let m = &self.mechanism;
         let [x, y, z] = state.centre;
         let [about_y, about_z] = state.tilt_rate;
@@ -184,14 +202,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Force and moment of its pocket on a ball, in the ball's orbit frame; the cage's share goes into `sums`.
+    /// Force and moment of its pocket on a ball, in the ball's orbit frame; the cage's share goes into `reaction`.
     #[inline(always)]
     fn pocket(
         &self,
         ball: usize,
         motion: &BallMotion,
         cage: &CagePose,
-        sums: &mut Sums,
+        reaction: &mut Reaction,
         watch: &mut impl Watch,
     ) -> (Vector, Vector) {
         let m = &self.mechanism;
@@ -210,8 +228,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         };
         let load = m.pocket.load(&relative);
         watch.pocket(ball, &load);
-        sums.cage_force = subtract(sums.cage_force, load.force);
-        sums.cage_moment = subtract(sums.cage_moment, cross(add(ball_place, load.lever), load.force));
+        reaction.cage_force = subtract(reaction.cage_force, load.force);
+        reaction.cage_moment = subtract(reaction.cage_moment, cross(add(ball_place, load.lever), load.force));
         let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
         (to_orbit(load.force), to_orbit(load.moment))
     }
@@ -249,13 +267,19 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    fn cage_rates(&self, state: &CageState, pose: &CagePose, sums: &Sums, acceleration: f64) -> CageState {
+    pub(super) fn cage_rates(
+        &self,
+        state: &CageState,
+        pose: &CagePose,
+        reaction: &Reaction,
+        acceleration: f64,
+    ) -> CageState {
         let m = &self.mechanism;
         if !m.layout.cage {
             return CageState::default();
         }
-        let mut force = pose.motion.tilt.to_inertial(sums.cage_force);
-        let mut moment = sums.cage_moment;
+        let mut force = pose.motion.tilt.to_inertial(reaction.cage_force);
+        let mut moment = reaction.cage_moment;
         if let Some(land) = &m.land {
             let (land_force, braking) = land.load(pose.motion.centre, pose.motion.spin[0]);
             force = add(force, land_force);
@@ -275,13 +299,11 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     /// Equations (13), (14), and X where the spindle is free.
-    fn spindle_rates(
+    pub(super) fn spindle_rates(
         &self,
         state: &SpindleState,
         reaction: Vector,
-        angle: f64,
-        speed: f64,
-        acceleration: f64,
+        (angle, speed, acceleration): (f64, f64, f64),
     ) -> SpindleState {
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
@@ -321,5 +343,13 @@ impl<const PLANAR: bool> OdeSystem for Dynamics<PLANAR> {
 
     fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
         self.evaluate(time, state, derivative, &mut ());
+    }
+
+    fn structure(&self) -> Structure {
+        self.mechanism.layout.structure()
+    }
+
+    fn jacobian(&self, time: f64, state: &[f64], _rate: &[f64], _displacement: &[f64], jacobian: &mut Jacobian) -> u64 {
+        self.differences(time, state, jacobian)
     }
 }

@@ -3,9 +3,10 @@
 
 mod dynamics;
 mod full;
+mod jacobian;
 mod planar;
 
-pub use dynamics::{Dynamics, Watch};
+pub use dynamics::{Dynamics, Reaction, Watch};
 pub use full::Full;
 pub use planar::Planar;
 
@@ -14,6 +15,7 @@ use super::run::Rung;
 use super::scene::Scene;
 use super::state::Layout;
 use crate::numerics::ode::OdeSystem;
+use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageParameters;
 use crate::physics::drag::Drag;
@@ -156,5 +158,19 @@ impl OdeSystem for Model {
 
     fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
         self.derivative_watched(time, state, derivative, &mut ());
+    }
+
+    fn structure(&self) -> Structure {
+        match self {
+            Self::Full(model) => model.structure(),
+            Self::Planar(model) => model.structure(),
+        }
+    }
+
+    fn jacobian(&self, time: f64, state: &[f64], rate: &[f64], displacement: &[f64], jacobian: &mut Jacobian) -> u64 {
+        match self {
+            Self::Full(model) => model.jacobian(time, state, rate, displacement, jacobian),
+            Self::Planar(model) => model.jacobian(time, state, rate, displacement, jacobian),
+        }
     }
 }

@@ -1,0 +1,180 @@
+//! The shape of a Jacobian: an arrowhead of blocks and a border.
+//!
+//! ```text
+//! block 1                 right 1
+//!          block 2        right 2
+//!                   …
+//! below 1  below 2  …     corner
+//! ```
+//! Blocks act on each other only through the border (the balls of a bearing through spindle and cage), so that the cost of
+//! linear algebra grows with their number and not with its cube. A system without blocks is all corner: dense.
+
+use super::{OdeSystem, Tolerances};
+
+/// How the entries of a state depend on each other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Structure {
+    /// Number of blocks, and entries of each; the blocks come first in the state.
+    pub blocks: usize,
+    pub block: usize,
+    /// Entries after the blocks.
+    pub border: usize,
+    /// Pairs (position, velocity) within a block: the rate of the first is the second and nothing else.
+    /// Linear algebra eliminates the positions.
+    pub block_pairs: Vec<(usize, usize)>,
+    /// Such pairs within the border.
+    pub border_pairs: Vec<(usize, usize)>,
+    /// So many states of the same system follow each other in the vector, so close together that the
+    /// Jacobian of the first serves all.
+    pub copies: usize,
+}
+
+impl Structure {
+    /// Every entry may depend on every other.
+    pub fn dense(dimension: usize) -> Self {
+        Self { blocks: 0, block: 0, border: dimension, block_pairs: Vec::new(), border_pairs: Vec::new(), copies: 1 }
+    }
+
+    /// Entries of one copy.
+    pub fn dimension(&self) -> usize {
+        self.blocks * self.block + self.border
+    }
+}
+
+/// ∂f/∂y of one copy, each part row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jacobian {
+    structure: Structure,
+    blocks: Vec<f64>,
+    right: Vec<f64>,
+    below: Vec<f64>,
+    corner: Vec<f64>,
+}
+
+impl Jacobian {
+    /// All zero.
+    pub fn new(structure: &Structure) -> Self {
+        let Structure { blocks, block, border, .. } = *structure;
+        Self {
+            structure: structure.clone(),
+            blocks: vec![0.0; blocks * block * block],
+            right: vec![0.0; blocks * block * border],
+            below: vec![0.0; blocks * border * block],
+            corner: vec![0.0; border * border],
+        }
+    }
+
+    pub fn structure(&self) -> &Structure {
+        &self.structure
+    }
+
+    /// How block `index` acts on itself: `block` × `block`.
+    pub fn block(&self, index: usize) -> &[f64] {
+        part(&self.blocks, index, self.structure.block * self.structure.block)
+    }
+
+    /// How the border acts on block `index`: `block` × `border`.
+    pub fn right(&self, index: usize) -> &[f64] {
+        part(&self.right, index, self.structure.block * self.structure.border)
+    }
+
+    /// How block `index` acts on the border: `border` × `block`.
+    pub fn below(&self, index: usize) -> &[f64] {
+        part(&self.below, index, self.structure.border * self.structure.block)
+    }
+
+    /// How the border acts on itself: `border` × `border`.
+    pub fn corner(&self) -> &[f64] {
+        &self.corner
+    }
+
+    pub fn block_mut(&mut self, index: usize) -> &mut [f64] {
+        part_mut(&mut self.blocks, index, self.structure.block * self.structure.block)
+    }
+
+    pub fn right_mut(&mut self, index: usize) -> &mut [f64] {
+        part_mut(&mut self.right, index, self.structure.block * self.structure.border)
+    }
+
+    pub fn below_mut(&mut self, index: usize) -> &mut [f64] {
+        part_mut(&mut self.below, index, self.structure.border * self.structure.block)
+    }
+
+    pub fn corner_mut(&mut self) -> &mut [f64] {
+        &mut self.corner
+    }
+
+    /// `product = J · vector`, one copy.
+    pub fn multiply(&self, vector: &[f64], product: &mut [f64]) {
+        let Structure { blocks, block, border, .. } = self.structure;
+        let (in_blocks, in_border) = vector.split_at(blocks * block);
+        let (of_blocks, of_border) = product.split_at_mut(blocks * block);
+        of_border.fill(0.0);
+        accumulate(&self.corner, in_border, of_border);
+        for index in 0..blocks {
+            let (own, rate) = (part(in_blocks, index, block), part_mut(of_blocks, index, block));
+            rate.fill(0.0);
+            accumulate(self.block(index), own, rate);
+            accumulate(self.right(index), in_border, rate);
+            accumulate(self.below(index), own, of_border);
+        }
+        debug_assert_eq!(vector.len(), blocks * block + border);
+    }
+
+    /// Every entry is finite.
+    pub fn is_finite(&self) -> bool {
+        [&self.blocks, &self.right, &self.below, &self.corner].iter().all(|part| part.iter().all(|x| x.is_finite()))
+    }
+}
+
+fn part(all: &[f64], index: usize, size: usize) -> &[f64] {
+    &all[index * size..(index + 1) * size]
+}
+
+fn part_mut(all: &mut [f64], index: usize, size: usize) -> &mut [f64] {
+    &mut all[index * size..(index + 1) * size]
+}
+
+/// `sum += matrix · vector`, the matrix row by row.
+fn accumulate(matrix: &[f64], vector: &[f64], sum: &mut [f64]) {
+    for (row, sum) in matrix.chunks_exact(vector.len().max(1)).zip(sum) {
+        *sum += row.iter().zip(vector).map(|(a, x)| a * x).sum::<f64>();
+    }
+}
+
+/// Displacements for difference quotients: half the digits of an entry, but enough that a step's change of the
+/// state by `step · rate` is resolved (A. C. Hindmarsh et al., CVODE).
+pub fn displacements(state: &[f64], rate: &[f64], tolerances: &Tolerances, step: f64, displacement: &mut [f64]) {
+    let n = state.len() as f64;
+    let weight = |i: usize| tolerances.absolute[i] + tolerances.relative[i] * state[i].abs();
+    let norm = (0..state.len()).map(|i| (rate[i] / weight(i)).powi(2)).sum::<f64>() / n.max(1.0);
+    let floor = 1e3 * f64::EPSILON * n * step.abs() * norm.sqrt();
+    let floor = if floor > 0.0 && floor.is_finite() { floor } else { 1.0 };
+    for (i, d) in displacement.iter_mut().enumerate() {
+        *d = (f64::EPSILON.sqrt() * state[i].abs()).max(floor * weight(i));
+    }
+}
+
+/// Fills a Jacobian that is all corner by difference quotients; returns the evaluations it took.
+pub fn dense_differences(
+    system: &(impl OdeSystem + ?Sized),
+    time: f64,
+    state: &[f64],
+    rate: &[f64],
+    displacement: &[f64],
+    jacobian: &mut Jacobian,
+) -> u64 {
+    let n = state.len();
+    let (mut moved, mut moved_rate) = (state.to_vec(), vec![0.0; n]);
+    for column in 0..n {
+        moved[column] = state[column] + displacement[column];
+        // What was really added, after rounding.
+        let added = moved[column] - state[column];
+        system.derivative(time, &moved, &mut moved_rate);
+        moved[column] = state[column];
+        for row in 0..n {
+            jacobian.corner[row * n + column] = (moved_rate[row] - rate[row]) / added;
+        }
+    }
+    n as u64
+}

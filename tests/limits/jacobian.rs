@@ -1,0 +1,68 @@
+//! The Jacobian of the model against plain difference quotients of its right-hand side, entry by entry.
+
+use raceway::numerics::ode::OdeSystem;
+use raceway::numerics::ode::structure::Jacobian;
+use raceway::simulation::run::Rung;
+use serde_json::json;
+
+use crate::scenes::{article, changed, disturbed, everything, model_on};
+
+/// Central differences of the whole right-hand side, dense.
+fn dense(system: &impl OdeSystem, state: &[f64], sizes: &[f64]) -> Vec<Vec<f64>> {
+    let n = state.len();
+    let mut moved = state.to_vec();
+    (0..n)
+        .map(|column| {
+            let displacement = 1e-5 * sizes[column];
+            let mut rates = [vec![0.0; n], vec![0.0; n]];
+            for (sign, rate) in [-1.0, 1.0].into_iter().zip(&mut rates) {
+                moved[column] = state[column] + sign * displacement;
+                system.derivative(0.0, &moved, rate);
+            }
+            moved[column] = state[column];
+            (0..n).map(|row| (rates[1][row] - rates[0][row]) / (2.0 * displacement)).collect()
+        })
+        .collect()
+}
+
+/// `J e` for each unit vector must be the column that the differences show; errors in units of the row's size.
+#[test]
+fn the_arrowhead_is_the_whole_jacobian() {
+    let oil = changed(everything(), json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } }));
+    for (json, rung) in [(oil, Rung::Full), (article(), Rung::Full), (article(), Rung::Planar)] {
+        let model = model_on(&json, Some(rung));
+        let layout = model.mechanism().layout;
+        let state = disturbed(&model, 3);
+        let sizes = layout.sizes();
+        let n = state.len();
+        let mut jacobian = Jacobian::new(&model.structure());
+        let mut rate = vec![0.0; n];
+        model.derivative(0.0, &state, &mut rate);
+        let evaluations = model.jacobian(0.0, &state, &rate, &[], &mut jacobian);
+        assert!(evaluations < 30, "{evaluations}");
+        let expected = dense(&model, &state, &sizes);
+        let mut worst = vec![0.0_f64; n];
+        for (column, entries) in expected.iter().enumerate() {
+            for (row, entry) in entries.iter().enumerate() {
+                worst[row] = worst[row].max((entry * sizes[column]).abs());
+            }
+        }
+        let (mut unit, mut product) = (vec![0.0; n], vec![0.0; n]);
+        for column in 0..n {
+            unit.fill(0.0);
+            unit[column] = 1.0;
+            jacobian.multiply(&unit, &mut product);
+            for row in 0..n {
+                let error = (product[row] - expected[column][row]).abs() * sizes[column];
+                assert!(
+                    error < 2e-4 * worst[row] + 1e-9,
+                    "{rung:?}, d {}/d {}: {} instead of {}",
+                    layout.name(row),
+                    layout.name(column),
+                    product[row],
+                    expected[column][row]
+                );
+            }
+        }
+    }
+}
