@@ -23,9 +23,9 @@ pub trait Watch {
     fn pocket(&mut self, ball: usize, load: &PocketLoad) {
         let _ = (ball, load);
     }
-    /// What a ball passes on to spindle and cage.
-    fn reaction(&mut self, ball: usize, reaction: &Reaction) {
-        let _ = (ball, reaction);
+    /// All that acts on a ball, and what it passes on to spindle and cage.
+    fn ball(&mut self, ball: usize, wrench: &Wrench, reaction: &Reaction) {
+        let _ = (ball, wrench, reaction);
     }
 }
 
@@ -40,6 +40,26 @@ pub struct Dynamics<const PLANAR: bool> {
     tilted_axis: Option<Vector>,
 }
 
+/// Force and moment on a ball, in its orbit frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Wrench {
+    pub force: Vector,
+    pub moment: Vector,
+}
+
+impl Wrench {
+    /// Both together.
+    #[inline(always)]
+    pub fn and(self, other: Self) -> Self {
+        Self { force: add(self.force, other.force), moment: add(self.moment, other.moment) }
+    }
+
+    /// The difference.
+    pub fn less(self, other: &Self) -> Self {
+        Self { force: subtract(self.force, other.force), moment: subtract(self.moment, other.moment) }
+    }
+}
+
 /// Forces that balls exert, one or all.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Reaction {
@@ -52,8 +72,17 @@ pub struct Reaction {
 }
 
 impl Reaction {
+    /// The difference.
+    pub fn less(&self, other: &Self) -> Self {
+        Self {
+            spindle: subtract(self.spindle, other.spindle),
+            cage_force: subtract(self.cage_force, other.cage_force),
+            cage_moment: subtract(self.cage_moment, other.cage_moment),
+        }
+    }
+
     #[inline(always)]
-    fn add(&mut self, other: &Self) {
+    pub(super) fn add(&mut self, other: &Self) {
         self.spindle = add(self.spindle, other.spindle);
         self.cage_force = add(self.cage_force, other.cage_force);
         self.cage_moment = add(self.cage_moment, other.cage_moment);
@@ -90,18 +119,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let mut sum = Reaction::default();
         for ball in 0..m.layout.balls {
             let state = m.layout.ball(y, ball);
-            let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + state.arc / m.pitch_radius;
-            let motion = self.ball_motion(&state, azimuth, speed);
+            let motion = self.ball_motion(ball, &state, angle, speed);
             let mut reaction = Reaction::default();
-            let (mut force, mut moment) = self.raceways(ball, &motion, &spindle, (angle, speed), &mut reaction, watch);
+            let outer = self.outer(ball, &motion, watch);
+            let mut wrench = self.inner(ball, &motion, &spindle, (angle, speed), &mut reaction, watch).and(outer);
             if m.layout.cage {
-                let (pocket_force, pocket_moment) = self.pocket(ball, &motion, &cage, &mut reaction, watch);
-                force = add(force, pocket_force);
-                moment = add(moment, pocket_moment);
+                wrench = wrench.and(self.pocket(ball, &motion, &cage, &mut reaction, watch));
             }
-            watch.reaction(ball, &reaction);
+            watch.ball(ball, &wrench, &reaction);
             sum.add(&reaction);
-            let rates = self.ball_rates(&state, &motion, force, moment, acceleration);
+            let rates = self.ball_rates(&state, &motion, wrench, acceleration);
             m.layout.set_ball(dy, ball, &rates);
         }
         m.layout.set_cage(dy, &self.cage_rates(&cage_state, &cage, &sum, acceleration));
@@ -109,8 +136,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     #[inline(always)]
-    fn ball_motion(&self, state: &BallState, azimuth: f64, speed: f64) -> BallMotion {
+    pub(super) fn ball_motion(&self, ball: usize, state: &BallState, angle: f64, speed: f64) -> BallMotion {
         let m = &self.mechanism;
+        let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + state.arc / m.pitch_radius;
         let radius = m.pitch_radius + state.radial;
         let orbit_speed = m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius;
         BallMotion {
@@ -124,19 +152,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Force and moment of both raceways on a ball, in its orbit frame; the spindle's share goes into `reaction`.
+    /// Force and moment of the outer raceway on a ball, in its orbit frame.
     #[inline(always)]
-    fn raceways(
-        &self,
-        ball: usize,
-        motion: &BallMotion,
-        spindle: &SpindleState,
-        (angle, speed): (f64, f64),
-        reaction: &mut Reaction,
-        watch: &mut impl Watch,
-    ) -> (Vector, Vector) {
-        let m = &self.mechanism;
-        let outer = RelativeMotion {
+    fn outer(&self, ball: usize, motion: &BallMotion, watch: &mut impl Watch) -> Wrench {
+        let relative = RelativeMotion {
             axial: motion.axial,
             radius: motion.radius,
             velocity: motion.velocity,
@@ -145,14 +164,28 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle,
         };
-        let outer_load = m.raceway.outer.load::<PLANAR>(&outer);
-        watch.raceway(ball, BallContact::Outer, &outer, &outer_load);
+        let load = self.mechanism.raceway.outer.load::<PLANAR>(&relative);
+        watch.raceway(ball, BallContact::Outer, &relative, &load);
+        Wrench { force: load.force, moment: load.moment }
+    }
 
+    /// Force and moment of the inner raceway on a ball, in its orbit frame; the spindle's share goes into `reaction`.
+    #[inline(always)]
+    pub(super) fn inner(
+        &self,
+        ball: usize,
+        motion: &BallMotion,
+        spindle: &SpindleState,
+        (angle, speed): (f64, f64),
+        reaction: &mut Reaction,
+        watch: &mut impl Watch,
+    ) -> Wrench {
+        let m = &self.mechanism;
         let position = [spindle.position[0] + m.axial_offset, spindle.position[1], spindle.position[2]];
         let centre = motion.azimuth.to_orbit(position);
         let velocity = motion.azimuth.to_orbit(spindle.velocity);
         let frame = self.inner_frame(motion, centre);
-        let inner = RelativeMotion {
+        let relative = RelativeMotion {
             axial: frame.axial,
             radius: frame.radius,
             velocity: frame.components(subtract(motion.velocity, velocity)),
@@ -161,13 +194,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle - angle,
         };
-        let local = m.raceway.inner.load::<PLANAR>(&inner);
-        let inner_load = RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
-        watch.raceway(ball, BallContact::Inner, &inner, &inner_load);
-        if inner_load.penetration > 0.0 {
-            reaction.spindle = subtract(reaction.spindle, motion.azimuth.to_inertial(inner_load.force));
+        let local = m.raceway.inner.load::<PLANAR>(&relative);
+        let load = RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
+        watch.raceway(ball, BallContact::Inner, &relative, &load);
+        if load.penetration > 0.0 {
+            reaction.spindle = subtract(reaction.spindle, motion.azimuth.to_inertial(load.force));
         }
-        (add(inner_load.force, outer_load.force), add(inner_load.moment, outer_load.moment))
+        Wrench { force: load.force, moment: load.moment }
     }
 
     /// The contact frame of the inner raceway, whose axis may be displaced and tilted.
@@ -204,14 +237,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// Force and moment of its pocket on a ball, in the ball's orbit frame; the cage's share goes into `reaction`.
     #[inline(always)]
-    fn pocket(
+    pub(super) fn pocket(
         &self,
         ball: usize,
         motion: &BallMotion,
         cage: &CagePose,
         reaction: &mut Reaction,
         watch: &mut impl Watch,
-    ) -> (Vector, Vector) {
+    ) -> Wrench {
         let m = &self.mechanism;
         let tilt = &cage.motion.tilt;
         let azimuth = motion.azimuth;
@@ -231,17 +264,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         reaction.cage_force = subtract(reaction.cage_force, load.force);
         reaction.cage_moment = subtract(reaction.cage_moment, cross(add(ball_place, load.lever), load.force));
         let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
-        (to_orbit(load.force), to_orbit(load.moment))
+        Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) }
     }
 
     /// Rates of a ball's state under the force and moment of its contacts, with drag and gravity added.
     #[inline(always)]
-    fn ball_rates(
+    pub(super) fn ball_rates(
         &self,
         state: &BallState,
         motion: &BallMotion,
-        mut force: Vector,
-        mut moment: Vector,
+        Wrench { mut force, mut moment }: Wrench,
         acceleration: f64,
     ) -> BallState {
         let m = &self.mechanism;

@@ -6,7 +6,7 @@ mod full;
 mod jacobian;
 mod planar;
 
-pub use dynamics::{Dynamics, Reaction, Watch};
+pub use dynamics::{Dynamics, Reaction, Watch, Wrench};
 pub use full::Full;
 pub use planar::Planar;
 
