@@ -1,0 +1,4 @@
+//! The integrators against problems whose answers are known.
+
+mod accuracy;
+mod problems;
