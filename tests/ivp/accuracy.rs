@@ -30,8 +30,15 @@ fn table() {
                 let (error, s) = run(method, &problem, tolerance);
                 println!(
                     "{:15} {:24} {tolerance:7.0e} {:10.2e} {:6} {:5} {:4} {:6} {:5} {:5}",
-                    method.name(), problem.name, error / tolerance, s.steps, s.rejected_steps, s.newton_failures,
-                    s.rhs_evaluations, s.jacobian_evaluations, s.factorizations,
+                    method.name(),
+                    problem.name,
+                    error / tolerance,
+                    s.steps,
+                    s.rejected_steps,
+                    s.newton_failures,
+                    s.rhs_evaluations,
+                    s.jacobian_evaluations,
+                    s.factorizations,
                 );
             }
         }

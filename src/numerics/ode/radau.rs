@@ -163,10 +163,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         let scaled = |tolerances: &[f64]| tolerances.iter().map(|tolerance| slack * tolerance).collect();
         Self {
             system,
-            tolerances: Tolerances {
-                relative: scaled(&tolerances.relative),
-                absolute: scaled(&tolerances.absolute),
-            },
+            tolerances: Tolerances { relative: scaled(&tolerances.relative), absolute: scaled(&tolerances.absolute) },
             newton_tolerance: NEWTON_PART / slack.max(1.0),
             time,
             state: state.to_vec(),
