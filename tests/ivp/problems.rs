@@ -7,6 +7,8 @@
 use raceway::numerics::ode::structure::{Jacobian, dense_differences};
 use raceway::numerics::ode::{OdeSystem, Tolerances};
 
+pub const E5: &str = "E5";
+
 type Rate = Box<dyn Fn(f64, &[f64], &mut [f64])>;
 
 /// One problem with its answer.
@@ -19,11 +21,11 @@ pub struct Problem {
     pub end: f64,
     /// State at `end`.
     pub answer: Vec<f64>,
-    /// Digits of the answer that can be relied on, as a relative error.
-    pub known: f64,
+    /// Relative error that no tolerance goes below: digits of the answer that can be relied on, or rounding.
+    pub floor: f64,
     /// Absolute tolerance over relative tolerance, of each component.
     pub scale: Vec<f64>,
-    /// Cheap enough for an explicit method.
+    /// Too dear for an explicit method.
     pub stiff: bool,
 }
 
@@ -56,10 +58,20 @@ impl Problem {
         }
     }
 
+    /// What of a state is compared: in E5 the mean of y₂ and y₃ in place of both.
+    fn reading(&self, state: &[f64]) -> Vec<f64> {
+        let mut reading = state.to_vec();
+        if self.name == E5 {
+            reading[1..3].fill(0.5 * (state[1] + state[2]));
+        }
+        reading
+    }
+
     /// Largest error of an end state, each component against its size and scale: at most the relative
     /// tolerance where the tolerance is met.
     pub fn error(&self, state: &[f64]) -> f64 {
-        let errors = state.iter().zip(&self.answer).zip(&self.scale);
+        let reading = self.reading(state);
+        let errors = reading.iter().zip(&self.answer).zip(&self.scale);
         errors.map(|((y, answer), scale)| (y - answer).abs() / (answer.abs() + scale)).fold(0.0, f64::max)
     }
 }
@@ -80,6 +92,9 @@ pub fn all() -> Vec<Problem> {
 }
 
 /// Three reactions over 18 decades of time. The published y₃ breaks y₁ + y₂ + y₃ = 1 by 1e-14; here the rest.
+///
+/// Known to 12 digits, but at the end y₁ changes by 2e-19 a second, the difference of two rates of 8e-10: what is
+/// rounded there shows in the ninth digit, with whatever tolerance.
 fn robertson() -> Problem {
     let (y1, y2) = (2.083_340_149_701e-8, 8.333_360_770_335e-14);
     Problem {
@@ -97,7 +112,7 @@ fn robertson() -> Problem {
         start: vec![1.0, 0.0, 0.0],
         end: 1e11,
         answer: vec![y1, y2, 1.0 - y1 - y2],
-        known: 1e-12,
+        floor: 1e-8,
         scale: vec![1e-8, 1e-14, 1e-8],
         stiff: true,
     }
@@ -131,7 +146,7 @@ fn hires() -> Problem {
             0.2849998395185769e-2,
             0.2850001604814231e-2,
         ],
-        known: 1e-14,
+        floor: 1e-14,
         scale: vec![1e-4; 8],
         stiff: true,
     }
@@ -150,7 +165,7 @@ fn oregonator() -> Problem {
         start: vec![1.0, 2.0, 3.0],
         end: 360.0,
         answer: vec![1.000_814_870_318_522_7, 1_228.178_521_549_888, 132.055_494_284_650_83],
-        known: 1e-12,
+        floor: 1e-12,
         scale: vec![1.0; 3],
         stiff: true,
     }
@@ -168,7 +183,7 @@ fn van_der_pol_slow() -> Problem {
         start: vec![2.0, 0.0],
         end: 2000.0,
         answer: RELAXED.to_vec(),
-        known: 1e-13,
+        floor: 1e-13,
         scale: vec![1.0, 1e-3],
         stiff: true,
     }
@@ -183,7 +198,7 @@ fn van_der_pol_fast() -> Problem {
         start: vec![2.0, 0.0],
         end: 2.0,
         answer: vec![RELAXED[0], 1e3 * RELAXED[1]],
-        known: 1e-12,
+        floor: 1e-12,
         scale: vec![1.0; 2],
         stiff: true,
     }
@@ -194,9 +209,12 @@ fn van_der_pol_fast() -> Problem {
 /// The published y₂ = 8.8677e-23 and y₃ = 8.8548e-23 are wrong from the third digit on: all rates keep y₂ = y₃ + y₄,
 /// and y₄, at most B y₁ y₃ / C, has long vanished. Left alone, y₂' = −MC y₂² gives y₂ → 1/(MC (t − t*)) with
 /// 1/(MC t) = 8.850e-23, which the recomputed value meets for t* = 1.3e10. y₁ decays as e^{−At} to nothing.
+///
+/// y₂ − y₃ is kept by the equations, but y₂ and y₃ come from 1.5e-10, where one rounding is 2.6e-26: in double precision
+/// each ends with an error of per mille to percent. Their mean feels that by its square only.
 fn e5() -> Problem {
     Problem {
-        name: "E5",
+        name: E5,
         rate: Box::new(|_, y, dy| {
             let (first, second, third) = (7.89e-10 * y[0], 1.1e7 * y[0] * y[2], 1.13e9 * y[1] * y[2]);
             let fourth = 1.13e3 * y[3];
@@ -214,7 +232,7 @@ fn e5() -> Problem {
         start: vec![1.76e-3, 0.0, 0.0, 0.0],
         end: 1e13,
         answer: vec![0.0, 8.861_233_52e-23, 8.861_233_52e-23, 0.0],
-        known: 1e-9,
+        floor: 1e-5,
         scale: vec![1e-24; 4],
         stiff: true,
     }
@@ -257,7 +275,7 @@ fn pollution() -> Problem {
         start,
         end: 60.0,
         answer,
-        known: 1e-14,
+        floor: 1e-14,
         stiff: true,
     }
 }
@@ -375,7 +393,7 @@ fn pleiades() -> Problem {
             2.344915448180937,
             -1.947020434263292,
         ],
-        known: 1e-13,
+        floor: 1e-13,
         scale: vec![1.0; 28],
         stiff: false,
     }
@@ -390,7 +408,7 @@ pub fn prothero_robinson(lambda: f64) -> Problem {
         start: vec![0.0],
         end: 10.0,
         answer: vec![10f64.sin()],
-        known: 1e-15,
+        floor: 1e-15,
         scale: vec![1.0],
         stiff: true,
     }
@@ -406,7 +424,7 @@ fn curtiss_hirschfelder() -> Problem {
         start: vec![0.0],
         end: 10.0,
         answer: vec![exact(10.0)],
-        known: 1e-15,
+        floor: 1e-15,
         scale: vec![1.0],
         stiff: false,
     }
