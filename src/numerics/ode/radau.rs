@@ -35,11 +35,13 @@ const T_INVERSE: [[f64; 3]; 3] = [
 /// Tries in vain after which a step counts as impossible.
 const MOST_REJECTIONS: u32 = 60;
 /// Iterations of Newton's method in a step.
-const MOST_ITERATIONS: u32 = 7;
+const MOST_ITERATIONS: u32 = 10;
 /// Part of the asked tolerance that may be left to Newton's iteration.
 const NEWTON_PART: f64 = 0.03;
 /// An iteration that contracts better than this needs no new Jacobian.
 const FAST_CONTRACTION: f64 = 0.01;
+/// Contraction with a new Jacobian, in proportion to the step, up to which the step may grow.
+const SLOWEST_CONTRACTION: f64 = 0.4;
 /// Steps that one Jacobian serves at most: a stale one that is too stiff hides what it should show.
 const MOST_STEPS: u32 = 30;
 /// Part by which a step may differ from that of the factors: no more than rounding of times makes.
@@ -411,17 +413,16 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         (safety * error.powf(-1.0 / ESTIMATE)).clamp(LARGEST_CUT, LARGEST_GROWTH)
     }
 
-    /// The step that follows an accepted one: by its error, and at most by how the error has moved (Gustafsson).
+    /// The step that follows an accepted one: by its error, and at most by how the error has moved (Gustafsson)
+    /// and by how far Newton's iteration is good for.
     fn following(&self, step: f64, error: f64, iterations: u32) -> f64 {
-        let simple = Self::factor(error, iterations);
-        let factor = match self.accepted {
-            Some(last) => {
-                let trend = (last.error / (error * error)).powf(1.0 / ESTIMATE);
-                simple.min((SAFETY * step / last.step * trend).max(LARGEST_CUT))
-            }
-            None => simple,
-        };
-        step * factor
+        let by_trend = self.accepted.map_or(LARGEST_GROWTH, |last| {
+            let trend = (last.error / (error * error)).powf(1.0 / ESTIMATE);
+            (SAFETY * step / last.step * trend).max(LARGEST_CUT)
+        });
+        let contraction = if self.jacobian_is_fresh { self.convergence.contraction } else { 0.0 };
+        let by_newton = SLOWEST_CONTRACTION / contraction;
+        step * Self::factor(error, iterations).min(by_trend).min(by_newton)
     }
 
     /// Makes the tried step the last one.
@@ -448,7 +449,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         let next = self.following(step, error, iterations);
         self.accept(step, end);
         self.accepted = Some(Accepted { step, error: error.max(1e-2) });
-        let next = if doubtful && self.statistics.steps > 1 { next.min(step) } else { next };
+        let next = if doubtful { next.min(step) } else { next };
         if cut {
             // A step cut short says little about the next one.
             self.step = next.max(self.step);
