@@ -76,7 +76,8 @@ fn the_error_follows_the_tolerance() {
             println!("{row}");
             // Close to what was asked, or as good as can be, counts as fallen: a lucky run before is no fault of this one.
             let fallen = error <= (3.0 * best).max(10.0 * tolerance).max(problem.floor);
-            if !(error <= (most(method, &problem) * tolerance).max(problem.floor)) || !fallen {
+            let met = error <= (most(method, &problem) * tolerance).max(problem.floor);
+            if !met || !fallen {
                 misses.push(row);
             }
             best = best.min(error);
