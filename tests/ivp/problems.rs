@@ -236,7 +236,7 @@ fn e5() -> Problem {
         start: vec![1.76e-3, 0.0, 0.0, 0.0],
         end: 1e13,
         answer: vec![0.0, 8.861_233_52e-23, 8.861_233_52e-23, 0.0],
-        floor: 1e-7,
+        floor: 2e-6,
         scale: vec![1e-24; 4],
         stiff: true,
     }
