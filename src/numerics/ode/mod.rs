@@ -4,11 +4,13 @@
 pub mod arrowhead;
 pub mod dormand_prince;
 pub mod gear;
+pub mod radau;
 pub mod step_size;
 pub mod structure;
 
 use dormand_prince::DormandPrince;
 use gear::Gear;
+use radau::Radau;
 use structure::{Jacobian, Structure, dense_differences};
 
 /// A system `dy/dt = f(t, y)`. It never changes during a run: all that moves is in `y`.
@@ -89,6 +91,7 @@ impl Method {
     ) -> Box<dyn Integrator + 'a> {
         match self {
             Self::Gear => Box::new(Gear::new(system, time, state, tolerances)),
+            Self::Radau => Box::new(Radau::new(system, time, state, tolerances)),
             // The others join here as they are built.
             _ => Box::new(DormandPrince::new(system, time, state, tolerances, fixed_step)),
         }

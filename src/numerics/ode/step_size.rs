@@ -134,7 +134,7 @@ mod tests {
         assert!((slow / fast - 1.0).abs() < 1e-9 && (0.01..0.2).contains(&slow), "{slow} {fast}");
         assert_eq!(first(-1.0, 1.0, 1e-4), 1e-4);
         assert_eq!(first(0.0, 1.0, 1e3), 1.0);
-        assert_eq!(first(0.0, 1.0, 1e-9), 1e-12);
+        assert_eq!(first(0.0, 1.0, 1e-9), 1e-3 * 1e-9);
         assert!(first(f64::NAN, 1.0, 1.0) > 0.0);
     }
 
