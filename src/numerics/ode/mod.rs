@@ -3,10 +3,13 @@
 
 pub mod arrowhead;
 pub mod dormand_prince;
+pub mod fine_abm;
+pub mod phi;
 pub mod step_size;
 pub mod structure;
 
 use dormand_prince::DormandPrince;
+use fine_abm::{FineAbm, LinearPart};
 use structure::{Jacobian, Structure, dense_differences};
 
 /// A system `dy/dt = f(t, y)`. It never changes during a run: all that moves is in `y`.
@@ -86,6 +89,9 @@ impl Method {
         fixed_step: Option<f64>,
     ) -> Box<dyn Integrator + 'a> {
         match self {
+            Self::FineAbm => {
+                Box::new(FineAbm::new(system, time, state, tolerances, fixed_step, LinearPart::Blocks))
+            }
             // The others join here as they are built.
             _ => Box::new(DormandPrince::new(system, time, state, tolerances, fixed_step)),
         }

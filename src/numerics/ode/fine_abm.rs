@@ -1,0 +1,603 @@
+//! Precise integration with exponential Adams–Bashforth–Moulton of order 4: the second solver of the article.
+//!
+//! `ẏ = H y + f(t, y)`. `H` is integrated exactly (W. X. Zhong's precise integration, `phi`), `f` by the cubic through its last
+//! values, with weights that are matrices (A. Nørsett, Lect. Notes Math. 109 (1969) 214–219; M. Hochbruck & A. Ostermann, Acta
+//! Numerica 19 (2010) 209–286, §2.5). On backward differences of `f` the predictor has the weights φ₁, φ₂, φ₃ + φ₂/2,
+//! φ₄ + φ₃ + φ₂/3, the corrector φ₁, φ₂ − φ₁, φ₃ − φ₂/2, φ₄ − φ₂/6; `H = 0` gives the classical pair. Both cubics agree at the
+//! last three points, so that the corrector is the predictor plus `h (φ₄ + φ₃ + φ₂/3) ∇⁴f`, which is how it is applied.
+//!
+//! The grid is uniform; steps are halved and doubled. The first points, and the way to a limit between two points of the grid,
+//! are walked by Dormand–Prince at the same tolerance.
+
+use super::dormand_prince::DormandPrince;
+use super::phi::phi;
+use super::step_size::{error_norm, worst_component};
+use super::structure::{Jacobian, Structure, displacements};
+use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
+
+/// What is integrated exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LinearPart {
+    /// Nothing: the classical method.
+    Zero,
+    /// Positions from velocities, all that is linear with constant coefficients in a bearing. The article names the two methods
+    /// it combines but no matrix; this one leaves every contact force in `f`.
+    Kinematic,
+    /// Each block of the Jacobian on its diagonal, and the corner, renewed as they change.
+    Blocks,
+}
+
+/// Values kept: after doubling, every other one of them still makes a cubic and an interpolation.
+const MOST_KEPT: usize = 9;
+/// Values that a step and the halving of its grid need.
+const LEAST_KEPT: usize = 5;
+/// Error of the corrector over corrector minus predictor (W. E. Milne), at `H = 0`; less where `H` dominates.
+const MILNE: f64 = 19.0 / 270.0;
+/// Error norm below which the step is doubled: 2⁻⁵ for the order and half the tolerance.
+const DOUBLING_ERROR: f64 = 1.0 / 64.0;
+/// Largest `h |∂f/∂y|`, as corrector and predictor show it, at which the step is doubled: the method is stable to 1.28.
+const DOUBLING_RATE: f64 = 0.5;
+/// `h |∂f/∂y|` at which the linear part counts as outdated.
+const OUTDATED: f64 = 0.3;
+/// Error norm of a correction too small to tell `∂f/∂y`.
+const TELLING: f64 = 1e-3;
+/// Steps before a linear part is renewed again; doubled each time that it did not help, up to the most.
+const LEAST_PATIENCE: u64 = 4;
+const MOST_PATIENCE: u64 = 256;
+/// Steps after a rejection without doubling.
+const PAUSE: u64 = 16;
+/// Rejections in a row after which a step counts as impossible.
+const MOST_REJECTIONS: u32 = 60;
+/// Values midway between the newest and the next, and between the next two, from the five newest.
+const MIDWAY: [[f64; 5]; 2] = [
+    [35.0 / 128.0, 140.0 / 128.0, -70.0 / 128.0, 28.0 / 128.0, -5.0 / 128.0],
+    [-5.0 / 128.0, 60.0 / 128.0, 90.0 / 128.0, -20.0 / 128.0, 3.0 / 128.0],
+];
+
+/// Block-diagonal matrices, each column by column; one block may stand for all.
+#[derive(Debug, Clone)]
+struct Diagonal {
+    block: usize,
+    border: usize,
+    blocks: Vec<Vec<f64>>,
+    corner: Vec<f64>,
+}
+
+impl Diagonal {
+    fn pairs(structure: &Structure) -> Self {
+        let matrix = |n: usize, pairs: &[(usize, usize)]| {
+            let mut matrix = vec![0.0; n * n];
+            pairs.iter().for_each(|&(position, velocity)| matrix[velocity * n + position] = 1.0);
+            matrix
+        };
+        Self {
+            block: structure.block,
+            border: structure.border,
+            blocks: vec![matrix(structure.block, &structure.block_pairs)],
+            corner: matrix(structure.border, &structure.border_pairs),
+        }
+    }
+
+    fn of(jacobian: &Jacobian) -> Self {
+        let Structure { blocks, block, border, .. } = *jacobian.structure();
+        let blocks = (0..blocks).map(|index| transposed(jacobian.block(index), block)).collect();
+        Self { block, border, blocks, corner: transposed(jacobian.corner(), border) }
+    }
+
+    /// `sum += sign · self · vector`, every copy.
+    fn add_product(&self, sign: f64, vector: &[f64], sum: &mut [f64], structure: &Structure) {
+        let dimension = structure.dimension().max(1);
+        let in_blocks = structure.blocks * self.block;
+        for (vector, sum) in vector.chunks_exact(dimension).zip(sum.chunks_exact_mut(dimension)) {
+            for index in 0..structure.blocks {
+                let own = index * self.block..(index + 1) * self.block;
+                accumulate(&self.blocks[index % self.blocks.len()], sign, &vector[own.clone()], &mut sum[own]);
+            }
+            accumulate(&self.corner, sign, &vector[in_blocks..], &mut sum[in_blocks..]);
+        }
+    }
+
+    /// The same function of each matrix.
+    fn map(&self, function: impl Fn(&[f64], usize) -> Vec<f64>) -> Self {
+        Self {
+            blocks: self.blocks.iter().map(|matrix| function(matrix, self.block)).collect(),
+            corner: function(&self.corner, self.border),
+            ..*self
+        }
+    }
+}
+
+fn transposed(matrix: &[f64], n: usize) -> Vec<f64> {
+    (0..n * n).map(|i| matrix[i % n * n + i / n]).collect()
+}
+
+/// `sum += sign · matrix · vector`, the matrix column by column.
+fn accumulate(matrix: &[f64], sign: f64, vector: &[f64], sum: &mut [f64]) {
+    for (column, &x) in matrix.chunks_exact(sum.len().max(1)).zip(vector) {
+        let x = sign * x;
+        for (sum, a) in sum.iter_mut().zip(column) {
+            *sum += a * x;
+        }
+    }
+}
+
+/// What a step of one length multiplies: the rate and the first three differences of `f`.
+#[derive(Debug, Clone)]
+struct Weights {
+    step: f64,
+    of_differences: [Diagonal; 4],
+}
+
+impl Weights {
+    fn new(linear: &Diagonal, step: f64) -> Self {
+        let all = linear.map(|matrix, n| {
+            let z: Vec<f64> = matrix.iter().map(|x| step * x).collect();
+            let [one, two, three, four] = phi(&z, n);
+            let mut weights = Vec::with_capacity(4 * n * n);
+            weights.extend(one.iter().map(|x| step * x));
+            weights.extend(two.iter().map(|x| step * x));
+            weights.extend((0..n * n).map(|i| step * (three[i] + 0.5 * two[i])));
+            weights.extend((0..n * n).map(|i| step * (four[i] + three[i] + two[i] / 3.0)));
+            weights
+        });
+        let one = |which: usize| all.map(|weights, n| weights[which * n * n..(which + 1) * n * n].to_vec());
+        Self { step, of_differences: [one(0), one(1), one(2), one(3)] }
+    }
+}
+
+/// The method with its past; allocates on construction, on a renewal of the linear part, and where it starts.
+pub struct FineAbm<'a, S: OdeSystem + ?Sized> {
+    system: &'a S,
+    tolerances: Tolerances,
+    structure: Structure,
+    part: LinearPart,
+    linear: Diagonal,
+    /// Of the lengths met since the linear part was renewed.
+    weights: Vec<Weights>,
+    /// Newest point of the grid.
+    grid_time: f64,
+    /// Length of the next step; 0: not known yet.
+    step: f64,
+    fixed: bool,
+    /// States and `f` at the points of the grid, newest first, and how many of them are known.
+    states: Vec<Vec<f64>>,
+    rests: Vec<Vec<f64>>,
+    kept: usize,
+    /// dy/dt at the newest point.
+    rate: Vec<f64>,
+    differences: [Vec<f64>; 3],
+    predicted: Vec<f64>,
+    corrected: Vec<f64>,
+    correction: Vec<f64>,
+    trial_rate: Vec<f64>,
+    trial_rest: Vec<f64>,
+    zero: Vec<f64>,
+    /// One-step method on its way to the next point of the grid.
+    walker: Option<DormandPrince<'a, S>>,
+    previous_time: f64,
+    jacobian: Jacobian,
+    displacement: Vec<f64>,
+    /// The linear part has been taken since the start.
+    linearised: bool,
+    /// Steps since then, and before it is renewed again.
+    age: u64,
+    patience: u64,
+    /// Steps before the next doubling.
+    wait: u64,
+    /// The next step is to be twice as long.
+    double: bool,
+    /// The last `h |∂f/∂y|` that was told.
+    rate_of_rest: f64,
+    /// Work apart from that of the present walker.
+    statistics: Statistics,
+}
+
+impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
+    /// Starts at `(time, state)`. With `fixed_step` [s] the error is not controlled.
+    pub fn new(
+        system: &'a S,
+        time: f64,
+        state: &[f64],
+        tolerances: Tolerances,
+        fixed_step: Option<f64>,
+        part: LinearPart,
+    ) -> Self {
+        let n = system.dimension();
+        let structure = system.structure();
+        let vector = || vec![0.0; n];
+        let mut linear = Diagonal::pairs(&structure);
+        if part != LinearPart::Kinematic {
+            linear = linear.map(|matrix, _| vec![0.0; matrix.len()]);
+        }
+        let mut method = Self {
+            system,
+            tolerances,
+            part,
+            linear,
+            weights: Vec::new(),
+            grid_time: time,
+            step: fixed_step.unwrap_or(0.0),
+            fixed: fixed_step.is_some(),
+            states: (0..MOST_KEPT).map(|_| vector()).collect(),
+            rests: (0..MOST_KEPT).map(|_| vector()).collect(),
+            kept: 0,
+            rate: vector(),
+            differences: std::array::from_fn(|_| vector()),
+            predicted: vector(),
+            corrected: state.to_vec(),
+            correction: vector(),
+            trial_rate: vector(),
+            trial_rest: vector(),
+            zero: vector(),
+            walker: None,
+            previous_time: time,
+            jacobian: Jacobian::new(&structure),
+            structure,
+            displacement: vector(),
+            linearised: false,
+            age: 0,
+            patience: LEAST_PATIENCE,
+            wait: 0,
+            double: false,
+            rate_of_rest: 0.0,
+            statistics: Statistics::default(),
+        };
+        method.begin(time);
+        method
+    }
+
+    /// Starts afresh from `corrected` at `time`.
+    fn begin(&mut self, time: f64) {
+        (self.kept, self.linearised, self.patience) = (0, false, LEAST_PATIENCE);
+        (self.wait, self.double, self.rate_of_rest) = (0, false, 0.0);
+        self.weights.clear();
+        self.grid_time = time;
+        self.system.derivative(time, &self.corrected, &mut self.trial_rate);
+        self.statistics.rhs_evaluations += 1;
+        self.keep_corrected();
+        self.walk();
+    }
+
+    /// Sets the one-step method on its way from the newest point.
+    fn walk(&mut self) {
+        self.dismiss_walker();
+        self.walker =
+            Some(DormandPrince::new(self.system, self.grid_time, &self.states[0], self.tolerances.clone(), None));
+    }
+
+    fn dismiss_walker(&mut self) {
+        self.statistics = self.statistics();
+        self.walker = None;
+    }
+
+    /// Makes `corrected` with its `trial_rate` the newest point.
+    fn keep_corrected(&mut self) {
+        self.states.rotate_right(1);
+        self.rests.rotate_right(1);
+        self.states[0].copy_from_slice(&self.corrected);
+        std::mem::swap(&mut self.rate, &mut self.trial_rate);
+        self.rests[0].copy_from_slice(&self.rate);
+        self.linear.add_product(-1.0, &self.states[0], &mut self.rests[0], &self.structure);
+        self.kept = (self.kept + 1).min(MOST_KEPT);
+    }
+
+    /// One step of the one-step method, to the next point of the grid at the latest.
+    fn walk_on(&mut self, limit: f64) -> Result<(), IntegrationError> {
+        let Some(walker) = &mut self.walker else { return Ok(()) };
+        let next = if self.step > 0.0 { self.grid_time + self.step } else { f64::INFINITY };
+        walker.step(limit.min(next))?;
+        self.previous_time = walker.previous_time();
+        let time = walker.time();
+        if self.step > 0.0 && time < next {
+            return Ok(());
+        }
+        if self.step == 0.0 {
+            // Its first step told the scale. From here the grid begins.
+            self.step = 0.5 * (time - self.previous_time);
+            self.kept = 0;
+        }
+        self.corrected.copy_from_slice(walker.state());
+        self.grid_time = time;
+        self.system.derivative(time, &self.corrected, &mut self.trial_rate);
+        self.statistics.rhs_evaluations += 1;
+        self.keep_corrected();
+        Ok(())
+    }
+
+    /// Weights of the present step, computed where they are not at hand.
+    fn prepare_weights(&mut self) -> usize {
+        if self.part == LinearPart::Blocks && !self.linearised {
+            self.renew_linear_part();
+        }
+        let step = self.step;
+        self.weights.iter().position(|weights| weights.step == step).unwrap_or_else(|| {
+            self.weights.push(Weights::new(&self.linear, step));
+            self.statistics.factorizations += 1;
+            self.weights.len() - 1
+        })
+    }
+
+    /// Takes the blocks of the Jacobian at the newest point for `H`, and moves what that adds out of `f`.
+    fn renew_linear_part(&mut self) {
+        displacements(&self.states[0], &self.rate, &self.tolerances, self.step, &mut self.displacement);
+        let (state, rate) = (&self.states[0], &self.rate);
+        let evaluations =
+            self.system.jacobian(self.grid_time, state, rate, &self.displacement, &mut self.jacobian);
+        self.statistics.rhs_evaluations += evaluations;
+        self.statistics.jacobian_evaluations += 1;
+        (self.linearised, self.age) = (true, 0);
+        if !self.jacobian.is_finite() {
+            return;
+        }
+        let renewed = Diagonal::of(&self.jacobian);
+        for (state, rest) in self.states.iter().zip(&mut self.rests).take(self.kept) {
+            self.linear.add_product(1.0, state, rest, &self.structure);
+            renewed.add_product(-1.0, state, rest, &self.structure);
+        }
+        self.linear = renewed;
+        self.weights.clear();
+    }
+
+    /// Predicts, evaluates and corrects into `corrected` and `correction`; returns the norm of the error.
+    fn try_step(&mut self) -> f64 {
+        let index = self.prepare_weights();
+        let of_differences = &self.weights[index].of_differences;
+        let [newest, second, third, fourth] = &self.rests[..4] else { return f64::NAN };
+        for i in 0..newest.len() {
+            let (one, two, three) = (newest[i] - second[i], second[i] - third[i], third[i] - fourth[i]);
+            self.differences[0][i] = one;
+            self.differences[1][i] = one - two;
+            self.differences[2][i] = one - 2.0 * two + three;
+        }
+        self.correction.fill(0.0);
+        of_differences[0].add_product(1.0, &self.rate, &mut self.correction, &self.structure);
+        for (weights, difference) in of_differences[1..].iter().zip(&self.differences) {
+            weights.add_product(1.0, difference, &mut self.correction, &self.structure);
+        }
+        for (i, predicted) in self.predicted.iter_mut().enumerate() {
+            *predicted = self.states[0][i] + self.correction[i];
+        }
+        let end = self.grid_time + self.step;
+        self.system.derivative(end, &self.predicted, &mut self.trial_rest);
+        self.statistics.rhs_evaluations += 1;
+        self.linear.add_product(-1.0, &self.predicted, &mut self.trial_rest, &self.structure);
+        // What the predictor did not foresee: the fourth difference.
+        let [one, two, three] = &mut self.differences;
+        for i in 0..one.len() {
+            one[i] = self.trial_rest[i] - (self.rests[0][i] + one[i] + two[i] + three[i]);
+        }
+        self.correction.fill(0.0);
+        of_differences[3].add_product(1.0, one, &mut self.correction, &self.structure);
+        for (i, corrected) in self.corrected.iter_mut().enumerate() {
+            *corrected = self.predicted[i] + self.correction[i];
+        }
+        let error = MILNE * error_norm(&self.correction, &self.states[0], &self.corrected, &self.tolerances);
+        if self.corrected.iter().all(|x| x.is_finite()) { error } else { f64::NAN }
+    }
+
+    /// Makes the tried step the last one.
+    fn accept(&mut self, error: f64, end: f64) {
+        self.system.derivative(end, &self.corrected, &mut self.trial_rate);
+        self.statistics.rhs_evaluations += 1;
+        self.previous_time = self.grid_time;
+        self.grid_time = end;
+        self.keep_corrected();
+        let statistics = &mut self.statistics;
+        statistics.steps += 1;
+        statistics.advanced += self.step;
+        let least = &mut statistics.least_step;
+        *least = if *least == 0.0 { self.step } else { least.min(self.step) };
+        self.age += 1;
+        self.wait = self.wait.saturating_sub(1);
+        if error >= TELLING {
+            // How far f moved, over how far the state moved between prediction and correction.
+            for (moved, at_end) in self.trial_rest.iter_mut().zip(&self.rests[0]) {
+                *moved = at_end - *moved;
+            }
+            let size = |vector: &[f64]| error_norm(vector, &self.states[0], &self.zero, &self.tolerances);
+            self.rate_of_rest = self.step * size(&self.trial_rest) / size(&self.correction);
+        }
+        self.adapt(error);
+    }
+
+    /// Renews the linear part where it is outdated; doubles the step where that is accurate and stable.
+    fn adapt(&mut self, error: f64) {
+        if self.part == LinearPart::Blocks && self.rate_of_rest > OUTDATED && self.age >= self.patience {
+            // Renewed in vain: what is fast lies outside the blocks.
+            let in_vain = self.age == self.patience;
+            self.patience = if in_vain { (2 * self.patience).min(MOST_PATIENCE) } else { LEAST_PATIENCE };
+            self.renew_linear_part();
+        }
+        if self.fixed {
+            return;
+        }
+        // Only before the next step: until then the last one may be interpolated.
+        let accurate = error < DOUBLING_ERROR && self.kept == MOST_KEPT && self.wait == 0;
+        self.double = accurate && (error < TELLING || self.rate_of_rest < DOUBLING_RATE);
+    }
+
+    fn double_step(&mut self) {
+        self.double = false;
+        self.step *= 2.0;
+        for values in [&mut self.states, &mut self.rests] {
+            for i in 1..=MOST_KEPT / 2 {
+                values.swap(i, 2 * i);
+            }
+        }
+        self.kept = MOST_KEPT.div_ceil(2);
+        self.rate_of_rest *= 2.0;
+    }
+
+    /// Halves the step; the missing values are interpolated between the five newest.
+    fn halve_step(&mut self) {
+        self.wait = PAUSE;
+        self.step *= 0.5;
+        for values in [&mut self.states, &mut self.rests] {
+            let [newest, second, third, fourth, fifth, spare, other, ..] = &mut values[..] else { return };
+            for i in 0..newest.len() {
+                let known = [newest[i], second[i], third[i], fourth[i], fifth[i]];
+                let midway = |weights: &[f64; 5]| weights.iter().zip(known).map(|(w, x)| w * x).sum::<f64>();
+                (spare[i], other[i]) = (midway(&MIDWAY[0]), midway(&MIDWAY[1]));
+            }
+            // Newest, midway, second, midway, third.
+            values.swap(4, 2);
+            values.swap(1, 2);
+            values.swap(1, 5);
+            values.swap(3, 6);
+        }
+        self.kept = LEAST_KEPT;
+        self.rate_of_rest *= 0.5;
+    }
+}
+
+impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
+    fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
+        let arrived = self.kept >= LEAST_KEPT && self.time() == self.grid_time;
+        if self.walker.is_some() && arrived {
+            self.dismiss_walker();
+        }
+        if std::mem::take(&mut self.double) {
+            self.double_step();
+        }
+        // A step that ends a rounding from the limit ends there.
+        let slack = 1e-9 * self.step;
+        if self.walker.is_none() && self.grid_time + self.step > limit + slack {
+            self.walk();
+        }
+        if self.walker.is_some() {
+            return self.walk_on(limit);
+        }
+        let mut rejections = 0;
+        loop {
+            let error = self.try_step();
+            if error <= 1.0 || self.fixed && error.is_finite() {
+                let end = self.grid_time + self.step;
+                self.accept(error, if (end - limit).abs() <= slack { limit } else { end });
+                return Ok(());
+            }
+            self.statistics.rejected_steps += 1;
+            rejections += 1;
+            let (time, step) = (self.grid_time, self.step);
+            let component = worst_component(&self.correction, &self.states[0], &self.corrected, &self.tolerances);
+            if self.fixed || (!error.is_finite() && rejections >= MOST_REJECTIONS / 2) {
+                return Err(IntegrationError::NotFinite { time, step, component });
+            }
+            if rejections >= MOST_REJECTIONS || step <= 4.0 * f64::EPSILON * time.abs() {
+                return Err(IntegrationError::StepTooSmall { time, step, component });
+            }
+            self.halve_step();
+        }
+    }
+
+    fn time(&self) -> f64 {
+        self.walker.as_ref().map_or(self.grid_time, |walker| walker.time())
+    }
+
+    fn previous_time(&self) -> f64 {
+        self.previous_time
+    }
+
+    fn state(&self) -> &[f64] {
+        self.walker.as_ref().map_or(&self.states[0], |walker| walker.state())
+    }
+
+    /// The quartic through the last five points.
+    fn interpolate(&self, time: f64, state: &mut [f64]) {
+        if let Some(walker) = &self.walker {
+            return walker.interpolate(time, state);
+        }
+        let back = (self.grid_time - time) / (self.grid_time - self.previous_time);
+        let weight = |node: usize| {
+            let others = (0..LEAST_KEPT).filter(|&other| other != node);
+            others.map(|other| (back - other as f64) / (node as f64 - other as f64)).product::<f64>()
+        };
+        let weights: [f64; LEAST_KEPT] = std::array::from_fn(weight);
+        for (i, value) in state.iter_mut().enumerate() {
+            *value = weights.iter().zip(&self.states).map(|(weight, known)| weight * known[i]).sum();
+        }
+    }
+
+    fn restart(&mut self) {
+        let time = self.time();
+        let state = self.state().to_vec();
+        self.corrected.copy_from_slice(&state);
+        if !self.fixed {
+            self.step = 0.0;
+        }
+        self.begin(time);
+    }
+
+    fn statistics(&self) -> Statistics {
+        let own = self.statistics;
+        let Some(walked) = self.walker.as_ref().map(|walker| walker.statistics()) else { return own };
+        let least = match (own.least_step, walked.least_step) {
+            (0.0, least) | (least, 0.0) => least,
+            (one, other) => one.min(other),
+        };
+        Statistics {
+            steps: own.steps + walked.steps,
+            rejected_steps: own.rejected_steps + walked.rejected_steps,
+            rhs_evaluations: own.rhs_evaluations + walked.rhs_evaluations,
+            least_step: least,
+            advanced: own.advanced + walked.advanced,
+            ..own
+        }
+    }
+
+    fn choice(&self) -> Choice {
+        Choice { method: Method::FineAbm, reason: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two bodies: a nonlinear problem with an exact period.
+    struct Kepler;
+    impl OdeSystem for Kepler {
+        fn dimension(&self) -> usize {
+            4
+        }
+        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
+            let cube = (y[0] * y[0] + y[1] * y[1]).powf(1.5);
+            dy.copy_from_slice(&[y[2], y[3], -y[0] / cube, -y[1] / cube]);
+        }
+        fn structure(&self) -> Structure {
+            Structure { border_pairs: vec![(0, 2), (1, 3)], ..Structure::dense(4) }
+        }
+    }
+    const START: [f64; 4] = [0.5, 0.0, 0.0, 1.732_050_807_568_877_2];
+    const PARTS: [LinearPart; 3] = [LinearPart::Zero, LinearPart::Kinematic, LinearPart::Blocks];
+
+    fn method<'a, S: OdeSystem>(system: &'a S, state: &[f64], tolerance: f64, fixed: Option<f64>, part: LinearPart) -> FineAbm<'a, S> {
+        FineAbm::new(system, 0.0, state, Tolerances::uniform(state.len(), tolerance, tolerance), fixed, part)
+    }
+
+    /// Error after one period, and of the angular momentum midway between the points.
+    fn fixed(steps: u32, part: LinearPart) -> (f64, f64) {
+        let period = std::f64::consts::TAU;
+        let mut method = method(&Kepler, &START, 1e-12, Some(period / f64::from(steps)), part);
+        let (mut between, mut middle): (f64, _) = (0.0, [0.0; 4]);
+        while method.time() < period {
+            method.step(period).unwrap();
+            method.interpolate(0.5 * (method.time() + method.previous_time()), &mut middle);
+            let momentum = middle[0] * middle[3] - middle[1] * middle[2];
+            between = between.max((momentum - START[0] * START[3]).abs());
+        }
+        assert_eq!(method.time(), period);
+        (method.state().iter().zip(START).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt(), between)
+    }
+
+    /// Halving the step divides the end error by 2⁴ and the error between the points by at least as much.
+    #[test]
+    fn observed_order_is_four() {
+        for part in PARTS {
+            let (coarse, fine) = (fixed(1600, part), fixed(3200, part));
+            let order = (coarse.0 / fine.0).log2();
+            assert!((order - 4.0).abs() < 0.2, "{part:?}: order {order}, {coarse:?} {fine:?}");
+            let dense = (coarse.1 / fine.1).log2();
+            assert!(dense > 3.8, "{part:?} between steps: order {dense}");
+        }
+    }
+}
