@@ -54,7 +54,7 @@ const MIDWAY: [[f64; 5]; 2] = [
     [-5.0 / 128.0, 60.0 / 128.0, 90.0 / 128.0, -20.0 / 128.0, 3.0 / 128.0],
 ];
 
-/// Block-diagonal matrices, each column by column; one block may stand for all.
+/// Block-diagonal matrices, each in panels of rows; one block may stand for all.
 #[derive(Debug, Clone)]
 struct Diagonal {
     block: usize,
@@ -67,8 +67,8 @@ impl Diagonal {
     fn pairs(structure: &Structure) -> Self {
         let matrix = |n: usize, pairs: &[(usize, usize)]| {
             let mut matrix = vec![0.0; n * n];
-            pairs.iter().for_each(|&(position, velocity)| matrix[velocity * n + position] = 1.0);
-            matrix
+            pairs.iter().for_each(|&(position, velocity)| matrix[position * n + velocity] = 1.0);
+            in_panels(&matrix, n)
         };
         Self {
             block: structure.block,
@@ -80,8 +80,8 @@ impl Diagonal {
 
     fn of(jacobian: &Jacobian) -> Self {
         let Structure { blocks, block, border, .. } = *jacobian.structure();
-        let blocks = (0..blocks).map(|index| transposed(jacobian.block(index), block)).collect();
-        Self { block, border, blocks, corner: transposed(jacobian.corner(), border) }
+        let blocks = (0..blocks).map(|index| in_panels(jacobian.block(index), block)).collect();
+        Self { block, border, blocks, corner: in_panels(jacobian.corner(), border) }
     }
 
     /// `sum += sign · self · vector`, every copy.
@@ -96,27 +96,36 @@ impl Diagonal {
             accumulate(&self.corner, sign, &vector[in_blocks..], &mut sum[in_blocks..]);
         }
     }
+}
 
-    /// The same function of each matrix.
-    fn map(&self, function: impl Fn(&[f64], usize) -> Vec<f64>) -> Self {
-        Self {
-            blocks: self.blocks.iter().map(|matrix| function(matrix, self.block)).collect(),
-            corner: function(&self.corner, self.border),
-            ..*self
-        }
+/// Rows worked on together.
+const PANEL: usize = 4;
+
+/// From row by row: panels of four rows, each column by column, the last one filled up with zeros.
+fn in_panels(matrix: &[f64], n: usize) -> Vec<f64> {
+    let mut panels = vec![0.0; n.div_ceil(PANEL) * PANEL * n];
+    for (i, &value) in matrix.iter().enumerate() {
+        let (row, column) = (i / n, i % n);
+        panels[(row / PANEL * n + column) * PANEL + row % PANEL] = value;
     }
+    panels
 }
 
-fn transposed(matrix: &[f64], n: usize) -> Vec<f64> {
-    (0..n * n).map(|i| matrix[i % n * n + i / n]).collect()
+fn row_by_row(panels: &[f64], n: usize) -> Vec<f64> {
+    (0..n * n).map(|i| panels[(i / n / PANEL * n + i % n) * PANEL + i / n % PANEL]).collect()
 }
 
-/// `sum += sign · matrix · vector`, the matrix column by column.
-fn accumulate(matrix: &[f64], sign: f64, vector: &[f64], sum: &mut [f64]) {
-    for (column, &x) in matrix.chunks_exact(sum.len().max(1)).zip(vector) {
-        let x = sign * x;
-        for (sum, a) in sum.iter_mut().zip(column) {
-            *sum += a * x;
+/// `sum += sign · matrix · vector`, the matrix in panels.
+fn accumulate(panels: &[f64], sign: f64, vector: &[f64], sum: &mut [f64]) {
+    for (panel, sum) in panels.chunks_exact((vector.len() * PANEL).max(1)).zip(sum.chunks_mut(PANEL)) {
+        let mut rows = [0.0; PANEL];
+        for (column, &x) in panel.chunks_exact(PANEL).zip(vector) {
+            for (row, a) in rows.iter_mut().zip(column) {
+                *row += a * x;
+            }
+        }
+        for (sum, row) in sum.iter_mut().zip(rows) {
+            *sum += sign * row;
         }
     }
 }
@@ -130,18 +139,28 @@ struct Weights {
 
 impl Weights {
     fn new(linear: &Diagonal, step: f64) -> Self {
-        let all = linear.map(|matrix, n| {
-            let z: Vec<f64> = matrix.iter().map(|x| step * x).collect();
-            let [one, two, three, four] = phi(&z, n);
-            let mut weights = Vec::with_capacity(4 * n * n);
-            weights.extend(one.iter().map(|x| step * x));
-            weights.extend(two.iter().map(|x| step * x));
-            weights.extend((0..n * n).map(|i| step * (three[i] + 0.5 * two[i])));
-            weights.extend((0..n * n).map(|i| step * (four[i] + three[i] + two[i] / 3.0)));
-            weights
-        });
-        let one = |which: usize| all.map(|weights, n| weights[which * n * n..(which + 1) * n * n].to_vec());
-        Self { step, of_differences: [one(0), one(1), one(2), one(3)] }
+        let functions = |panels: &[f64], n: usize| {
+            let matrix: Vec<f64> = row_by_row(panels, n).iter().map(|x| step * x).collect();
+            let [one, two, mut three, mut four] = phi(&matrix, n);
+            for i in 0..n * n {
+                four[i] += three[i] + two[i] / 3.0;
+                three[i] += 0.5 * two[i];
+            }
+            [one, two, three, four].map(|mut function| {
+                function.iter_mut().for_each(|x| *x *= step);
+                in_panels(&function, n)
+            })
+        };
+        let Diagonal { block, border, .. } = *linear;
+        let blocks: Vec<_> = linear.blocks.iter().map(|panels| functions(panels, block)).collect();
+        let corner = functions(&linear.corner, border);
+        let one = |which: usize| Diagonal {
+            block,
+            border,
+            blocks: blocks.iter().map(|functions| functions[which].clone()).collect(),
+            corner: corner[which].clone(),
+        };
+        Self { step, of_differences: std::array::from_fn(one) }
     }
 }
 
@@ -207,7 +226,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         let vector = || vec![0.0; n];
         let mut linear = Diagonal::pairs(&structure);
         if part != LinearPart::Kinematic {
-            linear = linear.map(|matrix, _| vec![0.0; matrix.len()]);
+            linear.blocks.iter_mut().chain([&mut linear.corner]).for_each(|matrix| matrix.fill(0.0));
         }
         let mut method = Self {
             system,
@@ -321,8 +340,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
     fn renew_linear_part(&mut self) {
         displacements(&self.states[0], &self.rate, &self.tolerances, self.step, &mut self.displacement);
         let (state, rate) = (&self.states[0], &self.rate);
-        let evaluations =
-            self.system.jacobian(self.grid_time, state, rate, &self.displacement, &mut self.jacobian);
+        let evaluations = self.system.jacobian(self.grid_time, state, rate, &self.displacement, &mut self.jacobian);
         self.statistics.rhs_evaluations += evaluations;
         self.statistics.jacobian_evaluations += 1;
         (self.linearised, self.age) = (true, 0);
@@ -570,7 +588,13 @@ mod tests {
     const START: [f64; 4] = [0.5, 0.0, 0.0, 1.732_050_807_568_877_2];
     const PARTS: [LinearPart; 3] = [LinearPart::Zero, LinearPart::Kinematic, LinearPart::Blocks];
 
-    fn method<'a, S: OdeSystem>(system: &'a S, state: &[f64], tolerance: f64, fixed: Option<f64>, part: LinearPart) -> FineAbm<'a, S> {
+    fn method<'a, S: OdeSystem>(
+        system: &'a S,
+        state: &[f64],
+        tolerance: f64,
+        fixed: Option<f64>,
+        part: LinearPart,
+    ) -> FineAbm<'a, S> {
         FineAbm::new(system, 0.0, state, Tolerances::uniform(state.len(), tolerance, tolerance), fixed, part)
     }
 

@@ -89,9 +89,7 @@ impl Method {
         fixed_step: Option<f64>,
     ) -> Box<dyn Integrator + 'a> {
         match self {
-            Self::FineAbm => {
-                Box::new(FineAbm::new(system, time, state, tolerances, fixed_step, LinearPart::Blocks))
-            }
+            Self::FineAbm => Box::new(FineAbm::new(system, time, state, tolerances, fixed_step, LinearPart::Blocks)),
             // The others join here as they are built.
             _ => Box::new(DormandPrince::new(system, time, state, tolerances, fixed_step)),
         }
