@@ -10,7 +10,7 @@
 //! are walked by Dormand–Prince at the same tolerance.
 
 use super::dormand_prince::DormandPrince;
-use super::phi::phi;
+use super::phi::{Phi, double, phi};
 use super::step_size::{error_norm, worst_component};
 use super::structure::{Jacobian, Structure, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
@@ -84,6 +84,12 @@ impl Diagonal {
         Self { block, border, blocks, corner: in_panels(jacobian.corner(), border) }
     }
 
+    /// All matrices with their sizes, the corner last.
+    fn matrices(&self) -> impl Iterator<Item = (&[f64], usize)> {
+        let blocks = self.blocks.iter().map(|matrix| (matrix.as_slice(), self.block));
+        blocks.chain([(self.corner.as_slice(), self.border)])
+    }
+
     /// `sum += sign · self · vector`, every copy.
     fn add_product(&self, sign: f64, vector: &[f64], sum: &mut [f64], structure: &Structure) {
         let dimension = structure.dimension().max(1);
@@ -134,34 +140,52 @@ fn accumulate(panels: &[f64], sign: f64, vector: &[f64], sum: &mut [f64]) {
 #[derive(Debug, Clone)]
 struct Weights {
     step: f64,
+    /// φ₁…φ₄ of each block, and of the corner.
+    functions: Vec<Phi>,
     of_differences: [Diagonal; 4],
 }
 
 impl Weights {
     fn new(linear: &Diagonal, step: f64) -> Self {
-        let functions = |panels: &[f64], n: usize| {
-            let matrix: Vec<f64> = row_by_row(panels, n).iter().map(|x| step * x).collect();
-            let [one, two, mut three, mut four] = phi(&matrix, n);
-            for i in 0..n * n {
-                four[i] += three[i] + two[i] / 3.0;
-                three[i] += 0.5 * two[i];
-            }
-            [one, two, three, four].map(|mut function| {
-                function.iter_mut().for_each(|x| *x *= step);
-                in_panels(&function, n)
-            })
-        };
-        let Diagonal { block, border, .. } = *linear;
-        let blocks: Vec<_> = linear.blocks.iter().map(|panels| functions(panels, block)).collect();
-        let corner = functions(&linear.corner, border);
-        let one = |which: usize| Diagonal {
-            block,
-            border,
-            blocks: blocks.iter().map(|functions| functions[which].clone()).collect(),
-            corner: corner[which].clone(),
-        };
-        Self { step, of_differences: std::array::from_fn(one) }
+        let functions = linear.matrices().map(|(panels, n)| phi(&times(step, panels, n), n)).collect();
+        Self::of(linear, step, functions)
     }
+
+    /// Those of the doubled step, at a fraction of the cost.
+    fn doubled(&self, linear: &Diagonal) -> Self {
+        let mut functions = self.functions.clone();
+        for ((panels, n), functions) in linear.matrices().zip(&mut functions) {
+            double(functions, &times(self.step, panels, n), n, 1);
+        }
+        Self::of(linear, 2.0 * self.step, functions)
+    }
+
+    fn of(linear: &Diagonal, step: f64, functions: Vec<Phi>) -> Self {
+        let weights = |[one, two, three, four]: &Phi, which: usize| -> Vec<f64> {
+            let entry = |i: usize| match which {
+                0 => one[i],
+                1 => two[i],
+                2 => three[i] + 0.5 * two[i],
+                _ => four[i] + three[i] + two[i] / 3.0,
+            };
+            (0..one.len()).map(|i| step * entry(i)).collect()
+        };
+        let of_difference = |which: usize| {
+            let mut matrices: Vec<Vec<f64>> = linear
+                .matrices()
+                .zip(&functions)
+                .map(|((_, n), functions)| in_panels(&weights(functions, which), n))
+                .collect();
+            let corner = matrices.pop().unwrap_or_default();
+            Diagonal { blocks: matrices, corner, ..*linear }
+        };
+        Self { step, of_differences: std::array::from_fn(of_difference), functions }
+    }
+}
+
+/// Row by row.
+fn times(step: f64, panels: &[f64], n: usize) -> Vec<f64> {
+    row_by_row(panels, n).iter().map(|x| step * x).collect()
 }
 
 /// The method with its past; allocates on construction, on a renewal of the linear part, and where it starts.
@@ -328,12 +352,17 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         if self.part == LinearPart::Blocks && !self.linearised {
             self.renew_linear_part();
         }
-        let step = self.step;
-        self.weights.iter().position(|weights| weights.step == step).unwrap_or_else(|| {
-            self.weights.push(Weights::new(&self.linear, step));
+        let at_hand = |weights: &[Weights], step: f64| weights.iter().position(|weights| weights.step == step);
+        if let Some(index) = at_hand(&self.weights, self.step) {
+            return index;
+        }
+        let half = at_hand(&self.weights, 0.5 * self.step).unwrap_or_else(|| {
+            self.weights.push(Weights::new(&self.linear, 0.5 * self.step));
             self.statistics.factorizations += 1;
             self.weights.len() - 1
-        })
+        });
+        self.weights.push(self.weights[half].doubled(&self.linear));
+        self.weights.len() - 1
     }
 
     /// Takes the blocks of the Jacobian at the newest point for `H`, and moves what that adds out of `f`.
@@ -420,18 +449,21 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
 
     /// Renews the linear part where it is outdated; doubles the step where that is accurate and stable.
     fn adapt(&mut self, error: f64) {
-        if self.part == LinearPart::Blocks && self.rate_of_rest > OUTDATED && self.age >= self.patience {
+        let outdated = self.part == LinearPart::Blocks && self.rate_of_rest > tune(0);
+        if self.age == 1 {
             // Renewed in vain: what is fast lies outside the blocks.
-            let in_vain = self.age == self.patience;
-            self.patience = if in_vain { (2 * self.patience).min(MOST_PATIENCE) } else { LEAST_PATIENCE };
+            self.patience = if outdated { (2 * self.patience).min(MOST_PATIENCE) } else { tune(1) as u64 };
+        }
+        if outdated && self.age >= self.patience {
             self.renew_linear_part();
+            self.rate_of_rest = 0.0;
         }
         if self.fixed {
             return;
         }
         // Only before the next step: until then the last one may be interpolated.
         let accurate = error < DOUBLING_ERROR && self.kept == MOST_KEPT && self.wait == 0;
-        self.double = accurate && (error < TELLING || self.rate_of_rest < DOUBLING_RATE);
+        self.double = accurate && (error < TELLING || self.rate_of_rest < tune(2));
     }
 
     fn double_step(&mut self) {
@@ -486,6 +518,9 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
             return self.walk_on(limit);
         }
         let mut rejections = 0;
+        if !self.fixed && self.rate_of_rest > tune(3) {
+            self.halve_step();
+        }
         loop {
             let error = self.try_step();
             if error <= 1.0 || self.fixed && error.is_finite() {
@@ -624,4 +659,11 @@ mod tests {
             assert!(dense > 3.8, "{part:?} between steps: order {dense}");
         }
     }
+}
+
+fn tune(i: usize) -> f64 {
+    static T: std::sync::OnceLock<Vec<f64>> = std::sync::OnceLock::new();
+    T.get_or_init(|| {
+        std::env::var("TUNE").unwrap_or("0.3,4,0.5,1e9,0.073".into()).split(',').map(|x| x.parse().unwrap()).collect()
+    })[i]
 }

@@ -24,7 +24,8 @@ pub fn phi(matrix: &[f64], n: usize) -> Phi {
     let doublings = if norm.is_finite() { (norm / LARGEST_NORM).log2().ceil().max(0.0) as i32 } else { MOST_DOUBLINGS };
     let doublings = doublings.min(MOST_DOUBLINGS);
     balanced.iter_mut().for_each(|x| *x *= 0.5_f64.powi(doublings));
-    let mut functions = doubled(series(&balanced, n), &balanced, n, doublings);
+    let mut functions = series(&balanced, n);
+    double(&mut functions, &balanced, n, doublings);
     for function in &mut functions {
         for (i, x) in function.iter_mut().enumerate() {
             *x *= scales[i / n] / scales[i % n];
@@ -33,9 +34,9 @@ pub fn phi(matrix: &[f64], n: usize) -> Phi {
     functions
 }
 
-/// φ₁…φ₄ of 2ᴺ times a matrix from those of the matrix:
+/// From φ₁…φ₄ of a matrix those of 2ᴺ times the matrix:
 /// φₖ(2Z) = 2⁻ᵏ (φₖ + (e^Z − I) φₖ + Σⱼ φⱼ/(k−j)!), e^{2Z} − I = 2 (e^Z − I) + (e^Z − I)².
-fn doubled(mut functions: Phi, matrix: &[f64], n: usize, doublings: i32) -> Phi {
+pub fn double(functions: &mut Phi, matrix: &[f64], n: usize, doublings: i32) {
     let mut product = vec![0.0; n * n];
     let mut increment = vec![0.0; n * n];
     multiply(matrix, &functions[0], n, &mut increment);
@@ -55,7 +56,6 @@ fn doubled(mut functions: Phi, matrix: &[f64], n: usize, doublings: i32) -> Phi 
             *value = 2.0 * *value + square;
         }
     }
-    functions
 }
 
 /// φ₄ = Σ Zⁱ/(i+4)! by Horner's rule, the others by φₖ = I/k! + Z φₖ₊₁.
@@ -111,13 +111,33 @@ fn add_diagonal(matrix: &mut [f64], n: usize, value: f64) {
 
 /// `product = a · b`; all commute, so that it does not matter whether lines are rows or columns.
 fn multiply(a: &[f64], b: &[f64], n: usize, product: &mut [f64]) {
-    product.fill(0.0);
-    for (line, target) in a.chunks_exact(n.max(1)).zip(product.chunks_exact_mut(n.max(1))) {
-        for (&weight, line) in line.iter().zip(b.chunks_exact(n)) {
-            for (value, x) in target.iter_mut().zip(line) {
-                *value += weight * x;
+    match n {
+        5 => multiply_lines::<5>(a, b, product),
+        9 => multiply_lines::<9>(a, b, product),
+        10 => multiply_lines::<10>(a, b, product),
+        16 => multiply_lines::<16>(a, b, product),
+        _ => {
+            product.fill(0.0);
+            for (line, target) in a.chunks_exact(n.max(1)).zip(product.chunks_exact_mut(n.max(1))) {
+                for (&weight, line) in line.iter().zip(b.chunks_exact(n)) {
+                    target.iter_mut().zip(line).for_each(|(value, x)| *value += weight * x);
+                }
             }
         }
+    }
+}
+
+/// The same for lengths known when compiling: those of balls, and of cage and spindle.
+fn multiply_lines<const N: usize>(a: &[f64], b: &[f64], product: &mut [f64]) {
+    let (a, b, product) = (a.as_chunks::<N>().0, b.as_chunks::<N>().0, product.as_chunks_mut::<N>().0);
+    for (line, target) in a.iter().zip(product) {
+        let mut sum = [0.0; N];
+        for (&weight, line) in line.iter().zip(b) {
+            for i in 0..N {
+                sum[i] += weight * line[i];
+            }
+        }
+        *target = sum;
     }
 }
 
@@ -174,7 +194,8 @@ mod tests {
         assert!((1.0 + apart - z.exp()).abs() < 3e-16);
         assert!((together - z.exp()).abs() > 1e-12, "{:e}", together - z.exp());
         // The functions themselves, by many doublings or by few.
-        let many = doubled(series(&[small], 1), &[small], 1, doublings);
+        let mut many = series(&[small], 1);
+        double(&mut many, &[small], 1, doublings);
         for (many, few) in many.iter().zip(phi(&[z], 1)) {
             assert!((many[0] / few[0] - 1.0).abs() < 2e-15, "{} {}", many[0], few[0]);
         }
