@@ -18,10 +18,8 @@ use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics,
 /// What is integrated exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LinearPart {
-    /// Nothing: the classical method.
-    Zero,
     /// Positions from velocities, all that is linear with constant coefficients in a bearing. The article names the two methods
-    /// it combines but no matrix; this one leaves every contact force in `f`.
+    /// it combines but no matrix; this one leaves every contact force in `f`. Without pairs: the classical method.
     Kinematic,
     /// Each block of the Jacobian on its diagonal, and the corner, renewed as they change.
     Blocks,
@@ -37,11 +35,13 @@ const MILNE: f64 = 19.0 / 270.0;
 const DOUBLING_ERROR: f64 = 1.0 / 64.0;
 /// Largest `h |∂f/∂y|`, as corrector and predictor show it, at which the step is doubled: the method is stable to 1.28.
 const DOUBLING_RATE: f64 = 0.5;
-/// `h |∂f/∂y|` at which the linear part counts as outdated.
-const OUTDATED: f64 = 0.3;
+/// That at which it is halved, before an instability shows in the error.
+const HALVING_RATE: f64 = 1.0;
+/// That at which the linear part counts as outdated.
+const OUTDATED: f64 = 0.5;
 /// Error norm of a correction too small to tell `∂f/∂y`.
 const TELLING: f64 = 1e-3;
-/// Steps before a linear part is renewed again; doubled each time that it did not help, up to the most.
+/// Steps before a linear part is renewed again; doubled each time that it is outdated at once, up to the most.
 const LEAST_PATIENCE: u64 = 4;
 const MOST_PATIENCE: u64 = 256;
 /// Steps after a rejection without doubling.
@@ -206,8 +206,9 @@ pub struct FineAbm<'a, S: OdeSystem + ?Sized> {
     states: Vec<Vec<f64>>,
     rests: Vec<Vec<f64>>,
     kept: usize,
-    /// dy/dt at the newest point.
+    /// dy/dt at the newest point and the one before.
     rate: Vec<f64>,
+    previous_rate: Vec<f64>,
     differences: [Vec<f64>; 3],
     predicted: Vec<f64>,
     corrected: Vec<f64>,
@@ -249,7 +250,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         let structure = system.structure();
         let vector = || vec![0.0; n];
         let mut linear = Diagonal::pairs(&structure);
-        if part != LinearPart::Kinematic {
+        if part == LinearPart::Blocks {
             linear.blocks.iter_mut().chain([&mut linear.corner]).for_each(|matrix| matrix.fill(0.0));
         }
         let mut method = Self {
@@ -265,6 +266,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
             rests: (0..MOST_KEPT).map(|_| vector()).collect(),
             kept: 0,
             rate: vector(),
+            previous_rate: vector(),
             differences: std::array::from_fn(|_| vector()),
             predicted: vector(),
             corrected: state.to_vec(),
@@ -318,6 +320,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         self.states.rotate_right(1);
         self.rests.rotate_right(1);
         self.states[0].copy_from_slice(&self.corrected);
+        std::mem::swap(&mut self.previous_rate, &mut self.rate);
         std::mem::swap(&mut self.rate, &mut self.trial_rate);
         self.rests[0].copy_from_slice(&self.rate);
         self.linear.add_product(-1.0, &self.states[0], &mut self.rests[0], &self.structure);
@@ -449,10 +452,10 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
 
     /// Renews the linear part where it is outdated; doubles the step where that is accurate and stable.
     fn adapt(&mut self, error: f64) {
-        let outdated = self.part == LinearPart::Blocks && self.rate_of_rest > tune(0);
+        let outdated = self.part == LinearPart::Blocks && self.rate_of_rest > OUTDATED;
         if self.age == 1 {
             // Renewed in vain: what is fast lies outside the blocks.
-            self.patience = if outdated { (2 * self.patience).min(MOST_PATIENCE) } else { tune(1) as u64 };
+            self.patience = if outdated { (2 * self.patience).min(MOST_PATIENCE) } else { LEAST_PATIENCE };
         }
         if outdated && self.age >= self.patience {
             self.renew_linear_part();
@@ -463,7 +466,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         }
         // Only before the next step: until then the last one may be interpolated.
         let accurate = error < DOUBLING_ERROR && self.kept == MOST_KEPT && self.wait == 0;
-        self.double = accurate && (error < TELLING || self.rate_of_rest < tune(2));
+        self.double = accurate && (error < TELLING || self.rate_of_rest < DOUBLING_RATE);
     }
 
     fn double_step(&mut self) {
@@ -518,7 +521,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
             return self.walk_on(limit);
         }
         let mut rejections = 0;
-        if !self.fixed && self.rate_of_rest > tune(3) {
+        if !self.fixed && self.rate_of_rest > HALVING_RATE {
             self.halve_step();
         }
         loop {
@@ -554,19 +557,25 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
         self.walker.as_ref().map_or(&self.states[0], |walker| walker.state())
     }
 
-    /// The quartic through the last five points.
+    /// The quartic with values and rates at both ends and the value a step before.
     fn interpolate(&self, time: f64, state: &mut [f64]) {
         if let Some(walker) = &self.walker {
             return walker.interpolate(time, state);
         }
-        let back = (self.grid_time - time) / (self.grid_time - self.previous_time);
-        let weight = |node: usize| {
-            let others = (0..LEAST_KEPT).filter(|&other| other != node);
-            others.map(|other| (back - other as f64) / (node as f64 - other as f64)).product::<f64>()
-        };
-        let weights: [f64; LEAST_KEPT] = std::array::from_fn(weight);
+        let step = self.grid_time - self.previous_time;
+        let x = (time - self.previous_time) / step;
+        let rest = 1.0 - x;
+        // What the value a step before adds to Hermite's cubic.
+        let quartic = 0.25 * (x * rest).powi(2);
+        let (end, start, before) =
+            (x * x * (1.0 + 2.0 * rest) - 5.0 * quartic, rest * rest * (1.0 + 2.0 * x) + 4.0 * quartic, quartic);
+        let (end_rate, start_rate) = (step * (2.0 * quartic - x * x * rest), step * (x * rest * rest + 4.0 * quartic));
         for (i, value) in state.iter_mut().enumerate() {
-            *value = weights.iter().zip(&self.states).map(|(weight, known)| weight * known[i]).sum();
+            *value = end * self.states[0][i]
+                + start * self.states[1][i]
+                + before * self.states[2][i]
+                + end_rate * self.rate[i]
+                + start_rate * self.previous_rate[i];
         }
     }
 
@@ -621,7 +630,7 @@ mod tests {
         }
     }
     const START: [f64; 4] = [0.5, 0.0, 0.0, 1.732_050_807_568_877_2];
-    const PARTS: [LinearPart; 3] = [LinearPart::Zero, LinearPart::Kinematic, LinearPart::Blocks];
+    const PARTS: [LinearPart; 2] = [LinearPart::Kinematic, LinearPart::Blocks];
 
     fn method<'a, S: OdeSystem>(
         system: &'a S,
@@ -659,11 +668,203 @@ mod tests {
             assert!(dense > 3.8, "{part:?} between steps: order {dense}");
         }
     }
-}
+    #[test]
+    fn without_a_linear_part_it_is_the_classical_pair() {
+        let mut method = method(&Logistic, &[0.1], 1e-12, Some(0.1), LinearPart::Kinematic);
+        let rates = |method: &FineAbm<'_, Logistic>| -> [f64; 4] { std::array::from_fn(|k| method.rests[k][0]) };
+        while method.kept < LEAST_KEPT {
+            method.step(10.0).unwrap();
+        }
+        for _ in 0..10 {
+            let (state, [f0, f1, f2, f3]) = (method.state()[0], rates(&method));
+            method.step(10.0).unwrap();
+            let predicted = state + 0.1 / 24.0 * (55.0 * f0 - 59.0 * f1 + 37.0 * f2 - 9.0 * f3);
+            let at_end = predicted * (1.0 - predicted);
+            let corrected = state + 0.1 / 24.0 * (9.0 * at_end + 19.0 * f0 - 5.0 * f1 + f2);
+            assert!((method.state()[0] - corrected).abs() < 1e-15);
+        }
+    }
 
-fn tune(i: usize) -> f64 {
-    static T: std::sync::OnceLock<Vec<f64>> = std::sync::OnceLock::new();
-    T.get_or_init(|| {
-        std::env::var("TUNE").unwrap_or("0.3,4,0.5,1e9,0.073".into()).split(',').map(|x| x.parse().unwrap()).collect()
-    })[i]
+    struct Logistic;
+    impl OdeSystem for Logistic {
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
+            dy[0] = y[0] * (1.0 - y[0]);
+        }
+    }
+
+    /// A fast damped oscillator and a decay, one block each, in so many copies.
+    struct Linear {
+        copies: usize,
+    }
+    const BLOCKS: [[f64; 4]; 2] = [[0.0, 1.0, -1e4, -20.0], [-300.0, 0.0, 0.0, -1.0]];
+    impl OdeSystem for Linear {
+        fn dimension(&self) -> usize {
+            4 * self.copies
+        }
+        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
+            for (k, (y, dy)) in y.chunks_exact(2).zip(dy.chunks_exact_mut(2)).enumerate() {
+                let [a, b, c, d] = BLOCKS[k % 2];
+                dy.copy_from_slice(&[a * y[0] + b * y[1], c * y[0] + d * y[1]]);
+            }
+        }
+        fn structure(&self) -> Structure {
+            Structure { blocks: 2, block: 2, copies: self.copies, ..Structure::dense(0) }
+        }
+        fn jacobian(&self, _time: f64, _: &[f64], _: &[f64], _: &[f64], jacobian: &mut Jacobian) -> u64 {
+            (0..2).for_each(|k| jacobian.block_mut(k).copy_from_slice(&BLOCKS[k]));
+            0
+        }
+    }
+
+    /// Steps of 0.2 are 20 radians of the oscillator and 60 decay times.
+    #[test]
+    fn a_linear_system_is_exact_with_any_step() {
+        let start: Vec<f64> = [1.0, 0.0, 1.0, 2.0].repeat(2);
+        let mut method = method(&Linear { copies: 2 }, &start, 1e-13, Some(0.2), LinearPart::Blocks);
+        while method.time() < 2.0 {
+            method.step(2.0).unwrap();
+        }
+        let frequency = (1e4_f64 - 100.0).sqrt();
+        let (sine, cosine) = (frequency * 2.0).sin_cos();
+        let exact = [(-20.0_f64).exp() * (cosine + 10.0 / frequency * sine), 0.0, 0.0, 2.0 * (-2.0_f64).exp()];
+        for (k, value) in method.state().iter().enumerate().filter(|(k, _)| k % 4 != 1) {
+            assert!((value - exact[k % 4]).abs() < 1e-12, "{k}: {value:e} {:e}", exact[k % 4]);
+        }
+    }
+
+    /// ẏ = λ (y − cos t) − sin t (A. Prothero & A. Robinson, Math. Comp. 28 (1974) 145–162).
+    struct ProtheroRobinson(f64);
+    impl OdeSystem for ProtheroRobinson {
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn derivative(&self, time: f64, y: &[f64], dy: &mut [f64]) {
+            dy[0] = self.0 * (y[0] - time.cos()) - time.sin();
+        }
+    }
+
+    /// The blocks take stiffness out of `f`; the kinematic part leaves the explicit limit h |λ| = 1.28.
+    #[test]
+    fn only_the_blocks_step_over_a_fast_decay() {
+        let work = |part: LinearPart| {
+            let mut method = method(&ProtheroRobinson(-1e4), &[1.0], 1e-6, None, part);
+            while method.time() < 10.0 {
+                method.step(10.0).unwrap();
+                assert!((method.state()[0] - method.time().cos()).abs() < 1e-5);
+            }
+            method.statistics()
+        };
+        let (kinematic, blocks) = (work(LinearPart::Kinematic), work(LinearPart::Blocks));
+        assert!(kinematic.steps > 78_000, "{kinematic:?}");
+        assert!(blocks.steps < 500, "{blocks:?}");
+    }
+
+    #[test]
+    fn error_falls_with_the_tolerance() {
+        for part in PARTS {
+            let mut last = f64::INFINITY;
+            for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
+                let mut method = method(&Kepler, &START, tolerance, None, part);
+                while method.time() < std::f64::consts::TAU {
+                    method.step(std::f64::consts::TAU).unwrap();
+                }
+                let error = (method.state()[1] - START[1]).abs();
+                assert!(error < 1e3 * tolerance && error < last, "{part:?} {tolerance:e}: {error:e}");
+                last = error;
+                assert_eq!(method.time(), std::f64::consts::TAU);
+            }
+        }
+    }
+
+    /// Near the centre an orbit needs short steps, far from it long ones; twice the same bits.
+    #[test]
+    fn steps_are_halved_and_doubled_the_same_way_each_time() {
+        let run = || {
+            let mut method = method(&Kepler, &[1.8, 0.0, 0.0, 0.333_333_333_333_333_3], 1e-7, None, LinearPart::Blocks);
+            let mut lengths = Vec::new();
+            while method.time() < 20.0 {
+                method.step(20.0).unwrap();
+                if method.walker.is_none() {
+                    lengths.push(method.step);
+                }
+            }
+            (lengths, method.state().to_vec())
+        };
+        let (lengths, again) = (run(), run());
+        let ratios: Vec<f64> =
+            lengths.0.windows(2).map(|pair| pair[1] / pair[0]).filter(|ratio| *ratio != 1.0).collect();
+        assert!(ratios.contains(&2.0) && ratios.contains(&0.5), "{ratios:?}");
+        assert_eq!(lengths, again);
+    }
+
+    /// Between the known points the halved grid lies on the quartic through them.
+    #[test]
+    fn a_quartic_survives_halving() {
+        let mut method = method(&Logistic, &[0.1], 1e-6, Some(1.0), LinearPart::Kinematic);
+        let quartic = |time: f64| 1.0 + time * (2.0 - time * (0.5 + time * (0.25 - 0.125 * time)));
+        for (k, state) in method.states.iter_mut().enumerate() {
+            state[0] = quartic(-(k as f64));
+        }
+        method.halve_step();
+        for k in 0..LEAST_KEPT {
+            assert!((method.states[k][0] - quartic(-0.5 * k as f64)).abs() < 1e-12);
+        }
+        assert_eq!(method.step, 0.5);
+    }
+
+    struct BlowUp;
+    impl OdeSystem for BlowUp {
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
+            dy[0] = y[0] * y[0];
+        }
+    }
+
+    /// y' = y², y(0) = 1 leaves the real numbers at t = 1.
+    #[test]
+    fn a_pole_is_a_failure_that_names_time_and_component() {
+        for part in PARTS {
+            for step in [None, Some(0.01)] {
+                let mut method = method(&BlowUp, &[1.0], 1e-8, step, part);
+                let failure = loop {
+                    if let Err(failure) = method.step(20.0) {
+                        break failure;
+                    }
+                };
+                match failure {
+                    IntegrationError::StepTooSmall { time, component: 0, .. } if step.is_none() => {
+                        assert!((time - 1.0).abs() < 1e-3, "{time}");
+                    }
+                    IntegrationError::NotFinite { time, component: 0, .. } => {
+                        assert!(time > 0.99 && time < 1.2, "{time}")
+                    }
+                    other => panic!("{step:?}: {other}"),
+                }
+            }
+        }
+    }
+
+    /// Limits between two points of the grid, and a restart, cost accuracy nothing.
+    #[test]
+    fn limits_are_met_exactly() {
+        let mut method = method(&Kepler, &START, 1e-9, None, LinearPart::Blocks);
+        for k in 1..=20 {
+            let limit = std::f64::consts::TAU * f64::from(k) / 20.0;
+            while method.time() < limit {
+                method.step(limit).unwrap();
+                assert!(method.time() <= limit && method.previous_time() < method.time());
+            }
+            assert_eq!(method.time(), limit);
+            if k == 10 {
+                method.restart();
+            }
+        }
+        let error = (method.state()[1] - START[1]).abs();
+        assert!(error < 2e-6, "{error:e}");
+    }
 }
