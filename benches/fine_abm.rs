@@ -14,19 +14,21 @@ use raceway::numerics::ode::{Integrator, OdeSystem, Statistics, Tolerances};
 use raceway::simulation::model::Model;
 use raceway::simulation::needs::Needs;
 use raceway::simulation::run::{Outputs, Rung, start_state};
-use raceway::simulation::stiffness::fastest_mode;
 
 const ARTICLE: &str =
     r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 } }"#;
 const STEEP: &str = r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 },
     "lubricant": { "kind": "grease", "traction":
         { "law": "four_parameter", "at_rest": 0, "maximum": 0.05, "at_slip_m_s": 0.001, "limit": 0.036 } } }"#;
+const UNDAMPED: &str = r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 },
+    "damping": { "raceway": { "law": "none" } } }"#;
 const SAMPLES: usize = 200;
 const RUNS: usize = 3;
 
 fn main() {
     bearing("A: the article's case", ARTICLE, 10e-3);
-    bearing("B: traction that saturates at 1 mm/s", STEEP, 2e-3);
+    bearing("B: traction that saturates at 1 mm/s", STEEP, 5e-3);
+    bearing("C: raceways without damping", UNDAMPED, 2e-3);
     prothero_robinson();
     stability();
 }
@@ -59,8 +61,10 @@ fn bearing(title: &str, json: &str, end: f64) {
     let model = Model::new(&scene, &needs);
     let start = start_state(&model).expect("an equilibrium");
     let layout = model.mechanism().layout;
-    let rate = fastest_mode(&model, &start).expect("a mode").rate;
-    println!("{title}; {} ms, {} states, fastest mode at the start {rate:.2e} 1/s", end * 1e3, start.len());
+    // Where stability holds it back, Dormand–Prince takes steps of 3.3 over the fastest rate of a decay.
+    let explicit = run(Box::new(DormandPrince::new(&model, 0.0, &start, layout.tolerances(1e-5), None)), end).1;
+    let rate = 3.3 * explicit.steps as f64 / explicit.advanced;
+    println!("{title}; {} ms, {} states, fastest rate {rate:.2e} 1/s in the mean", end * 1e3, start.len());
     let (reference, ..) = run(Box::new(DormandPrince::new(&model, 0.0, &start, layout.tolerances(1e-9), None)), end);
     println!(
         "{:>15} {:>9} {:>7} {:>8} {:>8} {:>5} {:>5} {:>9} {:>7} {:>9} {:>9} {:>8}",

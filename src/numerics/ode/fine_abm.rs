@@ -35,7 +35,7 @@ const MILNE: f64 = 19.0 / 270.0;
 const DOUBLING_ERROR: f64 = 1.0 / 64.0;
 /// Largest `h |∂f/∂y|`, as corrector and predictor show it, at which the step is doubled: the method is stable to 1.28.
 const DOUBLING_RATE: f64 = 0.5;
-/// That at which it is halved, before an instability shows in the error.
+/// That at which it is halved where blocks went out of date, before an instability shows in the error.
 const HALVING_RATE: f64 = 1.0;
 /// That at which the linear part counts as outdated.
 const OUTDATED: f64 = 0.5;
@@ -521,7 +521,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
             return self.walk_on(limit);
         }
         let mut rejections = 0;
-        if !self.fixed && self.rate_of_rest > HALVING_RATE {
+        if !self.fixed && self.part == LinearPart::Blocks && self.rate_of_rest > HALVING_RATE {
             self.halve_step();
         }
         loop {
