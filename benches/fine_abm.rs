@@ -195,9 +195,8 @@ fn stability() {
             }
             (low, high > 2e3)
         };
-        let text = |(rate, open): (f64, bool)| {
-            format!("{}{:.2}", if open { "> " } else { "" }, rate * (1.0 - share as f64).abs())
-        };
+        let text =
+            |(rate, open): (f64, bool)| format!("{}{:.2}", if open { "> " } else { "" }, rate * f64::abs(1.0 - share));
         println!("{share:>7} {:>10} {:>10}", text(limit(true)), text(limit(false)));
     }
 }
