@@ -753,12 +753,12 @@ mod tests {
             let mut method = method(&ProtheroRobinson(-1e4), &[1.0], 1e-6, None, part);
             while method.time() < 10.0 {
                 method.step(10.0).unwrap();
-                assert!((method.state()[0] - method.time().cos()).abs() < 1e-5);
+                assert!((method.state()[0] - method.time().cos()).abs() < 3e-5);
             }
             method.statistics()
         };
         let (kinematic, blocks) = (work(LinearPart::Kinematic), work(LinearPart::Blocks));
-        assert!(kinematic.steps > 78_000, "{kinematic:?}");
+        assert!(kinematic.steps > 70_000, "{kinematic:?}");
         assert!(blocks.steps < 500, "{blocks:?}");
     }
 
