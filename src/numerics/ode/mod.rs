@@ -2,13 +2,18 @@
 //! what it reports, and how it fails. One method a file; none knows what a bearing is.
 
 pub mod arrowhead;
+pub mod automatic;
 pub mod dormand_prince;
+pub mod fine_abm;
 pub mod gear;
+pub mod phi;
 pub mod radau;
 pub mod step_size;
 pub mod structure;
 
+use automatic::Automatic;
 use dormand_prince::DormandPrince;
+use fine_abm::{FineAbm, LinearPart};
 use gear::Gear;
 use radau::Radau;
 use structure::{Jacobian, Structure, dense_differences};
@@ -92,8 +97,9 @@ impl Method {
         match self {
             Self::Gear => Box::new(Gear::new(system, time, state, tolerances)),
             Self::Radau => Box::new(Radau::new(system, time, state, tolerances)),
-            // The others join here as they are built.
-            _ => Box::new(DormandPrince::new(system, time, state, tolerances, fixed_step)),
+            Self::FineAbm => Box::new(FineAbm::new(system, time, state, tolerances, fixed_step, LinearPart::Blocks)),
+            Self::DormandPrince => Box::new(DormandPrince::new(system, time, state, tolerances, fixed_step)),
+            Self::Auto => Box::new(Automatic::new(system, time, state, tolerances)),
         }
     }
 }
@@ -142,6 +148,26 @@ pub struct Statistics {
     pub least_step: f64,
     /// Time advanced [s]; over `steps` this is the mean step.
     pub advanced: f64,
+}
+
+impl Statistics {
+    /// The work of two methods that ran one after the other.
+    pub fn and(&self, next: &Self) -> Self {
+        let least = match (self.least_step, next.least_step) {
+            (0.0, step) | (step, 0.0) => step,
+            (one, other) => one.min(other),
+        };
+        Self {
+            steps: self.steps + next.steps,
+            rejected_steps: self.rejected_steps + next.rejected_steps,
+            newton_failures: self.newton_failures + next.newton_failures,
+            rhs_evaluations: self.rhs_evaluations + next.rhs_evaluations,
+            jacobian_evaluations: self.jacobian_evaluations + next.jacobian_evaluations,
+            factorizations: self.factorizations + next.factorizations,
+            least_step: least,
+            advanced: self.advanced + next.advanced,
+        }
+    }
 }
 
 /// Why an integration ended early. Times in seconds.
