@@ -13,9 +13,10 @@ use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics,
 /// h·|λ| from which a step of Dormand–Prince counts as held by stability, and where that ends.
 const HELD: f64 = 2.8;
 const STABLE: f64 = 3.3;
-/// Looks at h·|λ| in a row that find it held, each after so many steps.
+/// Looks at h·|λ| that find it held before the method changes, and looks in a row that find it free before they are forgotten.
 const HELD_LOOKS: u32 = 4;
-const STEPS_PER_LOOK: u64 = 8;
+const FREE_LOOKS: u32 = 6;
+const STEPS_PER_LOOK: u64 = 4;
 /// Evaluations of a step of Dormand–Prince.
 const STAGES: f64 = 6.0;
 /// What linear algebra adds to the cost of Gear's evaluations, as a factor.
@@ -47,8 +48,9 @@ pub struct Automatic<'a, S: OdeSystem + ?Sized> {
     /// Work of the methods that ran before.
     past: Statistics,
     changes: u32,
-    /// Looks in a row at which stability held the explicit step.
+    /// Looks at which stability held the explicit step, and those in a row since at which it did not.
     held_looks: u32,
+    free_looks: u32,
     /// Fastest rate seen last [1/time].
     fastest: f64,
     /// Evaluations per time of Gear's method when it was measured last.
@@ -67,6 +69,7 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
             past: Statistics::default(),
             changes: 0,
             held_looks: 0,
+            free_looks: 0,
             fastest: 0.0,
             stiff_cost: None,
             mark: None,
@@ -95,7 +98,14 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
                 }
                 let step = method.time() - method.previous_time();
                 self.fastest = method.fastest_rate();
-                self.held_looks = if step * self.fastest > HELD { self.held_looks + 1 } else { 0 };
+                if step * self.fastest > HELD {
+                    (self.held_looks, self.free_looks) = (self.held_looks + 1, 0);
+                } else {
+                    self.free_looks += 1;
+                    if self.free_looks >= FREE_LOOKS {
+                        self.held_looks = 0;
+                    }
+                }
                 let cheaper = self.stiff_cost.is_none_or(|cost| self.explicit_cost() > GAIN * cost);
                 if self.held_looks >= HELD_LOOKS && cheaper {
                     let method = Gear::new(self.system, method.time(), method.state(), self.tolerances.clone());
@@ -130,7 +140,7 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
     fn change(&mut self, work: Statistics, active: Active<'a, S>) {
         self.past = self.past.and(&work);
         self.active = active;
-        (self.changes, self.held_looks, self.mark) = (self.changes + 1, 0, None);
+        (self.changes, self.held_looks, self.free_looks, self.mark) = (self.changes + 1, 0, 0, None);
     }
 }
 
