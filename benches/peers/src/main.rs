@@ -62,7 +62,7 @@ struct Options {
     /// A run is given up after so much wall time [s]
     #[arg(long, default_value_t = 120.0)]
     limit: f64,
-    /// Only these solvers
+    /// Only these solvers; by default all of --list but the last three
     #[arg(long, value_delimiter = ',')]
     solvers: Vec<String>,
     /// Names the solvers and ends
@@ -126,8 +126,12 @@ fn main() -> ExitCode {
     }
 }
 
-fn all() -> Vec<Box<dyn Solver>> {
-    ours::all().into_iter().chain(cvode::all()).chain(diffsol::all()).collect()
+/// The solvers that run unless told otherwise come first; their number is the second entry.
+fn all() -> (Vec<Box<dyn Solver>>, usize) {
+    let mut solvers: Vec<_> = ours::all().into_iter().chain(cvode::all()).chain(diffsol::all()).collect();
+    let usual = solvers.len();
+    solvers.extend(diffsol::variants());
+    (solvers, usual)
 }
 
 fn named<'a>(solvers: &'a [Box<dyn Solver>], name: &str) -> Result<&'a dyn Solver, String> {
@@ -136,13 +140,13 @@ fn named<'a>(solvers: &'a [Box<dyn Solver>], name: &str) -> Result<&'a dyn Solve
 }
 
 fn report(options: &Options) -> Result<(), String> {
-    let solvers = all();
+    let (solvers, usual) = all();
     if options.list {
         solvers.iter().for_each(|solver| println!("{}", solver.name()));
         return Ok(());
     }
     let chosen: Vec<&dyn Solver> = match options.solvers.as_slice() {
-        [] => solvers.iter().map(Box::as_ref).collect(),
+        [] => solvers[..usual].iter().map(Box::as_ref).collect(),
         names => names.iter().map(|name| named(&solvers, name)).collect::<Result<_, _>>()?,
     };
     let case = Case::new(options.scene, options.settle, options.duration)?;
@@ -259,6 +263,7 @@ fn first(options: &Options, solver: &dyn Solver, relative: f64, case: &Case, ref
             processor: vec![measured.processor],
             work: measured.solution.work,
             rhs: measured.rhs,
+            ran: measured.solution.ran,
         })
     });
     match &outcome {

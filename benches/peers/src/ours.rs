@@ -19,12 +19,13 @@ impl Solver for Ours {
 
     fn run(&self, task: &Task<'_>, system: &Counted<'_>) -> Result<Solution, Failure> {
         let integrator = self.0.start(system, 0.0, task.start, task.tolerances.clone(), None);
-        drive(task, &mut Steps { integrator, end: task.end })
+        drive(task, &mut Steps { integrator, asked: self.0, end: task.end })
     }
 }
 
 struct Steps<'a> {
     integrator: Box<dyn Integrator + 'a>,
+    asked: Method,
     end: f64,
 }
 
@@ -50,5 +51,10 @@ impl Stepper for Steps<'_> {
             jacobians: Some(statistics.jacobian_evaluations),
             factorizations: Some(statistics.factorizations),
         }
+    }
+
+    fn ran(&self) -> Option<String> {
+        let method = self.integrator.choice().method;
+        (method != self.asked).then(|| method.name().into())
     }
 }

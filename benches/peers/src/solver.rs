@@ -84,6 +84,10 @@ pub trait Stepper {
     /// The state at a time within the last step.
     fn interpolate(&mut self, time: f64, state: &mut [f64]) -> Result<(), String>;
     fn work(&self) -> Work;
+    /// What runs, where the solver's name does not tell.
+    fn ran(&self) -> Option<String> {
+        None
+    }
 }
 
 /// A solver with its settings.
@@ -98,6 +102,7 @@ pub struct Solution {
     /// The states on the grid, one after the other.
     pub states: Vec<f64>,
     pub work: Work,
+    pub ran: Option<String>,
 }
 
 /// Why there is no solution.
@@ -137,7 +142,7 @@ pub fn drive(task: &Task<'_>, stepper: &mut dyn Stepper) -> Result<Solution, Fai
         }
     }
     drop(samples);
-    Ok(Solution { states, work: stepper.work() })
+    Ok(Solution { states, work: stepper.work(), ran: stepper.ran() })
 }
 
 /// A run with what it took.

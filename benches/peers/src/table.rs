@@ -18,6 +18,8 @@ pub struct Point {
     pub deviation: Deviation,
     pub work: Work,
     pub rhs: u64,
+    /// What ran, where the solver's name does not tell.
+    pub ran: Option<String>,
 }
 
 /// Which of its times a solver is judged by.
@@ -51,7 +53,9 @@ pub fn measured(rows: &[Row], own: Deviation, limit: f64) -> String {
         "steps", "rejected", "evaluations", "a step", "Jacobians", "factorizations", "a step",
     ];
     let cells = rows.iter().map(|row| {
-        let mut cells = vec![row.solver.clone(), format!("{:.0e}", row.relative)];
+        let ran = row.outcome.as_ref().ok().and_then(|point| point.ran.as_ref());
+        let name = ran.map_or_else(|| row.solver.clone(), |ran| format!("{} → {ran}", row.solver));
+        let mut cells = vec![name, format!("{:.0e}", row.relative)];
         match &row.outcome {
             Ok(point) => {
                 for times in [&point.processor, &point.wall] {
@@ -73,11 +77,17 @@ pub fn measured(rows: &[Row], own: Deviation, limit: f64) -> String {
                 cells.push(each.map_or_else(|| "–".into(), |each| format!("{each:.3}")));
             }
             Err(Failure::OverLimit) => cells.push(format!("over {limit}")),
-            Err(Failure::Refused(reason)) => cells.push(format!("failed: {reason}")),
+            Err(Failure::Refused(_)) => cells.push("failed".into()),
         }
         cells
     });
-    markdown(&head.map(String::from), &cells.collect::<Vec<_>>())
+    let mut text = markdown(&head.map(String::from), &cells.collect::<Vec<_>>());
+    for row in rows {
+        if let Err(Failure::Refused(reason)) = &row.outcome {
+            text += &format!("\n{} at {:.0e} failed: {reason}.\n", row.solver, row.relative);
+        }
+    }
+    text
 }
 
 fn error(found: f64, own: f64) -> String {
