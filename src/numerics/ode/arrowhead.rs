@@ -35,53 +35,78 @@ impl Kept {
     }
 }
 
+/// Blocks are worked on side by side in groups of so many.
+const LANES: usize = 8;
+
 /// The factors, with room for right-hand sides; allocates only on construction.
+///
+/// Kept as the small matrices that a solution needs, since one factor serves many right-hand sides. With the rows `v` that
+/// stay and the positions `x = (r_x + v)/s` that go, `R` and `C` what border and block do to each other:
+/// ```text
+/// border    b_v = S⁻¹ (r_v + G r_x + Σ F r_block)
+/// blocks    v   = E r_block + U b
+/// ```
+/// where `E = A⁻¹ (I | ∂v'/∂x / s)`, `U = A⁻¹ R`, and `F` and `G` carry blocks' and border's positions to the border.
 #[derive(Debug, Clone)]
 pub struct ArrowheadFactors<T> {
     structure: Structure,
     in_block: Kept,
     in_border: Kept,
-    shift: T,
-    /// Of each block: factors (kept × kept) and their row exchanges.
-    blocks: Vec<T>,
-    exchanges: Vec<usize>,
-    /// Of each block: W = A⁻¹B (kept × border's kept).
-    solved_right: Vec<T>,
-    /// Of each block: C (border's kept × kept).
+    inverse_shift: T,
+    /// E, U and F of all blocks: entry by entry, the blocks of a group side by side.
+    own: Vec<[T; LANES]>,
+    by_border: Vec<[T; LANES]>,
+    to_border: Vec<[T; LANES]>,
+    /// G and S⁻¹, row by row.
+    border_positions: Vec<T>,
+    border_inverse: Vec<T>,
+    work: Work<T>,
+}
+
+/// Room for factors and right-hand sides.
+#[derive(Debug, Clone)]
+struct Work<T> {
+    /// A and the right-hand sides (I | ∂v'/∂x / s | R) that it is solved for.
+    block: Vec<T>,
+    wide: Vec<T>,
+    /// C.
     below: Vec<T>,
+    /// S, and the identity.
     corner: Vec<T>,
-    corner_exchanges: Vec<usize>,
-    /// ∂(kept rates)/∂(positions) over the shift: by their blocks' own positions, by the border's, and those of the border.
-    block_by_own: Vec<T>,
-    block_by_border: Vec<T>,
-    border_by_blocks: Vec<T>,
-    border_by_own: Vec<T>,
-    reduced: Vec<T>,
-    reduced_border: Vec<T>,
+    exchanges: Vec<usize>,
+    /// Right-hand side of a group of blocks, the border's, and the border's solution.
+    group: Vec<[T; LANES]>,
+    border: Vec<T>,
+    border_solution: Vec<T>,
 }
 
 impl<T: Number> ArrowheadFactors<T> {
     pub fn new(structure: &Structure) -> Self {
         let in_block = Kept::new(structure.block, &structure.block_pairs);
         let in_border = Kept::new(structure.border, &structure.border_pairs);
-        let (z, m, p) = (structure.blocks, in_block.entries.len(), in_border.entries.len());
-        let (mx, px) = (in_block.positions.len(), in_border.positions.len());
+        let (m, p) = (in_block.entries.len(), in_border.entries.len());
+        let (block, border, px) = (structure.block, structure.border, in_border.positions.len());
+        let groups = structure.blocks.div_ceil(LANES);
         let zeros = |count: usize| vec![T::zero(); count];
+        let lanes = |count: usize| vec![[T::zero(); LANES]; groups * count];
         Self {
             structure: structure.clone(),
-            shift: T::one(),
-            blocks: zeros(z * m * m),
-            exchanges: vec![0; z * m],
-            solved_right: zeros(z * m * p),
-            below: zeros(z * p * m),
-            corner: zeros(p * p),
-            corner_exchanges: vec![0; p],
-            block_by_own: zeros(z * m * mx),
-            block_by_border: zeros(z * m * px),
-            border_by_blocks: zeros(z * p * mx),
-            border_by_own: zeros(p * px),
-            reduced: zeros(z * m),
-            reduced_border: zeros(p),
+            inverse_shift: T::one(),
+            own: lanes(m * block),
+            by_border: lanes(m * border),
+            to_border: lanes(p * block),
+            border_positions: zeros(p * px),
+            border_inverse: zeros(p * p),
+            work: Work {
+                block: zeros(m * m),
+                wide: zeros(m * (block + border)),
+                below: zeros(p * m),
+                corner: zeros(p * p),
+                exchanges: vec![0; m.max(p)],
+                group: vec![[T::zero(); LANES]; block],
+                border: zeros(p),
+                border_solution: zeros(border),
+            },
             in_block,
             in_border,
         }
@@ -89,39 +114,83 @@ impl<T: Number> ArrowheadFactors<T> {
 
     /// Factors `shift · I − J`.
     pub fn factor(&mut self, jacobian: &Jacobian, shift: T) -> Result<(), Singular> {
-        let (z, m, p) = (self.structure.blocks, self.in_block.entries.len(), self.in_border.entries.len());
-        let (mx, px) = (self.in_block.positions.len(), self.in_border.positions.len());
-        let (wide, border) = (self.structure.block, self.structure.border);
-        self.shift = shift;
+        let (block, border) = (self.structure.block, self.structure.border);
+        let (inner, outer) = (&self.in_block, &self.in_border);
+        let (m, p, px) = (inner.entries.len(), outer.entries.len(), outer.positions.len());
         let inverse = T::one() / shift;
-        reduce(
-            jacobian.corner(),
-            border,
-            (&self.in_border, &self.in_border),
-            inverse,
-            &mut self.corner,
-            &mut self.border_by_own,
-        );
-        add_diagonal(&mut self.corner, p, shift);
-        debug_assert_eq!(self.border_by_own.len(), p * px);
-        for index in 0..z {
-            let own = &mut self.blocks[index * m * m..(index + 1) * m * m];
-            let right = &mut self.solved_right[index * m * p..(index + 1) * m * p];
-            let below = &mut self.below[index * p * m..(index + 1) * p * m];
-            let exchanges = &mut self.exchanges[index * m..(index + 1) * m];
-            let (block, outer) = (&self.in_block, &self.in_border);
-            let by_own = &mut self.block_by_own[index * m * mx..(index + 1) * m * mx];
-            reduce(jacobian.block(index), wide, (block, block), inverse, own, by_own);
-            let by_border = &mut self.block_by_border[index * m * px..(index + 1) * m * px];
-            reduce(jacobian.right(index), border, (block, outer), inverse, right, by_border);
-            let by_blocks = &mut self.border_by_blocks[index * p * mx..(index + 1) * p * mx];
-            reduce(jacobian.below(index), wide, (outer, block), inverse, below, by_blocks);
-            add_diagonal(own, m, shift);
-            factor(own, m, exchanges)?;
-            substitute(own, m, exchanges, right, p);
-            subtract_product(&mut self.corner, below, right, (p, m, p));
+        self.inverse_shift = inverse;
+        let work = &mut self.work;
+        reduce(jacobian.corner(), border, (outer, outer), inverse, &mut work.corner);
+        add_diagonal(&mut work.corner, p, shift);
+        for (row, &entry) in outer.entries.iter().enumerate() {
+            for (k, &(position, _)) in outer.positions.iter().enumerate() {
+                self.border_positions[row * px + k] =
+                    inverse * T::from_real(jacobian.corner()[entry * border + position]);
+            }
         }
-        factor(&mut self.corner, p, &mut self.corner_exchanges)
+        let width = block + border;
+        for index in 0..self.structure.blocks {
+            reduce(jacobian.block(index), block, (inner, inner), inverse, &mut work.block);
+            add_diagonal(&mut work.block, m, shift);
+            factor(&mut work.block, m, &mut work.exchanges)?;
+            work.wide.fill(T::zero());
+            for (row, &entry) in inner.entries.iter().enumerate() {
+                let target = &mut work.wide[row * width..(row + 1) * width];
+                target[entry] = T::one();
+                for &(position, _) in &inner.positions {
+                    target[position] = inverse * T::from_real(jacobian.block(index)[entry * block + position]);
+                }
+                let right = &jacobian.right(index)[entry * border..(entry + 1) * border];
+                for (value, &right) in target[block..].iter_mut().zip(right) {
+                    *value = T::from_real(right);
+                }
+            }
+            substitute(&work.block, m, &work.exchanges, &mut work.wide, width);
+            reduce(jacobian.below(index), block, (outer, inner), inverse, &mut work.below);
+
+            let (group, lane) = (index / LANES, index % LANES);
+            let own = &mut self.own[group * m * block..];
+            let by_border = &mut self.by_border[group * m * border..];
+            let to_border = &mut self.to_border[group * p * block..];
+            for (row, solved) in work.wide.chunks_exact(width).enumerate() {
+                for column in 0..block {
+                    own[row * block + column][lane] = solved[column];
+                }
+                for column in 0..border {
+                    by_border[row * border + column][lane] = solved[block + column];
+                }
+            }
+            for (row, &entry) in outer.entries.iter().enumerate() {
+                let below = &work.below[row * m..(row + 1) * m];
+                let through = |column: usize| {
+                    let mut sum = T::zero();
+                    for (k, &weight) in below.iter().enumerate() {
+                        sum -= weight * work.wide[k * width + column];
+                    }
+                    sum
+                };
+                for column in 0..block {
+                    to_border[row * block + column][lane] = through(column);
+                }
+                for &(position, _) in &inner.positions {
+                    let direct = inverse * T::from_real(jacobian.below(index)[entry * block + position]);
+                    to_border[row * block + position][lane] += direct;
+                }
+                for (column, &entry) in outer.entries.iter().enumerate() {
+                    work.corner[row * p + column] -= through(block + entry);
+                }
+                for (k, &(position, velocity)) in outer.positions.iter().enumerate() {
+                    let folded = inverse * through(block + position);
+                    self.border_positions[row * px + k] += folded;
+                    work.corner[row * p + velocity] -= folded;
+                }
+            }
+        }
+        factor(&mut work.corner, p, &mut work.exchanges)?;
+        self.border_inverse.fill(T::zero());
+        add_diagonal(&mut self.border_inverse, p, T::one());
+        substitute(&work.corner, p, &work.exchanges[..p], &mut self.border_inverse, p);
+        Ok(())
     }
 
     /// Replaces the right-hand side (every copy) by the solution.
@@ -131,95 +200,94 @@ impl<T: Number> ArrowheadFactors<T> {
         }
     }
 
-    fn solve_copy(&mut self, r: &mut [T]) {
-        let (z, m, p) = (self.structure.blocks, self.in_block.entries.len(), self.in_border.entries.len());
-        let (mx, px) = (self.in_block.positions.len(), self.in_border.positions.len());
-        let wide = self.structure.block;
-        let (of_blocks, of_border) = r.split_at_mut(z * wide);
-        for (row, &entry) in self.in_border.entries.iter().enumerate() {
-            let mut sum = of_border[entry];
-            for (k, &(position, _)) in self.in_border.positions.iter().enumerate() {
-                sum += self.border_by_own[row * px + k] * of_border[position];
-            }
-            self.reduced_border[row] = sum;
-        }
-        for index in 0..z {
-            let own = &of_blocks[index * wide..(index + 1) * wide];
-            let reduced = &mut self.reduced[index * m..(index + 1) * m];
-            let by_own = &self.block_by_own[index * m * mx..(index + 1) * m * mx];
-            let by_border = &self.block_by_border[index * m * px..(index + 1) * m * px];
-            for (row, &entry) in self.in_block.entries.iter().enumerate() {
-                let mut sum = own[entry];
-                for (k, &(position, _)) in self.in_block.positions.iter().enumerate() {
-                    sum += by_own[row * mx + k] * own[position];
-                }
-                for (k, &(position, _)) in self.in_border.positions.iter().enumerate() {
-                    sum += by_border[row * px + k] * of_border[position];
-                }
-                reduced[row] = sum;
-            }
-            let exchanges = &self.exchanges[index * m..(index + 1) * m];
-            substitute(&self.blocks[index * m * m..(index + 1) * m * m], m, exchanges, reduced, 1);
-            let below = &self.below[index * p * m..(index + 1) * p * m];
-            let by_blocks = &self.border_by_blocks[index * p * mx..(index + 1) * p * mx];
-            for row in 0..p {
-                let mut sum = self.reduced_border[row];
-                for (k, &(position, _)) in self.in_block.positions.iter().enumerate() {
-                    sum += by_blocks[row * mx + k] * own[position];
-                }
-                for (k, &value) in reduced.iter().enumerate() {
-                    sum -= below[row * m + k] * value;
-                }
-                self.reduced_border[row] = sum;
+    fn solve_copy(&mut self, right_side: &mut [T]) {
+        let (block, border) = (self.structure.block, self.structure.border);
+        let (inner, outer) = (&self.in_block, &self.in_border);
+        let (m, p, px) = (inner.entries.len(), outer.entries.len(), outer.positions.len());
+        let Work { group: gathered, border: sums, border_solution: solution, .. } = &mut self.work;
+        let (of_blocks, of_border) = right_side.split_at_mut(self.structure.blocks * block);
+        for (row, (sum, &entry)) in sums.iter_mut().zip(&outer.entries).enumerate() {
+            *sum = of_border[entry];
+            for (weight, &(position, _)) in self.border_positions[row * px..].iter().zip(&outer.positions) {
+                *sum += *weight * of_border[position];
             }
         }
-        substitute(&self.corner, p, &self.corner_exchanges, &mut self.reduced_border, 1);
-        let inverse = T::one() / self.shift;
-        for index in 0..z {
-            let own = &mut of_blocks[index * wide..(index + 1) * wide];
-            let reduced = &mut self.reduced[index * m..(index + 1) * m];
-            let right = &self.solved_right[index * m * p..(index + 1) * m * p];
-            for (row, value) in reduced.iter_mut().enumerate() {
-                for (k, &outer) in self.reduced_border.iter().enumerate() {
-                    *value -= right[row * p + k] * outer;
+        for (group, blocks) in of_blocks.chunks(LANES * block.max(1)).enumerate() {
+            gather(blocks, block, gathered);
+            let to_border = &self.to_border[group * p * block..(group + 1) * p * block];
+            for (sum, row) in sums.iter_mut().zip(to_border.chunks_exact(block)) {
+                for lane in dot(row, gathered) {
+                    *sum += lane;
                 }
             }
-            expand(&self.in_block, reduced, inverse, own);
         }
-        expand(&self.in_border, &self.reduced_border, inverse, of_border);
+        for (row, &entry) in outer.entries.iter().enumerate() {
+            let mut value = T::zero();
+            for (&weight, &sum) in self.border_inverse[row * p..].iter().zip(sums.iter()) {
+                value += weight * sum;
+            }
+            solution[entry] = value;
+        }
+        for &(position, velocity) in &outer.positions {
+            solution[position] = (of_border[position] + solution[outer.entries[velocity]]) * self.inverse_shift;
+        }
+        of_border.copy_from_slice(solution);
+        for (group, blocks) in of_blocks.chunks_mut(LANES * block.max(1)).enumerate() {
+            gather(blocks, block, gathered);
+            let own = &self.own[group * m * block..(group + 1) * m * block];
+            let by_border = &self.by_border[group * m * border..(group + 1) * m * border];
+            for (row, &entry) in inner.entries.iter().enumerate() {
+                let mut sum = dot(&own[row * block..(row + 1) * block], gathered);
+                for (weights, &value) in by_border[row * border..(row + 1) * border].iter().zip(solution.iter()) {
+                    for (sum, &weight) in sum.iter_mut().zip(weights) {
+                        *sum += weight * value;
+                    }
+                }
+                for (target, value) in blocks.chunks_exact_mut(block).zip(sum) {
+                    target[entry] = value;
+                }
+            }
+            for target in blocks.chunks_exact_mut(block) {
+                for &(position, velocity) in &inner.positions {
+                    target[position] = (target[position] + target[inner.entries[velocity]]) * self.inverse_shift;
+                }
+            }
+        }
     }
 }
 
-/// Velocities and the rest into their places, positions from them: `x = (r_x + v)/shift`.
-fn expand<T: Number>(kept: &Kept, reduced: &[T], inverse: T, full: &mut [T]) {
-    for &(position, velocity) in &kept.positions {
-        full[position] = (full[position] + reduced[velocity]) * inverse;
-    }
-    for (&entry, &value) in kept.entries.iter().zip(reduced) {
-        full[entry] = value;
+/// Entries of a group's blocks side by side; lanes without a block hold what is left there, which nobody reads.
+fn gather<T: Number>(blocks: &[T], block: usize, gathered: &mut [[T; LANES]]) {
+    for (lane, entries) in blocks.chunks_exact(block).enumerate() {
+        for (row, &entry) in gathered.iter_mut().zip(entries) {
+            row[lane] = entry;
+        }
     }
 }
 
-/// Writes −J over the kept entries, positions folded into their velocities, and what the positions do, over the shift.
-fn reduce<T: Number>(
-    jacobian: &[f64],
-    width: usize,
-    (rows, columns): (&Kept, &Kept),
-    inverse: T,
-    matrix: &mut [T],
-    by_position: &mut [T],
-) {
-    let (n, nx) = (columns.entries.len(), columns.positions.len());
+/// Σ row · column in every lane.
+#[inline(always)]
+fn dot<T: Number>(row: &[[T; LANES]], column: &[[T; LANES]]) -> [T; LANES] {
+    let mut sum = [T::zero(); LANES];
+    for (a, b) in row.iter().zip(column) {
+        for lane in 0..LANES {
+            sum[lane] += a[lane] * b[lane];
+        }
+    }
+    sum
+}
+
+/// Writes −J over the kept entries, positions folded into their velocities.
+fn reduce<T: Number>(jacobian: &[f64], width: usize, (rows, columns): (&Kept, &Kept), inverse: T, matrix: &mut [T]) {
+    let n = columns.entries.len();
     for (row, &entry) in rows.entries.iter().enumerate() {
         let source = &jacobian[entry * width..(entry + 1) * width];
         let target = &mut matrix[row * n..(row + 1) * n];
         for (value, &column) in target.iter_mut().zip(&columns.entries) {
             *value = T::from_real(-source[column]);
         }
-        for (k, &(position, velocity)) in columns.positions.iter().enumerate() {
-            let folded = inverse * T::from_real(source[position]);
-            by_position[row * nx + k] = folded;
-            target[velocity] -= folded;
+        for &(position, velocity) in &columns.positions {
+            target[velocity] -= inverse * T::from_real(source[position]);
         }
     }
 }
@@ -227,19 +295,6 @@ fn reduce<T: Number>(
 fn add_diagonal<T: Number>(matrix: &mut [T], n: usize, shift: T) {
     for i in 0..n {
         matrix[i * n + i] += shift;
-    }
-}
-
-/// `target −= a · b` with sizes (rows, inner, columns), all row by row.
-fn subtract_product<T: Number>(target: &mut [T], a: &[T], b: &[T], (rows, inner, columns): (usize, usize, usize)) {
-    for row in 0..rows {
-        let target = &mut target[row * columns..(row + 1) * columns];
-        for k in 0..inner {
-            let weight = a[row * inner + k];
-            for (value, &right) in target.iter_mut().zip(&b[k * columns..(k + 1) * columns]) {
-                *value -= weight * right;
-            }
-        }
     }
 }
 
@@ -278,7 +333,7 @@ fn factor<T: Number>(matrix: &mut [T], n: usize, exchanges: &mut [usize]) -> Res
 
 /// Solves for `columns` right-hand sides at once (row by row, in place).
 fn substitute<T: Number>(factors: &[T], n: usize, exchanges: &[usize], right: &mut [T], columns: usize) {
-    for (k, &pivot) in exchanges.iter().enumerate() {
+    for (k, &pivot) in exchanges[..n].iter().enumerate() {
         if pivot != k {
             for column in 0..columns {
                 right.swap(k * columns + column, pivot * columns + column);

@@ -3,7 +3,7 @@
 //! Coefficients: J. R. Dormand & P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19–26, table 2;
 //! dense output of order 4: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.6.
 
-use super::step_size::{StepSizeControl, error_norm, worst_component};
+use super::step_size::{StepSizeControl, error_norm, initial_step, worst_component};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
 const C: [f64; 5] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0];
@@ -45,8 +45,10 @@ pub struct DormandPrince<'a, S: OdeSystem + ?Sized> {
     slopes: [Vec<f64>; 7],
     trial: Vec<f64>,
     error: Vec<f64>,
-    /// Size of the next step.
+    /// Size of the next step; infinite until a first one is chosen.
     step: f64,
+    /// The next step is the first, or the first after a restart.
+    starting: bool,
     fixed: bool,
     control: StepSizeControl,
     statistics: Statistics,
@@ -59,7 +61,7 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
     pub fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances, fixed_step: Option<f64>) -> Self {
         let n = system.dimension();
         let vector = || vec![0.0; n];
-        let mut method = Self {
+        Self {
             system,
             tolerances,
             time,
@@ -69,41 +71,24 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
             slopes: std::array::from_fn(|_| vector()),
             trial: vector(),
             error: vector(),
-            step: 0.0,
+            step: fixed_step.unwrap_or(f64::INFINITY),
+            starting: fixed_step.is_none(),
             fixed: fixed_step.is_some(),
             control: StepSizeControl::new(4),
             statistics: Statistics::default(),
             first_same_as_last: false,
-        };
-        method.step = fixed_step.unwrap_or_else(|| method.initial_step());
-        method
+        }
     }
 
-    /// A first step from the sizes of state, slope and change of slope (Hairer et al., §II.4).
-    fn initial_step(&mut self) -> f64 {
-        let scale = |i: usize, y: f64, t: &Tolerances| t.absolute[i] + t.relative[i] * y.abs();
-        let norm = |v: &[f64], y: &[f64], t: &Tolerances| {
-            let sum: f64 = v.iter().enumerate().map(|(i, x)| (x / scale(i, y[i], t)).powi(2)).sum();
-            (sum / v.len().max(1) as f64).sqrt()
-        };
-        self.system.derivative(self.time, &self.state, &mut self.slopes[0]);
-        let size = norm(&self.state, &self.state, &self.tolerances);
-        let slope = norm(&self.slopes[0], &self.state, &self.tolerances);
-        let guess = if size < 1e-5 || slope < 1e-5 { 1e-6 } else { 0.01 * size / slope }.min(1e-6);
-        for i in 0..self.trial.len() {
-            self.trial[i] = self.state[i] + guess * self.slopes[0][i];
-        }
-        let (first, rest) = self.slopes.split_at_mut(1);
-        self.system.derivative(self.time + guess, &self.trial, &mut rest[0]);
-        for (i, error) in self.error.iter_mut().enumerate() {
-            *error = (rest[0][i] - first[0][i]) / guess;
-        }
-        let curvature = norm(&self.error, &self.state, &self.tolerances);
+    /// Chooses the first step; after a restart it is at most the last one.
+    fn start(&mut self, span: f64) {
+        let slope = &mut self.slopes[6];
+        self.system.derivative(self.time, &self.state, slope);
+        let first = initial_step(self.system, self.time, &self.state, slope, &self.tolerances, 5, span);
+        self.first_same_as_last = true;
         self.statistics.rhs_evaluations += 2;
-        let largest = slope.max(curvature);
-        let step = if largest <= 1e-15 { (guess * 1e-3).max(1e-6) } else { (0.01 / largest).powf(0.2) };
-        let step = step.min(100.0 * guess);
-        if step.is_finite() && step > 0.0 { step } else { 1e-9 }
+        self.step = self.step.min(first);
+        self.starting = false;
     }
 
     /// Computes slopes, new state (into `trial`) and error estimate of a step from `(time, state)`.
@@ -153,6 +138,9 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
 
 impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
     fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
+        if self.starting {
+            self.start(limit - self.time);
+        }
         let mut rejections = 0;
         loop {
             let remaining = limit - self.time;
@@ -228,7 +216,7 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
         self.first_same_as_last = false;
         if !self.fixed {
             self.control = StepSizeControl::new(4);
-            self.step = self.initial_step().min(self.step);
+            self.starting = true;
         }
     }
 

@@ -3,10 +3,12 @@
 
 pub mod arrowhead;
 pub mod dormand_prince;
+pub mod gear;
 pub mod step_size;
 pub mod structure;
 
 use dormand_prince::DormandPrince;
+use gear::Gear;
 use structure::{Jacobian, Structure, dense_differences};
 
 /// A system `dy/dt = f(t, y)`. It never changes during a run: all that moves is in `y`.
@@ -86,6 +88,7 @@ impl Method {
         fixed_step: Option<f64>,
     ) -> Box<dyn Integrator + 'a> {
         match self {
+            Self::Gear => Box::new(Gear::new(system, time, state, tolerances)),
             // The others join here as they are built.
             _ => Box::new(DormandPrince::new(system, time, state, tolerances, fixed_step)),
         }

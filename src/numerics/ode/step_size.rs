@@ -1,6 +1,6 @@
-//! Accept or reject a step, and the size of the next.
+//! Accept or reject a step, and the size of the first and of the next.
 
-use super::Tolerances;
+use super::{OdeSystem, Tolerances};
 
 /// Weighted root mean square of `error`: at most 1 when each component errs within its tolerance.
 /// NaN where an entry is NaN.
@@ -12,6 +12,42 @@ pub fn error_norm(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tol
         })
         .sum();
     (sum / error.len().max(1) as f64).sqrt()
+}
+
+/// Size of a first step of a method of `order`, at most `span` (time to the first stop), from the sizes of state,
+/// `rate` and change of rate against their tolerances; evaluates the system once.
+///
+/// The idea is that of Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.4, without its
+/// constants that have a unit: with slope `d₁` and change of slope `d₂`, `τ = d₁/d₂` is the time in which the motion
+/// changes, `d₁/τᵖ` stands for derivative p + 1, and the step makes `h^{p+1} d₁/τᵖ = 0.01`.
+pub fn initial_step(
+    system: &(impl OdeSystem + ?Sized),
+    time: f64,
+    state: &[f64],
+    rate: &[f64],
+    tolerances: &Tolerances,
+    order: u32,
+    span: f64,
+) -> f64 {
+    let norm = |entries: &[f64]| error_norm(entries, state, state, tolerances);
+    let slope = norm(rate);
+    // A hundredth of the time in which the state changes by itself; a state below its tolerance counts as that.
+    // Where nothing moves yet only the span is known.
+    let guess = if slope > 0.0 { (0.01 * norm(state).max(1.0) / slope).min(span) } else { 1e-3 * span };
+    let moved: Vec<f64> = state.iter().zip(rate).map(|(y, slope)| y + guess * slope).collect();
+    let mut change = vec![0.0; state.len()];
+    system.derivative(time + guess, &moved, &mut change);
+    for (change, before) in change.iter_mut().zip(rate) {
+        *change = (*change - before) / guess;
+    }
+    let curvature = norm(&change);
+    if !curvature.is_finite() {
+        return 1e-3 * guess;
+    }
+    let power = f64::from(order);
+    let step = (0.01 / slope * (slope / curvature).powf(power)).powf(1.0 / (power + 1.0));
+    let step = if step.is_nan() { guess } else { step.min(100.0 * guess) };
+    step.max(16.0 * f64::EPSILON * time.abs()).min(span)
 }
 
 /// The component that errs most against its tolerance, for error messages.
@@ -73,6 +109,33 @@ mod tests {
         assert_eq!(error_norm(&[1e-3, -1e-3], &[0.0; 2], &[0.0; 2], &tolerances), 1.0);
         assert!(error_norm(&[f64::NAN, 0.0], &[0.0; 2], &[0.0; 2], &tolerances).is_nan());
         assert_eq!(worst_component(&[1e-4, f64::NAN], &[0.0; 2], &[0.0; 2], &tolerances), 1);
+    }
+
+    /// `y' = rate · y`, or nothing.
+    struct Growth(f64);
+    impl OdeSystem for Growth {
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn derivative(&self, _time: f64, state: &[f64], derivative: &mut [f64]) {
+            derivative[0] = self.0 * state[0];
+        }
+    }
+
+    /// Whatever the unit of time, the first step is the same part of the motion's own time.
+    #[test]
+    fn the_first_step_has_no_unit_of_its_own() {
+        let first = |rate: f64, start: f64, span: f64| {
+            let tolerances = Tolerances::uniform(1, 1e-6, 1e-9);
+            initial_step(&Growth(rate), 0.0, &[start], &[rate * start], &tolerances, 5, span)
+        };
+        let slow = first(-1e-9, 1.0, 1e12) * 1e-9;
+        let fast = first(-1e9, 1.0, 1e-6) * 1e9;
+        assert!((slow / fast - 1.0).abs() < 1e-9 && (0.01..0.2).contains(&slow), "{slow} {fast}");
+        assert_eq!(first(-1.0, 1.0, 1e-4), 1e-4);
+        assert_eq!(first(0.0, 1.0, 1e3), 1.0);
+        assert_eq!(first(0.0, 1.0, 1e-9), 1e-12);
+        assert!(first(f64::NAN, 1.0, 1.0) > 0.0);
     }
 
     #[test]
