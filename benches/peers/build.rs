@@ -9,7 +9,8 @@ fn main() {
         println!("cargo:rustc-link-lib=sundials_{library}");
     }
     let compiler = var("RUSTC").unwrap_or_else(|_| "rustc".into());
-    let version = Command::new(compiler).arg("--version").output().map(|out| String::from_utf8_lossy(&out.stdout).into_owned());
+    let version =
+        Command::new(compiler).arg("--version").output().map(|out| String::from_utf8_lossy(&out.stdout).into_owned());
     println!("cargo:rustc-env=PEERS_COMPILER={}", version.unwrap_or_default().trim());
     println!("cargo:rustc-env=PEERS_OPT_LEVEL={}", var("OPT_LEVEL").unwrap_or_default());
     println!("cargo:rerun-if-changed=build.rs");

@@ -223,7 +223,9 @@ unsafe extern "C" fn own_jacobian(
 unsafe extern "C" fn on_error(_: c_int, _: *const c_char, _: *const c_char, message: *mut c_char, data: Handle) {
     // SAFETY: `data` is what `CVodeSetErrHandlerFn` was given, to which nothing else refers while CVODE reports, and
     // `message` ends with 0.
-    unsafe { data.cast::<Problem<'_>>().as_mut().expect("never null").said = CStr::from_ptr(message).to_string_lossy().into() };
+    unsafe {
+        data.cast::<Problem<'_>>().as_mut().expect("never null").said = CStr::from_ptr(message).to_string_lossy().into()
+    };
 }
 
 /// CVODE's memory and all that it refers to.

@@ -9,8 +9,8 @@ use std::cell::{Cell, RefCell};
 use ::diffsol::matrix::MatrixRef;
 use ::diffsol::{
     ConstantOp, DefaultDenseMatrix, DiffsolError, FaerLU, FaerMat, LinearSolver, Matrix, NalgebraLU, NalgebraMat,
-    NonLinearOp, NonLinearOpJacobian, OdeBuilder, OdeEquations, OdeEquationsRef, OdeSolverMethod, OdeSolverProblem,
-    Op, UnitCallable, Vector, VectorRef,
+    NonLinearOp, NonLinearOpJacobian, OdeBuilder, OdeEquations, OdeEquationsRef, OdeSolverMethod, OdeSolverProblem, Op,
+    UnitCallable, Vector, VectorRef,
 };
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;

@@ -33,7 +33,6 @@ mod tests;
 
 use std::fmt::Display;
 use std::process::ExitCode;
-use std::time::Duration;
 
 use clap::Parser;
 use raceway::numerics::ode::Method;
@@ -59,7 +58,7 @@ struct Options {
     /// Runs of each solver at each tolerance
     #[arg(long, default_value_t = 3)]
     runs: usize,
-    /// A run is given up after so much wall time [s]
+    /// A run is given up after so much processor time [s]
     #[arg(long, default_value_t = 120.0)]
     limit: f64,
     /// Only these solvers; by default all of --list but the last three
@@ -74,7 +73,7 @@ struct Options {
     /// Solver and relative tolerance of the second reference, whose distance from the first is taken for its error
     #[arg(long)]
     check: Option<Choice>,
-    /// The references are given up after so much wall time each [s]
+    /// The references are given up after so much processor time each [s]
     #[arg(long, default_value_t = 1200.0)]
     reference_limit: f64,
     /// What "time at equal error" is measured by
@@ -199,16 +198,12 @@ fn task<'a>(case: &'a Case, relative: f64, limit: f64) -> Task<'a> {
         tolerances: case.layout().tolerances(relative),
         end: case.end(),
         grid: &case.grid,
-        limit: Duration::from_secs_f64(limit),
+        limit,
     }
 }
 
 /// The reference and its own error.
-fn reference(
-    options: &Options,
-    solvers: &[Box<dyn Solver>],
-    case: &Case,
-) -> Result<(Reference, Deviation), String> {
+fn reference(options: &Options, solvers: &[Box<dyn Solver>], case: &Case) -> Result<(Reference, Deviation), String> {
     let (first, second) = references(options.scene);
     let first = options.reference.clone().unwrap_or(first);
     let second = options.check.clone().unwrap_or(second);

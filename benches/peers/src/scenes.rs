@@ -22,9 +22,7 @@ pub enum Scene {
 impl Scene {
     pub fn json(self) -> &'static str {
         match self {
-            Self::A => {
-                r#"{"bearing":"article-integrated","operation":{"speed_rpm":50000,"radial_load_y_n":200}}"#
-            }
+            Self::A => r#"{"bearing":"article-integrated","operation":{"speed_rpm":50000,"radial_load_y_n":200}}"#,
             Self::B => {
                 r#"{"bearing":"article-integrated","operation":{"speed_rpm":50000,"radial_load_y_n":200},"lubricant":{"kind":"grease","traction":{"law":"four_parameter","at_slip_m_s":0.001}}}"#
             }
@@ -43,8 +41,7 @@ pub struct Case {
 impl Case {
     pub fn new(scene: Scene, settle: f64, duration: f64) -> Result<Self, String> {
         let scene = scene_from_json(scene.json()).map_err(|error| format!("{error:?}"))?;
-        let outputs =
-            Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
+        let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
         let needs = Needs::of(&scene, &outputs, None).map_err(|error| error.to_string())?;
         let model = Model::new(&scene, &needs);
         let start = start_state(&model).map_err(|error| error.to_string())?;
@@ -123,9 +120,8 @@ impl Reference {
     pub fn deviation(&self, case: &Case, states: &[f64]) -> Deviation {
         let levels = case.levels(states);
         let level = levels.iter().zip(self.levels).map(|(found, true_)| (found - true_).abs()).fold(0.0, f64::max);
-        let square = |(i, (y, reference)): (usize, (&f64, &f64))| {
-            ((y - reference) / self.scales[i % self.scales.len()]).powi(2)
-        };
+        let square =
+            |(i, (y, reference)): (usize, (&f64, &f64))| ((y - reference) / self.scales[i % self.scales.len()]).powi(2);
         let sum: f64 = states.iter().zip(&self.states).enumerate().map(square).sum();
         Deviation { level, trajectory: (sum / states.len() as f64).sqrt() }
     }

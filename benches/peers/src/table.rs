@@ -49,8 +49,21 @@ fn spread(values: &[f64]) -> (f64, f64, f64) {
 /// All that was measured. `own` is the reference's own error: nothing below ten times that is to be trusted.
 pub fn measured(rows: &[Row], own: Deviation, limit: f64) -> String {
     let head = [
-        "solver", "tolerance", "processor [s]", "range", "wall [s]", "range", "level error [dB]", "trajectory error",
-        "steps", "rejected", "evaluations", "a step", "Jacobians", "factorizations", "a step",
+        "solver",
+        "tolerance",
+        "processor [s]",
+        "range",
+        "wall [s]",
+        "range",
+        "level error [dB]",
+        "trajectory error",
+        "steps",
+        "rejected",
+        "evaluations",
+        "a step",
+        "Jacobians",
+        "factorizations",
+        "a step",
     ];
     let cells = rows.iter().map(|row| {
         let ran = row.outcome.as_ref().ok().and_then(|point| point.ran.as_ref());
@@ -95,7 +108,13 @@ fn error(found: f64, own: f64) -> String {
 }
 
 fn seconds(time: f64) -> String {
-    let digits = if time < 0.995 { 3 } else if time < 99.5 { 2 } else { 0 };
+    let digits = if time < 0.995 {
+        3
+    } else if time < 99.5 {
+        2
+    } else {
+        0
+    };
     format!("{time:.digits$}")
 }
 
@@ -106,8 +125,7 @@ pub enum Goal {
     Trajectory(f64),
 }
 
-pub const GOALS: [Goal; 4] =
-    [Goal::Level(0.01), Goal::Level(0.001), Goal::Trajectory(1e-3), Goal::Trajectory(1e-5)];
+pub const GOALS: [Goal; 4] = [Goal::Level(0.01), Goal::Level(0.001), Goal::Trajectory(1e-3), Goal::Trajectory(1e-5)];
 
 impl Goal {
     fn value(self) -> f64 {
@@ -216,7 +234,8 @@ fn markdown(head: &[String], rows: &[Vec<String>]) -> String {
     };
     let widths: Vec<usize> = (0..head.len()).map(width).collect();
     let line = |row: &[String]| {
-        let cells: Vec<String> = (0..head.len()).map(|column| format!("{:<1$}", cell(row, column), widths[column])).collect();
+        let cells: Vec<String> =
+            (0..head.len()).map(|column| format!("{:<1$}", cell(row, column), widths[column])).collect();
         format!("| {} |\n", cells.join(" | "))
     };
     let rule = format!("|{}\n", widths.iter().map(|width| format!("{}|", "-".repeat(width + 2))).collect::<String>());

@@ -1,7 +1,5 @@
 //! Are the wrappers right? Robertson's reaction, whose solution is known.
 
-use std::time::Duration;
-
 use raceway::numerics::ode::{OdeSystem, Tolerances};
 
 use crate::cvode::{Cvode, Family, Iteration};
@@ -35,7 +33,7 @@ fn solved(solver: &dyn Solver, limit: f64) -> Result<Measured, Failure> {
         tolerances: Tolerances { relative: vec![relative; 3], absolute: vec![relative, 1e-5 * relative, relative] },
         end: 40.0,
         grid: &[0.0, 20.0, 40.0],
-        limit: Duration::from_secs_f64(limit),
+        limit,
     };
     measure(solver, &task)
 }
