@@ -18,7 +18,7 @@
 //! compare at equal *error*, not at equal tolerance.
 //!
 //! **Errors** against a reference whose own error is stated; those marked * lie below ten times that. Level: the worse of the
-//! spindle's acceleration in y and z, `level_db` of the samples. Trajectory: root mean square over components and grid of the
+//! spindle's acceleration in y and z, `level_db` of the samples as they are (no filter before sampling). Trajectory: root mean square over components and grid of the
 //! deviation over the component's standard deviation, the latter at least 1 % of the size that the tolerances refer to.
 
 mod cvode;
