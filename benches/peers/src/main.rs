@@ -166,7 +166,7 @@ fn report(options: &Options) -> Result<(), String> {
         Clock::Wall => "wall",
     };
     println!("Time ({clock}, median) at equal error:\n");
-    println!("{}", table::equal_error(&rows, &ours, Method::Auto.name(), options.clock));
+    println!("{}", table::equal_error(&rows, &ours, Method::Auto.name(), options.clock, options.limit));
     Ok(())
 }
 

@@ -190,7 +190,7 @@ pub fn time_for(goal: f64, points: &[(f64, f64)]) -> Needed {
 }
 
 /// Time at equal error, and over that of `base` and of the best of `own`.
-pub fn equal_error(rows: &[Row], own: &[String], base: &str, clock: Clock) -> String {
+pub fn equal_error(rows: &[Row], own: &[String], base: &str, clock: Clock, limit: f64) -> String {
     let mut solvers: Vec<&str> = Vec::new();
     for row in rows {
         if !solvers.contains(&row.solver.as_str()) {
@@ -201,6 +201,9 @@ pub fn equal_error(rows: &[Row], own: &[String], base: &str, clock: Clock) -> St
         let of = rows.iter().filter(|row| row.solver == solver);
         let point = |row: &Row| row.outcome.as_ref().ok().map(|p| (goal.of(p.deviation), p.time(clock)));
         time_for(goal.value(), &of.filter_map(point).collect::<Vec<_>>())
+    };
+    let cut = |solver: &str| {
+        rows.iter().any(|row| row.solver == solver && row.outcome.as_ref().err() == Some(&Failure::OverLimit))
     };
     let mut head = vec!["solver".to_owned()];
     for goal in GOALS {
@@ -214,6 +217,7 @@ pub fn equal_error(rows: &[Row], own: &[String], base: &str, clock: Clock) -> St
             cells.push(match found {
                 Needed::Time(time) => seconds(time),
                 Needed::AtMost(time) => format!("≤ {}", seconds(time)),
+                Needed::NotReached if cut(solver) => format!("over {limit}"),
                 Needed::NotReached => "not reached".into(),
             });
             for other in [needed(base, goal).time(), best] {
