@@ -162,7 +162,7 @@ fn impossible_jobs_are_refused() {
         (job(&format!(r#""labels":["{}"]"#, "x".repeat(201))), "/labels/0", "201 characters"),
         (job(&format!(r#""labels":[{}]"#, vec![r#""a""#; 17].join(","))), "/labels", "at most 16"),
         (job(r#""reuse":"yes""#), "/reuse", "expected a boolean"),
-        (job(r#""solver":{"method":"gear"}"#), "/solver/method", "not available in this version"),
+        (job(r#""solver":{"method":"runge_kutta_4"}"#), "/solver/method", "not available in this version"),
         (job(r#""solver":{"method":"shooting"}"#), "/solver/method", "not available in this version"),
         (job(r#""solver":{"method":"euler"}"#), "/solver/method", "unknown"),
         (job(r#""solver":{"rung":"periodic"}"#), "/solver/rung", "not available in this version"),
@@ -173,7 +173,8 @@ fn impossible_jobs_are_refused() {
         ),
         (job(r#""solver":{"relative_tolerance":0}"#), "/solver/relative_tolerance", "0: must be"),
         (job(r#""solver":{"model_tolerance_db":-1}"#), "/solver/model_tolerance_db", "-1 dB"),
-        (job(r#""solver":{"fixed_step_us":1}"#), "/solver/fixed_step_us", "goes with the method `dormand_prince`"),
+        (job(r#""solver":{"fixed_step_us":1}"#), "/solver/fixed_step_us", "goes with the methods `fine_abm`, `dormand_prince`, not with `auto`"),
+        (job(r#""solver":{"method":"gear","fixed_step_us":1}"#), "/solver/fixed_step_us", "not with `gear`"),
         (job(r#""solver":{"method":"dormand_prince","fixed_step_us":0}"#), "/solver/fixed_step_us", "0 µs"),
         (job(r#""outputs":{"metrics":["noise"]}"#), "/outputs/metrics/0", "unknown variant"),
         (job(r#""outputs":{"metrics":["cage","cage"]}"#), "/outputs/metrics/1", "more than once"),
@@ -235,7 +236,7 @@ fn text_that_is_no_json_is_told_apart() {
 
 #[test]
 fn several_faults_are_told_at_once() {
-    let body = r#"{"kind":"simulation","duration_s":-1,"priority":9,"solver":{"method":"gear"},
+    let body = r#"{"kind":"simulation","duration_s":-1,"priority":9,"solver":{"method":"shooting"},
         "scene":{"bearing":{"preset":"608","ball_diameter_mm":-1,"cage":{"mass_g":-1}},
         "operation":{"speed_rpm":1e6,"radial_load_y_n":1},"spindle":{"mass_kg":0}}}"#;
     let Err(Refusal::Invalid { errors }) = parse_job(body.as_bytes()) else { panic!("accepted") };
