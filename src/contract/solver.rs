@@ -91,11 +91,9 @@ impl SolverInput {
     pub fn resolve(&mut self, filling: &mut Filling) -> Solver {
         let name = filling.take("/solver/method", &mut self.method, "auto".to_owned());
         let method = method_of(filling, "/solver/method", &name).unwrap_or(Method::Auto);
-        let rung = self.rung.as_ref().and_then(|name| chosen(filling, "/solver/rung", name, &RUNGS));
         let relative_tolerance = filling.take("/solver/relative_tolerance", &mut self.relative_tolerance, 1e-5);
         filling.within("/solver/relative_tolerance", relative_tolerance, TOLERANCES.0, TOLERANCES.1, "");
-        let model_tolerance_db = filling.take("/solver/model_tolerance_db", &mut self.model_tolerance_db, 0.05);
-        filling.within("/solver/model_tolerance_db", model_tolerance_db, 0.0, 20.0, "dB");
+        let (rung, model_tolerance_db) = self.resolve_model(filling);
         if let Some(step) = self.fixed_step_us {
             filling.within("/solver/fixed_step_us", step, 1e-3, 1e3, "µs");
             if !method.takes_fixed_steps() {
@@ -105,6 +103,14 @@ impl SolverInput {
         }
         let fixed_step = self.fixed_step_us.map(|step| US.to_si(step));
         Solver { method, rung, relative_tolerance, model_tolerance_db, fixed_step }
+    }
+
+    /// What decides over the model alone: rung and `model_tolerance_db`.
+    pub fn resolve_model(&mut self, filling: &mut Filling) -> (Option<Rung>, f64) {
+        let rung = self.rung.as_ref().and_then(|name| chosen(filling, "/solver/rung", name, &RUNGS));
+        let model_tolerance_db = filling.take("/solver/model_tolerance_db", &mut self.model_tolerance_db, 0.05);
+        filling.within("/solver/model_tolerance_db", model_tolerance_db, 0.0, 20.0, "dB");
+        (rung, model_tolerance_db)
     }
 }
 

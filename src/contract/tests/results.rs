@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::contract::{RunFailure, SpectrumKind, execute, parse_job, parse_scene_request, resolve_answer};
+use crate::contract::{Outcome, RunFailure, SpectrumKind, execute, parse_job, parse_scene_request, resolve_answer};
 use crate::simulation::run::Control;
 
 fn article() -> Value {
@@ -36,7 +36,9 @@ fn a_short_run_gives_what_was_asked_for() {
     let mut request = article();
     request["outputs"]["metrics"] = json!(["vibration"]);
     let job = parse_job(request.to_string().as_bytes()).unwrap();
-    let outcome = execute(&job, &Control { stop: &|| false, progress: &|_| () }).unwrap();
+    let Ok(Outcome::Simulation(outcome)) = execute(&job, &Control { stop: &|| false, progress: &|_| () }) else {
+        panic!("the run failed")
+    };
     let metrics = serde_json::to_value(&outcome.metrics).unwrap();
     assert!(metrics["channels"]["spindle.y.acceleration"]["level_db"].is_f64());
     for absent in ["contacts", "kinematics", "cage"] {
