@@ -7,8 +7,8 @@ use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::error::{ApiError, Problem};
-use crate::contract::{JobKind, Metrics};
 use crate::contract::job::JobInput;
+use crate::contract::{JobKind, Metrics};
 use crate::jobs::{JobError, JobRecord, Status};
 
 /// Where a job stands.

@@ -70,7 +70,11 @@ fn refuse_foreign(input: &JobInput, filling: &mut Filling) {
     let signals = "a job of kind `accuracy` keeps no signals";
     let fields = [
         ("/solver/method", method.is_some(), "a job of kind `accuracy` takes /methods"),
-        ("/solver/relative_tolerance", relative_tolerance.is_some(), "a job of kind `accuracy` takes /relative_tolerances"),
+        (
+            "/solver/relative_tolerance",
+            relative_tolerance.is_some(),
+            "a job of kind `accuracy` takes /relative_tolerances",
+        ),
         ("/solver/fixed_step_us", fixed_step_us.is_some(), "a job of kind `accuracy` compares runs with error control"),
         ("/outputs/spectra", spectra.is_some(), signals),
         ("/outputs/series", series.is_some(), signals),

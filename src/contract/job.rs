@@ -80,8 +80,12 @@ pub enum JobKind {
 }
 
 /// Kinds by name; those without a kind are not available yet.
-const KINDS: [(&str, Option<JobKind>); 4] =
-    [("simulation", Some(JobKind::Simulation)), ("study", None), ("optimum", None), ("accuracy", Some(JobKind::Accuracy))];
+const KINDS: [(&str, Option<JobKind>); 4] = [
+    ("simulation", Some(JobKind::Simulation)),
+    ("study", None),
+    ("optimum", None),
+    ("accuracy", Some(JobKind::Accuracy)),
+];
 
 /// A checked job.
 #[derive(Debug, Clone, PartialEq)]

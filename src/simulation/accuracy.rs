@@ -58,12 +58,7 @@ pub(super) fn judge(
         .fold(None, largest);
     if motion == Some(MotionKind::Diverging) {
         let how = "the motion is chaotic: standard error of the level by ten batch means, worst of y and z";
-        return Ok(AccuracyReport {
-            level_error_db: sampling,
-            how: how.into(),
-            motion,
-            divergence_rate,
-        });
+        return Ok(AccuracyReport { level_error_db: sampling, how: how.into(), motion, divergence_rate });
     }
     let tolerance_error = tolerance_error(model, needs, settings, recording, checkpoint, stretch, control)?;
     (control.progress)(1.0);

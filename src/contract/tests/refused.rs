@@ -173,7 +173,11 @@ fn impossible_jobs_are_refused() {
         ),
         (job(r#""solver":{"relative_tolerance":0}"#), "/solver/relative_tolerance", "0: must be"),
         (job(r#""solver":{"model_tolerance_db":-1}"#), "/solver/model_tolerance_db", "-1 dB"),
-        (job(r#""solver":{"fixed_step_us":1}"#), "/solver/fixed_step_us", "goes with the methods `fine_abm`, `dormand_prince`, not with `auto`"),
+        (
+            job(r#""solver":{"fixed_step_us":1}"#),
+            "/solver/fixed_step_us",
+            "goes with the methods `fine_abm`, `dormand_prince`, not with `auto`",
+        ),
         (job(r#""solver":{"method":"gear","fixed_step_us":1}"#), "/solver/fixed_step_us", "not with `gear`"),
         (job(r#""solver":{"method":"dormand_prince","fixed_step_us":0}"#), "/solver/fixed_step_us", "0 µs"),
         (job(r#""outputs":{"metrics":["noise"]}"#), "/outputs/metrics/0", "unknown variant"),

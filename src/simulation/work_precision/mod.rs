@@ -21,8 +21,8 @@ use crate::numerics::ode::{Choice, Statistics};
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::level_standard_error_db;
 use course::{Course, Finished};
-pub use errors::{Errors, LEAST_SCALE, TrajectoryError};
 use errors::{Comparison, largest};
+pub use errors::{Errors, LEAST_SCALE, TrajectoryError};
 
 /// What is compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,12 +35,8 @@ pub struct Plan {
 
 /// Methods that may be the reference, best first: the first that finishes is, the next that finishes tells its error.
 /// The other method comes first, for it shares no fault with the reference; then the same at another tolerance.
-pub const REFERENCES: [(Method, f64); 4] = [
-    (Method::Radau, 1e-11),
-    (Method::DormandPrince, 1e-11),
-    (Method::Radau, 1e-10),
-    (Method::DormandPrince, 1e-10),
-];
+pub const REFERENCES: [(Method, f64); 4] =
+    [(Method::Radau, 1e-11), (Method::DormandPrince, 1e-11), (Method::Radau, 1e-10), (Method::DormandPrince, 1e-10)];
 /// By what the scene settles: any state that all runs share will do.
 pub const SETTLING: (Method, f64) = (Method::Auto, 1e-6);
 /// A run may take this many times the evaluations of the cheaper reference.
@@ -129,19 +125,14 @@ pub fn study(
         method: SETTLING.0,
         relative_tolerance: SETTLING.1,
         fixed_step: None,
-        outputs: Outputs {
-            spectra: accuracy::ACCELERATIONS.to_vec(),
-            series: Vec::new(),
-            ..settings.outputs.clone()
-        },
+        outputs: Outputs { spectra: accuracy::ACCELERATIONS.to_vec(), series: Vec::new(), ..settings.outputs.clone() },
         ..settings.clone()
     };
     let needs = Needs::of(scene, &settings.outputs, settings.rung)?;
     let model = Model::new(scene, &needs);
     let course = Course::settled(&model, &needs, &settings, start_state(&model)?, control)?;
     let stretch = accuracy::judged_stretch(&settings);
-    let divergence_rate =
-        accuracy::divergence_rate(&model, &settings, course.begin, &course.start, stretch, control)?;
+    let divergence_rate = accuracy::divergence_rate(&model, &settings, course.begin, &course.start, stretch, control)?;
     (control.progress)(DIVERGENCE_KNOWN);
     let motion = accuracy::motion(divergence_rate, stretch);
     let references = references(&course, control)?;
@@ -198,7 +189,8 @@ fn references(course: &Course<'_>, control: &Control<'_>) -> Result<References, 
             Err(error) => drop(failure.get_or_insert(error)),
             Ok(run) => match first.take() {
                 None => {
-                    most = most.min((EVALUATIONS_OVER_REFERENCE * run.statistics.rhs_evaluations).max(LEAST_EVALUATIONS));
+                    most =
+                        most.min((EVALUATIONS_OVER_REFERENCE * run.statistics.rhs_evaluations).max(LEAST_EVALUATIONS));
                     first = Some((run, (method, relative_tolerance)));
                 }
                 // The same run twice would find no error.
@@ -224,7 +216,9 @@ fn described(references: &References, comparison: &Comparison<'_>, motion: Optio
     let own = references.check.as_ref().map(|(run, (_, tolerance))| comparison.errors(run, *tolerance));
     let sampling = || {
         let signals = accuracy::ACCELERATIONS.iter().filter_map(|&channel| first.recording.signal(channel));
-        signals.filter_map(|signal| level_standard_error_db(&band_limited(signal, RATE, BAND), BATCHES)).reduce(f64::max)
+        signals
+            .filter_map(|signal| level_standard_error_db(&band_limited(signal, RATE, BAND), BATCHES))
+            .reduce(f64::max)
     };
     Reference {
         method: references.first_is.0,
