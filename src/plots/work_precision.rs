@@ -39,6 +39,8 @@ const BOTTOM: f64 = 56.0;
 const LINE: f64 = 18.0;
 /// Height of the strip at a panel's top where failures are marked.
 const STRIP: f64 = 20.0;
+/// Room of a point's label.
+const LABEL: (f64, f64) = (34.0, 11.0);
 const LEGEND_PITCH: f64 = 140.0;
 /// Most decades of error that are shown.
 const MOST_DECADES: i32 = 12;
@@ -68,10 +70,11 @@ pub fn work_precision_svg(
         if let Some(floor) = floors[index].filter(|floor| *floor > 0.0) {
             let at = y.at(within(floor.log10(), y.values));
             drawing.line("floor", (LEFT, at), (WIDTH - RIGHT, at));
-            drawing.text("note", Anchor::End, WIDTH - RIGHT - 4.0, at - 4.0, "below: the reference's own error");
+            drawing.text("note", Anchor::End, WIDTH - RIGHT - 4.0, at - 4.0, "ten times the reference's own error");
         }
+        let mut labels = Vec::new();
         for (number, curve) in curves.iter().enumerate() {
-            draw_curve(&mut drawing, number, curve, index, &x, &y);
+            draw_curve(&mut drawing, number, curve, index, (&x, &y), &mut labels);
             for time in curve.failures.iter().filter_map(|failure| failure.time_s) {
                 drawing.cross(number, x.at(within(logarithm(time), x.values)), top + 0.5 * STRIP);
             }
@@ -101,14 +104,15 @@ fn legend(drawing: &mut Drawing, curves: &[WorkPrecisionCurve<'_>]) {
     }
 }
 
-/// Points from tolerance to tolerance; hollow where the error says nothing; the first and the last named.
+/// Points from tolerance to tolerance; hollow where the error says nothing; the first and the last named where no
+/// other of the `labels` stands.
 fn draw_curve(
     drawing: &mut Drawing,
     number: usize,
     curve: &WorkPrecisionCurve<'_>,
     panel: usize,
-    x: &Scale,
-    y: &Scale,
+    (x, y): (&Scale, &Scale),
+    labels: &mut Vec<(f64, f64)>,
 ) {
     let place = |point: &WorkPoint| {
         let (error, clear) = point.errors[panel]?;
@@ -123,7 +127,9 @@ fn draw_curve(
         } else {
             drawing.ring(number, *at_x, *at_y);
         }
-        if index == 0 || index + 1 == places.len() {
+        let free = labels.iter().all(|(x, y)| (x - at_x).abs() > LABEL.0 || (y - at_y).abs() > LABEL.1);
+        if free && (index == 0 || index + 1 == places.len()) {
+            labels.push((*at_x, *at_y));
             let text = format!("{tolerance:e}").replace('-', "−");
             drawing.text("small", Anchor::Start, at_x + 5.0, at_y - 4.0, &text);
         }

@@ -314,3 +314,6 @@ fn levels(run: &Finished) -> Vec<(Channel, Option<f64>)> {
     };
     accuracy::ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
 }
+
+#[cfg(test)]
+mod tests;
