@@ -1,12 +1,36 @@
 //! Studies of the article's case, short.
 
 use super::*;
-use crate::contract::scene_from_json;
+use crate::physics::cage::{CageParameters, PocketFilm};
+use crate::physics::contact::damping::DampingLaw;
+use crate::physics::examples::{article_bearing, article_cage, article_lubricant};
+use crate::physics::lubricant::{Lubricant, LubricantKind};
+use crate::physics::operation::{Operation, SpeedProfile};
+use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
 use crate::simulation::run::Rung;
+use crate::simulation::scene::{SceneParameters, Terms};
 
-fn article(more: &str) -> Scene {
-    let operation = r#""operation":{"speed_rpm":50000,"radial_load_y_n":200}"#;
-    scene_from_json(&format!(r#"{{"bearing":"article-integrated",{operation}{more}}}"#)).unwrap()
+/// The article's case at a speed [rad/s].
+fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {
+    Scene::new(SceneParameters {
+        bearing: article_bearing().parameters,
+        cage: CageParameters { film, ..article_cage() },
+        spindle: Spindle { mass: 0.05, unbalance: Unbalance::None, axial: AxialHold::Fixed },
+        operation: Operation {
+            speed: SpeedProfile::constant(speed).unwrap(),
+            load: [0.0, 200.0, 0.0],
+            misalignment: [0.0; 2],
+        },
+        lubricant: Lubricant { kind, ..article_lubricant() },
+        raceway_damping: DampingLaw::Restitution { restitution: 0.85, at_speed: 0.1 },
+        terms: Terms::default(),
+        gravity: 9.81,
+    })
+    .unwrap()
+}
+
+fn greased() -> Scene {
+    article(5236.0, LubricantKind::Grease, PocketFilm::Wedge)
 }
 
 fn settings(settle: f64, duration: f64) -> RunSettings {
@@ -32,7 +56,7 @@ fn studied(scene: &Scene, settings: &RunSettings, plan: &Plan) -> WorkPrecision 
 
 #[test]
 fn a_point_at_the_references_tolerance_says_nothing() {
-    let found = studied(&article(""), &settings(0.0, 0.001), &plan(&[1e-4, 1e-11]));
+    let found = studied(&greased(), &settings(0.0, 0.001), &plan(&[1e-4, 1e-11]));
     assert_eq!((found.begin, found.states), (0.0, 79));
     let below: Vec<bool> = found.points.iter().map(|p| p.measured.as_ref().unwrap().below_reference).collect();
     assert_eq!(below, [false, true]);
@@ -42,7 +66,7 @@ fn a_point_at_the_references_tolerance_says_nothing() {
 #[test]
 fn a_study_repeats_bit_for_bit_but_for_its_times() {
     let once = || {
-        let found = studied(&article(""), &settings(0.0005, 0.0005), &plan(&[1e-4]));
+        let found = studied(&greased(), &settings(0.0005, 0.0005), &plan(&[1e-4]));
         found.points.into_iter().map(|point| point.measured).collect::<Vec<_>>()
     };
     assert_eq!(once(), once());
@@ -52,7 +76,7 @@ fn a_study_repeats_bit_for_bit_but_for_its_times() {
 /// common; the level is judged by its scatter.
 #[test]
 fn chaotic_motion_is_compared_over_a_stated_horizon() {
-    let scene = article(r#","lubricant":"dry""#);
+    let scene = article(5236.0, LubricantKind::Dry, PocketFilm::None);
     let found = studied(&scene, &settings(0.015, 0.012), &plan(&[1e-3, 1e-6]));
     assert_eq!(found.motion, Some(MotionKind::Diverging), "{}", found.divergence_rate);
     let compared: Vec<f64> = found
@@ -70,7 +94,7 @@ fn chaotic_motion_is_compared_over_a_stated_horizon() {
 
 #[test]
 fn a_run_that_takes_too_many_evaluations_has_failed_and_tighter_ones_are_not_tried() {
-    let scene = article("");
+    let scene = greased();
     let settings = settings(0.0, 0.0005);
     let needs = Needs::of(&scene, &settings.outputs, settings.rung).unwrap();
     let model = Model::new(&scene, &needs);
@@ -93,7 +117,7 @@ fn a_run_that_takes_too_many_evaluations_has_failed_and_tighter_ones_are_not_tri
 
 #[test]
 fn a_scene_at_rest_has_no_level_to_compare() {
-    let scene = scene_from_json(r#"{"bearing":"608","operation":{"speed_rpm":0}}"#).unwrap();
+    let scene = article(0.0, LubricantKind::Grease, PocketFilm::Wedge);
     let found = studied(&scene, &settings(0.0, 0.001), &plan(&[1e-4]));
     let measured = found.points[0].measured.as_ref().unwrap();
     assert!(measured.errors.trajectory.is_some() && measured.errors.is_finite());
