@@ -8,6 +8,8 @@
 mod course;
 mod errors;
 
+use std::cell::Cell;
+
 use super::accuracy::{self, BATCHES};
 use super::channel::Channel;
 use super::lines::Line;
@@ -128,6 +130,13 @@ pub fn study(
         outputs: Outputs { spectra: accuracy::ACCELERATIONS.to_vec(), series: Vec::new(), ..settings.outputs.clone() },
         ..settings.clone()
     };
+    // A reference that fails is followed by another: what was told is not taken back.
+    let furthest = Cell::new(0.0);
+    let progress = |share: f64| {
+        furthest.set(share.max(furthest.get()));
+        (control.progress)(furthest.get());
+    };
+    let control = &Control { stop: control.stop, progress: &progress };
     let needs = Needs::of(scene, &settings.outputs, settings.rung)?;
     let model = Model::new(scene, &needs);
     let course = Course::settled(&model, &needs, &settings, start_state(&model)?, control)?;
