@@ -85,15 +85,26 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     );
     let _ = writeln!(
         text,
-        "\n{:<16}{:>8}{:>13}{:>13}{:>10}{:>18}{:>10}{:>9}{:>11}{:>8}{:>8}  status",
-        "method", "rtol", "error [dB]", "trajectory", "time [s]", "range", "steps", "rejected", "rhs", "jac", "lu"
+        "\n{:<16}{:>8}{:>13}{:>13}{:>10}{:>18}{:>10}{:>10}{:>9}{:>11}{:>8}{:>8}  status",
+        "method",
+        "rtol",
+        "error [dB]",
+        "trajectory",
+        "time [s]",
+        "range",
+        "cpu [s]",
+        "steps",
+        "rejected",
+        "rhs",
+        "jac",
+        "lu"
     );
     for point in &answer.points {
         let row = match point {
             PointAnswer::Succeeded(point) => measured_row(point),
             PointAnswer::Failed(point) => {
                 let time = point.wall_time_s.map_or("–".to_owned(), |time| format!("{time:.4}"));
-                format!("{:>13}{:>13}{time:>10}{:>64}  failed: {}", "–", "–", "", point.reason)
+                format!("{:>13}{:>13}{time:>10}{:>74}  failed: {}", "–", "–", "", point.reason)
             }
         };
         let _ = writeln!(text, "{:<16}{:>8e}{row}", point.method(), point.relative_tolerance());
@@ -132,11 +143,12 @@ fn measured_row(point: &MeasuredAnswer) -> String {
     let range: Vec<String> = point.wall_time_range_s.iter().map(|time| format!("{time:.4}")).collect();
     let ran = if point.ran == point.method { String::new() } else { format!(" (ran {})", point.ran) };
     format!(
-        "{:>13}{:>13}{:>10.4}{:>18}{:>10}{:>9}{:>11}{:>8}{:>8}  succeeded{ran}",
+        "{:>13}{:>13}{:>10.4}{:>18}{:>10}{:>10}{:>9}{:>11}{:>8}{:>8}  succeeded{ran}",
         error(point.level_error_db, point.level_below_reference),
         error(point.trajectory_error, point.below_reference),
         point.wall_time_s,
         range.join("–"),
+        point.processor_time_s.map_or("–".to_owned(), |time| format!("{time:.4}")),
         point.steps,
         point.rejected_steps,
         point.rhs_evaluations,

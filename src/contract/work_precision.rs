@@ -107,6 +107,11 @@ pub struct MeasuredAnswer {
     pub relative_tolerance: f64,
     /// Median over the repetitions [s].
     pub wall_time_s: f64,
+    /// What of it the processor gave to the run, median over the repetitions [s]: on a busy machine the fairer of the
+    /// two; absent where the system does not tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub processor_time_s: Option<f64>,
     /// Shortest and longest of the repetitions [s].
     #[schema(min_items = 2, max_items = 2)]
     pub wall_time_range_s: Vec<f64>,
@@ -292,7 +297,7 @@ impl From<&Reference> for ReferenceAnswer {
             lines: lines.collect(),
             steps: reference.statistics.steps,
             rhs_evaluations: reference.statistics.rhs_evaluations,
-            wall_time_s: reference.wall_time,
+            wall_time_s: reference.taken.wall,
         }
     }
 }
@@ -305,7 +310,7 @@ impl From<&Point> for PointAnswer {
                 method: point.method.name().to_owned(),
                 relative_tolerance: point.relative_tolerance,
                 reason: reason.clone(),
-                wall_time_s: median(&point.wall_times),
+                wall_time_s: median(&wall_times(point)),
             }),
         }
     }
@@ -327,15 +332,23 @@ impl PointAnswer {
     }
 }
 
+/// Of each repetition [s].
+fn wall_times(point: &Point) -> Vec<f64> {
+    point.taken.iter().map(|taken| taken.wall).collect()
+}
+
 fn measured_answer(point: &Point, measured: &Measured) -> MeasuredAnswer {
     let Measured { choice, statistics, errors, below_reference, level_below_reference } = measured;
     let trajectory = |of: fn(&TrajectoryError) -> f64| errors.trajectory.as_ref().map(of);
-    let least = point.wall_times.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = point.wall_times.iter().copied().fold(0.0, f64::max);
+    let wall_times = wall_times(point);
+    let least = wall_times.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = wall_times.iter().copied().fold(0.0, f64::max);
+    let processor_times: Vec<f64> = point.taken.iter().filter_map(|taken| taken.processor).collect();
     MeasuredAnswer {
         method: point.method.name().to_owned(),
         relative_tolerance: point.relative_tolerance,
-        wall_time_s: median(&point.wall_times).unwrap_or(0.0),
+        wall_time_s: median(&wall_times).unwrap_or(0.0),
+        processor_time_s: median(&processor_times),
         wall_time_range_s: vec![least, most],
         ran: choice.method.name().to_owned(),
         ran_because: choice.reason.clone(),

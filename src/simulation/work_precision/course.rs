@@ -36,8 +36,45 @@ pub struct Finished {
     pub trajectory: Vec<f64>,
     pub statistics: Statistics,
     pub choice: Choice,
-    /// [s]
-    pub wall_time: f64,
+    pub taken: Taken,
+}
+
+/// Time that a run took [s].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Taken {
+    pub wall: f64,
+    /// What of it the processor was given to this thread; `None` where the system does not tell.
+    pub processor: Option<f64>,
+}
+
+/// A clock of both kinds.
+struct Clock {
+    begin: Instant,
+    processor: Option<f64>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { processor: processor_time(), begin: Instant::now() }
+    }
+
+    fn taken(&self) -> Taken {
+        let wall = self.begin.elapsed().as_secs_f64();
+        let processor = self.processor.and_then(|begin| Some(processor_time()? - begin));
+        Taken { wall, processor }
+    }
+}
+
+/// Time that this thread has been given by the processor [s].
+#[cfg(target_os = "linux")]
+fn processor_time() -> Option<f64> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn processor_time() -> Option<f64> {
+    None
 }
 
 impl<'m> Course<'m> {
@@ -88,18 +125,18 @@ impl<'m> Course<'m> {
         let mut observer = Observer::new(self.model, self.needs, &self.settings);
         let mut grid = Grid::new(self);
         let span = Span { start: self.begin, end: observer.end(), checkpoint: self.begin, share };
-        let clock = Instant::now();
+        let clock = Clock::start();
         let done = integrate(self.model, &self.start, stepping, &span, control, |step| {
             observer.after(step);
             grid.after(step);
         })?;
-        let wall_time = clock.elapsed().as_secs_f64();
+        let taken = clock.taken();
         let trajectory = grid.trajectory;
         let recording = observer.finish();
-        Ok(Finished { recording, trajectory, statistics: done.statistics, choice: done.choice, wall_time })
+        Ok(Finished { recording, trajectory, statistics: done.statistics, choice: done.choice, taken })
     }
 
-    /// Runs `repetitions` times after a short untimed run: the wall times [s], and how the first ended. A failure is
+    /// Runs `repetitions` times after a short untimed run: what each took, and how the first ended. A failure is
     /// not repeated. Fails itself only when it is stopped.
     pub fn timed(
         &self,
@@ -107,26 +144,26 @@ impl<'m> Course<'m> {
         repetitions: u32,
         share: (f64, f64),
         control: &Control<'_>,
-    ) -> Result<(Vec<f64>, Result<Finished, SimulationError>), SimulationError> {
+    ) -> Result<(Vec<Taken>, Result<Finished, SimulationError>), SimulationError> {
         self.warm_up(stepping, share.0, control)?;
         let part = (share.1 - share.0) / f64::from(repetitions.max(1));
         let share_of = |index: u32| (share.0 + part * f64::from(index), share.0 + part * f64::from(index + 1));
-        let clock = Instant::now();
+        let clock = Clock::start();
         let first = match self.run(stepping, share_of(0), control) {
             Ok(first) => first,
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
-            Err(error) => return Ok((vec![clock.elapsed().as_secs_f64()], Err(error))),
+            Err(error) => return Ok((vec![clock.taken()], Err(error))),
         };
-        let mut wall_times = vec![first.wall_time];
+        let mut taken = vec![first.taken];
         for index in 1..repetitions {
             match self.run(stepping, share_of(index), control) {
-                Ok(again) => wall_times.push(again.wall_time),
+                Ok(again) => taken.push(again.taken),
                 Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
                 // What has ended well once ends well again: runs repeat bit for bit.
-                Err(error) => return Ok((wall_times, Err(error))),
+                Err(error) => return Ok((taken, Err(error))),
             }
         }
-        Ok((wall_times, Ok(first)))
+        Ok((taken, Ok(first)))
     }
 
     /// A failure is left to the timed run, which tells of it.

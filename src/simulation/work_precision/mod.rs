@@ -22,6 +22,7 @@ use super::scene::Scene;
 use crate::numerics::ode::{Choice, Statistics};
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::level_standard_error_db;
+pub use course::Taken;
 use course::{Course, Finished};
 use errors::{Comparison, largest};
 pub use errors::{Errors, LEAST_SCALE, TrajectoryError};
@@ -87,8 +88,7 @@ pub struct Reference {
     /// The lines that are compared.
     pub lines: Vec<(Channel, Line)>,
     pub statistics: Statistics,
-    /// [s]
-    pub wall_time: f64,
+    pub taken: Taken,
 }
 
 /// One method at one tolerance.
@@ -96,8 +96,8 @@ pub struct Reference {
 pub struct Point {
     pub method: Method,
     pub relative_tolerance: f64,
-    /// Of each repetition until its end or its failure [s]; empty where it was not tried.
-    pub wall_times: Vec<f64>,
+    /// By each repetition until its end or its failure; empty where it was not tried.
+    pub taken: Vec<Taken>,
     /// Or why there is no result, in words.
     pub measured: Result<Measured, String>,
 }
@@ -239,7 +239,7 @@ fn described(references: &References, comparison: &Comparison<'_>, motion: Optio
         levels: comparison.levels.clone(),
         lines: comparison.lines.clone(),
         statistics: first.statistics,
-        wall_time: first.wall_time,
+        taken: first.taken,
     }
 }
 
@@ -264,7 +264,7 @@ fn points(
             let untried = Point {
                 method,
                 relative_tolerance,
-                wall_times: Vec::new(),
+                taken: Vec::new(),
                 measured: Err("not tried: a looser tolerance has taken too many evaluations already".into()),
             };
             if hopeless {
@@ -272,7 +272,7 @@ fn points(
                 continue;
             }
             let stepping = Stepping { method, relative_tolerance, fixed_step: None, most_evaluations: Some(most) };
-            let (wall_times, ended) = course.timed(&stepping, plan.repetitions, share, control)?;
+            let (taken, ended) = course.timed(&stepping, plan.repetitions, share, control)?;
             hopeless = matches!(ended, Err(SimulationError::Exhausted { .. }));
             let measured = match ended {
                 Ok(run) => measured(&run, references, reference, comparison, relative_tolerance),
@@ -282,7 +282,7 @@ fn points(
                 )),
                 Err(error) => Err(error.to_string()),
             };
-            points.push(Point { wall_times, measured, ..untried });
+            points.push(Point { taken, measured, ..untried });
         }
     }
     Ok(points)

@@ -111,7 +111,7 @@ fn a_run_that_takes_too_many_evaluations_has_failed_and_tighter_ones_are_not_tri
     let reasons: Vec<&str> = points.iter().map(|point| point.measured.as_ref().unwrap_err().as_str()).collect();
     assert!(reasons[0].contains("a run may take 2000"), "{reasons:?}");
     assert!(reasons[1].starts_with("not tried"), "{reasons:?}");
-    assert_eq!((points[0].wall_times.len(), points[1].wall_times.len()), (1, 0));
+    assert_eq!((points[0].taken.len(), points[1].taken.len()), (1, 0));
     assert_eq!(points[0].relative_tolerance, 1e-3);
 }
 
