@@ -39,7 +39,8 @@ pub struct ReferenceAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub own_error_db: Option<f64>,
-    /// Difference of the trajectories of two references, as `trajectory_error` [-].
+    /// Difference of the trajectories of two references, as `trajectory_error` [-]. In a chaotic motion over a longer
+    /// time than any point, whose `reference_trajectory_error` counts.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub own_trajectory_error: Option<f64>,
@@ -142,7 +143,11 @@ pub struct MeasuredAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub error_over_tolerance: Option<f64>,
-    /// The trajectory's error is below ten times the reference's own, and says nothing.
+    /// The reference's own trajectory error over the same time [-]; absent where it is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub reference_trajectory_error: Option<f64>,
+    /// The trajectory's error is below ten times that, and says nothing.
     pub below_reference: bool,
     /// Worst of the levels of the spindle's accelerations in y and z [dB]; absent where nothing moves.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -338,7 +343,7 @@ fn wall_times(point: &Point) -> Vec<f64> {
 }
 
 fn measured_answer(point: &Point, measured: &Measured) -> MeasuredAnswer {
-    let Measured { choice, statistics, errors, below_reference, level_below_reference } = measured;
+    let Measured { choice, statistics, errors, own_trajectory, below_reference, level_below_reference } = measured;
     let trajectory = |of: fn(&TrajectoryError) -> f64| errors.trajectory.as_ref().map(of);
     let wall_times = wall_times(point);
     let least = wall_times.iter().copied().fold(f64::INFINITY, f64::min);
@@ -357,6 +362,7 @@ fn measured_answer(point: &Point, measured: &Measured) -> MeasuredAnswer {
         end_error: trajectory(|error| error.end),
         compared_s: trajectory(|error| error.compared),
         error_over_tolerance: errors.trajectory.map(|error| error.rms / point.relative_tolerance),
+        reference_trajectory_error: *own_trajectory,
         below_reference: *below_reference,
         level_error_db: errors.level_db,
         level_below_reference: *level_below_reference,
@@ -373,9 +379,11 @@ fn measured_answer(point: &Point, measured: &Measured) -> MeasuredAnswer {
     }
 }
 
-/// Errors below this are the reference's own, in a trajectory and in a level [dB]: what plots draw as a floor.
+/// Errors below this are the reference's own, in a trajectory and in a level [dB]: what plots draw as a floor. Chaotic
+/// trajectories are each compared over a time of their own, and have no common one.
 pub fn floors(reference: &ReferenceAnswer) -> (Option<f64>, Option<f64>) {
     let own = |own: Option<f64>| own.filter(|own| *own > 0.0).map(|own| ABOVE_OWN_ERROR * own);
     let levels = [own(reference.own_error_db), reference.sampling_error_db];
-    (own(reference.own_trajectory_error), levels.into_iter().flatten().reduce(f64::max))
+    let trajectory = own(reference.own_trajectory_error).filter(|_| reference.sampling_error_db.is_none());
+    (trajectory, levels.into_iter().flatten().reduce(f64::max))
 }

@@ -70,7 +70,7 @@ pub fn work_precision_svg(
         if let Some(floor) = floors[index].filter(|floor| *floor > 0.0) {
             let at = y.at(within(floor.log10(), y.values));
             drawing.line("floor", (LEFT, at), (WIDTH - RIGHT, at));
-            drawing.text("note", Anchor::End, WIDTH - RIGHT - 4.0, at - 4.0, "ten times the reference's own error");
+            drawing.text("note", Anchor::End, WIDTH - RIGHT - 4.0, at - 4.0, "errors below this say nothing");
         }
         let mut labels = Vec::new();
         for (number, curve) in curves.iter().enumerate() {
@@ -81,7 +81,7 @@ pub fn work_precision_svg(
         }
     }
     let bottom = TOP + PITCH + PANEL;
-    let caption = "run time in s; filled: clear of the reference's own error; ×: failed after that time";
+    let caption = "run time in s; hollow: not clear of the reference's own error; ×: failed after that time";
     drawing.text("", Anchor::Middle, 0.5 * (LEFT + WIDTH - RIGHT), bottom + 40.0, caption);
     for (line, (number, curve)) in failed.into_iter().enumerate() {
         let at = bottom + BOTTOM + 4.0 + LINE * line as f64;

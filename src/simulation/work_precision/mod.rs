@@ -109,7 +109,9 @@ pub struct Measured {
     pub choice: Choice,
     pub statistics: Statistics,
     pub errors: Errors,
-    /// The trajectory's error is less than ten times the reference's own: it says nothing.
+    /// The reference's own trajectory error (root mean square) over the same time.
+    pub own_trajectory: Option<f64>,
+    /// The trajectory's error is less than ten times that: it says nothing.
     pub below_reference: bool,
     /// The same of the level, or it is less than the level's sampling error.
     pub level_below_reference: bool,
@@ -309,6 +311,7 @@ fn measured(
         choice: run.choice.clone(),
         statistics: run.statistics,
         errors,
+        own_trajectory: own.map(|own| own.rms),
         below_reference,
         level_below_reference,
     })
