@@ -8,7 +8,7 @@
 
 FROM rust:1.95-bookworm AS builder
 WORKDIR /source
-COPY Cargo.toml Cargo.lock ./
+COPY Cargo.toml Cargo.lock build.rs ./
 COPY src src
 COPY migrations migrations
 # Not built, but Cargo.toml names them.

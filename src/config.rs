@@ -28,6 +28,8 @@ pub enum Command {
     Serve(ServeOptions),
     /// Run one job without a server: metrics on stdout as JSON
     Simulate(SimulateOptions),
+    /// Run a scene by several methods and tolerances: error against run time, as table, JSON and SVG
+    Accuracy(AccuracyOptions),
     /// Print the OpenAPI document
     Openapi,
     /// Ask a running service whether it takes jobs; the exit status tells
@@ -52,6 +54,19 @@ pub struct SimulateOptions {
     /// Directory for metrics, spectra, series and plots
     #[arg(long, env = "RACEWAY_OUTPUT", value_name = "DIR")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct AccuracyOptions {
+    /// JSON with a scene, or a job of kind accuracy; - reads stdin
+    #[arg(value_name = "SCENE.json|-")]
+    pub scene: PathBuf,
+    /// Directory for accuracy.json and work-precision.svg
+    #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
+    pub output: PathBuf,
+    /// Timed runs of each method at each tolerance, where the job does not say [default: 1]
+    #[arg(long, env = "RACEWAY_REPETITIONS", value_parser = clap::value_parser!(u32).range(1..=9))]
+    pub repetitions: Option<u32>,
 }
 
 #[derive(Debug, Args)]

@@ -2,8 +2,11 @@
 
 use std::fmt::Write;
 
-use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer};
-use crate::plots::{SeriesCurve, SpectrumCurve, series_svg, spectrum_svg};
+use crate::contract::work_precision::{PointAnswer, floors};
+use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer, WorkPrecisionAnswer};
+use crate::plots::{
+    FailedRun, SeriesCurve, SpectrumCurve, WorkPoint, WorkPrecisionCurve, series_svg, spectrum_svg, work_precision_svg,
+};
 use crate::simulation::lines::Line;
 
 /// The spectra of a job, with their labelled lines.
@@ -49,6 +52,37 @@ pub fn series(series: &[SeriesAnswer]) -> String {
         value: &series.value,
     });
     series_svg("Motion of the spindle", "time since the start of the run", &curves.collect::<Vec<_>>())
+}
+
+/// Error against run time, a curve a method.
+pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
+    let mut curves: Vec<WorkPrecisionCurve<'_>> = Vec::new();
+    for point in &answer.points {
+        if curves.last().is_none_or(|curve| curve.name != point.method()) {
+            curves.push(WorkPrecisionCurve { name: point.method(), points: Vec::new(), failures: Vec::new() });
+        }
+        let Some(curve) = curves.last_mut() else { continue };
+        match point {
+            PointAnswer::Succeeded(point) => curve.points.push(WorkPoint {
+                relative_tolerance: point.relative_tolerance,
+                time_s: point.wall_time_s,
+                errors: [
+                    point.level_error_db.map(|error| (error, !point.level_below_reference)),
+                    point.trajectory_error.map(|error| (error, !point.below_reference)),
+                ],
+            }),
+            PointAnswer::Failed(point) => curve
+                .failures
+                .push(FailedRun { relative_tolerance: point.relative_tolerance, time_s: point.wall_time_s }),
+        }
+    }
+    let (reference, compared) = (&answer.reference, &answer.compared);
+    let subtitle = format!(
+        "{} s after {} s, {} states; reference {} at {:e}",
+        compared.duration_s, compared.settle_s, compared.states, reference.method, reference.relative_tolerance
+    );
+    let (trajectory, level) = floors(reference);
+    work_precision_svg("Error against run time", &subtitle, &curves, [level, trajectory])
 }
 
 /// Whether a channel is the spindle's velocity, acceleration or displacement.

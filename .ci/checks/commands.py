@@ -25,6 +25,14 @@ refused = raceway("simulate", "-", stdin=json.dumps(short | {"duration_s": -1}))
 check(refused.returncode == 2 and refused.stdout == "", "a refused job ends with 2 and an empty stdout")
 check(json.loads(refused.stderr)["errors"][0]["pointer"] == "/duration_s", "the problem names the field")
 check(raceway("simulate", "no-such-file.json").returncode == 2, "a missing file ends with 2")
+study = {"scene": ARTICLE["scene"], "settle_s": 0.001, "duration_s": 0.002, "methods": ["dormand_prince"],
+         "relative_tolerances": [1e-3, 1e-5]}
+with tempfile.TemporaryDirectory() as directory:
+    done = raceway("accuracy", "-", "--output", directory, stdin=json.dumps(study))
+    check(done.returncode == 0 and "dormand_prince" in done.stdout, "accuracy prints a table")
+    check({"accuracy.json", "work-precision.svg"} == set(os.listdir(directory)), "and writes its files")
+refused = raceway("accuracy", "-", stdin=json.dumps(study | {"relative_tolerances": [1]}))
+check(refused.returncode == 2 and refused.stdout == "", "a refused study ends with 2 and an empty stdout")
 check("openapi" in json.loads(raceway("openapi").stdout), "openapi prints the document")
 check(raceway("health", "--listen", "127.0.0.1:1").returncode == 1, "health of nobody ends with 1")
 check(raceway("--version").stdout.startswith("raceway "), "the version is told")

@@ -7,8 +7,8 @@ use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::error::{ApiError, Problem};
-use crate::contract::Metrics;
 use crate::contract::job::JobInput;
+use crate::contract::{JobKind, Metrics};
 use crate::jobs::{JobError, JobRecord, Status};
 
 /// Where a job stands.
@@ -84,7 +84,7 @@ pub struct JobAnswer {
     #[schema(value_type = JobInput)]
     pub request: Box<RawValue>,
     pub links: Links,
-    /// With `include=metrics` or `Prefer: wait`, once the job has succeeded.
+    /// With `include=metrics` or `Prefer: wait`, once a simulation has succeeded.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Metrics, nullable = false, required = false)]
     pub metrics: Option<Box<RawValue>>,
@@ -112,6 +112,14 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum_svg: Option<String>,
+    /// Of an accuracy job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub accuracy: Option<String>,
+    /// Of an accuracy job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub work_precision_svg: Option<String>,
 }
 
 /// A page of jobs.
@@ -132,7 +140,7 @@ pub fn path_of(id: Uuid) -> String {
 impl JobAnswer {
     pub fn of(record: JobRecord) -> Result<Self, ApiError> {
         Ok(Self {
-            links: Links::of(record.id, record.status),
+            links: Links::of(record.id, record.status, &record.kind),
             id: record.id,
             kind: record.kind,
             status: record.status.into(),
@@ -162,16 +170,19 @@ fn raw(json: String) -> Result<Box<RawValue>, ApiError> {
 }
 
 impl Links {
-    fn of(id: Uuid, status: Status) -> Self {
+    fn of(id: Uuid, status: Status, kind: &str) -> Self {
         let this = path_of(id);
         let below = |name: &str, when: bool| when.then(|| format!("{this}/{name}"));
-        let succeeded = status == Status::Succeeded;
+        let succeeded = |of: JobKind| status == Status::Succeeded && kind == of.name();
+        let (simulated, compared) = (succeeded(JobKind::Simulation), succeeded(JobKind::Accuracy));
         Self {
             cancel: below("cancel", !status.is_final()),
-            metrics: below("metrics", succeeded),
-            spectrum: below("spectrum", succeeded),
-            series: below("series", succeeded),
-            spectrum_svg: below("plots/spectrum.svg", succeeded),
+            metrics: below("metrics", simulated),
+            spectrum: below("spectrum", simulated),
+            series: below("series", simulated),
+            spectrum_svg: below("plots/spectrum.svg", simulated),
+            accuracy: below("accuracy", compared),
+            work_precision_svg: below("plots/work-precision.svg", compared),
             this,
         }
     }

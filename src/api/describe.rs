@@ -80,7 +80,7 @@ problems! {
     BadQuery { "400": "The query is wrong" }
     NoJob { "404": "There is no such job, or it belongs to another token" }
     NoChannel { "404": "There is no such job, or the channel is not kept; `detail` names the kept ones" }
-    NoResult { "409": "`result-not-ready`: the job has not ended, try again; `no-result`: it failed or was cancelled" }
+    NoResult { "409": "`result-not-ready`: the job has not ended, try again; `no-result`: it failed or was cancelled, or is of a kind that has no such result" }
     NotAccepted { "406": "The answer is not available in a format that `Accept` names" }
     QueueFull { "429": "The queue is full; `Retry-After` tells when to try again" }
     NoSpace { "507": "No space is left for the database; nothing was written" }

@@ -229,6 +229,14 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
             let detail = format!("the job has {}; its `error` tells why, if it failed", ended(*status));
             of(S::CONFLICT, "no-result", "The job has no result", detail)
         }
+        JobError::OtherKind { kind } => {
+            let has = match kind.as_str() {
+                "accuracy" => "…/accuracy and …/plots/work-precision.svg",
+                _ => "…/metrics, …/spectrum, …/series and …/plots/spectrum.svg",
+            };
+            let detail = format!("a job of kind `{kind}` never has this; its results are at {has}");
+            of(S::CONFLICT, "no-result", "Jobs of this kind have no such result", detail)
+        }
         JobError::Conflict(status) => {
             let detail = format!("the job has {} already", ended(*status));
             let detail = if status.is_final() { detail } else { "the job has not ended; cancel it first".into() };

@@ -18,6 +18,7 @@ use super::error::{ApiError, Problem};
 use super::request::{JobId, JsonBody, Nothing, Query, header, negotiated};
 use super::{App, describe};
 use crate::contract;
+use crate::contract::JobKind;
 use crate::contract::job::JobInput;
 use crate::jobs::{Cancelled, Filter, JobRecord, Status};
 
@@ -37,7 +38,8 @@ const LONGEST_WAIT_S: u64 = 60;
     params(SubmitHeaders),
     request_body(content = JobInput, content_type = "application/json", examples(
         ("article" = (summary = "The article's integrated bearing", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}}))),
-        ("unbalanced" = (summary = "The same on an unbalanced spindle", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}, "spindle": {"balance_grade": 6.3}}})))
+        ("unbalanced" = (summary = "The same on an unbalanced spindle", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}, "spindle": {"balance_grade": 6.3}}}))),
+        ("accuracy" = (summary = "Error against run time of the first", value = json!({"kind": "accuracy", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}, "repetitions": 5})))
     )),
     responses(
         (status = 202, description = "The job is in the queue, or identical finished work answered it (`reused`)", body = JobAnswer,
@@ -260,8 +262,9 @@ pub enum Include {
 
 async fn with_metrics(app: &App, owner: &str, record: JobRecord) -> Result<JobAnswer, ApiError> {
     let (id, succeeded) = (record.id, record.status == Status::Succeeded);
+    let has_metrics = succeeded && record.kind == JobKind::Simulation.name();
     let answer = JobAnswer::of(record)?;
-    if succeeded { answer.with_metrics(app.jobs.metrics(owner, id).await?) } else { Ok(answer) }
+    if has_metrics { answer.with_metrics(app.jobs.metrics(owner, id).await?) } else { Ok(answer) }
 }
 
 /// When to look again.

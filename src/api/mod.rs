@@ -62,6 +62,7 @@ fn routes() -> OpenApiRouter<App> {
         .routes(routes!(results::metrics))
         .routes(routes!(results::spectrum))
         .routes(routes!(results::series))
+        .routes(routes!(results::accuracy))
         .routes(routes!(plots::plot))
         .routes(routes!(scenes::resolve))
         .routes(routes!(scenes::presets))

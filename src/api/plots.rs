@@ -12,22 +12,24 @@ use super::error::ApiError;
 use super::request::{JobId, Nothing, PlotFile, Query, negotiated};
 use super::results::{read, shaped, signal_of};
 use super::{App, describe};
-use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer};
+use crate::contract::{JobKind, Metrics, SeriesAnswer, SpectrumAnswer, WorkPrecisionAnswer};
 use crate::jobs::Signal;
 use crate::render;
 
 const SVG: &str = "image/svg+xml";
-const KNOWN: &[&str] = &["spectrum.svg", "velocity.svg", "acceleration.svg"];
+const OF_SIMULATION: &[&str] = &["spectrum.svg", "velocity.svg", "acceleration.svg"];
+const OF_ACCURACY: &[&str] = &["work-precision.svg"];
 
 /// Get a plot
 ///
 /// `spectrum.svg`: the amplitude spectra that are kept, with labelled lines. `velocity.svg`,
-/// `acceleration.svg`: the spindle's, where the request asked for these series.
+/// `acceleration.svg`: the spindle's, where the request asked for these series. `work-precision.svg`: of an accuracy
+/// job, error against run time, a curve a method.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/plots/{file}", tag = describe::RESULTS, operation_id = "getPlot",
     params(
         ("id" = Uuid, Path, description = "The job"),
-        ("file" = String, Path, description = "`spectrum.svg`, `velocity.svg` or `acceleration.svg`", example = "spectrum.svg")
+        ("file" = String, Path, description = "`spectrum.svg`, `velocity.svg`, `acceleration.svg` or `work-precision.svg`", example = "spectrum.svg")
     ),
     responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
@@ -44,10 +46,12 @@ pub async fn plot(
         "spectrum.svg" => spectra(&app, &owner, id).await,
         "velocity.svg" => series(&app, &owner, id, "velocity").await,
         "acceleration.svg" => series(&app, &owner, id, "acceleration").await,
+        "work-precision.svg" => work_precision(&app, &owner, id).await,
         _ => {
             // Whether the job is there comes first.
-            app.jobs.get(&owner, id).await?;
-            Err(ApiError::UnknownPlot { known: KNOWN })
+            let record = app.jobs.get(&owner, id).await?;
+            let known = if record.kind == JobKind::Accuracy.name() { OF_ACCURACY } else { OF_SIMULATION };
+            Err(ApiError::UnknownPlot { known })
         }
     }
 }
@@ -84,6 +88,11 @@ async fn series(app: &App, owner: &str, id: Uuid, quantity: &str) -> Result<Resp
         Ok(drawn(render::series(&series)))
     })
     .await
+}
+
+async fn work_precision(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
+    let stored = app.jobs.accuracy(owner, id).await?;
+    shaped(move || Ok(drawn(render::work_precision(&read::<WorkPrecisionAnswer>(&stored)?)))).await
 }
 
 fn drawn(svg: String) -> Response {

@@ -1,4 +1,4 @@
-//! Metrics, spectra and series of a succeeded job.
+//! Metrics, spectra, series and error against run time of a succeeded job.
 
 use axum::extract::State;
 use axum::http::HeaderMap;
@@ -14,7 +14,7 @@ use super::describe::{Anywhere, BadQuery, NoChannel, NoJob, NoResult, NotAccepte
 use super::error::ApiError;
 use super::request::{JobId, Nothing, Query, negotiated};
 use super::{App, describe};
-use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer, SpectrumKind};
+use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer, SpectrumKind, WorkPrecisionAnswer};
 use crate::jobs::{JobError, Signal};
 use crate::render;
 
@@ -121,6 +121,26 @@ pub async fn series(
         })
     })
     .await
+}
+
+/// Get error against run time
+///
+/// Of an accuracy job: what each method costs at each tolerance, how far it is from the reference, and how far the
+/// reference itself can be trusted.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/accuracy", tag = describe::RESULTS, operation_id = "getAccuracy",
+    params(("id" = Uuid, Path, description = "The job, of kind `accuracy`")),
+    responses((status = 200, description = "Error against run time", body = WorkPrecisionAnswer), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
+)]
+pub async fn accuracy(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    _: Query<Nothing>,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    Ok(([(CONTENT_TYPE, JSON)], app.jobs.accuracy(&owner, id).await?).into_response())
 }
 
 #[derive(Debug, Deserialize, IntoParams)]

@@ -1,12 +1,15 @@
 //! What the program does when it is called, one command a file. Above all other rooms.
 
+pub mod accuracy;
 /// Asks a service over HTTP.
 mod client;
 pub mod demo;
 pub mod health;
+/// A job in this process.
+mod local;
 pub mod serve;
 pub mod simulate;
-/// Metrics as text for people.
+/// Results as text for people.
 mod table;
 
 use std::process::ExitCode;
@@ -41,6 +44,7 @@ pub fn run(cli: Cli) -> Ended {
         Command::Demo(options) => on_runtime(demo::run(options)),
         Command::Serve(options) => on_runtime(serve::run(options)),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Accuracy(options) => accuracy::run(&options),
         Command::Openapi => {
             print!("{}", crate::api::document_text());
             Ended::Well

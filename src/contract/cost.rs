@@ -16,6 +16,8 @@ const SECONDS_PER_STRIP: f64 = 0.02e-6;
 const LONGEST: f64 = 1e12;
 /// Evaluations a step of the explicit method.
 const EVALUATIONS: f64 = 6.0;
+/// Runs that the references of an accuracy job are worth.
+const REFERENCE_RUNS: f64 = 20.0;
 /// Longest step that accuracy allows where stability does not bind [s].
 const SMOOTH_STEP: f64 = 20e-6;
 
@@ -31,9 +33,21 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let step = job.settings.fixed_step.unwrap_or(mode.stable_step().min(SMOOTH_STEP));
         let balls = scene.bearing.parameters.ball_count as f64;
         let evaluation = balls * (SECONDS_PER_BALL + 2.0 * job.needs.raceway.strips as f64 * SECONDS_PER_STRIP);
-        // Judging the accuracy follows two copies over a stretch, and repeats it once.
-        let time = job.settings.settle + job.settings.duration + 3.0 * judged_stretch(&job.settings);
+        let time = simulated_time(job, judged_stretch(&job.settings));
         significant((time / step * EVALUATIONS * evaluation).min(LONGEST), 2)
     });
     CostAnswer { states, estimated_wall_time_s }
+}
+
+/// Time that all runs of a job simulate together [s].
+fn simulated_time(job: &Job, stretch: f64) -> f64 {
+    let (settle, duration) = (job.settings.settle, job.settings.duration);
+    match &job.plan {
+        // Judging the accuracy follows two copies over a stretch, and repeats it once.
+        None => settle + duration + 3.0 * stretch,
+        Some(plan) => {
+            let runs = (plan.methods.len() * plan.relative_tolerances.len()) as f64 * f64::from(plan.repetitions);
+            settle + 2.0 * stretch + (runs + REFERENCE_RUNS) * duration
+        }
+    }
 }

@@ -1,16 +1,26 @@
 //! From a job to its results.
 
+use serde::Serialize;
 use serde_json::Value;
 
 use super::job::Job;
 use super::metrics::Metrics;
 use super::signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
+use super::work_precision::WorkPrecisionAnswer;
 use crate::numerics::ode::IntegrationError;
 use crate::simulation::run::{self, Control, RunResult, SimulationError};
+use crate::simulation::work_precision;
 
-/// The results of a job.
+/// The results of a job, by its kind.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
+pub enum Outcome {
+    Simulation(Box<Simulated>),
+    Accuracy(Box<WorkPrecisionAnswer>),
+}
+
+/// The results of a simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulated {
     pub metrics: Metrics,
     /// Amplitude and envelope spectrum of each channel asked for.
     pub spectra: Vec<SpectrumAnswer>,
@@ -33,39 +43,52 @@ pub const DID_NOT_CONVERGE: &str = "did-not-converge";
 pub const NUMERICAL_BLOWUP: &str = "numerical-blowup";
 pub const INTERNAL: &str = "internal";
 
-/// Simulates the job's scene. Every number of the outcome is finite.
+/// Does what the job asks for. Every number of the outcome is finite.
 pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
-    let result = run::run(job.scene(), &job.settings, control)?;
-    outcome(job, &result)
-}
-
-fn outcome(job: &Job, result: &RunResult) -> Result<Outcome, RunFailure> {
-    let solver = &result.summary.solver;
-    let spectra = result.spectra.iter().flat_map(|of| {
-        [(SpectrumKind::Amplitude, &of.amplitude), (SpectrumKind::Envelope, &of.envelope)]
-            .map(|(kind, spectrum)| SpectrumAnswer::of(of.channel, kind, spectrum, solver))
-    });
-    let outcome = Outcome {
-        metrics: Metrics::of(result, &job.settings.outputs),
-        spectra: spectra.collect(),
-        series: result.series.iter().map(SeriesAnswer::of).collect(),
+    let outcome = match &job.plan {
+        None => Outcome::Simulation(Box::new(simulated(job, &run::run(job.scene(), &job.settings, control)?))),
+        Some(plan) => {
+            let study = work_precision::study(job.scene(), &job.settings, plan, control)?;
+            Outcome::Accuracy(Box::new(WorkPrecisionAnswer::of(job, plan, &study)))
+        }
     };
-    match not_finite(&outcome) {
+    let wrong = match &outcome {
+        Outcome::Simulation(simulated) => not_finite(simulated),
+        Outcome::Accuracy(answer) => null_of(answer).map(|pointer| format!("accuracy {pointer}")),
+    };
+    match wrong {
         None => Ok(outcome),
         Some(what) => Err(RunFailure::Failed { cause: NUMERICAL_BLOWUP, detail: format!("{what} is not finite") }),
     }
 }
 
+fn simulated(job: &Job, result: &RunResult) -> Simulated {
+    let solver = &result.summary.solver;
+    let spectra = result.spectra.iter().flat_map(|of| {
+        [(SpectrumKind::Amplitude, &of.amplitude), (SpectrumKind::Envelope, &of.envelope)]
+            .map(|(kind, spectrum)| SpectrumAnswer::of(of.channel, kind, spectrum, solver))
+    });
+    Simulated {
+        metrics: Metrics::of(result, &job.settings.outputs),
+        spectra: spectra.collect(),
+        series: result.series.iter().map(SeriesAnswer::of).collect(),
+    }
+}
+
 /// What in the outcome is not finite.
-fn not_finite(outcome: &Outcome) -> Option<String> {
-    // JSON has no infinities: serde_json writes them as null, which no field of the metrics is otherwise.
-    let metrics = serde_json::to_value(&outcome.metrics).unwrap_or_default();
+fn not_finite(outcome: &Simulated) -> Option<String> {
     let spectrum = || outcome.spectra.iter().find(|spectrum| !spectrum.is_finite()).map(|s| &s.channel);
     let series = || outcome.series.iter().find(|series| !series.is_finite()).map(|s| &s.channel);
-    null_in(&metrics, "")
+    null_of(&outcome.metrics)
         .map(|pointer| format!("metric {pointer}"))
         .or_else(|| spectrum().map(|channel| format!("the spectrum of {channel}")))
         .or_else(|| series().map(|channel| format!("the series of {channel}")))
+}
+
+/// Pointer to the first number that is not finite: JSON has no infinities, serde_json writes them as null, which no
+/// field of a result is otherwise.
+fn null_of(answer: &impl Serialize) -> Option<String> {
+    null_in(&serde_json::to_value(answer).unwrap_or_default(), "")
 }
 
 /// Pointer to the first null.
@@ -87,6 +110,7 @@ impl From<SimulationError> for RunFailure {
             SimulationError::Integration { source: IntegrationError::Stopped { .. }, .. } => return Self::Cancelled,
             SimulationError::Integration { source: IntegrationError::NotFinite { .. }, .. } => NUMERICAL_BLOWUP,
             SimulationError::Integration { source: IntegrationError::StepTooSmall { .. }, .. }
+            | SimulationError::Exhausted { .. }
             | SimulationError::NoEquilibrium(_) => DID_NOT_CONVERGE,
             // A checked job has had its needs decided already.
             SimulationError::Unmet(_) => INTERNAL,

@@ -8,13 +8,15 @@ use super::filling::Filling;
 use super::outputs::OutputsInput;
 use super::problem::{FieldError, Refusal, listed};
 use super::scene::{ResolvedScene, SceneInput};
-use super::solver::{Solver, SolverInput};
+use super::solver::{MethodName, Solver, SolverInput};
 use super::strict::{self, object, optional_object};
-use super::{given_fields, times};
+use super::{accuracy, given_fields, times};
 use crate::simulation::needs::{Needs, Unmet};
 use crate::simulation::run::RunSettings;
+use crate::simulation::scene::Scene;
+use crate::simulation::work_precision::{Plan, SETTLING};
 
-/// A request for one simulation.
+/// A request: one simulation, or the error of several methods against their run time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobInput {
@@ -26,12 +28,24 @@ pub struct JobInput {
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub solver: Option<SolverInput>,
-    /// Time simulated and kept, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1.
+    /// Time simulated and kept, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for
+    /// `accuracy`.
     #[schema(nullable = false, exclusive_minimum = 0, example = 0.1)]
     pub duration_s: Option<f64>,
-    /// Time simulated before anything is kept [s]. Default: 3 cage turns, at least 0.02 and at most 1.
+    /// Time simulated before anything is kept [s]. Default: 3 cage turns, at least 0.02 and at most 1;
+    /// 0.02 for `accuracy`.
     #[schema(nullable = false, minimum = 0, maximum = 1000, example = 0.02)]
     pub settle_s: Option<f64>,
+    /// Only for `accuracy`: methods to compare. Default: all.
+    #[schema(nullable = false, value_type = Option<Vec<MethodName>>, min_items = 1, max_items = 16)]
+    pub methods: Option<Vec<String>>,
+    /// Only for `accuracy`: relative tolerances to run each method at, each from 1e-12 to 1e-2. Default: 1e-3 to 1e-7.
+    #[schema(nullable = false, min_items = 1, max_items = 12, example = json!([1e-3, 1e-4, 1e-5, 1e-6, 1e-7]))]
+    pub relative_tolerances: Option<Vec<f64>>,
+    /// Only for `accuracy`: timed runs of each method at each tolerance. Default 1.
+    #[serde(default, deserialize_with = "strict::whole_number")]
+    #[schema(nullable = false, minimum = 1, maximum = 9, example = 5)]
+    pub repetitions: Option<u32>,
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub outputs: Option<OutputsInput>,
@@ -42,7 +56,7 @@ pub struct JobInput {
     #[serde(default, deserialize_with = "strict::whole_number")]
     #[schema(nullable = false, minimum = 1, maximum = 4, example = 2)]
     pub priority: Option<u32>,
-    /// Whether the result of identical finished work may answer this job. Default true.
+    /// Whether the result of identical finished work may answer this job. Default true; never for `accuracy`.
     #[schema(nullable = false)]
     pub reuse: Option<bool>,
     /// How long job and result are kept after it has ended [s]. Default: the service's.
@@ -50,22 +64,28 @@ pub struct JobInput {
     pub keep_for_s: Option<f64>,
 }
 
-/// Kinds of jobs.
+/// `simulation`: one run. `accuracy`: error against run time, by several methods and tolerances.
 #[derive(ToSchema)]
 #[schema(rename_all = "snake_case")]
 pub enum JobKindName {
     Simulation,
+    Accuracy,
 }
 
 /// Kinds of jobs that can be run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JobKind {
     Simulation,
+    Accuracy,
 }
 
 /// Kinds by name; those without a kind are not available yet.
-const KINDS: [(&str, Option<JobKind>); 4] =
-    [("simulation", Some(JobKind::Simulation)), ("study", None), ("optimum", None), ("accuracy", None)];
+const KINDS: [(&str, Option<JobKind>); 4] = [
+    ("simulation", Some(JobKind::Simulation)),
+    ("study", None),
+    ("optimum", None),
+    ("accuracy", Some(JobKind::Accuracy)),
+];
 
 /// A checked job.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +94,10 @@ pub struct Job {
     /// The request as it was sent.
     pub request: Value,
     pub resolved: ResolvedScene,
+    /// Of an accuracy job: times, outputs and rung; method and tolerance are the plan's.
     pub settings: RunSettings,
+    /// What an accuracy job compares; `None` for all others.
+    pub plan: Option<Plan>,
     /// What the model contains.
     pub needs: Needs,
     /// Solver and outputs with every default, as in a request.
@@ -92,6 +115,7 @@ impl JobKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Simulation => "simulation",
+            Self::Accuracy => "accuracy",
         }
     }
 }
@@ -103,15 +127,25 @@ impl Job {
 
     /// All that determines the result, as text: equal for equal work, whatever was left to a default.
     pub fn canonical(&self) -> String {
-        json!({
+        self.complete().to_string()
+    }
+
+    /// The job with every default filled in, without what only the service needs to know.
+    pub fn complete(&self) -> Value {
+        let mut job = json!({
             "kind": self.kind.name(),
             "scene": self.scene_json(),
             "solver": given_fields(&self.solver),
             "outputs": given_fields(&self.outputs),
             "settle_s": self.settings.settle,
             "duration_s": self.settings.duration,
-        })
-        .to_string()
+        });
+        if let Some(plan) = &self.plan {
+            job["methods"] = plan.methods.iter().map(|method| method.name()).collect();
+            job["relative_tolerances"] = plan.relative_tolerances.clone().into();
+            job["repetitions"] = plan.repetitions.into();
+        }
+        job
     }
 
     /// The scene with every default filled in.
@@ -130,6 +164,21 @@ pub fn parse_scene_request(body: &[u8]) -> Result<Job, Refusal> {
     simulation_of(strict::read(body)?)
 }
 
+/// Reads an accuracy job, or `{ "scene": … }` for one; `repetitions` is for those that say nothing about it.
+pub fn parse_accuracy_request(body: &[u8], repetitions: Option<u32>) -> Result<Job, Refusal> {
+    let mut request = strict::read(body)?;
+    if let Value::Object(fields) = &mut request {
+        fields.entry("kind").or_insert_with(|| "accuracy".into());
+        if let Some(repetitions) = repetitions {
+            fields.entry("repetitions").or_insert_with(|| repetitions.into());
+        }
+    }
+    match kind_of(&request)? {
+        JobKind::Accuracy => job_of(request),
+        kind => Err(FieldError::new("/kind", format!("must be `accuracy`, not `{}`", kind.name())).into()),
+    }
+}
+
 /// Checks a job that has been read, a simulation where it says no kind.
 pub fn simulation_of(mut request: Value) -> Result<Job, Refusal> {
     if let Value::Object(fields) = &mut request {
@@ -143,17 +192,18 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
     let kind = kind_of(&request)?;
     let mut input: JobInput = strict::typed(&request, "")?;
     let mut filling = Filling::default();
-    let (resolved, mut errors) = match input.scene.resolve() {
+    let (resolved, mut errors) = match input.scene.clone().resolve() {
         Ok(resolved) => (Some(resolved), Vec::new()),
         Err(errors) => (None, errors),
     };
     let scene = resolved.as_ref().map(|resolved| &resolved.scene);
-    let mut solver = input.solver.unwrap_or_default();
-    let mut outputs = input.outputs.unwrap_or_default();
-    let Solver { method, rung, relative_tolerance, model_tolerance_db, fixed_step } = solver.resolve(&mut filling);
-    let kept = outputs.resolve(&mut filling, scene);
-    let settle = times::settle(&mut input.settle_s, scene, &mut filling);
-    let duration = times::duration(&mut input.duration_s, scene, &kept, &mut filling);
+    let (settings, plan) = match kind {
+        JobKind::Simulation => (simulation(&mut input, scene, &mut filling), None),
+        JobKind::Accuracy => {
+            let plan = accuracy::plan(&mut input, &mut filling);
+            (compared(&mut input, &mut filling), Some(plan))
+        }
+    };
     let labels = input.labels.unwrap_or_default();
     check_labels(&labels, &mut filling);
     let priority = filling.take("/priority", &mut input.priority, 2);
@@ -164,33 +214,46 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
     errors.append(&mut filling.errors);
     match resolved {
         Some(mut resolved) if errors.is_empty() => {
-            let needs = Needs::of(&resolved.scene, &kept, rung).map_err(unmet)?;
+            let needs = Needs::of(&resolved.scene, &settings.outputs, settings.rung).map_err(unmet)?;
             resolved.defaults.append(&mut filling.defaults);
             Ok(Job {
                 kind,
                 request,
                 resolved,
-                settings: RunSettings {
-                    method,
-                    rung,
-                    relative_tolerance,
-                    model_tolerance_db,
-                    fixed_step,
-                    settle,
-                    duration,
-                    outputs: kept,
-                },
+                settings,
+                plan,
                 needs,
-                solver,
-                outputs,
+                solver: input.solver.unwrap_or_default(),
+                outputs: input.outputs.unwrap_or_default(),
                 labels,
                 priority: u8::try_from(priority).unwrap_or(2),
-                reuse: input.reuse.unwrap_or(true),
+                reuse: kind == JobKind::Simulation && input.reuse.unwrap_or(true),
                 keep_for_s: input.keep_for_s,
             })
         }
         _ => Err(Refusal::Invalid { errors }),
     }
+}
+
+/// How to run a simulation.
+fn simulation(input: &mut JobInput, scene: Option<&Scene>, filling: &mut Filling) -> RunSettings {
+    accuracy::refuse_in(JobKind::Simulation, input, filling);
+    let solver = input.solver.get_or_insert_default().resolve(filling);
+    let outputs = input.outputs.get_or_insert_default().resolve(filling, scene);
+    let settle = times::settle(&mut input.settle_s, times::default_settle(scene), filling);
+    let duration = times::duration(&mut input.duration_s, times::default_duration(scene), &outputs, filling);
+    let Solver { method, rung, relative_tolerance, model_tolerance_db, fixed_step } = solver;
+    RunSettings { method, rung, relative_tolerance, model_tolerance_db, fixed_step, settle, duration, outputs }
+}
+
+/// What the runs of an accuracy job have in common.
+fn compared(input: &mut JobInput, filling: &mut Filling) -> RunSettings {
+    let (rung, model_tolerance_db) = input.solver.get_or_insert_default().resolve_model(filling);
+    let outputs = input.outputs.get_or_insert_default().resolve_metrics(filling);
+    let settle = times::settle(&mut input.settle_s, accuracy::SETTLE, filling);
+    let duration = times::duration(&mut input.duration_s, accuracy::DURATION, &outputs, filling);
+    let (method, relative_tolerance) = SETTLING;
+    RunSettings { method, rung, relative_tolerance, model_tolerance_db, fixed_step: None, settle, duration, outputs }
 }
 
 fn kind_of(request: &Value) -> Result<JobKind, FieldError> {

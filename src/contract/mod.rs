@@ -19,11 +19,14 @@ pub mod spindle;
 pub mod terms;
 
 pub mod execute;
+pub mod machine;
 pub mod metrics;
 pub mod report;
 pub mod resolve;
 pub mod signals;
+pub mod work_precision;
 
+mod accuracy;
 mod cost;
 mod filling;
 mod scaling;
@@ -31,14 +34,15 @@ mod strict;
 mod times;
 mod units;
 
-pub use execute::{Outcome, RunFailure, execute};
-pub use job::{Job, JobKind, parse_job, parse_scene_request};
+pub use execute::{Outcome, RunFailure, Simulated, execute};
+pub use job::{Job, JobKind, parse_accuracy_request, parse_job, parse_scene_request};
 pub use metrics::Metrics;
 pub use presets::presets_answer;
 pub use problem::{FieldError, Refusal};
 pub use resolve::{ResolveAnswer, resolve_answer};
 pub use signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
 pub use strict::NameOr;
+pub use work_precision::WorkPrecisionAnswer;
 
 use serde::Serialize;
 use serde_json::Value;

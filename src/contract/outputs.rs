@@ -42,21 +42,31 @@ const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, Me
 impl OutputsInput {
     /// Channels are checked against the scene; without one, only their number is.
     pub fn resolve(&mut self, filling: &mut Filling, scene: Option<&Scene>) -> Outputs {
+        let outputs = self.resolve_metrics(filling);
+        let usual = ["spindle.y.acceleration", "spindle.z.acceleration"].map(str::to_owned).to_vec();
+        let spectra = filling.take("/outputs/spectra", &mut self.spectra, usual);
+        let series = filling.take("/outputs/series", &mut self.series, Vec::new());
+        Outputs {
+            spectra: channels(filling, "/outputs/spectra", &spectra, scene),
+            series: channels(filling, "/outputs/series", &series, scene),
+            ..outputs
+        }
+    }
+
+    /// The metrics alone, which decide over the model; no signal is kept.
+    pub fn resolve_metrics(&mut self, filling: &mut Filling) -> Outputs {
         let metrics = filling.take("/outputs/metrics", &mut self.metrics, ALL.to_vec());
         for (index, part) in metrics.iter().enumerate() {
             if metrics[..index].contains(part) {
                 filling.refuse(format!("/outputs/metrics/{index}"), "given more than once");
             }
         }
-        let usual = ["spindle.y.acceleration", "spindle.z.acceleration"].map(str::to_owned).to_vec();
-        let spectra = filling.take("/outputs/spectra", &mut self.spectra, usual);
-        let series = filling.take("/outputs/series", &mut self.series, Vec::new());
         Outputs {
             vibration: metrics.contains(&MetricsPart::Vibration),
             contacts: metrics.contains(&MetricsPart::Contacts),
             cage: metrics.contains(&MetricsPart::Cage),
-            spectra: channels(filling, "/outputs/spectra", &spectra, scene),
-            series: channels(filling, "/outputs/series", &series, scene),
+            spectra: Vec::new(),
+            series: Vec::new(),
         }
     }
 }

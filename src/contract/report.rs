@@ -133,11 +133,17 @@ impl From<&AccuracyReport> for AccuracyAnswer {
         Self {
             level_error_db: report.level_error_db,
             how: report.how.clone(),
-            motion: report.motion.map(|motion| match motion {
-                MotionKind::Decaying => MotionName::Decaying,
-                MotionKind::Diverging => MotionName::Diverging,
-            }),
+            motion: report.motion.map(MotionName::from),
             divergence_rate_per_s: report.divergence_rate,
+        }
+    }
+}
+
+impl From<MotionKind> for MotionName {
+    fn from(motion: MotionKind) -> Self {
+        match motion {
+            MotionKind::Decaying => Self::Decaying,
+            MotionKind::Diverging => Self::Diverging,
         }
     }
 }

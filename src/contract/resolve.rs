@@ -32,6 +32,18 @@ pub struct ResolveAnswer {
     pub settle_s: f64,
     /// [s]
     pub duration_s: f64,
+    /// Of an accuracy job: the methods that it compares.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub methods: Option<Vec<String>>,
+    /// Of an accuracy job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub relative_tolerances: Option<Vec<f64>>,
+    /// Of an accuracy job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub repetitions: Option<u32>,
     /// Pointers, from the root of a job, to the fields that were left to their default.
     #[schema(example = json!(["/scene/spindle/mass_kg"]))]
     pub defaults: Vec<String>,
@@ -95,12 +107,16 @@ pub struct CostAnswer {
 /// Resolves a checked job.
 pub fn resolve_answer(job: &Job) -> ResolveAnswer {
     let at_rest = static_loads(job.scene(), &job.needs).ok();
+    let plan = job.plan.as_ref();
     ResolveAnswer {
         scene: job.scene_json(),
         solver: given_fields(&job.solver),
         outputs: given_fields(&job.outputs),
         settle_s: job.settings.settle,
         duration_s: job.settings.duration,
+        methods: plan.map(|plan| plan.methods.iter().map(|method| method.name().to_owned()).collect()),
+        relative_tolerances: plan.map(|plan| plan.relative_tolerances.clone()),
+        repetitions: plan.map(|plan| plan.repetitions),
         defaults: job.resolved.defaults.clone(),
         left_out: job.needs.left_out.iter().map(LeftOutAnswer::from).collect(),
         cost: cost::estimate(job),

@@ -25,17 +25,23 @@ pub struct SolverInput {
     /// A rung of the ladder of models; left out, the scene and the outputs decide.
     #[schema(nullable = false, value_type = Option<RungName>)]
     pub rung: Option<String>,
-    /// Steps of this size instead of error control [µs]; only with `dormand_prince`.
+    /// Steps of this size instead of error control [µs]; only with `dormand_prince` and `fine_abm`.
     #[schema(nullable = false, minimum = 0.001, maximum = 1000)]
     pub fixed_step_us: Option<f64>,
 }
 
-/// `dormand_prince`: explicit Runge–Kutta of order 5.
+/// `auto`: chooses between the others by the stiffness of the scene, and says why. `gear`: backward differentiation
+/// of variable step and order 1–5. `fine_abm`: precise integration of the linear part with exponential
+/// Adams–Bashforth–Moulton. `dormand_prince`: explicit Runge–Kutta of order 5, for scenes that are not stiff. `radau`:
+/// implicit Runge–Kutta of order 5 (Radau IIA), the reference.
 #[derive(ToSchema)]
 #[schema(rename_all = "snake_case")]
 pub enum MethodName {
     Auto,
+    Gear,
+    FineAbm,
     DormandPrince,
+    Radau,
 }
 
 /// `full`: six degrees of freedom a ball and cage; `planar`: no axial motion, no tilt.
@@ -48,10 +54,10 @@ pub enum RungName {
 
 const METHODS: [(&str, Option<Method>); 10] = [
     ("auto", Some(Method::Auto)),
+    ("gear", Some(Method::Gear)),
+    ("fine_abm", Some(Method::FineAbm)),
     ("dormand_prince", Some(Method::DormandPrince)),
-    ("gear", None),
-    ("fine_abm", None),
-    ("radau", None),
+    ("radau", Some(Method::Radau)),
     ("adams_moulton", None),
     ("runge_kutta_4", None),
     ("semi_implicit", None),
@@ -67,6 +73,9 @@ const RUNGS: [(&str, Option<Rung>); 5] = [
     ("periodic", None),
 ];
 
+/// Tightest and loosest relative tolerance.
+pub const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
+
 /// The solver of a run, in SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solver {
@@ -81,24 +90,33 @@ pub struct Solver {
 impl SolverInput {
     pub fn resolve(&mut self, filling: &mut Filling) -> Solver {
         let name = filling.take("/solver/method", &mut self.method, "auto".to_owned());
-        let method = chosen(filling, "/solver/method", &name, &METHODS).unwrap_or(Method::Auto);
-        let rung = self.rung.as_ref().and_then(|name| chosen(filling, "/solver/rung", name, &RUNGS));
+        let method = method_of(filling, "/solver/method", &name).unwrap_or(Method::Auto);
         let relative_tolerance = filling.take("/solver/relative_tolerance", &mut self.relative_tolerance, 1e-5);
-        filling.within("/solver/relative_tolerance", relative_tolerance, 1e-12, 1e-2, "");
-        let model_tolerance_db = filling.take("/solver/model_tolerance_db", &mut self.model_tolerance_db, 0.05);
-        filling.within("/solver/model_tolerance_db", model_tolerance_db, 0.0, 20.0, "dB");
+        filling.within("/solver/relative_tolerance", relative_tolerance, TOLERANCES.0, TOLERANCES.1, "");
+        let (rung, model_tolerance_db) = self.resolve_model(filling);
         if let Some(step) = self.fixed_step_us {
             filling.within("/solver/fixed_step_us", step, 1e-3, 1e3, "µs");
-            if method != Method::DormandPrince {
-                filling.refuse(
-                    "/solver/fixed_step_us",
-                    format!("goes with the method `dormand_prince`, not with `{name}`"),
-                );
+            if !method.takes_fixed_steps() {
+                let takers = listed(Method::NAMED.iter().filter(|m| m.takes_fixed_steps()).map(|m| m.name()));
+                filling.refuse("/solver/fixed_step_us", format!("goes with the methods {takers}, not with `{name}`"));
             }
         }
         let fixed_step = self.fixed_step_us.map(|step| US.to_si(step));
         Solver { method, rung, relative_tolerance, model_tolerance_db, fixed_step }
     }
+
+    /// What decides over the model alone: rung and `model_tolerance_db`.
+    pub fn resolve_model(&mut self, filling: &mut Filling) -> (Option<Rung>, f64) {
+        let rung = self.rung.as_ref().and_then(|name| chosen(filling, "/solver/rung", name, &RUNGS));
+        let model_tolerance_db = filling.take("/solver/model_tolerance_db", &mut self.model_tolerance_db, 0.05);
+        filling.within("/solver/model_tolerance_db", model_tolerance_db, 0.0, 20.0, "dB");
+        (rung, model_tolerance_db)
+    }
+}
+
+/// The method of that name; `None` with an error at `pointer` where there is none.
+pub fn method_of(filling: &mut Filling, pointer: &str, name: &str) -> Option<Method> {
+    chosen(filling, pointer, name, &METHODS)
 }
 
 /// The choice of that name; known names without one are not available yet.

@@ -18,17 +18,25 @@ const BYTES_PER_SAMPLE: f64 = 8.0 * 4.0;
 /// Most memory that the signals of one run may take: 1 GiB.
 const MOST_BYTES: f64 = 1_073_741_824.0;
 
-/// Time before anything is kept [s]: 3 cage turns, at least 0.02 s.
-pub fn settle(field: &mut Option<f64>, scene: Option<&Scene>, filling: &mut Filling) -> f64 {
-    let default = default_time(0.02, 3.0, scene.map(frequencies).map(|f| f.cage));
+/// Default time before anything is kept [s]: 3 cage turns, at least 0.02 s.
+pub fn default_settle(scene: Option<&Scene>) -> f64 {
+    default_time(0.02, 3.0, scene.map(frequencies).map(|f| f.cage))
+}
+
+/// Default time that is kept [s]: 20 ball passes, at least 0.1 s.
+pub fn default_duration(scene: Option<&Scene>) -> f64 {
+    default_time(0.1, 20.0, scene.map(frequencies).map(|f| f.ball_pass_outer))
+}
+
+/// Time before anything is kept [s].
+pub fn settle(field: &mut Option<f64>, default: f64, filling: &mut Filling) -> f64 {
     let settle = filling.take("/settle_s", field, default);
     filling.within("/settle_s", settle, 0.0, LONGEST_SETTLE, "s");
     settle
 }
 
-/// Time that is kept [s]: 20 ball passes, at least 0.1 s.
-pub fn duration(field: &mut Option<f64>, scene: Option<&Scene>, outputs: &Outputs, filling: &mut Filling) -> f64 {
-    let default = default_time(0.1, 20.0, scene.map(frequencies).map(|f| f.ball_pass_outer));
+/// Time that is kept [s].
+pub fn duration(field: &mut Option<f64>, default: f64, outputs: &Outputs, filling: &mut Filling) -> f64 {
     let duration = filling.take("/duration_s", field, default);
     let asked = outputs.spectra.iter().chain(&outputs.series).collect::<std::collections::BTreeSet<_>>().len();
     let channels = USUAL_CHANNELS + asked;

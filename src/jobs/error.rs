@@ -16,6 +16,9 @@ pub enum JobError {
     /// The job ended without a result.
     #[error("the job is {}", .0.name())]
     NoResult(Status),
+    /// Jobs of this kind never have such a result.
+    #[error("the job is of kind {kind}")]
+    OtherKind { kind: String },
     /// The job's status forbids it.
     #[error("the job is {}", .0.name())]
     Conflict(Status),

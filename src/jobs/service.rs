@@ -15,7 +15,7 @@ use super::running::{Running, StopReason};
 use super::store::{Filter, Signal, Store, records};
 use super::worker::Worker;
 use super::{JobError, JobRecord, NewJob, Status, sweep};
-use crate::contract::{Job, Outcome, RunFailure};
+use crate::contract::{Job, JobKind, Outcome, RunFailure};
 use crate::simulation::run::Control;
 
 /// What computes a job: the contract's `execute`, or a stand-in of a test.
@@ -233,6 +233,11 @@ impl Jobs {
     /// Channels of which a succeeded job keeps a signal.
     pub async fn channels(&self, owner: &str, id: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
         self.inner.store.channels(owner, id, signal).await
+    }
+
+    /// The report of a succeeded accuracy job, as JSON text.
+    pub async fn accuracy(&self, owner: &str, id: Uuid) -> Result<Vec<u8>, JobError> {
+        self.inner.store.report(owner, id, JobKind::Accuracy).await
     }
 
     /// Whether jobs can be taken now.

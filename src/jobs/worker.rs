@@ -10,10 +10,10 @@ use super::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
 use super::queue::{Delivered, Ticket};
 use super::running::{Run, Running, StopReason};
 use super::service::{Settings, Simulator};
-use super::store::claims::{self, Pulse};
+use super::store::claims::{self, Outlook, Pulse};
 use super::store::{Claim, End, Store, StoredResult};
 use super::{Failure, JobError};
-use crate::contract::{self, RunFailure};
+use crate::contract::{self, JobKind, RunFailure};
 use crate::simulation::run::Control;
 
 /// Runs delivered jobs.
@@ -47,8 +47,8 @@ impl Worker {
     }
 
     async fn attempt(&self, ticket: &Ticket) -> Result<Delivered, JobError> {
-        let Some(losses) = self.store.losses(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
-        let Some(_slot) = self.slot(losses, ticket).await else { return Ok(Delivered::HandedBack) };
+        let Some(outlook) = self.store.outlook(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
+        let Some(_slot) = self.slot(&outlook, ticket).await else { return Ok(Delivered::HandedBack) };
         let Some(claim) = self.store.claim(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
         let guard = self.running.enter(claim.job);
         let outcome = match self.without_running(&claim) {
@@ -58,9 +58,11 @@ impl Worker {
         self.conclude(&claim, outcome, ticket).await
     }
 
-    /// One slot, or all of them for a job that may have taken its process down; none once the service stops.
-    async fn slot(&self, losses: u32, ticket: &Ticket) -> Option<OwnedSemaphorePermit> {
-        let slots = if losses < LOSSES_TO_RUN_ALONE { 1 } else { self.settings.workers };
+    /// One slot, or all of them for a job that may have taken its process down and for one that measures time; none
+    /// once the service stops.
+    async fn slot(&self, outlook: &Outlook, ticket: &Ticket) -> Option<OwnedSemaphorePermit> {
+        let alone = outlook.losses >= LOSSES_TO_RUN_ALONE || outlook.kind == JobKind::Accuracy.name();
+        let slots = if alone { self.settings.workers } else { 1 };
         let slots = u32::try_from(slots).unwrap_or(1);
         tokio::select! {
             slot = Arc::clone(&self.slots).acquire_many_owned(slots) => slot.ok(),

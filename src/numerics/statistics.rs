@@ -5,6 +5,15 @@ pub fn mean(signal: &[f64]) -> f64 {
     if signal.is_empty() { 0.0 } else { signal.iter().sum::<f64>() / signal.len() as f64 }
 }
 
+/// Middle value, of an even number the mean of the two in the middle; `None` of an empty slice.
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.len() / 2;
+    let upper = *sorted.get(middle)?;
+    Some(if sorted.len() % 2 == 1 { upper } else { 0.5 * (sorted[middle - 1] + upper) })
+}
+
 /// Root mean square about the mean; 0 of an empty slice.
 pub fn rms(signal: &[f64]) -> f64 {
     central_moment(signal, 2).sqrt()
@@ -132,6 +141,12 @@ mod tests {
         assert!((peak(&signal) - 2.0).abs() < 1e-12);
         assert!((crest_factor(&signal).unwrap() - 2f64.sqrt()).abs() < 1e-12);
         assert!((kurtosis(&signal).unwrap() - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_median_is_the_middle_value() {
+        assert_eq!((median(&[]), median(&[3.0])), (None, Some(3.0)));
+        assert_eq!((median(&[5.0, 1.0, 2.0]), median(&[4.0, 1.0, 2.0, 9.0])), (Some(2.0), Some(3.0)));
     }
 
     #[test]

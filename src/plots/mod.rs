@@ -5,6 +5,7 @@
 mod orbit;
 mod series;
 mod spectrum;
+mod work_precision;
 
 mod axis;
 mod svg;
@@ -12,3 +13,4 @@ mod svg;
 pub use orbit::{OrbitCurve, orbit_svg};
 pub use series::{SeriesCurve, series_svg};
 pub use spectrum::{SpectrumCurve, spectrum_svg};
+pub use work_precision::{FailedRun, WorkPoint, WorkPrecisionCurve, work_precision_svg};

@@ -17,20 +17,27 @@ const STYLE: &str = "\
 .raceway-plot .leader{stroke:#7b8792;stroke-width:.8}\
 .raceway-plot .curve{fill:none;stroke-width:1.1;stroke-linejoin:round}\
 .raceway-plot .c0{stroke:#0b63b0}.raceway-plot .c1{stroke:#b4530a}.raceway-plot .c2{stroke:#2e7d32}\
+.raceway-plot .c3{stroke:#8e2a8c}.raceway-plot .c4{stroke:#5c6670}\
 .raceway-plot .dot{stroke:none}\
 .raceway-plot .f0{fill:#0b63b0}.raceway-plot .f1{fill:#b4530a}.raceway-plot .f2{fill:#2e7d32}\
+.raceway-plot .f3{fill:#8e2a8c}.raceway-plot .f4{fill:#5c6670}\
+.raceway-plot .ring{fill:none;stroke-width:1.3}.raceway-plot .cross{fill:none;stroke-width:1.8}\
+.raceway-plot .floor{stroke:#7b8792;stroke-width:1.2;stroke-dasharray:6 4}\
+.raceway-plot .small{font-size:10.5px;fill:#56616c}\
 @media (prefers-color-scheme:dark){\
 .raceway-plot .paper{fill:#14181d}\
 .raceway-plot .panel{fill:#1a2027;stroke:#48535e}\
 .raceway-plot .grid{stroke:#2b343d}\
 .raceway-plot text{fill:#e4e9ee}\
-.raceway-plot .subtitle,.raceway-plot .note{fill:#a3afba}\
-.raceway-plot .leader{stroke:#8693a0}\
+.raceway-plot .subtitle,.raceway-plot .note,.raceway-plot .small{fill:#a3afba}\
+.raceway-plot .leader,.raceway-plot .floor{stroke:#8693a0}\
 .raceway-plot .c0{stroke:#6cb4ff}.raceway-plot .c1{stroke:#ffb26b}.raceway-plot .c2{stroke:#7fd08a}\
-.raceway-plot .f0{fill:#6cb4ff}.raceway-plot .f1{fill:#ffb26b}.raceway-plot .f2{fill:#7fd08a}}";
+.raceway-plot .c3{stroke:#e08fe0}.raceway-plot .c4{stroke:#b4bec8}\
+.raceway-plot .f0{fill:#6cb4ff}.raceway-plot .f1{fill:#ffb26b}.raceway-plot .f2{fill:#7fd08a}\
+.raceway-plot .f3{fill:#e08fe0}.raceway-plot .f4{fill:#b4bec8}}";
 
 /// Colours before they repeat.
-const COLOURS: usize = 3;
+const COLOURS: usize = 5;
 
 /// Which end of a text stands at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,6 +97,22 @@ impl Drawing {
     pub fn dot(&mut self, colour: usize, x: f64, y: f64) {
         self.element(format_args!(
             "<circle class=\"dot f{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.6\"/>",
+            colour % COLOURS
+        ));
+    }
+
+    /// A hollow dot.
+    pub fn ring(&mut self, colour: usize, x: f64, y: f64) {
+        self.element(format_args!(
+            "<circle class=\"ring c{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>",
+            colour % COLOURS
+        ));
+    }
+
+    pub fn cross(&mut self, colour: usize, x: f64, y: f64) {
+        let (left, right, top, bottom) = (x - 4.0, x + 4.0, y - 4.0, y + 4.0);
+        self.element(format_args!(
+            "<path class=\"cross c{}\" d=\"M{left:.1} {top:.1}L{right:.1} {bottom:.1}M{left:.1} {bottom:.1}L{right:.1} {top:.1}\"/>",
             colour % COLOURS
         ));
     }

@@ -25,10 +25,11 @@ const FOLDS: f64 = 2.0;
 const TIGHTER: f64 = 0.1;
 /// Tightest relative tolerance that double precision resolves here.
 const LEAST_TOLERANCE: f64 = 1e-13;
-const ACCELERATIONS: [Channel; 2] =
+/// What a level is made of.
+pub(super) const ACCELERATIONS: [Channel; 2] =
     [Channel::Spindle(Axis::Y, Motion::Acceleration), Channel::Spindle(Axis::Z, Motion::Acceleration)];
 /// Batches for the sampling error of a level.
-const BATCHES: usize = 10;
+pub(super) const BATCHES: usize = 10;
 
 /// Shortest stretch that tells decay from divergence; shorter runs say nothing about it [s].
 const LEAST_STRETCH: f64 = 5e-3;
@@ -48,22 +49,16 @@ pub(super) fn judge(
     control: &Control<'_>,
 ) -> Result<AccuracyReport, SimulationError> {
     let stretch = judged_stretch(settings);
-    let divergence_rate = divergence_rate(model, settings, checkpoint, stretch, control)?;
+    let divergence_rate = divergence_rate(model, settings, settings.settle, checkpoint, stretch, control)?;
     (control.progress)(0.9);
-    let diverging = divergence_rate * stretch > FOLDS;
-    let decided = stretch >= LEAST_STRETCH;
+    let motion = motion(divergence_rate, stretch);
     let signals = ACCELERATIONS.iter().filter_map(|&channel| recording.signal(channel));
     let sampling = signals
         .filter_map(|signal| level_standard_error_db(&band_limited(signal, RATE, BAND), BATCHES))
         .fold(None, largest);
-    if decided && diverging {
+    if motion == Some(MotionKind::Diverging) {
         let how = "the motion is chaotic: standard error of the level by ten batch means, worst of y and z";
-        return Ok(AccuracyReport {
-            level_error_db: sampling,
-            how: how.into(),
-            motion: Some(MotionKind::Diverging),
-            divergence_rate,
-        });
+        return Ok(AccuracyReport { level_error_db: sampling, how: how.into(), motion, divergence_rate });
     }
     let tolerance_error = tolerance_error(model, needs, settings, recording, checkpoint, stretch, control)?;
     (control.progress)(1.0);
@@ -78,9 +73,16 @@ pub(super) fn judge(
                 if settings.fixed_step.is_some() { "half of the step" } else { "a tenth of the relative tolerance" }
             )
         },
-        motion: decided.then_some(MotionKind::Decaying),
+        motion,
         divergence_rate,
     })
+}
+
+/// What growth at a rate [1/s] over a stretch [s] says of the motion; `None`: the stretch is too short to tell.
+pub(super) fn motion(divergence_rate: f64, stretch: f64) -> Option<MotionKind> {
+    let diverging = divergence_rate * stretch > FOLDS;
+    let kind = if diverging { MotionKind::Diverging } else { MotionKind::Decaying };
+    (stretch >= LEAST_STRETCH).then_some(kind)
 }
 
 fn largest(most: Option<f64>, value: f64) -> Option<f64> {
@@ -94,7 +96,7 @@ fn level_difference(a: &[f64], b: &[f64]) -> Option<f64> {
 }
 
 /// Values between the start of the repeated stretch and the first one compared: past the filter's delay.
-const SKIPPED: usize = 100;
+pub(super) const SKIPPED: usize = 100;
 
 /// |20 lg| of the ratio of the levels of a stretch as it was recorded and repeated at a tighter tolerance, worst of y
 /// and z [dB]; `None` where the run is too short or nothing moves.
@@ -173,11 +175,12 @@ impl OdeSystem for Pair<'_> {
     }
 }
 
-/// Rate at which a small disturbance grows (negative: shrinks) [1/s], by a straight line through the
-/// logarithm of the distance, first tenth left out.
-fn divergence_rate(
+/// Rate at which a small disturbance of the state at `begin` [s] grows over a stretch [s] (negative: shrinks) [1/s], by
+/// a straight line through the logarithm of the distance, first tenth left out.
+pub(super) fn divergence_rate(
     model: &Model,
     settings: &RunSettings,
+    begin: f64,
     checkpoint: &[f64],
     stretch: f64,
     control: &Control<'_>,
@@ -190,12 +193,12 @@ fn divergence_rate(
     let one = model.mechanism().layout.tolerances(settings.relative_tolerance);
     let tolerances = Tolerances { relative: one.relative.repeat(2), absolute: one.absolute.repeat(2) };
     let pair = Pair { model };
-    let mut integrator = settings.method.start(&pair, settings.settle, &start, tolerances, settings.fixed_step);
+    let mut integrator = settings.method.start(&pair, begin, &start, tolerances, settings.fixed_step);
     let kinks: Vec<f64> = model.mechanism().speed.kinks().collect();
     let (mut times, mut logarithms) = (Vec::new(), Vec::new());
     let mut state = start.clone();
     for k in 1..=SAMPLES {
-        let time = settings.settle + stretch * k as f64 / SAMPLES as f64;
+        let time = begin + stretch * k as f64 / SAMPLES as f64;
         while integrator.time() < time {
             let kink = kinks.iter().copied().find(|kink| *kink > integrator.time() && *kink < time);
             step(integrator.as_mut(), kink.unwrap_or(time), model, control)?;

@@ -13,3 +13,4 @@ pub mod run;
 pub mod scene;
 pub mod state;
 pub mod stiffness;
+pub mod work_precision;

@@ -42,7 +42,7 @@ pub struct RunSettings {
     pub relative_tolerance: f64,
     /// How much a level may change by what is left out by judgement [dB]; 0: identities and conventions only.
     pub model_tolerance_db: f64,
-    /// Step of Dormand–Prince without error control [s].
+    /// Step without error control [s]; only for methods that take fixed steps.
     pub fixed_step: Option<f64>,
     /// Simulated before anything is kept.
     pub settle: f64,
@@ -104,10 +104,15 @@ pub enum SimulationError {
     /// `Control::stop` asked for it.
     #[error("stopped at t = {time} s")]
     Stopped { time: f64 },
+    /// It took more evaluations of the equations than it may.
+    #[error("stopped at t = {time} s after {evaluations} evaluations of the equations")]
+    Exhausted { time: f64, evaluations: u64 },
 }
 
 /// Steps between two looks at `Control`.
 pub(super) const STEPS_PER_LOOK: u64 = 256;
+/// Evaluations between two looks at `Control`: a step of an implicit method takes many.
+const EVALUATIONS_PER_LOOK: u64 = 6 * STEPS_PER_LOOK;
 
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from `wall_time`.
 pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
@@ -146,6 +151,8 @@ pub(super) struct Stepping {
     pub relative_tolerance: f64,
     /// [s]
     pub fixed_step: Option<f64>,
+    /// Evaluations of the equations it may take; `None`: as many as it likes.
+    pub most_evaluations: Option<u64>,
 }
 
 impl Stepping {
@@ -154,6 +161,7 @@ impl Stepping {
             method: settings.method,
             relative_tolerance: settings.relative_tolerance,
             fixed_step: settings.fixed_step,
+            most_evaluations: None,
         }
     }
 }
@@ -194,6 +202,7 @@ pub(super) fn integrate(
     let mut stops: Vec<f64> =
         model.mechanism().speed.kinks().filter(|kink| *kink > span.start && *kink < span.end).collect();
     stops.push(span.end);
+    let mut next_look = EVALUATIONS_PER_LOOK;
     for stop in stops {
         while integrator.time() < stop {
             integrator.step(stop).map_err(|source| SimulationError::integration(source, &layout))?;
@@ -201,9 +210,15 @@ pub(super) fn integrate(
                 integrator.interpolate(span.checkpoint, &mut checkpoint);
             }
             after_step(integrator.as_ref());
-            if integrator.statistics().steps.is_multiple_of(STEPS_PER_LOOK) {
+            let evaluations = integrator.statistics().rhs_evaluations;
+            if evaluations >= next_look {
+                next_look = evaluations + EVALUATIONS_PER_LOOK;
+                let time = integrator.time();
                 if (control.stop)() {
-                    return Err(SimulationError::Stopped { time: integrator.time() });
+                    return Err(SimulationError::Stopped { time });
+                }
+                if stepping.most_evaluations.is_some_and(|most| evaluations > most) {
+                    return Err(SimulationError::Exhausted { time, evaluations });
                 }
                 let done = (integrator.time() - span.start) / (span.end - span.start);
                 (control.progress)(span.share.0 + done * (span.share.1 - span.share.0));

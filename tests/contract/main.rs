@@ -6,6 +6,7 @@ mod common;
 mod server;
 
 mod access;
+mod accuracy;
 mod jobs;
 mod jobs_cancel;
 mod jobs_list;

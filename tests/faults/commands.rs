@@ -8,7 +8,12 @@ use serde_json::Value;
 use crate::common::{Process, Server, job_with};
 
 fn simulate(job: &str, more: &[&str]) -> Output {
-    let mut arguments = vec!["simulate", "-"];
+    run("simulate", job, more)
+}
+
+/// A command that reads a job from stdin.
+fn run(command: &str, job: &str, more: &[&str]) -> Output {
+    let mut arguments = vec![command, "-"];
     arguments.extend(more);
     let mut child = Process::command(&arguments).stdin(Stdio::piped()).spawn().expect("the program starts");
     child.stdin.take().expect("a pipe").write_all(job.as_bytes()).expect("the job is read");
@@ -47,6 +52,41 @@ fn a_refused_job_exits_with_2_and_its_problem() {
     assert!(output.stdout.is_empty());
     let problem: Value = serde_json::from_slice(&output.stderr).expect("stderr is a problem");
     assert!(problem["errors"][0]["pointer"].is_string(), "{problem}");
+}
+
+#[test]
+fn accuracy_prints_a_table_and_writes_json_and_svg() {
+    let place = tempfile::tempdir().expect("a directory");
+    let directory = place.path().display().to_string();
+    let request = serde_json::json!({ "scene": job_with(serde_json::json!({}))["scene"], "settle_s": 0, "duration_s": 0.001,
+        "methods": ["dormand_prince"], "relative_tolerances": [1e-3, 1e-5] });
+    let output = run("accuracy", &request.to_string(), &["--output", &directory, "--repetitions", "2"]);
+    let table = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    for words in
+        ["method", "rtol", "reference radau at 1e-11", "dormand_prince", "1e-5", "succeeded", "median and range of 2"]
+    {
+        assert!(table.contains(words), "{words}: {table}");
+    }
+    let written = std::fs::read_to_string(place.path().join("accuracy.json")).expect("the JSON is there");
+    let answer: Value = serde_json::from_str(&written).expect("it is JSON");
+    assert_eq!(answer["points"].as_array().map(Vec::len), Some(2));
+    let svg = std::fs::read_to_string(place.path().join("work-precision.svg")).expect("the plot is there");
+    assert!(svg.starts_with("<svg"));
+    // What is written to repeat it is a job.
+    let again = run("accuracy", &answer["repeat"]["job"].to_string(), &["--output", &directory]);
+    assert_eq!(again.status.code(), Some(0), "{again:?}");
+}
+
+#[test]
+fn accuracy_refuses_a_simulation() {
+    let place = tempfile::tempdir().expect("a directory");
+    let directory = place.path().display().to_string();
+    let output = run("accuracy", &job_with(serde_json::json!({})).to_string(), &["--output", &directory]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let problem: Value = serde_json::from_slice(&output.stderr).expect("stderr is a problem");
+    assert_eq!(problem["errors"][0]["pointer"], "/kind");
+    assert_eq!(place.path().read_dir().expect("a directory").count(), 0);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::contract::{Job, parse_job, parse_scene_request, presets, scene_from_json};
+use crate::contract::{Job, JobKind, parse_accuracy_request, parse_job, parse_scene_request, presets, scene_from_json};
 use crate::physics::bearing::Fit;
 use crate::physics::cage::PocketFilm;
 use crate::physics::spindle::{AxialHold, Unbalance};
@@ -119,6 +119,44 @@ fn equal_work_has_one_canonical_form() {
     assert_eq!(short.canonical(), job(&long).canonical());
     long["duration_s"] = json!(0.2);
     assert_ne!(short.canonical(), job(&long).canonical());
+}
+
+#[test]
+fn an_accuracy_job_has_its_defaults_and_resolves_to_itself() {
+    let mut request = article(json!({"speed_rpm": 50000}));
+    request["kind"] = json!("accuracy");
+    let short = job(&request);
+    let plan = short.plan.as_ref().unwrap();
+    let names: Vec<_> = plan.methods.iter().map(|method| method.name()).collect();
+    assert_eq!(names, ["gear", "fine_abm", "dormand_prince", "radau", "auto"]);
+    assert_eq!(plan.relative_tolerances, [1e-3, 1e-4, 1e-5, 1e-6, 1e-7]);
+    assert_eq!((plan.repetitions, short.settings.settle, short.settings.duration, short.reuse), (1, 0.02, 0.02, false));
+    let again = job(&short.complete());
+    assert_eq!((again.plan.as_ref(), again.canonical()), (short.plan.as_ref(), short.canonical()));
+    request["solver"] = json!({"rung": "planar", "model_tolerance_db": 0});
+    request["outputs"] = json!({"metrics": ["vibration"]});
+    request["reuse"] = json!(false);
+    let chosen = job(&request);
+    assert_eq!(chosen.settings.rung, Some(crate::simulation::run::Rung::Planar));
+    assert!(!chosen.settings.outputs.cage && chosen.settings.outputs.spectra.is_empty());
+}
+
+#[test]
+fn a_scene_alone_makes_an_accuracy_job() {
+    let body = json!({"scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}}).to_string();
+    let job = parse_accuracy_request(body.as_bytes(), Some(5)).unwrap();
+    assert_eq!((job.kind, job.plan.unwrap().repetitions), (JobKind::Accuracy, 5));
+    let body = json!({"repetitions": 2, "scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}}).to_string();
+    assert_eq!(parse_accuracy_request(body.as_bytes(), Some(5)).unwrap().plan.unwrap().repetitions, 2);
+}
+
+#[test]
+fn methods_that_take_fixed_steps_get_them() {
+    for method in ["dormand_prince", "fine_abm"] {
+        let mut request = article(json!({"speed_rpm": 50000}));
+        request["solver"] = json!({"method": method, "fixed_step_us": 0.5});
+        assert_eq!(job(&request).settings.fixed_step, Some(5e-7));
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Wrong requests, each with the field that is named and words of the reason.
 
-use crate::contract::{Refusal, parse_job};
+use crate::contract::{Refusal, parse_accuracy_request, parse_job};
 
 /// A job of the article's bearing with `operation` replaced.
 fn operation(fields: &str) -> String {
@@ -162,7 +162,7 @@ fn impossible_jobs_are_refused() {
         (job(&format!(r#""labels":["{}"]"#, "x".repeat(201))), "/labels/0", "201 characters"),
         (job(&format!(r#""labels":[{}]"#, vec![r#""a""#; 17].join(","))), "/labels", "at most 16"),
         (job(r#""reuse":"yes""#), "/reuse", "expected a boolean"),
-        (job(r#""solver":{"method":"gear"}"#), "/solver/method", "not available in this version"),
+        (job(r#""solver":{"method":"runge_kutta_4"}"#), "/solver/method", "not available in this version"),
         (job(r#""solver":{"method":"shooting"}"#), "/solver/method", "not available in this version"),
         (job(r#""solver":{"method":"euler"}"#), "/solver/method", "unknown"),
         (job(r#""solver":{"rung":"periodic"}"#), "/solver/rung", "not available in this version"),
@@ -173,7 +173,12 @@ fn impossible_jobs_are_refused() {
         ),
         (job(r#""solver":{"relative_tolerance":0}"#), "/solver/relative_tolerance", "0: must be"),
         (job(r#""solver":{"model_tolerance_db":-1}"#), "/solver/model_tolerance_db", "-1 dB"),
-        (job(r#""solver":{"fixed_step_us":1}"#), "/solver/fixed_step_us", "goes with the method `dormand_prince`"),
+        (
+            job(r#""solver":{"fixed_step_us":1}"#),
+            "/solver/fixed_step_us",
+            "goes with the methods `fine_abm`, `dormand_prince`, not with `auto`",
+        ),
+        (job(r#""solver":{"method":"gear","fixed_step_us":1}"#), "/solver/fixed_step_us", "not with `gear`"),
         (job(r#""solver":{"method":"dormand_prince","fixed_step_us":0}"#), "/solver/fixed_step_us", "0 µs"),
         (job(r#""outputs":{"metrics":["noise"]}"#), "/outputs/metrics/0", "unknown variant"),
         (job(r#""outputs":{"metrics":["cage","cage"]}"#), "/outputs/metrics/1", "more than once"),
@@ -194,6 +199,48 @@ fn impossible_jobs_are_refused() {
         ("[]".into(), "", "must be an object"),
         ("7".into(), "", "must be an object"),
     ]);
+}
+
+#[test]
+fn impossible_accuracy_jobs_are_refused() {
+    let job = |fields: &str| job(fields).replace("\"simulation\"", "\"accuracy\"");
+    let many = |count: i32| (0..count).map(|k| format!("{}e-9", k + 1)).collect::<Vec<_>>().join(",");
+    check(&[
+        (job(r#""methods":[]"#), "/methods", "0 methods: must be from 1 to 16"),
+        (job(r#""methods":["gear","gear"]"#), "/methods/1", "more than once"),
+        (job(r#""methods":["euler"]"#), "/methods/0", "unknown; available: `auto`, `gear`"),
+        (job(r#""methods":["shooting"]"#), "/methods/0", "not available in this version"),
+        (job(r#""methods":"gear""#), "/methods", "expected a sequence"),
+        (job(r#""relative_tolerances":[]"#), "/relative_tolerances", "0 tolerances: must be from 1 to 12"),
+        (job(&format!(r#""relative_tolerances":[{}]"#, many(13))), "/relative_tolerances", "13 tolerances"),
+        (job(r#""relative_tolerances":[1e-3,1e-13]"#), "/relative_tolerances/1", "1e-13: must be from 1e-12 to 0.01"),
+        (job(r#""relative_tolerances":[0.1]"#), "/relative_tolerances/0", "0.1: must be"),
+        (job(r#""relative_tolerances":[1e-3,0.001]"#), "/relative_tolerances/1", "more than once"),
+        (job(r#""relative_tolerances":["1e-3"]"#), "/relative_tolerances/0", "expected a number"),
+        (job(r#""repetitions":0"#), "/repetitions", "0: must be from 1 to 9"),
+        (job(r#""repetitions":10"#), "/repetitions", "10: must be"),
+        (job(r#""repetitions":1.5"#), "/repetitions", "whole number"),
+        (job(r#""solver":{"method":"gear"}"#), "/solver/method", "takes /methods"),
+        (job(r#""solver":{"relative_tolerance":1e-5}"#), "/solver/relative_tolerance", "takes /relative_tolerances"),
+        (job(r#""solver":{"fixed_step_us":1}"#), "/solver/fixed_step_us", "with error control"),
+        (job(r#""solver":{"rung":"periodic"}"#), "/solver/rung", "not available in this version"),
+        (job(r#""outputs":{"spectra":[]}"#), "/outputs/spectra", "keeps no signals"),
+        (job(r#""outputs":{"series":["cage.speed"]}"#), "/outputs/series", "keeps no signals"),
+        (job(r#""reuse":true"#), "/reuse", "no other answers it"),
+        (job(r#""duration_s":0"#), "/duration_s", "0 s: must be above 0"),
+    ]);
+}
+
+#[test]
+fn fields_of_accuracy_jobs_are_refused_elsewhere() {
+    check(&[
+        (job(r#""methods":["gear"]"#), "/methods", "goes with the kind `accuracy`, not with `simulation`"),
+        (job(r#""relative_tolerances":[1e-3]"#), "/relative_tolerances", "goes with the kind `accuracy`"),
+        (job(r#""repetitions":3"#), "/repetitions", "goes with the kind `accuracy`"),
+    ]);
+    let body = job(r#""settle_s":0"#);
+    let refused = parse_accuracy_request(body.as_bytes(), None);
+    assert!(refused.is_err_and(|refusal| refusal.to_string().contains("must be `accuracy`, not `simulation`")));
 }
 
 #[test]
@@ -235,7 +282,7 @@ fn text_that_is_no_json_is_told_apart() {
 
 #[test]
 fn several_faults_are_told_at_once() {
-    let body = r#"{"kind":"simulation","duration_s":-1,"priority":9,"solver":{"method":"gear"},
+    let body = r#"{"kind":"simulation","duration_s":-1,"priority":9,"solver":{"method":"shooting"},
         "scene":{"bearing":{"preset":"608","ball_diameter_mm":-1,"cage":{"mass_g":-1}},
         "operation":{"speed_rpm":1e6,"radial_load_y_n":1},"spindle":{"mass_kg":0}}}"#;
     let Err(Refusal::Invalid { errors }) = parse_job(body.as_bytes()) else { panic!("accepted") };

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::contract::{RunFailure, SpectrumKind, execute, parse_job, parse_scene_request, resolve_answer};
+use crate::contract::{Outcome, RunFailure, SpectrumKind, execute, parse_job, parse_scene_request, resolve_answer};
 use crate::simulation::run::Control;
 
 fn article() -> Value {
@@ -36,7 +36,9 @@ fn a_short_run_gives_what_was_asked_for() {
     let mut request = article();
     request["outputs"]["metrics"] = json!(["vibration"]);
     let job = parse_job(request.to_string().as_bytes()).unwrap();
-    let outcome = execute(&job, &Control { stop: &|| false, progress: &|_| () }).unwrap();
+    let Ok(Outcome::Simulation(outcome)) = execute(&job, &Control { stop: &|| false, progress: &|_| () }) else {
+        panic!("the run failed")
+    };
     let metrics = serde_json::to_value(&outcome.metrics).unwrap();
     assert!(metrics["channels"]["spindle.y.acceleration"]["level_db"].is_f64());
     for absent in ["contacts", "kinematics", "cage"] {
@@ -47,6 +49,69 @@ fn a_short_run_gives_what_was_asked_for() {
     assert_eq!(kinds, [SpectrumKind::Amplitude, SpectrumKind::Envelope].repeat(2));
     assert_eq!(outcome.series.len(), 1);
     assert_eq!(outcome.series[0].value.len(), outcome.series[0].time_s.len());
+}
+
+#[test]
+fn an_accuracy_job_compares_methods_with_a_reference() {
+    let request = json!({"kind": "accuracy", "settle_s": 0.002, "duration_s": 0.003, "repetitions": 3,
+        "methods": ["dormand_prince", "auto"], "relative_tolerances": [1e-6, 1e-3],
+        "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}});
+    let job = parse_job(request.to_string().as_bytes()).unwrap();
+    let shares = std::cell::RefCell::new(vec![0.0]);
+    let progress = |share: f64| shares.borrow_mut().push(share);
+    let outcome = execute(&job, &Control { stop: &|| false, progress: &progress });
+    let Ok(Outcome::Accuracy(answer)) = outcome else { panic!("{outcome:?}") };
+    assert!(shares.borrow().is_sorted() && shares.borrow().last() > Some(&0.9), "{:?}", shares.borrow().last());
+    let answer = serde_json::to_value(&answer).unwrap();
+    let points = answer["points"].as_array().unwrap();
+    let order: Vec<_> =
+        points.iter().map(|p| (p["method"].as_str().unwrap(), p["relative_tolerance"].as_f64().unwrap())).collect();
+    assert_eq!(order, [("dormand_prince", 1e-3), ("dormand_prince", 1e-6), ("auto", 1e-3), ("auto", 1e-6)]);
+    let number = |value: &Value, field: &str| value[field].as_f64().unwrap_or_else(|| panic!("{field}: {value}"));
+    for point in points {
+        assert_eq!(point["status"], "succeeded", "{point}");
+        let range = point["wall_time_range_s"].as_array().unwrap();
+        assert!(
+            range[0].as_f64() <= point["wall_time_s"].as_f64() && range[1].as_f64() >= point["wall_time_s"].as_f64()
+        );
+        assert!(number(point, "trajectory_error") <= number(point, "largest_error"));
+        assert!(number(point, "steps") > 0.0 && number(point, "mean_step_s") > 0.0);
+    }
+    let (loose, tight) = (&points[0], &points[1]);
+    for field in ["trajectory_error", "level_error_db", "line_amplitude_error", "line_frequency_error_hz"] {
+        assert!(number(tight, field) < 0.1 * number(loose, field), "{field}: {loose} {tight}");
+    }
+    let ratio = number(loose, "trajectory_error") / 1e-3;
+    assert!((number(loose, "error_over_tolerance") / ratio - 1.0).abs() < 1e-12);
+    let own = number(&answer["reference"], "own_trajectory_error");
+    assert!(own > 0.0 && 10.0 * own < number(tight, "trajectory_error"), "{own}");
+    assert_eq!(
+        (&tight["below_reference"], answer["reference"]["lines"].as_array().map(|l| l.len() > 1)),
+        (&json!(false), Some(true))
+    );
+    for pointer in [
+        "/reference/levels_db/spindle.y.acceleration",
+        "/compared/quantity",
+        "/timing/inside",
+        "/machine/compiler",
+        "/repeat/job/methods",
+    ] {
+        assert!(answer.pointer(pointer).is_some_and(|value| !value.is_null()), "{pointer}");
+    }
+}
+
+#[test]
+fn an_accuracy_job_costs_more_than_a_run() {
+    let mut request = json!({"kind": "simulation", "settle_s": 0.02, "duration_s": 0.02,
+        "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}});
+    let resolved = |request: &Value| resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap());
+    let one = resolved(&request);
+    request["kind"] = json!("accuracy");
+    let many = resolved(&request);
+    assert!(many.cost.estimated_wall_time_s.unwrap() > 10.0 * one.cost.estimated_wall_time_s.unwrap());
+    assert_eq!((one.methods, many.methods.map(|methods| methods.len())), (None, Some(5)));
+    assert!(many.defaults.iter().any(|pointer| pointer == "/relative_tolerances"));
+    assert!(many.solver.get("method").is_none() && many.outputs.get("spectra").is_none());
 }
 
 #[test]
@@ -67,6 +132,18 @@ fn a_stopped_run_is_cancelled() {
     let job = parse_job(article().to_string().as_bytes()).unwrap();
     let failure = execute(&job, &Control { stop: &|| true, progress: &|_| () });
     assert_eq!(failure.err(), Some(RunFailure::Cancelled));
+    // In each part of a study: settling, reference, points.
+    for share in [0.0, 0.2, 0.5] {
+        let mut request = article();
+        request["kind"] = json!("accuracy");
+        request["outputs"] = json!({});
+        let job = parse_job(request.to_string().as_bytes()).unwrap();
+        let reached = std::cell::Cell::new(0.0);
+        let stop = || reached.get() >= share;
+        let failure = execute(&job, &Control { stop: &stop, progress: &|share| reached.set(share) });
+        assert_eq!(failure.err(), Some(RunFailure::Cancelled), "{share}");
+        assert!(reached.get() < share + 0.2, "{share}: {}", reached.get());
+    }
 }
 
 /// Whatever number is put into whatever field, it is refused or every number of the answer is finite.

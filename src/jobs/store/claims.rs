@@ -21,6 +21,14 @@ pub struct Claim {
     pub cancel_requested: bool,
 }
 
+/// What is known of a job before it is claimed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Outlook {
+    /// Runs that have ended with their process.
+    pub losses: u32,
+    pub kind: String,
+}
+
 /// How a run ended.
 #[derive(Debug)]
 pub enum End {
@@ -38,13 +46,14 @@ pub enum Pulse {
 }
 
 impl Store {
-    /// How often a run of this job has ended with its process; `None`: this delivery is void.
-    pub async fn losses(&self, job: Uuid, delivery: i64) -> Result<Option<u32>, JobError> {
-        let sql = "SELECT lost + (status = 'running') FROM jobs \
+    /// What decides how a job runs; `None`: this delivery is void.
+    pub async fn outlook(&self, job: Uuid, delivery: i64) -> Result<Option<Outlook>, JobError> {
+        let sql = "SELECT lost + (status = 'running'), kind FROM jobs \
                    WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running')";
         // Read where it is written: a reader may not see the row of a delivery that it has just caused.
-        let losses: Option<i64> = sqlx::query_scalar(sql).bind(job).bind(delivery).fetch_optional(&self.writer).await?;
-        Ok(losses.map(|losses| u32::try_from(losses).unwrap_or(u32::MAX)))
+        let row: Option<(i64, String)> =
+            sqlx::query_as(sql).bind(job).bind(delivery).fetch_optional(&self.writer).await?;
+        Ok(row.map(|(losses, kind)| Outlook { losses: u32::try_from(losses).unwrap_or(u32::MAX), kind }))
     }
 
     /// Takes the job; `None`: it has ended, or another delivery has replaced this one.

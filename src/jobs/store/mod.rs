@@ -98,7 +98,10 @@ fn is_outside_transactions(connection: &SqliteConnection) -> bool {
 }
 
 /// Our migrations, in order; never edited once released.
-const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql"))];
+const MIGRATIONS: [(i64, &str, &str); 2] = [
+    (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
+    (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
+];
 
 async fn migrate(writer: &SqlitePool) -> Result<(), JobError> {
     let migrations = MIGRATIONS.map(|(version, name, sql)| {

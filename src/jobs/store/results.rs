@@ -1,4 +1,5 @@
-//! Results: metrics as they are sent, spectra and series compressed, one row a channel.
+//! Results: metrics as they are sent, spectra and series compressed, one row a channel; reports of other jobs than
+//! simulations, compressed.
 
 use std::io::{Read, Write};
 
@@ -9,7 +10,7 @@ use serde::Serialize;
 use uuid::Uuid;
 
 use super::Store;
-use crate::contract::{Outcome, SpectrumKind};
+use crate::contract::{JobKind, Outcome, Simulated, SpectrumKind};
 use crate::jobs::queue::Tx;
 use crate::jobs::{JobError, Status};
 
@@ -33,14 +34,21 @@ impl Signal {
 
 /// A result as it is written. Made outside of any transaction: compressing takes time.
 #[derive(Debug)]
-pub struct StoredResult {
-    metrics: String,
-    signals: Vec<(Signal, String, Vec<u8>)>,
+pub enum StoredResult {
+    Simulation { metrics: String, signals: Vec<(Signal, String, Vec<u8>)> },
+    Report(Vec<u8>),
 }
 
 impl StoredResult {
-    /// Encodes and compresses what a run left behind.
+    /// Encodes and compresses what a job left behind.
     pub fn of(outcome: &Outcome) -> Result<Self, JobError> {
+        match outcome {
+            Outcome::Simulation(simulated) => Self::of_simulation(simulated),
+            Outcome::Accuracy(answer) => Ok(Self::Report(compressed(answer)?)),
+        }
+    }
+
+    fn of_simulation(outcome: &Simulated) -> Result<Self, JobError> {
         let metrics = serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()))?;
         let mut signals = Vec::new();
         for spectrum in &outcome.spectra {
@@ -53,7 +61,7 @@ impl StoredResult {
         for series in &outcome.series {
             signals.push((Signal::Series, series.channel.clone(), compressed(series)?));
         }
-        Ok(Self { metrics, signals })
+        Ok(Self::Simulation { metrics, signals })
     }
 }
 
@@ -67,11 +75,19 @@ fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
 /// Adds a result.
 pub(super) async fn insert(tx: &mut Tx, result: &StoredResult) -> Result<Uuid, JobError> {
     let id = Uuid::now_v7();
+    let (metrics, signals) = match result {
+        StoredResult::Simulation { metrics, signals } => (metrics.as_str(), signals.as_slice()),
+        StoredResult::Report(_) => ("", &[][..]),
+    };
     let sql = "INSERT INTO results (id, metrics) VALUES ($1, $2)";
-    sqlx::query(sql).bind(id).bind(&result.metrics).execute(&mut **tx).await?;
-    for (signal, channel, answer) in &result.signals {
+    sqlx::query(sql).bind(id).bind(metrics).execute(&mut **tx).await?;
+    for (signal, channel, answer) in signals {
         let sql = "INSERT INTO signals (result_id, sort, channel, answer) VALUES ($1, $2, $3, $4)";
         sqlx::query(sql).bind(id).bind(signal.name()).bind(channel).bind(answer).execute(&mut **tx).await?;
+    }
+    if let StoredResult::Report(answer) = result {
+        let sql = "INSERT INTO reports (result_id, answer) VALUES ($1, $2)";
+        sqlx::query(sql).bind(id).bind(answer).execute(&mut **tx).await?;
     }
     Ok(id)
 }
@@ -86,7 +102,7 @@ pub(super) async fn remove_orphan(tx: &mut Tx, result: Uuid) -> Result<(), JobEr
 impl Store {
     /// The metrics of a succeeded job, as JSON text.
     pub async fn metrics(&self, owner: &str, job: Uuid) -> Result<String, JobError> {
-        let result = self.result_of(owner, job).await?;
+        let result = self.result_of(owner, job, JobKind::Simulation).await?;
         let sql = "SELECT metrics FROM results WHERE id = $1";
         let metrics = sqlx::query_scalar(sql).bind(result).fetch_optional(&self.readers).await?;
         metrics.ok_or(JobError::NotFound)
@@ -94,7 +110,7 @@ impl Store {
 
     /// A signal of a succeeded job, as JSON text.
     pub async fn signal(&self, owner: &str, job: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
-        let result = self.result_of(owner, job).await?;
+        let result = self.result_of(owner, job, JobKind::Simulation).await?;
         let sql = "SELECT answer FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
         let answer: Option<Vec<u8>> = sqlx::query_scalar(sql)
             .bind(result)
@@ -108,9 +124,17 @@ impl Store {
         }
     }
 
+    /// The report of a succeeded job of a kind that leaves one, as JSON text.
+    pub async fn report(&self, owner: &str, job: Uuid, kind: JobKind) -> Result<Vec<u8>, JobError> {
+        let result = self.result_of(owner, job, kind).await?;
+        let sql = "SELECT answer FROM reports WHERE result_id = $1";
+        let answer: Option<Vec<u8>> = sqlx::query_scalar(sql).bind(result).fetch_optional(&self.readers).await?;
+        decompressed(&answer.ok_or(JobError::NotFound)?)
+    }
+
     /// Channels of which a job keeps a signal.
     pub async fn channels(&self, owner: &str, job: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
-        let result = self.result_of(owner, job).await?;
+        let result = self.result_of(owner, job, JobKind::Simulation).await?;
         self.kept(result, signal).await
     }
 
@@ -119,11 +143,15 @@ impl Store {
         Ok(sqlx::query_scalar(sql).bind(result).bind(signal.name()).fetch_all(&self.readers).await?)
     }
 
-    async fn result_of(&self, owner: &str, job: Uuid) -> Result<Uuid, JobError> {
-        let sql = "SELECT status, result_id FROM jobs WHERE id = $1 AND owner = $2";
-        let row: Option<(String, Option<Uuid>)> =
+    /// The result of a job, which must be of that kind: others never have such a result.
+    async fn result_of(&self, owner: &str, job: Uuid, wanted: JobKind) -> Result<Uuid, JobError> {
+        let sql = "SELECT status, result_id, kind FROM jobs WHERE id = $1 AND owner = $2";
+        let row: Option<(String, Option<Uuid>, String)> =
             sqlx::query_as(sql).bind(job).bind(owner).fetch_optional(&self.readers).await?;
-        let (status, result) = row.ok_or(JobError::NotFound)?;
+        let (status, result, kind) = row.ok_or(JobError::NotFound)?;
+        if kind != wanted.name() {
+            return Err(JobError::OtherKind { kind });
+        }
         match (result, Status::parse(&status)) {
             (Some(result), _) => Ok(result),
             (None, Some(status)) if status.is_final() => Err(JobError::NoResult(status)),

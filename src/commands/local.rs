@@ -1,0 +1,85 @@
+//! A job in this process: read, run with its progress shown, its results written as files.
+
+use std::fs;
+use std::io::{IsTerminal, Read};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use serde::Serialize;
+
+use super::Ended;
+use crate::api::{ApiError, Problem};
+use crate::contract::{self, Job, Outcome, Refusal, RunFailure};
+use crate::jobs::Failure;
+use crate::simulation::run::Control;
+
+/// Reads a file, or stdin for `-`, and what `parse` makes of it; tells why not.
+pub fn read(path: &Path, parse: impl FnOnce(&[u8]) -> Result<Job, Refusal>) -> Result<Job, Ended> {
+    let body = bytes_of(path).map_err(|error| refused(&format!("{}: {error}", path.display())))?;
+    parse(&body).map_err(|refusal| refused(&json(&ApiError::from(refusal).problem().1)))
+}
+
+fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
+    if path != Path::new("-") {
+        return fs::read(path);
+    }
+    let mut body = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut body)?;
+    Ok(body)
+}
+
+/// Runs the job, its progress on stderr where that is a terminal; tells why it failed.
+pub fn execute(job: &Job) -> Result<Outcome, Ended> {
+    let shows_progress = std::io::stderr().is_terminal();
+    let shown = AtomicU8::new(u8::MAX);
+    let show = |share: f64| {
+        let percent = (100.0 * share.clamp(0.0, 1.0)) as u8;
+        if shows_progress && shown.swap(percent, Ordering::Relaxed) != percent {
+            eprint!("\r{percent:3} % ");
+        }
+    };
+    let outcome = contract::execute(job, &Control { stop: &|| false, progress: &show });
+    if shows_progress {
+        eprint!("\r      \r");
+    }
+    outcome.map_err(|failure| match failure {
+        RunFailure::Cancelled => badly("cancelled"),
+        RunFailure::Failed { cause, detail } => badly(&json(&Problem::of_run(&Failure::new(cause, detail)))),
+    })
+}
+
+/// A directory that results go to.
+pub struct Directory {
+    path: PathBuf,
+}
+
+impl Directory {
+    /// Makes it where it is missing; otherwise says why not.
+    pub fn at(path: &Path) -> Result<Self, String> {
+        fs::create_dir_all(path).map_err(|error| cannot_write(path, &error))?;
+        Ok(Self { path: path.to_owned() })
+    }
+
+    pub fn write(&self, name: &str, text: &str) -> Result<(), String> {
+        let path = self.path.join(name);
+        fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+    }
+}
+
+fn cannot_write(path: &Path, error: &std::io::Error) -> String {
+    format!("cannot write {}: {error}", path.display())
+}
+
+pub fn json(answer: &impl Serialize) -> String {
+    serde_json::to_string_pretty(answer).unwrap_or_default()
+}
+
+pub fn refused(why: &str) -> Ended {
+    eprintln!("{why}");
+    Ended::Refused
+}
+
+pub fn badly(why: &str) -> Ended {
+    eprintln!("{why}");
+    Ended::Badly
+}

@@ -1,0 +1,194 @@
+//! How far a run is from the reference.
+
+use super::super::channel::Channel;
+use super::super::lines::Line;
+use super::super::metrics;
+use super::super::run::ChannelSpectra;
+use super::super::scene::Scene;
+use super::course::{Course, Finished};
+use super::{MOST_GROWN, levels};
+use crate::numerics::spectrum::{Spectrum, interpolated_peak};
+
+/// Least scale of a component, in its natural size: what hardly moves is not divided by nearly nothing.
+pub const LEAST_SCALE: f64 = 0.01;
+/// Lines that are compared of a channel.
+const LINES: usize = 3;
+/// A line is looked for within this many bins of its place in the reference.
+const LINE_REACH: usize = 2;
+
+/// Deviations of the states over their scales [-]. The scale of a component is its standard deviation in the reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrajectoryError {
+    /// Root mean square over components and output grid.
+    pub rms: f64,
+    /// Largest of any component at any point.
+    pub largest: f64,
+    /// Root mean square over the components at the last point compared.
+    pub end: f64,
+    /// Time compared, from the common start [s].
+    pub compared: f64,
+}
+
+/// All errors of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Errors {
+    /// `None`: the motion is chaotic and parts from the reference before the first point of the grid.
+    pub trajectory: Option<TrajectoryError>,
+    /// Worst of the accelerations [dB]; `None` where one of them stands still.
+    pub level_db: Option<f64>,
+    /// Worst over the compared lines [Hz]; `None` where there are none.
+    pub line_frequency: Option<f64>,
+    /// Relative, worst over the compared lines [-].
+    pub line_amplitude: Option<f64>,
+}
+
+impl Errors {
+    pub fn is_finite(&self) -> bool {
+        let trajectory = self.trajectory.is_none_or(|e| [e.rms, e.largest, e.end].iter().all(|x| x.is_finite()));
+        let others = [self.level_db, self.line_frequency, self.line_amplitude];
+        trajectory && others.iter().flatten().all(|error| error.is_finite())
+    }
+}
+
+/// The larger of those that are there.
+pub fn largest(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    a.into_iter().chain(b).reduce(f64::max)
+}
+
+/// The reference, made ready to be compared with.
+pub struct Comparison<'a> {
+    course: &'a Course<'a>,
+    reference: &'a Finished,
+    /// One for each entry of the state.
+    scales: Vec<f64>,
+    /// Rate at which trajectories part [1/s]; 0 where they do not.
+    growth: f64,
+    pub levels: Vec<(Channel, Option<f64>)>,
+    pub lines: Vec<(Channel, Line)>,
+}
+
+impl<'a> Comparison<'a> {
+    pub fn new(scene: &Scene, course: &'a Course<'a>, reference: &'a Finished, growth: f64) -> Self {
+        let sizes = course.sizes();
+        let spread = standard_deviations(&reference.trajectory, course.dimension());
+        let scales = spread.iter().zip(&sizes).map(|(spread, size)| spread.max(LEAST_SCALE * size)).collect();
+        let spectra = metrics::spectra(&reference.recording, &course.settings);
+        let frequencies = metrics::frequencies(scene, &reference.recording);
+        let mut lines: Vec<(Channel, Line)> = Vec::new();
+        for (channel, line) in metrics::lines(scene, &spectra, &frequencies) {
+            if lines.iter().filter(|(other, _)| *other == channel).count() < LINES {
+                lines.push((channel, line));
+            }
+        }
+        Self { course, reference, scales, growth, levels: levels(reference), lines }
+    }
+
+    /// Errors of a run made at a relative tolerance.
+    pub fn errors(&self, run: &Finished, relative_tolerance: f64) -> Errors {
+        let spectra = metrics::spectra(&run.recording, &self.course.settings);
+        let lines: Vec<(f64, f64)> = self.lines.iter().filter_map(|line| line_error(line, &spectra)).collect();
+        Errors {
+            trajectory: self.trajectory(run, relative_tolerance),
+            level_db: self.level_error(run),
+            line_frequency: lines.iter().map(|error| error.0).reduce(f64::max),
+            line_amplitude: lines.iter().map(|error| error.1).reduce(f64::max),
+        }
+    }
+
+    fn level_error(&self, run: &Finished) -> Option<f64> {
+        let both = self.levels.iter().zip(levels(run));
+        let errors = both.filter_map(|((_, reference), (_, level))| Some((level? - (*reference)?).abs()));
+        errors.reduce(f64::max)
+    }
+
+    /// Over the time in which a run at that tolerance has something in common with the reference.
+    pub fn trajectory(&self, run: &Finished, relative_tolerance: f64) -> Option<TrajectoryError> {
+        let count = self.compared(relative_tolerance);
+        let n = self.course.dimension();
+        if count == 0 || n == 0 {
+            return None;
+        }
+        let (mut squares, mut worst, mut end) = (0.0, 0.0, 0.0);
+        for point in 0..count {
+            let at = point * n..(point + 1) * n;
+            let pairs = run.trajectory[at.clone()].iter().zip(&self.reference.trajectory[at]);
+            end = 0.0;
+            for ((value, reference), scale) in pairs.zip(&self.scales) {
+                let error = ((value - reference) / scale).abs();
+                end += error * error;
+                // A NaN must not get lost in a maximum.
+                worst = if error > worst || error.is_nan() { error } else { worst };
+            }
+            squares += end;
+        }
+        Some(TrajectoryError {
+            rms: (squares / (count * n) as f64).sqrt(),
+            largest: worst,
+            end: (end / n as f64).sqrt(),
+            compared: count as f64 * self.course.grid_step,
+        })
+    }
+
+    /// Points of the grid at which `tolerance · e^(growth · time)` is below `MOST_GROWN`.
+    fn compared(&self, relative_tolerance: f64) -> usize {
+        if self.growth <= 0.0 {
+            return self.course.grid_count;
+        }
+        let horizon = (MOST_GROWN / relative_tolerance).ln() / self.growth;
+        ((horizon / self.course.grid_step).max(0.0) as usize).min(self.course.grid_count)
+    }
+}
+
+/// Frequency error [Hz] and relative amplitude error of a line of the reference; `None` where the run has no such
+/// spectrum.
+fn line_error((channel, line): &(Channel, Line), spectra: &[ChannelSpectra]) -> Option<(f64, f64)> {
+    let spectrum = &spectra.iter().find(|spectra| spectra.channel == *channel)?.amplitude;
+    let (frequency, amplitude) = peak_near(spectrum, line.frequency)?;
+    Some(((frequency - line.frequency).abs(), (amplitude / line.amplitude - 1.0).abs()))
+}
+
+/// Frequency [Hz] and amplitude of the strongest peak near a frequency.
+fn peak_near(spectrum: &Spectrum, frequency: f64) -> Option<(f64, f64)> {
+    let bin = (frequency / spectrum.resolution).round() as usize;
+    let bins = bin.saturating_sub(LINE_REACH)..(bin + LINE_REACH + 1).min(spectrum.amplitude.len());
+    let strongest = bins.max_by(|&a, &b| spectrum.amplitude[a].total_cmp(&spectrum.amplitude[b]))?;
+    Some(interpolated_peak(spectrum, strongest))
+}
+
+/// Of each component over the points of the grid.
+fn standard_deviations(trajectory: &[f64], dimension: usize) -> Vec<f64> {
+    let count = (trajectory.len() / dimension.max(1)).max(1) as f64;
+    let component = |i: usize| trajectory.iter().skip(i).step_by(dimension.max(1));
+    (0..dimension)
+        .map(|i| {
+            let mean = component(i).sum::<f64>() / count;
+            (component(i).map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn standard_deviations_are_those_of_each_component() {
+        // Components 1, 3 and 5, 5 at two points.
+        assert_eq!(standard_deviations(&[1.0, 5.0, 3.0, 5.0], 2), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_line_is_found_again_where_it_has_moved_to() {
+        let amplitude = vec![0.0, 0.0, 0.1, 1.0, 0.5, 0.0, 9.0];
+        let spectrum = Spectrum { resolution: 10.0, amplitude, window: "hann" };
+        let (frequency, amplitude) = peak_near(&spectrum, 29.0).unwrap();
+        assert!((30.0..35.0).contains(&frequency) && amplitude >= 1.0, "{frequency} {amplitude}");
+        assert_eq!(peak_near(&spectrum, 1e6), None);
+    }
+
+    #[test]
+    fn the_larger_of_two_is_that_which_is_there() {
+        assert_eq!((largest(None, Some(1.0)), largest(Some(2.0), Some(1.0))), (Some(1.0), Some(2.0)));
+        assert_eq!(largest(None, None), None);
+    }
+}
