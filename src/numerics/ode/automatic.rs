@@ -8,7 +8,7 @@
 
 use super::dormand_prince::DormandPrince;
 use super::gear::Gear;
-use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
+use super::{Choice, IntegrationError, Integrator, OdeSystem, Statistics, Tolerances};
 
 /// h·|λ| from which a step of Dormand–Prince counts as held by stability, and where that ends.
 const HELD: f64 = 2.8;
@@ -28,8 +28,8 @@ const WARM_UP: u64 = 100;
 const GAIN: f64 = 1.2;
 
 enum Active<'a, S: OdeSystem + ?Sized> {
-    Explicit(DormandPrince<'a, S>),
-    Stiff(Gear<'a, S>),
+    Explicit(Box<DormandPrince<'a, S>>),
+    Stiff(Box<Gear<'a, S>>),
 }
 
 /// Where a count of Gear's cost began.
@@ -65,7 +65,7 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
         Self {
             system,
             tolerances,
-            active: Active::Explicit(explicit),
+            active: Active::Explicit(Box::new(explicit)),
             past: Statistics::default(),
             changes: 0,
             held_looks: 0,
@@ -78,8 +78,8 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
 
     fn integrator(&self) -> &dyn Integrator {
         match &self.active {
-            Active::Explicit(method) => method,
-            Active::Stiff(method) => method,
+            Active::Explicit(method) => method.as_ref(),
+            Active::Stiff(method) => method.as_ref(),
         }
     }
 
@@ -109,7 +109,7 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
                 let cheaper = self.stiff_cost.is_none_or(|cost| self.explicit_cost() > GAIN * cost);
                 if self.held_looks >= HELD_LOOKS && cheaper {
                     let method = Gear::new(self.system, method.time(), method.state(), self.tolerances.clone());
-                    self.change(work, Active::Stiff(method));
+                    self.change(work, Active::Stiff(Box::new(method)));
                 }
             }
             Active::Stiff(method) => {
@@ -131,7 +131,7 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
                 if cost > GAIN * self.explicit_cost() {
                     let tolerances = self.tolerances.clone();
                     let method = DormandPrince::new(self.system, method.time(), method.state(), tolerances, None);
-                    self.change(work, Active::Explicit(method));
+                    self.change(work, Active::Explicit(Box::new(method)));
                 }
             }
         }
@@ -214,6 +214,7 @@ impl<S: OdeSystem + ?Sized> Integrator for Automatic<'_, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::ode::Method;
     use crate::numerics::ode::structure::{Jacobian, dense_differences};
 
     /// y' = −rate (y − cos t) − sin t beside an oscillator of frequency 1; the rate may change at t = 20.

@@ -21,15 +21,16 @@ const SHARE: f64 = 0.25;
 /// Corrector iterations a step.
 const MOST_ITERATIONS: u32 = 4;
 /// Error that the corrector may leave, as a share of that of a step.
-const CORRECTOR_ERROR: f64 = 0.1;
+const CORRECTOR_ERROR: f64 = 0.07;
 /// A factor made for another leading coefficient serves while that is off by less than this share.
 const COEFFICIENT_DRIFT: f64 = 0.3;
 /// Steps after which a factor, with its Jacobian when that has cost as much as a new one, is made anew.
 const FACTOR_AGE: u32 = 20;
-/// The error of the next step is aimed at this share of the tolerance: at the same, the next lower and the next higher order.
-const AIM: [f64; 3] = [1.0 / 4.0, 1.0 / 4.0, 1.0 / 8.0];
+/// The error of the next step is aimed at this share of what it may be: at the same, the next lower and the next higher order.
+/// High orders are favoured: their steps cost the same, and err less than they are estimated to.
+const AIM: [f64; 3] = [1.0 / 4.0, 1.0 / 4.0, 1.0 / 2.0];
 /// A step must gain this much to grow, so that differences and factors are not upset for little.
-const LEAST_GAIN: f64 = 1.3;
+const LEAST_GAIN: f64 = 1.2;
 const LARGEST_GAIN: f64 = 4.0;
 /// Tries of one step, whatever they fail by.
 const MOST_TRIES: u32 = 60;
