@@ -10,7 +10,7 @@ mod local;
 pub mod serve;
 pub mod simulate;
 /// Results as text for people.
-mod table;
+pub mod table;
 
 use std::process::ExitCode;
 

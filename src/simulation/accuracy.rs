@@ -21,6 +21,9 @@ const SATURATED: f64 = 0.1;
 const SAMPLES: usize = 50;
 /// Growth by this many e-folds over the stretch counts as diverging; less may be a neutral drift of the azimuths.
 const FOLDS: f64 = 2.0;
+/// Loosest relative tolerance at which two motions are followed: whether they part is a matter of the scene, and must not
+/// drown in the errors of the steps.
+const PAIR_TOLERANCE: f64 = 1e-6;
 /// How much tighter the repetition is.
 const TIGHTER: f64 = 0.1;
 /// Tightest relative tolerance that double precision resolves here.
@@ -89,12 +92,14 @@ fn largest(most: Option<f64>, value: f64) -> Option<f64> {
     Some(most.map_or(value, |most: f64| most.max(value)))
 }
 
-/// |20 lg(rms a / rms b)| [dB]; `None` where one stands still.
+/// 20 lg(rms a / rms b) [dB]; `None` where one stands still.
 fn level_difference(a: &[f64], b: &[f64]) -> Option<f64> {
     let (a, b) = (rms(a), rms(b));
-    (a > 0.0 && b > 0.0).then(|| 20.0 * (a / b).log10().abs())
+    (a > 0.0 && b > 0.0).then(|| 20.0 * (a / b).log10())
 }
 
+/// Parts of the repeated stretch whose levels are compared one by one.
+const PARTS: usize = 5;
 /// Values between the start of the repeated stretch and the first one compared: past the filter's delay.
 pub(super) const SKIPPED: usize = 100;
 
@@ -130,9 +135,25 @@ fn tolerance_error(
     let repeated = observer.finish();
     let difference = |channel: Channel| {
         let first = recording.signal(channel)?.get(SKIPPED..values)?;
-        level_difference(first, repeated.signal(channel)?)
+        let again = repeated.signal(channel)?;
+        let whole = level_difference(first, again)?;
+        // Differences of either sign can cancel over the whole: their scatter over parts is added to it.
+        let part = first.len().div_ceil(PARTS);
+        let parts: Vec<f64> =
+            first.chunks(part).zip(again.chunks(part)).filter_map(|(a, b)| level_difference(a, b)).collect();
+        Some(whole.hypot(standard_error(&parts)))
     };
     Ok(ACCELERATIONS.into_iter().filter_map(difference).fold(None, largest))
+}
+
+/// Standard error of the mean of a few values.
+fn standard_error(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    if n < 2.0 {
+        return 0.0;
+    }
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt()
 }
 
 fn step(
@@ -190,32 +211,38 @@ pub(super) fn divergence_rate(
     let mut start = checkpoint.to_vec();
     // Alternating signs: a disturbance that no symmetry of the bearing cancels.
     start.extend((0..n).map(|i| checkpoint[i] + if i % 3 == 0 { -1.0 } else { 1.0 } * DISTURBANCE * sizes[i]));
-    let one = model.mechanism().layout.tolerances(settings.relative_tolerance);
+    let one = model.mechanism().layout.tolerances(settings.relative_tolerance.min(PAIR_TOLERANCE));
     let tolerances = Tolerances { relative: one.relative.repeat(2), absolute: one.absolute.repeat(2) };
     let pair = Pair { model };
     let mut integrator = settings.method.start(&pair, begin, &start, tolerances, settings.fixed_step);
-    let kinks: Vec<f64> = model.mechanism().speed.kinks().collect();
+    let end = begin + stretch;
+    let mut stops: Vec<f64> = model.mechanism().speed.kinks().filter(|kink| *kink > begin && *kink < end).collect();
+    stops.push(end);
     let (mut times, mut logarithms) = (Vec::new(), Vec::new());
     let mut state = start.clone();
-    for k in 1..=SAMPLES {
-        let time = begin + stretch * k as f64 / SAMPLES as f64;
-        while integrator.time() < time {
-            let kink = kinks.iter().copied().find(|kink| *kink > integrator.time() && *kink < time);
-            step(integrator.as_mut(), kink.unwrap_or(time), model, control)?;
-            if Some(integrator.time()) == kink {
-                integrator.restart();
+    let mut sample = 1;
+    for stop in stops {
+        while integrator.time() < stop {
+            step(integrator.as_mut(), stop, model, control)?;
+            while sample <= SAMPLES {
+                let time = (begin + stretch * sample as f64 / SAMPLES as f64).min(end);
+                if time > integrator.time() {
+                    break;
+                }
+                integrator.interpolate(time, &mut state);
+                let squares: f64 = (0..n).map(|i| ((state[n + i] - state[i]) / sizes[i]).powi(2)).sum();
+                let distance = (squares / n as f64).sqrt();
+                if distance > SATURATED || distance == 0.0 {
+                    return Ok(slope(&times, &logarithms).unwrap_or(0.0));
+                }
+                if sample > SAMPLES / 10 {
+                    times.push(time);
+                    logarithms.push(distance.ln());
+                }
+                sample += 1;
             }
         }
-        integrator.interpolate(time, &mut state);
-        let squares: f64 = (0..n).map(|i| ((state[n + i] - state[i]) / sizes[i]).powi(2)).sum();
-        let distance = (squares / n as f64).sqrt();
-        if distance > SATURATED || distance == 0.0 {
-            break;
-        }
-        if k > SAMPLES / 10 {
-            times.push(time);
-            logarithms.push(distance.ln());
-        }
+        integrator.restart();
     }
     Ok(slope(&times, &logarithms).unwrap_or(0.0))
 }

@@ -29,6 +29,8 @@ const STIFF_WINDOW: u64 = 400;
 const EXPLICIT_WARM_UP: u64 = 20;
 const STIFF_WARM_UP: u64 = 100;
 const MOST_DOUBLINGS: u32 = 6;
+/// The fastest rate seen fades by this factor a window.
+const FADING: f64 = 0.9;
 /// A change must promise this gain.
 const GAIN: f64 = 1.2;
 
@@ -100,8 +102,9 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
                     return;
                 }
                 let step = method.time() - method.previous_time();
-                self.fastest = method.fastest_rate();
-                let ratio = step * self.fastest;
+                let rate = method.fastest_rate();
+                self.fastest = rate.max(FADING * self.fastest);
+                let ratio = step * rate;
                 self.look(ratio);
                 let Some(cost) = self.measure(work, EXPLICIT_WARM_UP, EXPLICIT_WINDOW) else { return };
                 self.explicit_cost = Some(cost);
@@ -116,7 +119,8 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
                 let Some(cost) = self.measure(work, STIFF_WARM_UP, STIFF_WINDOW) else { return };
                 let Active::Stiff(method) = &self.active else { return };
                 let cost = STIFF_EVALUATION * cost;
-                self.fastest = method.fastest_rate();
+                // What was fast a moment ago will be again: balls come back to the load.
+                self.fastest = method.fastest_rate().max(FADING * self.fastest);
                 self.stiff_cost = Some(cost);
                 if self.explicit_cost().is_some_and(|explicit| cost > GAIN * explicit) {
                     let tolerances = self.tolerances.clone();

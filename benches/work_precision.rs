@@ -1,0 +1,121 @@
+//! Error against run time of the scenes of docs/ACCURACY.md, by every method.
+//!
+//! `cargo bench --bench work_precision` runs all of `benches/scenes`; `-- a b` those named; `--repetitions N` times each run N
+//! times (default 5); `--plots DIR` writes `DIR/work-precision-NAME.svg`. Prints a table a scene, and a last one: for plain
+//! runs of the scenes, the level error that a result states beside the true one.
+
+use std::path::PathBuf;
+
+use raceway::commands::table;
+use raceway::contract::{self, Metrics, Outcome, WorkPrecisionAnswer, execute};
+use raceway::render;
+use raceway::simulation::run::Control;
+use serde_json::{Value, json};
+
+const SCENES: [&str; 5] = ["a", "b", "c-no-film", "c-no-damping", "d"];
+const CONTROL: Control<'static> = Control { stop: &|| false, progress: &|_| {} };
+
+struct Options {
+    scenes: Vec<String>,
+    repetitions: u32,
+    plots: Option<PathBuf>,
+}
+
+fn main() {
+    let options = options();
+    for name in &options.scenes {
+        println!("## Scene {name}\n");
+        let answer = study(name, options.repetitions);
+        println!("{}", table::work_precision(&answer));
+        if let Some(directory) = &options.plots {
+            let file = directory.join(format!("work-precision-{name}.svg"));
+            std::fs::write(&file, render::work_precision(&answer)).expect("the plot's directory can be written to");
+        }
+    }
+    println!("## Stated and true level error of plain runs\n");
+    println!("| scene | method | rtol | stated [dB] | true [dB] | stated/true | motion | rate [1/s] |");
+    println!("|---|---|---|---|---|---|---|---|");
+    for name in &options.scenes {
+        estimates(name);
+    }
+}
+
+fn options() -> Options {
+    let mut options = Options { scenes: Vec::new(), repetitions: 5, plots: None };
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            // Cargo's own.
+            "--bench" => {}
+            "--repetitions" => {
+                let count = arguments.next().and_then(|count| count.parse().ok());
+                options.repetitions = count.expect("--repetitions takes a number");
+            }
+            "--plots" => options.plots = Some(arguments.next().expect("--plots takes a directory").into()),
+            name if SCENES.contains(&name) => options.scenes.push(name.to_owned()),
+            other => panic!("no scene is called {other}; there are {SCENES:?}"),
+        }
+    }
+    if options.scenes.is_empty() {
+        options.scenes = SCENES.map(str::to_owned).to_vec();
+    }
+    options
+}
+
+/// The accuracy job of a scene.
+fn job(name: &str) -> Value {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("benches/scenes/{name}.json"));
+    let text = std::fs::read_to_string(file).expect("each scene has its file");
+    serde_json::from_str(&text).expect("scenes are JSON")
+}
+
+fn study(name: &str, repetitions: u32) -> Box<WorkPrecisionAnswer> {
+    let request = job(name).to_string();
+    let job = contract::parse_accuracy_request(request.as_bytes(), Some(repetitions)).expect("scenes are jobs");
+    match execute(&job, &CONTROL) {
+        Ok(Outcome::Accuracy(answer)) => answer,
+        Ok(Outcome::Simulation(_)) => unreachable!("an accuracy job has an accuracy result"),
+        Err(failure) => panic!("scene {name}: {failure}"),
+    }
+}
+
+/// A plain run of the scene.
+fn plain(name: &str, method: &str, tolerance: f64) -> Metrics {
+    let study = job(name);
+    let request = json!({
+        "kind": "simulation", "scene": study["scene"], "settle_s": study["settle_s"], "duration_s": 0.05,
+        "solver": { "method": method, "relative_tolerance": tolerance },
+        "outputs": { "metrics": ["vibration"], "spectra": [] }
+    });
+    let job = contract::parse_job(request.to_string().as_bytes()).expect("scenes are jobs");
+    match execute(&job, &CONTROL) {
+        Ok(Outcome::Simulation(simulated)) => simulated.metrics,
+        Ok(Outcome::Accuracy(_)) => unreachable!("a simulation has a simulation's result"),
+        Err(failure) => panic!("scene {name}: {failure}"),
+    }
+}
+
+/// Rows of the last table. The truth is a run at 1e-10: for a chaotic scene another sample of the same motion.
+fn estimates(name: &str) {
+    let levels = |metrics: &Metrics| {
+        let channels = metrics.channels.as_ref().expect("vibration was asked for");
+        ["spindle.y.acceleration", "spindle.z.acceleration"]
+            .map(|channel| channels[channel].level_db.expect("the scenes vibrate"))
+    };
+    let truth = levels(&plain(name, "gear", 1e-10));
+    for (method, tolerance) in
+        [("auto", 1e-3), ("auto", 1e-4), ("auto", 1e-5), ("auto", 1e-6), ("radau", 1e-4), ("fine_abm", 1e-4)]
+    {
+        let metrics = plain(name, method, tolerance);
+        let found = levels(&metrics);
+        let error = (found[0] - truth[0]).abs().max((found[1] - truth[1]).abs());
+        let accuracy = &metrics.accuracy;
+        let stated = accuracy.level_error_db.unwrap_or(f64::NAN);
+        println!(
+            "| {name} | {method} | {tolerance:e} | {stated:.1e} | {error:.1e} | {:.2} | {} | {:.0} |",
+            stated / error,
+            accuracy.motion.map_or("unknown".into(), |motion| format!("{motion:?}").to_lowercase()),
+            accuracy.divergence_rate_per_s
+        );
+    }
+}
