@@ -43,8 +43,8 @@ pub fn estimate(job: &Job) -> CostAnswer {
 fn simulated_time(job: &Job, stretch: f64) -> f64 {
     let (settle, duration) = (job.settings.settle, job.settings.duration);
     match &job.plan {
-        // Judging the accuracy follows two copies over a stretch, and repeats it once.
-        None => settle + duration + 3.0 * stretch,
+        // Judging the accuracy follows two copies over a stretch, and repeats it once, mostly with the time to settle.
+        None => settle + duration + 3.0 * stretch + if settle <= duration { settle } else { 0.0 },
         Some(plan) => {
             let runs = (plan.methods.len() * plan.relative_tolerances.len()) as f64 * f64::from(plan.repetitions);
             settle + 2.0 * stretch + (runs + REFERENCE_RUNS) * duration

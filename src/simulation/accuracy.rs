@@ -11,8 +11,10 @@ use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{level_standard_error_db, rms, slope};
 
-/// Stretch over which the disturbed and the undisturbed motion are followed, and the run repeated [s].
+/// Stretch over which the disturbed and the undisturbed motion are followed [s].
 const STRETCH: f64 = 0.01;
+/// Stretch that is repeated at a tighter tolerance [s].
+const REPEATED: f64 = 0.01;
 /// Disturbance, in sizes of the state's entries: 1e-11 m in each position.
 const DISTURBANCE: f64 = 1e-5;
 /// Distances at which two motions have nothing more in common; growth ends there.
@@ -42,13 +44,13 @@ pub fn judged_stretch(settings: &RunSettings) -> f64 {
     settings.duration.min(STRETCH)
 }
 
-/// Judges a run from the state at its checkpoint, the end of settling.
+/// Judges a run from its first state and that at its checkpoint, the end of settling.
 pub(super) fn judge(
     model: &Model,
     needs: &Needs,
     settings: &RunSettings,
     recording: &Recording,
-    checkpoint: &[f64],
+    (start, checkpoint): (&[f64], &[f64]),
     control: &Control<'_>,
 ) -> Result<AccuracyReport, SimulationError> {
     let stretch = judged_stretch(settings);
@@ -63,7 +65,10 @@ pub(super) fn judge(
         let how = "the motion is chaotic: standard error of the level by ten batch means, worst of y and z";
         return Ok(AccuracyReport { level_error_db: sampling, how: how.into(), motion, divergence_rate });
     }
-    let tolerance_error = tolerance_error(model, needs, settings, recording, checkpoint, stretch, control)?;
+    let stretch = settings.duration.min(REPEATED);
+    // With what settling has left behind, too, where that does not double the work.
+    let begin = if settings.settle <= settings.duration { (0.0, start) } else { (settings.settle, checkpoint) };
+    let tolerance_error = tolerance_error(model, needs, settings, recording, begin, stretch, control)?;
     (control.progress)(1.0);
     Ok(AccuracyReport {
         level_error_db: tolerance_error,
@@ -110,7 +115,7 @@ fn tolerance_error(
     needs: &Needs,
     settings: &RunSettings,
     recording: &Recording,
-    checkpoint: &[f64],
+    (begin, state): (f64, &[f64]),
     stretch: f64,
     control: &Control<'_>,
 ) -> Result<Option<f64>, SimulationError> {
@@ -130,18 +135,19 @@ fn tolerance_error(
         ..Stepping::of(settings)
     };
     let mut observer = Observer::new(model, needs, &again);
-    let span = Span { start: settings.settle, end: observer.end(), checkpoint: settings.settle, share: (0.9, 1.0) };
-    integrate(model, checkpoint, &stepping, &span, control, |step| observer.after(step))?;
+    let span = Span { start: begin, end: observer.end(), checkpoint: begin, share: (0.9, 1.0) };
+    integrate(model, state, &stepping, &span, control, |step| observer.after(step))?;
     let repeated = observer.finish();
     let difference = |channel: Channel| {
-        let first = recording.signal(channel)?.get(SKIPPED..values)?;
-        let again = repeated.signal(channel)?;
-        let whole = level_difference(first, again)?;
-        // Differences of either sign can cancel over the whole: their scatter over parts is added to it.
+        let first = band_limited(recording.signal(channel)?.get(SKIPPED..values)?, RATE, BAND);
+        let again = band_limited(repeated.signal(channel)?, RATE, BAND);
+        let whole = level_difference(&first, &again)?;
+        // Differences of either sign can cancel: their scatter over parts tells by how much the rest of the run may differ.
+        let unseen = (1.0 - stretch / settings.duration).max(0.0).sqrt();
         let part = first.len().div_ceil(PARTS);
         let parts: Vec<f64> =
             first.chunks(part).zip(again.chunks(part)).filter_map(|(a, b)| level_difference(a, b)).collect();
-        Some(whole.hypot(standard_error(&parts)))
+        Some(whole.hypot(unseen * standard_error(&parts)))
     };
     Ok(ACCELERATIONS.into_iter().filter_map(difference).fold(None, largest))
 }
