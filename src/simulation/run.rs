@@ -12,6 +12,7 @@ use super::observe::{Observer, Recording};
 use super::scene::Scene;
 use super::state::{BallState, Layout, SpindleState};
 pub use crate::numerics::ode::Method;
+use crate::numerics::ode::stability::{self, StabilityWatch};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Statistics};
 use crate::numerics::spectrum::Spectrum;
 
@@ -119,7 +120,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let span = Span { start: 0.0, end: observer.end(), checkpoint: settings.settle, share: (0.0, MAIN_SHARE) };
     let main = integrate(&model, &start, &Stepping::of(settings), &span, control, |step| observer.after(step))?;
     let recording = observer.finish();
-    let accuracy = accuracy::judge(&model, &needs, settings, &recording, &main.checkpoint, control)?;
+    let accuracy = accuracy::judge(&model, &needs, settings, &recording, &main, control)?;
     Ok(summarise(scene, settings, &needs, &model, &recording, &main, accuracy, begin))
 }
 
@@ -175,6 +176,8 @@ pub(super) struct Integrated {
     pub choice: Choice,
     /// State at the checkpoint.
     pub checkpoint: Vec<f64>,
+    /// In words, where a fixed step lies beyond the limit of stability.
+    pub unstable: Option<String>,
 }
 
 /// Integrates a span, showing the integrator to `after_step` after each step. Steps end exactly where
@@ -190,6 +193,7 @@ pub(super) fn integrate(
     let layout = model.mechanism().layout;
     let tolerances = layout.tolerances(stepping.relative_tolerance);
     let mut integrator = stepping.method.start(model, span.start, start, tolerances, stepping.fixed_step);
+    let mut watch = stepping.fixed_step.map(StabilityWatch::new);
     let mut checkpoint = start.to_vec();
     let mut stops: Vec<f64> =
         model.mechanism().speed.kinks().filter(|kink| *kink > span.start && *kink < span.end).collect();
@@ -201,6 +205,12 @@ pub(super) fn integrate(
                 integrator.interpolate(span.checkpoint, &mut checkpoint);
             }
             after_step(integrator.as_ref());
+            if let Some(watch) = &mut watch
+                && integrator.statistics().steps.is_multiple_of(stability::STEPS_PER_LOOK)
+                && let Some(seen) = integrator.stability()
+            {
+                watch.look(seen);
+            }
             if integrator.statistics().steps.is_multiple_of(STEPS_PER_LOOK) {
                 if (control.stop)() {
                     return Err(SimulationError::Stopped { time: integrator.time() });
@@ -213,7 +223,12 @@ pub(super) fn integrate(
             integrator.restart();
         }
     }
-    Ok(Integrated { statistics: integrator.statistics(), choice: integrator.choice(), checkpoint })
+    Ok(Integrated {
+        statistics: integrator.statistics(),
+        choice: integrator.choice(),
+        checkpoint,
+        unstable: watch.and_then(|watch| watch.warning()),
+    })
 }
 
 #[allow(clippy::too_many_arguments)] // Everything a run knows meets here once.

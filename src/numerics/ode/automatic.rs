@@ -8,11 +8,11 @@
 
 use super::dormand_prince::DormandPrince;
 use super::gear::Gear;
-use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
+use super::stability::DORMAND_PRINCE as STABLE;
+use super::{Choice, IntegrationError, Integrator, OdeSystem, Statistics, Tolerances};
 
-/// h·|λ| from which a step of Dormand–Prince counts as held by stability, and where that ends.
+/// h·|λ| from which a step of Dormand–Prince counts as held by stability.
 const HELD: f64 = 2.8;
-const STABLE: f64 = 3.3;
 /// Looks at h·|λ| in a row that find it held, each after so many steps.
 const HELD_LOOKS: u32 = 4;
 const STEPS_PER_LOOK: u64 = 8;
@@ -204,6 +204,7 @@ impl<S: OdeSystem + ?Sized> Integrator for Automatic<'_, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::ode::Method;
     use crate::numerics::ode::structure::{Jacobian, dense_differences};
 
     /// y' = −rate (y − cos t) − sin t beside an oscillator of frequency 1; the rate may change at t = 20.

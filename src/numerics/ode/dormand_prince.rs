@@ -3,6 +3,7 @@
 //! Coefficients: J. R. Dormand & P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19–26, table 2;
 //! dense output of order 4: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.6.
 
+use super::stability::{self, Stability};
 use super::step_size::{StepSizeControl, error_norm, initial_step, worst_component};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
@@ -243,6 +244,10 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
 
     fn choice(&self) -> Choice {
         Choice { method: Method::DormandPrince, reason: None }
+    }
+
+    fn stability(&self) -> Option<Stability> {
+        (self.statistics.steps > 0).then(|| Stability { rate: self.fastest_rate(), limit: stability::DORMAND_PRINCE })
     }
 }
 

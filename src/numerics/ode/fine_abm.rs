@@ -11,6 +11,7 @@
 
 use super::dormand_prince::DormandPrince;
 use super::phi::{Phi, double, phi};
+use super::stability::{self, Stability};
 use super::step_size::{error_norm, worst_component};
 use super::structure::{Jacobian, Structure, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
@@ -608,6 +609,12 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
 
     fn choice(&self) -> Choice {
         Choice { method: Method::FineAbm, reason: None }
+    }
+
+    /// Of what it does not integrate exactly.
+    fn stability(&self) -> Option<Stability> {
+        let steps = self.walker.is_none() && self.step > 0.0;
+        steps.then(|| Stability { rate: self.rate_of_rest / self.step, limit: stability::FINE_ABM })
     }
 }
 
