@@ -6,7 +6,8 @@
 //! the best one of another integrator (or, where no other has one, with its own at the other tolerance): levels of the
 //! accelerations of y and z, and the distance of the paths, root mean square in sizes of the entries (1 µm, 10 mm/s, …).
 //! Amplification is how far a small disturbance of the start has grown at most by the end; it decides how well two
-//! right answers can agree.
+//! right answers can agree. Where only the levels are off (nearly nothing moves), the run is made again as the service
+//! makes it: it must state an error of that size itself.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -21,7 +22,7 @@ use raceway::simulation::equilibrium::static_loads;
 use raceway::simulation::model::Model;
 use raceway::simulation::needs::Needs;
 use raceway::simulation::observe::Observer;
-use raceway::simulation::run::{Outputs, RunSettings, start_state};
+use raceway::simulation::run::{Control, Outputs, RunSettings, run, start_state};
 use raceway::simulation::scene::Scene;
 use serde_json::{Value, json};
 
@@ -35,12 +36,16 @@ const DISPLACEMENT: f64 = 1e-3;
 /// Levels below this count as silence [m/s²].
 const SILENCE: f64 = 1e-3;
 /// Two right paths may differ by so many times tolerance and amplification.
-const ERRORS: f64 = 100.0;
+const ERRORS: f64 = 300.0;
 /// Part of a size up to which paths that amplify are still compared.
 const COMPARABLE: f64 = 1.0;
 /// Levels of right answers differ by no more [dB], at the looser and the tighter tolerance; and those of chaotic ones.
 const LEVEL: [f64; 2] = [0.3, 0.03];
 const CHAOTIC_LEVEL: f64 = 3.0;
+/// A stated error may be too small by this factor: it is that of another stretch of the run.
+const STATED: f64 = 10.0;
+/// Looks of the service's run, each after 256 steps, before it is stopped.
+const MOST_LOOKS: u64 = 4000;
 
 fn article() -> Value {
     json!({
@@ -104,6 +109,8 @@ struct Case {
     scene: Value,
     settle: f64,
     duration: f64,
+    /// Times the budget.
+    patience: u64,
 }
 
 fn cases() -> Vec<Case> {
@@ -112,16 +119,19 @@ fn cases() -> Vec<Case> {
         scene: changed(article(), changes),
         settle: 2e-3,
         duration: 3e-3,
+        patience: 1,
     };
     let bearing = |changes: Value| json!({ "bearing": changes });
     let cage = |changes: Value| json!({ "bearing": { "cage": changes } });
     let operation = |changes: Value| json!({ "operation": changes });
     let traction = |law: Value| json!({ "lubricant": { "kind": "grease", "traction": law } });
     let weight = |kg: f64| json!({ "spindle": { "mass_kg": kg }, "gravity_m_s2": 0 });
-    let curvature =
-        |f: f64, um: f64| bearing(json!({ "inner_groove_curvature": f, "outer_groove_curvature": f, "radial_clearance_um": um }));
+    let curvature = |f: f64, um: f64| {
+        bearing(json!({ "inner_groove_curvature": f, "outer_groove_curvature": f, "radial_clearance_um": um }))
+    };
     let (four, eight) = (load_at(4e9), load_at(8e9));
-    let step = json!([{ "at_s": 0, "rpm": 50_000 }, { "at_s": 0.003, "rpm": 50_000 }, { "at_s": 0.003_001, "rpm": 20_000 }]);
+    let step =
+        json!([{ "at_s": 0, "rpm": 50_000 }, { "at_s": 0.003, "rpm": 50_000 }, { "at_s": 0.003_001, "rpm": 20_000 }]);
     let mut all = vec![
         case("article's case", json!({})),
         case("no load", operation(json!({ "radial_load_y_n": 0 }))),
@@ -157,7 +167,10 @@ fn cases() -> Vec<Case> {
         case("f = 0.5000001", curvature(0.500_000_1, 1e-6)),
         case("f = 0.501", curvature(0.501, 2.0)),
         case("f = 0.6", curvature(0.6, 5.0)),
-        case("viscous damping 1e9", json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 1e9 } } })),
+        case(
+            "viscous damping 1e9",
+            json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 1e9 } } }),
+        ),
         case("film stiffness 1e10", cage(json!({ "film": { "stiffness_n_per_m": 1e10, "damping_n_s_per_m": 3 } }))),
         case("film damping 1e5", cage(json!({ "film": { "stiffness_n_per_m": 0, "damping_n_s_per_m": 1e5 } }))),
         case("cage of 1e-6 g", cage(json!({ "mass_g": 1e-6 }))),
@@ -171,8 +184,11 @@ fn cases() -> Vec<Case> {
         case("viscosity 100", json!({ "lubricant": { "kind": "oil", "viscosity_pa_s": 100 } })),
         case("dry, chaotic", json!({ "lubricant": "dry" })),
     ];
-    all.push(Case { name: "1 µs".into(), scene: article(), settle: 0.0, duration: 1e-6 });
-    all.push(Case { name: "60 s".into(), scene: article(), settle: 0.02, duration: 60.0 });
+    for case in all.iter_mut().filter(|case| case.name == "film stiffness 1e10") {
+        case.patience = 4;
+    }
+    all.push(Case { name: "1 µs".into(), scene: article(), settle: 0.0, duration: 1e-6, patience: 1 });
+    all.push(Case { name: "60 s".into(), scene: article(), settle: 0.02, duration: 60.0, patience: 1 });
     all
 }
 
@@ -209,6 +225,32 @@ impl OdeSystem for Budgeted<'_> {
     }
 }
 
+fn settings(case: &Case, method: Method, tolerance: f64) -> RunSettings {
+    RunSettings {
+        method,
+        rung: None,
+        relative_tolerance: tolerance,
+        model_tolerance_db: 0.05,
+        fixed_step: None,
+        settle: case.settle,
+        duration: case.duration,
+        outputs: outputs(),
+    }
+}
+
+/// The error of the level that the service would state for this run [dB], or why there is none.
+fn stated_error(case: &Case, scene: &Scene, method: Method, tolerance: f64) -> Result<f64, String> {
+    let looks = Cell::new(0);
+    let stop = || {
+        looks.set(looks.get() + 1);
+        looks.get() > MOST_LOOKS
+    };
+    let control = Control { stop: &stop, progress: &|_| {} };
+    let result = run(scene, &settings(case, method, tolerance), &control).map_err(|error| error.to_string())?;
+    let accuracy = result.summary.accuracy;
+    accuracy.level_error_db.ok_or(accuracy.how)
+}
+
 struct Answer {
     /// Of the accelerations in y and z [m/s²].
     levels: [f64; 2],
@@ -226,18 +268,17 @@ enum End {
     Broken(String),
 }
 
-fn simulate(case: &Case, scene: &Scene, model: &Model, start: &[f64], method: Method, tolerance: f64, budget: u64) -> End {
+fn simulate(
+    case: &Case,
+    scene: &Scene,
+    model: &Model,
+    start: &[f64],
+    method: Method,
+    tolerance: f64,
+    budget: u64,
+) -> End {
     let needs = Needs::of(scene, &outputs(), None).expect("no rung is asked for");
-    let settings = RunSettings {
-        method,
-        rung: None,
-        relative_tolerance: tolerance,
-        model_tolerance_db: 0.05,
-        fixed_step: None,
-        settle: case.settle,
-        duration: case.duration,
-        outputs: outputs(),
-    };
+    let settings = settings(case, method, tolerance);
     let begin = Instant::now();
     let layout = model.mechanism().layout;
     let system = Budgeted { model, left: Cell::new(budget) };
@@ -259,9 +300,8 @@ fn simulate(case: &Case, scene: &Scene, model: &Model, start: &[f64], method: Me
                     return End::OverBudget(format!("{budget} evaluations for {:.3} of {total} ms", time * 1e3));
                 }
                 let component = match error {
-                    IntegrationError::StepTooSmall { component, .. } | IntegrationError::NotFinite { component, .. } => {
-                        layout.name(component)
-                    }
+                    IntegrationError::StepTooSmall { component, .. }
+                    | IntegrationError::NotFinite { component, .. } => layout.name(component),
                     IntegrationError::Stopped { .. } => String::new(),
                 };
                 return End::Failed(format!("{error} ({component})"));
@@ -376,7 +416,7 @@ fn rows(case: &Case, selection: &Selection) -> Result<Vec<Verdict>, String> {
     let start = start_state(&model).map_err(|error| error.to_string())?;
     let sizes = model.mechanism().layout.sizes();
     let guarded = |start: &[f64], method: Method, tolerance: f64| {
-        let run = || simulate(case, &scene, &model, start, method, tolerance, selection.budget);
+        let run = || simulate(case, &scene, &model, start, method, tolerance, case.patience * selection.budget);
         catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| End::Broken("panicked".into()))
     };
     let methods: Vec<Method> = Method::NAMED.into_iter().chain([Method::Auto]).collect();
@@ -385,9 +425,8 @@ fn rows(case: &Case, selection: &Selection) -> Result<Vec<Verdict>, String> {
         ends.push((method, TOLERANCES.map(|tolerance| guarded(&start, method, tolerance))));
     }
     // Displaced in a way that no symmetry cancels.
-    let displaced: Vec<f64> = (0..start.len())
-        .map(|i| start[i] + if i % 3 == 0 { -1.0 } else { 1.0 } * DISPLACEMENT * sizes[i])
-        .collect();
+    let displaced: Vec<f64> =
+        (0..start.len()).map(|i| start[i] + if i % 3 == 0 { -1.0 } else { 1.0 } * DISPLACEMENT * sizes[i]).collect();
     let mut amplification = None;
     for (method, [_, tight]) in &ends {
         let End::Answer(straight) = tight else { continue };
@@ -413,7 +452,10 @@ fn rows(case: &Case, selection: &Selection) -> Result<Vec<Verdict>, String> {
             .enumerate()
             .map(|(which, end)| {
                 let (verdict, words) = match end {
-                    End::Answer(answer) => judge(&ends, index, which, answer, amplification.unwrap_or(1.0), &sizes),
+                    End::Answer(answer) => {
+                        let stated = || stated_error(case, &scene, *method, TOLERANCES[which]);
+                        judge(&ends, index, which, answer, amplification.unwrap_or(1.0), &sizes, stated)
+                    }
                     End::OverBudget(words) => (Verdict::OverBudget, words.clone()),
                     End::Failed(words) => (Verdict::Failed, words.clone()),
                     End::Broken(words) => (Verdict::Wrong, words.clone()),
@@ -438,6 +480,7 @@ fn judge(
     answer: &Answer,
     amplification: f64,
     sizes: &[f64],
+    stated: impl Fn() -> Result<f64, String>,
 ) -> (Verdict, String) {
     // `auto` may have run what stands beside it: the same bits show nothing.
     let other = |method: usize, which: usize| match &ends[method].1[which] {
@@ -459,9 +502,18 @@ fn judge(
     let tolerance = TOLERANCES[which].max(TOLERANCES[at]);
     let allowed = ERRORS * tolerance * amplification;
     let chaotic = allowed > COMPARABLE;
-    let right = if chaotic { level <= CHAOTIC_LEVEL } else { path <= allowed && level <= LEVEL[usize::from(tolerance <= TOLERANCES[1])] };
+    let right_path = chaotic || path <= allowed;
+    let right_level = level <= LEVEL[usize::from(tolerance <= TOLERANCES[1])] + CHAOTIC_LEVEL * allowed.min(COMPARABLE);
+    let (said, right) = if right_path && !right_level {
+        match stated() {
+            Ok(error) => (format!(", states {error:.1e} dB"), error * STATED >= level),
+            Err(words) => return (Verdict::OverBudget, format!("{level:.1e} dB, and as a whole run: {words}; {work}")),
+        }
+    } else {
+        (String::new(), right_path && right_level)
+    };
     let words = format!(
-        "{level:.1e} dB, {path:.1e} (≤ {most:.1e}) from {} at {:e}{}; {work}",
+        "{level:.1e} dB{said}, {path:.1e} (≤ {most:.1e}) from {} at {:e}{}; {work}",
         method.name(),
         TOLERANCES[at],
         if chaotic { ", chaotic: level only" } else { "" },

@@ -5,7 +5,9 @@ use super::metrics::{AccuracyReport, BAND, MotionKind};
 use super::model::Model;
 use super::needs::Needs;
 use super::observe::{self, Observer, RATE, Recording};
-use super::run::{Control, Integrated, Outputs, RunSettings, STEPS_PER_LOOK, SimulationError, Span, Stepping, integrate};
+use super::run::{
+    Control, Integrated, Outputs, RunSettings, STEPS_PER_LOOK, SimulationError, Span, Stepping, integrate,
+};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::spectrum::band_limited;
@@ -74,7 +76,10 @@ pub(super) fn judge(
     if chaotic {
         return Ok(AccuracyReport {
             level_error_db: tolerance_error.into_iter().fold(sampling, largest),
-            how: format!("{SAMPLING}, or the level over {:.3} ms repeated at half of the step, if that differs more", 1e3 * stretch),
+            how: format!(
+                "{SAMPLING}, or the level over {:.3} ms repeated at half of the step, if that differs more",
+                1e3 * stretch
+            ),
             motion: Some(MotionKind::Diverging),
             divergence_rate,
             warning,

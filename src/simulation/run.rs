@@ -102,11 +102,21 @@ pub enum SimulationError {
         /// The state component in words, such as "radial velocity of ball 3".
         entry: String,
     },
+    /// At the pace so far the run would never end.
+    #[error(
+        "given up at t = {time:e} s of {end} s: steps of {step:.1e} s in the mean would take some {evaluations:.0e} evaluations of \
+         the equations, more than {MOST_EVALUATIONS:.0e}"
+    )]
+    Endless { time: f64, end: f64, step: f64, evaluations: f64 },
     /// `Control::stop` asked for it.
     #[error("stopped at t = {time} s")]
     Stopped { time: f64 },
 }
 
+/// Evaluations of a run that count as endless: more than a day of one core.
+const MOST_EVALUATIONS: f64 = 3e10;
+/// Evaluations before that is judged, so that a rough start is forgiven.
+const PACE: u64 = 2_000_000;
 /// Steps between two looks at `Control`.
 pub(super) const STEPS_PER_LOOK: u64 = 256;
 
@@ -216,6 +226,7 @@ pub(super) fn integrate(
                     return Err(SimulationError::Stopped { time: integrator.time() });
                 }
                 let done = (integrator.time() - span.start) / (span.end - span.start);
+                endless(integrator.as_ref(), done, span.end)?;
                 (control.progress)(span.share.0 + done * (span.share.1 - span.share.0));
             }
         }
@@ -229,6 +240,17 @@ pub(super) fn integrate(
         checkpoint,
         unstable: watch.and_then(|watch| watch.warning()),
     })
+}
+
+/// Refuses to go on where the pace so far would take forever. Counts and no clock: the same run ends alike everywhere.
+fn endless(integrator: &dyn Integrator, done: f64, end: f64) -> Result<(), SimulationError> {
+    let work = integrator.statistics();
+    let evaluations = work.rhs_evaluations as f64 / done;
+    if work.rhs_evaluations < PACE || evaluations <= MOST_EVALUATIONS {
+        return Ok(());
+    }
+    let step = work.advanced / work.steps.max(1) as f64;
+    Err(SimulationError::Endless { time: integrator.time(), end, step, evaluations })
 }
 
 #[allow(clippy::too_many_arguments)] // Everything a run knows meets here once.

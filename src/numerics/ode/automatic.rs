@@ -16,6 +16,10 @@ const HELD: f64 = 2.8;
 /// Looks at h·|λ| in a row that find it held, each after so many steps.
 const HELD_LOOKS: u32 = 4;
 const STEPS_PER_LOOK: u64 = 8;
+/// Steps between two looks at a Jacobian, and how many of these in a row must find the mean step held: where what is fast
+/// saturates, the stages see less than there is.
+const STEPS_PER_JACOBIAN: u64 = 256;
+const HELD_JACOBIANS: u32 = 2;
 /// Evaluations of a step of Dormand–Prince.
 const STAGES: f64 = 6.0;
 /// What linear algebra adds to the cost of Gear's evaluations, as a factor.
@@ -49,6 +53,9 @@ pub struct Automatic<'a, S: OdeSystem + ?Sized> {
     changes: u32,
     /// Looks in a row at which stability held the explicit step.
     held_looks: u32,
+    /// The same of Jacobians, and time advanced when the last one was looked at.
+    held_jacobians: u32,
+    looked_at: f64,
     /// Fastest rate seen last [1/time].
     fastest: f64,
     /// Evaluations per time of Gear's method when it was measured last.
@@ -67,6 +74,8 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
             past: Statistics::default(),
             changes: 0,
             held_looks: 0,
+            held_jacobians: 0,
+            looked_at: 0.0,
             fastest: 0.0,
             stiff_cost: None,
             mark: None,
@@ -96,8 +105,14 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
                 let step = method.time() - method.previous_time();
                 self.fastest = method.fastest_rate();
                 self.held_looks = if step * self.fastest > HELD { self.held_looks + 1 } else { 0 };
+                if work.steps.is_multiple_of(STEPS_PER_JACOBIAN) {
+                    let mean = (work.advanced - self.looked_at) / STEPS_PER_JACOBIAN as f64;
+                    self.looked_at = work.advanced;
+                    self.fastest = method.stability().map_or(self.fastest, |seen| seen.rate);
+                    self.held_jacobians = if mean * self.fastest > HELD { self.held_jacobians + 1 } else { 0 };
+                }
                 let cheaper = self.stiff_cost.is_none_or(|cost| self.explicit_cost() > GAIN * cost);
-                if self.held_looks >= HELD_LOOKS && cheaper {
+                if (self.held_looks >= HELD_LOOKS || self.held_jacobians >= HELD_JACOBIANS) && cheaper {
                     let method = Gear::new(self.system, method.time(), method.state(), self.tolerances.clone());
                     self.change(work, Active::Stiff(method));
                 }
@@ -130,7 +145,8 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
     fn change(&mut self, work: Statistics, active: Active<'a, S>) {
         self.past = self.past.and(&work);
         self.active = active;
-        (self.changes, self.held_looks, self.mark) = (self.changes + 1, 0, None);
+        (self.changes, self.held_looks, self.held_jacobians, self.mark) = (self.changes + 1, 0, 0, None);
+        self.looked_at = 0.0;
     }
 }
 

@@ -124,7 +124,8 @@ pub trait Integrator {
     fn statistics(&self) -> Statistics;
     /// What runs, and why where the integrator chose it itself.
     fn choice(&self) -> Choice;
-    /// What the last step shows of the limit of stability; `None` where it shows nothing, or there is no limit.
+    /// What the last step shows of the limit of stability; `None` where it shows nothing, or there is no limit. What it
+    /// evaluates for that is no part of `statistics`.
     fn stability(&self) -> Option<Stability> {
         None
     }

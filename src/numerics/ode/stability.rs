@@ -7,7 +7,7 @@ pub const DORMAND_PRINCE: f64 = 3.3;
 pub const FINE_ABM: f64 = 1.28;
 
 /// Steps between two looks.
-pub const STEPS_PER_LOOK: u64 = 16;
+pub const STEPS_PER_LOOK: u64 = 128;
 /// Share of the looks beyond the limit from which a run counts as unstable: impacts show rates of their own.
 const SHARE: f64 = 0.03;
 /// Share of the looks at or above the rate that is named.
@@ -56,7 +56,7 @@ impl StabilityWatch {
         seen.sort_by(|a, b| a.rate.total_cmp(&b.rate));
         let Stability { rate, limit } = *seen.get((seen.len() as f64 * NAMED_SHARE) as usize)?;
         Some(format!(
-            "the fixed step lies beyond the limit of stability, so that levels are wrong although the motion stays bounded: \
+            "the fixed step lies beyond the limit of stability, so that levels can be wrong although the motion stays bounded: \
              h = {:.3e} s, fastest rate |λ| = {rate:.1e} 1/s, h·|λ| = {:.1} where at most {limit} is stable, in {:.0} % of the steps looked at; \
              the largest stable step is {:.1e} s",
             self.step,
