@@ -111,7 +111,8 @@ impl From<SimulationError> for RunFailure {
             SimulationError::Integration { source: IntegrationError::NotFinite { .. }, .. } => NUMERICAL_BLOWUP,
             SimulationError::Integration { source: IntegrationError::StepTooSmall { .. }, .. }
             | SimulationError::Exhausted { .. }
-            | SimulationError::NoEquilibrium(_) => DID_NOT_CONVERGE,
+            | SimulationError::NoEquilibrium(_)
+            | SimulationError::Endless { .. } => DID_NOT_CONVERGE,
             // A checked job has had its needs decided already.
             SimulationError::Unmet(_) => INTERNAL,
         };

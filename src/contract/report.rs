@@ -57,6 +57,10 @@ pub struct AccuracyAnswer {
     pub motion: Option<MotionName>,
     /// Rate at which neighbouring runs part; negative: they meet [1/s].
     pub divergence_rate_per_s: f64,
+    /// Present where a fixed step lies beyond the limit of stability: the result is wrong.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub warning: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -135,6 +139,7 @@ impl From<&AccuracyReport> for AccuracyAnswer {
             how: report.how.clone(),
             motion: report.motion.map(MotionName::from),
             divergence_rate_per_s: report.divergence_rate,
+            warning: report.warning.clone(),
         }
     }
 }

@@ -5,7 +5,9 @@ use super::metrics::{AccuracyReport, BAND, MotionKind};
 use super::model::Model;
 use super::needs::Needs;
 use super::observe::{self, Observer, RATE, Recording};
-use super::run::{Control, Outputs, RunSettings, STEPS_PER_LOOK, SimulationError, Span, Stepping, integrate};
+use super::run::{
+    Control, Integrated, Outputs, RunSettings, STEPS_PER_LOOK, SimulationError, Span, Stepping, integrate,
+};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::spectrum::band_limited;
@@ -44,15 +46,17 @@ pub fn judged_stretch(settings: &RunSettings) -> f64 {
     settings.duration.min(STRETCH)
 }
 
-/// Judges a run from its first state and that at its checkpoint, the end of settling.
+/// Judges a run from its first state and that at its checkpoint, the end of settling. Instability parts two copies as
+/// chaos does; so a fixed step is halved all the same.
 pub(super) fn judge(
     model: &Model,
     needs: &Needs,
     settings: &RunSettings,
     recording: &Recording,
-    (start, checkpoint): (&[f64], &[f64]),
+    (main, start): (&Integrated, &[f64]),
     control: &Control<'_>,
 ) -> Result<AccuracyReport, SimulationError> {
+    let (checkpoint, warning) = (main.checkpoint.as_slice(), main.unstable.clone());
     let stretch = judged_stretch(settings);
     let divergence_rate = divergence_rate(model, settings, settings.settle, checkpoint, stretch, control)?;
     (control.progress)(0.9);
@@ -61,15 +65,28 @@ pub(super) fn judge(
     let sampling = signals
         .filter_map(|signal| level_standard_error_db(&band_limited(signal, RATE, BAND), BATCHES))
         .fold(None, largest);
-    if motion == Some(MotionKind::Diverging) {
-        let how = "the motion is chaotic: standard error of the level by ten batch means, worst of y and z";
-        return Ok(AccuracyReport { level_error_db: sampling, how: how.into(), motion, divergence_rate });
+    const SAMPLING: &str = "the motion is chaotic: standard error of the level by ten batch means, worst of y and z";
+    let chaotic = motion == Some(MotionKind::Diverging);
+    if chaotic && settings.fixed_step.is_none() {
+        return Ok(AccuracyReport { level_error_db: sampling, how: SAMPLING.into(), motion, divergence_rate, warning });
     }
     let stretch = settings.duration.min(REPEATED);
     // With what settling has left behind, too, where that does not double the work.
     let begin = if settings.settle <= settings.duration { (0.0, start) } else { (settings.settle, checkpoint) };
     let tolerance_error = tolerance_error(model, needs, settings, recording, begin, stretch, control)?;
     (control.progress)(1.0);
+    if chaotic {
+        return Ok(AccuracyReport {
+            level_error_db: tolerance_error.into_iter().fold(sampling, largest),
+            how: format!(
+                "{SAMPLING}, or the level over {:.3} ms repeated at half of the step, if that differs more",
+                1e3 * stretch
+            ),
+            motion,
+            divergence_rate,
+            warning,
+        });
+    }
     Ok(AccuracyReport {
         level_error_db: tolerance_error,
         how: if tolerance_error.is_none() {
@@ -83,6 +100,7 @@ pub(super) fn judge(
         },
         motion,
         divergence_rate,
+        warning,
     })
 }
 

@@ -99,6 +99,8 @@ pub struct AccuracyReport {
     pub motion: Option<MotionKind>,
     /// Rate at which two runs 1e-10 apart part (negative: meet) [1/s].
     pub divergence_rate: f64,
+    /// In words, where a fixed step lies beyond the limit of stability.
+    pub warning: Option<String>,
 }
 
 /// Everything a user reads first.

@@ -12,6 +12,7 @@ use super::observe::{Observer, Recording};
 use super::scene::Scene;
 use super::state::{BallState, Layout, SpindleState};
 pub use crate::numerics::ode::Method;
+use crate::numerics::ode::stability::{self, StabilityWatch};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Statistics};
 use crate::numerics::spectrum::Spectrum;
 
@@ -101,6 +102,12 @@ pub enum SimulationError {
         /// The state component in words, such as "radial velocity of ball 3".
         entry: String,
     },
+    /// At the pace so far the run would never end.
+    #[error(
+        "given up at t = {time:e} s of {end} s: steps of {step:.1e} s in the mean would take some {evaluations:.0e} evaluations of \
+         the equations, more than {MOST_EVALUATIONS:.0e}"
+    )]
+    Endless { time: f64, end: f64, step: f64, evaluations: f64 },
     /// `Control::stop` asked for it.
     #[error("stopped at t = {time} s")]
     Stopped { time: f64 },
@@ -109,6 +116,10 @@ pub enum SimulationError {
     Exhausted { time: f64, evaluations: u64 },
 }
 
+/// Evaluations of a run that count as endless: more than a day of one core.
+const MOST_EVALUATIONS: f64 = 3e10;
+/// Evaluations before that is judged, so that a rough start is forgiven.
+const PACE: u64 = 2_000_000;
 /// Steps between two looks at `Control`.
 pub(super) const STEPS_PER_LOOK: u64 = 256;
 /// Evaluations between two looks at `Control`: a step of an implicit method takes many.
@@ -124,7 +135,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let span = Span { start: 0.0, end: observer.end(), checkpoint: settings.settle, share: (0.0, MAIN_SHARE) };
     let main = integrate(&model, &start, &Stepping::of(settings), &span, control, |step| observer.after(step))?;
     let recording = observer.finish();
-    let accuracy = accuracy::judge(&model, &needs, settings, &recording, (&start, &main.checkpoint), control)?;
+    let accuracy = accuracy::judge(&model, &needs, settings, &recording, (&main, &start), control)?;
     Ok(summarise(scene, settings, &needs, &model, &recording, &main, accuracy, begin))
 }
 
@@ -183,6 +194,8 @@ pub(super) struct Integrated {
     pub choice: Choice,
     /// State at the checkpoint.
     pub checkpoint: Vec<f64>,
+    /// In words, where a fixed step lies beyond the limit of stability.
+    pub unstable: Option<String>,
 }
 
 /// Integrates a span, showing the integrator to `after_step` after each step. Steps end exactly where
@@ -198,6 +211,7 @@ pub(super) fn integrate(
     let layout = model.mechanism().layout;
     let tolerances = layout.tolerances(stepping.relative_tolerance);
     let mut integrator = stepping.method.start(model, span.start, start, tolerances, stepping.fixed_step);
+    let mut watch = stepping.fixed_step.map(StabilityWatch::new);
     let mut checkpoint = start.to_vec();
     let mut stops: Vec<f64> =
         model.mechanism().speed.kinks().filter(|kink| *kink > span.start && *kink < span.end).collect();
@@ -210,6 +224,12 @@ pub(super) fn integrate(
                 integrator.interpolate(span.checkpoint, &mut checkpoint);
             }
             after_step(integrator.as_ref());
+            if let Some(watch) = &mut watch
+                && integrator.statistics().steps.is_multiple_of(stability::STEPS_PER_LOOK)
+                && let Some(seen) = integrator.stability()
+            {
+                watch.look(seen);
+            }
             let evaluations = integrator.statistics().rhs_evaluations;
             if evaluations >= next_look {
                 next_look = evaluations + EVALUATIONS_PER_LOOK;
@@ -221,6 +241,7 @@ pub(super) fn integrate(
                     return Err(SimulationError::Exhausted { time, evaluations });
                 }
                 let done = (integrator.time() - span.start) / (span.end - span.start);
+                endless(integrator.as_ref(), done, span.end)?;
                 (control.progress)(span.share.0 + done * (span.share.1 - span.share.0));
             }
         }
@@ -228,7 +249,23 @@ pub(super) fn integrate(
             integrator.restart();
         }
     }
-    Ok(Integrated { statistics: integrator.statistics(), choice: integrator.choice(), checkpoint })
+    Ok(Integrated {
+        statistics: integrator.statistics(),
+        choice: integrator.choice(),
+        checkpoint,
+        unstable: watch.and_then(|watch| watch.warning()),
+    })
+}
+
+/// Refuses to go on where the pace so far would take forever. Counts and no clock: the same run ends alike everywhere.
+fn endless(integrator: &dyn Integrator, done: f64, end: f64) -> Result<(), SimulationError> {
+    let work = integrator.statistics();
+    let evaluations = work.rhs_evaluations as f64 / done;
+    if work.rhs_evaluations < PACE || evaluations <= MOST_EVALUATIONS {
+        return Ok(());
+    }
+    let step = work.advanced / work.steps.max(1) as f64;
+    Err(SimulationError::Endless { time: integrator.time(), end, step, evaluations })
 }
 
 #[allow(clippy::too_many_arguments)] // Everything a run knows meets here once.

@@ -17,5 +17,6 @@ mod quasi_static;
 mod repeatability;
 mod rolling;
 mod rotation_symmetry;
+mod stability;
 mod static_distribution;
 mod surface_profile;

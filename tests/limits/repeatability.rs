@@ -1,7 +1,7 @@
 //! A run depends on nothing but its scene and settings.
 
 use raceway::simulation::channel::Channel;
-use raceway::simulation::run::{RunResult, run};
+use raceway::simulation::run::{Method, RunResult, RunSettings, run};
 use serde_json::json;
 
 use crate::article_run::{patient, settings};
@@ -29,5 +29,32 @@ fn same_job_gives_the_same_bits() {
         let beside = thread.join().unwrap();
         assert_eq!(alone, beside);
         assert_eq!(format!("{alone:?}"), format!("{beside:?}"));
+    }
+}
+
+/// Every method, with its steps and with fixed ones, beside itself in another thread.
+#[test]
+fn every_method_repeats_bit_for_bit() {
+    let run_by = |method: Method, fixed_step: Option<f64>| {
+        // Stiff enough that `auto` changes its method on the way.
+        let traction = json!({ "law": "four_parameter", "at_slip_m_s": 0.05 });
+        let scene = scene(&changed(article(), json!({ "lubricant": { "kind": "grease", "traction": traction } })));
+        let settings = RunSettings { method, fixed_step, settle: 3e-4, duration: 5e-4, ..settings() };
+        let mut result = run(&scene, &settings, &patient()).unwrap();
+        result.summary.solver.wall_time = 0.0;
+        result
+    };
+    for method in Method::NAMED.into_iter().chain([Method::Auto]) {
+        let fixed = method.takes_fixed_steps().then_some(Some(0.2e-6));
+        for step in [None].into_iter().chain(fixed) {
+            let (one, other) = std::thread::scope(|scope| {
+                let beside = scope.spawn(|| run_by(method, step));
+                (run_by(method, step), beside.join().unwrap())
+            });
+            // Every number to the bit, NaN and the sign of zero included.
+            assert_eq!(format!("{one:?}"), format!("{other:?}"), "{method:?} {step:?}");
+            assert_eq!(format!("{one:?}"), format!("{:?}", run_by(method, step)), "{method:?} {step:?}");
+            assert!(one.summary.solver.statistics.steps > 20, "{method:?} {step:?}");
+        }
     }
 }

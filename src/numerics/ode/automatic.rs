@@ -8,12 +8,12 @@
 
 use super::dormand_prince::DormandPrince;
 use super::gear::Gear;
+use super::stability::DORMAND_PRINCE as STABLE;
 use super::{Choice, IntegrationError, Integrator, OdeSystem, Statistics, Tolerances};
 
-/// h·|λ| of Dormand–Prince from which Gear's method is worth a trial; where stability holds the step; and where it ends.
+/// h·|λ| of Dormand–Prince from which Gear's method is worth a trial; and where stability holds the step.
 const WORTH_A_TRIAL: f64 = 0.3;
 const HELD: f64 = 2.8;
-const STABLE: f64 = 3.3;
 /// Looks at h·|λ| that find a trial worth while before one is made, and looks in a row against it that forget them.
 const LOOKS: u32 = 4;
 const FREE_LOOKS: u32 = 6;

@@ -3,7 +3,9 @@
 //! Coefficients: J. R. Dormand & P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19–26, table 2;
 //! dense output of order 4: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.6.
 
+use super::stability::{self, Stability};
 use super::step_size::{StepSizeControl, error_norm, initial_step, worst_component};
+use super::structure::{Jacobian, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
 const C: [f64; 5] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0];
@@ -242,6 +244,23 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
 
     fn choice(&self) -> Choice {
         Choice { method: Method::DormandPrince, reason: None }
+    }
+
+    /// The faster of what the last two stages and what a Jacobian show: where saturation bounds an unstable motion, the
+    /// stages see no more than the limit itself.
+    fn stability(&self) -> Option<Stability> {
+        if self.statistics.steps == 0 {
+            return None;
+        }
+        let (state, rate) = (&self.state, &self.slopes[6]);
+        let mut displacement = vec![0.0; state.len()];
+        let mut jacobian = Jacobian::new(&self.system.structure());
+        displacements(state, rate, &self.tolerances, self.time - self.previous_time, &mut displacement);
+        self.system.jacobian(self.time, state, rate, &displacement, &mut jacobian);
+        let Tolerances { absolute, relative } = &self.tolerances;
+        let weights: Vec<f64> = (0..state.len()).map(|i| 1.0 / (absolute[i] + relative[i] * state[i].abs())).collect();
+        let rate = jacobian.fastest_rate(&weights).max(self.fastest_rate());
+        Some(Stability { rate, limit: stability::DORMAND_PRINCE })
     }
 }
 

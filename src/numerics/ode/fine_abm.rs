@@ -11,6 +11,7 @@
 
 use super::dormand_prince::DormandPrince;
 use super::phi::{Phi, double, phi};
+use super::stability::{self, Stability};
 use super::step_size::{error_norm, worst_component};
 use super::structure::{Jacobian, Structure, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
@@ -48,6 +49,8 @@ const MOST_PATIENCE: u64 = 256;
 const PAUSE: u64 = 16;
 /// Rejections in a row after which a step counts as impossible.
 const MOST_REJECTIONS: u32 = 60;
+/// Tolerances by which an interpolation by rates may differ from one by states alone.
+const INTERPOLATION: f64 = 4.0;
 /// Values midway between the newest and the next, and between the next two, from the five newest.
 const MIDWAY: [[f64; 5]; 2] = [
     [35.0 / 128.0, 140.0 / 128.0, -70.0 / 128.0, 28.0 / 128.0, -5.0 / 128.0],
@@ -570,12 +573,24 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
         let (end, start, before) =
             (x * x * (1.0 + 2.0 * rest) - 5.0 * quartic, rest * rest * (1.0 + 2.0 * x) + 4.0 * quartic, quartic);
         let (end_rate, start_rate) = (step * (2.0 * quartic - x * x * rest), step * (x * rest * rest + 4.0 * quartic));
+        // The same from five states: that of a component so stiff that its rates say nothing about the step.
+        let weights: [f64; LEAST_KEPT] = std::array::from_fn(|k| {
+            let others = (0..LEAST_KEPT).filter(|&j| j != k);
+            others.map(|j| (x - 1.0 + j as f64) / (j as f64 - k as f64)).product()
+        });
         for (i, value) in state.iter_mut().enumerate() {
+            let by_states: f64 = weights.iter().zip(&self.states).map(|(weight, state)| weight * state[i]).sum();
             *value = end * self.states[0][i]
                 + start * self.states[1][i]
                 + before * self.states[2][i]
                 + end_rate * self.rate[i]
                 + start_rate * self.previous_rate[i];
+            let scale = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.states[0][i].abs();
+            // Not `>`: infinite rates are of no use either.
+            let parted = (*value - by_states).abs();
+            if (parted > INTERPOLATION * scale || parted.is_nan()) && !self.fixed {
+                *value = by_states;
+            }
         }
     }
 
@@ -608,6 +623,12 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
 
     fn choice(&self) -> Choice {
         Choice { method: Method::FineAbm, reason: None }
+    }
+
+    /// Of what it does not integrate exactly.
+    fn stability(&self) -> Option<Stability> {
+        let steps = self.walker.is_none() && self.step > 0.0;
+        steps.then(|| Stability { rate: self.rate_of_rest / self.step, limit: stability::FINE_ABM })
     }
 }
 

@@ -8,6 +8,7 @@ pub mod fine_abm;
 pub mod gear;
 pub mod phi;
 pub mod radau;
+pub mod stability;
 pub mod step_size;
 pub mod structure;
 
@@ -16,6 +17,7 @@ use dormand_prince::DormandPrince;
 use fine_abm::{FineAbm, LinearPart};
 use gear::Gear;
 use radau::Radau;
+use stability::Stability;
 use structure::{Jacobian, Structure, dense_differences};
 
 /// A system `dy/dt = f(t, y)`. It never changes during a run: all that moves is in `y`.
@@ -122,6 +124,11 @@ pub trait Integrator {
     fn statistics(&self) -> Statistics;
     /// What runs, and why where the integrator chose it itself.
     fn choice(&self) -> Choice;
+    /// What the last step shows of the limit of stability; `None` where it shows nothing, or there is no limit. What it
+    /// evaluates for that is no part of `statistics`.
+    fn stability(&self) -> Option<Stability> {
+        None
+    }
 }
 
 /// Which method runs.

@@ -1,0 +1,90 @@
+//! Whether a step of fixed size lies beyond the limit of stability. Such a run may stay bounded, where what is fast saturates,
+//! and be wrong all the same.
+
+/// Longest step of Dormand–Prince times the rate of a mode that decays.
+pub const DORMAND_PRINCE: f64 = 3.3;
+/// Longest step of the predictor and corrector of `fine_abm` times the rate of what it does not integrate exactly.
+pub const FINE_ABM: f64 = 1.28;
+
+/// Steps between two looks.
+pub const STEPS_PER_LOOK: u64 = 128;
+/// Share of the looks beyond the limit from which a run counts as unstable: impacts show rates of their own.
+const SHARE: f64 = 0.03;
+/// Share of the looks at or above the rate that is named.
+const NAMED_SHARE: f64 = 0.5;
+
+/// The fastest rate that a step has seen, and its limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stability {
+    /// |λ| [1/time]
+    pub rate: f64,
+    /// Largest step times rate at which the method is stable.
+    pub limit: f64,
+}
+
+/// Watches a run of fixed steps.
+#[derive(Debug, Clone)]
+pub struct StabilityWatch {
+    step: f64,
+    looks: u64,
+    /// What was seen beyond the limit.
+    beyond: Vec<Stability>,
+}
+
+impl StabilityWatch {
+    /// `step`: the fixed step.
+    pub fn new(step: f64) -> Self {
+        Self { step, looks: 0, beyond: Vec::new() }
+    }
+
+    /// Takes down what a step has seen.
+    pub fn look(&mut self, seen: Stability) {
+        self.looks += 1;
+        let reach = self.step * seen.rate;
+        if reach.is_nan() || reach > seen.limit {
+            self.beyond.push(seen);
+        }
+    }
+
+    /// In plain words, where the step lay beyond the limit in more than a few per cent of the looks.
+    pub fn warning(&self) -> Option<String> {
+        let share = self.beyond.len() as f64 / self.looks.max(1) as f64;
+        if share <= SHARE {
+            return None;
+        }
+        let mut seen = self.beyond.clone();
+        seen.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+        let Stability { rate, limit } = *seen.get((seen.len() as f64 * NAMED_SHARE) as usize)?;
+        Some(format!(
+            "the fixed step lies beyond the limit of stability, so that levels can be wrong although the motion stays bounded: \
+             h = {:.3e} s, fastest rate |λ| = {rate:.1e} 1/s, h·|λ| = {:.1} where at most {limit} is stable, in {:.0} % of the steps looked at; \
+             the largest stable step is {:.1e} s",
+            self.step,
+            self.step * rate,
+            100.0 * share,
+            limit / rate
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_few_fast_looks_are_impacts_and_many_are_an_instability() {
+        let watched = |fast: u32| {
+            let mut watch = StabilityWatch::new(1e-6);
+            for k in 0..100 {
+                watch.look(Stability { rate: if k < fast { 5e6 } else { 1e6 }, limit: DORMAND_PRINCE });
+            }
+            watch.warning()
+        };
+        assert_eq!(watched(2), None);
+        let words = watched(10).unwrap();
+        for part in ["1.000e-6 s", "5.0e6", "5.0 where at most 3.3", "10 %", "6.6e-7 s"] {
+            assert!(words.contains(part), "{part}: {words}");
+        }
+        assert_eq!(StabilityWatch::new(1e-6).warning(), None);
+    }
+}

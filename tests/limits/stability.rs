@@ -1,0 +1,215 @@
+//! A fixed step beyond the limit of stability stays bounded where traction saturates, and is wrong by ten decibels and
+//! more: it must be found out.
+
+use raceway::numerics::ode::stability::{STEPS_PER_LOOK, Stability, StabilityWatch};
+use raceway::numerics::ode::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics};
+use raceway::simulation::channel::Channel;
+use raceway::simulation::metrics::vibration;
+use raceway::simulation::observe::Observer;
+use raceway::simulation::run::{RunResult, RunSettings, run, start_state};
+use serde_json::{Value, json};
+
+use crate::article_run::{Y, patient, settings};
+use crate::scenes::{article, changed, model, needs, scene};
+
+/// Largest step times rate of a mode that decays.
+const LIMIT: f64 = 2.785;
+
+/// The classical method of Runge and Kutta, without any control of its error.
+struct RungeKutta4<'a, S: OdeSystem> {
+    system: &'a S,
+    step: f64,
+    steps: u64,
+    /// Start of the last step, and states and rates at both its ends.
+    previous_time: f64,
+    states: [Vec<f64>; 2],
+    rates: [Vec<f64>; 2],
+    /// |λ| between the two stages in the middle of the last step.
+    seen: f64,
+}
+
+impl<'a, S: OdeSystem> RungeKutta4<'a, S> {
+    fn new(system: &'a S, state: &[f64], step: f64) -> Self {
+        let mut rate = vec![0.0; state.len()];
+        system.derivative(0.0, state, &mut rate);
+        let states = [state.to_vec(), state.to_vec()];
+        Self { system, step, steps: 0, previous_time: 0.0, states, rates: [rate.clone(), rate], seen: 0.0 }
+    }
+}
+
+impl<S: OdeSystem> Integrator for RungeKutta4<'_, S> {
+    fn step(&mut self, _limit: f64) -> Result<(), IntegrationError> {
+        let (time, h) = (self.time(), self.step);
+        let y = self.states[1].clone();
+        let slope = |time: f64, y: &[f64]| {
+            let mut rate = vec![0.0; y.len()];
+            self.system.derivative(time, y, &mut rate);
+            rate
+        };
+        let moved = |by: f64, k: &[f64]| -> Vec<f64> { y.iter().zip(k).map(|(y, k)| y + by * k).collect() };
+        let k1 = self.rates[1].clone();
+        let k2 = slope(time + 0.5 * h, &moved(0.5 * h, &k1));
+        let k3 = slope(time + 0.5 * h, &moved(0.5 * h, &k2));
+        let k4 = slope(time + h, &moved(h, &k3));
+        let next: Vec<f64> =
+            (0..y.len()).map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i])).collect();
+        let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        self.seen = distance(&k3, &k2) / (0.5 * h * distance(&k2, &k1));
+        self.previous_time = time;
+        self.steps += 1;
+        self.rates = [k1, slope(self.time(), &next)];
+        self.states = [y, next];
+        Ok(())
+    }
+
+    fn time(&self) -> f64 {
+        self.steps as f64 * self.step
+    }
+
+    fn previous_time(&self) -> f64 {
+        self.previous_time
+    }
+
+    fn state(&self) -> &[f64] {
+        &self.states[1]
+    }
+
+    /// Hermite's cubic.
+    fn interpolate(&self, time: f64, state: &mut [f64]) {
+        let h = self.time() - self.previous_time;
+        let x = (time - self.previous_time) / h;
+        let rest = 1.0 - x;
+        for (i, value) in state.iter_mut().enumerate() {
+            let [before, after] = [self.states[0][i], self.states[1][i]];
+            let slopes = rest * self.rates[0][i] - x * self.rates[1][i];
+            *value =
+                before * rest * rest * (1.0 + 2.0 * x) + after * x * x * (1.0 + 2.0 * rest) + h * x * rest * slopes;
+        }
+    }
+
+    fn restart(&mut self) {}
+
+    fn statistics(&self) -> Statistics {
+        Statistics { steps: self.steps, ..Statistics::default() }
+    }
+
+    fn choice(&self) -> Choice {
+        Choice { method: Method::DormandPrince, reason: Some("no method of the program".into()) }
+    }
+
+    fn stability(&self) -> Option<Stability> {
+        (self.steps > 0).then_some(Stability { rate: self.seen, limit: LIMIT })
+    }
+}
+
+/// The level in y [dB] and what the watch says.
+fn runge_kutta_4(json: &Value, settings: &RunSettings, step: f64) -> (f64, Option<String>) {
+    let model = model(json);
+    let start = start_state(&model).unwrap();
+    let mut observer = Observer::new(&model, &needs(&scene(json), None), settings);
+    let mut method = RungeKutta4::new(&model, &start, step);
+    let mut watch = StabilityWatch::new(step);
+    while method.time() < observer.end() {
+        method.step(observer.end()).unwrap();
+        observer.after(&method);
+        if method.steps.is_multiple_of(STEPS_PER_LOOK) {
+            watch.look(method.stability().unwrap());
+        }
+    }
+    assert!(method.state().iter().all(|x| x.is_finite()));
+    let channels = vibration(&observer.finish());
+    (
+        level(&channels.iter().map(|(channel, metrics)| (*channel, metrics.level_db)).collect::<Vec<_>>()),
+        watch.warning(),
+    )
+}
+
+fn level(levels: &[(Channel, Option<f64>)]) -> f64 {
+    levels.iter().find(|(channel, _)| *channel == Y).and_then(|(_, level)| *level).unwrap()
+}
+
+fn level_of(result: &RunResult) -> f64 {
+    level(&result.summary.channels.iter().map(|(channel, metrics)| (*channel, metrics.level_db)).collect::<Vec<_>>())
+}
+
+fn short() -> RunSettings {
+    RunSettings { settle: 5e-3, duration: 10e-3, ..settings() }
+}
+
+fn at_400_newton() -> Value {
+    changed(article(), json!({ "operation": { "radial_load_y_n": 400 } }))
+}
+
+#[test]
+fn an_unstable_runge_kutta_run_stays_bounded_and_is_found_out() {
+    let article = article();
+    let (wrong, warning) = runge_kutta_4(&article, &short(), 1e-6);
+    let (right, none) = runge_kutta_4(&article, &short(), 0.25e-6);
+    println!("article: {wrong:.1} instead of {right:.1} dB: {warning:?}");
+    assert!(wrong > right + 10.0, "{wrong} {right}");
+    assert_eq!(none, None);
+    assert!(
+        warning.is_some_and(|words| words.contains("beyond the limit of stability") && words.contains("1.000e-6 s"))
+    );
+
+    let loaded = at_400_newton();
+    let (wrong, warning) = runge_kutta_4(&loaded, &short(), 0.4e-6);
+    let right = level_of(&run(&scene(&loaded), &short(), &patient()).unwrap());
+    println!("400 N: {wrong:.1} instead of {right:.1} dB: {warning:?}");
+    assert!(wrong > right + 10.0, "{wrong} {right}");
+    assert!(warning.is_some_and(|words| words.contains("4.000e-7 s")));
+}
+
+/// The program's own fixed steps: both its error of the level and its warning.
+#[test]
+fn a_fixed_step_beyond_the_limit_says_so() {
+    let right = level_of(&run(&scene(&article()), &short(), &patient()).unwrap());
+    let fixed = |method: Method, step: f64| {
+        let settings = RunSettings { method, fixed_step: Some(step), ..short() };
+        run(&scene(&article()), &settings, &patient())
+    };
+    let result = fixed(Method::DormandPrince, 1e-6).unwrap();
+    let (wrong, accuracy) = (level_of(&result), &result.summary.accuracy);
+    println!("{wrong:.1} instead of {right:.1} dB: {accuracy:?}");
+    assert!(wrong > right + 10.0, "{wrong} {right}");
+    assert!(accuracy.level_error_db.is_some_and(|error| error > 0.5 * (wrong - right)), "{accuracy:?}");
+    let words = accuracy.warning.as_deref().unwrap();
+    assert!(words.contains("limit of stability") && words.contains("at most 3.3"), "{words}");
+
+    for (method, step) in [(Method::DormandPrince, 0.4e-6), (Method::FineAbm, 0.4e-6)] {
+        let result = fixed(method, step).unwrap();
+        let accuracy = &result.summary.accuracy;
+        assert_eq!(accuracy.warning, None, "{method:?}");
+        assert!((level_of(&result) - right).abs() < 0.1, "{method:?}: {} {right}", level_of(&result));
+        assert!(accuracy.level_error_db.is_some_and(|error| error < 0.1), "{method:?}: {accuracy:?}");
+    }
+}
+
+/// Steps from well below to well beyond the limit: wrong is never without a word.
+#[test]
+fn fixed_steps_are_right_or_say_so() {
+    for (json, unit) in [(article(), 1e-6), (at_400_newton(), 0.5e-6)] {
+        let right = level_of(&run(&scene(&json), &short(), &patient()).unwrap());
+        for method in [Method::DormandPrince, Method::FineAbm] {
+            for steps in [0.6, 0.66, 0.7, 0.8, 1.0, 1.5, 2.5, 5.0, 10.0] {
+                let step = steps * unit;
+                let settings = RunSettings { method, fixed_step: Some(step), ..short() };
+                match run(&scene(&json), &settings, &patient()) {
+                    Ok(result) => {
+                        let (off, accuracy) = ((level_of(&result) - right).abs(), &result.summary.accuracy);
+                        println!("{method:?} {step:e}: off by {off:.2e} dB: {accuracy:?}");
+                        let stated = accuracy.level_error_db.is_some_and(|error| error > 0.2 * off);
+                        assert!(off < 0.1 || stated, "{method:?} {step:e}: off by {off} dB, {accuracy:?}");
+                        assert!(
+                            off < 3.0 || accuracy.warning.is_some(),
+                            "{method:?} {step:e}: off by {off} dB, {accuracy:?}"
+                        );
+                        // At 0.66 only some states are beyond the limit, which may do no harm yet.
+                        assert!(steps > 0.6 || accuracy.warning.is_none(), "{method:?} {step:e}: {accuracy:?}");
+                    }
+                    Err(error) => println!("{method:?} {step:e}: {error}"),
+                }
+            }
+        }
+    }
+}
