@@ -127,13 +127,9 @@ fn main() {
     );
     println!("|---|---|---|---|---|---|---|---|---|");
     let mut exponents = Vec::new();
-    for (method, dense) in [
-        (Method::Gear, false),
-        (Method::Gear, true),
-        (Method::Radau, false),
-        (Method::Radau, true),
-        (Method::FineAbm, false),
-    ] {
+    for (method, dense) in
+        [(Method::Gear, false), (Method::Gear, true), (Method::Radau, false), (Method::FineAbm, false)]
+    {
         let kind = if dense { "dense" } else { "arrowhead" };
         let mut points = Vec::new();
         let mut per_evaluation = Vec::new();

@@ -241,7 +241,7 @@ pub(super) fn integrate(
                     return Err(SimulationError::Exhausted { time, evaluations });
                 }
                 let done = (integrator.time() - span.start) / (span.end - span.start);
-                endless(integrator.as_ref(), done, span.end)?;
+                endless(&integrator.statistics(), done, span)?;
                 (control.progress)(span.share.0 + done * (span.share.1 - span.share.0));
             }
         }
@@ -258,14 +258,15 @@ pub(super) fn integrate(
 }
 
 /// Refuses to go on where the pace so far would take forever. Counts and no clock: the same run ends alike everywhere.
-fn endless(integrator: &dyn Integrator, done: f64, end: f64) -> Result<(), SimulationError> {
-    let work = integrator.statistics();
+/// `done`: the finished share of the span.
+fn endless(work: &Statistics, done: f64, span: &Span) -> Result<(), SimulationError> {
     let evaluations = work.rhs_evaluations as f64 / done;
     if work.rhs_evaluations < PACE || evaluations <= MOST_EVALUATIONS {
         return Ok(());
     }
+    let time = span.start + done * (span.end - span.start);
     let step = work.advanced / work.steps.max(1) as f64;
-    Err(SimulationError::Endless { time: integrator.time(), end, step, evaluations })
+    Err(SimulationError::Endless { time, end: span.end, step, evaluations })
 }
 
 #[allow(clippy::too_many_arguments)] // Everything a run knows meets here once.
@@ -316,5 +317,27 @@ impl SimulationError {
             }
         };
         Self::Integration { entry: layout.name(component), source }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_would_take_forever_is_given_up_in_words() {
+        let span = Span { start: 0.0, end: 0.1, checkpoint: 0.0, share: (0.0, 1.0) };
+        let work = |evaluations: u64| Statistics {
+            steps: evaluations / 6,
+            rhs_evaluations: evaluations,
+            advanced: 1e-9,
+            ..Statistics::default()
+        };
+        assert_eq!(endless(&work(1_000_000), 1e-8, &span), Ok(()));
+        assert_eq!(endless(&work(3_000_000), 1e-3, &span), Ok(()));
+        let words = endless(&work(3_000_000), 1e-8, &span).unwrap_err().to_string();
+        assert!(words.contains("given up at t = 1e-9 s of 0.1 s") && words.contains("3e14 evaluations"), "{words}");
+        // Not even a number that says how far it is.
+        assert!(endless(&work(3_000_000), 0.0, &span).is_err());
     }
 }

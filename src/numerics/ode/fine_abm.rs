@@ -888,4 +888,36 @@ mod tests {
         let error = (method.state()[1] - START[1]).abs();
         assert!(error < 2e-6, "{error:e}");
     }
+
+    /// A slow motion followed by one so fast that an error within tolerance makes its rate a million times too large.
+    struct Followed;
+    impl OdeSystem for Followed {
+        fn dimension(&self) -> usize {
+            2
+        }
+        fn derivative(&self, _: f64, y: &[f64], dy: &mut [f64]) {
+            // Not quite what the linear part holds.
+            dy.copy_from_slice(&[-y[0], -1e8 * (y[1] - y[0]) * (1.0 + 0.1 * y[0])]);
+        }
+        fn jacobian(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], jacobian: &mut Jacobian) -> u64 {
+            jacobian.corner_mut().copy_from_slice(&[-1.0, 0.0, 1e8, -1e8]);
+            1
+        }
+    }
+
+    #[test]
+    fn stiff_components_are_right_within_steps_too() {
+        let tolerances = Tolerances::uniform(2, 1e-6, 1e-6);
+        let mut method = FineAbm::new(&Followed, 0.0, &[1.0, 1.0], tolerances, None, LinearPart::Blocks);
+        let (mut worst, mut state) = (0.0_f64, [0.0; 2]);
+        while method.time() < 1e-2 {
+            method.step(1e-2).unwrap();
+            for share in [0.25, 0.5, 0.75] {
+                let time = method.previous_time() + share * (method.time() - method.previous_time());
+                method.interpolate(time, &mut state);
+                worst = worst.max((state[1] - (-time).exp()).abs());
+            }
+        }
+        assert!(worst < 1e-4, "{worst:e}");
+    }
 }
