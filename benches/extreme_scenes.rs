@@ -45,7 +45,7 @@ const CHAOTIC_LEVEL: f64 = 3.0;
 /// A stated error may be too small by this factor: it is that of another stretch of the run.
 const STATED: f64 = 10.0;
 /// Looks of the service's run, each after 256 steps, before it is stopped.
-const MOST_LOOKS: u64 = 4000;
+const MOST_LOOKS: u64 = 400;
 
 fn article() -> Value {
     json!({
