@@ -30,6 +30,7 @@ const WARM_UP: u64 = 100;
 /// A change must promise this gain.
 const GAIN: f64 = 1.2;
 
+#[allow(clippy::large_enum_variant)] // One lives, and for the whole run.
 enum Active<'a, S: OdeSystem + ?Sized> {
     Explicit(DormandPrince<'a, S>),
     Stiff(Gear<'a, S>),

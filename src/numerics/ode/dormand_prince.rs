@@ -133,9 +133,8 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
         for i in 0..self.state.len() {
             let scale = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.state[i].abs();
             let mut between = 0.0;
-            for stage in 0..6 {
-                let before = A[4].get(stage).copied().unwrap_or(0.0);
-                between += (A[5][stage] - before) * self.slopes[stage][i];
+            for ((last, before), slope) in A[5].iter().zip(&A[4]).zip(&self.slopes) {
+                between += (last - before) * slope[i];
             }
             slopes += ((self.slopes[6][i] - self.slopes[5][i]) / scale).powi(2);
             states += (step * between / scale).powi(2);

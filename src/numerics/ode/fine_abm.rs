@@ -586,8 +586,8 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
                 + end_rate * self.rate[i]
                 + start_rate * self.previous_rate[i];
             let scale = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.states[0][i].abs();
-            // Not `>`: infinite rates are of no use either.
-            if !((*value - by_states).abs() <= INTERPOLATION * scale) && !self.fixed {
+            let off = (*value - by_states).abs();
+            if !self.fixed && (off.is_nan() || off > INTERPOLATION * scale) {
                 *value = by_states;
             }
         }
