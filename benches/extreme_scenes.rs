@@ -45,7 +45,7 @@ const CHAOTIC_LEVEL: f64 = 3.0;
 /// A stated error may be too small by this factor: it is that of another stretch of the run.
 const STATED: f64 = 10.0;
 /// Looks of the service's run, each after 256 steps, before it is stopped.
-const MOST_LOOKS: u64 = 4000;
+const MOST_LOOKS: u64 = 400;
 
 fn article() -> Value {
     json!({
@@ -184,7 +184,7 @@ fn cases() -> Vec<Case> {
         case("viscosity 100", json!({ "lubricant": { "kind": "oil", "viscosity_pa_s": 100 } })),
         case("dry, chaotic", json!({ "lubricant": "dry" })),
     ];
-    for case in all.iter_mut().filter(|case| case.name == "film stiffness 1e10") {
+    for case in all.iter_mut().filter(|case| ["film stiffness 1e10", "viscosity 100"].contains(&case.name.as_str())) {
         case.patience = 4;
     }
     all.push(Case { name: "1 µs".into(), scene: article(), settle: 0.0, duration: 1e-6, patience: 1 });
@@ -428,9 +428,11 @@ fn rows(case: &Case, selection: &Selection) -> Result<Vec<Verdict>, String> {
     let displaced: Vec<f64> =
         (0..start.len()).map(|i| start[i] + if i % 3 == 0 { -1.0 } else { 1.0 } * DISPLACEMENT * sizes[i]).collect();
     let mut amplification = None;
-    for (method, [_, tight]) in &ends {
-        let End::Answer(straight) = tight else { continue };
-        if let End::Answer(displaced) = guarded(&displaced, *method, TOLERANCES[1]) {
+    for (method, which, both) in
+        [1, 0].into_iter().flat_map(|which| ends.iter().map(move |(m, both)| (*m, which, both)))
+    {
+        let End::Answer(straight) = &both[which] else { continue };
+        if let End::Answer(displaced) = guarded(&displaced, method, TOLERANCES[which]) {
             amplification = Some((distance(straight, &displaced, &sizes).1 / DISPLACEMENT).max(1.0));
             break;
         }

@@ -188,12 +188,13 @@ fn a_fixed_step_beyond_the_limit_says_so() {
 /// Steps from well below to well beyond the limit: wrong is never without a word.
 #[test]
 fn fixed_steps_are_right_or_say_so() {
+    let brief = RunSettings { settle: 2e-3, duration: 6e-3, ..settings() };
     for (json, unit) in [(article(), 1e-6), (at_400_newton(), 0.5e-6)] {
-        let right = level_of(&run(&scene(&json), &short(), &patient()).unwrap());
+        let right = level_of(&run(&scene(&json), &brief, &patient()).unwrap());
         for method in [Method::DormandPrince, Method::FineAbm] {
-            for steps in [0.6, 0.66, 0.7, 0.8, 1.0, 1.5, 2.5, 5.0, 10.0] {
+            for steps in [0.6, 0.66, 0.8, 1.5, 5.0] {
                 let step = steps * unit;
-                let settings = RunSettings { method, fixed_step: Some(step), ..short() };
+                let settings = RunSettings { method, fixed_step: Some(step), ..brief.clone() };
                 match run(&scene(&json), &settings, &patient()) {
                     Ok(result) => {
                         let (off, accuracy) = ((level_of(&result) - right).abs(), &result.summary.accuracy);

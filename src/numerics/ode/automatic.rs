@@ -34,6 +34,7 @@ const FADING: f64 = 0.7;
 /// A change must promise this gain.
 const GAIN: f64 = 1.2;
 
+#[allow(clippy::large_enum_variant)] // One lives, and for the whole run.
 enum Active<'a, S: OdeSystem + ?Sized> {
     Explicit(Box<DormandPrince<'a, S>>),
     Stiff(Box<Gear<'a, S>>),

@@ -50,7 +50,7 @@ const PAUSE: u64 = 16;
 /// Rejections in a row after which a step counts as impossible.
 const MOST_REJECTIONS: u32 = 60;
 /// Tolerances by which an interpolation by rates may differ from one by states alone.
-const INTERPOLATION: f64 = 4.0;
+const INTERPOLATION: f64 = 30.0;
 /// Values midway between the newest and the next, and between the next two, from the five newest.
 const MIDWAY: [[f64; 5]; 2] = [
     [35.0 / 128.0, 140.0 / 128.0, -70.0 / 128.0, 28.0 / 128.0, -5.0 / 128.0],
@@ -586,9 +586,8 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
                 + end_rate * self.rate[i]
                 + start_rate * self.previous_rate[i];
             let scale = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.states[0][i].abs();
-            // Not `>`: infinite rates are of no use either.
-            let parted = (*value - by_states).abs();
-            if (parted > INTERPOLATION * scale || parted.is_nan()) && !self.fixed {
+            let off = (*value - by_states).abs();
+            if !self.fixed && (off.is_nan() || off > INTERPOLATION * scale) {
                 *value = by_states;
             }
         }
