@@ -100,7 +100,8 @@ fn no_tolerance_is_too_tight_or_too_loose() {
         for method in IMPLICIT {
             let tight = problem.error(run(method, &problem, problem.tolerances(1e-13)).state());
             assert!(
-                tight <= problem.floor.max(1e-11 * most(method, &problem)),
+                // Rounding scatters more the more steps there are.
+                tight <= (5.0 * problem.floor).max(1e-11 * most(method, &problem)),
                 "{} on {}: {tight:e}",
                 method.name(),
                 problem.name
