@@ -21,7 +21,7 @@ const SHARE: f64 = 0.25;
 /// Corrector iterations a step.
 const MOST_ITERATIONS: u32 = 4;
 /// Error that the corrector may leave, as a share of that of a step.
-const CORRECTOR_ERROR: f64 = 0.07;
+const CORRECTOR_ERROR: f64 = 0.05;
 /// A factor made for another leading coefficient serves while that is off by less than this share.
 const COEFFICIENT_DRIFT: f64 = 0.3;
 /// Steps after which a factor, with its Jacobian when that has cost as much as a new one, is made anew.
