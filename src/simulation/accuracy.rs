@@ -111,6 +111,22 @@ pub(super) fn motion(divergence_rate: f64, stretch: f64) -> Option<MotionKind> {
     (stretch >= LEAST_STRETCH).then_some(kind)
 }
 
+/// Level error from which a result warns of itself [dB].
+const DOUBTFUL: f64 = 1.0;
+
+impl AccuracyReport {
+    /// With a warning where the level is not resolved, unless there is one already.
+    pub(super) fn doubted(mut self) -> Self {
+        if let (None, Some(error)) = (&self.warning, self.level_error_db.filter(|error| *error > DOUBTFUL)) {
+            self.warning = Some(format!(
+                "the level is not resolved: it may err by {error:.0} dB or more; hardly anything moves, or the run is too short. \
+                 Try a tighter relative tolerance, or keep more"
+            ));
+        }
+        self
+    }
+}
+
 fn largest(most: Option<f64>, value: f64) -> Option<f64> {
     Some(most.map_or(value, |most: f64| most.max(value)))
 }

@@ -135,7 +135,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let span = Span { start: 0.0, end: observer.end(), checkpoint: settings.settle, share: (0.0, MAIN_SHARE) };
     let main = integrate(&model, &start, &Stepping::of(settings), &span, control, |step| observer.after(step))?;
     let recording = observer.finish();
-    let accuracy = accuracy::judge(&model, &needs, settings, &recording, (&main, &start), control)?;
+    let accuracy = accuracy::judge(&model, &needs, settings, &recording, (&main, &start), control)?.doubted();
     Ok(summarise(scene, settings, &needs, &model, &recording, &main, accuracy, begin))
 }
 
