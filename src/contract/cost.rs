@@ -3,7 +3,7 @@
 use super::job::Job;
 use super::resolve::CostAnswer;
 use super::units::significant;
-use crate::simulation::accuracy::judged_stretch;
+use crate::simulation::divergence::judged_stretch;
 use crate::simulation::model::Model;
 use crate::simulation::run::{Method, RunSettings, start_state};
 use crate::simulation::stiffness::{FastestMode, fastest_mode};

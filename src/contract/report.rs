@@ -24,6 +24,8 @@ pub struct SolverAnswer {
     pub method_reason: String,
     pub rung: String,
     pub check: String,
+    /// The tolerance that was taken [-]; tighter than asked for where `auto` found more noise than level.
+    pub relative_tolerance: f64,
     pub steps: u64,
     pub rejected_steps: u64,
     pub rhs_evaluations: u64,
@@ -57,7 +59,8 @@ pub struct AccuracyAnswer {
     pub motion: Option<MotionName>,
     /// Rate at which neighbouring runs part; negative: they meet [1/s].
     pub divergence_rate_per_s: f64,
-    /// Present where a fixed step lies beyond the limit of stability: the result is wrong.
+    /// Present where the level is not resolved (an error of more than 1 dB), or where a fixed step lies beyond the limit of
+    /// stability: then the result is wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub warning: Option<String>,
@@ -124,6 +127,7 @@ impl From<&SolverReport> for SolverAnswer {
             wall_time_s: report.wall_time,
             simulated_time_s: report.simulated_time,
             real_time_factor: report.simulated_time / report.wall_time.max(1e-9),
+            relative_tolerance: report.relative_tolerance,
             states: report.states as u64,
             strips: report.strips as u64,
             mean_step_s: work.advanced / work.steps.max(1) as f64,

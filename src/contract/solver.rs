@@ -15,7 +15,7 @@ pub struct SolverInput {
     /// Default `auto`: the run chooses, and the result names what ran and why.
     #[schema(nullable = false, value_type = Option<MethodName>)]
     pub method: Option<String>,
-    /// Relative tolerance of the integrator [-]. Default 1e-5.
+    /// Relative tolerance of the integrator [-]; `auto` tightens it where it leaves more noise than level. Default 1e-5.
     #[schema(nullable = false, minimum = 1e-12, maximum = 0.01, example = 0.00001)]
     pub relative_tolerance: Option<f64>,
     /// How much a level may change by what is left out by judgement [dB]; 0: identities and

@@ -131,16 +131,15 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let needs = Needs::of(scene, &settings.outputs, settings.rung)?;
     let model = Model::new(scene, &needs);
     let start = start_state(&model)?;
-    let mut observer = Observer::new(&model, &needs, settings);
-    let span = Span { start: 0.0, end: observer.end(), checkpoint: settings.settle, share: (0.0, MAIN_SHARE) };
-    let main = integrate(&model, &start, &Stepping::of(settings), &span, control, |step| observer.after(step))?;
-    let recording = observer.finish();
-    let accuracy = accuracy::judge(&model, &needs, settings, &recording, (&main, &start), control)?.doubted();
-    Ok(summarise(scene, settings, &needs, &model, &recording, &main, accuracy, begin))
+    let setup = Setup { model: &model, needs: &needs, settings, start: &start };
+    let first = setup.attempt(&Stepping::of(settings), (0.0, MAIN_SHARE), control)?;
+    let (attempt, accuracy) = accuracy::judge(&setup, first, control)?;
+    (control.progress)(1.0);
+    Ok(summarise(scene, &setup, &attempt, accuracy, begin))
 }
 
 /// Share of the progress that the main integration stands for; the rest judges its accuracy.
-const MAIN_SHARE: f64 = 0.8;
+const MAIN_SHARE: f64 = 0.85;
 
 /// Equilibrium of spindle and balls under load, gravity and centrifugal force; cage centred, ideal orbit and rolling.
 pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
@@ -153,6 +152,37 @@ pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
     }
     layout.set_spindle(&mut state, &SpindleState { position: rest.spindle, velocity: [0.0; 3] });
     Ok(state)
+}
+
+/// What is the same in all attempts at a run.
+pub(super) struct Setup<'a> {
+    pub model: &'a Model,
+    pub needs: &'a Needs,
+    pub settings: &'a RunSettings,
+    pub start: &'a [f64],
+}
+
+/// The whole run at one tolerance.
+pub(super) struct Attempt {
+    pub relative_tolerance: f64,
+    pub integrated: Integrated,
+    pub recording: Recording,
+}
+
+impl Setup<'_> {
+    /// Integrates the whole run; `share`: progress at its start and at its end.
+    pub fn attempt(
+        &self,
+        stepping: &Stepping,
+        share: (f64, f64),
+        control: &Control<'_>,
+    ) -> Result<Attempt, SimulationError> {
+        let mut observer = Observer::new(self.model, self.needs, self.settings);
+        let span = Span { start: 0.0, end: observer.end(), checkpoint: self.settings.settle, share };
+        let integrated = integrate(self.model, self.start, stepping, &span, control, |step| observer.after(step))?;
+        let relative_tolerance = stepping.relative_tolerance;
+        Ok(Attempt { relative_tolerance, integrated, recording: observer.finish() })
+    }
 }
 
 /// By which method, and how finely.
@@ -269,17 +299,15 @@ fn endless(work: &Statistics, done: f64, span: &Span) -> Result<(), SimulationEr
     Err(SimulationError::Endless { time, end: span.end, step, evaluations })
 }
 
-#[allow(clippy::too_many_arguments)] // Everything a run knows meets here once.
 fn summarise(
     scene: &Scene,
-    settings: &RunSettings,
-    needs: &Needs,
-    model: &Model,
-    recording: &Recording,
-    main: &Integrated,
+    setup: &Setup<'_>,
+    attempt: &Attempt,
     accuracy: AccuracyReport,
     begin: Instant,
 ) -> RunResult {
+    let &Setup { model, needs, settings, .. } = setup;
+    let (recording, main) = (&attempt.recording, &attempt.integrated);
     let spectra = metrics::spectra(recording, settings);
     let frequencies = metrics::frequencies(scene, recording);
     let outputs = &settings.outputs;
@@ -291,7 +319,7 @@ fn summarise(
         lines: if outputs.vibration { metrics::lines(scene, &spectra, &frequencies) } else { Vec::new() },
         solver: SolverReport {
             method: main.choice.method.name(),
-            method_reason: main.choice.reason.clone().unwrap_or_else(|| "asked for".into()),
+            method_reason: reason(settings, attempt),
             rung: needs.rung.name(),
             check: match needs.rung {
                 Rung::Full => "the full dynamics: nothing richer to check against".into(),
@@ -302,10 +330,22 @@ fn summarise(
             simulated_time: settings.settle + settings.duration,
             states: model.mechanism().layout.dimension(),
             strips: needs.raceway.strips,
+            relative_tolerance: attempt.relative_tolerance,
         },
         accuracy,
     };
     RunResult { summary, spectra, series: metrics::series(recording, settings), left_out: needs.left_out.clone() }
+}
+
+/// Why this method, and why a tighter tolerance than the one asked for.
+fn reason(settings: &RunSettings, attempt: &Attempt) -> String {
+    let method = attempt.integrated.choice.reason.clone().unwrap_or_else(|| "asked for".into());
+    let (asked, taken) = (settings.relative_tolerance, attempt.relative_tolerance);
+    if taken == asked {
+        method
+    } else {
+        format!("{method}; tolerance {taken:.0e} for {asked:.0e}, which left more noise than level")
+    }
 }
 
 impl SimulationError {

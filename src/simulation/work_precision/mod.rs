@@ -10,18 +10,16 @@ mod errors;
 
 use std::cell::Cell;
 
-use super::accuracy::{self, BATCHES};
+use super::accuracy;
 use super::channel::Channel;
+use super::divergence;
 use super::lines::Line;
-use super::metrics::{self, BAND, MotionKind};
+use super::metrics::{self, MotionKind};
 use super::model::Model;
 use super::needs::{LeftOut, Needs};
-use super::observe::RATE;
 use super::run::{Control, Method, Outputs, RunSettings, SimulationError, Stepping, start_state};
 use super::scene::Scene;
 use crate::numerics::ode::{Choice, Statistics};
-use crate::numerics::spectrum::band_limited;
-use crate::numerics::statistics::level_standard_error_db;
 pub use course::Taken;
 use course::{Course, Finished};
 use errors::{Comparison, largest};
@@ -142,10 +140,11 @@ pub fn study(
     let needs = Needs::of(scene, &settings.outputs, settings.rung)?;
     let model = Model::new(scene, &needs);
     let course = Course::settled(&model, &needs, &settings, start_state(&model)?, control)?;
-    let stretch = accuracy::judged_stretch(&settings);
-    let divergence_rate = accuracy::divergence_rate(&model, &settings, course.begin, &course.start, stretch, control)?;
+    let stretch = divergence::judged_stretch(&settings);
+    let (begin, start) = (course.begin, &course.start);
+    let divergence_rate = divergence::divergence_rate(&model, &settings, begin, start, stretch, u64::MAX, control)?;
     (control.progress)(DIVERGENCE_KNOWN);
-    let motion = accuracy::motion(divergence_rate, stretch);
+    let motion = divergence::motion(divergence_rate, stretch);
     let references = references(&course, control)?;
     let growth = if motion == Some(MotionKind::Diverging) { divergence_rate } else { 0.0 };
     let comparison = Comparison::new(scene, &course, &references.first, growth);
@@ -225,19 +224,17 @@ fn references(course: &Course<'_>, control: &Control<'_>) -> Result<References, 
 fn described(references: &References, comparison: &Comparison<'_>, motion: Option<MotionKind>) -> Reference {
     let first = &references.first;
     let own = references.check.as_ref().map(|(run, (_, tolerance))| comparison.errors(run, *tolerance));
-    let sampling = || {
-        let signals = accuracy::ACCELERATIONS.iter().filter_map(|&channel| first.recording.signal(channel));
-        signals
-            .filter_map(|signal| level_standard_error_db(&band_limited(signal, RATE, BAND), BATCHES))
-            .reduce(f64::max)
-    };
     Reference {
         method: references.first_is.0,
         relative_tolerance: references.first_is.1,
         check: references.check.as_ref().map(|(_, is)| *is),
         own_error_db: own.as_ref().and_then(|own| own.level_db),
         own_trajectory: own.and_then(|own| own.trajectory),
-        sampling_error_db: if motion == Some(MotionKind::Diverging) { sampling() } else { None },
+        sampling_error_db: if motion == Some(MotionKind::Diverging) {
+            accuracy::sampling_error(&first.recording)
+        } else {
+            None
+        },
         levels: comparison.levels.clone(),
         lines: comparison.lines.clone(),
         statistics: first.statistics,

@@ -1,0 +1,220 @@
+//! Do two motions that start next to each other meet or part? It tells chaos from decay.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use super::metrics::MotionKind;
+use super::model::Model;
+use super::run::{Control, RunSettings, STEPS_PER_LOOK, SimulationError};
+use crate::numerics::ode::structure::{Jacobian, Structure};
+use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
+use crate::numerics::statistics::slope;
+
+/// Stretch over which the disturbed and the undisturbed motion are followed [s].
+const STRETCH: f64 = 0.01;
+/// Shortest stretch that tells decay from divergence; shorter runs say nothing about it [s].
+const LEAST_STRETCH: f64 = 5e-3;
+/// Disturbance, in sizes of the state's entries: 1e-11 m in each position.
+const DISTURBANCE: f64 = 1e-5;
+/// Distances at which two motions have nothing more in common; growth ends there.
+const SATURATED: f64 = 0.1;
+/// Distances on the way, evenly spaced in time.
+const SAMPLES: usize = 50;
+/// Growth by this many e-folds over the stretch counts as diverging; less may be a neutral drift of the azimuths.
+const FOLDS: f64 = 2.0;
+/// Loosest relative tolerance at which two motions are followed: whether they part is a matter of the scene, and must not
+/// drown in the errors of the steps.
+const PAIR_TOLERANCE: f64 = 1e-6;
+
+/// How much of a run is judged [s].
+pub fn judged_stretch(settings: &RunSettings) -> f64 {
+    settings.duration.min(STRETCH)
+}
+
+/// What growth at a rate [1/s] over a stretch [s] says of the motion; `None`: the stretch is too short to tell.
+pub(super) fn motion(divergence_rate: f64, stretch: f64) -> Option<MotionKind> {
+    let diverging = divergence_rate * stretch > FOLDS;
+    let kind = if diverging { MotionKind::Diverging } else { MotionKind::Decaying };
+    (stretch >= LEAST_STRETCH).then_some(kind)
+}
+
+/// Rate at which a small disturbance of the state at `begin` [s] grows over a stretch [s] (negative: shrinks) [1/s], by
+/// a straight line through the later half of the logarithms of the distance.
+pub(super) fn divergence_rate(
+    model: &Model,
+    settings: &RunSettings,
+    begin: f64,
+    checkpoint: &[f64],
+    stretch: f64,
+    most_evaluations: u64,
+    control: &Control<'_>,
+) -> Result<f64, SimulationError> {
+    let n = model.dimension();
+    let sizes = model.mechanism().layout.sizes();
+    let pair = Pair::new(model);
+    // Alternating signs: a disturbance that no symmetry of the bearing cancels.
+    let disturbed: Vec<f64> =
+        (0..n).map(|i| checkpoint[i] + if i % 3 == 0 { -1.0 } else { 1.0 } * DISTURBANCE * sizes[i]).collect();
+    let start = pair.joined(checkpoint, &disturbed);
+    let one = model.mechanism().layout.tolerances(settings.relative_tolerance.min(PAIR_TOLERANCE));
+    let twice = |of: &[f64]| pair.joined(of, of);
+    let tolerances = Tolerances { relative: twice(&one.relative), absolute: twice(&one.absolute) };
+    let mut integrator = settings.method.start(&pair, begin, &start, tolerances, settings.fixed_step);
+    let end = begin + stretch;
+    let mut stops: Vec<f64> = model.mechanism().speed.kinks().filter(|kink| *kink > begin && *kink < end).collect();
+    stops.push(end);
+    let (mut times, mut logarithms) = (Vec::new(), Vec::new());
+    let mut state = start.clone();
+    let [mut straight, mut disturbed] = [(); 2].map(|()| vec![0.0; n]);
+    let mut sample = 1;
+    for stop in stops {
+        while integrator.time() < stop {
+            step(integrator.as_mut(), stop, model, control)?;
+            let (time, evaluations) = (integrator.time(), integrator.statistics().rhs_evaluations);
+            if evaluations > most_evaluations {
+                return Err(SimulationError::Exhausted { time, evaluations });
+            }
+            while sample <= SAMPLES {
+                let time = (begin + stretch * sample as f64 / SAMPLES as f64).min(end);
+                if time > integrator.time() {
+                    break;
+                }
+                integrator.interpolate(time, &mut state);
+                pair.take(0, &state, &mut straight);
+                pair.take(1, &state, &mut disturbed);
+                let squares: f64 = (0..n).map(|i| ((disturbed[i] - straight[i]) / sizes[i]).powi(2)).sum();
+                let distance = (squares / n as f64).sqrt();
+                if distance > SATURATED || distance == 0.0 {
+                    return Ok(late_slope(&times, &logarithms));
+                }
+                times.push(time);
+                logarithms.push(distance.ln());
+                sample += 1;
+            }
+        }
+        integrator.restart();
+    }
+    Ok(late_slope(&times, &logarithms))
+}
+
+/// Slope of the later half: two motions that fly apart freely part ever more slowly, seen so, and chaos does not.
+fn late_slope(times: &[f64], logarithms: &[f64]) -> f64 {
+    let half = times.len() / 2;
+    slope(&times[half..], &logarithms[half..]).unwrap_or(0.0)
+}
+
+/// Two copies of a system side by side, so that both take the same steps: the balls of both, then spindle and cage of
+/// both.
+///
+/// Each has its own Jacobian: they are never far from each other, but a contact that closes in one of them and not yet in
+/// the other may change its Jacobian beyond recognition.
+struct Pair<'a> {
+    model: &'a Model,
+    /// Entries of the balls of one copy.
+    balls: usize,
+    apart: RefCell<[Vec<f64>; 2]>,
+}
+
+impl<'a> Pair<'a> {
+    fn new(model: &'a Model) -> Self {
+        let Structure { blocks, block, .. } = model.structure();
+        let copy = || vec![0.0; model.dimension()];
+        Self { model, balls: blocks * block, apart: RefCell::new([copy(), copy()]) }
+    }
+
+    /// The ranges of a copy's entries in the joint vector: balls, spindle and cage.
+    fn ranges(&self, copy: usize) -> [Range<usize>; 2] {
+        let (balls, border) = (self.balls, self.model.dimension() - self.balls);
+        let border_from = 2 * balls + copy * border;
+        [copy * balls..(copy + 1) * balls, border_from..border_from + border]
+    }
+
+    /// One copy's entries out of the joint vector.
+    fn take(&self, copy: usize, joint: &[f64], own: &mut [f64]) {
+        let (of_balls, of_border) = own.split_at_mut(self.balls);
+        let [balls, border] = self.ranges(copy);
+        of_balls.copy_from_slice(&joint[balls]);
+        of_border.copy_from_slice(&joint[border]);
+    }
+
+    /// One copy's entries into the joint vector.
+    fn put(&self, copy: usize, own: &[f64], joint: &mut [f64]) {
+        let [balls, border] = self.ranges(copy);
+        joint[balls].copy_from_slice(&own[..self.balls]);
+        joint[border].copy_from_slice(&own[self.balls..]);
+    }
+
+    fn joined(&self, one: &[f64], other: &[f64]) -> Vec<f64> {
+        let mut joint = vec![0.0; 2 * self.model.dimension()];
+        self.put(0, one, &mut joint);
+        self.put(1, other, &mut joint);
+        joint
+    }
+}
+
+impl OdeSystem for Pair<'_> {
+    fn dimension(&self) -> usize {
+        2 * self.model.dimension()
+    }
+
+    fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
+        let [own, rate] = &mut *self.apart.borrow_mut();
+        for copy in 0..2 {
+            self.take(copy, state, own);
+            self.model.derivative(time, own, rate);
+            self.put(copy, rate, derivative);
+        }
+    }
+
+    fn structure(&self) -> Structure {
+        let mut structure = self.model.structure();
+        let border = structure.border;
+        let of_the_other: Vec<_> =
+            structure.border_pairs.iter().map(|(position, velocity)| (position + border, velocity + border)).collect();
+        structure.border_pairs.extend(of_the_other);
+        Structure { blocks: 2 * structure.blocks, border: 2 * border, ..structure }
+    }
+
+    fn jacobian(&self, time: f64, state: &[f64], rate: &[f64], displacement: &[f64], jacobian: &mut Jacobian) -> u64 {
+        let structure = self.model.structure();
+        let (blocks, block, border) = (structure.blocks, structure.block, structure.border);
+        let mut one = Jacobian::new(&structure);
+        let [mut own, mut own_rate, mut own_displacement] = [(); 3].map(|()| vec![0.0; self.model.dimension()]);
+        let mut evaluations = 0;
+        for copy in 0..2 {
+            self.take(copy, state, &mut own);
+            self.take(copy, rate, &mut own_rate);
+            self.take(copy, displacement, &mut own_displacement);
+            evaluations += self.model.jacobian(time, &own, &own_rate, &own_displacement, &mut one);
+            let columns = copy * border..(copy + 1) * border;
+            for index in 0..blocks {
+                let joint = copy * blocks + index;
+                jacobian.block_mut(joint).copy_from_slice(one.block(index));
+                let (right, below) = (one.right(index), one.below(index));
+                for (row, entries) in jacobian.right_mut(joint).chunks_exact_mut(2 * border).enumerate() {
+                    entries[columns.clone()].copy_from_slice(&right[row * border..(row + 1) * border]);
+                }
+                jacobian.below_mut(joint)[columns.start * block..columns.end * block].copy_from_slice(below);
+            }
+            for row in 0..border {
+                let from = (columns.start + row) * 2 * border + columns.start;
+                jacobian.corner_mut()[from..from + border]
+                    .copy_from_slice(&one.corner()[row * border..(row + 1) * border]);
+            }
+        }
+        evaluations / 2
+    }
+}
+
+fn step(
+    integrator: &mut dyn Integrator,
+    limit: f64,
+    model: &Model,
+    control: &Control<'_>,
+) -> Result<(), SimulationError> {
+    integrator.step(limit).map_err(|source| SimulationError::integration(source, &model.mechanism().layout))?;
+    if integrator.statistics().steps.is_multiple_of(STEPS_PER_LOOK) && (control.stop)() {
+        return Err(SimulationError::Stopped { time: integrator.time() });
+    }
+    Ok(())
+}
