@@ -68,7 +68,11 @@ pub(super) fn judge(
         let warning = attempt.integrated.unstable.clone().or(failure.clone()).or_else(|| doubt(level_error_db));
         (attempt, AccuracyReport { level_error_db, how, motion, divergence_rate, warning })
     };
-    let at = if fixed { "half of the step" } else { "a tenth of the relative tolerance" };
+    let at = match repeating(settings.method) {
+        _ if fixed => "half of the step".into(),
+        method if method == settings.method => "a tenth of the relative tolerance".to_owned(),
+        other => format!("a tenth of the relative tolerance by {}", other.name()),
+    };
     let over = format!("{:.3} ms repeated at {at}", 1e3 * settings.duration.min(REPEATED));
     if motion == Some(MotionKind::Diverging) {
         // Another sample of the same motion: over a part of the time it scatters more than over all of it.
@@ -208,6 +212,12 @@ fn level_distance(a: &Recording, b: &Recording) -> Option<f64> {
     differences.iter().filter_map(|twice| level_difference(&twice.first, &twice.again)).map(f64::abs).reduce(f64::max)
 }
 
+/// By what a run of a method is repeated. The long steps of `radau` are looked at by interpolation, whose error hardly depends
+/// on the tolerance: another method sees it.
+fn repeating(method: Method) -> Method {
+    if method == Method::Radau { Method::Gear } else { method }
+}
+
 /// What repeating a part of a run has shown, worst of y and z.
 struct Repeated {
     /// [dB]
@@ -249,6 +259,7 @@ fn repeat(
         ..settings.clone()
     };
     let stepping = Stepping {
+        method: repeating(settings.method),
         relative_tolerance: (settings.relative_tolerance / TIGHTER).max(LEAST_TOLERANCE),
         fixed_step: settings.fixed_step.map(|step| 0.5 * step),
         most_evaluations: Some(most_evaluations),
