@@ -4,7 +4,7 @@
 //! dense output of order 4: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.6.
 
 use super::stability::{self, Stability};
-use super::step_size::{StepSizeControl, error_norm, initial_step, worst_component};
+use super::step_size::{StepSizeControl, Try, error_norm, initial_step, is_impossible, stays_broken, worst_component};
 use super::structure::{Jacobian, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
@@ -30,9 +30,6 @@ const D: [f64; 7] = [
     -1453857185.0 / 822651844.0,
     69997945.0 / 29380423.0,
 ];
-
-/// Rejections in a row after which a step counts as impossible.
-const MOST_REJECTIONS: u32 = 60;
 
 /// The method with its workspace; allocates only on construction.
 pub struct DormandPrince<'a, S: OdeSystem + ?Sized> {
@@ -131,7 +128,7 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
         let step = self.time - self.previous_time;
         let (mut slopes, mut states) = (0.0, 0.0);
         for i in 0..self.state.len() {
-            let scale = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.state[i].abs();
+            let scale = self.tolerances.allowed(i, self.state[i]);
             let mut between = 0.0;
             for ((last, before), slope) in A[5].iter().zip(&A[4]).zip(&self.slopes) {
                 between += (last - before) * slope[i];
@@ -143,14 +140,13 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
     }
 
     /// Makes the tried step the last one.
-    fn accept(&mut self, step: f64, end: f64) {
+    fn accept(&mut self, tried: &Try) {
         self.previous_time = self.time;
         std::mem::swap(&mut self.previous_state, &mut self.state);
         std::mem::swap(&mut self.state, &mut self.trial);
-        self.time = end;
+        self.time = tried.end;
         self.first_same_as_last = true;
-        self.statistics.steps += 1;
-        self.statistics.advanced += step;
+        self.statistics.accept(tried.step, tried.cut);
     }
 }
 
@@ -161,24 +157,15 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
         }
         let mut rejections = 0;
         loop {
-            let remaining = limit - self.time;
-            // A last step that would leave a sliver is stretched to the limit.
-            let cut = self.step * 1.000_001 >= remaining;
-            let step = if cut { remaining } else { self.step };
-            let end = if cut { limit } else { self.time + step };
+            let tried = Try::new(self.time, self.step, limit);
+            let step = tried.step;
             self.try_step(step);
             let error = error_norm(&self.error, &self.state, &self.trial, &self.tolerances);
             if self.fixed && error.is_finite() || error <= 1.0 {
                 if !self.fixed {
-                    let next = step * self.control.accepted(error);
-                    // A step cut short says little about the next one.
-                    self.step = if cut { next.max(self.step) } else { next };
+                    self.step = tried.followed_by(step * self.control.accepted(error), self.step);
                 }
-                if !cut {
-                    let least = &mut self.statistics.least_step;
-                    *least = if *least == 0.0 { step } else { least.min(step) };
-                }
-                self.accept(step, end);
+                self.accept(&tried);
                 return Ok(());
             }
             // The slope at the start stays valid for the next try.
@@ -187,11 +174,11 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
             self.statistics.rejected_steps += 1;
             rejections += 1;
             let component = worst_component(&self.error, &self.state, &self.trial, &self.tolerances);
-            if self.fixed || (!error.is_finite() && rejections >= MOST_REJECTIONS / 2) {
+            if self.fixed || (!error.is_finite() && stays_broken(rejections)) {
                 return Err(IntegrationError::NotFinite { time: self.time, step, component });
             }
             self.step = step * self.control.rejected(error);
-            if rejections >= MOST_REJECTIONS || self.step <= 4.0 * f64::EPSILON * self.time.abs() {
+            if is_impossible(rejections, self.time, self.step) {
                 return Err(IntegrationError::StepTooSmall { time: self.time, step: self.step, component });
             }
         }
@@ -257,8 +244,7 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
         let mut jacobian = Jacobian::new(&self.system.structure());
         displacements(state, rate, &self.tolerances, self.time - self.previous_time, &mut displacement);
         self.system.jacobian(self.time, state, rate, &displacement, &mut jacobian);
-        let Tolerances { absolute, relative } = &self.tolerances;
-        let weights: Vec<f64> = (0..state.len()).map(|i| 1.0 / (absolute[i] + relative[i] * state[i].abs())).collect();
+        let weights: Vec<f64> = (0..state.len()).map(|i| 1.0 / self.tolerances.allowed(i, state[i])).collect();
         let rate = jacobian.fastest_rate(&weights).max(self.fastest_rate());
         Some(Stability { rate, limit: stability::DORMAND_PRINCE })
     }

@@ -12,7 +12,7 @@
 use super::dormand_prince::DormandPrince;
 use super::phi::{Phi, double, phi};
 use super::stability::{self, Stability};
-use super::step_size::{error_norm, worst_component};
+use super::step_size::{error_norm, is_impossible, stays_broken, worst_component};
 use super::structure::{Jacobian, Structure, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
@@ -47,8 +47,6 @@ const LEAST_PATIENCE: u64 = 4;
 const MOST_PATIENCE: u64 = 256;
 /// Steps after a rejection without doubling.
 const PAUSE: u64 = 16;
-/// Rejections in a row after which a step counts as impossible.
-const MOST_REJECTIONS: u32 = 60;
 /// Tolerances by which an interpolation by rates may differ from one by states alone.
 const INTERPOLATION: f64 = 30.0;
 /// Values midway between the newest and the next, and between the next two, from the five newest.
@@ -435,11 +433,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         self.previous_time = self.grid_time;
         self.grid_time = end;
         self.keep_corrected();
-        let statistics = &mut self.statistics;
-        statistics.steps += 1;
-        statistics.advanced += self.step;
-        let least = &mut statistics.least_step;
-        *least = if *least == 0.0 { self.step } else { least.min(self.step) };
+        self.statistics.accept(self.step, false);
         self.age += 1;
         self.wait = self.wait.saturating_sub(1);
         if error >= TELLING {
@@ -538,10 +532,10 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
             rejections += 1;
             let (time, step) = (self.grid_time, self.step);
             let component = worst_component(&self.correction, &self.states[0], &self.corrected, &self.tolerances);
-            if self.fixed || (!error.is_finite() && rejections >= MOST_REJECTIONS / 2) {
+            if self.fixed || (!error.is_finite() && stays_broken(rejections)) {
                 return Err(IntegrationError::NotFinite { time, step, component });
             }
-            if rejections >= MOST_REJECTIONS || step <= 4.0 * f64::EPSILON * time.abs() {
+            if is_impossible(rejections, time, step) {
                 return Err(IntegrationError::StepTooSmall { time, step, component });
             }
             self.halve_step();
@@ -585,9 +579,9 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
                 + before * self.states[2][i]
                 + end_rate * self.rate[i]
                 + start_rate * self.previous_rate[i];
-            let scale = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.states[0][i].abs();
             let off = (*value - by_states).abs();
-            if !self.fixed && (off.is_nan() || off > INTERPOLATION * scale) {
+            let most = INTERPOLATION * self.tolerances.allowed(i, self.states[0][i]);
+            if !self.fixed && (off.is_nan() || off > most) {
                 *value = by_states;
             }
         }
@@ -604,20 +598,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
     }
 
     fn statistics(&self) -> Statistics {
-        let own = self.statistics;
-        let Some(walked) = self.walker.as_ref().map(|walker| walker.statistics()) else { return own };
-        let least = match (own.least_step, walked.least_step) {
-            (0.0, least) | (least, 0.0) => least,
-            (one, other) => one.min(other),
-        };
-        Statistics {
-            steps: own.steps + walked.steps,
-            rejected_steps: own.rejected_steps + walked.rejected_steps,
-            rhs_evaluations: own.rhs_evaluations + walked.rhs_evaluations,
-            least_step: least,
-            advanced: own.advanced + walked.advanced,
-            ..own
-        }
+        self.walker.as_ref().map_or(self.statistics, |walker| self.statistics.and(&walker.statistics()))
     }
 
     fn choice(&self) -> Choice {

@@ -7,7 +7,7 @@
 //! that are kept as long as they serve.
 
 use super::arrowhead::ArrowheadFactors;
-use super::step_size::initial_step;
+use super::step_size::{Try, initial_step, is_impossible, largest};
 use super::structure::{Jacobian, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
@@ -32,8 +32,6 @@ const AIM: [f64; 3] = [1.0 / 4.0, 1.0 / 4.0, 1.0 / 2.0];
 /// A step must gain this much to grow, so that differences and factors are not upset for little.
 const LEAST_GAIN: f64 = 1.2;
 const LARGEST_GAIN: f64 = 4.0;
-/// Tries of one step, whatever they fail by.
-const MOST_TRIES: u32 = 60;
 /// Error-test failures of one step after which its past is distrusted.
 const DISTRUST: u32 = 3;
 
@@ -218,8 +216,8 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     }
 
     /// Solves for the correction at the end of a step, from the predictor on.
-    fn correct(&mut self, end: f64, step: f64, c: &Coefficients) -> Result<(), Failure> {
-        let corrector = &mut self.corrector;
+    fn correct(&mut self, tried: &Try, c: &Coefficients) -> Result<(), Failure> {
+        let (corrector, end) = (&mut self.corrector, tried.end);
         corrector.correction.fill(0.0);
         self.trial.copy_from_slice(&self.predicted);
         let mut last = 0.0;
@@ -234,7 +232,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
                     self.system,
                     (end, &self.predicted),
                     &self.tolerances,
-                    (step, c.leading),
+                    (tried.step, c.leading),
                     &mut self.statistics,
                 )?;
             } else {
@@ -274,7 +272,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     }
 
     /// Takes the corrected state as the next one and updates the differences.
-    fn accept(&mut self, end: f64, step: f64, c: &Coefficients) {
+    fn accept(&mut self, tried: &Try, c: &Coefficients) {
         let k = self.order;
         let correction = &self.corrector.correction;
         if self.known > k + 1 {
@@ -294,12 +292,11 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
             }
         }
         self.steps.rotate_right(1);
-        self.steps[0] = step;
+        self.steps[0] = tried.step;
         self.previous_time = self.time;
-        self.time = end;
+        self.time = tried.end;
         self.last_order = k;
-        self.statistics.steps += 1;
-        self.statistics.advanced += step;
+        self.statistics.accept(tried.step, tried.cut);
         self.corrector.factor_age += 1;
         self.corrector.current = false;
     }
@@ -340,18 +337,17 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     }
 
     /// Takes an accepted try over and plans the next step.
-    fn conclude(&mut self, end: f64, step: f64, cut: bool, error: f64, c: &Coefficients) {
-        let (order, next) = self.plan(step, error, c);
+    fn conclude(&mut self, tried: &Try, error: f64, c: &Coefficients) {
+        let (order, next) = self.plan(tried.step, error, c);
         // Growth ends where the error no longer allows both a step of twice the size and the next order.
         self.starting &= order > self.order;
-        self.accept(end, step, c);
-        if order == self.last_order && next == step {
+        self.accept(tried, c);
+        if order == self.last_order && next == tried.step {
             self.settled += 1;
         } else {
             (self.order, self.settled) = (order, 0);
         }
-        // A step cut short says little about the next one.
-        self.step = if cut { next.max(self.step) } else { next };
+        self.step = tried.followed_by(next, self.step);
     }
 
     fn change(&mut self, step: f64, order: usize) {
@@ -388,11 +384,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
 
     /// The entry that the last correction moved most against its tolerance.
     fn worst_component(&self) -> usize {
-        let size = |i: usize| {
-            let size = (self.corrector.correction[i] * self.weights[i]).abs();
-            if size.is_nan() { f64::INFINITY } else { size }
-        };
-        (0..self.weights.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
+        largest(self.weights.len(), |i| (self.corrector.correction[i] * self.weights[i]).abs())
     }
 
     /// What to do after a try whose error was too large.
@@ -470,27 +462,19 @@ impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
             self.start(limit - self.time);
         }
         for (i, weight) in self.weights.iter_mut().enumerate() {
-            let state = self.differences[0][i].abs();
-            *weight = 1.0 / (SHARE * (self.tolerances.absolute[i] + self.tolerances.relative[i] * state));
+            *weight = 1.0 / (SHARE * self.tolerances.allowed(i, self.differences[0][i]));
         }
         let (mut tries, mut too_large) = (0, 0);
         loop {
-            let remaining = limit - self.time;
-            // A last step that would leave a sliver is stretched to the limit.
-            let cut = self.step * 1.000_001 >= remaining;
-            let step = if cut { remaining } else { self.step };
-            let end = if cut { limit } else { self.time + step };
+            let tried = Try::new(self.time, self.step, limit);
+            let step = tried.step;
             let c = Coefficients::new(step, &self.steps, self.order);
             self.predict(&c);
-            let failure = match self.correct(end, step, &c) {
+            let failure = match self.correct(&tried, &c) {
                 Ok(()) => {
                     let error = c.step_error * self.norm(self.corrector.correction.iter().copied());
                     if error <= 1.0 {
-                        if !cut {
-                            let least = &mut self.statistics.least_step;
-                            *least = if *least == 0.0 { step } else { least.min(step) };
-                        }
-                        self.conclude(end, step, cut, error, &c);
+                        self.conclude(&tried, error, &c);
                         return Ok(());
                     }
                     too_large += 1;
@@ -511,7 +495,7 @@ impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
             };
             self.statistics.rejected_steps += 1;
             tries += 1;
-            if tries >= MOST_TRIES || self.step <= 4.0 * f64::EPSILON * self.time.abs() {
+            if is_impossible(tries, self.time, self.step) {
                 let component = self.worst_component();
                 return Err(match failure {
                     Some(Failure::NotFinite) => IntegrationError::NotFinite { time: self.time, step, component },

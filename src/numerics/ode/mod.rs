@@ -51,6 +51,11 @@ impl Tolerances {
     pub fn uniform(dimension: usize, relative: f64, absolute: f64) -> Self {
         Self { relative: vec![relative; dimension], absolute: vec![absolute; dimension] }
     }
+
+    /// What component `i` may err by in a step where it is of this size.
+    pub fn allowed(&self, i: usize, size: f64) -> f64 {
+        self.absolute[i] + self.relative[i] * size.abs()
+    }
 }
 
 /// The methods by name.
@@ -158,12 +163,17 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// Takes down an accepted step; `cut`: to end at a stop.
+    fn accept(&mut self, step: f64, cut: bool) {
+        self.steps += 1;
+        self.advanced += step;
+        if !cut {
+            self.least_step = shorter(self.least_step, step);
+        }
+    }
+
     /// The work of two methods that ran one after the other.
     pub fn and(&self, next: &Self) -> Self {
-        let least = match (self.least_step, next.least_step) {
-            (0.0, step) | (step, 0.0) => step,
-            (one, other) => one.min(other),
-        };
         Self {
             steps: self.steps + next.steps,
             rejected_steps: self.rejected_steps + next.rejected_steps,
@@ -171,9 +181,17 @@ impl Statistics {
             rhs_evaluations: self.rhs_evaluations + next.rhs_evaluations,
             jacobian_evaluations: self.jacobian_evaluations + next.jacobian_evaluations,
             factorizations: self.factorizations + next.factorizations,
-            least_step: least,
+            least_step: shorter(self.least_step, next.least_step),
             advanced: self.advanced + next.advanced,
         }
+    }
+}
+
+/// The shorter of two steps; 0: none yet.
+fn shorter(one: f64, other: f64) -> f64 {
+    match (one, other) {
+        (0.0, step) | (step, 0.0) => step,
+        _ => one.min(other),
     }
 }
 

@@ -8,7 +8,7 @@
 use nalgebra::Complex;
 
 use super::arrowhead::{ArrowheadFactors, Singular};
-use super::step_size::{error_norm, initial_step, worst_component};
+use super::step_size::{Try, error_norm, initial_step, is_impossible, stays_broken, worst_component};
 use super::structure::{Jacobian, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
@@ -32,8 +32,6 @@ const T_INVERSE: [[f64; 3]; 3] = [
     [-0.502_872_634_945_786_9, 2.571_926_949_855_605, -0.596_039_204_828_224_9],
 ];
 
-/// Tries in vain after which a step counts as impossible.
-const MOST_REJECTIONS: u32 = 60;
 /// Iterations of Newton's method in a step.
 const MOST_ITERATIONS: u32 = 10;
 /// Part of the asked tolerance that may be left to Newton's iteration.
@@ -213,14 +211,6 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         self.starting = false;
     }
 
-    /// The step to try and its end; whether `limit` cuts or stretches it.
-    fn next_end(&self, limit: f64) -> (f64, f64, bool) {
-        let remaining = limit - self.time;
-        // A last step that would leave a sliver is stretched to the limit.
-        let cut = self.step * 1.000_001 >= remaining;
-        if cut { (remaining, limit, true) } else { (self.step, self.time + self.step, false) }
-    }
-
     /// Makes Jacobian and factors fit for a step, as far as they are not.
     fn prepare(&mut self, step: f64) -> Result<(), Singular> {
         if !self.jacobian_is_fresh && !self.jacobian_serves {
@@ -297,7 +287,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
             for (all, stage) in self.trial_stages.iter_mut().zip(stages) {
                 all[i] = stage;
             }
-            let weight = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.state[i].abs();
+            let weight = self.tolerances.allowed(i, self.state[i]);
             sum += increment.iter().map(|x| (x / weight).powi(2)).sum::<f64>();
         }
         (sum / (3 * n.max(1)) as f64).sqrt()
@@ -308,8 +298,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         let sum: f64 = (0..self.state.len())
             .map(|i| {
                 let size = self.trial_stages.iter().map(|stage| stage[i].abs()).fold(self.state[i].abs(), f64::max);
-                let weight = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.state[i].abs();
-                (size / weight).powi(2)
+                (size / self.tolerances.allowed(i, self.state[i])).powi(2)
             })
             .sum();
         16.0 * f64::EPSILON * (sum / self.state.len().max(1) as f64).sqrt()
@@ -426,9 +415,9 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
     }
 
     /// Makes the tried step the last one.
-    fn accept(&mut self, step: f64, end: f64) {
+    fn accept(&mut self, tried: &Try) {
         self.previous_time = self.time;
-        self.time = end;
+        self.time = tried.end;
         self.previous_state.copy_from_slice(&self.state);
         std::mem::swap(&mut self.stages, &mut self.trial_stages);
         for (state, increment) in self.state.iter_mut().zip(&self.stages[2]) {
@@ -436,8 +425,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         }
         self.system.derivative(self.time, &self.state, &mut self.rate);
         self.statistics.rhs_evaluations += 1;
-        self.statistics.steps += 1;
-        self.statistics.advanced += step;
+        self.statistics.accept(tried.step, tried.cut);
         self.continues = true;
         self.jacobian_is_fresh = false;
         self.jacobian_age += 1;
@@ -445,20 +433,14 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
     }
 
     /// Accepts a step and chooses the next.
-    fn pass(&mut self, step: f64, end: f64, cut: bool, doubtful: bool, error: f64, iterations: u32) {
+    fn pass(&mut self, tried: &Try, doubtful: bool, error: f64, iterations: u32) {
+        let step = tried.step;
         let next = self.following(step, error, iterations);
-        self.accept(step, end);
+        self.accept(tried);
         self.accepted = Some(Accepted { step, error: error.max(1e-2) });
         let next = if doubtful { next.min(step) } else { next };
-        if cut {
-            // A step cut short says little about the next one.
-            self.step = next.max(self.step);
-            return;
-        }
-        let least = &mut self.statistics.least_step;
-        *least = if *least == 0.0 { step } else { least.min(step) };
-        let keeps_factors = self.jacobian_serves && (1.0..LEAST_GROWTH).contains(&(next / step));
-        self.step = if keeps_factors { step } else { next };
+        let keeps_factors = !tried.cut && self.jacobian_serves && (1.0..LEAST_GROWTH).contains(&(next / step));
+        self.step = if keeps_factors { step } else { tried.followed_by(next, self.step) };
     }
 
     /// The component to blame: NaN where rates are, the last increment, or the error.
@@ -481,13 +463,14 @@ impl<S: OdeSystem + ?Sized> Integrator for Radau<'_, S> {
         }
         let mut rejections = 0;
         loop {
-            let (step, end, cut) = self.next_end(limit);
+            let tried = Try::new(self.time, self.step, limit);
+            let step = tried.step;
             let doubtful = rejections > 0 || self.accepted.is_none();
             let outcome = self.try_step(step, doubtful);
             let stale = !self.jacobian_is_fresh;
             self.step = match outcome {
                 Outcome::Passed { error, iterations } => {
-                    self.pass(step, end, cut, rejections > 0, error, iterations);
+                    self.pass(&tried, rejections > 0, error, iterations);
                     return Ok(());
                 }
                 Outcome::Failed { error, iterations } => step * Self::factor(error, iterations).min(SAFETY),
@@ -503,11 +486,11 @@ impl<S: OdeSystem + ?Sized> Integrator for Radau<'_, S> {
                 self.jacobian_serves = false;
             }
             let broken = matches!(outcome, Outcome::Broken);
-            if broken && rejections >= MOST_REJECTIONS / 2 {
+            if broken && stays_broken(rejections) {
                 let component = self.culprit(&outcome);
                 return Err(IntegrationError::NotFinite { time: self.time, step, component });
             }
-            if rejections >= MOST_REJECTIONS || self.step <= 4.0 * f64::EPSILON * self.time.abs() {
+            if is_impossible(rejections, self.time, self.step) {
                 let component = self.culprit(&outcome);
                 return Err(IntegrationError::StepTooSmall { time: self.time, step: self.step, component });
             }
