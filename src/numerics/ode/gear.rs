@@ -6,9 +6,15 @@
 //! must where balls enter and leave the loaded zone. The corrector is solved by Newton's iteration on factors of `c·I − J`
 //! that are kept as long as they serve.
 
-use super::arrowhead::ArrowheadFactors;
+mod coefficients;
+mod corrector;
+mod order;
+#[cfg(test)]
+mod tests;
+
+use self::coefficients::Coefficients;
+use self::corrector::{Corrector, Failure, norm};
 use super::step_size::{Try, initial_step, is_impossible, largest};
-use super::structure::{Jacobian, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
 /// Highest order with a useful sector of stability.
@@ -18,22 +24,6 @@ const DIFFERENCES: usize = MOST_ORDER + 3;
 
 /// A step may err by this share of the tolerance: errors add up along the way, and the end should be near what was asked.
 const SHARE: f64 = 0.25;
-/// Corrector iterations a step.
-const MOST_ITERATIONS: u32 = 4;
-/// Error that the corrector may leave, as a share of that of a step.
-const CORRECTOR_ERROR: f64 = 0.05;
-/// A factor made for another leading coefficient serves while that is off by less than this share.
-const COEFFICIENT_DRIFT: f64 = 0.3;
-/// Steps after which a factor, with its Jacobian when that has cost as much as a new one, is made anew.
-const FACTOR_AGE: u32 = 20;
-/// The error of the next step is aimed at this share of what it may be: at the same, the next lower and the next higher order.
-/// High orders are favoured: their steps cost the same, and err less than they are estimated to.
-const AIM: [f64; 3] = [1.0 / 4.0, 1.0 / 4.0, 1.0 / 2.0];
-/// A step must gain this much to grow, so that differences and factors are not upset for little.
-const LEAST_GAIN: f64 = 1.2;
-const LARGEST_GAIN: f64 = 4.0;
-/// Error-test failures of one step after which its past is distrusted.
-const DISTRUST: u32 = 3;
 
 /// The method with its workspace; allocates only on construction.
 pub struct Gear<'a, S: OdeSystem + ?Sized> {
@@ -65,82 +55,6 @@ pub struct Gear<'a, S: OdeSystem + ?Sized> {
     statistics: Statistics,
 }
 
-/// Newton's iteration: its matrix and how well that does.
-struct Corrector {
-    jacobian: Jacobian,
-    factors: ArrowheadFactors<f64>,
-    /// Leading coefficient that the factors were made for; `None` before the first.
-    factored_for: Option<f64>,
-    /// Steps since the factors were made.
-    factor_age: u32,
-    /// The Jacobian belongs to the step being tried.
-    current: bool,
-    /// Evaluations that the Jacobian took, and iterations beyond one a step since.
-    jacobian_cost: u64,
-    excess: u64,
-    contraction: f64,
-    /// Corrector less predictor.
-    correction: Vec<f64>,
-    increment: Vec<f64>,
-    rate: Vec<f64>,
-    displacement: Vec<f64>,
-}
-
-/// Coefficients of one step of a given size and order.
-struct Coefficients {
-    /// Scales the differences to the new step.
-    scale: [f64; DIFFERENCES],
-    /// Weights of the scaled differences in the predicted rate.
-    rate: [f64; DIFFERENCES],
-    /// Error of order q from the scaled difference q + 1.
-    error: [f64; DIFFERENCES],
-    /// c: the corrector's rate is the predicted one and c times the correction.
-    leading: f64,
-    /// Error of the step from the norm of the correction.
-    step_error: f64,
-}
-
-/// Why a try failed.
-enum Failure {
-    /// The iteration did not converge.
-    Corrector,
-    /// The right-hand side or its Jacobian is not finite.
-    NotFinite,
-}
-
-impl Coefficients {
-    /// `steps`: sizes of the past steps, the latest first.
-    fn new(step: f64, steps: &[f64; DIFFERENCES], order: usize) -> Self {
-        let mut c = Self {
-            scale: [1.0; DIFFERENCES],
-            rate: [0.0; DIFFERENCES],
-            error: [1.0; DIFFERENCES],
-            leading: 0.0,
-            step_error: 0.0,
-        };
-        // Time from the new point back to the i-th last one, and the same seen from the last point.
-        let (mut back, mut back_before) = (step, 0.0);
-        let (mut harmonic, mut sum) = (0.0, 0.0);
-        for i in 1..DIFFERENCES.min(order + 3) {
-            back_before += steps[i - 1];
-            c.scale[i] = c.scale[i - 1] * back / back_before;
-            c.rate[i] = c.rate[i - 1] + 1.0 / back;
-            if i <= order {
-                harmonic += 1.0 / i as f64;
-                sum += step / back;
-            }
-            back = step + back_before;
-            c.error[i] = i as f64 * c.error[i - 1] * step / back;
-            if i == order {
-                let next = step / back;
-                c.step_error = (next + sum - harmonic).abs().max(next);
-            }
-        }
-        c.leading = harmonic / step;
-        c
-    }
-}
-
 impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     /// Starts at `(time, state)` with order 1.
     pub fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
@@ -163,20 +77,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
             last_order: 1,
             settled: 0,
             starting: true,
-            corrector: Corrector {
-                jacobian: Jacobian::new(&structure),
-                factors: ArrowheadFactors::new(&structure),
-                factored_for: None,
-                factor_age: 0,
-                current: false,
-                jacobian_cost: 0,
-                excess: 0,
-                contraction: 1.0,
-                correction: vector(),
-                increment: vector(),
-                rate: vector(),
-                displacement: vector(),
-            },
+            corrector: Corrector::new(&structure),
             predicted: vector(),
             predicted_rate: vector(),
             trial: vector(),
@@ -215,62 +116,6 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
         }
     }
 
-    /// Solves for the correction at the end of a step, from the predictor on.
-    fn correct(&mut self, tried: &Try, c: &Coefficients) -> Result<(), Failure> {
-        let (corrector, end) = (&mut self.corrector, tried.end);
-        corrector.correction.fill(0.0);
-        self.trial.copy_from_slice(&self.predicted);
-        let mut last = 0.0;
-        for iteration in 0..MOST_ITERATIONS {
-            self.system.derivative(end, &self.trial, &mut corrector.rate);
-            self.statistics.rhs_evaluations += 1;
-            if iteration == 0 {
-                if !corrector.rate.iter().all(|x| x.is_finite()) {
-                    return Err(Failure::NotFinite);
-                }
-                corrector.prepare(
-                    self.system,
-                    (end, &self.predicted),
-                    &self.tolerances,
-                    (tried.step, c.leading),
-                    &mut self.statistics,
-                )?;
-            } else {
-                corrector.excess += 1;
-            }
-            for (i, increment) in corrector.increment.iter_mut().enumerate() {
-                *increment = corrector.rate[i] - self.predicted_rate[i] - c.leading * corrector.correction[i];
-            }
-            corrector.factors.solve(&mut corrector.increment);
-            // Between the limits of a slow and of a stiff component, for factors of another coefficient.
-            let mend = 2.0 / (1.0 + c.leading / corrector.factored_for.unwrap_or(c.leading));
-            for (i, increment) in corrector.increment.iter_mut().enumerate() {
-                *increment *= mend;
-                corrector.correction[i] += *increment;
-                self.trial[i] = self.predicted[i] + corrector.correction[i];
-            }
-            let size = norm(&self.weights, corrector.increment.iter().copied());
-            if iteration > 0 {
-                corrector.contraction = (0.3 * corrector.contraction).max(size / last);
-            }
-            if size * corrector.contraction.min(1.0) * c.step_error <= CORRECTOR_ERROR {
-                return Ok(());
-            }
-            let rounding = 16.0 * f64::EPSILON * norm(&self.weights, self.trial.iter().copied());
-            if size <= rounding {
-                return Ok(());
-            }
-            if !size.is_finite() {
-                return Err(Failure::NotFinite);
-            }
-            if iteration > 0 && size > 2.0 * last {
-                break;
-            }
-            last = size;
-        }
-        Err(Failure::Corrector)
-    }
-
     /// Takes the corrected state as the next one and updates the differences.
     fn accept(&mut self, tried: &Try, c: &Coefficients) {
         let k = self.order;
@@ -299,41 +144,6 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
         self.statistics.accept(tried.step, tried.cut);
         self.corrector.factor_age += 1;
         self.corrector.current = false;
-    }
-
-    /// Order and size of the next step, seen from an accepted try that is not yet taken over.
-    fn plan(&self, step: f64, error: f64, c: &Coefficients) -> (usize, f64) {
-        let k = self.order;
-        let same = gain(error, k, AIM[0]);
-        let lower = self.gain_lower(c);
-        if self.starting && k < MOST_ORDER && same > 1.0 && same > lower {
-            return (k + 1, 2.0 * step);
-        }
-        let failing = 1.5 * error > 1.0;
-        if self.settled < k {
-            // Too early to judge the order; but a step about to fail is made shorter at once.
-            return (k, if failing { step * same.min(0.9) } else { step });
-        }
-        let (mut best, mut order) = (same, k);
-        if lower > best {
-            (best, order) = (lower, k - 1);
-        }
-        if k < MOST_ORDER && self.known > k + 1 {
-            let scale = c.scale[k + 1];
-            let correction = &self.corrector.correction;
-            let higher = self.norm(correction.iter().zip(&self.differences[k + 1]).map(|(e, d)| e - scale * d));
-            let higher = gain(c.error[k + 1] * higher, k + 1, AIM[2]);
-            if higher > best {
-                (best, order) = (higher, k + 1);
-            }
-        }
-        if best >= LEAST_GAIN {
-            (order, step * best.min(LARGEST_GAIN))
-        } else if failing || order < k {
-            (order, step * best.clamp(0.5, 0.9))
-        } else {
-            (k, step)
-        }
     }
 
     /// Takes an accepted try over and plans the next step.
@@ -365,18 +175,6 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
         (self.order, self.known, self.settled) = (1, 2, 0);
     }
 
-    /// Factor that the step may grow by at the next lower order; 0 at order 1.
-    fn gain_lower(&self, c: &Coefficients) -> f64 {
-        let k = self.order;
-        if k == 1 {
-            return 0.0;
-        }
-        let scale = c.scale[k];
-        let correction = &self.corrector.correction;
-        let lower = self.norm(correction.iter().zip(&self.differences[k]).map(|(e, d)| e + scale * d));
-        gain(c.error[k - 1] * lower, k - 1, AIM[1])
-    }
-
     /// Fastest rate |λ| of the last Jacobian.
     pub fn fastest_rate(&self) -> f64 {
         self.corrector.jacobian.fastest_rate(&self.weights)
@@ -386,74 +184,6 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     fn worst_component(&self) -> usize {
         largest(self.weights.len(), |i| (self.corrector.correction[i] * self.weights[i]).abs())
     }
-
-    /// What to do after a try whose error was too large.
-    fn after_rejection(&mut self, step: f64, error: f64, failures: u32, c: &Coefficients) {
-        self.starting = false;
-        if failures >= DISTRUST {
-            self.change(0.25 * step, 1);
-            if self.known > 2 {
-                self.forget();
-            }
-            return;
-        }
-        let lower = self.gain_lower(c);
-        let same = gain(error, self.order, 0.5);
-        let order = if lower > same { self.order - 1 } else { self.order };
-        self.change(step * same.max(lower).clamp(0.25, 0.9), order);
-    }
-}
-
-impl Corrector {
-    /// Sees to it that factors fit for the leading coefficient exist.
-    fn prepare<S: OdeSystem + ?Sized>(
-        &mut self,
-        system: &S,
-        (time, state): (f64, &[f64]),
-        tolerances: &Tolerances,
-        (step, leading): (f64, f64),
-        statistics: &mut Statistics,
-    ) -> Result<(), Failure> {
-        let drifted = |made_for: f64| (leading / made_for - 1.0).abs() > COEFFICIENT_DRIFT;
-        let paid = self.excess >= self.jacobian_cost;
-        let outdated = self.factored_for.is_none() || (paid && !self.current);
-        let unfit = outdated || self.factored_for.is_some_and(drifted) || self.factor_age > FACTOR_AGE;
-        if !unfit {
-            return Ok(());
-        }
-        if outdated && !self.current {
-            displacements(state, &self.rate, tolerances, step, &mut self.displacement);
-            self.jacobian_cost = system.jacobian(time, state, &self.rate, &self.displacement, &mut self.jacobian);
-            statistics.rhs_evaluations += self.jacobian_cost;
-            statistics.jacobian_evaluations += 1;
-            self.excess = 0;
-            self.current = true;
-            if !self.jacobian.is_finite() {
-                self.factored_for = None;
-                return Err(Failure::NotFinite);
-            }
-        }
-        statistics.factorizations += 1;
-        self.contraction = 1.0;
-        self.factor_age = 0;
-        if self.factors.factor(&self.jacobian, leading).is_err() {
-            self.factored_for = None;
-            return Err(Failure::Corrector);
-        }
-        self.factored_for = Some(leading);
-        Ok(())
-    }
-}
-
-/// Weighted root mean square.
-fn norm(weights: &[f64], vector: impl Iterator<Item = f64>) -> f64 {
-    let sum: f64 = vector.zip(weights).map(|(x, w)| (x * w) * (x * w)).sum();
-    (sum / weights.len().max(1) as f64).sqrt()
-}
-
-/// Factor on the step that brings an error of order `order` to `aim` tolerances.
-fn gain(error: f64, order: usize, aim: f64) -> f64 {
-    (aim / error.max(1e-10)).powf(1.0 / (order as f64 + 1.0))
 }
 
 impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
@@ -547,6 +277,3 @@ impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
         Choice { method: Method::Gear, reason: None }
     }
 }
-
-#[cfg(test)]
-mod tests;

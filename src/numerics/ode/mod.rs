@@ -53,6 +53,7 @@ impl Tolerances {
     }
 
     /// What component `i` may err by in a step where it is of this size.
+    #[inline]
     pub fn allowed(&self, i: usize, size: f64) -> f64 {
         self.absolute[i] + self.relative[i] * size.abs()
     }

@@ -5,32 +5,19 @@
 //! degree 3, the collocation polynomial, whose slope is the right-hand side at three points of the step; everything
 //! here is said in terms of it.
 
+mod coefficients;
+mod newton;
+#[cfg(test)]
+mod tests;
+
 use nalgebra::Complex;
 
-use super::arrowhead::{ArrowheadFactors, Singular};
+use self::coefficients::{SLOPE_AT_START, basis};
+use self::newton::Convergence;
+use super::arrowhead::ArrowheadFactors;
 use super::step_size::{Try, error_norm, initial_step, is_impossible, stays_broken, worst_component};
-use super::structure::{Jacobian, displacements};
+use super::structure::Jacobian;
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
-
-/// √6
-const ROOT: f64 = 2.449_489_742_783_178;
-/// Where in the step the stages lie.
-const C: [f64; 3] = [(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0];
-/// Eigenvalues of A⁻¹, the roots of μ³ − 9μ² + 36μ − 60: one real, one of the conjugate pair.
-const REAL: f64 = 3.637_834_252_744_496;
-const PAIR: Complex<f64> = Complex::new(2.681_082_873_627_752, 3.050_430_199_247_410_6);
-/// Columns: eigenvector of A⁻¹ to `REAL`, real part and negative imaginary part of that to `PAIR`.
-const T: [[f64; 3]; 3] = [
-    [0.094_438_762_488_975_24, -0.141_255_295_020_954_2, -0.030_029_194_105_147_424],
-    [0.250_213_122_965_333_3, 0.204_129_352_293_799_93, 0.382_942_112_757_261_9],
-    [1.0, 1.0, 0.0],
-];
-/// T⁻¹
-const T_INVERSE: [[f64; 3]; 3] = [
-    [4.178_718_591_551_905, 0.327_682_820_761_062_4, 0.523_376_445_499_449_5],
-    [-4.178_718_591_551_905, -0.327_682_820_761_062_4, 0.476_623_554_500_550_45],
-    [-0.502_872_634_945_786_9, 2.571_926_949_855_605, -0.596_039_204_828_224_9],
-];
 
 /// Iterations of Newton's method in a step.
 const MOST_ITERATIONS: u32 = 10;
@@ -42,10 +29,6 @@ const FAST_CONTRACTION: f64 = 0.01;
 const SLOWEST_CONTRACTION: f64 = 0.4;
 /// Steps that one Jacobian serves at most: a stale one that is too stiff hides what it should show.
 const MOST_STEPS: u32 = 30;
-/// Part by which a step may differ from that of the factors: no more than rounding of times makes.
-const SAME_STEP: f64 = 1e-6;
-/// Left to go after a first increment, over the increment, at least: the last step may have gone better than this one.
-const LEAST_REMAINDER: f64 = 1e-3;
 /// Growth of the step below which the factors are kept instead.
 const LEAST_GROWTH: f64 = 1.2;
 const LARGEST_GROWTH: f64 = 8.0;
@@ -53,25 +36,6 @@ const LARGEST_CUT: f64 = 0.2;
 const SAFETY: f64 = 0.9;
 /// Order of the error estimate, plus one.
 const ESTIMATE: f64 = 4.0;
-
-/// Values at `theta` (0 at the start of the step, 1 at its end) of the polynomials of degree 3 that vanish at 0 and
-/// at all stages but one.
-fn basis(theta: f64) -> [f64; 3] {
-    let [a, b, c] = C;
-    [
-        theta * (theta - b) * (theta - c) / (a * (a - b) * (a - c)),
-        theta * (theta - a) * (theta - c) / (b * (b - a) * (b - c)),
-        theta * (theta - a) * (theta - b) / (c * (c - a) * (c - b)),
-    ]
-}
-
-/// Slopes of these polynomials at 0.
-const SLOPE_AT_START: [f64; 3] = [(13.0 + 7.0 * ROOT) / 3.0, (13.0 - 7.0 * ROOT) / 3.0, 1.0 / 3.0];
-
-/// `matrix · column i of vectors`
-fn transform(matrix: &[[f64; 3]; 3], vectors: &[Vec<f64>; 3], i: usize) -> [f64; 3] {
-    std::array::from_fn(|row| (0..3).map(|k| matrix[row][k] * vectors[k][i]).sum())
-}
 
 /// How many times the asked tolerance r the estimate of a step may be. The estimate is of order h⁴, the error at the
 /// end of order h⁵: with 0.3 r^⅘ in place of r it is proportional to what was asked. (§IV.8 takes 0.1 r^⅔, after which
@@ -91,19 +55,6 @@ enum Outcome {
     Stuck { factor: f64 },
     /// A rate, or the matrix, is not finite.
     Broken,
-}
-
-/// How well Newton's iteration goes.
-#[derive(Debug, Clone, Copy)]
-struct Convergence {
-    /// Ratio of successive increments; 0 where one was enough.
-    contraction: f64,
-    /// What is left to go, over the last increment.
-    remainder: f64,
-}
-
-impl Convergence {
-    const UNKNOWN: Self = Self { contraction: 0.0, remainder: 1.0 };
 }
 
 /// An accepted step and its error, for the prediction of the next one.
@@ -209,139 +160,6 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         self.statistics.rhs_evaluations += 2;
         self.step = self.step.min(first);
         self.starting = false;
-    }
-
-    /// Makes Jacobian and factors fit for a step, as far as they are not.
-    fn prepare(&mut self, step: f64) -> Result<(), Singular> {
-        if !self.jacobian_is_fresh && !self.jacobian_serves {
-            displacements(&self.state, &self.rate, &self.tolerances, step, &mut self.displacement);
-            self.statistics.rhs_evaluations +=
-                self.system.jacobian(self.time, &self.state, &self.rate, &self.displacement, &mut self.jacobian);
-            self.statistics.jacobian_evaluations += 1;
-            self.jacobian_is_fresh = true;
-            self.jacobian_age = 0;
-            self.factored_step = f64::NAN;
-        }
-        let fits = (step / self.factored_step - 1.0).abs() < SAME_STEP;
-        if !fits {
-            self.factored_step = f64::NAN;
-            self.statistics.factorizations += 1;
-            self.real_factors.factor(&self.jacobian, REAL / step)?;
-            self.pair_factors.factor(&self.jacobian, PAIR / step)?;
-            self.factored_step = step;
-        }
-        Ok(())
-    }
-
-    /// Stages to begin with: the last polynomial goes on.
-    fn predict(&mut self, step: f64) {
-        let last = self.time - self.previous_time;
-        let weights = C.map(|c| basis(1.0 + c * step / last));
-        for i in 0..self.state.len() {
-            let stages: [f64; 3] = std::array::from_fn(|k| self.stages[k][i]);
-            for (weights, trial) in weights.iter().zip(&mut self.trial_stages) {
-                trial[i] = if self.continues {
-                    weights[0] * stages[0] + weights[1] * stages[1] + (weights[2] - 1.0) * stages[2]
-                } else {
-                    0.0
-                };
-            }
-            let transformed = transform(&T_INVERSE, &self.trial_stages, i);
-            for (all, value) in self.transformed.iter_mut().zip(transformed) {
-                all[i] = value;
-            }
-        }
-    }
-
-    /// Rates at the stages.
-    fn evaluate_stages(&mut self, step: f64) {
-        for ((c, stage), rate) in C.iter().zip(&self.trial_stages).zip(&mut self.rates) {
-            for ((at, start), stage) in self.trial.iter_mut().zip(&self.state).zip(stage) {
-                *at = start + stage;
-            }
-            self.system.derivative(self.time + c * step, &self.trial, rate);
-        }
-        self.statistics.rhs_evaluations += 3;
-    }
-
-    /// One iteration of the simplified Newton method; the norm of its increment.
-    fn iterate(&mut self, step: f64) -> f64 {
-        self.evaluate_stages(step);
-        let n = self.state.len();
-        let (real_shift, pair_shift) = (REAL / step, PAIR / step);
-        for i in 0..n {
-            let rate = transform(&T_INVERSE, &self.rates, i);
-            let [real, first, second] = std::array::from_fn(|k| self.transformed[k][i]);
-            self.real[i] = rate[0] - real_shift * real;
-            self.pair[i] = Complex::new(rate[1], rate[2]) - pair_shift * Complex::new(first, second);
-        }
-        self.real_factors.solve(&mut self.real);
-        self.pair_factors.solve(&mut self.pair);
-        let mut sum = 0.0;
-        for i in 0..n {
-            let increment = [self.real[i], self.pair[i].re, self.pair[i].im];
-            for (all, increment) in self.transformed.iter_mut().zip(increment) {
-                all[i] += increment;
-            }
-            let stages = transform(&T, &self.transformed, i);
-            for (all, stage) in self.trial_stages.iter_mut().zip(stages) {
-                all[i] = stage;
-            }
-            let weight = self.tolerances.allowed(i, self.state[i]);
-            sum += increment.iter().map(|x| (x / weight).powi(2)).sum::<f64>();
-        }
-        (sum / (3 * n.max(1)) as f64).sqrt()
-    }
-
-    /// Norm of an increment that is nothing but rounding of the stages.
-    fn rounding(&self) -> f64 {
-        let sum: f64 = (0..self.state.len())
-            .map(|i| {
-                let size = self.trial_stages.iter().map(|stage| stage[i].abs()).fold(self.state[i].abs(), f64::max);
-                (size / self.tolerances.allowed(i, self.state[i])).powi(2)
-            })
-            .sum();
-        16.0 * f64::EPSILON * (sum / self.state.len().max(1) as f64).sqrt()
-    }
-
-    /// Solves for the stages; the iterations it took.
-    fn newton(&mut self, step: f64) -> Result<u32, Outcome> {
-        // Nothing is known before the second increment; the last step went about as well.
-        self.convergence.contraction = 0.0;
-        self.convergence.remainder = self.convergence.remainder.max(LEAST_REMAINDER).powf(0.8);
-        let (mut last, mut last_ratio): (Option<f64>, Option<f64>) = (None, None);
-        for iteration in 1..=MOST_ITERATIONS {
-            let increment = self.iterate(step);
-            if !increment.is_finite() {
-                return Err(Outcome::Broken);
-            }
-            if increment <= self.rounding() {
-                return Ok(iteration);
-            }
-            if let Some(last) = last {
-                let ratio = increment / last;
-                let contraction = last_ratio.map_or(ratio, |last_ratio| (ratio * last_ratio).sqrt());
-                if contraction >= 0.99 {
-                    return Err(Outcome::Stuck { factor: 0.5 });
-                }
-                self.convergence = Convergence { contraction, remainder: contraction / (1.0 - contraction) };
-                last_ratio = Some(ratio);
-            }
-            let left = self.convergence.remainder * increment / self.newton_tolerance;
-            if left <= 1.0 {
-                return Ok(iteration);
-            }
-            if last.is_some() {
-                let iterations = MOST_ITERATIONS - iteration;
-                let expected = left * self.convergence.contraction.powi(iterations as i32);
-                if expected >= 1.0 {
-                    let exponent = -1.0 / (ESTIMATE + f64::from(iterations));
-                    return Err(Outcome::Stuck { factor: 0.8 * expected.min(20.0).powf(exponent) });
-                }
-            }
-            last = Some(increment);
-        }
-        Err(Outcome::Stuck { factor: 0.5 })
     }
 
     /// Error norm of the stages found: by how much the polynomial's slope at the start misses the right-hand side,
@@ -539,6 +357,3 @@ impl<S: OdeSystem + ?Sized> Integrator for Radau<'_, S> {
         Choice { method: Method::Radau, reason: None }
     }
 }
-
-#[cfg(test)]
-mod tests;

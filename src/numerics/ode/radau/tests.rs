@@ -1,5 +1,6 @@
-use super::super::structure::Structure;
+use super::coefficients::*;
 use super::*;
+use crate::numerics::ode::structure::Structure;
 
 /// The constants are what they are said to be: A⁻¹ differentiates polynomials that vanish at 0.
 #[test]
