@@ -56,8 +56,8 @@ fn observed_order_is_four() {
 #[test]
 fn without_a_linear_part_it_is_the_classical_pair() {
     let mut method = method(&Logistic, &[0.1], 1e-12, Some(0.1), LinearPart::Kinematic);
-    let rates = |method: &FineAbm<'_, Logistic>| -> [f64; 4] { std::array::from_fn(|k| method.rests[k][0]) };
-    while method.kept < LEAST_KEPT {
+    let rates = |method: &FineAbm<'_, Logistic>| -> [f64; 4] { std::array::from_fn(|k| method.past.rests[k][0]) };
+    while method.past.kept < LEAST_KEPT {
         method.step(10.0).unwrap();
     }
     for _ in 0..10 {
@@ -189,12 +189,12 @@ fn steps_are_halved_and_doubled_the_same_way_each_time() {
 fn a_quartic_survives_halving() {
     let mut method = method(&Logistic, &[0.1], 1e-6, Some(1.0), LinearPart::Kinematic);
     let quartic = |time: f64| 1.0 + time * (2.0 - time * (0.5 + time * (0.25 - 0.125 * time)));
-    for (k, state) in method.states.iter_mut().enumerate() {
+    for (k, state) in method.past.states.iter_mut().enumerate() {
         state[0] = quartic(-(k as f64));
     }
     method.halve_step();
     for k in 0..LEAST_KEPT {
-        assert!((method.states[k][0] - quartic(-0.5 * k as f64)).abs() < 1e-12);
+        assert!((method.past.states[k][0] - quartic(-0.5 * k as f64)).abs() < 1e-12);
     }
     assert_eq!(method.step, 0.5);
 }
