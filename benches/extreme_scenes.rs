@@ -26,6 +26,10 @@ use raceway::simulation::run::{Control, Outputs, RunSettings, run, start_state};
 use raceway::simulation::scene::Scene;
 use serde_json::{Value, json};
 
+#[path = "../tests/limits/article.rs"]
+mod article;
+use article::{article, changed};
+
 /// Evaluations of the right-hand side that one run may take.
 const BUDGET: u64 = 600_000;
 const TOLERANCES: [f64; 2] = [1e-4, 1e-6];
@@ -46,29 +50,6 @@ const CHAOTIC_LEVEL: f64 = 3.0;
 const STATED: f64 = 10.0;
 /// Looks of the service's run, each after 256 steps, before it is stopped.
 const MOST_LOOKS: u64 = 400;
-
-fn article() -> Value {
-    json!({
-        "bearing": { "preset": "article-integrated" },
-        "operation": { "speed_rpm": 50_000, "radial_load_y_n": 200 }
-    })
-}
-
-/// `base` with the fields of `changes` in place of its own, object by object.
-fn changed(mut base: Value, changes: Value) -> Value {
-    fn merge(base: &mut Value, changes: Value) {
-        match (base, changes) {
-            (Value::Object(fields), Value::Object(changes)) => {
-                for (name, change) in changes {
-                    merge(fields.entry(name).or_insert(Value::Null), change);
-                }
-            }
-            (base, changes) => *base = changes,
-        }
-    }
-    merge(&mut base, changes);
-    base
-}
 
 /// The article's bearing with another number of balls; rings, cage, load and speed go with it.
 fn balls(count: u32) -> Value {
