@@ -387,7 +387,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
     }
 
     /// Of what it does not integrate exactly.
-    fn stability(&self) -> Option<Stability> {
+    fn stability(&mut self) -> Option<Stability> {
         let steps = self.walker.is_none() && self.step > 0.0;
         steps.then(|| Stability { rate: self.rate_of_rest / self.step, limit: stability::FINE_ABM })
     }

@@ -11,6 +11,8 @@ pub mod radau;
 pub mod stability;
 pub mod step_size;
 pub mod structure;
+#[cfg(test)]
+mod test_problems;
 
 use automatic::Automatic;
 use dormand_prince::DormandPrince;
@@ -130,9 +132,9 @@ pub trait Integrator {
     fn statistics(&self) -> Statistics;
     /// What runs, and why where the integrator chose it itself.
     fn choice(&self) -> Choice;
-    /// What the last step shows of the limit of stability; `None` where it shows nothing, or there is no limit. What it
-    /// evaluates for that is no part of `statistics`.
-    fn stability(&self) -> Option<Stability> {
+    /// What the last step shows of the limit of stability; `None` where it shows nothing, or there is no limit. What is
+    /// evaluated for that counts as work.
+    fn stability(&mut self) -> Option<Stability> {
         None
     }
 }

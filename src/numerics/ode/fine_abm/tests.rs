@@ -1,20 +1,7 @@
 use super::*;
+use crate::numerics::ode::stability::StabilityWatch;
+use crate::numerics::ode::test_problems::{BlowUp, Kepler, START};
 
-/// Two bodies: a nonlinear problem with an exact period.
-struct Kepler;
-impl OdeSystem for Kepler {
-    fn dimension(&self) -> usize {
-        4
-    }
-    fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-        let cube = (y[0] * y[0] + y[1] * y[1]).powf(1.5);
-        dy.copy_from_slice(&[y[2], y[3], -y[0] / cube, -y[1] / cube]);
-    }
-    fn structure(&self) -> Structure {
-        Structure { border_pairs: vec![(0, 2), (1, 3)], ..Structure::dense(4) }
-    }
-}
-const START: [f64; 4] = [0.5, 0.0, 0.0, 1.732_050_807_568_877_2];
 const PARTS: [LinearPart; 2] = [LinearPart::Kinematic, LinearPart::Blocks];
 
 fn method<'a, S: OdeSystem>(
@@ -199,32 +186,22 @@ fn a_quartic_survives_halving() {
     assert_eq!(method.step, 0.5);
 }
 
-struct BlowUp;
-impl OdeSystem for BlowUp {
-    fn dimension(&self) -> usize {
-        1
-    }
-    fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-        dy[0] = y[0] * y[0];
-    }
-}
-
 /// y' = y², y(0) = 1 leaves the real numbers at t = 1.
 #[test]
 fn a_pole_is_a_failure_that_names_time_and_component() {
     for part in PARTS {
         for step in [None, Some(0.01)] {
-            let mut method = method(&BlowUp, &[1.0], 1e-8, step, part);
+            let mut method = method(&BlowUp, &[1.0, 1.0], 1e-8, step, part);
             let failure = loop {
                 if let Err(failure) = method.step(20.0) {
                     break failure;
                 }
             };
             match failure {
-                IntegrationError::StepTooSmall { time, component: 0, .. } if step.is_none() => {
+                IntegrationError::StepTooSmall { time, component: 1, .. } if step.is_none() => {
                     assert!((time - 1.0).abs() < 1e-3, "{time}");
                 }
-                IntegrationError::NotFinite { time, component: 0, .. } => {
+                IntegrationError::NotFinite { time, component: 1, .. } => {
                     assert!(time > 0.99 && time < 1.2, "{time}")
                 }
                 other => panic!("{step:?}: {other}"),
@@ -282,4 +259,38 @@ fn stiff_components_are_right_within_steps_too() {
         }
     }
     assert!(worst < 1e-4, "{worst:e}");
+}
+
+/// y' = −2 y, half of which the linear part holds: what is seen is the other half.
+struct Halved;
+impl OdeSystem for Halved {
+    fn dimension(&self) -> usize {
+        1
+    }
+    fn derivative(&self, _: f64, y: &[f64], dy: &mut [f64]) {
+        dy[0] = -2.0 * y[0];
+    }
+    fn jacobian(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], jacobian: &mut Jacobian) -> u64 {
+        jacobian.corner_mut()[0] = -1.0;
+        0
+    }
+}
+
+#[test]
+fn stability_is_that_of_what_the_linear_part_leaves() {
+    for (step, beyond) in [(1.0, false), (2.0, true)] {
+        let mut method = method(&Halved, &[1.0], 1e-9, Some(step), LinearPart::Blocks);
+        let mut watch = StabilityWatch::new(step);
+        let mut looks = 0;
+        while looks < 60 {
+            method.step(1e6).unwrap();
+            // Nothing is seen on the way to the first points.
+            if let Some(seen) = method.stability() {
+                assert!(seen.rate < 1.0 + 1e-6, "{seen:?}");
+                watch.look(seen);
+                looks += 1;
+            }
+        }
+        assert_eq!(watch.warning().is_some(), beyond, "{step}: {watch:?}");
+    }
 }

@@ -98,35 +98,6 @@ fn polynomials_are_exact_on_uneven_steps() {
     }
 }
 
-struct BlowUp;
-impl OdeSystem for BlowUp {
-    fn dimension(&self) -> usize {
-        2
-    }
-    fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-        dy.copy_from_slice(&[-y[0], y[1] * y[1]]);
-    }
-}
-
-/// y' = y², y(0) = 1 leaves the real numbers at t = 1.
-#[test]
-fn a_pole_is_a_failure_that_names_time_and_component() {
-    let mut method = Gear::new(&BlowUp, 0.0, &[1.0, 1.0], Tolerances::uniform(2, 1e-8, 1e-8));
-    let failure = loop {
-        if let Err(failure) = method.step(2.0) {
-            break failure;
-        }
-    };
-    match failure {
-        IntegrationError::StepTooSmall { time, component, .. }
-        | IntegrationError::NotFinite { time, component, .. } => {
-            assert!((time - 1.0).abs() < 1e-3, "{time}");
-            assert_eq!(component, 1);
-        }
-        other => panic!("{other}"),
-    }
-}
-
 /// A right-hand side that jumps at t = 1, where the method is told to forget.
 #[test]
 fn a_restart_forgets_the_past() {

@@ -126,21 +126,6 @@ impl OdeSystem for Scalar {
     }
 }
 
-/// y' = y², y(0) = 1 leaves the real numbers at t = 1.
-#[test]
-fn a_pole_is_a_failure_that_names_time_and_component() {
-    match run(&Scalar(|y| y * y), &[1.0], 2.0, 1e-8).map(|method| method.state()[0]) {
-        Err(
-            IntegrationError::StepTooSmall { time, component, .. }
-            | IntegrationError::NotFinite { time, component, .. },
-        ) => {
-            assert!((time - 1.0).abs() < 1e-3, "{time}");
-            assert_eq!(component, 0);
-        }
-        other => panic!("{other:?}"),
-    }
-}
-
 /// y' = −√y ends at y = 0: a rate that is no number cuts the step, and where no step is short enough is told.
 #[test]
 fn a_rate_that_is_not_finite_is_avoided_or_told() {
