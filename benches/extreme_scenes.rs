@@ -24,6 +24,10 @@ use raceway::simulation::run::{Control, Method, Outputs, RunResult, RunSettings,
 use raceway::simulation::scene::Scene;
 use serde_json::{Value, json};
 
+#[path = "../tests/limits/article.rs"]
+mod article;
+use article::{article, changed};
+
 /// Looks of a run, each after some 1500 evaluations, before it is stopped; its judgement of its accuracy included.
 const BUDGET: u64 = 1_000;
 const TOLERANCES: [f64; 2] = [1e-4, 1e-6];
@@ -37,29 +41,6 @@ const INAUDIBLE: f64 = 1e-3;
 const QUANTITIES: [f64; 2] = [1e-2, 1e-3];
 /// Load [N] and cage speed [Hz] that count as none.
 const LEAST_QUANTITIES: [f64; 2] = [0.1, 1.0];
-
-fn article() -> Value {
-    json!({
-        "bearing": { "preset": "article-integrated" },
-        "operation": { "speed_rpm": 50_000, "radial_load_y_n": 200 }
-    })
-}
-
-/// `base` with the fields of `changes` in place of its own, object by object.
-fn changed(mut base: Value, changes: Value) -> Value {
-    fn merge(base: &mut Value, changes: Value) {
-        match (base, changes) {
-            (Value::Object(fields), Value::Object(changes)) => {
-                for (name, change) in changes {
-                    merge(fields.entry(name).or_insert(Value::Null), change);
-                }
-            }
-            (base, changes) => *base = changes,
-        }
-    }
-    merge(&mut base, changes);
-    base
-}
 
 /// The article's bearing with another number of balls; rings, cage, load and speed go with it.
 fn balls(count: u32) -> Value {

@@ -5,3 +5,4 @@
 mod accuracy;
 mod order;
 mod problems;
+mod work;

@@ -13,13 +13,7 @@ use raceway::simulation::run::{Outputs, Rung, start_state};
 use raceway::simulation::scene::Scene;
 use serde_json::{Value, json};
 
-/// The article's case: integrated bearing, 50 000 r/min, 200 N along +Y, grease.
-pub fn article() -> Value {
-    json!({
-        "bearing": { "preset": "article-integrated" },
-        "operation": { "speed_rpm": 50_000, "radial_load_y_n": 200 }
-    })
-}
+pub use crate::article::{article, changed};
 
 /// The article's case in flooding oil with hydrodynamic forces, free along X under an axial load: every force
 /// between bodies is there; drag and churning, which act from outside, are not.
@@ -33,22 +27,6 @@ pub fn everything() -> Value {
             "terms": { "hydrodynamics": "on", "drag": "off", "churning": "off" }
         }),
     )
-}
-
-/// `base` with the fields of `changes` in place of its own, object by object.
-pub fn changed(mut base: Value, changes: Value) -> Value {
-    fn merge(base: &mut Value, changes: Value) {
-        match (base, changes) {
-            (Value::Object(fields), Value::Object(changes)) => {
-                for (name, change) in changes {
-                    merge(fields.entry(name).or_insert(Value::Null), change);
-                }
-            }
-            (base, changes) => *base = changes,
-        }
-    }
-    merge(&mut base, changes);
-    base
 }
 
 pub fn scene(json: &Value) -> Scene {

@@ -97,7 +97,7 @@ impl<S: OdeSystem> Integrator for RungeKutta4<'_, S> {
         Choice { method: Method::DormandPrince, reason: Some("no method of the program".into()) }
     }
 
-    fn stability(&self) -> Option<Stability> {
+    fn stability(&mut self) -> Option<Stability> {
         (self.steps > 0).then_some(Stability { rate: self.seen, limit: LIMIT })
     }
 }
@@ -182,6 +182,27 @@ fn a_fixed_step_beyond_the_limit_says_so() {
         assert_eq!(accuracy.warning, None, "{method:?}");
         assert!((level_of(&result) - right).abs() < 0.1, "{method:?}: {} {right}", level_of(&result));
         assert!(accuracy.level_error_db.is_some_and(|error| error < 0.1), "{method:?}: {accuracy:?}");
+    }
+}
+
+/// Precise integration, looked at after every step: beyond what its blocks leave, at some seven times the explicit limit, the
+/// motion soon is no longer finite, which is an error of its own; until then the watch knows.
+#[test]
+fn precise_integration_beyond_its_limit_says_so() {
+    let model = model(&article());
+    let start = start_state(&model).unwrap();
+    for (step, beyond) in [(2e-6, false), (3e-6, false), (6e-6, true)] {
+        let tolerances = model.mechanism().layout.tolerances(1e-5);
+        let mut method = Method::FineAbm.start(&model, 0.0, &start, tolerances, Some(step));
+        let mut watch = StabilityWatch::new(step);
+        while method.time() < 8e-3 && method.step(8e-3).is_ok() {
+            if let Some(seen) = method.stability() {
+                watch.look(seen);
+            }
+        }
+        println!("{step:e} to {:e}: {:?}", method.time(), watch.warning());
+        let said = watch.warning().is_some_and(|words| words.contains("at most 1.28"));
+        assert_eq!(said, beyond, "{step:e}: {:?}", watch.warning());
     }
 }
 

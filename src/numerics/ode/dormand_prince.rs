@@ -4,7 +4,7 @@
 //! dense output of order 4: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.6.
 
 use super::stability::{self, Stability};
-use super::step_size::{StepSizeControl, error_norm, initial_step, worst_component};
+use super::step_size::{StepSizeControl, Try, error_norm, initial_step, is_impossible, stays_broken, worst_component};
 use super::structure::{Jacobian, displacements};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
@@ -30,9 +30,6 @@ const D: [f64; 7] = [
     -1453857185.0 / 822651844.0,
     69997945.0 / 29380423.0,
 ];
-
-/// Rejections in a row after which a step counts as impossible.
-const MOST_REJECTIONS: u32 = 60;
 
 /// The method with its workspace; allocates only on construction.
 pub struct DormandPrince<'a, S: OdeSystem + ?Sized> {
@@ -131,7 +128,7 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
         let step = self.time - self.previous_time;
         let (mut slopes, mut states) = (0.0, 0.0);
         for i in 0..self.state.len() {
-            let scale = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.state[i].abs();
+            let scale = self.tolerances.allowed(i, self.state[i]);
             let mut between = 0.0;
             for ((last, before), slope) in A[5].iter().zip(&A[4]).zip(&self.slopes) {
                 between += (last - before) * slope[i];
@@ -143,14 +140,13 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
     }
 
     /// Makes the tried step the last one.
-    fn accept(&mut self, step: f64, end: f64) {
+    fn accept(&mut self, tried: &Try) {
         self.previous_time = self.time;
         std::mem::swap(&mut self.previous_state, &mut self.state);
         std::mem::swap(&mut self.state, &mut self.trial);
-        self.time = end;
+        self.time = tried.end;
         self.first_same_as_last = true;
-        self.statistics.steps += 1;
-        self.statistics.advanced += step;
+        self.statistics.accept(tried.step, tried.cut);
     }
 }
 
@@ -161,24 +157,15 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
         }
         let mut rejections = 0;
         loop {
-            let remaining = limit - self.time;
-            // A last step that would leave a sliver is stretched to the limit.
-            let cut = self.step * 1.000_001 >= remaining;
-            let step = if cut { remaining } else { self.step };
-            let end = if cut { limit } else { self.time + step };
+            let tried = Try::new(self.time, self.step, limit);
+            let step = tried.step;
             self.try_step(step);
             let error = error_norm(&self.error, &self.state, &self.trial, &self.tolerances);
             if self.fixed && error.is_finite() || error <= 1.0 {
                 if !self.fixed {
-                    let next = step * self.control.accepted(error);
-                    // A step cut short says little about the next one.
-                    self.step = if cut { next.max(self.step) } else { next };
+                    self.step = tried.followed_by(step * self.control.accepted(error), self.step);
                 }
-                if !cut {
-                    let least = &mut self.statistics.least_step;
-                    *least = if *least == 0.0 { step } else { least.min(step) };
-                }
-                self.accept(step, end);
+                self.accept(&tried);
                 return Ok(());
             }
             // The slope at the start stays valid for the next try.
@@ -187,11 +174,11 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
             self.statistics.rejected_steps += 1;
             rejections += 1;
             let component = worst_component(&self.error, &self.state, &self.trial, &self.tolerances);
-            if self.fixed || (!error.is_finite() && rejections >= MOST_REJECTIONS / 2) {
+            if self.fixed || (!error.is_finite() && stays_broken(rejections)) {
                 return Err(IntegrationError::NotFinite { time: self.time, step, component });
             }
             self.step = step * self.control.rejected(error);
-            if rejections >= MOST_REJECTIONS || self.step <= 4.0 * f64::EPSILON * self.time.abs() {
+            if is_impossible(rejections, self.time, self.step) {
                 return Err(IntegrationError::StepTooSmall { time: self.time, step: self.step, component });
             }
         }
@@ -248,7 +235,7 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
 
     /// The faster of what the last two stages and what a Jacobian show: where saturation bounds an unstable motion, the
     /// stages see no more than the limit itself.
-    fn stability(&self) -> Option<Stability> {
+    fn stability(&mut self) -> Option<Stability> {
         if self.statistics.steps == 0 {
             return None;
         }
@@ -256,9 +243,9 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
         let mut displacement = vec![0.0; state.len()];
         let mut jacobian = Jacobian::new(&self.system.structure());
         displacements(state, rate, &self.tolerances, self.time - self.previous_time, &mut displacement);
-        self.system.jacobian(self.time, state, rate, &displacement, &mut jacobian);
-        let Tolerances { absolute, relative } = &self.tolerances;
-        let weights: Vec<f64> = (0..state.len()).map(|i| 1.0 / (absolute[i] + relative[i] * state[i].abs())).collect();
+        self.statistics.rhs_evaluations += self.system.jacobian(self.time, state, rate, &displacement, &mut jacobian);
+        self.statistics.jacobian_evaluations += 1;
+        let weights: Vec<f64> = (0..state.len()).map(|i| 1.0 / self.tolerances.allowed(i, state[i])).collect();
         let rate = jacobian.fastest_rate(&weights).max(self.fastest_rate());
         Some(Stability { rate, limit: stability::DORMAND_PRINCE })
     }
@@ -266,20 +253,8 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_problems::{Kepler, START};
     use super::*;
-
-    /// Two bodies: a nonlinear problem with an exact period.
-    struct Kepler;
-    impl OdeSystem for Kepler {
-        fn dimension(&self) -> usize {
-            4
-        }
-        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-            let cube = (y[0] * y[0] + y[1] * y[1]).powf(1.5);
-            dy.copy_from_slice(&[y[2], y[3], -y[0] / cube, -y[1] / cube]);
-        }
-    }
-    const START: [f64; 4] = [0.5, 0.0, 0.0, 1.732_050_807_568_877_2];
 
     fn fixed(steps: u32) -> (f64, f64) {
         let period = std::f64::consts::TAU;
@@ -321,35 +296,6 @@ mod tests {
             assert!(error < 200.0 * tolerance && error < last, "{tolerance:e}: {error:e}");
             last = error;
             assert_eq!(method.time(), std::f64::consts::TAU);
-        }
-    }
-
-    struct BlowUp;
-    impl OdeSystem for BlowUp {
-        fn dimension(&self) -> usize {
-            1
-        }
-        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-            dy[0] = y[0] * y[0];
-        }
-    }
-
-    /// y' = y², y(0) = 1 leaves the real numbers at t = 1.
-    #[test]
-    fn a_pole_is_a_failure_that_names_time_and_component() {
-        let mut method = DormandPrince::new(&BlowUp, 0.0, &[1.0], Tolerances::uniform(1, 1e-8, 1e-8), None);
-        let failure = loop {
-            if let Err(failure) = method.step(2.0) {
-                break failure;
-            }
-        };
-        match failure {
-            IntegrationError::StepTooSmall { time, component, .. }
-            | IntegrationError::NotFinite { time, component, .. } => {
-                assert!((time - 1.0).abs() < 1e-3, "{time}");
-                assert_eq!(component, 0);
-            }
-            other => panic!("{other}"),
         }
     }
 }

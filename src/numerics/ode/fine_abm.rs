@@ -9,11 +9,21 @@
 //! The grid is uniform; steps are halved and doubled. The first points, and the way to a limit between two points of the grid,
 //! are walked by Dormand–Prince at the same tolerance.
 
+mod diagonal;
+mod past;
+mod renewal;
+#[cfg(test)]
+mod tests;
+mod weights;
+
+use self::diagonal::Diagonal;
+use self::past::{LEAST_KEPT, MOST_KEPT, Past};
+use self::renewal::Renewal;
+use self::weights::Weights;
 use super::dormand_prince::DormandPrince;
-use super::phi::{Phi, double, phi};
 use super::stability::{self, Stability};
-use super::step_size::{error_norm, worst_component};
-use super::structure::{Jacobian, Structure, displacements};
+use super::step_size::{error_norm, is_impossible, stays_broken, worst_component};
+use super::structure::{Jacobian, Structure};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
 /// What is integrated exactly.
@@ -26,10 +36,6 @@ pub enum LinearPart {
     Blocks,
 }
 
-/// Values kept: after doubling, every other one of them still makes a cubic and an interpolation.
-const MOST_KEPT: usize = 9;
-/// Values that a step and the halving of its grid need.
-const LEAST_KEPT: usize = 5;
 /// Error of the corrector over corrector minus predictor (W. E. Milne), at `H = 0`; less where `H` dominates.
 const MILNE: f64 = 19.0 / 270.0;
 /// Error norm below which the step is doubled: 2⁻⁵ for the order and half the tolerance.
@@ -38,158 +44,12 @@ const DOUBLING_ERROR: f64 = 1.0 / 64.0;
 const DOUBLING_RATE: f64 = 0.5;
 /// That at which it is halved where blocks went out of date, before an instability shows in the error.
 const HALVING_RATE: f64 = 1.0;
-/// That at which the linear part counts as outdated.
-const OUTDATED: f64 = 0.5;
 /// Error norm of a correction too small to tell `∂f/∂y`.
 const TELLING: f64 = 1e-3;
-/// Steps before a linear part is renewed again; doubled each time that it is outdated at once, up to the most.
-const LEAST_PATIENCE: u64 = 4;
-const MOST_PATIENCE: u64 = 256;
 /// Steps after a rejection without doubling.
 const PAUSE: u64 = 16;
-/// Rejections in a row after which a step counts as impossible.
-const MOST_REJECTIONS: u32 = 60;
 /// Tolerances by which an interpolation by rates may differ from one by states alone.
 const INTERPOLATION: f64 = 30.0;
-/// Values midway between the newest and the next, and between the next two, from the five newest.
-const MIDWAY: [[f64; 5]; 2] = [
-    [35.0 / 128.0, 140.0 / 128.0, -70.0 / 128.0, 28.0 / 128.0, -5.0 / 128.0],
-    [-5.0 / 128.0, 60.0 / 128.0, 90.0 / 128.0, -20.0 / 128.0, 3.0 / 128.0],
-];
-
-/// Block-diagonal matrices, each in panels of rows; one block may stand for all.
-#[derive(Debug, Clone)]
-struct Diagonal {
-    block: usize,
-    border: usize,
-    blocks: Vec<Vec<f64>>,
-    corner: Vec<f64>,
-}
-
-impl Diagonal {
-    fn pairs(structure: &Structure) -> Self {
-        let matrix = |n: usize, pairs: &[(usize, usize)]| {
-            let mut matrix = vec![0.0; n * n];
-            pairs.iter().for_each(|&(position, velocity)| matrix[position * n + velocity] = 1.0);
-            in_panels(&matrix, n)
-        };
-        Self {
-            block: structure.block,
-            border: structure.border,
-            blocks: vec![matrix(structure.block, &structure.block_pairs)],
-            corner: matrix(structure.border, &structure.border_pairs),
-        }
-    }
-
-    fn of(jacobian: &Jacobian) -> Self {
-        let Structure { blocks, block, border, .. } = *jacobian.structure();
-        let blocks = (0..blocks).map(|index| in_panels(jacobian.block(index), block)).collect();
-        Self { block, border, blocks, corner: in_panels(jacobian.corner(), border) }
-    }
-
-    /// All matrices with their sizes, the corner last.
-    fn matrices(&self) -> impl Iterator<Item = (&[f64], usize)> {
-        let blocks = self.blocks.iter().map(|matrix| (matrix.as_slice(), self.block));
-        blocks.chain([(self.corner.as_slice(), self.border)])
-    }
-
-    /// `sum += sign · self · vector`, every copy.
-    fn add_product(&self, sign: f64, vector: &[f64], sum: &mut [f64], structure: &Structure) {
-        let dimension = structure.dimension().max(1);
-        let in_blocks = structure.blocks * self.block;
-        for (vector, sum) in vector.chunks_exact(dimension).zip(sum.chunks_exact_mut(dimension)) {
-            for index in 0..structure.blocks {
-                let own = index * self.block..(index + 1) * self.block;
-                accumulate(&self.blocks[index % self.blocks.len()], sign, &vector[own.clone()], &mut sum[own]);
-            }
-            accumulate(&self.corner, sign, &vector[in_blocks..], &mut sum[in_blocks..]);
-        }
-    }
-}
-
-/// Rows worked on together.
-const PANEL: usize = 4;
-
-/// From row by row: panels of four rows, each column by column, the last one filled up with zeros.
-fn in_panels(matrix: &[f64], n: usize) -> Vec<f64> {
-    let mut panels = vec![0.0; n.div_ceil(PANEL) * PANEL * n];
-    for (i, &value) in matrix.iter().enumerate() {
-        let (row, column) = (i / n, i % n);
-        panels[(row / PANEL * n + column) * PANEL + row % PANEL] = value;
-    }
-    panels
-}
-
-fn row_by_row(panels: &[f64], n: usize) -> Vec<f64> {
-    (0..n * n).map(|i| panels[(i / n / PANEL * n + i % n) * PANEL + i / n % PANEL]).collect()
-}
-
-/// `sum += sign · matrix · vector`, the matrix in panels.
-fn accumulate(panels: &[f64], sign: f64, vector: &[f64], sum: &mut [f64]) {
-    for (panel, sum) in panels.chunks_exact((vector.len() * PANEL).max(1)).zip(sum.chunks_mut(PANEL)) {
-        let mut rows = [0.0; PANEL];
-        for (column, &x) in panel.chunks_exact(PANEL).zip(vector) {
-            for (row, a) in rows.iter_mut().zip(column) {
-                *row += a * x;
-            }
-        }
-        for (sum, row) in sum.iter_mut().zip(rows) {
-            *sum += sign * row;
-        }
-    }
-}
-
-/// What a step of one length multiplies: the rate and the first three differences of `f`.
-#[derive(Debug, Clone)]
-struct Weights {
-    step: f64,
-    /// φ₁…φ₄ of each block, and of the corner.
-    functions: Vec<Phi>,
-    of_differences: [Diagonal; 4],
-}
-
-impl Weights {
-    fn new(linear: &Diagonal, step: f64) -> Self {
-        let functions = linear.matrices().map(|(panels, n)| phi(&times(step, panels, n), n)).collect();
-        Self::of(linear, step, functions)
-    }
-
-    /// Those of the doubled step, at a fraction of the cost.
-    fn doubled(&self, linear: &Diagonal) -> Self {
-        let mut functions = self.functions.clone();
-        for ((panels, n), functions) in linear.matrices().zip(&mut functions) {
-            double(functions, &times(self.step, panels, n), n, 1);
-        }
-        Self::of(linear, 2.0 * self.step, functions)
-    }
-
-    fn of(linear: &Diagonal, step: f64, functions: Vec<Phi>) -> Self {
-        let weights = |[one, two, three, four]: &Phi, which: usize| -> Vec<f64> {
-            let entry = |i: usize| match which {
-                0 => one[i],
-                1 => two[i],
-                2 => three[i] + 0.5 * two[i],
-                _ => four[i] + three[i] + two[i] / 3.0,
-            };
-            (0..one.len()).map(|i| step * entry(i)).collect()
-        };
-        let of_difference = |which: usize| {
-            let mut matrices: Vec<Vec<f64>> = linear
-                .matrices()
-                .zip(&functions)
-                .map(|((_, n), functions)| in_panels(&weights(functions, which), n))
-                .collect();
-            let corner = matrices.pop().unwrap_or_default();
-            Diagonal { blocks: matrices, corner, ..*linear }
-        };
-        Self { step, of_differences: std::array::from_fn(of_difference), functions }
-    }
-}
-
-/// Row by row.
-fn times(step: f64, panels: &[f64], n: usize) -> Vec<f64> {
-    row_by_row(panels, n).iter().map(|x| step * x).collect()
-}
 
 /// The method with its past; allocates on construction, on a renewal of the linear part, and where it starts.
 pub struct FineAbm<'a, S: OdeSystem + ?Sized> {
@@ -205,10 +65,7 @@ pub struct FineAbm<'a, S: OdeSystem + ?Sized> {
     /// Length of the next step; 0: not known yet.
     step: f64,
     fixed: bool,
-    /// States and `f` at the points of the grid, newest first, and how many of them are known.
-    states: Vec<Vec<f64>>,
-    rests: Vec<Vec<f64>>,
-    kept: usize,
+    past: Past,
     /// dy/dt at the newest point and the one before.
     rate: Vec<f64>,
     previous_rate: Vec<f64>,
@@ -224,11 +81,7 @@ pub struct FineAbm<'a, S: OdeSystem + ?Sized> {
     previous_time: f64,
     jacobian: Jacobian,
     displacement: Vec<f64>,
-    /// The linear part has been taken since the start.
-    linearised: bool,
-    /// Steps since then, and before it is renewed again.
-    age: u64,
-    patience: u64,
+    renewal: Renewal,
     /// Steps before the next doubling.
     wait: u64,
     /// The next step is to be twice as long.
@@ -265,9 +118,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
             grid_time: time,
             step: fixed_step.unwrap_or(0.0),
             fixed: fixed_step.is_some(),
-            states: (0..MOST_KEPT).map(|_| vector()).collect(),
-            rests: (0..MOST_KEPT).map(|_| vector()).collect(),
-            kept: 0,
+            past: Past::new(n),
             rate: vector(),
             previous_rate: vector(),
             differences: std::array::from_fn(|_| vector()),
@@ -282,9 +133,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
             jacobian: Jacobian::new(&structure),
             structure,
             displacement: vector(),
-            linearised: false,
-            age: 0,
-            patience: LEAST_PATIENCE,
+            renewal: Renewal::new(),
             wait: 0,
             double: false,
             rate_of_rest: 0.0,
@@ -296,7 +145,8 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
 
     /// Starts afresh from `corrected` at `time`.
     fn begin(&mut self, time: f64) {
-        (self.kept, self.linearised, self.patience) = (0, false, LEAST_PATIENCE);
+        self.past.kept = 0;
+        self.renewal = Renewal::new();
         (self.wait, self.double, self.rate_of_rest) = (0, false, 0.0);
         self.weights.clear();
         self.grid_time = time;
@@ -310,7 +160,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
     fn walk(&mut self) {
         self.dismiss_walker();
         self.walker =
-            Some(DormandPrince::new(self.system, self.grid_time, &self.states[0], self.tolerances.clone(), None));
+            Some(DormandPrince::new(self.system, self.grid_time, self.past.state(), self.tolerances.clone(), None));
     }
 
     fn dismiss_walker(&mut self) {
@@ -320,14 +170,12 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
 
     /// Makes `corrected` with its `trial_rate` the newest point.
     fn keep_corrected(&mut self) {
-        self.states.rotate_right(1);
-        self.rests.rotate_right(1);
-        self.states[0].copy_from_slice(&self.corrected);
         std::mem::swap(&mut self.previous_rate, &mut self.rate);
         std::mem::swap(&mut self.rate, &mut self.trial_rate);
-        self.rests[0].copy_from_slice(&self.rate);
-        self.linear.add_product(-1.0, &self.states[0], &mut self.rests[0], &self.structure);
-        self.kept = (self.kept + 1).min(MOST_KEPT);
+        let (state, rest) = self.past.advance();
+        state.copy_from_slice(&self.corrected);
+        rest.copy_from_slice(&self.rate);
+        self.linear.add_product(-1.0, state, rest, &self.structure);
     }
 
     /// One step of the one-step method, to the next point of the grid at the latest.
@@ -343,7 +191,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         if self.step == 0.0 {
             // Its first step told the scale. From here the grid begins.
             self.step = 0.5 * (time - self.previous_time);
-            self.kept = 0;
+            self.past.kept = 0;
         }
         self.corrected.copy_from_slice(walker.state());
         self.grid_time = time;
@@ -353,49 +201,11 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         Ok(())
     }
 
-    /// Weights of the present step, computed where they are not at hand.
-    fn prepare_weights(&mut self) -> usize {
-        if self.part == LinearPart::Blocks && !self.linearised {
-            self.renew_linear_part();
-        }
-        let at_hand = |weights: &[Weights], step: f64| weights.iter().position(|weights| weights.step == step);
-        if let Some(index) = at_hand(&self.weights, self.step) {
-            return index;
-        }
-        let half = at_hand(&self.weights, 0.5 * self.step).unwrap_or_else(|| {
-            self.weights.push(Weights::new(&self.linear, 0.5 * self.step));
-            self.statistics.factorizations += 1;
-            self.weights.len() - 1
-        });
-        self.weights.push(self.weights[half].doubled(&self.linear));
-        self.weights.len() - 1
-    }
-
-    /// Takes the blocks of the Jacobian at the newest point for `H`, and moves what that adds out of `f`.
-    fn renew_linear_part(&mut self) {
-        displacements(&self.states[0], &self.rate, &self.tolerances, self.step, &mut self.displacement);
-        let (state, rate) = (&self.states[0], &self.rate);
-        let evaluations = self.system.jacobian(self.grid_time, state, rate, &self.displacement, &mut self.jacobian);
-        self.statistics.rhs_evaluations += evaluations;
-        self.statistics.jacobian_evaluations += 1;
-        (self.linearised, self.age) = (true, 0);
-        if !self.jacobian.is_finite() {
-            return;
-        }
-        let renewed = Diagonal::of(&self.jacobian);
-        for (state, rest) in self.states.iter().zip(&mut self.rests).take(self.kept) {
-            self.linear.add_product(1.0, state, rest, &self.structure);
-            renewed.add_product(-1.0, state, rest, &self.structure);
-        }
-        self.linear = renewed;
-        self.weights.clear();
-    }
-
     /// Predicts, evaluates and corrects into `corrected` and `correction`; returns the norm of the error.
     fn try_step(&mut self) -> f64 {
         let index = self.prepare_weights();
         let of_differences = &self.weights[index].of_differences;
-        let [newest, second, third, fourth] = &self.rests[..4] else { return f64::NAN };
+        let [newest, second, third, fourth] = &self.past.rests[..4] else { return f64::NAN };
         for i in 0..newest.len() {
             let (one, two, three) = (newest[i] - second[i], second[i] - third[i], third[i] - fourth[i]);
             self.differences[0][i] = one;
@@ -408,7 +218,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
             weights.add_product(1.0, difference, &mut self.correction, &self.structure);
         }
         for (i, predicted) in self.predicted.iter_mut().enumerate() {
-            *predicted = self.states[0][i] + self.correction[i];
+            *predicted = self.past.states[0][i] + self.correction[i];
         }
         let end = self.grid_time + self.step;
         self.system.derivative(end, &self.predicted, &mut self.trial_rest);
@@ -417,14 +227,14 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         // What the predictor did not foresee: the fourth difference.
         let [one, two, three] = &mut self.differences;
         for i in 0..one.len() {
-            one[i] = self.trial_rest[i] - (self.rests[0][i] + one[i] + two[i] + three[i]);
+            one[i] = self.trial_rest[i] - (self.past.rests[0][i] + one[i] + two[i] + three[i]);
         }
         self.correction.fill(0.0);
         of_differences[3].add_product(1.0, one, &mut self.correction, &self.structure);
         for (i, corrected) in self.corrected.iter_mut().enumerate() {
             *corrected = self.predicted[i] + self.correction[i];
         }
-        let error = MILNE * error_norm(&self.correction, &self.states[0], &self.corrected, &self.tolerances);
+        let error = MILNE * error_norm(&self.correction, self.past.state(), &self.corrected, &self.tolerances);
         if self.corrected.iter().all(|x| x.is_finite()) { error } else { f64::NAN }
     }
 
@@ -435,80 +245,45 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         self.previous_time = self.grid_time;
         self.grid_time = end;
         self.keep_corrected();
-        let statistics = &mut self.statistics;
-        statistics.steps += 1;
-        statistics.advanced += self.step;
-        let least = &mut statistics.least_step;
-        *least = if *least == 0.0 { self.step } else { least.min(self.step) };
-        self.age += 1;
+        self.statistics.accept(self.step, false);
+        self.renewal.age += 1;
         self.wait = self.wait.saturating_sub(1);
         if error >= TELLING {
             // How far f moved, over how far the state moved between prediction and correction.
-            for (moved, at_end) in self.trial_rest.iter_mut().zip(&self.rests[0]) {
+            for (moved, at_end) in self.trial_rest.iter_mut().zip(&self.past.rests[0]) {
                 *moved = at_end - *moved;
             }
-            let size = |vector: &[f64]| error_norm(vector, &self.states[0], &self.zero, &self.tolerances);
+            let size = |vector: &[f64]| error_norm(vector, self.past.state(), &self.zero, &self.tolerances);
             self.rate_of_rest = self.step * size(&self.trial_rest) / size(&self.correction);
         }
-        self.adapt(error);
+        self.renew_where_outdated();
+        self.plan_doubling(error);
     }
 
-    /// Renews the linear part where it is outdated; doubles the step where that is accurate and stable.
-    fn adapt(&mut self, error: f64) {
-        let outdated = self.part == LinearPart::Blocks && self.rate_of_rest > OUTDATED;
-        if self.age == 1 {
-            // Renewed in vain: what is fast lies outside the blocks.
-            self.patience = if outdated { (2 * self.patience).min(MOST_PATIENCE) } else { LEAST_PATIENCE };
-        }
-        if outdated && self.age >= self.patience {
-            self.renew_linear_part();
-            self.rate_of_rest = 0.0;
-        }
-        if self.fixed {
-            return;
-        }
-        // Only before the next step: until then the last one may be interpolated.
-        let accurate = error < DOUBLING_ERROR && self.kept == MOST_KEPT && self.wait == 0;
-        self.double = accurate && (error < TELLING || self.rate_of_rest < DOUBLING_RATE);
+    /// Doubles the step where that is accurate and stable; only before the next one: until then the last may be interpolated.
+    fn plan_doubling(&mut self, error: f64) {
+        let accurate = error < DOUBLING_ERROR && self.past.kept == MOST_KEPT && self.wait == 0;
+        self.double = !self.fixed && accurate && (error < TELLING || self.rate_of_rest < DOUBLING_RATE);
     }
 
     fn double_step(&mut self) {
         self.double = false;
         self.step *= 2.0;
-        for values in [&mut self.states, &mut self.rests] {
-            for i in 1..=MOST_KEPT / 2 {
-                values.swap(i, 2 * i);
-            }
-        }
-        self.kept = MOST_KEPT.div_ceil(2);
+        self.past.double_step();
         self.rate_of_rest *= 2.0;
     }
 
-    /// Halves the step; the missing values are interpolated between the five newest.
     fn halve_step(&mut self) {
         self.wait = PAUSE;
         self.step *= 0.5;
-        for values in [&mut self.states, &mut self.rests] {
-            let [newest, second, third, fourth, fifth, spare, other, ..] = &mut values[..] else { return };
-            for i in 0..newest.len() {
-                let known = [newest[i], second[i], third[i], fourth[i], fifth[i]];
-                let midway = |weights: &[f64; 5]| weights.iter().zip(known).map(|(w, x)| w * x).sum::<f64>();
-                (spare[i], other[i]) = (midway(&MIDWAY[0]), midway(&MIDWAY[1]));
-            }
-            // Newest, midway, second, midway, third.
-            values.swap(4, 2);
-            values.swap(1, 2);
-            values.swap(1, 5);
-            values.swap(3, 6);
-        }
-        self.kept = LEAST_KEPT;
+        self.past.halve_step();
         self.rate_of_rest *= 0.5;
     }
 }
 
 impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
     fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
-        let arrived = self.kept >= LEAST_KEPT && self.time() == self.grid_time;
+        let arrived = self.past.kept >= LEAST_KEPT && self.time() == self.grid_time;
         if self.walker.is_some() && arrived {
             self.dismiss_walker();
         }
@@ -537,11 +312,11 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
             self.statistics.rejected_steps += 1;
             rejections += 1;
             let (time, step) = (self.grid_time, self.step);
-            let component = worst_component(&self.correction, &self.states[0], &self.corrected, &self.tolerances);
-            if self.fixed || (!error.is_finite() && rejections >= MOST_REJECTIONS / 2) {
+            let component = worst_component(&self.correction, self.past.state(), &self.corrected, &self.tolerances);
+            if self.fixed || (!error.is_finite() && stays_broken(rejections)) {
                 return Err(IntegrationError::NotFinite { time, step, component });
             }
-            if rejections >= MOST_REJECTIONS || step <= 4.0 * f64::EPSILON * time.abs() {
+            if is_impossible(rejections, time, step) {
                 return Err(IntegrationError::StepTooSmall { time, step, component });
             }
             self.halve_step();
@@ -557,7 +332,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
     }
 
     fn state(&self) -> &[f64] {
-        self.walker.as_ref().map_or(&self.states[0], |walker| walker.state())
+        self.walker.as_ref().map_or(self.past.state(), |walker| walker.state())
     }
 
     /// The quartic with values and rates at both ends and the value a step before.
@@ -579,15 +354,15 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
             others.map(|j| (x - 1.0 + j as f64) / (j as f64 - k as f64)).product()
         });
         for (i, value) in state.iter_mut().enumerate() {
-            let by_states: f64 = weights.iter().zip(&self.states).map(|(weight, state)| weight * state[i]).sum();
-            *value = end * self.states[0][i]
-                + start * self.states[1][i]
-                + before * self.states[2][i]
+            let by_states: f64 = weights.iter().zip(&self.past.states).map(|(weight, state)| weight * state[i]).sum();
+            *value = end * self.past.states[0][i]
+                + start * self.past.states[1][i]
+                + before * self.past.states[2][i]
                 + end_rate * self.rate[i]
                 + start_rate * self.previous_rate[i];
-            let scale = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.states[0][i].abs();
             let off = (*value - by_states).abs();
-            if !self.fixed && (off.is_nan() || off > INTERPOLATION * scale) {
+            let most = INTERPOLATION * self.tolerances.allowed(i, self.past.states[0][i]);
+            if !self.fixed && (off.is_nan() || off > most) {
                 *value = by_states;
             }
         }
@@ -604,20 +379,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
     }
 
     fn statistics(&self) -> Statistics {
-        let own = self.statistics;
-        let Some(walked) = self.walker.as_ref().map(|walker| walker.statistics()) else { return own };
-        let least = match (own.least_step, walked.least_step) {
-            (0.0, least) | (least, 0.0) => least,
-            (one, other) => one.min(other),
-        };
-        Statistics {
-            steps: own.steps + walked.steps,
-            rejected_steps: own.rejected_steps + walked.rejected_steps,
-            rhs_evaluations: own.rhs_evaluations + walked.rhs_evaluations,
-            least_step: least,
-            advanced: own.advanced + walked.advanced,
-            ..own
-        }
+        self.walker.as_ref().map_or(self.statistics, |walker| self.statistics.and(&walker.statistics()))
     }
 
     fn choice(&self) -> Choice {
@@ -625,298 +387,8 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
     }
 
     /// Of what it does not integrate exactly.
-    fn stability(&self) -> Option<Stability> {
+    fn stability(&mut self) -> Option<Stability> {
         let steps = self.walker.is_none() && self.step > 0.0;
         steps.then(|| Stability { rate: self.rate_of_rest / self.step, limit: stability::FINE_ABM })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two bodies: a nonlinear problem with an exact period.
-    struct Kepler;
-    impl OdeSystem for Kepler {
-        fn dimension(&self) -> usize {
-            4
-        }
-        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-            let cube = (y[0] * y[0] + y[1] * y[1]).powf(1.5);
-            dy.copy_from_slice(&[y[2], y[3], -y[0] / cube, -y[1] / cube]);
-        }
-        fn structure(&self) -> Structure {
-            Structure { border_pairs: vec![(0, 2), (1, 3)], ..Structure::dense(4) }
-        }
-    }
-    const START: [f64; 4] = [0.5, 0.0, 0.0, 1.732_050_807_568_877_2];
-    const PARTS: [LinearPart; 2] = [LinearPart::Kinematic, LinearPart::Blocks];
-
-    fn method<'a, S: OdeSystem>(
-        system: &'a S,
-        state: &[f64],
-        tolerance: f64,
-        fixed: Option<f64>,
-        part: LinearPart,
-    ) -> FineAbm<'a, S> {
-        FineAbm::new(system, 0.0, state, Tolerances::uniform(state.len(), tolerance, tolerance), fixed, part)
-    }
-
-    /// Error after one period, and of the angular momentum midway between the points.
-    fn fixed(steps: u32, part: LinearPart) -> (f64, f64) {
-        let period = std::f64::consts::TAU;
-        let mut method = method(&Kepler, &START, 1e-12, Some(period / f64::from(steps)), part);
-        let (mut between, mut middle): (f64, _) = (0.0, [0.0; 4]);
-        while method.time() < period {
-            method.step(period).unwrap();
-            method.interpolate(0.5 * (method.time() + method.previous_time()), &mut middle);
-            let momentum = middle[0] * middle[3] - middle[1] * middle[2];
-            between = between.max((momentum - START[0] * START[3]).abs());
-        }
-        assert_eq!(method.time(), period);
-        (method.state().iter().zip(START).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt(), between)
-    }
-
-    /// Halving the step divides the end error by 2⁴ and the error between the points by at least as much.
-    #[test]
-    fn observed_order_is_four() {
-        for part in PARTS {
-            let (coarse, fine) = (fixed(1600, part), fixed(3200, part));
-            let order = (coarse.0 / fine.0).log2();
-            assert!((order - 4.0).abs() < 0.2, "{part:?}: order {order}, {coarse:?} {fine:?}");
-            let dense = (coarse.1 / fine.1).log2();
-            assert!(dense > 3.8, "{part:?} between steps: order {dense}");
-        }
-    }
-    #[test]
-    fn without_a_linear_part_it_is_the_classical_pair() {
-        let mut method = method(&Logistic, &[0.1], 1e-12, Some(0.1), LinearPart::Kinematic);
-        let rates = |method: &FineAbm<'_, Logistic>| -> [f64; 4] { std::array::from_fn(|k| method.rests[k][0]) };
-        while method.kept < LEAST_KEPT {
-            method.step(10.0).unwrap();
-        }
-        for _ in 0..10 {
-            let (state, [f0, f1, f2, f3]) = (method.state()[0], rates(&method));
-            method.step(10.0).unwrap();
-            let predicted = state + 0.1 / 24.0 * (55.0 * f0 - 59.0 * f1 + 37.0 * f2 - 9.0 * f3);
-            let at_end = predicted * (1.0 - predicted);
-            let corrected = state + 0.1 / 24.0 * (9.0 * at_end + 19.0 * f0 - 5.0 * f1 + f2);
-            assert!((method.state()[0] - corrected).abs() < 1e-15);
-        }
-    }
-
-    struct Logistic;
-    impl OdeSystem for Logistic {
-        fn dimension(&self) -> usize {
-            1
-        }
-        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-            dy[0] = y[0] * (1.0 - y[0]);
-        }
-    }
-
-    /// A fast damped oscillator and a decay, one block each, in so many copies.
-    struct Linear {
-        copies: usize,
-    }
-    const BLOCKS: [[f64; 4]; 2] = [[0.0, 1.0, -1e4, -20.0], [-300.0, 0.0, 0.0, -1.0]];
-    impl OdeSystem for Linear {
-        fn dimension(&self) -> usize {
-            4 * self.copies
-        }
-        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-            for (k, (y, dy)) in y.chunks_exact(2).zip(dy.chunks_exact_mut(2)).enumerate() {
-                let [a, b, c, d] = BLOCKS[k % 2];
-                dy.copy_from_slice(&[a * y[0] + b * y[1], c * y[0] + d * y[1]]);
-            }
-        }
-        fn structure(&self) -> Structure {
-            Structure { blocks: 2, block: 2, copies: self.copies, ..Structure::dense(0) }
-        }
-        fn jacobian(&self, _time: f64, _: &[f64], _: &[f64], _: &[f64], jacobian: &mut Jacobian) -> u64 {
-            (0..2).for_each(|k| jacobian.block_mut(k).copy_from_slice(&BLOCKS[k]));
-            0
-        }
-    }
-
-    /// Steps of 0.2 are 20 radians of the oscillator and 60 decay times.
-    #[test]
-    fn a_linear_system_is_exact_with_any_step() {
-        let start: Vec<f64> = [1.0, 0.0, 1.0, 2.0].repeat(2);
-        let mut method = method(&Linear { copies: 2 }, &start, 1e-13, Some(0.2), LinearPart::Blocks);
-        while method.time() < 2.0 {
-            method.step(2.0).unwrap();
-        }
-        let frequency = (1e4_f64 - 100.0).sqrt();
-        let (sine, cosine) = (frequency * 2.0).sin_cos();
-        let exact = [(-20.0_f64).exp() * (cosine + 10.0 / frequency * sine), 0.0, 0.0, 2.0 * (-2.0_f64).exp()];
-        for (k, value) in method.state().iter().enumerate().filter(|(k, _)| k % 4 != 1) {
-            assert!((value - exact[k % 4]).abs() < 1e-12, "{k}: {value:e} {:e}", exact[k % 4]);
-        }
-    }
-
-    /// ẏ = λ (y − cos t) − sin t (A. Prothero & A. Robinson, Math. Comp. 28 (1974) 145–162).
-    struct ProtheroRobinson(f64);
-    impl OdeSystem for ProtheroRobinson {
-        fn dimension(&self) -> usize {
-            1
-        }
-        fn derivative(&self, time: f64, y: &[f64], dy: &mut [f64]) {
-            dy[0] = self.0 * (y[0] - time.cos()) - time.sin();
-        }
-    }
-
-    /// The blocks take stiffness out of `f`; the kinematic part leaves the explicit limit h |λ| = 1.28.
-    #[test]
-    fn only_the_blocks_step_over_a_fast_decay() {
-        let work = |part: LinearPart| {
-            let mut method = method(&ProtheroRobinson(-1e4), &[1.0], 1e-6, None, part);
-            while method.time() < 10.0 {
-                method.step(10.0).unwrap();
-                assert!((method.state()[0] - method.time().cos()).abs() < 3e-5);
-            }
-            method.statistics()
-        };
-        let (kinematic, blocks) = (work(LinearPart::Kinematic), work(LinearPart::Blocks));
-        assert!(kinematic.steps > 70_000, "{kinematic:?}");
-        assert!(blocks.steps < 500, "{blocks:?}");
-    }
-
-    #[test]
-    fn error_falls_with_the_tolerance() {
-        for part in PARTS {
-            let mut last = f64::INFINITY;
-            for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
-                let mut method = method(&Kepler, &START, tolerance, None, part);
-                while method.time() < std::f64::consts::TAU {
-                    method.step(std::f64::consts::TAU).unwrap();
-                }
-                let error = (method.state()[1] - START[1]).abs();
-                assert!(error < 1e3 * tolerance && error < last, "{part:?} {tolerance:e}: {error:e}");
-                last = error;
-                assert_eq!(method.time(), std::f64::consts::TAU);
-            }
-        }
-    }
-
-    /// Near the centre an orbit needs short steps, far from it long ones; twice the same bits.
-    #[test]
-    fn steps_are_halved_and_doubled_the_same_way_each_time() {
-        let run = || {
-            let mut method = method(&Kepler, &[1.8, 0.0, 0.0, 0.333_333_333_333_333_3], 1e-7, None, LinearPart::Blocks);
-            let mut lengths = Vec::new();
-            while method.time() < 20.0 {
-                method.step(20.0).unwrap();
-                if method.walker.is_none() {
-                    lengths.push(method.step);
-                }
-            }
-            (lengths, method.state().to_vec())
-        };
-        let (lengths, again) = (run(), run());
-        let ratios: Vec<f64> =
-            lengths.0.windows(2).map(|pair| pair[1] / pair[0]).filter(|ratio| *ratio != 1.0).collect();
-        assert!(ratios.contains(&2.0) && ratios.contains(&0.5), "{ratios:?}");
-        assert_eq!(lengths, again);
-    }
-
-    /// Between the known points the halved grid lies on the quartic through them.
-    #[test]
-    fn a_quartic_survives_halving() {
-        let mut method = method(&Logistic, &[0.1], 1e-6, Some(1.0), LinearPart::Kinematic);
-        let quartic = |time: f64| 1.0 + time * (2.0 - time * (0.5 + time * (0.25 - 0.125 * time)));
-        for (k, state) in method.states.iter_mut().enumerate() {
-            state[0] = quartic(-(k as f64));
-        }
-        method.halve_step();
-        for k in 0..LEAST_KEPT {
-            assert!((method.states[k][0] - quartic(-0.5 * k as f64)).abs() < 1e-12);
-        }
-        assert_eq!(method.step, 0.5);
-    }
-
-    struct BlowUp;
-    impl OdeSystem for BlowUp {
-        fn dimension(&self) -> usize {
-            1
-        }
-        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-            dy[0] = y[0] * y[0];
-        }
-    }
-
-    /// y' = y², y(0) = 1 leaves the real numbers at t = 1.
-    #[test]
-    fn a_pole_is_a_failure_that_names_time_and_component() {
-        for part in PARTS {
-            for step in [None, Some(0.01)] {
-                let mut method = method(&BlowUp, &[1.0], 1e-8, step, part);
-                let failure = loop {
-                    if let Err(failure) = method.step(20.0) {
-                        break failure;
-                    }
-                };
-                match failure {
-                    IntegrationError::StepTooSmall { time, component: 0, .. } if step.is_none() => {
-                        assert!((time - 1.0).abs() < 1e-3, "{time}");
-                    }
-                    IntegrationError::NotFinite { time, component: 0, .. } => {
-                        assert!(time > 0.99 && time < 1.2, "{time}")
-                    }
-                    other => panic!("{step:?}: {other}"),
-                }
-            }
-        }
-    }
-
-    /// Limits between two points of the grid, and a restart, cost accuracy nothing.
-    #[test]
-    fn limits_are_met_exactly() {
-        let mut method = method(&Kepler, &START, 1e-9, None, LinearPart::Blocks);
-        for k in 1..=20 {
-            let limit = std::f64::consts::TAU * f64::from(k) / 20.0;
-            while method.time() < limit {
-                method.step(limit).unwrap();
-                assert!(method.time() <= limit && method.previous_time() < method.time());
-            }
-            assert_eq!(method.time(), limit);
-            if k == 10 {
-                method.restart();
-            }
-        }
-        let error = (method.state()[1] - START[1]).abs();
-        assert!(error < 2e-6, "{error:e}");
-    }
-
-    /// A slow motion followed by one so fast that an error within tolerance makes its rate a million times too large.
-    struct Followed;
-    impl OdeSystem for Followed {
-        fn dimension(&self) -> usize {
-            2
-        }
-        fn derivative(&self, _: f64, y: &[f64], dy: &mut [f64]) {
-            // Not quite what the linear part holds.
-            dy.copy_from_slice(&[-y[0], -1e8 * (y[1] - y[0]) * (1.0 + 0.1 * y[0])]);
-        }
-        fn jacobian(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], jacobian: &mut Jacobian) -> u64 {
-            jacobian.corner_mut().copy_from_slice(&[-1.0, 0.0, 1e8, -1e8]);
-            1
-        }
-    }
-
-    #[test]
-    fn stiff_components_are_right_within_steps_too() {
-        let tolerances = Tolerances::uniform(2, 1e-6, 1e-6);
-        let mut method = FineAbm::new(&Followed, 0.0, &[1.0, 1.0], tolerances, None, LinearPart::Blocks);
-        let (mut worst, mut state) = (0.0_f64, [0.0; 2]);
-        while method.time() < 1e-2 {
-            method.step(1e-2).unwrap();
-            for share in [0.25, 0.5, 0.75] {
-                let time = method.previous_time() + share * (method.time() - method.previous_time());
-                method.interpolate(time, &mut state);
-                worst = worst.max((state[1] - (-time).exp()).abs());
-            }
-        }
-        assert!(worst < 1e-4, "{worst:e}");
     }
 }

@@ -6,9 +6,15 @@
 //! must where balls enter and leave the loaded zone. The corrector is solved by Newton's iteration on factors of `c·I − J`
 //! that are kept as long as they serve.
 
-use super::arrowhead::ArrowheadFactors;
-use super::step_size::initial_step;
-use super::structure::{Jacobian, displacements};
+mod coefficients;
+mod corrector;
+mod order;
+#[cfg(test)]
+mod tests;
+
+use self::coefficients::Coefficients;
+use self::corrector::{Corrector, Failure, norm};
+use super::step_size::{Try, initial_step, is_impossible, largest};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
 /// Highest order with a useful sector of stability.
@@ -18,24 +24,6 @@ const DIFFERENCES: usize = MOST_ORDER + 3;
 
 /// A step may err by this share of the tolerance: errors add up along the way, and the end should be near what was asked.
 const SHARE: f64 = 0.25;
-/// Corrector iterations a step.
-const MOST_ITERATIONS: u32 = 4;
-/// Error that the corrector may leave, as a share of that of a step.
-const CORRECTOR_ERROR: f64 = 0.05;
-/// A factor made for another leading coefficient serves while that is off by less than this share.
-const COEFFICIENT_DRIFT: f64 = 0.3;
-/// Steps after which a factor, with its Jacobian when that has cost as much as a new one, is made anew.
-const FACTOR_AGE: u32 = 20;
-/// The error of the next step is aimed at this share of what it may be: at the same, the next lower and the next higher order.
-/// High orders are favoured: their steps cost the same, and err less than they are estimated to.
-const AIM: [f64; 3] = [1.0 / 4.0, 1.0 / 4.0, 1.0 / 2.0];
-/// A step must gain this much to grow, so that differences and factors are not upset for little.
-const LEAST_GAIN: f64 = 1.2;
-const LARGEST_GAIN: f64 = 4.0;
-/// Tries of one step, whatever they fail by.
-const MOST_TRIES: u32 = 60;
-/// Error-test failures of one step after which its past is distrusted.
-const DISTRUST: u32 = 3;
 
 /// The method with its workspace; allocates only on construction.
 pub struct Gear<'a, S: OdeSystem + ?Sized> {
@@ -67,82 +55,6 @@ pub struct Gear<'a, S: OdeSystem + ?Sized> {
     statistics: Statistics,
 }
 
-/// Newton's iteration: its matrix and how well that does.
-struct Corrector {
-    jacobian: Jacobian,
-    factors: ArrowheadFactors<f64>,
-    /// Leading coefficient that the factors were made for; `None` before the first.
-    factored_for: Option<f64>,
-    /// Steps since the factors were made.
-    factor_age: u32,
-    /// The Jacobian belongs to the step being tried.
-    current: bool,
-    /// Evaluations that the Jacobian took, and iterations beyond one a step since.
-    jacobian_cost: u64,
-    excess: u64,
-    contraction: f64,
-    /// Corrector less predictor.
-    correction: Vec<f64>,
-    increment: Vec<f64>,
-    rate: Vec<f64>,
-    displacement: Vec<f64>,
-}
-
-/// Coefficients of one step of a given size and order.
-struct Coefficients {
-    /// Scales the differences to the new step.
-    scale: [f64; DIFFERENCES],
-    /// Weights of the scaled differences in the predicted rate.
-    rate: [f64; DIFFERENCES],
-    /// Error of order q from the scaled difference q + 1.
-    error: [f64; DIFFERENCES],
-    /// c: the corrector's rate is the predicted one and c times the correction.
-    leading: f64,
-    /// Error of the step from the norm of the correction.
-    step_error: f64,
-}
-
-/// Why a try failed.
-enum Failure {
-    /// The iteration did not converge.
-    Corrector,
-    /// The right-hand side or its Jacobian is not finite.
-    NotFinite,
-}
-
-impl Coefficients {
-    /// `steps`: sizes of the past steps, the latest first.
-    fn new(step: f64, steps: &[f64; DIFFERENCES], order: usize) -> Self {
-        let mut c = Self {
-            scale: [1.0; DIFFERENCES],
-            rate: [0.0; DIFFERENCES],
-            error: [1.0; DIFFERENCES],
-            leading: 0.0,
-            step_error: 0.0,
-        };
-        // Time from the new point back to the i-th last one, and the same seen from the last point.
-        let (mut back, mut back_before) = (step, 0.0);
-        let (mut harmonic, mut sum) = (0.0, 0.0);
-        for i in 1..DIFFERENCES.min(order + 3) {
-            back_before += steps[i - 1];
-            c.scale[i] = c.scale[i - 1] * back / back_before;
-            c.rate[i] = c.rate[i - 1] + 1.0 / back;
-            if i <= order {
-                harmonic += 1.0 / i as f64;
-                sum += step / back;
-            }
-            back = step + back_before;
-            c.error[i] = i as f64 * c.error[i - 1] * step / back;
-            if i == order {
-                let next = step / back;
-                c.step_error = (next + sum - harmonic).abs().max(next);
-            }
-        }
-        c.leading = harmonic / step;
-        c
-    }
-}
-
 impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     /// Starts at `(time, state)` with order 1.
     pub fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
@@ -165,20 +77,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
             last_order: 1,
             settled: 0,
             starting: true,
-            corrector: Corrector {
-                jacobian: Jacobian::new(&structure),
-                factors: ArrowheadFactors::new(&structure),
-                factored_for: None,
-                factor_age: 0,
-                current: false,
-                jacobian_cost: 0,
-                excess: 0,
-                contraction: 1.0,
-                correction: vector(),
-                increment: vector(),
-                rate: vector(),
-                displacement: vector(),
-            },
+            corrector: Corrector::new(&structure),
             predicted: vector(),
             predicted_rate: vector(),
             trial: vector(),
@@ -217,64 +116,8 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
         }
     }
 
-    /// Solves for the correction at the end of a step, from the predictor on.
-    fn correct(&mut self, end: f64, step: f64, c: &Coefficients) -> Result<(), Failure> {
-        let corrector = &mut self.corrector;
-        corrector.correction.fill(0.0);
-        self.trial.copy_from_slice(&self.predicted);
-        let mut last = 0.0;
-        for iteration in 0..MOST_ITERATIONS {
-            self.system.derivative(end, &self.trial, &mut corrector.rate);
-            self.statistics.rhs_evaluations += 1;
-            if iteration == 0 {
-                if !corrector.rate.iter().all(|x| x.is_finite()) {
-                    return Err(Failure::NotFinite);
-                }
-                corrector.prepare(
-                    self.system,
-                    (end, &self.predicted),
-                    &self.tolerances,
-                    (step, c.leading),
-                    &mut self.statistics,
-                )?;
-            } else {
-                corrector.excess += 1;
-            }
-            for (i, increment) in corrector.increment.iter_mut().enumerate() {
-                *increment = corrector.rate[i] - self.predicted_rate[i] - c.leading * corrector.correction[i];
-            }
-            corrector.factors.solve(&mut corrector.increment);
-            // Between the limits of a slow and of a stiff component, for factors of another coefficient.
-            let mend = 2.0 / (1.0 + c.leading / corrector.factored_for.unwrap_or(c.leading));
-            for (i, increment) in corrector.increment.iter_mut().enumerate() {
-                *increment *= mend;
-                corrector.correction[i] += *increment;
-                self.trial[i] = self.predicted[i] + corrector.correction[i];
-            }
-            let size = norm(&self.weights, corrector.increment.iter().copied());
-            if iteration > 0 {
-                corrector.contraction = (0.3 * corrector.contraction).max(size / last);
-            }
-            if size * corrector.contraction.min(1.0) * c.step_error <= CORRECTOR_ERROR {
-                return Ok(());
-            }
-            let rounding = 16.0 * f64::EPSILON * norm(&self.weights, self.trial.iter().copied());
-            if size <= rounding {
-                return Ok(());
-            }
-            if !size.is_finite() {
-                return Err(Failure::NotFinite);
-            }
-            if iteration > 0 && size > 2.0 * last {
-                break;
-            }
-            last = size;
-        }
-        Err(Failure::Corrector)
-    }
-
     /// Takes the corrected state as the next one and updates the differences.
-    fn accept(&mut self, end: f64, step: f64, c: &Coefficients) {
+    fn accept(&mut self, tried: &Try, c: &Coefficients) {
         let k = self.order;
         let correction = &self.corrector.correction;
         if self.known > k + 1 {
@@ -294,64 +137,27 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
             }
         }
         self.steps.rotate_right(1);
-        self.steps[0] = step;
+        self.steps[0] = tried.step;
         self.previous_time = self.time;
-        self.time = end;
+        self.time = tried.end;
         self.last_order = k;
-        self.statistics.steps += 1;
-        self.statistics.advanced += step;
+        self.statistics.accept(tried.step, tried.cut);
         self.corrector.factor_age += 1;
         self.corrector.current = false;
     }
 
-    /// Order and size of the next step, seen from an accepted try that is not yet taken over.
-    fn plan(&self, step: f64, error: f64, c: &Coefficients) -> (usize, f64) {
-        let k = self.order;
-        let same = gain(error, k, AIM[0]);
-        let lower = self.gain_lower(c);
-        if self.starting && k < MOST_ORDER && same > 1.0 && same > lower {
-            return (k + 1, 2.0 * step);
-        }
-        let failing = 1.5 * error > 1.0;
-        if self.settled < k {
-            // Too early to judge the order; but a step about to fail is made shorter at once.
-            return (k, if failing { step * same.min(0.9) } else { step });
-        }
-        let (mut best, mut order) = (same, k);
-        if lower > best {
-            (best, order) = (lower, k - 1);
-        }
-        if k < MOST_ORDER && self.known > k + 1 {
-            let scale = c.scale[k + 1];
-            let correction = &self.corrector.correction;
-            let higher = self.norm(correction.iter().zip(&self.differences[k + 1]).map(|(e, d)| e - scale * d));
-            let higher = gain(c.error[k + 1] * higher, k + 1, AIM[2]);
-            if higher > best {
-                (best, order) = (higher, k + 1);
-            }
-        }
-        if best >= LEAST_GAIN {
-            (order, step * best.min(LARGEST_GAIN))
-        } else if failing || order < k {
-            (order, step * best.clamp(0.5, 0.9))
-        } else {
-            (k, step)
-        }
-    }
-
     /// Takes an accepted try over and plans the next step.
-    fn conclude(&mut self, end: f64, step: f64, cut: bool, error: f64, c: &Coefficients) {
-        let (order, next) = self.plan(step, error, c);
+    fn conclude(&mut self, tried: &Try, error: f64, c: &Coefficients) {
+        let (order, next) = self.plan(tried.step, error, c);
         // Growth ends where the error no longer allows both a step of twice the size and the next order.
         self.starting &= order > self.order;
-        self.accept(end, step, c);
-        if order == self.last_order && next == step {
+        self.accept(tried, c);
+        if order == self.last_order && next == tried.step {
             self.settled += 1;
         } else {
             (self.order, self.settled) = (order, 0);
         }
-        // A step cut short says little about the next one.
-        self.step = if cut { next.max(self.step) } else { next };
+        self.step = tried.followed_by(next, self.step);
     }
 
     fn change(&mut self, step: f64, order: usize) {
@@ -369,18 +175,6 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
         (self.order, self.known, self.settled) = (1, 2, 0);
     }
 
-    /// Factor that the step may grow by at the next lower order; 0 at order 1.
-    fn gain_lower(&self, c: &Coefficients) -> f64 {
-        let k = self.order;
-        if k == 1 {
-            return 0.0;
-        }
-        let scale = c.scale[k];
-        let correction = &self.corrector.correction;
-        let lower = self.norm(correction.iter().zip(&self.differences[k]).map(|(e, d)| e + scale * d));
-        gain(c.error[k - 1] * lower, k - 1, AIM[1])
-    }
-
     /// Fastest rate |λ| of the last Jacobian.
     pub fn fastest_rate(&self) -> f64 {
         self.corrector.jacobian.fastest_rate(&self.weights)
@@ -388,80 +182,8 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
 
     /// The entry that the last correction moved most against its tolerance.
     fn worst_component(&self) -> usize {
-        let size = |i: usize| {
-            let size = (self.corrector.correction[i] * self.weights[i]).abs();
-            if size.is_nan() { f64::INFINITY } else { size }
-        };
-        (0..self.weights.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
+        largest(self.weights.len(), |i| (self.corrector.correction[i] * self.weights[i]).abs())
     }
-
-    /// What to do after a try whose error was too large.
-    fn after_rejection(&mut self, step: f64, error: f64, failures: u32, c: &Coefficients) {
-        self.starting = false;
-        if failures >= DISTRUST {
-            self.change(0.25 * step, 1);
-            if self.known > 2 {
-                self.forget();
-            }
-            return;
-        }
-        let lower = self.gain_lower(c);
-        let same = gain(error, self.order, 0.5);
-        let order = if lower > same { self.order - 1 } else { self.order };
-        self.change(step * same.max(lower).clamp(0.25, 0.9), order);
-    }
-}
-
-impl Corrector {
-    /// Sees to it that factors fit for the leading coefficient exist.
-    fn prepare<S: OdeSystem + ?Sized>(
-        &mut self,
-        system: &S,
-        (time, state): (f64, &[f64]),
-        tolerances: &Tolerances,
-        (step, leading): (f64, f64),
-        statistics: &mut Statistics,
-    ) -> Result<(), Failure> {
-        let drifted = |made_for: f64| (leading / made_for - 1.0).abs() > COEFFICIENT_DRIFT;
-        let paid = self.excess >= self.jacobian_cost;
-        let outdated = self.factored_for.is_none() || (paid && !self.current);
-        let unfit = outdated || self.factored_for.is_some_and(drifted) || self.factor_age > FACTOR_AGE;
-        if !unfit {
-            return Ok(());
-        }
-        if outdated && !self.current {
-            displacements(state, &self.rate, tolerances, step, &mut self.displacement);
-            self.jacobian_cost = system.jacobian(time, state, &self.rate, &self.displacement, &mut self.jacobian);
-            statistics.rhs_evaluations += self.jacobian_cost;
-            statistics.jacobian_evaluations += 1;
-            self.excess = 0;
-            self.current = true;
-            if !self.jacobian.is_finite() {
-                self.factored_for = None;
-                return Err(Failure::NotFinite);
-            }
-        }
-        statistics.factorizations += 1;
-        self.contraction = 1.0;
-        self.factor_age = 0;
-        if self.factors.factor(&self.jacobian, leading).is_err() {
-            self.factored_for = None;
-            return Err(Failure::Corrector);
-        }
-        self.factored_for = Some(leading);
-        Ok(())
-    }
-}
-
-/// Weighted root mean square.
-fn norm(weights: &[f64], vector: impl Iterator<Item = f64>) -> f64 {
-    let sum: f64 = vector.zip(weights).map(|(x, w)| (x * w) * (x * w)).sum();
-    (sum / weights.len().max(1) as f64).sqrt()
-}
-
-/// Factor on the step that brings an error of order `order` to `aim` tolerances.
-fn gain(error: f64, order: usize, aim: f64) -> f64 {
-    (aim / error.max(1e-10)).powf(1.0 / (order as f64 + 1.0))
 }
 
 impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
@@ -470,27 +192,19 @@ impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
             self.start(limit - self.time);
         }
         for (i, weight) in self.weights.iter_mut().enumerate() {
-            let state = self.differences[0][i].abs();
-            *weight = 1.0 / (SHARE * (self.tolerances.absolute[i] + self.tolerances.relative[i] * state));
+            *weight = 1.0 / (SHARE * self.tolerances.allowed(i, self.differences[0][i]));
         }
         let (mut tries, mut too_large) = (0, 0);
         loop {
-            let remaining = limit - self.time;
-            // A last step that would leave a sliver is stretched to the limit.
-            let cut = self.step * 1.000_001 >= remaining;
-            let step = if cut { remaining } else { self.step };
-            let end = if cut { limit } else { self.time + step };
+            let tried = Try::new(self.time, self.step, limit);
+            let step = tried.step;
             let c = Coefficients::new(step, &self.steps, self.order);
             self.predict(&c);
-            let failure = match self.correct(end, step, &c) {
+            let failure = match self.correct(&tried, &c) {
                 Ok(()) => {
                     let error = c.step_error * self.norm(self.corrector.correction.iter().copied());
                     if error <= 1.0 {
-                        if !cut {
-                            let least = &mut self.statistics.least_step;
-                            *least = if *least == 0.0 { step } else { least.min(step) };
-                        }
-                        self.conclude(end, step, cut, error, &c);
+                        self.conclude(&tried, error, &c);
                         return Ok(());
                     }
                     too_large += 1;
@@ -511,7 +225,7 @@ impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
             };
             self.statistics.rejected_steps += 1;
             tries += 1;
-            if tries >= MOST_TRIES || self.step <= 4.0 * f64::EPSILON * self.time.abs() {
+            if is_impossible(tries, self.time, self.step) {
                 let component = self.worst_component();
                 return Err(match failure {
                     Some(Failure::NotFinite) => IntegrationError::NotFinite { time: self.time, step, component },
@@ -561,162 +275,5 @@ impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
 
     fn choice(&self) -> Choice {
         Choice { method: Method::Gear, reason: None }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// y' = −2 t y², y = 1/(1 + t²).
-    struct Witch;
-    impl OdeSystem for Witch {
-        fn dimension(&self) -> usize {
-            1
-        }
-        fn derivative(&self, time: f64, y: &[f64], dy: &mut [f64]) {
-            dy[0] = -2.0 * time * y[0] * y[0];
-        }
-    }
-
-    fn witch(time: f64) -> f64 {
-        1.0 / (1.0 + time * time)
-    }
-
-    /// Error at t = 2, and the largest halfway between steps, with steps and order held, from an exact past.
-    fn held(order: usize, steps: usize) -> (f64, f64) {
-        let step = 1.0 / steps as f64;
-        let mut method = Gear::new(&Witch, 1.0, &[witch(1.0)], Tolerances::uniform(1, 1.0, 1.0));
-        let mut table: Vec<f64> = (0..=order).map(|back| witch(1.0 - back as f64 * step)).collect();
-        for i in 0..=order {
-            method.differences[i][0] = table[0];
-            table = table.windows(2).map(|pair| pair[0] - pair[1]).collect();
-        }
-        (method.order, method.known, method.steps) = (order, order + 1, [step; DIFFERENCES]);
-        // The corrector is solved to rounding.
-        method.weights = vec![1e14];
-        let (mut between, mut state) = (0.0_f64, [0.0]);
-        for n in 1..=steps {
-            let c = Coefficients::new(step, &method.steps, order);
-            let end = 1.0 + n as f64 * step;
-            method.predict(&c);
-            assert!(method.correct(end, step, &c).is_ok());
-            method.accept(end, step, &c);
-            method.interpolate(end - 0.5 * step, &mut state);
-            between = between.max((state[0] - witch(end - 0.5 * step)).abs());
-        }
-        ((method.state()[0] - witch(2.0)).abs(), between)
-    }
-
-    #[test]
-    fn observed_orders_are_one_to_five() {
-        for order in 1..=MOST_ORDER {
-            let (coarse, fine) = (held(order, 80), held(order, 160));
-            let observed = (coarse.0 / fine.0).log2();
-            assert!((observed - order as f64).abs() < 0.2, "order {order}: {observed}");
-            let observed = (coarse.1 / fine.1).log2();
-            assert!(observed > order as f64 - 0.2, "order {order} between steps: {observed}");
-        }
-    }
-
-    /// Steps of any sizes: a polynomial as high as the order is its own solution.
-    #[test]
-    fn polynomials_are_exact_on_uneven_steps() {
-        struct Power(i32);
-        impl OdeSystem for Power {
-            fn dimension(&self) -> usize {
-                1
-            }
-            fn derivative(&self, time: f64, _y: &[f64], dy: &mut [f64]) {
-                dy[0] = f64::from(self.0) * time.powi(self.0 - 1);
-            }
-        }
-        for order in 1..=MOST_ORDER {
-            let system = Power(order as i32);
-            let mut method = Gear::new(&system, 1.0, &[1.0], Tolerances::uniform(1, 1.0, 1.0));
-            // Steps grow and shrink from a past that is exact.
-            let past = [0.1, 0.07, 0.12, 0.09, 0.11];
-            let mut times = vec![1.0_f64];
-            for step in &past[..order] {
-                times.push(times[times.len() - 1] - step);
-            }
-            // Modified divided differences: divided differences times the distances to the past.
-            let mut table: Vec<f64> = times.iter().map(|t| t.powi(order as i32)).collect();
-            let mut distance = 1.0;
-            for i in 0..=order {
-                method.differences[i][0] = table[0] * distance;
-                distance *= if i < order { times[0] - times[i + 1] } else { 1.0 };
-                table = (0..order - i).map(|k| (table[k] - table[k + 1]) / (times[k] - times[k + 1 + i])).collect();
-            }
-            (method.order, method.known) = (order, order + 1);
-            method.steps[..order].copy_from_slice(&past[..order]);
-            method.weights = vec![1e14];
-            let mut end = 1.0_f64;
-            for step in [0.08, 0.2, 0.05, 0.3, 0.15, 0.15] {
-                let c = Coefficients::new(step, &method.steps, order);
-                end += step;
-                method.predict(&c);
-                assert!(method.correct(end, step, &c).is_ok());
-                method.accept(end, step, &c);
-                let exact = end.powi(order as i32);
-                assert!(
-                    (method.state()[0] / exact - 1.0).abs() < 1e-12,
-                    "order {order}: {}",
-                    method.state()[0] - exact
-                );
-            }
-        }
-    }
-
-    struct BlowUp;
-    impl OdeSystem for BlowUp {
-        fn dimension(&self) -> usize {
-            2
-        }
-        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-            dy.copy_from_slice(&[-y[0], y[1] * y[1]]);
-        }
-    }
-
-    /// y' = y², y(0) = 1 leaves the real numbers at t = 1.
-    #[test]
-    fn a_pole_is_a_failure_that_names_time_and_component() {
-        let mut method = Gear::new(&BlowUp, 0.0, &[1.0, 1.0], Tolerances::uniform(2, 1e-8, 1e-8));
-        let failure = loop {
-            if let Err(failure) = method.step(2.0) {
-                break failure;
-            }
-        };
-        match failure {
-            IntegrationError::StepTooSmall { time, component, .. }
-            | IntegrationError::NotFinite { time, component, .. } => {
-                assert!((time - 1.0).abs() < 1e-3, "{time}");
-                assert_eq!(component, 1);
-            }
-            other => panic!("{other}"),
-        }
-    }
-
-    /// A right-hand side that jumps at t = 1, where the method is told to forget.
-    #[test]
-    fn a_restart_forgets_the_past() {
-        struct Ramp;
-        impl OdeSystem for Ramp {
-            fn dimension(&self) -> usize {
-                1
-            }
-            fn derivative(&self, time: f64, _y: &[f64], dy: &mut [f64]) {
-                dy[0] = if time < 1.0 { 1.0 } else { -2.0 * (time - 0.5) };
-            }
-        }
-        let mut method = Gear::new(&Ramp, 0.0, &[0.0], Tolerances::uniform(1, 1e-8, 1e-8));
-        for stop in [1.0, 2.0] {
-            while method.time() < stop {
-                method.step(stop).unwrap();
-            }
-            assert_eq!(method.time(), stop);
-            method.restart();
-        }
-        assert!((method.state()[0] + 1.0).abs() < 1e-6, "{}", method.state()[0]);
     }
 }

@@ -11,6 +11,8 @@ pub mod radau;
 pub mod stability;
 pub mod step_size;
 pub mod structure;
+#[cfg(test)]
+mod test_problems;
 
 use automatic::Automatic;
 use dormand_prince::DormandPrince;
@@ -50,6 +52,12 @@ impl Tolerances {
     /// The same relative and absolute tolerance for each of `dimension` components.
     pub fn uniform(dimension: usize, relative: f64, absolute: f64) -> Self {
         Self { relative: vec![relative; dimension], absolute: vec![absolute; dimension] }
+    }
+
+    /// What component `i` may err by in a step where it is of this size.
+    #[inline]
+    pub fn allowed(&self, i: usize, size: f64) -> f64 {
+        self.absolute[i] + self.relative[i] * size.abs()
     }
 }
 
@@ -124,9 +132,9 @@ pub trait Integrator {
     fn statistics(&self) -> Statistics;
     /// What runs, and why where the integrator chose it itself.
     fn choice(&self) -> Choice;
-    /// What the last step shows of the limit of stability; `None` where it shows nothing, or there is no limit. What it
-    /// evaluates for that is no part of `statistics`.
-    fn stability(&self) -> Option<Stability> {
+    /// What the last step shows of the limit of stability; `None` where it shows nothing, or there is no limit. What is
+    /// evaluated for that counts as work.
+    fn stability(&mut self) -> Option<Stability> {
         None
     }
 }
@@ -158,12 +166,17 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// Takes down an accepted step; `cut`: to end at a stop.
+    fn accept(&mut self, step: f64, cut: bool) {
+        self.steps += 1;
+        self.advanced += step;
+        if !cut {
+            self.least_step = shorter(self.least_step, step);
+        }
+    }
+
     /// The work of two methods that ran one after the other.
     pub fn and(&self, next: &Self) -> Self {
-        let least = match (self.least_step, next.least_step) {
-            (0.0, step) | (step, 0.0) => step,
-            (one, other) => one.min(other),
-        };
         Self {
             steps: self.steps + next.steps,
             rejected_steps: self.rejected_steps + next.rejected_steps,
@@ -171,9 +184,17 @@ impl Statistics {
             rhs_evaluations: self.rhs_evaluations + next.rhs_evaluations,
             jacobian_evaluations: self.jacobian_evaluations + next.jacobian_evaluations,
             factorizations: self.factorizations + next.factorizations,
-            least_step: least,
+            least_step: shorter(self.least_step, next.least_step),
             advanced: self.advanced + next.advanced,
         }
+    }
+}
+
+/// The shorter of two steps; 0: none yet.
+fn shorter(one: f64, other: f64) -> f64 {
+    match (one, other) {
+        (0.0, step) | (step, 0.0) => step,
+        _ => one.min(other),
     }
 }
 

@@ -5,35 +5,20 @@
 //! degree 3, the collocation polynomial, whose slope is the right-hand side at three points of the step; everything
 //! here is said in terms of it.
 
+mod coefficients;
+mod newton;
+#[cfg(test)]
+mod tests;
+
 use nalgebra::Complex;
 
-use super::arrowhead::{ArrowheadFactors, Singular};
-use super::step_size::{error_norm, initial_step, worst_component};
-use super::structure::{Jacobian, displacements};
+use self::coefficients::{SLOPE_AT_START, basis};
+use self::newton::Convergence;
+use super::arrowhead::ArrowheadFactors;
+use super::step_size::{Try, error_norm, initial_step, is_impossible, stays_broken, worst_component};
+use super::structure::Jacobian;
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
 
-/// √6
-const ROOT: f64 = 2.449_489_742_783_178;
-/// Where in the step the stages lie.
-const C: [f64; 3] = [(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0];
-/// Eigenvalues of A⁻¹, the roots of μ³ − 9μ² + 36μ − 60: one real, one of the conjugate pair.
-const REAL: f64 = 3.637_834_252_744_496;
-const PAIR: Complex<f64> = Complex::new(2.681_082_873_627_752, 3.050_430_199_247_410_6);
-/// Columns: eigenvector of A⁻¹ to `REAL`, real part and negative imaginary part of that to `PAIR`.
-const T: [[f64; 3]; 3] = [
-    [0.094_438_762_488_975_24, -0.141_255_295_020_954_2, -0.030_029_194_105_147_424],
-    [0.250_213_122_965_333_3, 0.204_129_352_293_799_93, 0.382_942_112_757_261_9],
-    [1.0, 1.0, 0.0],
-];
-/// T⁻¹
-const T_INVERSE: [[f64; 3]; 3] = [
-    [4.178_718_591_551_905, 0.327_682_820_761_062_4, 0.523_376_445_499_449_5],
-    [-4.178_718_591_551_905, -0.327_682_820_761_062_4, 0.476_623_554_500_550_45],
-    [-0.502_872_634_945_786_9, 2.571_926_949_855_605, -0.596_039_204_828_224_9],
-];
-
-/// Tries in vain after which a step counts as impossible.
-const MOST_REJECTIONS: u32 = 60;
 /// Iterations of Newton's method in a step.
 const MOST_ITERATIONS: u32 = 10;
 /// Part of the asked tolerance that may be left to Newton's iteration.
@@ -44,10 +29,6 @@ const FAST_CONTRACTION: f64 = 0.01;
 const SLOWEST_CONTRACTION: f64 = 0.4;
 /// Steps that one Jacobian serves at most: a stale one that is too stiff hides what it should show.
 const MOST_STEPS: u32 = 30;
-/// Part by which a step may differ from that of the factors: no more than rounding of times makes.
-const SAME_STEP: f64 = 1e-6;
-/// Left to go after a first increment, over the increment, at least: the last step may have gone better than this one.
-const LEAST_REMAINDER: f64 = 1e-3;
 /// Growth of the step below which the factors are kept instead.
 const LEAST_GROWTH: f64 = 1.2;
 const LARGEST_GROWTH: f64 = 8.0;
@@ -55,25 +36,6 @@ const LARGEST_CUT: f64 = 0.2;
 const SAFETY: f64 = 0.9;
 /// Order of the error estimate, plus one.
 const ESTIMATE: f64 = 4.0;
-
-/// Values at `theta` (0 at the start of the step, 1 at its end) of the polynomials of degree 3 that vanish at 0 and
-/// at all stages but one.
-fn basis(theta: f64) -> [f64; 3] {
-    let [a, b, c] = C;
-    [
-        theta * (theta - b) * (theta - c) / (a * (a - b) * (a - c)),
-        theta * (theta - a) * (theta - c) / (b * (b - a) * (b - c)),
-        theta * (theta - a) * (theta - b) / (c * (c - a) * (c - b)),
-    ]
-}
-
-/// Slopes of these polynomials at 0.
-const SLOPE_AT_START: [f64; 3] = [(13.0 + 7.0 * ROOT) / 3.0, (13.0 - 7.0 * ROOT) / 3.0, 1.0 / 3.0];
-
-/// `matrix · column i of vectors`
-fn transform(matrix: &[[f64; 3]; 3], vectors: &[Vec<f64>; 3], i: usize) -> [f64; 3] {
-    std::array::from_fn(|row| (0..3).map(|k| matrix[row][k] * vectors[k][i]).sum())
-}
 
 /// How many times the asked tolerance r the estimate of a step may be. The estimate is of order h⁴, the error at the
 /// end of order h⁵: with 0.3 r^⅘ in place of r it is proportional to what was asked. (§IV.8 takes 0.1 r^⅔, after which
@@ -93,19 +55,6 @@ enum Outcome {
     Stuck { factor: f64 },
     /// A rate, or the matrix, is not finite.
     Broken,
-}
-
-/// How well Newton's iteration goes.
-#[derive(Debug, Clone, Copy)]
-struct Convergence {
-    /// Ratio of successive increments; 0 where one was enough.
-    contraction: f64,
-    /// What is left to go, over the last increment.
-    remainder: f64,
-}
-
-impl Convergence {
-    const UNKNOWN: Self = Self { contraction: 0.0, remainder: 1.0 };
 }
 
 /// An accepted step and its error, for the prediction of the next one.
@@ -213,148 +162,6 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         self.starting = false;
     }
 
-    /// The step to try and its end; whether `limit` cuts or stretches it.
-    fn next_end(&self, limit: f64) -> (f64, f64, bool) {
-        let remaining = limit - self.time;
-        // A last step that would leave a sliver is stretched to the limit.
-        let cut = self.step * 1.000_001 >= remaining;
-        if cut { (remaining, limit, true) } else { (self.step, self.time + self.step, false) }
-    }
-
-    /// Makes Jacobian and factors fit for a step, as far as they are not.
-    fn prepare(&mut self, step: f64) -> Result<(), Singular> {
-        if !self.jacobian_is_fresh && !self.jacobian_serves {
-            displacements(&self.state, &self.rate, &self.tolerances, step, &mut self.displacement);
-            self.statistics.rhs_evaluations +=
-                self.system.jacobian(self.time, &self.state, &self.rate, &self.displacement, &mut self.jacobian);
-            self.statistics.jacobian_evaluations += 1;
-            self.jacobian_is_fresh = true;
-            self.jacobian_age = 0;
-            self.factored_step = f64::NAN;
-        }
-        let fits = (step / self.factored_step - 1.0).abs() < SAME_STEP;
-        if !fits {
-            self.factored_step = f64::NAN;
-            self.statistics.factorizations += 1;
-            self.real_factors.factor(&self.jacobian, REAL / step)?;
-            self.pair_factors.factor(&self.jacobian, PAIR / step)?;
-            self.factored_step = step;
-        }
-        Ok(())
-    }
-
-    /// Stages to begin with: the last polynomial goes on.
-    fn predict(&mut self, step: f64) {
-        let last = self.time - self.previous_time;
-        let weights = C.map(|c| basis(1.0 + c * step / last));
-        for i in 0..self.state.len() {
-            let stages: [f64; 3] = std::array::from_fn(|k| self.stages[k][i]);
-            for (weights, trial) in weights.iter().zip(&mut self.trial_stages) {
-                trial[i] = if self.continues {
-                    weights[0] * stages[0] + weights[1] * stages[1] + (weights[2] - 1.0) * stages[2]
-                } else {
-                    0.0
-                };
-            }
-            let transformed = transform(&T_INVERSE, &self.trial_stages, i);
-            for (all, value) in self.transformed.iter_mut().zip(transformed) {
-                all[i] = value;
-            }
-        }
-    }
-
-    /// Rates at the stages.
-    fn evaluate_stages(&mut self, step: f64) {
-        for ((c, stage), rate) in C.iter().zip(&self.trial_stages).zip(&mut self.rates) {
-            for ((at, start), stage) in self.trial.iter_mut().zip(&self.state).zip(stage) {
-                *at = start + stage;
-            }
-            self.system.derivative(self.time + c * step, &self.trial, rate);
-        }
-        self.statistics.rhs_evaluations += 3;
-    }
-
-    /// One iteration of the simplified Newton method; the norm of its increment.
-    fn iterate(&mut self, step: f64) -> f64 {
-        self.evaluate_stages(step);
-        let n = self.state.len();
-        let (real_shift, pair_shift) = (REAL / step, PAIR / step);
-        for i in 0..n {
-            let rate = transform(&T_INVERSE, &self.rates, i);
-            let [real, first, second] = std::array::from_fn(|k| self.transformed[k][i]);
-            self.real[i] = rate[0] - real_shift * real;
-            self.pair[i] = Complex::new(rate[1], rate[2]) - pair_shift * Complex::new(first, second);
-        }
-        self.real_factors.solve(&mut self.real);
-        self.pair_factors.solve(&mut self.pair);
-        let mut sum = 0.0;
-        for i in 0..n {
-            let increment = [self.real[i], self.pair[i].re, self.pair[i].im];
-            for (all, increment) in self.transformed.iter_mut().zip(increment) {
-                all[i] += increment;
-            }
-            let stages = transform(&T, &self.transformed, i);
-            for (all, stage) in self.trial_stages.iter_mut().zip(stages) {
-                all[i] = stage;
-            }
-            let weight = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.state[i].abs();
-            sum += increment.iter().map(|x| (x / weight).powi(2)).sum::<f64>();
-        }
-        (sum / (3 * n.max(1)) as f64).sqrt()
-    }
-
-    /// Norm of an increment that is nothing but rounding of the stages.
-    fn rounding(&self) -> f64 {
-        let sum: f64 = (0..self.state.len())
-            .map(|i| {
-                let size = self.trial_stages.iter().map(|stage| stage[i].abs()).fold(self.state[i].abs(), f64::max);
-                let weight = self.tolerances.absolute[i] + self.tolerances.relative[i] * self.state[i].abs();
-                (size / weight).powi(2)
-            })
-            .sum();
-        16.0 * f64::EPSILON * (sum / self.state.len().max(1) as f64).sqrt()
-    }
-
-    /// Solves for the stages; the iterations it took.
-    fn newton(&mut self, step: f64) -> Result<u32, Outcome> {
-        // Nothing is known before the second increment; the last step went about as well.
-        self.convergence.contraction = 0.0;
-        self.convergence.remainder = self.convergence.remainder.max(LEAST_REMAINDER).powf(0.8);
-        let (mut last, mut last_ratio): (Option<f64>, Option<f64>) = (None, None);
-        for iteration in 1..=MOST_ITERATIONS {
-            let increment = self.iterate(step);
-            if !increment.is_finite() {
-                return Err(Outcome::Broken);
-            }
-            if increment <= self.rounding() {
-                return Ok(iteration);
-            }
-            if let Some(last) = last {
-                let ratio = increment / last;
-                let contraction = last_ratio.map_or(ratio, |last_ratio| (ratio * last_ratio).sqrt());
-                if contraction >= 0.99 {
-                    return Err(Outcome::Stuck { factor: 0.5 });
-                }
-                self.convergence = Convergence { contraction, remainder: contraction / (1.0 - contraction) };
-                last_ratio = Some(ratio);
-            }
-            let left = self.convergence.remainder * increment / self.newton_tolerance;
-            if left <= 1.0 {
-                return Ok(iteration);
-            }
-            if last.is_some() {
-                let iterations = MOST_ITERATIONS - iteration;
-                let expected = left * self.convergence.contraction.powi(iterations as i32);
-                if expected >= 1.0 {
-                    let exponent = -1.0 / (ESTIMATE + f64::from(iterations));
-                    return Err(Outcome::Stuck { factor: 0.8 * expected.min(20.0).powf(exponent) });
-                }
-            }
-            last = Some(increment);
-        }
-        Err(Outcome::Stuck { factor: 0.5 })
-    }
-
     /// Error norm of the stages found: by how much the polynomial's slope at the start misses the right-hand side,
     /// filtered by the real factors so that stiff components do not count for more than they err (IV.8.19).
     fn estimate(&mut self, step: f64) -> f64 {
@@ -426,9 +233,9 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
     }
 
     /// Makes the tried step the last one.
-    fn accept(&mut self, step: f64, end: f64) {
+    fn accept(&mut self, tried: &Try) {
         self.previous_time = self.time;
-        self.time = end;
+        self.time = tried.end;
         self.previous_state.copy_from_slice(&self.state);
         std::mem::swap(&mut self.stages, &mut self.trial_stages);
         for (state, increment) in self.state.iter_mut().zip(&self.stages[2]) {
@@ -436,8 +243,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         }
         self.system.derivative(self.time, &self.state, &mut self.rate);
         self.statistics.rhs_evaluations += 1;
-        self.statistics.steps += 1;
-        self.statistics.advanced += step;
+        self.statistics.accept(tried.step, tried.cut);
         self.continues = true;
         self.jacobian_is_fresh = false;
         self.jacobian_age += 1;
@@ -445,20 +251,14 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
     }
 
     /// Accepts a step and chooses the next.
-    fn pass(&mut self, step: f64, end: f64, cut: bool, doubtful: bool, error: f64, iterations: u32) {
+    fn pass(&mut self, tried: &Try, doubtful: bool, error: f64, iterations: u32) {
+        let step = tried.step;
         let next = self.following(step, error, iterations);
-        self.accept(step, end);
+        self.accept(tried);
         self.accepted = Some(Accepted { step, error: error.max(1e-2) });
         let next = if doubtful { next.min(step) } else { next };
-        if cut {
-            // A step cut short says little about the next one.
-            self.step = next.max(self.step);
-            return;
-        }
-        let least = &mut self.statistics.least_step;
-        *least = if *least == 0.0 { step } else { least.min(step) };
-        let keeps_factors = self.jacobian_serves && (1.0..LEAST_GROWTH).contains(&(next / step));
-        self.step = if keeps_factors { step } else { next };
+        let keeps_factors = !tried.cut && self.jacobian_serves && (1.0..LEAST_GROWTH).contains(&(next / step));
+        self.step = if keeps_factors { step } else { tried.followed_by(next, self.step) };
     }
 
     /// The component to blame: NaN where rates are, the last increment, or the error.
@@ -481,13 +281,14 @@ impl<S: OdeSystem + ?Sized> Integrator for Radau<'_, S> {
         }
         let mut rejections = 0;
         loop {
-            let (step, end, cut) = self.next_end(limit);
+            let tried = Try::new(self.time, self.step, limit);
+            let step = tried.step;
             let doubtful = rejections > 0 || self.accepted.is_none();
             let outcome = self.try_step(step, doubtful);
             let stale = !self.jacobian_is_fresh;
             self.step = match outcome {
                 Outcome::Passed { error, iterations } => {
-                    self.pass(step, end, cut, rejections > 0, error, iterations);
+                    self.pass(&tried, rejections > 0, error, iterations);
                     return Ok(());
                 }
                 Outcome::Failed { error, iterations } => step * Self::factor(error, iterations).min(SAFETY),
@@ -503,11 +304,11 @@ impl<S: OdeSystem + ?Sized> Integrator for Radau<'_, S> {
                 self.jacobian_serves = false;
             }
             let broken = matches!(outcome, Outcome::Broken);
-            if broken && rejections >= MOST_REJECTIONS / 2 {
+            if broken && stays_broken(rejections) {
                 let component = self.culprit(&outcome);
                 return Err(IntegrationError::NotFinite { time: self.time, step, component });
             }
-            if rejections >= MOST_REJECTIONS || self.step <= 4.0 * f64::EPSILON * self.time.abs() {
+            if is_impossible(rejections, self.time, self.step) {
                 let component = self.culprit(&outcome);
                 return Err(IntegrationError::StepTooSmall { time: self.time, step: self.step, component });
             }
@@ -554,211 +355,5 @@ impl<S: OdeSystem + ?Sized> Integrator for Radau<'_, S> {
 
     fn choice(&self) -> Choice {
         Choice { method: Method::Radau, reason: None }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::structure::Structure;
-    use super::*;
-
-    /// The constants are what they are said to be: A⁻¹ differentiates polynomials that vanish at 0.
-    #[test]
-    fn the_transformation_diagonalizes() {
-        let difference = 1e-6;
-        // A⁻¹ by definition: slopes of the basis at the stages.
-        let inverse: [[f64; 3]; 3] = std::array::from_fn(|row| {
-            let (after, before) = (basis(C[row] + difference), basis(C[row] - difference));
-            std::array::from_fn(|k| (after[k] - before[k]) / (2.0 * difference))
-        });
-        let product = |a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]| -> [[f64; 3]; 3] {
-            std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
-        };
-        let transformed = product(&product(&T_INVERSE, &inverse), &T);
-        let expected = [[REAL, 0.0, 0.0], [0.0, PAIR.re, -PAIR.im], [0.0, PAIR.im, PAIR.re]];
-        let identity = product(&T_INVERSE, &T);
-        for i in 0..3 {
-            for j in 0..3 {
-                assert!((transformed[i][j] - expected[i][j]).abs() < 1e-8, "{transformed:?}");
-                assert!((identity[i][j] - f64::from(u8::from(i == j))).abs() < 1e-15, "{identity:?}");
-            }
-        }
-        let (at, before) = (basis(difference), basis(-difference));
-        for k in 0..3 {
-            assert!(((at[k] - before[k]) / (2.0 * difference) - SLOPE_AT_START[k]).abs() < 1e-8);
-        }
-    }
-
-    fn run<'a, S: OdeSystem + ?Sized>(
-        system: &'a S,
-        start: &[f64],
-        end: f64,
-        tolerance: f64,
-    ) -> Result<Radau<'a, S>, IntegrationError> {
-        let tolerances = Tolerances::uniform(start.len(), tolerance, tolerance);
-        let mut method = Radau::new(system, 0.0, start, tolerances);
-        while method.time() < end {
-            method.step(end)?;
-        }
-        Ok(method)
-    }
-
-    /// Two masses on springs, one of them stiff and damped, coupled through a third: an arrowhead, in one or two copies.
-    struct Springs {
-        copies: usize,
-        arrow: bool,
-    }
-    impl Springs {
-        const ONE: [f64; 6] = [0.1, 0.0, 0.0, 0.0, 1.0, 0.0];
-        const MATRIX: [[f64; 6]; 6] = [
-            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-            [-2.0, -0.1, 0.0, 0.0, 2.0, 0.0],
-            [0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
-            [0.0, 0.0, -1e6, -3e3, 1e6, 0.0],
-            [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
-            [0.2, 0.0, 0.3, 0.0, -1.5, 0.0],
-        ];
-    }
-    impl OdeSystem for Springs {
-        fn dimension(&self) -> usize {
-            6 * self.copies
-        }
-        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-            for (y, dy) in y.chunks_exact(6).zip(dy.chunks_exact_mut(6)) {
-                for (row, dy) in Self::MATRIX.iter().zip(dy) {
-                    *dy = row.iter().zip(y).map(|(a, y)| a * y).sum();
-                }
-            }
-        }
-        fn structure(&self) -> Structure {
-            if !self.arrow {
-                return Structure::dense(self.dimension());
-            }
-            let pairs = || vec![(0, 1)];
-            let copies = self.copies;
-            Structure { blocks: 2, block: 2, border: 2, block_pairs: pairs(), border_pairs: pairs(), copies }
-        }
-        fn jacobian(&self, _: f64, _: &[f64], _: &[f64], _: &[f64], jacobian: &mut Jacobian) -> u64 {
-            let n = self.dimension();
-            for (row, entries) in Self::MATRIX.iter().enumerate() {
-                for (column, &entry) in entries.iter().enumerate() {
-                    if !self.arrow {
-                        for copy in 0..self.copies {
-                            jacobian.corner_mut()[(6 * copy + row) * n + 6 * copy + column] = entry;
-                        }
-                        continue;
-                    }
-                    match (row / 2, column / 2) {
-                        (2, 2) => jacobian.corner_mut()[(row - 4) * 2 + column - 4] = entry,
-                        (2, of) => jacobian.below_mut(of)[(row - 4) * 2 + column - 2 * of] = entry,
-                        (of, 2) => jacobian.right_mut(of)[(row - 2 * of) * 2 + column - 4] = entry,
-                        (of, same) if of == same => {
-                            jacobian.block_mut(of)[(row - 2 * of) * 2 + column - 2 * of] = entry
-                        }
-                        _ => assert_eq!(entry, 0.0),
-                    }
-                }
-            }
-            0
-        }
-    }
-
-    /// Arrowhead or dense, one copy or two: the same motion.
-    #[test]
-    fn structure_and_copies_change_the_cost_only() {
-        let twice: Vec<f64> = Springs::ONE.repeat(2);
-        let dense = run(&Springs { copies: 1, arrow: false }, &Springs::ONE, 5.0, 1e-9).unwrap();
-        let dense_twice = run(&Springs { copies: 2, arrow: false }, &twice, 5.0, 1e-9).unwrap();
-        let arrow_twice = run(&Springs { copies: 2, arrow: true }, &twice, 5.0, 1e-9).unwrap();
-        for i in 0..12 {
-            assert!((arrow_twice.state()[i] - dense.state()[i % 6]).abs() < 1e-10, "{:?}", arrow_twice.state());
-            assert!((dense_twice.state()[i] - dense.state()[i % 6]).abs() < 1e-10, "{:?}", dense_twice.state());
-        }
-        assert_eq!(arrow_twice.statistics().steps, dense.statistics().steps);
-    }
-
-    /// `y' = f(y)`
-    struct Scalar(fn(f64) -> f64);
-    impl OdeSystem for Scalar {
-        fn dimension(&self) -> usize {
-            1
-        }
-        fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-            dy[0] = (self.0)(y[0]);
-        }
-    }
-
-    /// y' = y², y(0) = 1 leaves the real numbers at t = 1.
-    #[test]
-    fn a_pole_is_a_failure_that_names_time_and_component() {
-        match run(&Scalar(|y| y * y), &[1.0], 2.0, 1e-8).map(|method| method.state()[0]) {
-            Err(
-                IntegrationError::StepTooSmall { time, component, .. }
-                | IntegrationError::NotFinite { time, component, .. },
-            ) => {
-                assert!((time - 1.0).abs() < 1e-3, "{time}");
-                assert_eq!(component, 0);
-            }
-            other => panic!("{other:?}"),
-        }
-    }
-
-    /// y' = −√y ends at y = 0: a rate that is no number cuts the step, and where no step is short enough is told.
-    #[test]
-    fn a_rate_that_is_not_finite_is_avoided_or_told() {
-        let root = Scalar(|y| -y.sqrt());
-        let before = run(&root, &[1.0], 1.999, 1e-8).unwrap();
-        assert!((before.state()[0] - 0.000_5f64.powi(2)).abs() < 1e-8, "{:?}", before.state());
-        assert!(run(&root, &[1.0], 3.0, 1e-8).is_err());
-        let told = run(&Scalar(|_| f64::NAN), &[1.0], 1.0, 1e-8).map(|method| method.time());
-        assert!(matches!(told, Err(IntegrationError::NotFinite { time: 0.0, component: 0, .. })), "{told:?}");
-    }
-
-    /// The limit is met exactly, however the steps fall, and the polynomial passes through both ends.
-    #[test]
-    fn steps_end_at_the_limit_and_join() {
-        let system = Scalar(|y| -y);
-        let mut method = Radau::new(&system, 0.0, &[1.0], Tolerances::uniform(1, 1e-8, 1e-8));
-        let mut between = [0.0];
-        let mut last = 1.0;
-        for part in 1..=40 {
-            let limit = f64::from(part) * 0.1;
-            while method.time() < limit {
-                method.step(limit).unwrap();
-                method.interpolate(method.previous_time(), &mut between);
-                assert!((between[0] - last).abs() < 1e-15);
-                method.interpolate(method.time(), &mut between);
-                last = method.state()[0];
-                assert!((between[0] - last).abs() < 1e-15);
-            }
-            assert_eq!(method.time(), limit);
-            assert!((last - (-limit).exp()).abs() < 1e-7, "{limit}: {last}");
-        }
-    }
-
-    /// After a jump of the right-hand side nothing of the past counts.
-    #[test]
-    fn a_restart_forgets_the_past() {
-        struct Switched(std::cell::Cell<f64>);
-        impl OdeSystem for Switched {
-            fn dimension(&self) -> usize {
-                1
-            }
-            fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
-                dy[0] = -1e3 * (y[0] - self.0.get());
-            }
-        }
-        let system = Switched(std::cell::Cell::new(1.0));
-        let mut method = Radau::new(&system, 0.0, &[0.0], Tolerances::uniform(1, 1e-8, 1e-8));
-        while method.time() < 1.0 {
-            method.step(1.0).unwrap();
-        }
-        assert!((method.state()[0] - 1.0).abs() < 1e-9);
-        system.0.set(-1.0);
-        method.restart();
-        while method.time() < 1.002 {
-            method.step(1.002).unwrap();
-        }
-        assert!((method.state()[0] - (2.0 * (-2f64).exp() - 1.0)).abs() < 1e-6, "{}", method.state()[0]);
     }
 }

@@ -7,8 +7,8 @@ use super::{OdeSystem, Tolerances};
 pub fn error_norm(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> f64 {
     let sum: f64 = (0..error.len())
         .map(|i| {
-            let scale = tolerances.absolute[i] + tolerances.relative[i] * before[i].abs().max(after[i].abs());
-            (error[i] / scale).powi(2)
+            let size = before[i].abs().max(after[i].abs());
+            (error[i] / tolerances.allowed(i, size)).powi(2)
         })
         .sum();
     (sum / error.len().max(1) as f64).sqrt()
@@ -52,12 +52,49 @@ pub fn initial_step(
 
 /// The component that errs most against its tolerance, for error messages.
 pub fn worst_component(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> usize {
-    let ratio = |i: usize| {
-        let scale = tolerances.absolute[i] + tolerances.relative[i] * before[i].abs().max(after[i].abs());
-        let ratio = (error[i] / scale).abs();
-        if ratio.is_nan() { f64::INFINITY } else { ratio }
-    };
-    (0..error.len()).max_by(|&a, &b| ratio(a).total_cmp(&ratio(b))).unwrap_or(0)
+    largest(error.len(), |i| (error[i] / tolerances.allowed(i, before[i].abs().max(after[i].abs()))).abs())
+}
+
+/// Which of `count` sizes is the largest; NaN is larger than all.
+pub fn largest(count: usize, size: impl Fn(usize) -> f64) -> usize {
+    let size = |i: usize| Some(size(i)).filter(|size| !size.is_nan()).unwrap_or(f64::INFINITY);
+    (0..count).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
+}
+
+/// A step to try.
+#[derive(Debug, Clone, Copy)]
+pub struct Try {
+    pub step: f64,
+    pub end: f64,
+    /// The limit chose its size, so that it says little about the next one.
+    pub cut: bool,
+}
+
+impl Try {
+    /// `step` from `time`, to `limit` at the latest. A last step that would leave a sliver is stretched to the limit.
+    pub fn new(time: f64, step: f64, limit: f64) -> Self {
+        let remaining = limit - time;
+        let cut = step * 1.000_001 >= remaining;
+        if cut { Self { step: remaining, end: limit, cut } } else { Self { step, end: time + step, cut } }
+    }
+
+    /// The step that follows: `next` as the error of this one has it, where `asked` was to be tried.
+    pub fn followed_by(&self, next: f64, asked: f64) -> f64 {
+        if self.cut { next.max(asked) } else { next }
+    }
+}
+
+/// Rejections in a row after which a step counts as impossible.
+const MOST_REJECTIONS: u32 = 60;
+
+/// No shorter step is worth a try, either: there were too many, or the next is nothing but rounding of the time.
+pub fn is_impossible(rejections: u32, time: f64, next: f64) -> bool {
+    rejections >= MOST_REJECTIONS || next <= 4.0 * f64::EPSILON * time.abs()
+}
+
+/// Whether rates that are not finite will stay so, however short the step.
+pub fn stays_broken(rejections: u32) -> bool {
+    rejections >= MOST_REJECTIONS / 2
 }
 
 /// Proportional–integral step-size control after Gustafsson, constants of Hairer, Nørsett & Wanner,
@@ -136,6 +173,18 @@ mod tests {
         assert_eq!(first(0.0, 1.0, 1e3), 1.0);
         assert_eq!(first(0.0, 1.0, 1e-9), 1e-3 * 1e-9);
         assert!(first(f64::NAN, 1.0, 1.0) > 0.0);
+    }
+
+    #[test]
+    fn a_step_ends_at_the_limit_without_a_sliver() {
+        let tried = Try::new(1.0, 0.25, 2.0);
+        assert_eq!((tried.step, tried.end, tried.cut), (0.25, 1.25, false));
+        assert_eq!(tried.followed_by(0.1, 0.25), 0.1);
+        for step in [0.999_999_5, 1.0, 3.0] {
+            let tried = Try::new(1.0, step, 2.0);
+            assert_eq!((tried.step, tried.end, tried.cut), (1.0, 2.0, true));
+            assert_eq!(tried.followed_by(0.1, step), step);
+        }
     }
 
     #[test]

@@ -173,7 +173,7 @@ fn accumulate(matrix: &[f64], vector: &[f64], sum: &mut [f64]) {
 /// state by `step · rate` is resolved (A. C. Hindmarsh et al., CVODE).
 pub fn displacements(state: &[f64], rate: &[f64], tolerances: &Tolerances, step: f64, displacement: &mut [f64]) {
     let n = state.len() as f64;
-    let weight = |i: usize| tolerances.absolute[i] + tolerances.relative[i] * state[i].abs();
+    let weight = |i: usize| tolerances.allowed(i, state[i]);
     let norm = (0..state.len()).map(|i| (rate[i] / weight(i)).powi(2)).sum::<f64>() / n.max(1.0);
     let floor = 1e3 * f64::EPSILON * n * step.abs() * norm.sqrt();
     let floor = if floor > 0.0 && floor.is_finite() { floor } else { 1.0 };

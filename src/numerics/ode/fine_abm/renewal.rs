@@ -1,0 +1,82 @@
+//! The linear part and its weights, taken anew as they go out of date.
+
+use super::diagonal::Diagonal;
+use super::weights::Weights;
+use super::{FineAbm, LinearPart};
+use crate::numerics::ode::OdeSystem;
+use crate::numerics::ode::structure::displacements;
+
+/// `h |∂f/∂y|` at which the linear part counts as outdated.
+const OUTDATED: f64 = 0.5;
+/// Steps before a linear part is renewed again; doubled each time that it is outdated at once, up to the most.
+const LEAST_PATIENCE: u64 = 4;
+const MOST_PATIENCE: u64 = 256;
+
+/// How long the linear part has served.
+pub(super) struct Renewal {
+    /// It has been taken since the start.
+    taken: bool,
+    /// Steps since then, and before it is renewed again.
+    pub(super) age: u64,
+    patience: u64,
+}
+
+impl Renewal {
+    pub(super) fn new() -> Self {
+        Self { taken: false, age: 0, patience: LEAST_PATIENCE }
+    }
+}
+
+impl<S: OdeSystem + ?Sized> FineAbm<'_, S> {
+    /// Weights of the present step, computed where they are not at hand.
+    pub(super) fn prepare_weights(&mut self) -> usize {
+        if self.part == LinearPart::Blocks && !self.renewal.taken {
+            self.renew_linear_part();
+        }
+        let at_hand = |weights: &[Weights], step: f64| weights.iter().position(|weights| weights.step == step);
+        if let Some(index) = at_hand(&self.weights, self.step) {
+            return index;
+        }
+        let half = at_hand(&self.weights, 0.5 * self.step).unwrap_or_else(|| {
+            self.weights.push(Weights::new(&self.linear, 0.5 * self.step));
+            self.statistics.factorizations += 1;
+            self.weights.len() - 1
+        });
+        self.weights.push(self.weights[half].doubled(&self.linear));
+        self.weights.len() - 1
+    }
+
+    /// Takes the blocks of the Jacobian at the newest point for `H`, and moves what that adds out of `f`.
+    fn renew_linear_part(&mut self) {
+        displacements(self.past.state(), &self.rate, &self.tolerances, self.step, &mut self.displacement);
+        let (state, rate) = (self.past.state(), &self.rate);
+        let evaluations = self.system.jacobian(self.grid_time, state, rate, &self.displacement, &mut self.jacobian);
+        self.statistics.rhs_evaluations += evaluations;
+        self.statistics.jacobian_evaluations += 1;
+        (self.renewal.taken, self.renewal.age) = (true, 0);
+        if !self.jacobian.is_finite() {
+            return;
+        }
+        let renewed = Diagonal::of(&self.jacobian);
+        for (state, rest) in self.past.states.iter().zip(&mut self.past.rests).take(self.past.kept) {
+            self.linear.add_product(1.0, state, rest, &self.structure);
+            renewed.add_product(-1.0, state, rest, &self.structure);
+        }
+        self.linear = renewed;
+        self.weights.clear();
+    }
+
+    /// Renews the linear part where it is outdated.
+    pub(super) fn renew_where_outdated(&mut self) {
+        let outdated = self.part == LinearPart::Blocks && self.rate_of_rest > OUTDATED;
+        let Renewal { age, patience, .. } = &mut self.renewal;
+        if *age == 1 {
+            // Renewed in vain: what is fast lies outside the blocks.
+            *patience = if outdated { (2 * *patience).min(MOST_PATIENCE) } else { LEAST_PATIENCE };
+        }
+        if outdated && *age >= *patience {
+            self.renew_linear_part();
+            self.rate_of_rest = 0.0;
+        }
+    }
+}
