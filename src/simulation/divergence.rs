@@ -218,3 +218,49 @@ fn step(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::scene_from_json;
+    use crate::simulation::needs::Needs;
+    use crate::simulation::run::{Outputs, start_state};
+
+    /// Two states far from each other: each copy must be given its own Jacobian, in its own place.
+    #[test]
+    fn jacobian_of_a_pair_is_that_of_both() {
+        let json =
+            r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 } }"#;
+        let scene = scene_from_json(json).unwrap();
+        let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
+        let model = Model::new(&scene, &Needs::of(&scene, &outputs, None).unwrap());
+        let sizes = model.mechanism().layout.sizes();
+        let start = start_state(&model).unwrap();
+        let moved = |by: f64| -> Vec<f64> {
+            start.iter().zip(&sizes).enumerate().map(|(i, (y, size))| y + by * (i as f64).sin() * size).collect()
+        };
+        let pair = Pair::new(&model);
+        let (state, both_sizes) = (pair.joined(&moved(0.1), &moved(-0.3)), pair.joined(&sizes, &sizes));
+        let n = pair.dimension();
+        let mut jacobian = Jacobian::new(&pair.structure());
+        let unused = vec![0.0; n];
+        pair.jacobian(0.0, &state, &unused, &unused, &mut jacobian);
+
+        let direction: Vec<f64> =
+            both_sizes.iter().enumerate().map(|(i, size)| (1.7 * i as f64).cos() * size).collect();
+        let mut product = unused.clone();
+        jacobian.multiply(&direction, &mut product);
+        let rate = |by: f64| {
+            let moved: Vec<f64> = state.iter().zip(&direction).map(|(y, d)| y + by * d).collect();
+            let mut rate = unused.clone();
+            pair.derivative(0.0, &moved, &mut rate);
+            rate
+        };
+        let (ahead, behind) = (rate(1e-5), rate(-1e-5));
+        for i in 0..n {
+            let expected = (ahead[i] - behind[i]) / 2e-5;
+            let scale = product.iter().zip(&both_sizes).map(|(p, size)| (p / size).abs()).fold(0.0, f64::max);
+            assert!((product[i] - expected).abs() < 1e-3 * scale * both_sizes[i], "{i}: {} {expected}", product[i]);
+        }
+    }
+}

@@ -237,7 +237,6 @@ impl Layout {
             border: self.border_size(),
             block_pairs: pairs(0, if self.planar { 2 } else { 3 }).collect(),
             border_pairs: pairs(0, half_cage).chain(pairs(self.cage_size(), half_spindle)).collect(),
-            copies: 1,
         }
     }
 

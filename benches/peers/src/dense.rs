@@ -3,7 +3,7 @@
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::{Jacobian, Structure};
 
-/// Writes a Jacobian of one copy column by column.
+/// Writes a Jacobian column by column.
 pub fn by_columns(jacobian: &Jacobian, columns: &mut [f64]) {
     let &Structure { blocks, block, border, .. } = jacobian.structure();
     let n = blocks * block + border;

@@ -24,24 +24,21 @@ pub struct Structure {
     pub block_pairs: Vec<(usize, usize)>,
     /// Such pairs within the border.
     pub border_pairs: Vec<(usize, usize)>,
-    /// So many states of the same system follow each other in the vector, so close together that the
-    /// Jacobian of the first serves all.
-    pub copies: usize,
 }
 
 impl Structure {
     /// Every entry may depend on every other.
     pub fn dense(dimension: usize) -> Self {
-        Self { blocks: 0, block: 0, border: dimension, block_pairs: Vec::new(), border_pairs: Vec::new(), copies: 1 }
+        Self { blocks: 0, block: 0, border: dimension, block_pairs: Vec::new(), border_pairs: Vec::new() }
     }
 
-    /// Entries of one copy.
+    /// Entries of a state.
     pub fn dimension(&self) -> usize {
         self.blocks * self.block + self.border
     }
 }
 
-/// ∂f/∂y of one copy, each part row by row.
+/// ∂f/∂y, each part row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jacobian {
     structure: Structure,
@@ -104,7 +101,7 @@ impl Jacobian {
         &mut self.corner
     }
 
-    /// `product = J · vector`, one copy.
+    /// `product = J · vector`.
     pub fn multiply(&self, vector: &[f64], product: &mut [f64]) {
         let Structure { blocks, block, border, .. } = self.structure;
         let (in_blocks, in_border) = vector.split_at(blocks * block);

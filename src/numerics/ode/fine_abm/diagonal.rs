@@ -38,17 +38,14 @@ impl Diagonal {
         blocks.chain([(self.corner.as_slice(), self.border)])
     }
 
-    /// `sum += sign · self · vector`, every copy.
+    /// `sum += sign · self · vector`.
     pub(super) fn add_product(&self, sign: f64, vector: &[f64], sum: &mut [f64], structure: &Structure) {
-        let dimension = structure.dimension().max(1);
-        let in_blocks = structure.blocks * self.block;
-        for (vector, sum) in vector.chunks_exact(dimension).zip(sum.chunks_exact_mut(dimension)) {
-            for index in 0..structure.blocks {
-                let own = index * self.block..(index + 1) * self.block;
-                accumulate(&self.blocks[index % self.blocks.len()], sign, &vector[own.clone()], &mut sum[own]);
-            }
-            accumulate(&self.corner, sign, &vector[in_blocks..], &mut sum[in_blocks..]);
+        for index in 0..structure.blocks {
+            let own = index * self.block..(index + 1) * self.block;
+            accumulate(&self.blocks[index % self.blocks.len()], sign, &vector[own.clone()], &mut sum[own]);
         }
+        let border = structure.blocks * self.block..;
+        accumulate(&self.corner, sign, &vector[border.clone()], &mut sum[border]);
     }
 }
 

@@ -67,23 +67,21 @@ impl OdeSystem for Logistic {
     }
 }
 
-/// A fast damped oscillator and a decay, one block each, in so many copies.
-struct Linear {
-    copies: usize,
-}
+/// A fast damped oscillator and a decay, one block each.
+struct Linear;
 const BLOCKS: [[f64; 4]; 2] = [[0.0, 1.0, -1e4, -20.0], [-300.0, 0.0, 0.0, -1.0]];
 impl OdeSystem for Linear {
     fn dimension(&self) -> usize {
-        4 * self.copies
+        4
     }
     fn derivative(&self, _time: f64, y: &[f64], dy: &mut [f64]) {
         for (k, (y, dy)) in y.chunks_exact(2).zip(dy.chunks_exact_mut(2)).enumerate() {
-            let [a, b, c, d] = BLOCKS[k % 2];
+            let [a, b, c, d] = BLOCKS[k];
             dy.copy_from_slice(&[a * y[0] + b * y[1], c * y[0] + d * y[1]]);
         }
     }
     fn structure(&self) -> Structure {
-        Structure { blocks: 2, block: 2, copies: self.copies, ..Structure::dense(0) }
+        Structure { blocks: 2, block: 2, ..Structure::dense(0) }
     }
     fn jacobian(&self, _time: f64, _: &[f64], _: &[f64], _: &[f64], jacobian: &mut Jacobian) -> u64 {
         (0..2).for_each(|k| jacobian.block_mut(k).copy_from_slice(&BLOCKS[k]));
@@ -94,16 +92,15 @@ impl OdeSystem for Linear {
 /// Steps of 0.2 are 20 radians of the oscillator and 60 decay times.
 #[test]
 fn a_linear_system_is_exact_with_any_step() {
-    let start: Vec<f64> = [1.0, 0.0, 1.0, 2.0].repeat(2);
-    let mut method = method(&Linear { copies: 2 }, &start, 1e-13, Some(0.2), LinearPart::Blocks);
+    let mut method = method(&Linear, &[1.0, 0.0, 1.0, 2.0], 1e-13, Some(0.2), LinearPart::Blocks);
     while method.time() < 2.0 {
         method.step(2.0).unwrap();
     }
     let frequency = (1e4_f64 - 100.0).sqrt();
     let (sine, cosine) = (frequency * 2.0).sin_cos();
     let exact = [(-20.0_f64).exp() * (cosine + 10.0 / frequency * sine), 0.0, 0.0, 2.0 * (-2.0_f64).exp()];
-    for (k, value) in method.state().iter().enumerate().filter(|(k, _)| k % 4 != 1) {
-        assert!((value - exact[k % 4]).abs() < 1e-12, "{k}: {value:e} {:e}", exact[k % 4]);
+    for (k, value) in method.state().iter().enumerate().filter(|(k, _)| *k != 1) {
+        assert!((value - exact[k]).abs() < 1e-12, "{k}: {value:e} {:e}", exact[k]);
     }
 }
 

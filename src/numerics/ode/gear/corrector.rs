@@ -105,7 +105,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
 
 impl Corrector {
     pub(super) fn new(structure: &Structure) -> Self {
-        let vector = || vec![0.0; structure.copies * structure.dimension()];
+        let vector = || vec![0.0; structure.dimension()];
         Self {
             jacobian: Jacobian::new(structure),
             factors: ArrowheadFactors::new(structure),
