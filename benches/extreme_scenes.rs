@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use raceway::contract::scene_from_json;
-use raceway::simulation::accuracy::NEGLIGIBLE;
+use raceway::simulation::accuracy::FAINT;
 use raceway::simulation::channel::{Axis, Channel, Motion};
 use raceway::simulation::equilibrium::static_loads;
 use raceway::simulation::metrics::MotionKind;
@@ -249,7 +249,7 @@ fn answer(result: &RunResult) -> Option<Answer> {
 /// Worst of y and z, without one that is negligible [dB].
 fn level_difference(a: &Answer, b: &Answer) -> f64 {
     let strongest = a.levels.iter().chain(&b.levels).copied().fold(SILENCE, f64::max);
-    let floor = NEGLIGIBLE * strongest;
+    let floor = strongest * 10_f64.powf(-FAINT / 20.0);
     let one = |a: f64, b: f64| 20.0 * (a.max(floor) / b.max(floor)).log10().abs();
     one(a.levels[0], b.levels[0]).max(one(a.levels[1], b.levels[1]))
 }

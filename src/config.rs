@@ -48,17 +48,20 @@ pub struct DemoOptions {
 
 #[derive(Debug, Args)]
 pub struct SimulateOptions {
-    /// The job's JSON; - reads stdin
+    /// JSON with a job, or with a scene alone; - reads stdin
     #[arg(value_name = "JOB.json|-")]
     pub job: PathBuf,
     /// Directory for metrics, spectra, series and plots
     #[arg(long, env = "RACEWAY_OUTPUT", value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Neither estimate nor progress on stderr
+    #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
+    pub quiet: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct AccuracyOptions {
-    /// JSON with a scene, or a job of kind accuracy; - reads stdin
+    /// JSON with a scene alone, or with a job of kind accuracy; - reads stdin
     #[arg(value_name = "SCENE.json|-")]
     pub scene: PathBuf,
     /// Directory for accuracy.json and work-precision.svg
@@ -67,6 +70,9 @@ pub struct AccuracyOptions {
     /// Timed runs of each method at each tolerance, where the job does not say [default: 1]
     #[arg(long, env = "RACEWAY_REPETITIONS", value_parser = clap::value_parser!(u32).range(1..=9))]
     pub repetitions: Option<u32>,
+    /// Neither estimate nor progress on stderr
+    #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
+    pub quiet: bool,
 }
 
 #[derive(Debug, Args)]

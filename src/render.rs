@@ -78,11 +78,13 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     }
     let (reference, compared) = (&answer.reference, &answer.compared);
     let subtitle = format!(
-        "{} s after {} s, {} states; reference {} at {:e}",
-        compared.duration_s, compared.settle_s, compared.states, reference.method, reference.relative_tolerance
+        "Error against run time: {} s after {} s; reference {} at {:e}",
+        compared.duration_s, compared.settle_s, reference.method, reference.relative_tolerance
     );
     let (trajectory, level) = floors(reference);
-    work_precision_svg("Error against run time", &subtitle, &curves, [level, trajectory])
+    // Reports of older versions do not name their scene.
+    let title = if compared.scene.is_empty() { "Error against run time" } else { &compared.scene };
+    work_precision_svg(title, &subtitle, &curves, [level, trajectory])
 }
 
 /// Whether a channel is the spindle's velocity, acceleration or displacement.

@@ -21,6 +21,11 @@ with tempfile.TemporaryDirectory() as directory:
     done = raceway("simulate", "-", "--output", directory, stdin=json.dumps(short))
     check(done.returncode == 0 and "channels" in json.loads(done.stdout), "simulate prints metrics as JSON")
     check({"metrics.json", "spectrum.svg"} <= set(os.listdir(directory)), "and writes its files")
+check("estimated " in done.stderr, "an estimate stands on stderr")
+quiet = raceway("simulate", "-", "--quiet", stdin=json.dumps(short["scene"] | {"spindle": {"mass_kg": 0.05}}))
+check(quiet.returncode == 0 and quiet.stderr == "", "a scene alone is a job, and --quiet leaves stderr empty")
+wrong = raceway("simulate", "-", stdin=json.dumps({"bearing": "nope", "operation": {"speed_rpm": 1}}))
+check(json.loads(wrong.stderr)["errors"][0]["pointer"] == "/bearing", "pointers lead into the scene that stands alone")
 refused = raceway("simulate", "-", stdin=json.dumps(short | {"duration_s": -1}))
 check(refused.returncode == 2 and refused.stdout == "", "a refused job ends with 2 and an empty stdout")
 check(json.loads(refused.stderr)["errors"][0]["pointer"] == "/duration_s", "the problem names the field")
@@ -30,9 +35,19 @@ study = {"scene": ARTICLE["scene"], "settle_s": 0.001, "duration_s": 0.002, "met
 with tempfile.TemporaryDirectory() as directory:
     done = raceway("accuracy", "-", "--output", directory, stdin=json.dumps(study))
     check(done.returncode == 0 and "dormand_prince" in done.stdout, "accuracy prints a table")
+    check("cheapest within 0.01 dB: dormand_prince at " in done.stdout, "with a recommendation")
+    check("2 runs and their references; estimated " in done.stderr, "an estimate stands on stderr")
+    with open(os.path.join(directory, "accuracy.json"), encoding="utf-8") as answer:
+        check([r["within_db"] for r in json.load(answer)["recommended"]][0] == 0.1, "and the JSON recommends, too")
     check({"accuracy.json", "work-precision.svg"} == set(os.listdir(directory)), "and writes its files")
 refused = raceway("accuracy", "-", stdin=json.dumps(study | {"relative_tolerances": [1]}))
 check(refused.returncode == 2 and refused.stdout == "", "a refused study ends with 2 and an empty stdout")
+tiny = study | {"settle_s": 0, "duration_s": 1e-6}
+with tempfile.TemporaryDirectory() as directory:
+    done = raceway("accuracy", "-", "--quiet", "--output", directory, stdin=json.dumps(tiny))
+    check(done.returncode == 0 and "not told: run too short" in done.stdout and "unknown" not in done.stdout,
+          "what a microsecond does not tell is said so")
+    check(done.stderr == "", "--quiet leaves stderr empty")
 check("openapi" in json.loads(raceway("openapi").stdout), "openapi prints the document")
 check(raceway("health", "--listen", "127.0.0.1:1").returncode == 1, "health of nobody ends with 1")
 check(raceway("--version").stdout.startswith("raceway "), "the version is told")

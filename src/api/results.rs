@@ -58,13 +58,11 @@ pub async fn spectrum(
     Owner(owner): Owner,
     headers: HeaderMap,
     JobId(id): JobId,
-    Query(query): Query<SpectrumQuery>,
+    query: Result<Query<SpectrumQuery>, ApiError>,
 ) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV])?;
+    let query = unless_of_other_kind(&app, &owner, id, query.and_then(SpectrumQuery::checked)).await?;
     let highest = query.max_frequency_hz;
-    if highest.is_some_and(|highest| highest.is_nan() || highest < 0.0) {
-        return Err(ApiError::BadRequest("query: max_frequency_hz: must be 0 or more".into()));
-    }
     let signal = match query.kind {
         None | Some(SpectrumKind::Amplitude) => Signal::Amplitude,
         Some(SpectrumKind::Envelope) => Signal::Envelope,
@@ -100,10 +98,10 @@ pub async fn series(
     Owner(owner): Owner,
     headers: HeaderMap,
     JobId(id): JobId,
-    Query(query): Query<SeriesQuery>,
+    query: Result<Query<SeriesQuery>, ApiError>,
 ) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV])?;
-    query.check()?;
+    let query = unless_of_other_kind(&app, &owner, id, query.and_then(SeriesQuery::checked)).await?;
     let stored = signal_of(&app, &owner, id, Signal::Series, &query.channel).await?;
     if format == JSON && query.from_s.is_none() && query.to_s.is_none() && query.max_points.is_none() {
         return Ok(sent(JSON, stored));
@@ -174,16 +172,36 @@ pub struct SeriesQuery {
     max_points: Option<u32>,
 }
 
+impl SpectrumQuery {
+    fn checked(Query(query): Query<Self>) -> Result<Self, ApiError> {
+        if query.max_frequency_hz.is_some_and(|highest| highest.is_nan() || highest < 0.0) {
+            return Err(ApiError::BadRequest("query: max_frequency_hz: must be 0 or more".into()));
+        }
+        Ok(query)
+    }
+}
+
 impl SeriesQuery {
-    fn check(&self) -> Result<(), ApiError> {
+    fn checked(Query(query): Query<Self>) -> Result<Self, ApiError> {
         let refuse = |what: &str| Err(ApiError::BadRequest(format!("query: {what}")));
-        match (self.from_s, self.to_s, self.max_points) {
+        match (query.from_s, query.to_s, query.max_points) {
             (Some(from), _, _) if from.is_nan() => refuse("from_s: not a number"),
             (_, Some(to), _) if to.is_nan() => refuse("to_s: not a number"),
             (Some(from), Some(to), _) if from > to => refuse("from_s: after to_s"),
             (_, _, Some(0)) => refuse("max_points: must be 1 or more"),
-            _ => Ok(()),
+            _ => Ok(query),
         }
+    }
+}
+
+/// The query; a wrong one of a job whose kind keeps no signals is told that, for no query would do.
+async fn unless_of_other_kind<T>(app: &App, owner: &str, id: Uuid, query: Result<T, ApiError>) -> Result<T, ApiError> {
+    match query {
+        Ok(query) => Ok(query),
+        Err(refused) => match app.jobs.channels(owner, id, Signal::Amplitude).await {
+            Err(other @ JobError::OtherKind { .. }) => Err(other.into()),
+            _ => Err(refused),
+        },
     }
 }
 

@@ -1,13 +1,12 @@
 //! A job in this process: read, run with its progress shown, its results written as files.
 
 use std::fs;
-use std::io::{IsTerminal, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU8, Ordering};
 
 use serde::Serialize;
 
-use super::Ended;
+use super::{Ended, progress};
 use crate::api::{ApiError, Problem};
 use crate::contract::{self, Job, Outcome, Refusal, RunFailure};
 use crate::jobs::Failure;
@@ -28,20 +27,10 @@ fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
     Ok(body)
 }
 
-/// Runs the job, its progress on stderr where that is a terminal; tells why it failed.
-pub fn execute(job: &Job) -> Result<Outcome, Ended> {
-    let shows_progress = std::io::stderr().is_terminal();
-    let shown = AtomicU8::new(u8::MAX);
-    let show = |share: f64| {
-        let percent = (100.0 * share.clamp(0.0, 1.0)) as u8;
-        if shows_progress && shown.swap(percent, Ordering::Relaxed) != percent {
-            eprint!("\r{percent:3} % ");
-        }
-    };
-    let outcome = contract::execute(job, &Control { stop: &|| false, progress: &show });
-    if shows_progress {
-        eprint!("\r      \r");
-    }
+/// Runs the job, with an estimate and its progress on stderr unless that is to be quiet; tells why it failed.
+pub fn execute(job: &Job, quiet: bool) -> Result<Outcome, Ended> {
+    let outcome =
+        progress::shown(job, quiet, |progress| contract::execute(job, &Control { stop: &|| false, progress }));
     outcome.map_err(|failure| match failure {
         RunFailure::Cancelled => badly("cancelled"),
         RunFailure::Failed { cause, detail } => badly(&json(&Problem::of_run(&Failure::new(cause, detail)))),

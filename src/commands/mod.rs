@@ -7,6 +7,8 @@ pub mod demo;
 pub mod health;
 /// A job in this process.
 mod local;
+/// What stderr tells of a run.
+mod progress;
 pub mod serve;
 pub mod simulate;
 /// Results as text for people.

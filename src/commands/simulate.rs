@@ -11,8 +11,8 @@ use crate::render;
 
 /// Runs the job and prints its metrics.
 pub fn run(options: &SimulateOptions) -> Ended {
-    local::read(&options.job, contract::parse_job)
-        .and_then(|job| local::execute(&job))
+    local::read(&options.job, contract::parse_job_or_scene)
+        .and_then(|job| local::execute(&job, options.quiet))
         .map_or_else(|ended| ended, |outcome| finish(&outcome, options.output.as_deref()))
 }
 

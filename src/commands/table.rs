@@ -5,7 +5,9 @@ use std::fmt::Write;
 use serde_json::Value;
 
 use crate::contract::WorkPrecisionAnswer;
-use crate::contract::work_precision::{MeasuredAnswer, PointAnswer, ReferenceAnswer};
+use crate::contract::recommended::WANTED_DB;
+use crate::contract::report::MotionName;
+use crate::contract::work_precision::{MeasuredAnswer, PointAnswer};
 
 /// What the table shows: name, pointer into the metrics, unit, digits.
 const ROWS: [(&str, &str, &str, usize); 16] = [
@@ -46,6 +48,8 @@ pub fn metrics(jobs: &[(&str, Value)]) -> String {
     text
 }
 
+/// A shorter time holds too few values for a level [s].
+const LEAST_LEVEL_S: f64 = 1e-4;
 /// Lines that are shown of a channel.
 const LINES: usize = 6;
 
@@ -70,18 +74,21 @@ pub fn lines(name: &str, job: &Value) -> String {
     text
 }
 
-/// Error against run time: what is compared, a row a point, and what the marks mean.
+/// Error against run time: what is compared, a row a point, what columns and marks mean, and what is recommended.
 pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     let (compared, timing) = (&answer.compared, &answer.timing);
+    let motion = compared.motion.map_or("motion not told: run too short".to_owned(), |motion| {
+        let motion = format!("{motion:?}").to_lowercase();
+        format!("motion {motion}, divergence rate {:.0} 1/s", compared.divergence_rate_per_s)
+    });
     let mut text = format!(
-        "{} s after {} s, {} states ({}); motion {}, divergence rate {:.0} 1/s\n{}\n",
+        "{}\n{} s after {} s, {} states ({}); {motion}\n{}\n",
+        compared.scene,
         compared.duration_s,
         compared.settle_s,
         compared.states,
         compared.rung,
-        compared.motion.map_or("unknown".to_owned(), |motion| format!("{motion:?}").to_lowercase()),
-        compared.divergence_rate_per_s,
-        reference_line(&answer.reference),
+        reference_line(answer),
     );
     let _ = writeln!(
         text,
@@ -111,27 +118,73 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     }
     let _ = writeln!(
         text,
-        "\n* below ten times the reference's own error, or below the sampling error: says nothing\n\
-         time: median and range of {}, one thread; inside: {}; outside: {}",
+        "\nerror: of the acceleration's level, worst of y and z (without one more than 60 dB below the other)\n\
+         trajectory: rms distance of all states from the reference's, in standard deviations of each\n\
+         *: below ten times the reference's own error, or below the sampling error: says nothing\n\
+         time: median and range of {}, one thread; cpu: what of it the processor gave to the run\n\
+         rhs: evaluations of the equations; jac: Jacobians; lu: factorizations\n\
+         cheapest: least cpu (else wall) time whose error is within, and so that of all tighter tolerances\n\
+         timed: {}; not: {}\n",
         timing.repetitions, timing.inside, timing.outside
     );
-    text
+    text + &recommendation(answer)
 }
 
-fn reference_line(reference: &ReferenceAnswer) -> String {
-    let number = |value: Option<f64>| value.map_or("unknown".to_owned(), |value| format!("{value:.2e}"));
+/// A line for each wanted error.
+fn recommendation(answer: &WorkPrecisionAnswer) -> String {
+    let mut text = String::new();
+    for within in WANTED_DB {
+        let _ = match answer.recommended.iter().find(|recommended| recommended.within_db == within) {
+            Some(found) => writeln!(
+                text,
+                "cheapest within {within} dB: {} at {:e}, {:.2} s",
+                found.method,
+                found.relative_tolerance,
+                found.processor_time_s.unwrap_or(found.wall_time_s)
+            ),
+            None => writeln!(text, "cheapest within {within} dB: none of these"),
+        };
+    }
+    match (answer.recommended.is_empty(), level_not_told(answer), answer.reference.sampling_error_db) {
+        (true, Some(why), _) => format!("no recommendation: level {why}\n"),
+        (_, _, Some(sampling)) if answer.recommended.len() < WANTED_DB.len() => {
+            format!("{text}chaotic: a run of this length tells the level to {sampling:.1e} dB, whatever solves it\n")
+        }
+        _ => text,
+    }
+}
+
+/// Why there is no level to compare, where there is none.
+fn level_not_told(answer: &WorkPrecisionAnswer) -> Option<&'static str> {
+    let too_short = answer.compared.duration_s < LEAST_LEVEL_S;
+    match (answer.reference.levels_db.is_empty(), too_short) {
+        (false, _) => None,
+        (true, true) => Some("not told: run too short"),
+        (true, false) => Some("not told: nothing moves"),
+    }
+}
+
+fn reference_line(answer: &WorkPrecisionAnswer) -> String {
+    let reference = &answer.reference;
+    let unchecked =
+        if reference.check_method.is_none() { "not told: no second reference finished" } else { "not told" };
     let sampling =
         reference.sampling_error_db.map_or(String::new(), |error| format!("; sampling error {error:.2e} dB"));
     let check = match (&reference.check_method, reference.check_relative_tolerance) {
         (Some(method), Some(tolerance)) => format!(" (against {method} at {tolerance:e})"),
         _ => String::new(),
     };
+    let level = reference.own_error_db.map(|error| format!("{error:.2e} dB"));
+    let level = level.unwrap_or_else(|| format!("level {}", level_not_told(answer).unwrap_or(unchecked)));
+    // In a chaotic motion each point has it for a time of its own.
+    let trajectory = match (reference.own_trajectory_error, answer.compared.motion) {
+        (Some(error), _) => format!(", trajectory {error:.2e}"),
+        (None, Some(MotionName::Diverging)) => String::new(),
+        (None, _) => format!(", trajectory {unchecked}"),
+    };
     format!(
-        "reference {} at {:e}; its own error{check}: {} dB, trajectory {}{sampling}",
-        reference.method,
-        reference.relative_tolerance,
-        number(reference.own_error_db),
-        number(reference.own_trajectory_error)
+        "reference {} at {:e}; its own error{check}: {level}{trajectory}{sampling}",
+        reference.method, reference.relative_tolerance
     )
 }
 

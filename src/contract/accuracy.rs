@@ -13,8 +13,9 @@ pub const DURATION: f64 = 0.02;
 /// Default tolerances: five over four decades.
 const RELATIVE_TOLERANCES: [f64; 5] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 const MOST_TOLERANCES: usize = 12;
-const MOST_METHODS: usize = 16;
-const MOST_REPETITIONS: u32 = 9;
+/// Each method once.
+const MOST_METHODS: usize = Method::NAMED.len() + 1;
+pub const MOST_REPETITIONS: u32 = 9;
 
 /// The plan of an accuracy job; fields that such a job does not take are refused.
 pub fn plan(input: &mut JobInput, filling: &mut Filling) -> Plan {

@@ -36,7 +36,7 @@ pub struct BearingInput {
     #[schema(nullable = false, exclusive_minimum = 0, maximum = 2000, example = 5.9)]
     pub width_mm: Option<f64>,
     /// Number of balls Z [-].
-    #[serde(default, deserialize_with = "super::strict::whole_number")]
+    #[serde(default, deserialize_with = "super::strict::whole_number::<_, 2, 64>")]
     #[schema(nullable = false, minimum = 2, maximum = 64, example = 7)]
     pub ball_count: Option<u32>,
     /// Ball diameter d [mm].

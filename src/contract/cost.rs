@@ -26,6 +26,11 @@ const REFERENCE_RUNS: f64 = 20.0;
 /// Longest step that accuracy allows where stability does not bind [s].
 const SMOOTH_STEP: f64 = 20e-6;
 
+/// Estimated wall time of a job [s], as `CostAnswer` has it.
+pub fn estimated_wall_time(job: &Job) -> Option<f64> {
+    estimate(job).estimated_wall_time_s
+}
+
 /// Stability holds the explicit method to short steps, however smooth the motion is: those of the fastest mode of the
 /// equations at the start of the run; a stiff method goes its own pace, and `auto` takes the cheaper one. An order of magnitude:
 /// impacts, and loads that grow later, are not foreseen. No time is given where the run has no equilibrium to start from.

@@ -29,21 +29,21 @@ pub struct JobInput {
     #[schema(nullable = false)]
     pub solver: Option<SolverInput>,
     /// Time simulated and kept, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for
-    /// `accuracy`.
-    #[schema(nullable = false, exclusive_minimum = 0, example = 0.1)]
+    /// `accuracy`. With more than 2 channels in `outputs` the longest is 327.6 s over 12 and their number.
+    #[schema(nullable = false, minimum = 1e-6, maximum = 23.4, example = 0.1)]
     pub duration_s: Option<f64>,
     /// Time simulated before anything is kept [s]. Default: 3 cage turns, at least 0.02 and at most 1;
     /// 0.02 for `accuracy`.
     #[schema(nullable = false, minimum = 0, maximum = 1000, example = 0.02)]
     pub settle_s: Option<f64>,
     /// Only for `accuracy`: methods to compare. Default: all.
-    #[schema(nullable = false, value_type = Option<Vec<MethodName>>, min_items = 1, max_items = 16)]
+    #[schema(nullable = false, value_type = Option<Vec<MethodName>>, min_items = 1, max_items = 5)]
     pub methods: Option<Vec<String>>,
     /// Only for `accuracy`: relative tolerances to run each method at, each from 1e-12 to 1e-2. Default: 1e-3 to 1e-7.
     #[schema(nullable = false, min_items = 1, max_items = 12, example = json!([1e-3, 1e-4, 1e-5, 1e-6, 1e-7]))]
     pub relative_tolerances: Option<Vec<f64>>,
     /// Only for `accuracy`: timed runs of each method at each tolerance. Default 1.
-    #[serde(default, deserialize_with = "strict::whole_number")]
+    #[serde(default, deserialize_with = "strict::whole_number::<_, 1, { accuracy::MOST_REPETITIONS }>")]
     #[schema(nullable = false, minimum = 1, maximum = 9, example = 5)]
     pub repetitions: Option<u32>,
     #[serde(default, deserialize_with = "optional_object")]
@@ -53,7 +53,7 @@ pub struct JobInput {
     #[schema(nullable = false, max_items = 16, example = json!(["line 3"]))]
     pub labels: Option<Vec<String>>,
     /// 1 (first) to 4 (last). Default 2.
-    #[serde(default, deserialize_with = "strict::whole_number")]
+    #[serde(default, deserialize_with = "strict::whole_number::<_, 1, 4>")]
     #[schema(nullable = false, minimum = 1, maximum = 4, example = 2)]
     pub priority: Option<u32>,
     /// Whether the result of identical finished work may answer this job. Default true; never for `accuracy`.
@@ -164,18 +164,44 @@ pub fn parse_scene_request(body: &[u8]) -> Result<Job, Refusal> {
     simulation_of(strict::read(body)?)
 }
 
-/// Reads an accuracy job, or `{ "scene": … }` for one; `repetitions` is for those that say nothing about it.
+/// Reads a job, `{ "scene": … }` for a simulation of it, or the scene alone.
+pub fn parse_job_or_scene(body: &[u8]) -> Result<Job, Refusal> {
+    job_or_scene(strict::read(body)?, simulation_of)
+}
+
+/// Reads an accuracy job, `{ "scene": … }` for one, or the scene alone; `repetitions` is for those that say nothing about it.
 pub fn parse_accuracy_request(body: &[u8], repetitions: Option<u32>) -> Result<Job, Refusal> {
-    let mut request = strict::read(body)?;
-    if let Value::Object(fields) = &mut request {
-        fields.entry("kind").or_insert_with(|| "accuracy".into());
-        if let Some(repetitions) = repetitions {
-            fields.entry("repetitions").or_insert_with(|| repetitions.into());
+    job_or_scene(strict::read(body)?, |mut request| {
+        if let Value::Object(fields) = &mut request {
+            fields.entry("kind").or_insert_with(|| "accuracy".into());
+            if let Some(repetitions) = repetitions {
+                fields.entry("repetitions").or_insert_with(|| repetitions.into());
+            }
         }
+        match kind_of(&request)? {
+            JobKind::Accuracy => job_of(request),
+            kind => Err(FieldError::new("/kind", format!("must be `accuracy`, not `{}`", kind.name())).into()),
+        }
+    })
+}
+
+/// Checks what has been read by `job`, a scene alone as one of `{ "scene": … }`. Told apart by their fields; pointers
+/// of errors are those of what was read.
+pub fn job_or_scene(request: Value, job: impl FnOnce(Value) -> Result<Job, Refusal>) -> Result<Job, Refusal> {
+    let has = |field: &str| request.get(field).is_some();
+    if has("kind") || has("scene") || !(has("bearing") || has("operation")) {
+        return job(request);
     }
-    match kind_of(&request)? {
-        JobKind::Accuracy => job_of(request),
-        kind => Err(FieldError::new("/kind", format!("must be `accuracy`, not `{}`", kind.name())).into()),
+    job(json!({ "scene": request })).map_err(|refusal| match refusal {
+        Refusal::Invalid { errors } => Refusal::Invalid { errors: errors.into_iter().map(without_scene).collect() },
+        other => other,
+    })
+}
+
+fn without_scene(error: FieldError) -> FieldError {
+    match error.pointer.strip_prefix("/scene") {
+        Some(rest) => FieldError::new(rest, error.detail),
+        None => error,
     }
 }
 
@@ -190,11 +216,17 @@ pub fn simulation_of(mut request: Value) -> Result<Job, Refusal> {
 /// Checks a job that has been read.
 pub fn job_of(request: Value) -> Result<Job, Refusal> {
     let kind = kind_of(&request)?;
-    let mut input: JobInput = strict::typed(&request, "")?;
+    let (input, faults) = strict::typed_with_faults::<JobInput>(&request);
+    let Some(mut input) = input else { return Err(Refusal::Invalid { errors: faults }) };
     let mut filling = Filling::default();
-    let (resolved, mut errors) = match input.scene.clone().resolve() {
-        Ok(resolved) => (Some(resolved), Vec::new()),
-        Err(errors) => (None, errors),
+    // A scene with a part left out is another scene: nothing that it is told would be true of this one.
+    let (resolved, mut errors) = if faults.iter().any(|fault| fault.concerns("/scene")) {
+        (None, Vec::new())
+    } else {
+        match input.scene.clone().resolve() {
+            Ok(resolved) => (Some(resolved), Vec::new()),
+            Err(errors) => (None, errors),
+        }
     };
     let scene = resolved.as_ref().map(|resolved| &resolved.scene);
     let (settings, plan) = match kind {
@@ -212,6 +244,8 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
         filling.within("/keep_for_s", keep, 1.0, 315_360_000.0, "s");
     }
     errors.append(&mut filling.errors);
+    errors.retain(|error| !faults.iter().any(|fault| fault.concerns(&error.pointer)));
+    errors.splice(0..0, faults);
     match resolved {
         Some(mut resolved) if errors.is_empty() => {
             let needs = Needs::of(&resolved.scene, &settings.outputs, settings.rung).map_err(unmet)?;

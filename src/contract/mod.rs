@@ -21,6 +21,7 @@ pub mod terms;
 pub mod execute;
 pub mod machine;
 pub mod metrics;
+pub mod recommended;
 pub mod report;
 pub mod resolve;
 pub mod signals;
@@ -33,9 +34,11 @@ mod scaling;
 mod strict;
 mod times;
 mod units;
+mod words;
 
+pub use cost::estimated_wall_time;
 pub use execute::{Outcome, RunFailure, Simulated, execute};
-pub use job::{Job, JobKind, parse_accuracy_request, parse_job, parse_scene_request};
+pub use job::{Job, JobKind, parse_accuracy_request, parse_job, parse_job_or_scene, parse_scene_request};
 pub use metrics::Metrics;
 pub use presets::presets_answer;
 pub use problem::{FieldError, Refusal};
@@ -51,26 +54,7 @@ use crate::simulation::scene::Scene;
 
 /// Builds a scene from JSON: a scene, `{ "scene": … }`, or a whole job.
 pub fn scene_from_json(text: &str) -> Result<Scene, Refusal> {
-    let value = strict::read(text.as_bytes())?;
-    let bare = value.get("bearing").is_some() || value.get("operation").is_some();
-    let request = if bare { serde_json::json!({ "scene": value }) } else { value };
-    let job = job::simulation_of(request);
-    job.map(|job| job.resolved.scene).map_err(|refusal| if bare { without_scene_prefix(refusal) } else { refusal })
-}
-
-fn without_scene_prefix(refusal: Refusal) -> Refusal {
-    match refusal {
-        Refusal::Invalid { errors } => Refusal::Invalid {
-            errors: errors
-                .into_iter()
-                .map(|error| match error.pointer.strip_prefix("/scene") {
-                    Some(rest) => FieldError::new(rest, error.detail),
-                    None => error,
-                })
-                .collect(),
-        },
-        other => other,
-    }
+    parse_job_or_scene(text.as_bytes()).map(|job| job.resolved.scene)
 }
 
 /// The JSON of an input type, fields that are left out absent.

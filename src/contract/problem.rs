@@ -26,6 +26,14 @@ impl FieldError {
     pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
         Self { pointer: pointer.into(), detail: detail.into() }
     }
+
+    /// Whether the pointer leads to this field, into it or to what holds it.
+    pub fn concerns(&self, pointer: &str) -> bool {
+        let within = |inner: &str, outer: &str| {
+            inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        within(pointer, &self.pointer) || within(&self.pointer, pointer)
+    }
 }
 
 impl std::fmt::Display for FieldError {

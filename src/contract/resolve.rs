@@ -98,7 +98,10 @@ pub struct StaticAnswer {
 pub struct CostAnswer {
     /// Number of first-order states.
     pub states: u64,
-    /// Order of magnitude, on one core [s]; absent where the run has no equilibrium to start from.
+    /// Order of magnitude, on one core [s]: in ordinary scenes within a factor of ten, mostly of three. What happens later in
+    /// the run is not foreseen: chaos and impacts may double it, and slip that saturates early (`coulomb` over 1e-5 m/s)
+    /// takes ten to a hundred times as long, `radau` and `fine_abm` at loose tolerances most. Absent where the run has
+    /// no equilibrium to start from.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub estimated_wall_time_s: Option<f64>,

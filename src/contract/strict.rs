@@ -55,6 +55,43 @@ pub fn typed<T: DeserializeOwned>(value: &Value, base: &str) -> Result<T, FieldE
     })
 }
 
+/// The same, going on after a fault without the field that has it, so that one does not hide the others; `None` where
+/// nothing can be read without it.
+pub fn typed_with_faults<T: DeserializeOwned>(value: &Value) -> (Option<T>, Vec<FieldError>) {
+    let mut rest = value.clone();
+    let mut faults: Vec<FieldError> = Vec::new();
+    while faults.len() < MOST_FAULTS {
+        match typed(&rest, "") {
+            Ok(read) => return (Some(read), faults),
+            Err(fault) => {
+                let already_told = faults.iter().any(|told| told.concerns(&fault.pointer));
+                let removed = remove_field(&mut rest, &fault.pointer);
+                if !already_told {
+                    faults.push(fault);
+                }
+                if !removed {
+                    break;
+                }
+            }
+        }
+    }
+    (None, faults)
+}
+
+/// Removes the innermost field of an object that the pointer leads to or through, but never a member of an array, whose
+/// neighbours would change their places; says whether there was one.
+fn remove_field(value: &mut Value, pointer: &str) -> bool {
+    let mut end = pointer.len();
+    while let Some(slash) = pointer[..end].rfind('/') {
+        let key = pointer[slash + 1..end].replace("~1", "/").replace("~0", "~");
+        if let Some(Value::Object(fields)) = value.pointer_mut(&pointer[..slash]) {
+            return fields.remove(&key).is_some();
+        }
+        end = slash;
+    }
+    false
+}
+
 /// Either a word or an object, told apart by its JSON type.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, utoipa::ToSchema)]
 #[serde(untagged)]
@@ -111,11 +148,14 @@ pub fn optional_object<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deseriali
     object(deserializer).map(Some)
 }
 
-/// For a field that may hold a whole number from 0; `3.0` is one.
-pub fn whole_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u32>, D::Error> {
+/// For a field that may hold a whole number; `3.0` is one. What no `u32` holds is refused here, in words of the range
+/// from `LEAST` to `MOST` that the field is checked against later.
+pub fn whole_number<'de, D: Deserializer<'de>, const LEAST: u32, const MOST: u32>(
+    deserializer: D,
+) -> Result<Option<u32>, D::Error> {
     let number = f64::deserialize(deserializer)?;
     if number.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&number) {
-        return Err(D::Error::custom(format!("{number}: must be a whole number from 0 to {}", u32::MAX)));
+        return Err(D::Error::custom(format!("{number}: must be a whole number from {LEAST} to {MOST}")));
     }
     Ok(Some(number as u32))
 }

@@ -8,8 +8,11 @@ use utoipa::ToSchema;
 
 use super::job::{Job, JobInput};
 use super::machine::MachineAnswer;
+use super::recommended::{RecommendedAnswer, recommended};
 use super::report::{LeftOutAnswer, MotionName};
+use super::words::scene_in_words;
 use crate::numerics::statistics::median;
+use crate::simulation::accuracy::FAINT;
 use crate::simulation::work_precision::{
     ABOVE_OWN_ERROR, LEAST_SCALE, MOST_GROWN, Measured, Plan, Point, Reference, SETTLING, TrajectoryError,
     WorkPrecision,
@@ -21,6 +24,11 @@ pub struct WorkPrecisionAnswer {
     pub reference: ReferenceAnswer,
     /// In the order of the methods, loosest tolerance first.
     pub points: Vec<PointAnswer>,
+    /// The cheapest point whose level, and that of every tighter tolerance of its method, is within 0.1, 0.01 and 0.001 dB
+    /// of the reference; by processor time where the system tells it. What no point reaches, or what the reference is too
+    /// uncertain to tell, is missing.
+    #[serde(default)]
+    pub recommended: Vec<RecommendedAnswer>,
     pub compared: ComparedAnswer,
     pub timing: TimingAnswer,
     pub machine: MachineAnswer,
@@ -35,12 +43,13 @@ pub struct ReferenceAnswer {
     #[schema(example = "radau")]
     pub method: String,
     pub relative_tolerance: f64,
-    /// Difference of the levels of two references [dB]; absent where nothing moves or no second one finished.
+    /// Difference of the levels of two references, as `level_error_db` of a point [dB]; absent where nothing moves, where
+    /// the time is too short for a level, or where no second reference finished.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub own_error_db: Option<f64>,
-    /// Difference of the trajectories of two references, as `trajectory_error` [-]. In a chaotic motion over a longer
-    /// time than any point, whose `reference_trajectory_error` counts.
+    /// Difference of the trajectories of two references, as `trajectory_error` [-]. Absent in a chaotic motion: each
+    /// point is compared over a time of its own (`compared_s`), and has it for that as `reference_trajectory_error`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub own_trajectory_error: Option<f64>,
@@ -51,13 +60,14 @@ pub struct ReferenceAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub check_relative_tolerance: Option<f64>,
-    /// Chaotic motion only: standard error of the level by ten batch means [dB]. Smaller level errors say nothing.
+    /// Chaotic motion only: standard error of the level by ten batch means, worst of y and z as in `level_error_db` [dB].
+    /// Smaller level errors say nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub sampling_error_db: Option<f64>,
     /// Levels of the spindle's accelerations by channel [dB]; what stands still has none.
     pub levels_db: BTreeMap<String, f64>,
-    /// The lines that are compared.
+    /// The lines that are compared: the three strongest of each channel that is no more than 60 dB below the stronger.
     pub lines: Vec<ComparedLine>,
     pub steps: u64,
     pub rhs_evaluations: u64,
@@ -149,7 +159,9 @@ pub struct MeasuredAnswer {
     pub reference_trajectory_error: Option<f64>,
     /// The trajectory's error is below ten times that, and says nothing.
     pub below_reference: bool,
-    /// Worst of the levels of the spindle's accelerations in y and z [dB]; absent where nothing moves.
+    /// Worst of the levels of the spindle's accelerations in y and z [dB], without one that lies more than 60 dB below the
+    /// other: such a level is made of rounding and tolerances, and every run makes its own. Absent where nothing moves
+    /// or the time is too short for a level.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub level_error_db: Option<f64>,
@@ -178,6 +190,10 @@ pub struct MeasuredAnswer {
 /// What is compared, over which time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ComparedAnswer {
+    /// Bearing, speed and load, in words.
+    #[serde(default)]
+    #[schema(example = "6205, 3000 r/min, 500 N radial")]
+    pub scene: String,
     /// How errors are made from states, in words.
     pub quantity: String,
     /// Every run starts at this time [s] from the same state.
@@ -198,7 +214,7 @@ pub struct ComparedAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub motion: Option<MotionName>,
-    /// Rate at which neighbouring runs part; negative: they meet [1/s].
+    /// Rate at which neighbouring runs part; negative: they meet [1/s]. Says nothing where `motion` is absent.
     pub divergence_rate_per_s: f64,
     /// Over which time trajectories are compared, and why, in words.
     pub horizon: String,
@@ -230,9 +246,12 @@ pub struct RepeatAnswer {
 
 impl WorkPrecisionAnswer {
     pub fn of(job: &Job, plan: &Plan, study: &WorkPrecision) -> Self {
+        let reference = ReferenceAnswer::from(&study.reference);
+        let points: Vec<PointAnswer> = study.points.iter().map(PointAnswer::from).collect();
         Self {
-            reference: (&study.reference).into(),
-            points: study.points.iter().map(PointAnswer::from).collect(),
+            recommended: recommended(&reference, &points),
+            reference,
+            points,
             compared: compared(job, study),
             timing: TimingAnswer {
                 repetitions: plan.repetitions.into(),
@@ -252,9 +271,11 @@ impl WorkPrecisionAnswer {
 fn compared(job: &Job, study: &WorkPrecision) -> ComparedAnswer {
     let diverging = study.motion == Some(crate::simulation::metrics::MotionKind::Diverging);
     ComparedAnswer {
+        scene: scene_in_words(job),
         quantity: format!(
             "(state − reference)/scale; scale: standard deviation of the component in the reference over the grid, at \
-             least {LEAST_SCALE} of its natural size"
+             least {LEAST_SCALE} of its natural size; levels and lines: of each channel no more than {FAINT} dB below the \
+             stronger"
         ),
         begin_s: study.begin,
         start: if study.begin > 0.0 {
@@ -322,6 +343,14 @@ impl From<&Point> for PointAnswer {
 }
 
 impl PointAnswer {
+    /// What it has shown, unless it has failed.
+    pub fn measured(&self) -> Option<&MeasuredAnswer> {
+        match self {
+            Self::Succeeded(point) => Some(point),
+            Self::Failed(_) => None,
+        }
+    }
+
     pub fn method(&self) -> &str {
         match self {
             Self::Succeeded(point) => &point.method,

@@ -23,7 +23,7 @@ const STYLE: &str = "\
 .raceway-plot .f3{fill:#8e2a8c}.raceway-plot .f4{fill:#5c6670}\
 .raceway-plot .ring{fill:none;stroke-width:1.3}.raceway-plot .cross{fill:none;stroke-width:1.8}\
 .raceway-plot .floor{stroke:#7b8792;stroke-width:1.2;stroke-dasharray:6 4}\
-.raceway-plot .small{font-size:10.5px;fill:#56616c}\
+.raceway-plot .small{font-size:11.5px;fill:#56616c}\
 @media (prefers-color-scheme:dark){\
 .raceway-plot .paper{fill:#14181d}\
 .raceway-plot .panel{fill:#1a2027;stroke:#48535e}\

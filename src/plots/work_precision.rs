@@ -28,22 +28,37 @@ pub struct FailedRun {
     pub time_s: Option<f64>,
 }
 
-const WIDTH: f64 = 760.0;
-const LEFT: f64 = 76.0;
-const RIGHT: f64 = 18.0;
-const TOP: f64 = 116.0;
+/// Narrow enough to be read at its own size in a column of 600 px.
+const WIDTH: f64 = 640.0;
+const LEFT: f64 = 74.0;
+const RIGHT: f64 = 16.0;
+/// Where the legend's first row stands, and the distance of rows.
+const LEGEND: f64 = 76.0;
+const LEGEND_PITCH: f64 = 20.0;
+/// From the legend's last row to the first panel.
+const HEADING: f64 = 42.0;
 const PANEL: f64 = 250.0;
-const PITCH: f64 = PANEL + 62.0;
-const BOTTOM: f64 = 56.0;
-/// Height of a line of text below the panels.
+const PITCH: f64 = PANEL + 66.0;
+/// Height of a line of text below the panels, and of those that are always there.
 const LINE: f64 = 18.0;
+const BOTTOM: f64 = 74.0;
 /// Height of the strip at a panel's top where failures are marked.
 const STRIP: f64 = 20.0;
-/// Room of a point's label.
-const LABEL: (f64, f64) = (34.0, 11.0);
-const LEGEND_PITCH: f64 = 140.0;
+/// Size of a letter in legends, and of the labels of points: the widest of usual sans serifs, DejaVu.
+const LETTER: f64 = 7.8;
+const SMALL_LETTER: f64 = 8.0;
+const SMALL_HEIGHT: f64 = 9.0;
+/// A mark's radius, and the distance that labels keep from marks.
+const MARK: f64 = 3.5;
+/// Least decades of error, and least logarithm of the ratio of times, that a panel shows.
+const LEAST_DECADES: f64 = 2.0;
+const LEAST_TIMES: f64 = 0.6;
 /// Most decades of error that are shown.
-const MOST_DECADES: i32 = 12;
+const MOST_DECADES: f64 = 12.0;
+/// What is left free around the data, in decades: times, errors.
+const MARGIN: (f64, f64) = (0.1, 0.3);
+/// A floor further below all errors than this [decades] is not shown: nothing comes near it.
+const FAR_BELOW: f64 = 1.0;
 const PANELS: [(&str, &str); 2] =
     [("Error of the level, worst of y and z", "dB"), ("Error of the trajectory", "rms, in standard deviations")];
 
@@ -56,84 +71,173 @@ pub fn work_precision_svg(
     floors: [Option<f64>; 2],
 ) -> String {
     let failed: Vec<_> = curves.iter().enumerate().filter(|(_, curve)| !curve.failures.is_empty()).collect();
-    let height = TOP + PITCH + PANEL + BOTTOM + LINE * failed.len() as f64;
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
-    let description = format!("{subtitle}. Error of {} against their run time.", names.join(", "));
+    let (entries, rows) = legend_places(&names);
+    let top = LEGEND + LEGEND_PITCH * (rows - 1) as f64 + HEADING;
+    let bottom = top + PITCH + PANEL;
+    let height = bottom + BOTTOM + LINE * failed.len() as f64;
+    let description = format!("{title}. {subtitle}. Error of {} against their run time.", names.join(", "));
     let mut drawing = Drawing::new(WIDTH, height, title, subtitle, &description);
-    legend(&mut drawing, curves);
+    for (number, (name, (x, y))) in names.iter().zip(entries).enumerate() {
+        drawing.dot(number, x, y - 4.5);
+        drawing.text("", Anchor::Start, x + 9.0, y, name);
+    }
     let x = Scale { values: time_range(curves), positions: (LEFT, WIDTH - RIGHT) };
     for (index, (name, unit)) in PANELS.into_iter().enumerate() {
-        let top = TOP + index as f64 * PITCH;
-        let y = Scale { values: error_range(curves, index, floors[index]), positions: (top + PANEL, top + STRIP) };
-        drawing.text("name", Anchor::Start, LEFT, top - 8.0, name);
+        let top = top + index as f64 * PITCH;
+        let (range, floor) = error_range(curves, index, floors[index]);
+        let y = Scale { values: range, positions: (top + PANEL, top + STRIP) };
+        drawing.text("name", Anchor::Start, LEFT, top - 9.0, name);
         frame(&mut drawing, top, &x, &y, unit);
-        if let Some(floor) = floors[index].filter(|floor| *floor > 0.0) {
-            let at = y.at(within(floor.log10(), y.values));
-            drawing.line("floor", (LEFT, at), (WIDTH - RIGHT, at));
-            drawing.text("note", Anchor::End, WIDTH - RIGHT - 4.0, at - 4.0, "errors below this say nothing");
+        if let Some(floor) = floor {
+            drawing.line("floor", (LEFT, y.at(floor)), (WIDTH - RIGHT, y.at(floor)));
         }
-        let mut labels = Vec::new();
-        for (number, curve) in curves.iter().enumerate() {
-            draw_curve(&mut drawing, number, curve, index, (&x, &y), &mut labels);
-            for time in curve.failures.iter().filter_map(|failure| failure.time_s) {
-                drawing.cross(number, x.at(within(logarithm(time), x.values)), top + 0.5 * STRIP);
-            }
-        }
+        draw_curves(&mut drawing, top, curves, index, (&x, &y));
     }
-    let bottom = TOP + PITCH + PANEL;
-    let caption = "run time in s; hollow: not clear of the reference's own error; ×: failed after that time";
-    drawing.text("", Anchor::Middle, 0.5 * (LEFT + WIDTH - RIGHT), bottom + 40.0, caption);
+    let middle = 0.5 * (LEFT + WIDTH - RIGHT);
+    drawing.text("", Anchor::Middle, middle, bottom + 37.0, "run time in s");
+    let marks = "numbers: relative tolerances; dashed line: below it an error says nothing (hollow marks)";
+    drawing.text("small", Anchor::Middle, 0.5 * WIDTH, bottom + 60.0, marks);
     for (line, (number, curve)) in failed.into_iter().enumerate() {
-        let at = bottom + BOTTOM + 4.0 + LINE * line as f64;
-        drawing.cross(number, LEFT - 10.0, at - 4.0);
-        let told = curve.failures.iter().map(|failure| {
-            let untried = if failure.time_s.is_none() { " (not tried)" } else { "" };
-            format!("{:e}{untried}", failure.relative_tolerance)
-        });
-        let text = format!("{} failed at {}", curve.name, told.collect::<Vec<_>>().join(", "));
-        drawing.text("note", Anchor::Start, LEFT, at, &text);
+        let at = bottom + 84.0 + LINE * line as f64;
+        drawing.cross(number, 24.0, at - 4.0);
+        drawing.text("small", Anchor::Start, 36.0, at, &failures_in_words(curve));
     }
     drawing.finish()
 }
 
-fn legend(drawing: &mut Drawing, curves: &[WorkPrecisionCurve<'_>]) {
-    for (number, curve) in curves.iter().enumerate() {
-        let at = 22.0 + LEGEND_PITCH * number as f64;
-        drawing.dot(number, at, 74.0);
-        drawing.text("", Anchor::Start, at + 9.0, 78.5, curve.name);
+/// Where the legend's dots and the lines of its names stand, and how many rows that makes.
+fn legend_places(names: &[&str]) -> (Vec<(f64, f64)>, usize) {
+    let (mut x, mut row) = (22.0, 0);
+    let mut places = Vec::new();
+    for name in names {
+        let width = 9.0 + LETTER * name.chars().count() as f64;
+        if x > 22.0 && x + width > WIDTH - RIGHT {
+            (x, row) = (22.0, row + 1);
+        }
+        places.push((x, LEGEND + LEGEND_PITCH * f64::from(row)));
+        x += width + 18.0;
+    }
+    (places, row as usize + 1)
+}
+
+/// Tolerances at which a method has failed, and those that were not tried then.
+fn failures_in_words(curve: &WorkPrecisionCurve<'_>) -> String {
+    let listed = |tried: bool| {
+        let tolerances = curve.failures.iter().filter(|failure| failure.time_s.is_some() == tried);
+        let texts: Vec<String> = tolerances.map(|failure| format!("{:e}", failure.relative_tolerance)).collect();
+        match texts.as_slice() {
+            [] => None,
+            [first, .., last] if texts.len() > 3 => Some(format!("{first} to {last}")),
+            texts => Some(texts.join(", ")),
+        }
+    };
+    match (listed(true), listed(false)) {
+        (Some(failed), None) => format!("{} failed at {failed}", curve.name),
+        (None, untried) => format!("{} not tried at {}", curve.name, untried.unwrap_or_default()),
+        (Some(failed), Some(untried)) => format!("{} failed at {failed}; not tried: {untried}", curve.name),
     }
 }
 
-/// Points from tolerance to tolerance; hollow where the error says nothing; the first and the last named where no
-/// other of the `labels` stands.
-fn draw_curve(
+/// A rectangle of the picture: left, top, right, bottom.
+type Frame = (f64, f64, f64, f64);
+/// A straight line from a position to another.
+type Segment = ((f64, f64), (f64, f64));
+
+fn overlap(a: Frame, b: Frame) -> bool {
+    a.0 < b.2 && b.0 < a.2 && a.1 < b.3 && b.1 < a.3
+}
+
+/// Curves from tolerance to tolerance, their marks, hollow where the error says nothing, and on top the tolerances of each
+/// curve's ends, where there is room for them.
+fn draw_curves(
     drawing: &mut Drawing,
-    number: usize,
-    curve: &WorkPrecisionCurve<'_>,
+    top: f64,
+    curves: &[WorkPrecisionCurve<'_>],
     panel: usize,
     (x, y): (&Scale, &Scale),
-    labels: &mut Vec<(f64, f64)>,
 ) {
     let place = |point: &WorkPoint| {
         let (error, clear) = point.errors[panel]?;
         let at = (x.at(within(logarithm(point.time_s), x.values)), y.at(within(logarithm(error), y.values)));
         Some((at, clear, point.relative_tolerance))
     };
-    let places: Vec<_> = curve.points.iter().filter_map(place).collect();
-    drawing.curve(number, places.iter().map(|place| place.0));
-    for (index, ((at_x, at_y), clear, tolerance)) in places.iter().enumerate() {
-        if *clear {
-            drawing.dot(number, *at_x, *at_y);
-        } else {
-            drawing.ring(number, *at_x, *at_y);
+    let places: Vec<Vec<_>> = curves.iter().map(|curve| curve.points.iter().filter_map(place).collect()).collect();
+    let mut taken: Vec<Frame> = Vec::new();
+    for (number, (curve, places)) in curves.iter().zip(&places).enumerate() {
+        drawing.curve(number, places.iter().map(|place| place.0));
+        for &((at_x, at_y), clear, _) in places {
+            if clear {
+                drawing.dot(number, at_x, at_y);
+            } else {
+                drawing.ring(number, at_x, at_y);
+            }
+            taken.push((at_x - MARK, at_y - MARK, at_x + MARK, at_y + MARK));
         }
-        let free = labels.iter().all(|(x, y)| (x - at_x).abs() > LABEL.0 || (y - at_y).abs() > LABEL.1);
-        if free && (index == 0 || index + 1 == places.len()) {
-            labels.push((*at_x, *at_y));
-            let text = format!("{tolerance:e}").replace('-', "−");
-            drawing.text("small", Anchor::Start, at_x + 5.0, at_y - 4.0, &text);
+        for time in curve.failures.iter().filter_map(|failure| failure.time_s) {
+            drawing.cross(number, x.at(within(logarithm(time), x.values)), top + 0.5 * STRIP);
         }
     }
+    let segments: Vec<_> = places.iter().flat_map(|places| places.windows(2).map(|two| (two[0].0, two[1].0))).collect();
+    for places in &places {
+        let ends = [places.first(), places.last().filter(|_| places.len() > 1)];
+        for &((at_x, at_y), _, tolerance) in ends.into_iter().flatten() {
+            let text = format!("{tolerance:e}").replace('-', "−");
+            let width = SMALL_LETTER * text.chars().count() as f64;
+            let inside: Frame = (LEFT, top + STRIP - SMALL_HEIGHT, WIDTH - RIGHT, top + PANEL);
+            if let Some((left, bottom)) = free_place((at_x, at_y), width, inside, &taken, &segments) {
+                taken.push((left, bottom - SMALL_HEIGHT, left + width, bottom));
+                drawing.text("small", Anchor::Start, left, bottom, &text);
+            }
+        }
+    }
+}
+
+/// Left end and base line of a label at a point, where it stands on no mark, no other label and no curve; `None` where there is
+/// no such place.
+fn free_place(
+    (x, y): (f64, f64),
+    width: f64,
+    inside: Frame,
+    taken: &[Frame],
+    segments: &[Segment],
+) -> Option<(f64, f64)> {
+    let (right, left, centre) = (x + 6.0, x - 6.0 - width, x - 0.5 * width);
+    let (above, level, below) = (y - 5.0, y + 0.5 * SMALL_HEIGHT, y + 5.0 + SMALL_HEIGHT);
+    let places = [
+        (right, above),
+        (left, above),
+        (right, below),
+        (left, below),
+        (right, level),
+        (left, level),
+        (centre, above - 2.0),
+        (centre, below + 2.0),
+    ];
+    places.into_iter().find(|&(left, bottom)| {
+        let label = (left - 1.0, bottom - SMALL_HEIGHT - 1.0, left + width + 1.0, bottom + 1.0);
+        let is_inside = inside.0 < label.0 && inside.1 < label.1 && label.2 < inside.2 && label.3 < inside.3;
+        is_inside
+            && !taken.iter().any(|&other| overlap(label, other))
+            && !segments.iter().any(|&segment| crosses(segment, label))
+    })
+}
+
+/// Whether a straight line meets a rectangle: what is left of it, side by side.
+fn crosses(((x, y), to): Segment, frame: Frame) -> bool {
+    let (dx, dy) = (to.0 - x, to.1 - y);
+    let (mut begin, mut end) = (0.0_f64, 1.0_f64);
+    for (slope, from, low, high) in [(dx, x, frame.0, frame.2), (dy, y, frame.1, frame.3)] {
+        if slope == 0.0 {
+            if from < low || from > high {
+                return false;
+            }
+            continue;
+        }
+        let (a, b) = ((low - from) / slope, (high - from) / slope);
+        (begin, end) = (begin.max(a.min(b)), end.min(a.max(b)));
+    }
+    begin <= end
 }
 
 /// Panel, grid and the numbers at its edges.
@@ -154,9 +258,13 @@ fn frame(drawing: &mut Drawing, top: f64, x: &Scale, y: &Scale, unit: &str) {
     drawing.upright_text("", 18.0, 0.5 * (top + bottom), unit);
 }
 
-/// Logarithms of 1, 2 and 5 times the powers of ten in the range, of the powers alone where it is long.
+/// Logarithms of round multiples of the powers of ten in the range, fewer where it is long.
 fn time_ticks((from, to): (f64, f64)) -> Vec<(f64, String)> {
-    let multiples: &[i32] = if to - from > 2.5 { &[1] } else { &[1, 2, 5] };
+    let multiples: &[i32] = match to - from {
+        0.0..0.9 => &[1, 2, 3, 5, 7],
+        0.9..2.5 => &[1, 2, 5],
+        _ => &[1],
+    };
     let mut ticks = Vec::new();
     for exponent in from.floor() as i32..=to.ceil() as i32 {
         for &multiple in multiples {
@@ -179,19 +287,27 @@ fn time_range(curves: &[WorkPrecisionCurve<'_>]) -> (f64, f64) {
     let ended = curves.iter().flat_map(|curve| &curve.points).map(|point| point.time_s);
     let failed = curves.iter().flat_map(|curve| &curve.failures).filter_map(|failure| failure.time_s);
     let (least, most) = extremes(ended.chain(failed));
-    if least > most { (-2.0, 1.0) } else { (least - 0.15, most.max(least + 0.5) + 0.25) }
+    if least > most { (-2.0, 1.0) } else { at_least(LEAST_TIMES, (least - MARGIN.0, most + MARGIN.0)) }
 }
 
-/// Whole decades that hold the errors and the floor.
-fn error_range(curves: &[WorkPrecisionCurve<'_>], panel: usize, floor: Option<f64>) -> (f64, f64) {
+/// Logarithms of the errors, a little wider, and of the floor where it is near them.
+fn error_range(curves: &[WorkPrecisionCurve<'_>], panel: usize, floor: Option<f64>) -> ((f64, f64), Option<f64>) {
     let errors = curves.iter().flat_map(|curve| &curve.points).filter_map(|point| Some(point.errors[panel]?.0));
-    let (least, most) = extremes(errors.chain(floor));
+    let floor = floor.filter(|floor| *floor > 0.0 && floor.is_finite()).map(f64::log10);
+    let (least, most) = extremes(errors);
     if least > most {
-        return (-8.0, 0.0);
+        return ((-8.0, 0.0), floor.filter(|floor| (-8.0..=0.0).contains(floor)));
     }
-    let (from, to) = (least.floor() as i32, (most + 0.1).ceil() as i32);
-    let from = from.min(to - 2).max(to - MOST_DECADES);
-    (f64::from(from), f64::from(to))
+    let floor = floor.filter(|floor| *floor > (least - FAR_BELOW).max(most - MOST_DECADES));
+    let (least, most) = floor.map_or((least, most), |floor| (least.min(floor), most.max(floor)));
+    let (from, to) = at_least(LEAST_DECADES, (least - MARGIN.1, most + MARGIN.1));
+    ((from.max(to - MOST_DECADES), to), floor)
+}
+
+/// The range, widened on both sides to a least length.
+fn at_least(length: f64, (from, to): (f64, f64)) -> (f64, f64) {
+    let missing = (length - (to - from)).max(0.0);
+    (from - 0.5 * missing, to + 0.5 * missing)
 }
 
 /// Least and largest logarithm; infinite and crossed where there is none.
@@ -231,7 +347,7 @@ mod tests {
         ];
         let svg = work_precision_svg("t", "s", &[curve("gear", 1.5), failing], [Some(1e-6), None]);
         assert_well_formed(&svg);
-        for text in ["gear", "radau failed at 1e-3, 1e-4 (not tried)", "1e−3", "own error", "dB", "class=\"ring"] {
+        for text in ["gear", "radau failed at 1e-3; not tried: 1e-4", "1e−3", "says nothing", "dB", "class=\"ring"] {
             assert!(svg.contains(text), "{text}");
         }
         assert_eq!(svg.matches("class=\"floor\"").count(), 1);
@@ -246,8 +362,48 @@ mod tests {
     }
 
     #[test]
+    fn axes_end_near_the_data() {
+        let curves = [curve("gear", 1.5)];
+        let (range, floor) = error_range(&curves, 0, Some(1e-12));
+        assert_eq!(floor, None);
+        assert!((range.0 + 7.3).abs() < 1e-9 && (range.1 + 2.7).abs() < 1e-9, "{range:?}");
+        assert_eq!(error_range(&curves, 0, Some(3e-8)).1, Some(3e-8_f64.log10()));
+        let single = [WorkPrecisionCurve { points: curve("a", 1.0).points.split_off(4), ..curve("a", 1.0) }];
+        let (from, to) = error_range(&single, 0, None).0;
+        assert!((to - from - LEAST_DECADES).abs() < 1e-9);
+        let (from, to) = time_range(&single);
+        assert!((to - from - LEAST_TIMES).abs() < 1e-9 && time_ticks((from, to)).len() > 1);
+    }
+
+    #[test]
+    fn labels_stand_on_no_mark_no_curve_and_no_other_label() {
+        let label = |taken: &[Frame], segments: &[Segment]| {
+            free_place((300.0, 200.0), 30.0, (74.0, 100.0, 624.0, 350.0), taken, segments)
+        };
+        let mark: Frame = (296.0, 196.0, 304.0, 204.0);
+        assert_eq!(label(&[mark], &[]), Some((306.0, 195.0)));
+        let right: Frame = (305.0, 150.0, 320.0, 250.0);
+        assert_eq!(label(&[mark, right], &[]), Some((264.0, 195.0)));
+        assert_eq!(label(&[mark, right], &[((300.0, 200.0), (250.0, 150.0))]), Some((264.0, 214.0)));
+        assert_eq!(label(&[(200.0, 100.0, 400.0, 300.0)], &[]), None);
+        assert!(crosses(((0.0, 0.0), (10.0, 10.0)), (4.0, 4.0, 6.0, 6.0)));
+        assert!(!crosses(((0.0, 0.0), (10.0, 10.0)), (4.0, 0.0, 6.0, 2.0)));
+        assert!(!crosses(((0.0, 0.0), (3.0, 3.0)), (4.0, 4.0, 6.0, 6.0)));
+    }
+
+    #[test]
+    fn a_long_legend_goes_on_in_a_second_row() {
+        let five = legend_places(&["gear", "fine_abm", "dormand_prince", "radau", "auto"]);
+        assert_eq!((five.0.len(), five.1), (5, 1));
+        let long = ["dormand_prince"; 7];
+        assert_eq!(legend_places(&long).1, 2);
+        assert_eq!(legend_places(&[]).1, 1);
+    }
+
+    #[test]
     fn short_time_axes_have_finer_ticks() {
         let texts = |range| time_ticks(range).into_iter().map(|tick| tick.1).collect::<Vec<_>>();
+        assert_eq!(texts((-1.1, -0.4)), ["0.1", "0.2", "0.3"]);
         assert_eq!(texts((-1.1, 1.1)), ["0.1", "0.2", "0.5", "1", "2", "5", "10"]);
         assert_eq!(texts((-2.0, 2.0)), ["0.01", "0.1", "1", "10", "100"]);
     }

@@ -14,8 +14,10 @@ pub(super) const ACCELERATIONS: [Channel; 2] =
     [Channel::Spindle(Axis::Y, Motion::Acceleration), Channel::Spindle(Axis::Z, Motion::Acceleration)];
 /// Batches for the sampling error of a level.
 pub(super) const BATCHES: usize = 10;
-/// A channel that is this much weaker than the strongest is not judged: what it shows is the other's remainder.
-pub const NEGLIGIBLE: f64 = 1e-3;
+/// A channel whose level lies this far below the stronger one's [dB] is not judged: its motion is a thousandth of the other's
+/// at most, adds less than 1e-5 dB to their sum, and is mostly what rounding and tolerances make of a symmetry, which every
+/// run makes anew.
+pub const FAINT: f64 = 60.0;
 
 /// Stretch that is repeated at a tighter tolerance [s].
 const REPEATED: f64 = 0.01;
@@ -82,7 +84,7 @@ pub(super) fn judge(
             "the motion is chaotic: standard error of the level by ten batch means, or what {over} differ by if that is more, \
              worst of y and z"
         );
-        return Ok(report(larger(sampling_error(&first.recording), scatter), how, first));
+        return Ok(report(larger(sampling_error(&first.recording, &judged(&first.recording)), scatter), how, first));
     }
     match repeated {
         None => {
@@ -170,9 +172,9 @@ fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     a.into_iter().chain(b).reduce(f64::max)
 }
 
-/// What another run of the same length would scatter by if the motion is chaotic, worst of y and z [dB].
-pub(super) fn sampling_error(recording: &Recording) -> Option<f64> {
-    let signals = ACCELERATIONS.iter().filter_map(|&channel| recording.signal(channel));
+/// What another run of the same length would scatter by if the motion is chaotic, worst of some channels [dB].
+pub(super) fn sampling_error(recording: &Recording, channels: &[Channel]) -> Option<f64> {
+    let signals = channels.iter().filter_map(|&channel| recording.signal(channel));
     signals.filter_map(|signal| level_standard_error_db(&band_limited(signal, RATE, BAND), BATCHES)).reduce(f64::max)
 }
 
@@ -190,25 +192,36 @@ struct Twice {
     whole: f64,
 }
 
-/// Both accelerations that are worth a comparison; `from`: the first value compared.
-fn twice(first: &Recording, again: &Recording, from: usize, to: usize) -> Vec<Twice> {
-    let in_band = |signal: &[f64]| band_limited(signal, RATE, BAND);
-    let all: Vec<Twice> = ACCELERATIONS
-        .into_iter()
-        .filter_map(|channel| {
-            let recorded = first.signal(channel)?;
-            let whole = rms(&in_band(recorded));
-            Some(Twice { first: in_band(recorded.get(from..to)?), again: in_band(again.signal(channel)?), whole })
+/// Root mean square of a signal in the band of levels.
+fn band_rms(signal: &[f64]) -> f64 {
+    rms(&band_limited(signal, RATE, BAND))
+}
+
+/// The accelerations that are judged: those that are not faint.
+fn judged(recording: &Recording) -> Vec<Channel> {
+    let level = |channel: &Channel| recording.signal(*channel).map_or(0.0, band_rms);
+    let strongest = ACCELERATIONS.iter().map(level).fold(0.0, f64::max);
+    let faint = 10_f64.powf(-FAINT / 20.0) * strongest;
+    ACCELERATIONS.into_iter().filter(|channel| level(channel) >= faint).collect()
+}
+
+/// Accelerations of a stretch of a recording, and what was recorded there again.
+fn twice(first: &Recording, again: &Recording, (from, to): (usize, usize)) -> Vec<Twice> {
+    let both = |channel: Channel| {
+        let recorded = first.signal(channel)?;
+        Some(Twice {
+            first: band_limited(recorded.get(from..to)?, RATE, BAND),
+            again: band_limited(again.signal(channel)?, RATE, BAND),
+            whole: band_rms(recorded),
         })
-        .collect();
-    let strongest = all.iter().map(|twice| rms(&twice.again)).fold(0.0, f64::max);
-    all.into_iter().filter(|twice| rms(&twice.again) >= NEGLIGIBLE * strongest).collect()
+    };
+    judged(again).into_iter().filter_map(both).collect()
 }
 
 /// Difference of the levels of two whole runs, worst of y and z [dB]; `None` where nothing moves.
 fn level_distance(a: &Recording, b: &Recording) -> Option<f64> {
     let values = a.signal(ACCELERATIONS[0]).map_or(0, <[f64]>::len);
-    let differences = twice(a, b, 0, values);
+    let differences = twice(a, b, (0, values));
     differences.iter().filter_map(|twice| level_difference(&twice.first, &twice.again)).map(f64::abs).reduce(f64::max)
 }
 
@@ -268,7 +281,7 @@ fn repeat(
     let mut observer = Observer::new(setup.model, setup.needs, &again);
     let span = Span { start: begin, end: observer.end(), checkpoint: begin, share: (0.88, 0.95) };
     integrate(setup.model, state, &stepping, &span, control, |step| observer.after(step))?;
-    let signals = twice(&run.recording, &observer.finish(), SKIPPED, values);
+    let signals = twice(&run.recording, &observer.finish(), (SKIPPED, values));
     let unseen = (1.0 - stretch / settings.duration).max(0.0).sqrt();
     let error = |twice: &Twice| {
         let whole = level_difference(&twice.first, &twice.again)?;

@@ -51,6 +51,8 @@ fn error_against_run_time_over_http() {
         assert!(points.iter().all(|point| !point[field].is_null()), "{field}");
     }
     assert_eq!(answer["timing"]["repetitions"], 2);
+    assert_eq!(answer["compared"]["scene"], "608, 3000 r/min, no load");
+    assert!(answer["recommended"].is_array());
     let plot = server.get(&format!("{path}/plots/work-precision.svg"));
     assert_eq!((plot.status, plot.header("content-type")), (200, Some("image/svg+xml")));
     assert!(plot.body.starts_with("<svg") && plot.body.contains("fine_abm"), "{plot:?}");
@@ -66,13 +68,22 @@ fn each_kind_has_its_own_results() {
     for path in [&accuracy, &simulation] {
         assert_eq!(server.wait_for(path, &["succeeded", "failed"])["status"], "succeeded");
     }
-    for below in
-        ["metrics", "spectrum?channel=spindle.y.acceleration", "series?channel=cage.speed", "plots/spectrum.svg"]
-    {
+    for below in [
+        "metrics",
+        "spectrum?channel=spindle.y.acceleration",
+        "series?channel=cage.speed",
+        "plots/spectrum.svg",
+        "spectrum",
+        "series",
+        "spectrum?channel=cage.speed&max_frequency_hz=-1",
+        "series?max_points=0",
+    ] {
         let problem = server.get(&format!("{accuracy}/{below}")).problem(409);
         assert_eq!(problem["type"], "urn:raceway:problem:no-result", "{below}");
         assert!(problem["detail"].as_str().is_some_and(|detail| detail.contains("/accuracy")), "{problem}");
     }
+    server.get(&format!("{simulation}/spectrum")).problem(400);
+    server.get(&format!("{simulation}/series?channel=cage.speed&max_points=0")).problem(400);
     for below in ["accuracy", "plots/work-precision.svg"] {
         let problem = server.get(&format!("{simulation}/{below}")).problem(409);
         assert_eq!(problem["type"], "urn:raceway:problem:no-result", "{below}");
@@ -135,6 +146,8 @@ fn wrong_studies_are_refused_with_their_fields() {
         (json!({ "methods": ["gear", "newton"] }), "/methods/1"),
         (json!({ "relative_tolerances": [1] }), "/relative_tolerances/0"),
         (json!({ "repetitions": 100 }), "/repetitions"),
+        (json!({ "repetitions": -1 }), "/repetitions"),
+        (json!({ "duration_s": 1e-300 }), "/duration_s"),
         (json!({ "outputs": { "series": [] } }), "/outputs/series"),
     ] {
         let problem = server.post("/v1/jobs", &accuracy_with(fields)).problem(422);

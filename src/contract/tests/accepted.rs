@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::contract::{Job, JobKind, parse_accuracy_request, parse_job, parse_scene_request, presets, scene_from_json};
+use crate::contract::{
+    Job, JobKind, parse_accuracy_request, parse_job, parse_job_or_scene, parse_scene_request, presets, scene_from_json,
+};
 use crate::physics::bearing::Fit;
 use crate::physics::cage::PocketFilm;
 use crate::physics::spindle::{AxialHold, Unbalance};
@@ -142,7 +144,11 @@ fn an_accuracy_job_has_its_defaults_and_resolves_to_itself() {
 }
 
 #[test]
-fn a_scene_alone_makes_an_accuracy_job() {
+fn a_scene_alone_makes_a_job() {
+    let scene = json!({"bearing": "608", "operation": {"speed_rpm": 3000}}).to_string();
+    let job = parse_accuracy_request(scene.as_bytes(), Some(5)).unwrap();
+    assert_eq!((job.kind, job.plan.unwrap().repetitions), (JobKind::Accuracy, 5));
+    assert_eq!(parse_job_or_scene(scene.as_bytes()).unwrap().kind, JobKind::Simulation);
     let body = json!({"scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}}).to_string();
     let job = parse_accuracy_request(body.as_bytes(), Some(5)).unwrap();
     assert_eq!((job.kind, job.plan.unwrap().repetitions), (JobKind::Accuracy, 5));

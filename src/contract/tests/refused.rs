@@ -1,6 +1,6 @@
 //! Wrong requests, each with the field that is named and words of the reason.
 
-use crate::contract::{Refusal, parse_accuracy_request, parse_job};
+use crate::contract::{Refusal, parse_accuracy_request, parse_job, parse_job_or_scene};
 
 /// A job of the article's bearing with `operation` replaced.
 fn operation(fields: &str) -> String {
@@ -61,7 +61,7 @@ fn impossible_bearings_are_refused() {
         (r#""width_mm":-5.9"#, b("width_mm"), "-5.9 mm"),
         (r#""ball_count":0"#, b("ball_count"), "0: must be from 2 to 64"),
         (r#""ball_count":1"#, b("ball_count"), "1: must be"),
-        (r#""ball_count":-3"#, b("ball_count"), "-3: must be a whole number"),
+        (r#""ball_count":-3"#, b("ball_count"), "-3: must be a whole number from 2 to 64"),
         (r#""ball_count":7.5"#, b("ball_count"), "7.5: must be a whole number"),
         (r#""ball_count":1e30"#, b("ball_count"), "whole number"),
         (r#""ball_count":65"#, b("ball_count"), "from 2 to 64"),
@@ -149,9 +149,15 @@ fn impossible_scenes_are_refused() {
 #[test]
 fn impossible_jobs_are_refused() {
     check(&[
-        (job(r#""duration_s":0"#), "/duration_s", "0 s: must be above 0"),
+        (job(r#""duration_s":0"#), "/duration_s", "0 s: must be from 1e-6 to 23.4 s"),
+        (job(r#""duration_s":1e-300"#), "/duration_s", "1e-300 s: must be from 1e-6 to 23.4 s"),
         (job(r#""duration_s":-1"#), "/duration_s", "-1 s"),
-        (job(r#""duration_s":3600"#), "/duration_s", "more than 1 GiB; at most 23.405 s"),
+        (
+            job(r#""duration_s":3600"#),
+            "/duration_s",
+            "3600 s: must be from 1e-6 to 23.4 s: the signals of 14 channels would",
+        ),
+        (job(r#""duration_s":23.401"#), "/duration_s", "23.401 s: must be"),
         (job(r#""settle_s":-0.1"#), "/settle_s", "-0.1 s: must be from 0"),
         (job(r#""priority":5"#), "/priority", "5: must be from 1 to 4"),
         (job(r#""priority":0"#), "/priority", "0: must be"),
@@ -206,7 +212,7 @@ fn impossible_accuracy_jobs_are_refused() {
     let job = |fields: &str| job(fields).replace("\"simulation\"", "\"accuracy\"");
     let many = |count: i32| (0..count).map(|k| format!("{}e-9", k + 1)).collect::<Vec<_>>().join(",");
     check(&[
-        (job(r#""methods":[]"#), "/methods", "0 methods: must be from 1 to 16"),
+        (job(r#""methods":[]"#), "/methods", "0 methods: must be from 1 to 5"),
         (job(r#""methods":["gear","gear"]"#), "/methods/1", "more than once"),
         (job(r#""methods":["euler"]"#), "/methods/0", "unknown; available: `auto`, `gear`"),
         (job(r#""methods":["shooting"]"#), "/methods/0", "not available in this version"),
@@ -219,7 +225,8 @@ fn impossible_accuracy_jobs_are_refused() {
         (job(r#""relative_tolerances":["1e-3"]"#), "/relative_tolerances/0", "expected a number"),
         (job(r#""repetitions":0"#), "/repetitions", "0: must be from 1 to 9"),
         (job(r#""repetitions":10"#), "/repetitions", "10: must be"),
-        (job(r#""repetitions":1.5"#), "/repetitions", "whole number"),
+        (job(r#""repetitions":1.5"#), "/repetitions", "1.5: must be a whole number from 1 to 9"),
+        (job(r#""repetitions":-1"#), "/repetitions", "-1: must be a whole number from 1 to 9"),
         (job(r#""solver":{"method":"gear"}"#), "/solver/method", "takes /methods"),
         (job(r#""solver":{"relative_tolerance":1e-5}"#), "/solver/relative_tolerance", "takes /relative_tolerances"),
         (job(r#""solver":{"fixed_step_us":1}"#), "/solver/fixed_step_us", "with error control"),
@@ -227,7 +234,8 @@ fn impossible_accuracy_jobs_are_refused() {
         (job(r#""outputs":{"spectra":[]}"#), "/outputs/spectra", "keeps no signals"),
         (job(r#""outputs":{"series":["cage.speed"]}"#), "/outputs/series", "keeps no signals"),
         (job(r#""reuse":true"#), "/reuse", "no other answers it"),
-        (job(r#""duration_s":0"#), "/duration_s", "0 s: must be above 0"),
+        (job(r#""duration_s":0"#), "/duration_s", "0 s: must be from 1e-6 to 23.4 s"),
+        (job(r#""duration_s":30"#), "/duration_s", "30 s: must be from 1e-6 to 23.4 s"),
     ]);
 }
 
@@ -293,4 +301,51 @@ fn several_faults_are_told_at_once() {
     );
     let missing = parse_job(bearing(r#""ball_count":9"#).as_bytes());
     assert!(matches!(missing, Err(Refusal::Invalid { errors }) if errors.len() == 5));
+}
+
+fn pointers(refused: Result<crate::contract::Job, Refusal>) -> Vec<String> {
+    let Err(Refusal::Invalid { errors }) = refused else { panic!("accepted") };
+    errors.into_iter().map(|error| error.pointer).collect()
+}
+
+#[test]
+fn a_wrong_type_does_not_hide_other_faults() {
+    let body = r#"{"kind":"simulation","duration_s":-1,"priority":"high","colour":"red","labels":["a",1],
+        "scene":{"bearing":{"preset":"608","ball_diameter_mm":"8","cage":[]},
+        "operation":{"speed_rpm":1,"radial_load_y_n":true}}}"#;
+    let told = pointers(parse_job(body.as_bytes()));
+    for pointer in [
+        "/duration_s",
+        "/priority",
+        "/colour",
+        "/labels/1",
+        "/scene/bearing/ball_diameter_mm",
+        "/scene/bearing/cage",
+        "/scene/operation/radial_load_y_n",
+    ] {
+        assert_eq!(told.iter().filter(|told| *told == pointer).count(), 1, "{pointer}: {told:?}");
+    }
+    assert_eq!(told.len(), 7, "{told:?}");
+    // An operation without its speed is none: what is wrong beyond types stays unseen, but nothing is told twice.
+    let required = r#"{"kind":"simulation","duration_s":-1,"labels":7,"scene":{"bearing":"608","operation":{"speed_rpm":"fast"}}}"#;
+    assert_eq!(pointers(parse_job(required.as_bytes())), ["/labels", "/scene/operation/speed_rpm"]);
+}
+
+#[test]
+fn errors_of_a_scene_alone_point_into_it() {
+    let scene = r#"{"bearing":{"preset":"608","ball_diameter_mm":-1},"operation":{"speed_rpm":1}}"#;
+    assert_eq!(pointers(parse_job_or_scene(scene.as_bytes())), ["/bearing/ball_diameter_mm"]);
+    assert_eq!(pointers(parse_accuracy_request(scene.as_bytes(), Some(3))), ["/bearing/ball_diameter_mm"]);
+    assert_eq!(pointers(parse_job_or_scene(br#"{"bearing":"608"}"#)), ["/operation"]);
+    assert_eq!(
+        pointers(parse_job_or_scene(br#"{"bearing":"608","operation":{"speed_rpm":1},"duration_s":1}"#)),
+        ["/duration_s"]
+    );
+    let job = format!(r#"{{"scene":{scene}}}"#);
+    assert_eq!(pointers(parse_job_or_scene(job.as_bytes())), ["/scene/bearing/ball_diameter_mm"]);
+    assert_eq!(pointers(parse_job_or_scene(b"{}")), ["/scene"]);
+    assert_eq!(
+        pointers(parse_accuracy_request(br#"{"kind":"accuracy","bearing":"608"}"#, None)),
+        ["/bearing", "/scene"]
+    );
 }

@@ -1,5 +1,6 @@
 //! How far a run is from the reference.
 
+use super::super::accuracy::FAINT;
 use super::super::channel::Channel;
 use super::super::lines::Line;
 use super::super::metrics;
@@ -34,7 +35,7 @@ pub struct TrajectoryError {
 pub struct Errors {
     /// `None`: the motion is chaotic and parts from the reference before the first point of the grid.
     pub trajectory: Option<TrajectoryError>,
-    /// Worst of the accelerations [dB]; `None` where one of them stands still.
+    /// Worst of the accelerations that are not faint [dB]; `None` where they stand still.
     pub level_db: Option<f64>,
     /// Worst over the compared lines [Hz]; `None` where there are none.
     pub line_frequency: Option<f64>,
@@ -55,6 +56,12 @@ pub fn largest(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     a.into_iter().chain(b).reduce(f64::max)
 }
 
+/// The channels that are judged by their levels [dB]: those that move, but for faint ones.
+fn judged(levels: &[(Channel, Option<f64>)]) -> Vec<Channel> {
+    let strongest = levels.iter().filter_map(|(_, level)| *level).fold(f64::NEG_INFINITY, f64::max);
+    levels.iter().filter(|(_, level)| level.is_some_and(|level| level >= strongest - FAINT)).map(|of| of.0).collect()
+}
+
 /// The reference, made ready to be compared with.
 pub struct Comparison<'a> {
     course: &'a Course<'a>,
@@ -64,6 +71,8 @@ pub struct Comparison<'a> {
     /// Rate at which trajectories part [1/s]; 0 where they do not.
     growth: f64,
     pub levels: Vec<(Channel, Option<f64>)>,
+    /// Channels whose levels and lines are judged.
+    pub judged: Vec<Channel>,
     pub lines: Vec<(Channel, Line)>,
 }
 
@@ -74,13 +83,15 @@ impl<'a> Comparison<'a> {
         let scales = spread.iter().zip(&sizes).map(|(spread, size)| spread.max(LEAST_SCALE * size)).collect();
         let spectra = metrics::spectra(&reference.recording, &course.settings);
         let frequencies = metrics::frequencies(scene, &reference.recording);
+        let levels = levels(reference);
+        let judged = judged(&levels);
         let mut lines: Vec<(Channel, Line)> = Vec::new();
         for (channel, line) in metrics::lines(scene, &spectra, &frequencies) {
-            if lines.iter().filter(|(other, _)| *other == channel).count() < LINES {
+            if judged.contains(&channel) && lines.iter().filter(|(other, _)| *other == channel).count() < LINES {
                 lines.push((channel, line));
             }
         }
-        Self { course, reference, scales, growth, levels: levels(reference), lines }
+        Self { course, reference, scales, growth, levels, judged, lines }
     }
 
     /// Errors of a run made at a relative tolerance.
@@ -96,7 +107,7 @@ impl<'a> Comparison<'a> {
     }
 
     fn level_error(&self, run: &Finished) -> Option<f64> {
-        let both = self.levels.iter().zip(levels(run));
+        let both = self.levels.iter().zip(levels(run)).filter(|((channel, _), _)| self.judged.contains(channel));
         let errors = both.filter_map(|((_, reference), (_, level))| Some((level? - (*reference)?).abs()));
         errors.reduce(f64::max)
     }
@@ -184,6 +195,18 @@ mod tests {
         let (frequency, amplitude) = peak_near(&spectrum, 29.0).unwrap();
         assert!((30.0..35.0).contains(&frequency) && amplitude >= 1.0, "{frequency} {amplitude}");
         assert_eq!(peak_near(&spectrum, 1e6), None);
+    }
+
+    #[test]
+    fn a_channel_far_below_the_other_is_not_judged() {
+        use crate::simulation::accuracy::ACCELERATIONS;
+        let [y, z] = ACCELERATIONS;
+        let judged = |a: Option<f64>, b: Option<f64>| judged(&[(y, a), (z, b)]);
+        assert_eq!(judged(Some(3.0), Some(-130.0)), [y]);
+        assert_eq!(judged(Some(-130.0), Some(3.0)), [z]);
+        assert_eq!(judged(Some(3.0), Some(-56.9)), [y, z]);
+        assert_eq!(judged(Some(-200.0), None), [y]);
+        assert!(judged(None, None).is_empty());
     }
 
     #[test]

@@ -78,8 +78,9 @@ pub struct Reference {
     /// `None`: no second reference finished, and nothing is known of its error.
     pub check: Option<(Method, f64)>,
     pub own_error_db: Option<f64>,
+    /// `None` in chaotic motion, too: each point is compared over a time of its own, and has it for that time.
     pub own_trajectory: Option<TrajectoryError>,
-    /// Chaotic motion: what the level of another run of the same length would scatter by, worst of y and z [dB].
+    /// Chaotic motion: what the level of another run of the same length would scatter by, worst of the judged channels [dB].
     pub sampling_error_db: Option<f64>,
     /// Of the spindle's accelerations [dB]; absent where it stands still.
     pub levels: Vec<(Channel, Option<f64>)>,
@@ -224,17 +225,14 @@ fn references(course: &Course<'_>, control: &Control<'_>) -> Result<References, 
 fn described(references: &References, comparison: &Comparison<'_>, motion: Option<MotionKind>) -> Reference {
     let first = &references.first;
     let own = references.check.as_ref().map(|(run, (_, tolerance))| comparison.errors(run, *tolerance));
+    let chaotic = motion == Some(MotionKind::Diverging);
     Reference {
         method: references.first_is.0,
         relative_tolerance: references.first_is.1,
         check: references.check.as_ref().map(|(_, is)| *is),
         own_error_db: own.as_ref().and_then(|own| own.level_db),
-        own_trajectory: own.and_then(|own| own.trajectory),
-        sampling_error_db: if motion == Some(MotionKind::Diverging) {
-            accuracy::sampling_error(&first.recording)
-        } else {
-            None
-        },
+        own_trajectory: own.and_then(|own| own.trajectory).filter(|_| !chaotic),
+        sampling_error_db: if chaotic { accuracy::sampling_error(&first.recording, &comparison.judged) } else { None },
         levels: comparison.levels.clone(),
         lines: comparison.lines.clone(),
         statistics: first.statistics,

@@ -90,6 +90,9 @@ fn chaotic_motion_is_compared_over_a_stated_horizon() {
         assert!((compared - horizon(tolerance).min(whole)).abs() <= found.grid.0, "{compared} at {tolerance}");
     }
     assert!(found.reference.sampling_error_db > Some(0.0));
+    // The reference's own over the whole time would say that trajectories are unknown, not how good the points are.
+    assert_eq!(found.reference.own_trajectory, None);
+    assert!(found.points[1].measured.as_ref().unwrap().own_trajectory.is_some());
 }
 
 #[test]
