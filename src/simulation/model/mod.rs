@@ -1,6 +1,7 @@
 //! The ladder of models, one rung a file: `dy/dt` of a scene with what it needs, loads summed over
 //! bodies. The only place where a bearing implements `OdeSystem`.
 
+pub mod condensed_contact;
 mod dynamics;
 mod full;
 mod jacobian;
