@@ -3,6 +3,7 @@
 
 pub mod elliptic;
 pub mod exponential;
+pub mod lanes;
 pub mod ode;
 pub mod roots;
 pub mod spectrum;

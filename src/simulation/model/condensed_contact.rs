@@ -156,15 +156,26 @@ impl CondensedContact {
     }
 }
 
-/// Value and slope, coefficients by rising powers (Horner).
+/// Value and slope, coefficients by rising powers. Four chains in powers of x⁴: Horner's one would have every term wait
+/// for the last.
 #[inline(always)]
 fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> (f64, f64) {
-    let (mut value, mut slope) = (coefficients[N - 1], 0.0);
-    for k in (0..N - 1).rev() {
-        slope = slope * x + value;
-        value = value * x + coefficients[k];
+    let (square, chains) = (x * x, 4);
+    let fourth = square * square;
+    let (mut value, mut slope) = ([0.0; 4], [0.0; 4]);
+    for k in (0..N.div_ceil(chains)).rev() {
+        for (chain, (value, slope)) in value.iter_mut().zip(&mut slope).enumerate() {
+            if k * chains + chain < N {
+                *slope = *slope * fourth + *value;
+                *value = *value * fourth + coefficients[k * chains + chain];
+            }
+        }
     }
-    (value, slope)
+    let [a, b, c, d] = value;
+    let [da, db, dc, dd] = slope;
+    let sum = (a + b * x) + (c + d * x) * square;
+    let in_fourth = (da + db * x) + (dc + dd * x) * square;
+    (sum, in_fourth * (4.0 * square * x) + (b + c * (x + x)) + 3.0 * d * square)
 }
 
 /// Polynomial through the Chebyshev nodes of −1 … 1, by rising powers.

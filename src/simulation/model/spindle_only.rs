@@ -1,0 +1,230 @@
+//! Rung 3: four states. Balls go round equally spaced at the cage's speed, each in radial equilibrium between its raceways;
+//! only the spindle's place and velocity are integrated. Corrections of first order keep what the balls' inertia and rolling add
+//! (`docs/MODEL.md`, rungs).
+
+use std::f64::consts::TAU;
+
+use super::Mechanism;
+use super::condensed_contact::CondensedContact;
+use crate::numerics::lanes::{LANES, Lanes};
+use crate::numerics::ode::adams_moulton::Motion;
+use crate::physics::operation::SpeedProfile;
+use crate::physics::spindle::unbalance_force;
+
+/// Load at which half of a ball's traction follows the spindle [N]: below, it slips.
+const ROLLING_LOAD: f64 = 1.0;
+/// Share of a ball's mass that the spindle moves along when it shifts a rolling ball tangentially: the ball goes half as far
+/// (½ · ½ m) and turns (0.4 m · ½ · ½ of its inertia 0.1 m d²) [-].
+const ROLLING_MASS: f64 = 0.35;
+/// Place of the spindle y, z [m] and its velocity [m/s].
+pub type SpindleMotion = Motion<2>;
+
+/// Corrections that can be left out, to see what each is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Corrections {
+    /// Approach −s_t²/(2r) and the force's direction.
+    pub tilt: bool,
+    /// Dissipation of both contacts.
+    pub damping: bool,
+    /// Radial inertia of the balls.
+    pub inertia: bool,
+    /// Tangential inertia and direction of rolling balls.
+    pub rolling: bool,
+}
+
+impl Corrections {
+    pub const ALL: Self = Self { tilt: true, damping: true, inertia: true, rolling: true };
+}
+
+/// The equations of motion.
+#[derive(Debug, Clone)]
+pub struct SpindleOnly {
+    speed: SpeedProfile,
+    /// Where it never changes [rad/s].
+    constant: Option<f64>,
+    /// Orbit speed of cage and balls over spindle speed [-].
+    orbit_ratio: f64,
+    /// Azimuth from one ball to the next [rad], and its reciprocal.
+    spacing: (f64, f64),
+    balls: usize,
+    /// Cosine and sine of the balls' start azimuths and 1 for each ball, eight side by side.
+    groups: Vec<Group>,
+    contact: CondensedContact,
+    /// Approach of the centred bearing [m]: −P_d/2.
+    centred: f64,
+    /// 1/(2r), r the orbit radius under load [1/m].
+    half_curvature: f64,
+    /// χ [s/m].
+    damping: f64,
+    mass: f64,
+    ball_mass: f64,
+    rolling_mass: f64,
+    rolling: f64,
+    unbalance: f64,
+    /// Load and weight [N].
+    force: [f64; 2],
+}
+
+#[derive(Debug, Clone)]
+struct Group {
+    cosine: Lanes,
+    sine: Lanes,
+    present: Lanes,
+}
+
+/// Sums over the balls: force on the spindle [N] and the masses that move with it [kg].
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    force: [f64; 2],
+    mass: [f64; 3],
+}
+
+impl SpindleOnly {
+    /// From the mechanism of the full dynamics, at an orbit ratio and the speed that the centrifugal force is taken at.
+    pub fn new(mechanism: &Mechanism, orbit_ratio: f64, corrections: Corrections) -> Self {
+        let m = mechanism;
+        let balls = m.layout.balls;
+        let touching =
+            |contact: &crate::physics::raceway::RacewayContact| contact.penetration::<true>(0.0, m.pitch_radius).0;
+        let centred = PlayOf { inner: touching(&m.raceway.inner), outer: touching(&m.raceway.outer) };
+        let orbit_radius = m.pitch_radius - centred.outer;
+        let speed = m.speed.largest();
+        let groups = (0..balls.div_ceil(LANES))
+            .map(|group| {
+                let of = |value: &dyn Fn(usize) -> f64| {
+                    Lanes(std::array::from_fn(|lane| {
+                        let ball = group * LANES + lane;
+                        if ball < balls { value(ball) } else { 0.0 }
+                    }))
+                };
+                Group {
+                    cosine: of(&|ball| m.start[ball].cosine),
+                    sine: of(&|ball| m.start[ball].sine),
+                    present: of(&|_| 1.0),
+                }
+            })
+            .collect();
+        let on = |on: bool, value: f64| if on { value } else { 0.0 };
+        Self {
+            constant: m.speed.is_constant().then(|| m.speed.at(0.0).1),
+            speed: m.speed.clone(),
+            balls,
+            groups,
+            contact: CondensedContact::new(&m.raceway, m.ball_mass, orbit_radius, orbit_ratio * speed),
+            orbit_ratio,
+            spacing: (TAU / balls as f64, balls as f64 / TAU),
+            centred: centred.inner + centred.outer,
+            half_curvature: on(corrections.tilt, 0.5 / orbit_radius),
+            damping: on(corrections.damping, m.raceway.inner.damping().chi),
+            mass: m.spindle_mass,
+            ball_mass: on(corrections.inertia, m.ball_mass),
+            rolling_mass: on(corrections.rolling, ROLLING_MASS * m.ball_mass),
+            rolling: on(corrections.rolling, 0.5),
+            unbalance: m.unbalance,
+            force: [m.load[1] + m.spindle_mass * m.gravity, m.load[2]],
+        }
+    }
+
+    pub fn contact(&self) -> &CondensedContact {
+        &self.contact
+    }
+
+    pub fn balls(&self) -> usize {
+        self.balls
+    }
+
+    /// Acceleration of the spindle [m/s²] at a time [s].
+    #[inline(always)]
+    pub fn acceleration(&self, time: f64, motion: &SpindleMotion) -> [f64; 2] {
+        let (angle, speed, acceleration) = match self.constant {
+            Some(speed) => (speed * time, speed, 0.0),
+            None => self.speed.at(time),
+        };
+        // Balls are alike: the nearest to azimuth 0 may pass for the first.
+        let turned = self.orbit_ratio * angle;
+        let nearest = turned - (turned * self.spacing.1).round_ties_even() * self.spacing.0;
+        let (sine, cosine) = sine_cosine(nearest);
+        let orbit = (self.orbit_ratio * speed, cosine, sine);
+        let mut force = self.force;
+        if self.unbalance != 0.0 {
+            let unbalance = unbalance_force(self.unbalance, angle, speed, acceleration);
+            force = [force[0] + unbalance[1], force[1] + unbalance[2]];
+        }
+        self.acceleration_at(orbit, force, motion)
+    }
+
+    /// `orbit`: orbit speed [rad/s], cosine and sine of the first pocket's azimuth.
+    #[inline(always)]
+    fn acceleration_at(&self, orbit: (f64, f64, f64), mut force: [f64; 2], motion: &SpindleMotion) -> [f64; 2] {
+        let mut mass = [self.mass, 0.0, self.mass];
+        for group in &self.groups {
+            let sums = self.group(group, orbit, motion);
+            force = [force[0] + sums.force[0], force[1] + sums.force[1]];
+            mass = [mass[0] + sums.mass[0], mass[1] + sums.mass[1], mass[2] + sums.mass[2]];
+        }
+        let [yy, yz, zz] = mass;
+        let per_determinant = 1.0 / (yy * zz - yz * yz);
+        [(zz * force[0] - yz * force[1]) * per_determinant, (yy * force[1] - yz * force[0]) * per_determinant]
+    }
+
+    #[inline(always)]
+    fn group(&self, group: &Group, (speed, cosine, sine): (f64, f64, f64), motion: &SpindleMotion) -> Sums {
+        let ([y, z], [vy, vz]) = *motion;
+        let mut of = [Lanes::all(0.0); 5];
+        for lane in 0..LANES {
+            let c = group.cosine[lane] * cosine - group.sine[lane] * sine;
+            let s = group.sine[lane] * cosine + group.cosine[lane] * sine;
+            let (radial, tangential) = (y * c + z * s, z * c - y * s);
+            let (radial_velocity, tangential_velocity) = (vy * c + vz * s, vz * c - vy * s);
+            let tilt = 2.0 * self.half_curvature * tangential;
+            let approach = self.centred + radial - 0.5 * tilt * tangential;
+            let rate = radial_velocity + speed * tangential - tilt * (tangential_velocity - speed * radial);
+            let load = self.contact.load(approach);
+            let normal = load.load + self.damping * load.damped_load * rate;
+            let normal = if normal > 0.0 { normal } else { 0.0 };
+            // The ball follows by its outer share: m (a_e² D̈ + ½ (a_e²)' Ḋ²), D̈ without the spindle's acceleration.
+            let turning = speed * (2.0 * tangential_velocity - speed * radial);
+            let moved = self.ball_mass * load.outer_share * load.outer_share;
+            let inertia = moved * turning + self.ball_mass * load.outer_share_slope * rate * rate;
+            let rolls = group.present[lane] * normal / (normal + ROLLING_LOAD);
+            let along = self.rolling_mass * rolls;
+            let inwards = -(normal + inertia) * group.present[lane];
+            let sideways =
+                normal * group.present[lane] * tilt * (1.0 - self.rolling * rolls) + along * speed * radial_velocity;
+            of[0][lane] = inwards * c - sideways * s;
+            of[1][lane] = inwards * s + sideways * c;
+            let moved = moved * group.present[lane];
+            of[2][lane] = moved * c * c + along * s * s;
+            of[3][lane] = (moved - along) * c * s;
+            of[4][lane] = moved * s * s + along * c * c;
+        }
+        let [fy, fz, yy, yz, zz] = of.map(|lanes| sum(&lanes));
+        Sums { force: [fy, fz], mass: [yy, yz, zz] }
+    }
+}
+
+struct PlayOf {
+    inner: f64,
+    outer: f64,
+}
+
+/// In pairs, so that eight lanes need three steps and not seven.
+#[inline(always)]
+fn sum(l: &Lanes) -> f64 {
+    ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
+}
+
+/// Sine and cosine of an angle up to ±π/2, to 1e-13 there and to rounding below 1: without a call into the platform's
+/// mathematics, and the same bits everywhere. Taylor's series.
+#[inline(always)]
+fn sine_cosine(angle: f64) -> (f64, f64) {
+    let square = angle * angle;
+    let series = |first: u32| {
+        // 1 − x²/(n (n + 1)) + …, nested.
+        (0..9).rev().fold(1.0, |sum, k| {
+            let n = f64::from(first + 2 * k);
+            1.0 - sum * square * (1.0 / (n * (n + 1.0)))
+        })
+    };
+    (angle * series(2), series(1))
+}
