@@ -114,7 +114,7 @@ impl From<SimulationError> for RunFailure {
             | SimulationError::NoEquilibrium(_)
             | SimulationError::Endless { .. } => DID_NOT_CONVERGE,
             // A checked job has had its needs decided already.
-            SimulationError::Unmet(_) => INTERNAL,
+            SimulationError::Unmet(_) | SimulationError::Unable { .. } => INTERNAL,
         };
         Self::Failed { cause, detail: error.to_string() }
     }

@@ -5,6 +5,7 @@ pub mod elliptic;
 pub mod exponential;
 pub mod lanes;
 pub mod ode;
+pub mod periodic;
 pub mod roots;
 pub mod spectrum;
 pub mod statistics;

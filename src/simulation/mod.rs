@@ -10,6 +10,7 @@ pub mod metrics;
 pub mod model;
 pub mod needs;
 pub mod observe;
+pub mod reduced;
 pub mod run;
 pub mod scene;
 pub mod state;

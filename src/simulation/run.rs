@@ -94,6 +94,9 @@ pub enum SimulationError {
     /// The scene cannot be given what the request chose.
     #[error(transparent)]
     Unmet(#[from] Unmet),
+    /// A reduced rung cannot represent the scene, or not this motion of it.
+    #[error("the rung {rung} does not serve: {reason}")]
+    Unable { rung: &'static str, reason: String },
     #[error("no static equilibrium was found to start from: {0}")]
     NoEquilibrium(String),
     #[error("{source} ({entry})")]

@@ -18,6 +18,18 @@ const CORRECT_PLACE: [f64; 4] = [38.0, 171.0, -36.0, 7.0];
 /// Places and velocities.
 pub type Motion<const N: usize> = ([f64; N], [f64; N]);
 
+/// Accelerations q̈ = a(t, q, q̇).
+pub trait EquationsOfMotion<const N: usize> {
+    fn acceleration(&self, time: f64, motion: &Motion<N>) -> [f64; N];
+}
+
+impl<const N: usize, F: Fn(f64, &Motion<N>) -> [f64; N]> EquationsOfMotion<N> for F {
+    #[inline(always)]
+    fn acceleration(&self, time: f64, motion: &Motion<N>) -> [f64; N] {
+        self(time, motion)
+    }
+}
+
 /// A system on its way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdamsMoulton<const N: usize> {
@@ -57,25 +69,33 @@ impl<const N: usize> AdamsMoulton<N> {
 
     /// One step; the first three by Runge–Kutta.
     #[inline(always)]
-    pub fn step(&mut self, f: &mut impl FnMut(f64, &Motion<N>) -> [f64; N]) {
-        let (time, next) = (self.time(), self.start + (self.steps + 1) as f64 * self.step);
-        if self.known == 0 {
-            self.accelerations[0] = f(time, &self.motion);
-            self.known = 1;
+    pub fn step(&mut self, equations: &impl EquationsOfMotion<N>) {
+        if self.known < 4 {
+            return self.begin(equations);
         }
+        let next = self.start + (self.steps + 1) as f64 * self.step;
         let [a, b, c, d] = self.accelerations;
-        let there = if self.known < 4 {
-            self.motion = runge_kutta(time, &self.motion, &a, self.step, f);
-            self.known += 1;
-            f(next, &self.motion)
-        } else {
-            let predicted = self.moved(PREDICT_PLACE, PREDICT_VELOCITY, &[a, b, c, d]);
-            let there = f(next, &predicted);
-            self.motion = self.moved(CORRECT_PLACE, CORRECT_VELOCITY, &[there, a, b, c]);
-            there
-        };
+        let predicted = self.moved(PREDICT_PLACE, PREDICT_VELOCITY, &[a, b, c, d]);
+        let there = equations.acceleration(next, &predicted);
+        self.motion = self.moved(CORRECT_PLACE, CORRECT_VELOCITY, &[there, a, b, c]);
         self.accelerations = [there, a, b, c];
         self.steps += 1;
+    }
+
+    /// A step by Runge–Kutta, for want of a past.
+    #[cold]
+    #[inline(never)]
+    fn begin(&mut self, equations: &impl EquationsOfMotion<N>) {
+        let time = self.time();
+        if self.known == 0 {
+            self.accelerations[0] = equations.acceleration(time, &self.motion);
+            self.known = 1;
+        }
+        let [a, b, c, _] = self.accelerations;
+        self.motion = runge_kutta(time, &self.motion, &a, self.step, equations);
+        self.steps += 1;
+        self.known += 1;
+        self.accelerations = [equations.acceleration(self.time(), &self.motion), a, b, c];
     }
 
     #[inline(always)]
@@ -97,8 +117,9 @@ pub fn runge_kutta<const N: usize>(
     motion: &Motion<N>,
     acceleration: &[f64; N],
     step: f64,
-    f: &mut impl FnMut(f64, &Motion<N>) -> [f64; N],
+    equations: &impl EquationsOfMotion<N>,
 ) -> Motion<N> {
+    let f = |time: f64, motion: &Motion<N>| equations.acceleration(time, motion);
     let (q, v) = motion;
     let on = |share: f64, velocity: &[f64; N], acceleration: &[f64; N]| -> Motion<N> {
         let h = share * step;
@@ -127,15 +148,15 @@ mod tests {
     }
 
     fn adams(steps: u32) -> Motion<1> {
-        let mut evaluations = 0;
+        let evaluations = std::cell::Cell::new(0);
         let mut method = AdamsMoulton::new(0.0, ([1.0], [0.0]), 2.0 / f64::from(steps));
         for _ in 0..steps {
-            method.step(&mut |time, motion| {
-                evaluations += 1;
+            method.step(&|time: f64, motion: &Motion<1>| {
+                evaluations.set(evaluations.get() + 1);
                 pendulum(time, motion)
             });
         }
-        assert_eq!(evaluations, method.evaluations());
+        assert_eq!(evaluations.get(), method.evaluations());
         assert!((method.time() - 2.0).abs() < 1e-14);
         *method.motion()
     }
@@ -144,7 +165,7 @@ mod tests {
         let step = 2.0 / f64::from(steps);
         (0..steps).fold(([1.0], [0.0]), |motion, k| {
             let time = f64::from(k) * step;
-            runge_kutta(time, &motion, &pendulum(time, &motion), step, &mut pendulum)
+            runge_kutta(time, &motion, &pendulum(time, &motion), step, &pendulum)
         })
     }
 
@@ -167,7 +188,7 @@ mod tests {
         for (frequency, damping, stable) in [(0.3, 0.0, true), (0.4, 0.1, true), (0.7, 0.1, false), (1.0, 0.0, false)] {
             let mut method = AdamsMoulton::new(0.0, ([1.0], [0.0]), 1.0);
             for _ in 0..4000 {
-                method.step(&mut |_, (q, v): &Motion<1>| [-frequency * (frequency * q[0] + 2.0 * damping * v[0])]);
+                method.step(&|_: f64, (q, v): &Motion<1>| [-frequency * (frequency * q[0] + 2.0 * damping * v[0])]);
             }
             assert_eq!(method.motion().0[0].abs() < 1.2, stable, "ω h = {frequency}, ζ = {damping}");
         }

@@ -7,8 +7,10 @@ use std::f64::consts::TAU;
 use super::Mechanism;
 use super::condensed_contact::CondensedContact;
 use crate::numerics::lanes::{LANES, Lanes};
-use crate::numerics::ode::adams_moulton::Motion;
+use crate::numerics::ode::adams_moulton::{EquationsOfMotion, Motion};
+use crate::physics::bearing::PerRaceway;
 use crate::physics::operation::SpeedProfile;
+use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::unbalance_force;
 
 /// Load at which half of a ball's traction follows the spindle [N]: below, it slips.
@@ -18,6 +20,10 @@ const ROLLING_LOAD: f64 = 1.0;
 const ROLLING_MASS: f64 = 0.35;
 /// Place of the spindle y, z [m] and its velocity [m/s].
 pub type SpindleMotion = Motion<2>;
+
+/// Stiffness that stands in for none while a rest is sought [N/m], and the longest move then [m].
+const LOOSE: f64 = 1e4;
+const LONGEST_MOVE: f64 = 2e-6;
 
 /// Corrections that can be left out, to see what each is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,6 +56,9 @@ pub struct SpindleOnly {
     /// Cosine and sine of the balls' start azimuths and 1 for each ball, eight side by side.
     groups: Vec<Group>,
     contact: CondensedContact,
+    raceway: PerRaceway<RacewayContact>,
+    mass_of_ball: f64,
+    orbit_radius: f64,
     /// Approach of the centred bearing [m]: −P_d/2.
     centred: f64,
     /// 1/(2r), r the orbit radius under load [1/m].
@@ -80,13 +89,14 @@ struct Sums {
 }
 
 impl SpindleOnly {
-    /// From the mechanism of the full dynamics, at an orbit ratio and the speed that the centrifugal force is taken at.
+    /// From the mechanism of the full dynamics; `orbit_ratio`: cage speed over spindle speed. The centrifugal force is that
+    /// of the largest speed.
     pub fn new(mechanism: &Mechanism, orbit_ratio: f64, corrections: Corrections) -> Self {
         let m = mechanism;
         let balls = m.layout.balls;
         let touching =
             |contact: &crate::physics::raceway::RacewayContact| contact.penetration::<true>(0.0, m.pitch_radius).0;
-        let centred = PlayOf { inner: touching(&m.raceway.inner), outer: touching(&m.raceway.outer) };
+        let centred = m.raceway.map(touching);
         let orbit_radius = m.pitch_radius - centred.outer;
         let speed = m.speed.largest();
         let groups = (0..balls.div_ceil(LANES))
@@ -111,6 +121,9 @@ impl SpindleOnly {
             balls,
             groups,
             contact: CondensedContact::new(&m.raceway, m.ball_mass, orbit_radius, orbit_ratio * speed),
+            raceway: m.raceway.clone(),
+            mass_of_ball: m.ball_mass,
+            orbit_radius,
             orbit_ratio,
             spacing: (TAU / balls as f64, balls as f64 / TAU),
             centred: centred.inner + centred.outer,
@@ -125,32 +138,61 @@ impl SpindleOnly {
         }
     }
 
+    /// Takes the centrifugal force at another spindle speed [rad/s].
+    pub fn refit(&mut self, speed: f64) {
+        self.contact =
+            CondensedContact::new(&self.raceway, self.mass_of_ball, self.orbit_radius, self.orbit_ratio * speed);
+    }
+
+    /// Angular speed of the spindle at a time, and whether it never changes.
+    pub fn speed(&self, time: f64) -> (f64, bool) {
+        (self.speed.at(time).1, self.constant.is_some())
+    }
+
+    /// Orbit speed over spindle speed [-].
+    pub fn orbit_ratio(&self) -> f64 {
+        self.orbit_ratio
+    }
+
+    /// Where the spindle rests with balls at their start azimuths [m], and the frequency of its stiffest direction there
+    /// [rad/s]. Newton's method in steps that stay small against clearances; a rest is only where a run begins.
+    pub fn rest(&self) -> ([f64; 2], f64) {
+        let mut place = [0.0, 0.0];
+        let mut stiffest = 0.0;
+        for _ in 0..200 {
+            let mut force = self.force;
+            let mut stiffness = [0.0; 3];
+            for group in &self.groups {
+                for lane in 0..LANES {
+                    let (c, s) = (group.cosine[lane], group.sine[lane]);
+                    let load = self.contact.load(self.centred + place[0] * c + place[1] * s);
+                    let (load, k) = (group.present[lane] * load.load, group.present[lane] * load.stiffness);
+                    force = [force[0] - load * c, force[1] - load * s];
+                    stiffness = [stiffness[0] + k * c * c, stiffness[1] + k * c * s, stiffness[2] + k * s * s];
+                }
+            }
+            let [a, b, c] = stiffness;
+            stiffest = 0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).sqrt();
+            let held = 1e-2 * stiffest + LOOSE;
+            let [a, c] = [a + held, c + held];
+            let determinant = a * c - b * b;
+            let step = [(c * force[0] - b * force[1]) / determinant, (a * force[1] - b * force[0]) / determinant];
+            let length = step[0].hypot(step[1]);
+            let share = (LONGEST_MOVE / length).min(1.0);
+            place = [place[0] + share * step[0], place[1] + share * step[1]];
+            if length < 1e-10 {
+                break;
+            }
+        }
+        (place, (stiffest / self.mass).sqrt())
+    }
+
     pub fn contact(&self) -> &CondensedContact {
         &self.contact
     }
 
     pub fn balls(&self) -> usize {
         self.balls
-    }
-
-    /// Acceleration of the spindle [m/s²] at a time [s].
-    #[inline(always)]
-    pub fn acceleration(&self, time: f64, motion: &SpindleMotion) -> [f64; 2] {
-        let (angle, speed, acceleration) = match self.constant {
-            Some(speed) => (speed * time, speed, 0.0),
-            None => self.speed.at(time),
-        };
-        // Balls are alike: the nearest to azimuth 0 may pass for the first.
-        let turned = self.orbit_ratio * angle;
-        let nearest = turned - (turned * self.spacing.1).round_ties_even() * self.spacing.0;
-        let (sine, cosine) = sine_cosine(nearest);
-        let orbit = (self.orbit_ratio * speed, cosine, sine);
-        let mut force = self.force;
-        if self.unbalance != 0.0 {
-            let unbalance = unbalance_force(self.unbalance, angle, speed, acceleration);
-            force = [force[0] + unbalance[1], force[1] + unbalance[2]];
-        }
-        self.acceleration_at(orbit, force, motion)
     }
 
     /// `orbit`: orbit speed [rad/s], cosine and sine of the first pocket's azimuth.
@@ -203,9 +245,26 @@ impl SpindleOnly {
     }
 }
 
-struct PlayOf {
-    inner: f64,
-    outer: f64,
+impl EquationsOfMotion<2> for SpindleOnly {
+    /// Of the spindle [m/s²], time [s].
+    #[inline(always)]
+    fn acceleration(&self, time: f64, motion: &SpindleMotion) -> [f64; 2] {
+        let (angle, speed, acceleration) = match self.constant {
+            Some(speed) => (speed * time, speed, 0.0),
+            None => self.speed.at(time),
+        };
+        // Balls are alike: the nearest to azimuth 0 may pass for the first.
+        let turned = self.orbit_ratio * angle;
+        let nearest = turned - (turned * self.spacing.1).round_ties_even() * self.spacing.0;
+        let (sine, cosine) = sine_cosine(nearest);
+        let orbit = (self.orbit_ratio * speed, cosine, sine);
+        let mut force = self.force;
+        if self.unbalance != 0.0 {
+            let unbalance = unbalance_force(self.unbalance, angle, speed, acceleration);
+            force = [force[0] + unbalance[1], force[1] + unbalance[2]];
+        }
+        self.acceleration_at(orbit, force, motion)
+    }
 }
 
 /// In pairs, so that eight lanes need three steps and not seven.

@@ -1,0 +1,408 @@
+//! Runs of the rungs that integrate the spindle alone: `spindle_only` in time with fixed steps, `periodic` by its steady
+//! orbit. Both leave a `Recording`, so that metrics, spectra and lines need not know.
+
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
+
+use super::channel::{Axis, Channel, Motion};
+use super::model::Mechanism;
+use super::model::spindle_only::{Corrections, SpindleMotion, SpindleOnly};
+use super::needs::Needs;
+use super::observe::{ContactExtremes, RATE, Recording, kept_values};
+use super::run::{Control, Outputs, RunSettings, Rung, SimulationError};
+use super::scene::Scene;
+use crate::numerics::lanes::{InstructionSet, Task};
+use crate::numerics::ode::adams_moulton::{AdamsMoulton, EquationsOfMotion, runge_kutta};
+use crate::numerics::ode::{IntegrationError, Statistics};
+use crate::numerics::periodic::{PeriodicOrbit, Search};
+use crate::physics::bearing::PerRaceway;
+use crate::physics::contact::damping::DampingLaw;
+use crate::physics::spindle::AxialHold;
+
+/// Longest step times the frequency of the stiffest direction: there Adams–Moulton errs by a few thousandths of a decibel.
+const LONGEST_STEP: f64 = 0.35;
+/// The same of Runge–Kutta's, and its longest step [s].
+const LONGEST_SHOT: f64 = 0.4;
+const LONGEST_SHOT_TIME: f64 = 15e-6;
+/// Steps between two looks at `Control`, and at the speed.
+const STEPS_PER_LOOK: usize = 64;
+/// Relative change of speed after which the centrifugal force is taken anew.
+const SPEED_CHANGE: f64 = 1e-3;
+/// Ball passages in time before a periodic motion is sought, and tries with ever more of them.
+const PASSAGES: [usize; 3] = [6, 24, 96];
+/// Floquet radius from which on a periodic motion does not count as the answer.
+pub const LARGEST_RADIUS: f64 = 0.98;
+/// Points looked at per point integrated, when a periodic motion is extended.
+const FINER: usize = 8;
+
+/// Signals kept of every step: place, velocity, acceleration of y and z.
+const SIGNALS: [(Axis, Motion); 6] = [
+    (Axis::Y, Motion::Displacement),
+    (Axis::Z, Motion::Displacement),
+    (Axis::Y, Motion::Velocity),
+    (Axis::Z, Motion::Velocity),
+    (Axis::Y, Motion::Acceleration),
+    (Axis::Z, Motion::Acceleration),
+];
+type Signals = [Vec<f64>; 6];
+
+/// Why the spindle alone cannot stand for this scene and these outputs; `None`: it can.
+pub fn unable(scene: &Scene, needs: &Needs, outputs: &Outputs) -> Option<String> {
+    let channels = || outputs.spectra.iter().chain(&outputs.series);
+    let of_spindle = |channel: &Channel| matches!(channel, Channel::Spindle(Axis::Y | Axis::Z, _));
+    let reason = if scene.operation.load[0] != 0.0 {
+        "an axial load acts"
+    } else if needs.axial_spindle {
+        "the spindle moves along X"
+    } else if scene.spindle.axial != AxialHold::Fixed && scene.spindle.axial != AxialHold::Offset(0.0) {
+        "the spindle is held off its centre along X"
+    } else if scene.operation.misalignment != [0.0; 2] {
+        "the spindle is misaligned"
+    } else if !needs.cage {
+        "without a cage nothing keeps the balls apart"
+    } else if needs.raceway.hydrodynamics {
+        "rolling friction and pressure forces of the film act on the spindle"
+    } else if matches!(scene.raceway_damping, DampingLaw::Viscous { coefficient } if coefficient != 0.0) {
+        "raceways with a viscous damper have no condensed law"
+    } else if outputs.contacts {
+        "contacts are asked for"
+    } else if outputs.cage {
+        "the cage's motion is asked for"
+    } else if !channels().all(of_spindle) {
+        "a channel besides y and z of the spindle is asked for"
+    } else {
+        return None;
+    };
+    Some(reason.into())
+}
+
+/// Why there is no steady orbit of one ball passage; `None`: there may be one.
+pub fn unable_periodic(scene: &Scene, needs: &Needs, outputs: &Outputs) -> Option<String> {
+    let reason = if !scene.operation.speed.is_constant() {
+        "the speed changes"
+    } else if scene.operating_speed() == 0.0 {
+        "nothing turns"
+    } else if needs.unbalance {
+        "unbalance turns with the spindle and not with the balls"
+    } else {
+        return unable(scene, needs, outputs);
+    };
+    Some(reason.into())
+}
+
+fn prepared(
+    scene: &Scene,
+    settings: &RunSettings,
+    rung: &'static str,
+    unable: fn(&Scene, &Needs, &Outputs) -> Option<String>,
+) -> Result<(SpindleOnly, Mechanism), SimulationError> {
+    let needs = Needs::of(scene, &settings.outputs, Some(Rung::Full))?;
+    if let Some(reason) = unable(scene, &needs, &settings.outputs) {
+        return Err(SimulationError::Unable { rung, reason });
+    }
+    let mechanism = Mechanism::new(scene, &needs);
+    Ok((SpindleOnly::new(&mechanism, mechanism.orbit_ratio, Corrections::ALL), mechanism))
+}
+
+/// Rung `spindle_only`: simulates the scene in time. `settings.fixed_step` bounds the step.
+pub fn simulate(
+    scene: &Scene,
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<(Recording, Statistics), SimulationError> {
+    let (mut model, mechanism) = prepared(scene, settings, "spindle_only", unable)?;
+    let (rest, frequency) = model.rest();
+    let longest = settings.fixed_step.unwrap_or(LONGEST_STEP / frequency);
+    let per_value = (1.0 / (RATE * longest)).ceil().max(1.0) as usize;
+    let step = 1.0 / (RATE * per_value as f64);
+    let values = kept_values(settings.duration);
+    let before = (settings.settle / step).floor() as usize;
+    // The grid of steps meets the first kept value; the run begins up to a step after time 0.
+    let begin = settings.settle - before as f64 * step;
+    let mut method = AdamsMoulton::new(begin, (rest, [0.0; 2]), step);
+    let mut signals: Signals = std::array::from_fn(|_| Vec::with_capacity(values));
+    let all = before + (values - 1) * per_value + 1;
+    let set = InstructionSet::best();
+    let mut fitted = model.speed(begin).0;
+    model.refit(fitted);
+    for from in (0..all).step_by(STEPS_PER_LOOK) {
+        let to = (from + STEPS_PER_LOOK).min(all);
+        let (speed, constant) = model.speed(method.time());
+        if !constant && (speed - fitted).abs() > SPEED_CHANGE * fitted.abs() {
+            fitted = speed;
+            model.refit(speed);
+        }
+        let keep = Keep { from, to, first: before, every: per_value };
+        set.run(Advance { model: &model, method: &mut method, keep, signals: &mut signals });
+        let time = method.time();
+        if let Some(component) = not_finite(method.motion()) {
+            let source = IntegrationError::NotFinite { time, step, component };
+            return Err(SimulationError::Integration { source, entry: "the spindle".into() });
+        }
+        if from % (16 * STEPS_PER_LOOK) == 0 {
+            if (control.stop)() {
+                return Err(SimulationError::Stopped { time });
+            }
+            (control.progress)(to as f64 / all as f64);
+        }
+    }
+    let statistics = statistics(all as u64 - 1, method.evaluations(), step);
+    let start = begin + before as f64 * step;
+    Ok((recording(&model, &mechanism, start, settings.duration, signals, None), statistics))
+}
+
+fn not_finite((place, velocity): &SpindleMotion) -> Option<usize> {
+    place.iter().chain(velocity).position(|value| !value.is_finite())
+}
+
+fn statistics(steps: u64, rhs_evaluations: u64, step: f64) -> Statistics {
+    let advanced = steps as f64 * step;
+    Statistics { steps, rhs_evaluations, least_step: step, advanced, ..Statistics::default() }
+}
+
+/// Points `from..to` of the run, of which every `every`-th from `first` on is kept.
+#[derive(Clone, Copy)]
+struct Keep {
+    from: usize,
+    to: usize,
+    first: usize,
+    every: usize,
+}
+
+/// Some steps of a run; the point before each is kept.
+struct Advance<'a> {
+    model: &'a SpindleOnly,
+    method: &'a mut AdamsMoulton<2>,
+    keep: Keep,
+    signals: &'a mut Signals,
+}
+
+impl Task for Advance<'_> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { model, method, keep, signals } = self;
+        for point in keep.from..keep.to {
+            if point > 0 {
+                method.step(model);
+            }
+            if point >= keep.first && (point - keep.first).is_multiple_of(keep.every) {
+                let (place, velocity) = method.motion();
+                let acceleration =
+                    if point > 0 { *method.acceleration() } else { model.acceleration(method.time(), method.motion()) };
+                let values = [place[0], place[1], velocity[0], velocity[1], acceleration[0], acceleration[1]];
+                for (signal, value) in signals.iter_mut().zip(values) {
+                    signal.push(value);
+                }
+            }
+        }
+    }
+}
+
+fn variance(signal: &[f64]) -> f64 {
+    crate::numerics::statistics::rms(signal).powi(2)
+}
+
+fn recording(
+    model: &SpindleOnly,
+    mechanism: &Mechanism,
+    start: f64,
+    duration: f64,
+    signals: Signals,
+    total_variance: Option<[f64; 6]>,
+) -> Recording {
+    let channels = SIGNALS.map(|(axis, motion)| Channel::Spindle(axis, motion));
+    let total = total_variance.unwrap_or_else(|| std::array::from_fn(|i| variance(&signals[i])));
+    let balls = mechanism.layout.balls;
+    let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
+    let turned = |time: f64| mechanism.speed.at(time).0;
+    let (begin, _) = model.speed(start);
+    let mean = if duration > 0.0 { (turned(start + duration) - turned(start)) / duration } else { begin };
+    Recording {
+        start,
+        signals: channels.into_iter().zip(signals).collect(),
+        total_variance: channels.into_iter().zip(total).collect(),
+        contacts: PerRaceway { inner: none.clone(), outer: none },
+        max_pocket_load: 0.0,
+        direction: if mean < 0.0 { -1.0 } else { 1.0 },
+        shaft_speed: mean.abs(),
+        cage_speed: (model.orbit_ratio() * mean).abs(),
+        ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
+    }
+}
+
+/// A steady motion of the spindle: one ball passage, seen at equal times from azimuth 0 of a ball on.
+#[derive(Debug, Clone)]
+pub struct Passage {
+    /// Time from one ball to the next [s].
+    pub length: f64,
+    pub orbit: PeriodicOrbit<4>,
+    pub statistics: Statistics,
+    signals: Signals,
+}
+
+/// One passage by Runge–Kutta, in a number of steps.
+struct Shot<'a> {
+    model: &'a SpindleOnly,
+    length: f64,
+    steps: usize,
+    state: [f64; 4],
+    signals: Option<&'a mut Signals>,
+}
+
+impl Task for Shot<'_> {
+    type Answer = [f64; 4];
+
+    #[inline(always)]
+    fn run(self) -> [f64; 4] {
+        let [y, z, vy, vz] = self.state;
+        let mut motion: SpindleMotion = ([y, z], [vy, vz]);
+        let step = self.length / self.steps as f64;
+        let mut signals = self.signals;
+        for point in 0..self.steps {
+            let time = point as f64 * step;
+            let acceleration = self.model.acceleration(time, &motion);
+            if let Some(signals) = &mut signals {
+                let ([y, z], [vy, vz]) = motion;
+                for (signal, value) in signals.iter_mut().zip([y, z, vy, vz, acceleration[0], acceleration[1]]) {
+                    signal.push(value);
+                }
+            }
+            motion = runge_kutta(time, &motion, &acceleration, step, self.model);
+        }
+        let ([y, z], [vy, vz]) = motion;
+        [y, z, vy, vz]
+    }
+}
+
+/// The steady motion of a scene, refused where it is not stable.
+pub fn passage(scene: &Scene, settings: &RunSettings) -> Result<Passage, SimulationError> {
+    let (model, _) = prepared(scene, settings, "periodic", unable_periodic)?;
+    steady(&model)
+}
+
+fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
+    let (rest, frequency) = model.rest();
+    let speed = model.speed(0.0).0;
+    let length = std::f64::consts::TAU / (model.balls() as f64 * (model.orbit_ratio() * speed).abs());
+    let longest = LONGEST_SHOT_TIME.min(LONGEST_SHOT / frequency);
+    let steps = ((length / longest).ceil() as usize).max(16);
+    let set = InstructionSet::best();
+    let shoot = |state: &[f64; 4]| set.run(Shot { model, length, steps, state: *state, signals: None });
+    let place = 1e-6;
+    let search =
+        Search { sizes: [place, place, place * frequency, place * frequency], tolerance: 1e-5, iterations: 12 };
+    let mut state = [rest[0], rest[1], 0.0, 0.0];
+    let mut periods = 0;
+    let mut refusal = String::new();
+    for passages in PASSAGES {
+        state = (0..passages).fold(state, |state, _| shoot(&state));
+        periods += passages as u64;
+        match search.find(state, shoot) {
+            Ok(orbit) if orbit.radius() < LARGEST_RADIUS => {
+                let mut signals: Signals = std::array::from_fn(|_| Vec::with_capacity(steps));
+                set.run(Shot { model, length, steps, state: orbit.state, signals: Some(&mut signals) });
+                let all = (periods + orbit.periods + 1) * steps as u64;
+                let statistics = statistics(all, 4 * all, length / steps as f64);
+                return Ok(Passage { length, orbit, statistics, signals });
+            }
+            Ok(orbit) => {
+                refusal = format!(
+                    "its motion does not repeat with the balls: a disturbance grows by {:.3} in one passage",
+                    orbit.radius()
+                );
+                periods += orbit.periods;
+            }
+            Err(error) => refusal = error.to_string(),
+        }
+    }
+    Err(SimulationError::Unable { rung: "periodic", reason: refusal })
+}
+
+impl Passage {
+    /// rms of each signal up to a frequency [Hz], mean removed: y, z of place, velocity, acceleration [SI].
+    pub fn rms(&self, band: f64) -> [f64; 6] {
+        let n = self.signals[0].len();
+        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+        std::array::from_fn(|i| {
+            let mut spectrum = transform.make_output_vec();
+            let mut signal = self.signals[i].clone();
+            // Cannot fail: both have the lengths that the plan was made for.
+            let _ = transform.process(&mut signal, &mut spectrum);
+            let power: f64 = spectrum
+                .iter()
+                .enumerate()
+                .skip(1)
+                .take_while(|(k, _)| *k as f64 <= band * self.length)
+                .map(|(k, c)| if 2 * k == n { 0.5 * c.norm_sqr() } else { c.norm_sqr() })
+                .sum();
+            (2.0 * power).sqrt() / n as f64
+        })
+    }
+
+    /// The motion at `RATE`, repeated over a time [s]; `start`: time of the first value.
+    fn repeated(&self, start: f64, values: usize) -> Signals {
+        let fine = self.finer();
+        let n = fine[0].len();
+        let per_value = n as f64 / (RATE * self.length);
+        let first = start / self.length * n as f64;
+        // Places and weights are the same for all signals: cubic polynomials through four of the fine points.
+        let mut signals: Signals = std::array::from_fn(|_| Vec::with_capacity(values));
+        let mut place = first.rem_euclid(n as f64);
+        for _ in 0..values {
+            let whole = place as usize;
+            let x = place - whole as f64;
+            let (below, above, over) = (x + 1.0, 1.0 - x, 2.0 - x);
+            let weights =
+                [-x * above * over / 6.0, 0.5 * below * above * over, 0.5 * x * below * over, -x * below * above / 6.0];
+            let at = [whole + n - 1, whole, whole + 1, whole + 2].map(|i| i % n);
+            for (signal, fine) in signals.iter_mut().zip(&fine) {
+                signal.push((0..4).map(|k| weights[k] * fine[at[k]]).sum());
+            }
+            place += per_value;
+            if place >= n as f64 {
+                place -= n as f64;
+            }
+        }
+        signals
+    }
+
+    /// Every signal at more points, by its Fourier series.
+    fn finer(&self) -> Signals {
+        let n = self.signals[0].len();
+        let mut planner = RealFftPlanner::<f64>::new();
+        let (forward, backward) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(FINER * n));
+        std::array::from_fn(|i| {
+            let (mut coarse, mut fine) = (forward.make_output_vec(), backward.make_output_vec());
+            let mut signal = self.signals[i].clone();
+            let mut padded = backward.make_input_vec();
+            let _ = forward.process(&mut signal, &mut coarse);
+            for (to, from) in padded.iter_mut().zip(&coarse) {
+                *to = from / n as f64;
+            }
+            if n.is_multiple_of(2) {
+                padded[n / 2] = Complex::new(0.5 * padded[n / 2].re, 0.0);
+            }
+            let _ = backward.process(&mut padded, &mut fine);
+            fine
+        })
+    }
+}
+
+/// Rung `periodic`: the steady motion, extended over the time asked for.
+pub fn simulate_periodic(
+    scene: &Scene,
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<(Recording, Statistics), SimulationError> {
+    let (model, mechanism) = prepared(scene, settings, "periodic", unable_periodic)?;
+    if (control.stop)() {
+        return Err(SimulationError::Stopped { time: 0.0 });
+    }
+    let passage = steady(&model)?;
+    let signals = passage.repeated(settings.settle, kept_values(settings.duration));
+    let total = std::array::from_fn(|i| variance(&passage.signals[i]));
+    let recording = recording(&model, &mechanism, settings.settle, settings.duration, signals, Some(total));
+    Ok((recording, passage.statistics))
+}
