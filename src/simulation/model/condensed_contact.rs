@@ -4,6 +4,7 @@
 
 use std::f64::consts::PI;
 
+use crate::numerics::lanes::larger;
 use crate::numerics::roots::bracketed_root;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::raceway::RacewayContact;
@@ -33,6 +34,8 @@ pub struct CondensedContact {
 /// What the pair of contacts does at an approach; all 0 where the inner raceway is free, but for its share, which is 1 then.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CondensedLoad {
+    /// Approach beyond that at which the inner raceway touches [m].
+    pub pressed: f64,
     /// Load of the inner raceway Q_i [N].
     pub load: f64,
     /// dQ_i/d(approach) = k_i k_e/(k_i + k_e) [N/m].
@@ -128,18 +131,19 @@ impl CondensedContact {
     /// branch, so that a loop over balls has none.
     #[inline(always)]
     pub fn load(&self, approach: f64) -> CondensedLoad {
-        let beyond = approach - self.touch;
-        let u = (if beyond > 0.0 { beyond } else { 0.0 }).sqrt();
+        let pressed = larger(approach - self.touch, 0.0);
+        let u = pressed.sqrt();
         let per_sum = 1.0 / (u + self.scale);
         let t = u * per_sum;
         let x = t + t - 1.0;
         let (p, p_slope) = polynomial(&self.load, x);
         let (a, a_slope) = polynomial(&self.share, x);
         let (d, _) = polynomial(&self.damped, x);
-        let touching = if beyond > 0.0 { 1.0 } else { 0.0 };
+        let touching = if pressed > 0.0 { 1.0 } else { 0.0 };
         let outer_share = t * a;
         let turning = self.scale * per_sum;
         CondensedLoad {
+            pressed,
             load: u * u * u * p,
             // d/d(approach) = 1/(2u) d/du,  dt/du = u_c/(u + u_c)².
             stiffness: u * (1.5 * p + p_slope * t * turning),
@@ -213,7 +217,7 @@ mod tests {
 
     const ORBIT: f64 = 6.5e-3;
 
-    /// Load to 1e-6, stiffness, shares and damping to 1e-4, from touch to a hundred times the usual approach, at every
+    /// Load to 1e-6, stiffness to 2e-5, what only corrects to 2e-4, from touch to a hundred times the usual approach, at every
     /// orbit speed.
     #[test]
     fn the_fit_repeats_the_exact_solution_over_the_whole_range() {
@@ -224,7 +228,7 @@ mod tests {
             let slope = mass * speed * speed;
             let least = raceway.outer.elastic_load(LEAST_TOUCH).0;
             let pair = Pair { raceway: &raceway, centrifugal: (slope * ORBIT).max(least), slope };
-            let (mut worst, mut worst_rest) = (0.0_f64, 0.0_f64);
+            let (mut worst, mut worst_slope, mut worst_rest) = (0.0_f64, 0.0_f64, 0.0_f64);
             for k in 0..4000 {
                 let beyond = 1e-11 * 1e8_f64.powf(f64::from(k) / 3999.0);
                 let exact = pair.exact(contact.touch, beyond);
@@ -233,16 +237,18 @@ mod tests {
                 let share = exact.outer_share();
                 let damped = (1.0 - share).powi(2) * exact.load.inner + share * share * exact.load.outer;
                 worst = worst.max((found.load / exact.load.inner - 1.0).abs());
-                for (found, exact) in [
-                    (found.stiffness, inner * outer / (inner + outer)),
-                    (found.inner_share, 1.0 - share),
-                    (found.outer_share, share),
-                    (found.damped_load, damped),
-                ] {
+                let stiffness = inner * outer / (inner + outer);
+                worst_slope = worst_slope.max((found.stiffness / stiffness - 1.0).abs());
+                for (found, exact) in
+                    [(found.inner_share, 1.0 - share), (found.outer_share, share), (found.damped_load, damped)]
+                {
                     worst_rest = worst_rest.max((found / exact - 1.0).abs());
                 }
             }
-            assert!(worst < 1e-6 && worst_rest < 2e-4, "{speed} rad/s: {worst:e}, {worst_rest:e}");
+            assert!(
+                worst < 1e-6 && worst_slope < 2e-5 && worst_rest < 2e-4,
+                "{speed}: {worst:e} {worst_slope:e} {worst_rest:e}"
+            );
         }
     }
 

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::Mechanism;
 use super::condensed_contact::CondensedContact;
-use crate::numerics::lanes::{LANES, Lanes};
+use crate::numerics::lanes::{LANES, larger};
 use crate::numerics::ode::adams_moulton::{EquationsOfMotion, Motion};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::operation::SpeedProfile;
@@ -53,7 +53,7 @@ pub struct SpindleOnly {
     /// Azimuth from one ball to the next [rad], and its reciprocal.
     spacing: (f64, f64),
     balls: usize,
-    /// Cosine and sine of the balls' start azimuths and 1 for each ball, eight side by side.
+    /// Cosine and sine of the balls' start azimuths and 1 for each ball.
     groups: Vec<Group>,
     contact: CondensedContact,
     raceway: PerRaceway<RacewayContact>,
@@ -69,16 +69,24 @@ pub struct SpindleOnly {
     ball_mass: f64,
     rolling_mass: f64,
     rolling: f64,
+    /// Approach beyond touch at which half of it follows [m].
+    rolling_approach: f64,
     unbalance: f64,
     /// Load and weight [N].
     force: [f64; 2],
 }
 
+/// Balls of a group at most. Twice what stands side by side: a loop known to turn at most eight times would be unrolled
+/// by the compiler before it thinks of laying the balls side by side.
+const GROUP: usize = 2 * LANES;
+
 #[derive(Debug, Clone)]
 struct Group {
-    cosine: Lanes,
-    sine: Lanes,
-    present: Lanes,
+    /// Balls, filled up to a multiple of `LANES`.
+    count: usize,
+    cosine: [f64; GROUP],
+    sine: [f64; GROUP],
+    present: [f64; GROUP],
 }
 
 /// Sums over the balls: force on the spindle [N] and the masses that move with it [kg].
@@ -99,15 +107,16 @@ impl SpindleOnly {
         let centred = m.raceway.map(touching);
         let orbit_radius = m.pitch_radius - centred.outer;
         let speed = m.speed.largest();
-        let groups = (0..balls.div_ceil(LANES))
+        let groups = (0..balls.div_ceil(GROUP))
             .map(|group| {
                 let of = |value: &dyn Fn(usize) -> f64| {
-                    Lanes(std::array::from_fn(|lane| {
-                        let ball = group * LANES + lane;
+                    std::array::from_fn(|lane| {
+                        let ball = group * GROUP + lane;
                         if ball < balls { value(ball) } else { 0.0 }
-                    }))
+                    })
                 };
                 Group {
+                    count: (balls - group * GROUP).min(GROUP).next_multiple_of(LANES),
                     cosine: of(&|ball| m.start[ball].cosine),
                     sine: of(&|ball| m.start[ball].sine),
                     present: of(&|_| 1.0),
@@ -133,6 +142,7 @@ impl SpindleOnly {
             ball_mass: on(corrections.inertia, m.ball_mass),
             rolling_mass: on(corrections.rolling, ROLLING_MASS * m.ball_mass),
             rolling: on(corrections.rolling, 0.5),
+            rolling_approach: (ROLLING_LOAD / m.raceway.inner.hertz().stiffness).powf(2.0 / 3.0),
             unbalance: m.unbalance,
             force: [m.load[1] + m.spindle_mass * m.gravity, m.load[2]],
         }
@@ -163,7 +173,7 @@ impl SpindleOnly {
             let mut force = self.force;
             let mut stiffness = [0.0; 3];
             for group in &self.groups {
-                for lane in 0..LANES {
+                for lane in 0..group.count {
                     let (c, s) = (group.cosine[lane], group.sine[lane]);
                     let load = self.contact.load(self.centred + place[0] * c + place[1] * s);
                     let (load, k) = (group.present[lane] * load.load, group.present[lane] * load.stiffness);
@@ -212,8 +222,8 @@ impl SpindleOnly {
     #[inline(always)]
     fn group(&self, group: &Group, (speed, cosine, sine): (f64, f64, f64), motion: &SpindleMotion) -> Sums {
         let ([y, z], [vy, vz]) = *motion;
-        let mut of = [Lanes::all(0.0); 5];
-        for lane in 0..LANES {
+        let mut of = [[0.0; GROUP]; 5];
+        for lane in 0..group.count.min(GROUP) {
             let c = group.cosine[lane] * cosine - group.sine[lane] * sine;
             let s = group.sine[lane] * cosine + group.cosine[lane] * sine;
             let (radial, tangential) = (y * c + z * s, z * c - y * s);
@@ -223,12 +233,14 @@ impl SpindleOnly {
             let rate = radial_velocity + speed * tangential - tilt * (tangential_velocity - speed * radial);
             let load = self.contact.load(approach);
             let normal = load.load + self.damping * load.damped_load * rate;
-            let normal = if normal > 0.0 { normal } else { 0.0 };
-            // The ball follows by its outer share: m (a_e² D̈ + ½ (a_e²)' Ḋ²), D̈ without the spindle's acceleration.
+            let normal = larger(normal, 0.0);
+            // The ball follows by its outer share: m a_e² D̈, here without the spindle's own acceleration. Half the slope of
+            // a_e² times Ḋ² would belong to it: a thousandth of the load and less.
             let turning = speed * (2.0 * tangential_velocity - speed * radial);
             let moved = self.ball_mass * load.outer_share * load.outer_share;
-            let inertia = moved * turning + self.ball_mass * load.outer_share_slope * rate * rate;
-            let rolls = group.present[lane] * normal / (normal + ROLLING_LOAD);
+            let inertia = moved * turning;
+            // Q/(Q + 1 N) by the approach, Q going with its power 3/2: no need to wait for the load.
+            let rolls = group.present[lane] * load.pressed / (load.pressed + self.rolling_approach);
             let along = self.rolling_mass * rolls;
             let inwards = -(normal + inertia) * group.present[lane];
             let sideways =
@@ -267,9 +279,10 @@ impl EquationsOfMotion<2> for SpindleOnly {
     }
 }
 
-/// In pairs, so that eight lanes need three steps and not seven.
+/// In pairs, so that sixteen lanes need four steps and not fifteen.
 #[inline(always)]
-fn sum(l: &Lanes) -> f64 {
+fn sum(of: &[f64; GROUP]) -> f64 {
+    let l: [f64; LANES] = std::array::from_fn(|lane| of[lane] + of[lane + LANES]);
     ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
 }
 
