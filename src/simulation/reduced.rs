@@ -12,24 +12,29 @@ use super::observe::{ContactExtremes, RATE, Recording, kept_values};
 use super::run::{Control, Outputs, RunSettings, Rung, SimulationError};
 use super::scene::Scene;
 use crate::numerics::lanes::{InstructionSet, Task};
-use crate::numerics::ode::adams_moulton::{AdamsMoulton, EquationsOfMotion, runge_kutta};
+use crate::numerics::ode::adams_moulton::{AdamsMoulton, EquationsOfMotion};
 use crate::numerics::ode::{IntegrationError, Statistics};
 use crate::numerics::periodic::{PeriodicOrbit, Search};
+use crate::numerics::statistics::{peak, rms};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::damping::DampingLaw;
 use crate::physics::spindle::AxialHold;
 
 /// Longest step times the frequency of the stiffest direction: there Adams–Moulton errs by a few thousandths of a decibel.
 const LONGEST_STEP: f64 = 0.35;
-/// The same of Runge–Kutta's, and its longest step [s].
-const LONGEST_SHOT: f64 = 0.4;
-const LONGEST_SHOT_TIME: f64 = 15e-6;
+/// The same where a periodic motion is sought, and the longest step there [s]: each passage begins with Runge–Kutta's steps, so
+/// that a few more cost little.
+const LONGEST_SHOT: f64 = 0.2;
+const LONGEST_SHOT_TIME: f64 = 7e-6;
 /// Steps between two looks at `Control`, and at the speed.
 const STEPS_PER_LOOK: usize = 64;
 /// Relative change of speed after which the centrifugal force is taken anew.
 const SPEED_CHANGE: f64 = 1e-3;
-/// Ball passages in time before a periodic motion is sought, and tries with ever more of them.
+/// Ball passages in time before a periodic motion is sought, again after ever more of them.
 const PASSAGES: [usize; 3] = [6, 24, 96];
+const MOST_PASSAGES: usize = 200;
+/// How near to the periodic motion the motion from rest has to come, in amplitudes.
+const SETTLED: f64 = 0.2;
 /// Floquet radius from which on a periodic motion does not count as the answer.
 pub const LARGEST_RADIUS: f64 = 0.98;
 /// Points looked at per point integrated, when a periodic motion is extended.
@@ -201,7 +206,7 @@ impl Task for Advance<'_> {
 }
 
 fn variance(signal: &[f64]) -> f64 {
-    crate::numerics::statistics::rms(signal).powi(2)
+    rms(signal).powi(2)
 }
 
 fn recording(
@@ -242,7 +247,7 @@ pub struct Passage {
     signals: Signals,
 }
 
-/// One passage by Runge–Kutta, in a number of steps.
+/// One passage in a number of steps.
 struct Shot<'a> {
     model: &'a SpindleOnly,
     length: f64,
@@ -257,21 +262,21 @@ impl Task for Shot<'_> {
     #[inline(always)]
     fn run(self) -> [f64; 4] {
         let [y, z, vy, vz] = self.state;
-        let mut motion: SpindleMotion = ([y, z], [vy, vz]);
         let step = self.length / self.steps as f64;
+        let mut method = AdamsMoulton::new(0.0, ([y, z], [vy, vz]), step);
         let mut signals = self.signals;
         for point in 0..self.steps {
-            let time = point as f64 * step;
-            let acceleration = self.model.acceleration(time, &motion);
+            method.step(self.model);
             if let Some(signals) = &mut signals {
-                let ([y, z], [vy, vz]) = motion;
-                for (signal, value) in signals.iter_mut().zip([y, z, vy, vz, acceleration[0], acceleration[1]]) {
-                    signal.push(value);
+                let (([y, z], [vy, vz]), [ay, az]) = (*method.motion(), *method.acceleration());
+                // The last point is the first one of the next passage.
+                let at = if point + 1 == self.steps { 0 } else { point + 1 };
+                for (signal, value) in signals.iter_mut().zip([y, z, vy, vz, ay, az]) {
+                    signal[at] = value;
                 }
             }
-            motion = runge_kutta(time, &motion, &acceleration, step, self.model);
         }
-        let ([y, z], [vy, vz]) = motion;
+        let ([y, z], [vy, vz]) = *method.motion();
         [y, z, vy, vz]
     }
 }
@@ -297,25 +302,40 @@ fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
     let mut periods = 0;
     let mut refusal = String::new();
     for passages in PASSAGES {
-        state = (0..passages).fold(state, |state, _| shoot(&state));
-        periods += passages as u64;
-        match search.find(state, shoot) {
-            Ok(orbit) if orbit.radius() < LARGEST_RADIUS => {
-                let mut signals: Signals = std::array::from_fn(|_| Vec::with_capacity(steps));
-                set.run(Shot { model, length, steps, state: orbit.state, signals: Some(&mut signals) });
-                let all = (periods + orbit.periods + 1) * steps as u64;
-                let statistics = statistics(all, 4 * all, length / steps as f64);
-                return Ok(Passage { length, orbit, statistics, signals });
-            }
+        state = (periods..passages).fold(state, |state, _| shoot(&state));
+        periods = passages.max(periods);
+        let orbit = match search.find(state, shoot) {
+            Ok(orbit) if orbit.radius() < LARGEST_RADIUS => orbit,
             Ok(orbit) => {
                 refusal = format!(
                     "its motion does not repeat with the balls: a disturbance grows by {:.3} in one passage",
                     orbit.radius()
                 );
-                periods += orbit.periods;
+                continue;
             }
-            Err(error) => refusal = error.to_string(),
+            Err(error) => {
+                refusal = error.to_string();
+                continue;
+            }
+        };
+        let mut signals: Signals = std::array::from_fn(|_| vec![0.0; steps]);
+        set.run(Shot { model, length, steps, state: orbit.state, signals: Some(&mut signals) });
+        // A stable orbit need not be the one that a run from rest finds: others may be stable beside it.
+        let amplitude: [f64; 4] = std::array::from_fn(|i| peak(&signals[i]).max(1e-3 * search.sizes[i]));
+        let away = |state: &[f64; 4]| {
+            (0..4).map(|i| (state[i] - orbit.state[i]).abs() / amplitude[i]).fold(0.0, f64::max) > SETTLED
+        };
+        while away(&state) && periods < MOST_PASSAGES {
+            state = shoot(&state);
+            periods += 1;
         }
+        if away(&state) {
+            refusal = "a run from rest settles on another motion than the one that repeats with the balls".into();
+            break;
+        }
+        let all = (periods as u64 + orbit.periods + 1) * steps as u64;
+        let statistics = statistics(all, all + 10 * (periods as u64 + orbit.periods + 1), length / steps as f64);
+        return Ok(Passage { length, orbit, statistics, signals });
     }
     Err(SimulationError::Unable { rung: "periodic", reason: refusal })
 }

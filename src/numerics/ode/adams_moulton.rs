@@ -83,8 +83,7 @@ impl<const N: usize> AdamsMoulton<N> {
     }
 
     /// A step by Runge–Kutta, for want of a past.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     fn begin(&mut self, equations: &impl EquationsOfMotion<N>) {
         let time = self.time();
         if self.known == 0 {
