@@ -1,6 +1,8 @@
 //! Rung 3, the spindle alone, against the full dynamics: error in dB of the levels of y and z, and run time over steps.
 //!
-//! `cargo bench --bench spindle_only -- reference FILE` runs the full dynamics once (minutes to an hour) and keeps their levels.
+//! `cargo bench --bench spindle_only -- reference FILE` runs the full dynamics once (some minutes) and keeps their levels,
+//! `cargo bench --bench spindle_only -- against FILE` compares rungs 3 and 4 with them, and
+//! `cargo bench --bench spindle_only` shows error and run time over the step. Times are processor time of one thread, medians of five.
 
 use std::fmt::Write as _;
 
@@ -11,8 +13,10 @@ use raceway::simulation::metrics::channel_metrics;
 use raceway::simulation::model::Model;
 use raceway::simulation::needs::Needs;
 use raceway::simulation::observe::{Observer, RATE, Recording};
-use raceway::simulation::run::{Outputs, RunSettings, Rung, start_state};
+use raceway::simulation::reduced;
+use raceway::simulation::run::{Control, Outputs, RunSettings, Rung, start_state};
 use raceway::simulation::scene::Scene;
+use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
 /// Diametral clearance [µm], radial load [N], speed [1000 r/min], balls, spindle [g].
@@ -109,11 +113,96 @@ fn reference(file: &str) {
     }
 }
 
+const QUIET: Control<'static> = Control { stop: &|| false, progress: &|_| () };
+const RUNS: usize = 5;
+/// 20 lg(a/b) [dB]
+fn db(a: f64, b: f64) -> f64 {
+    20.0 * (a / b).log10()
+}
+
+/// Root mean square of the windows' levels.
+fn mean(windows: &[[f64; 4]]) -> [f64; 4] {
+    std::array::from_fn(|i| (windows.iter().map(|w| w[i] * w[i]).sum::<f64>() / windows.len() as f64).sqrt())
+}
+
+fn against(file: &str) {
+    let text = std::fs::read_to_string(file).expect("made by `reference`");
+    println!(
+        "µm, N, krpm, balls, g: rung less full [dB], a_y a_z v_y v_z; spread of full's windows; rung 4 less rung 3"
+    );
+    for (parameters, line) in SCENES.into_iter().zip(text.lines()) {
+        let numbers: Vec<f64> =
+            line.split("cage ").nth(1).expect("a line").split(' ').map(|x| x.parse().expect("a number")).collect();
+        let windows: Vec<[f64; 4]> = numbers[1..].chunks_exact(4).map(|w| [w[0], w[1], w[2], w[3]]).collect();
+        let full = mean(&windows);
+        let spread = windows.iter().flat_map(|w| (0..4).map(|i| db(w[i], full[i]).abs())).fold(0.0, f64::max);
+        let (scene, settings) = (scene(parameters), settings(WINDOWS as f64 * WINDOW));
+        let (recording, _) = reduced::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
+        let rung = mean(&(0..WINDOWS).map(|w| levels(&recording, w)).collect::<Vec<_>>());
+        let mut row = format!("{parameters:?}");
+        for i in 0..4 {
+            let _ = write!(row, " {:+.3}", db(rung[i], full[i]));
+        }
+        let _ = write!(row, "; {spread:.3};");
+        match reduced::simulate_periodic(&scene, &settings, &QUIET) {
+            Ok((recording, _)) => {
+                let periodic = mean(&(0..WINDOWS).map(|w| levels(&recording, w)).collect::<Vec<_>>());
+                for i in 0..4 {
+                    let _ = write!(row, " {:+.4}", db(periodic[i], rung[i]));
+                }
+            }
+            Err(error) => {
+                let _ = write!(row, " {error}");
+            }
+        }
+        println!("{row}");
+    }
+}
+
+fn cpu_time() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+/// Worst error of a level over all scenes, and time for 0.12 s, over the step.
+fn steps() {
+    println!("step µs: worst and median error of the levels [dB] against 1.2 µs; ms for 0.12 s; times real time");
+    let run = |parameters, step: f64| {
+        let settings = RunSettings { fixed_step: Some(1.0001 * step), settle: 0.02, ..settings(0.1) };
+        let scene = scene(parameters);
+        let mut times = Vec::new();
+        let mut found = [0.0; 4];
+        for _ in 0..RUNS {
+            let begin = cpu_time();
+            let (recording, _) = reduced::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
+            times.push(cpu_time() - begin);
+            found = levels(&recording, 0);
+        }
+        times.sort_by(f64::total_cmp);
+        (found, times[RUNS / 2])
+    };
+    let exact: Vec<[f64; 4]> = SCENES.iter().map(|p| run(*p, 1.0 / (8.0 * RATE)).0).collect();
+    for per_value in [4.0, 3.0, 2.0, 1.0] {
+        let step = 1.0 / (per_value * RATE);
+        let runs: Vec<([f64; 4], f64)> = SCENES.iter().map(|p| run(*p, step)).collect();
+        let mut errors: Vec<f64> = runs
+            .iter()
+            .zip(&exact)
+            .map(|((found, _), exact)| (0..4).map(|i| db(found[i], exact[i]).abs()).fold(0.0, f64::max))
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        let mut times: Vec<f64> = runs.iter().map(|run| run.1).collect();
+        times.sort_by(f64::total_cmp);
+        let (worst, middle, time) = (errors[errors.len() - 1], errors[errors.len() / 2], times[times.len() / 2]);
+        println!("{:>6.2}: {worst:.4} {middle:.4}; {:.3} ms; {:.0}", 1e6 * step, 1e3 * time, 0.12 / time);
+    }
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
-    if let [word, file] = &arguments[..]
-        && word == "reference"
-    {
-        reference(file);
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["reference", file] => reference(file),
+        ["against", file] => against(file),
+        _ => steps(),
     }
 }

@@ -161,7 +161,7 @@ mod tests {
         let length = TAU / 1.4;
         // Amplitudes by harmonic balance, as guesses: (1 − ω² + ¾a²)² a² + (0.1 ω a)² = 0.04.
         let mut radii = Vec::new();
-        for amplitude in [0.22, 1.0, 1.22] {
+        for amplitude in [0.214, 1.053, 1.186] {
             let in_phase: f64 = (1.0 - 1.96 + 0.75 * amplitude * amplitude) * amplitude / 0.2;
             let out_of_phase = (1.0 - in_phase * in_phase).max(0.0).sqrt();
             let guess = [amplitude * in_phase, 1.4 * amplitude * out_of_phase];
