@@ -163,7 +163,7 @@ impl CondensedContact {
 /// Value and slope, coefficients by rising powers. Four chains in powers of x⁴: Horner's one would have every term wait
 /// for the last.
 #[inline(always)]
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> (f64, f64) {
+pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> (f64, f64) {
     let (square, chains) = (x * x, 4);
     let fourth = square * square;
     let (mut value, mut slope) = ([0.0; 4], [0.0; 4]);
