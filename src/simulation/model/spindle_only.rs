@@ -220,6 +220,8 @@ impl SpindleOnly {
     }
 
     #[inline(always)]
+    // Over lanes by number: five results and three columns side by side have no one iterator.
+    #[allow(clippy::needless_range_loop)]
     fn group(&self, group: &Group, (speed, cosine, sine): (f64, f64, f64), motion: &SpindleMotion) -> Sums {
         let ([y, z], [vy, vz]) = *motion;
         let mut of = [[0.0; GROUP]; 5];
