@@ -172,11 +172,6 @@ impl RacewayContact {
         &self.hertz
     }
 
-    /// Dissipation of the contact.
-    pub fn damping(&self) -> &DampingFactor {
-        &self.damping
-    }
-
     /// Distance of ball and groove centre at which they touch, (f − ½) d [m].
     pub fn touch_distance(&self) -> f64 {
         self.touch_distance

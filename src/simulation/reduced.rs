@@ -106,7 +106,10 @@ fn prepared(
         return Err(SimulationError::Unable { rung, reason });
     }
     let mechanism = Mechanism::new(scene, &needs);
-    Ok((SpindleOnly::new(&mechanism, mechanism.orbit_ratio, Corrections::ALL), mechanism))
+    Ok((
+        SpindleOnly::new(&mechanism, scene.raceway_damping.resolve().chi, mechanism.orbit_ratio, Corrections::ALL),
+        mechanism,
+    ))
 }
 
 /// Rung `spindle_only`: simulates the scene in time. `settings.fixed_step` bounds the step.

@@ -97,9 +97,9 @@ struct Sums {
 }
 
 impl SpindleOnly {
-    /// From the mechanism of the full dynamics; `orbit_ratio`: cage speed over spindle speed. The centrifugal force is that
+    /// From the mechanism of the full dynamics; `damping`: χ of the raceways [s/m], `orbit_ratio`: cage speed over spindle speed. The centrifugal force is that
     /// of the largest speed.
-    pub fn new(mechanism: &Mechanism, orbit_ratio: f64, corrections: Corrections) -> Self {
+    pub fn new(mechanism: &Mechanism, damping: f64, orbit_ratio: f64, corrections: Corrections) -> Self {
         let m = mechanism;
         let balls = m.layout.balls;
         let touching =
@@ -117,8 +117,8 @@ impl SpindleOnly {
                 };
                 Group {
                     count: (balls - group * GROUP).min(GROUP).next_multiple_of(LANES),
-                    cosine: of(&|ball| m.start[ball].cosine),
-                    sine: of(&|ball| m.start[ball].sine),
+                    cosine: of(&|ball| m.start_azimuth(ball).cos()),
+                    sine: of(&|ball| m.start_azimuth(ball).sin()),
                     present: of(&|_| 1.0),
                 }
             })
@@ -137,7 +137,7 @@ impl SpindleOnly {
             spacing: (TAU / balls as f64, balls as f64 / TAU),
             centred: centred.inner + centred.outer,
             half_curvature: on(corrections.tilt, 0.5 / orbit_radius),
-            damping: on(corrections.damping, m.raceway.inner.damping().chi),
+            damping: on(corrections.damping, damping),
             mass: m.spindle_mass,
             ball_mass: on(corrections.inertia, m.ball_mass),
             rolling_mass: on(corrections.rolling, ROLLING_MASS * m.ball_mass),
@@ -225,6 +225,8 @@ impl SpindleOnly {
     fn group(&self, group: &Group, (speed, cosine, sine): (f64, f64, f64), motion: &SpindleMotion) -> Sums {
         let ([y, z], [vy, vz]) = *motion;
         let mut of = [[0.0; GROUP]; 5];
+        // A copy, for a store might change what is behind a reference.
+        let contact = self.contact;
         for lane in 0..group.count.min(GROUP) {
             let c = group.cosine[lane] * cosine - group.sine[lane] * sine;
             let s = group.sine[lane] * cosine + group.cosine[lane] * sine;
@@ -233,7 +235,7 @@ impl SpindleOnly {
             let tilt = 2.0 * self.half_curvature * tangential;
             let approach = self.centred + radial - 0.5 * tilt * tangential;
             let rate = radial_velocity + speed * tangential - tilt * (tangential_velocity - speed * radial);
-            let load = self.contact.load(approach);
+            let load = contact.load(approach);
             let normal = load.load + self.damping * load.damped_load * rate;
             let normal = larger(normal, 0.0);
             // The ball follows by its outer share: m a_e² D̈, here without the spindle's own acceleration. Half the slope of
