@@ -16,7 +16,7 @@ pub enum SurfaceProfile {
 
 impl SurfaceProfile {
     /// Height at an azimuth in the frame of the body [rad], added to the penetration [m].
-    #[inline]
+    #[inline(always)]
     pub fn height(&self, _azimuth: f64) -> f64 {
         match *self {
             Self::None => 0.0,
@@ -26,7 +26,7 @@ impl SurfaceProfile {
 
     /// Change of the height with azimuth [m/rad]; its product with the angular velocity of the contact along
     /// the body adds to the rate of penetration.
-    #[inline]
+    #[inline(always)]
     pub fn slope(&self, _azimuth: f64) -> f64 {
         match *self {
             Self::None | Self::Constant(_) => 0.0,

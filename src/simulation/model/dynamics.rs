@@ -2,6 +2,8 @@
 //! opposite sign to the two bodies it joins.
 
 use super::Mechanism;
+use super::jacobian::DISPLACEMENT;
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, side_by_side};
 use crate::numerics::ode::OdeSystem;
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::physics::ball::{BallAcceleration, BallMotion};
@@ -11,7 +13,7 @@ use crate::physics::pocket::{PocketLoad, PocketMotion};
 use crate::physics::raceway::{RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
 use crate::simulation::channel::BallContact;
-use crate::simulation::state::{BallState, CageState, SpindleState};
+use crate::simulation::state::{BallState, CageState, Layout, SpindleState};
 
 /// Sees every load of one evaluation of the equations, as they are applied.
 pub trait Watch {
@@ -23,14 +25,7 @@ pub trait Watch {
     fn pocket(&mut self, ball: usize, load: &PocketLoad) {
         let _ = (ball, load);
     }
-    /// All that acts on a ball, and what it passes on to spindle and cage.
-    fn ball(&mut self, ball: usize, wrench: &Wrench, reaction: &Reaction) {
-        let _ = (ball, wrench, reaction);
-    }
 }
-
-/// Nobody watches: costs nothing.
-impl Watch for () {}
 
 /// The equations of motion with (`PLANAR = false`) or without motion along X.
 #[derive(Debug, Clone)]
@@ -38,14 +33,19 @@ pub struct Dynamics<const PLANAR: bool> {
     mechanism: Mechanism,
     /// The spindle's axis in the inertial frame; `None`: along X.
     tilted_axis: Option<Vector>,
+    /// What the processor offers for balls side by side.
+    instructions: InstructionSet,
+    /// By which the Jacobian displaces the entries of a ball, of cage and spindle.
+    displacements: Vec<f64>,
 }
 
 /// Force and moment on a ball, in its orbit frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Wrench {
-    pub force: Vector,
-    pub moment: Vector,
+pub struct Wrench<T = f64> {
+    pub force: Vector<T>,
+    pub moment: Vector<T>,
 }
+side_by_side!(Wrench { force, moment });
 
 impl Wrench {
     /// Both together.
@@ -55,6 +55,7 @@ impl Wrench {
     }
 
     /// The difference.
+    #[inline(always)]
     pub fn less(self, other: &Self) -> Self {
         Self { force: subtract(self.force, other.force), moment: subtract(self.moment, other.moment) }
     }
@@ -62,17 +63,19 @@ impl Wrench {
 
 /// Forces that balls exert, one or all.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Reaction {
+pub struct Reaction<T = f64> {
     /// On the spindle, inertial frame.
-    pub spindle: Vector,
+    pub spindle: Vector<T>,
     /// On the cage, in its tilted frame.
-    pub cage_force: Vector,
+    pub cage_force: Vector<T>,
     /// On the cage about its centre of mass, in its tilted frame.
-    pub cage_moment: Vector,
+    pub cage_moment: Vector<T>,
 }
+side_by_side!(Reaction { spindle, cage_force, cage_moment });
 
 impl Reaction {
     /// The difference.
+    #[inline(always)]
     pub fn less(&self, other: &Self) -> Self {
         Self {
             spindle: subtract(self.spindle, other.spindle),
@@ -89,7 +92,52 @@ impl Reaction {
     }
 }
 
+impl<const N: usize> Reaction<Lanes<N>> {
+    /// Adds those of the first `balls` lanes to `sum`, one ball after the other.
+    #[inline(always)]
+    pub(super) fn sum_into(&self, sum: &mut Reaction, balls: usize) {
+        for lane in 0..N.min(balls) {
+            sum.add(&self.at(lane));
+        }
+    }
+}
+
+/// Angle [rad], speed [rad/s] and acceleration [rad/s²] of the shaft.
+pub(super) type Shaft = (f64, f64, f64);
+
+/// A raceway and its balls.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct OnRaceway<T> {
+    relative: RelativeMotion<T>,
+    /// In the contact's frame.
+    load: RacewayLoad<T>,
+    pub wrench: Wrench<T>,
+    /// On the spindle, inertial frame.
+    pub reaction: Vector<T>,
+}
+
+/// The cage and its balls.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct OnCage<T> {
+    load: PocketLoad<T>,
+    pub wrench: Wrench<T>,
+    /// On the cage, in its tilted frame, about its centre of mass.
+    pub reaction_force: Vector<T>,
+    pub reaction_moment: Vector<T>,
+}
+
+/// All contacts of balls: what acts on each, and what they pass on.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Contacts<T> {
+    pub inner: Wrench<T>,
+    pub pocket: Wrench<T>,
+    /// These, and the outer raceway.
+    pub wrench: Wrench<T>,
+    pub reaction: Reaction<T>,
+}
+
 /// The cage in the form in which pockets need it.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct CagePose {
     motion: CageMotion,
     /// Azimuth of the first pocket about the cage axis.
@@ -101,7 +149,23 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let [about_y, about_z] = mechanism.misalignment;
         let tilted_axis =
             (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
-        Self { mechanism, tilted_axis }
+        let one_ball = Layout { balls: 1, ..mechanism.layout };
+        let displacements = one_ball.sizes().iter().map(|size| DISPLACEMENT * size).collect();
+        Self { mechanism, tilted_axis, instructions: InstructionSet::best(), displacements }
+    }
+
+    /// The same equations with other instructions of the same processor.
+    pub(super) fn with_instructions(mut self, instructions: InstructionSet) -> Self {
+        self.instructions = instructions;
+        self
+    }
+
+    pub(super) fn displacements(&self) -> &[f64] {
+        &self.displacements
+    }
+
+    pub(super) fn instructions(&self) -> InstructionSet {
+        self.instructions
     }
 
     pub fn mechanism(&self) -> &Mechanism {
@@ -109,116 +173,183 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     /// Writes `dy/dt`, showing each load to `watch`.
-    pub fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: &mut impl Watch) {
+    pub fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: Option<&mut (dyn Watch + '_)>) {
+        self.instructions.run(Evaluation { dynamics: self, time, y, dy, watch });
+    }
+
+    /// `evaluate`, `N` balls side by side.
+    #[inline(always)]
+    fn evaluate_by<const N: usize>(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
         let m = &self.mechanism;
-        let motion = m.speed.at(time);
-        let (angle, speed, acceleration) = motion;
-        let spindle = m.layout.spindle(y);
-        let cage_state = m.layout.cage(y);
-        let cage = self.cage_pose(&cage_state, angle, speed);
+        let shaft = m.speed.at(time);
+        let (spindle, cage) = (m.layout.spindle(y), m.layout.cage(y));
+        let pose = self.cage_pose(&cage, shaft);
         let mut sum = Reaction::default();
-        for ball in 0..m.layout.balls {
-            let state = m.layout.ball(y, ball);
-            let motion = self.ball_motion(ball, &state, angle, speed);
-            let mut reaction = Reaction::default();
-            let outer = self.outer(ball, &motion, watch);
-            let mut wrench = self.inner(ball, &motion, &spindle, (angle, speed), &mut reaction, watch).and(outer);
-            if m.layout.cage {
-                wrench = wrench.and(self.pocket(ball, &motion, &cage, &mut reaction, watch));
+        for first in (0..m.layout.balls).step_by(N) {
+            let state = m.layout.side_by_side::<PLANAR, N>(y, first);
+            let motion = self.ball_motions::<N>(first, &state, shaft);
+            let contacts = self.contacts(first, &motion, &spindle, &pose, shaft, watch.as_deref_mut());
+            contacts.reaction.sum_into(&mut sum, m.layout.balls - first);
+            let rates = self.ball_rates(&state, &motion, contacts.wrench, shaft);
+            m.layout.set_side_by_side::<PLANAR, N>(dy, first, &rates);
+        }
+        m.layout.set_cage(dy, &self.cage_rates(&cage, &pose, &sum, shaft));
+        m.layout.set_spindle(dy, &self.spindle_rates(&spindle, sum.spindle, shaft));
+    }
+
+    /// All contacts of the balls from `first` on.
+    #[inline(always)]
+    pub(super) fn contacts<const N: usize>(
+        &self,
+        first: usize,
+        motion: &BallMotion<Lanes<N>>,
+        spindle: &SpindleState,
+        pose: &CagePose,
+        shaft: Shaft,
+        mut watch: Option<&mut (dyn Watch + '_)>,
+    ) -> Contacts<Lanes<N>> {
+        let layout = &self.mechanism.layout;
+        let watched = N.min(layout.balls - first);
+        let outer = self.outer(motion);
+        let inner = self.inner(motion, spindle, shaft);
+        let mut all = Contacts { inner: inner.wrench, ..Contacts::default() };
+        all.reaction.spindle = inner.reaction;
+        if layout.cage {
+            let pocket = self.pockets(first, motion, pose);
+            all.pocket = pocket.wrench;
+            (all.reaction.cage_force, all.reaction.cage_moment) = (pocket.reaction_force, pocket.reaction_moment);
+            if let Some(watch) = watch.as_deref_mut() {
+                (0..watched).for_each(|lane| watch.pocket(first + lane, &pocket.load.at(lane)));
             }
-            watch.ball(ball, &wrench, &reaction);
-            sum.add(&reaction);
-            let rates = self.ball_rates(&state, &motion, wrench, acceleration);
-            m.layout.set_ball(dy, ball, &rates);
         }
-        m.layout.set_cage(dy, &self.cage_rates(&cage_state, &cage, &sum, acceleration));
-        m.layout.set_spindle(dy, &self.spindle_rates(&spindle, sum.spindle, motion));
+        for lane in 0..N {
+            all.wrench.put(lane, inner.wrench.at(lane).and(outer.wrench.at(lane)).and(all.pocket.at(lane)));
+        }
+        if let Some(watch) = watch {
+            for lane in 0..watched {
+                for (side, on) in [(BallContact::Outer, &outer), (BallContact::Inner, &inner)] {
+                    let Wrench { force, moment } = on.wrench.at(lane);
+                    let load = RacewayLoad { force, moment, ..on.load.at(lane) };
+                    watch.raceway(first + lane, side, &on.relative.at(lane), &load);
+                }
+            }
+        }
+        all
     }
 
     #[inline(always)]
-    pub(super) fn ball_motion(&self, ball: usize, state: &BallState, angle: f64, speed: f64) -> BallMotion {
+    pub(super) fn ball_motions<const N: usize>(
+        &self,
+        first: usize,
+        state: &BallState<Lanes<N>>,
+        (angle, speed, _): Shaft,
+    ) -> BallMotion<Lanes<N>> {
         let m = &self.mechanism;
-        let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + state.arc / m.pitch_radius;
-        let radius = m.pitch_radius + state.radial;
-        let orbit_speed = m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius;
-        BallMotion {
-            azimuth_angle: azimuth,
-            azimuth: Azimuth::new(azimuth),
-            axial: state.axial,
-            radius,
-            orbit_speed,
-            velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
-            spin: [state.spin[0] + m.spin_ratio * speed, state.spin[1], state.spin[2]],
+        let start = Lanes::<N>::of(&m.start.angle, first);
+        let (per_radius, orbit_angle, orbit_speed) =
+            (1.0 / m.pitch_radius, m.orbit_ratio * angle, m.orbit_ratio * speed);
+        let mut motion = BallMotion::default();
+        for lane in 0..N {
+            let state = state.at(lane);
+            let azimuth = start[lane] + orbit_angle + state.arc * per_radius;
+            let radius = m.pitch_radius + state.radial;
+            let orbit_speed = orbit_speed + state.arc_velocity * per_radius;
+            motion.put(
+                lane,
+                BallMotion {
+                    azimuth_angle: azimuth,
+                    azimuth: Azimuth::new(azimuth),
+                    axial: state.axial,
+                    radius,
+                    orbit_speed,
+                    velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
+                    spin: [state.spin[0] + m.spin_ratio * speed, state.spin[1], state.spin[2]],
+                },
+            );
         }
+        motion
     }
 
-    /// Force and moment of the outer raceway on a ball, in its orbit frame.
+    /// The outer raceway on the balls.
     #[inline(always)]
-    fn outer(&self, ball: usize, motion: &BallMotion, watch: &mut impl Watch) -> Wrench {
+    pub(super) fn outer<const N: usize>(&self, motion: &BallMotion<Lanes<N>>) -> OnRaceway<Lanes<N>> {
         let relative = RelativeMotion {
             axial: motion.axial,
             radius: motion.radius,
             velocity: motion.velocity,
             spin: motion.spin,
-            raceway_speed: 0.0,
+            raceway_speed: Lanes::default(),
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle,
         };
-        let load = self.mechanism.raceway.outer.load::<PLANAR>(&relative);
-        watch.raceway(ball, BallContact::Outer, &relative, &load);
-        Wrench { force: load.force, moment: load.moment }
+        let load = self.mechanism.raceway.outer.loads::<PLANAR, N>(&relative);
+        let wrench = Wrench { force: load.force, moment: load.moment };
+        OnRaceway { relative, load, wrench, reaction: Default::default() }
     }
 
-    /// Force and moment of the inner raceway on a ball, in its orbit frame; the spindle's share goes into `reaction`.
+    /// The inner raceway on the balls, and the balls on the spindle.
     #[inline(always)]
-    pub(super) fn inner(
+    pub(super) fn inner<const N: usize>(
         &self,
-        ball: usize,
-        motion: &BallMotion,
+        motion: &BallMotion<Lanes<N>>,
         spindle: &SpindleState,
-        (angle, speed): (f64, f64),
-        reaction: &mut Reaction,
-        watch: &mut impl Watch,
-    ) -> Wrench {
+        shaft: Shaft,
+    ) -> OnRaceway<Lanes<N>> {
+        match self.tilted_axis {
+            None => self.inner_in(motion, spindle, shaft, StraightFrame::new),
+            Some(axis) => self.inner_in(motion, spindle, shaft, |azimuth: Azimuth, from_centre| {
+                TiltedFrame::new(azimuth.to_orbit(axis), from_centre)
+            }),
+        }
+    }
+
+    #[inline(always)]
+    fn inner_in<const N: usize, F: ContactFrame>(
+        &self,
+        motion: &BallMotion<Lanes<N>>,
+        spindle: &SpindleState,
+        (angle, speed, _): Shaft,
+        frame: impl Fn(Azimuth, Vector) -> F,
+    ) -> OnRaceway<Lanes<N>>
+    where
+        F::Several<N>: SideBySide<One = F> + Default,
+    {
         let m = &self.mechanism;
         let position = [spindle.position[0] + m.axial_offset, spindle.position[1], spindle.position[2]];
-        let centre = motion.azimuth.to_orbit(position);
-        let velocity = motion.azimuth.to_orbit(spindle.velocity);
-        let frame = self.inner_frame(motion, centre);
-        let relative = RelativeMotion {
-            axial: frame.axial,
-            radius: frame.radius,
-            velocity: frame.components(subtract(motion.velocity, velocity)),
-            spin: frame.components(motion.spin),
-            raceway_speed: speed,
-            orbit_speed: motion.orbit_speed,
-            azimuth: motion.azimuth_angle - angle,
-        };
-        let local = m.raceway.inner.load::<PLANAR>(&relative);
-        let load = RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
-        watch.raceway(ball, BallContact::Inner, &relative, &load);
-        if load.penetration > 0.0 {
-            reaction.spindle = subtract(reaction.spindle, motion.azimuth.to_inertial(load.force));
+        let mut on = OnRaceway::<Lanes<N>>::default();
+        let mut frames = F::Several::<N>::default();
+        for lane in 0..N {
+            let motion = motion.at(lane);
+            let centre = motion.azimuth.to_orbit(position);
+            let velocity = motion.azimuth.to_orbit(spindle.velocity);
+            let frame = frame(motion.azimuth, [motion.axial - centre[0], motion.radius - centre[1], -centre[2]]);
+            let (axial, radius) = frame.place();
+            on.relative.put(
+                lane,
+                RelativeMotion {
+                    axial,
+                    radius,
+                    velocity: frame.components(subtract(motion.velocity, velocity)),
+                    spin: frame.components(motion.spin),
+                    raceway_speed: speed,
+                    orbit_speed: motion.orbit_speed,
+                    azimuth: motion.azimuth_angle - angle,
+                },
+            );
+            frames.put(lane, frame);
         }
-        Wrench { force: load.force, moment: load.moment }
+        on.load = m.raceway.inner.loads::<PLANAR, N>(&on.relative);
+        for lane in 0..N {
+            let (frame, load) = (frames.at(lane), on.load.at(lane));
+            let force = frame.vector(load.force);
+            on.wrench.put(lane, Wrench { force, moment: frame.vector(load.moment) });
+            on.reaction.put(lane, scale(-1.0, motion.azimuth.at(lane).to_inertial(force)));
+        }
+        on
     }
 
-    /// The contact frame of the inner raceway, whose axis may be displaced and tilted.
     #[inline(always)]
-    fn inner_frame(&self, motion: &BallMotion, centre: Vector) -> ContactFrame {
-        let from_centre = [motion.axial - centre[0], motion.radius - centre[1], -centre[2]];
-        let axis = match self.tilted_axis {
-            None => [1.0, 0.0, 0.0],
-            Some(axis) => motion.azimuth.to_orbit(axis),
-        };
-        let axial = dot(from_centre, axis);
-        let across = subtract(from_centre, scale(axial, axis));
-        let radius = dot(across, across).sqrt();
-        let radial = scale(1.0 / radius, across);
-        ContactFrame { axial, radius, axis, radial, tangential: cross(axis, radial) }
-    }
-
-    pub(super) fn cage_pose(&self, state: &CageState, angle: f64, speed: f64) -> CagePose {
+    pub(super) fn cage_pose(&self, state: &CageState, (angle, speed, _): Shaft) -> CagePose {
         let m = &self.mechanism;
         let [x, y, z] = state.centre;
         let [about_y, about_z] = state.tilt_rate;
@@ -228,83 +359,109 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 centre: [x - m.cage.offset, y, z],
                 velocity: state.velocity,
                 tilt: if PLANAR { Tilt::NONE } else { Tilt::new(state.tilt[0], state.tilt[1]) },
-                tilt_about_z: state.tilt[1],
                 spin: [m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius, about_y, about_z],
             },
             azimuth: Azimuth::new(m.orbit_ratio * angle + state.arc / m.pitch_radius),
         }
     }
 
-    /// Force and moment of its pocket on a ball, in the ball's orbit frame; the cage's share goes into `reaction`.
+    /// The pockets on their balls, and the balls on the cage.
     #[inline(always)]
-    pub(super) fn pocket(
+    pub(super) fn pockets<const N: usize>(
         &self,
-        ball: usize,
-        motion: &BallMotion,
+        first: usize,
+        motion: &BallMotion<Lanes<N>>,
         cage: &CagePose,
-        reaction: &mut Reaction,
-        watch: &mut impl Watch,
-    ) -> Wrench {
+    ) -> OnCage<Lanes<N>> {
         let m = &self.mechanism;
+        let start = Azimuth { cosine: Lanes::<N>::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
         let tilt = &cage.motion.tilt;
-        let azimuth = motion.azimuth;
+        let mut places = [Lanes::<N>::default(); 3];
+        let mut relative = PocketMotion::<Lanes<N>>::default();
         // All in the cage's tilted frame, from its centre of mass.
-        let place = azimuth.to_inertial([motion.axial, motion.radius, 0.0]);
-        let ball_place = tilt.to_tilted(subtract(place, cage.motion.centre));
-        let pocket_azimuth = cage.azimuth.turned(m.start[ball]);
-        let pocket_place = pocket_azimuth.to_inertial([m.cage.offset, m.pitch_radius, 0.0]);
-        let velocity = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), cage.motion.velocity));
-        let relative = PocketMotion {
-            displacement: subtract(ball_place, pocket_place),
-            velocity: subtract(velocity, cross(cage.motion.spin, ball_place)),
-            spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), cage.motion.spin),
-        };
-        let load = m.pocket.load(&relative);
-        watch.pocket(ball, &load);
-        reaction.cage_force = subtract(reaction.cage_force, load.force);
-        reaction.cage_moment = subtract(reaction.cage_moment, cross(add(ball_place, load.lever), load.force));
-        let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
-        Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) }
+        for lane in 0..N {
+            let motion = motion.at(lane);
+            let azimuth = motion.azimuth;
+            let place = azimuth.to_inertial([motion.axial, motion.radius, 0.0]);
+            let ball_place = tilt.to_tilted(subtract(place, cage.motion.centre));
+            let pocket_azimuth = cage.azimuth.turned(start.at(lane));
+            let pocket_place = pocket_azimuth.to_inertial([m.cage.offset, m.pitch_radius, 0.0]);
+            let velocity = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), cage.motion.velocity));
+            places.put(lane, ball_place);
+            relative.put(
+                lane,
+                PocketMotion {
+                    displacement: subtract(ball_place, pocket_place),
+                    velocity: subtract(velocity, cross(cage.motion.spin, ball_place)),
+                    spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), cage.motion.spin),
+                },
+            );
+        }
+        let load = m.pocket.loads(&relative);
+        let mut on = OnCage { load, ..OnCage::default() };
+        for lane in 0..N {
+            let (azimuth, load) = (motion.azimuth.at(lane), load.at(lane));
+            let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
+            on.wrench.put(lane, Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) });
+            on.reaction_force.put(lane, scale(-1.0, load.force));
+            on.reaction_moment.put(lane, scale(-1.0, cross(add(places.at(lane), load.lever), load.force)));
+        }
+        on
     }
 
-    /// Rates of a ball's state under the force and moment of its contacts, with drag and gravity added.
+    /// Rates of the balls' states under the forces and moments of their contacts, with drag and gravity added.
     #[inline(always)]
-    pub(super) fn ball_rates(
+    pub(super) fn ball_rates<const N: usize>(
         &self,
-        state: &BallState,
-        motion: &BallMotion,
-        Wrench { mut force, mut moment }: Wrench,
-        acceleration: f64,
-    ) -> BallState {
+        state: &BallState<Lanes<N>>,
+        motion: &BallMotion<Lanes<N>>,
+        mut wrench: Wrench<Lanes<N>>,
+        (_, _, acceleration): Shaft,
+    ) -> BallState<Lanes<N>> {
         let m = &self.mechanism;
         if let Some(drag) = &m.drag {
-            force[2] += drag.force(m.pitch_radius * motion.orbit_speed);
+            for lane in 0..N {
+                wrench.force[2][lane] += drag.force(m.pitch_radius * motion.orbit_speed[lane]);
+            }
         }
         if let Some(churning) = &m.churning {
-            moment = add(moment, churning.churning_moment(motion.spin));
+            for lane in 0..N {
+                let moment = add(wrench.moment.at(lane), churning.churning_moment(motion.spin.at(lane)));
+                wrench.moment.put(lane, moment);
+            }
         }
         let weight = m.ball_mass * m.gravity;
-        force[1] += weight * motion.azimuth.cosine;
-        force[2] -= weight * motion.azimuth.sine;
-        let BallAcceleration { axial, radial, azimuthal, spin } =
-            motion.acceleration(force, moment, m.ball_mass, m.ball_inertia);
-        BallState {
-            axial: state.axial_velocity,
-            radial: state.radial_velocity,
-            arc: state.arc_velocity,
-            axial_velocity: axial,
-            radial_velocity: radial,
-            arc_velocity: m.pitch_radius * (azimuthal - m.orbit_ratio * acceleration),
-            spin: [spin[0] - m.spin_ratio * acceleration, spin[1], spin[2]],
+        let mut rates = BallState::default();
+        for lane in 0..N {
+            let (state, motion) = (state.at(lane), motion.at(lane));
+            let Wrench { mut force, moment } = wrench.at(lane);
+            force[1] += weight * motion.azimuth.cosine;
+            force[2] -= weight * motion.azimuth.sine;
+            let BallAcceleration { axial, radial, azimuthal, spin } =
+                motion.acceleration(force, moment, m.ball_mass, m.ball_inertia);
+            rates.put(
+                lane,
+                BallState {
+                    axial: state.axial_velocity,
+                    radial: state.radial_velocity,
+                    arc: state.arc_velocity,
+                    axial_velocity: axial,
+                    radial_velocity: radial,
+                    arc_velocity: m.pitch_radius * (azimuthal - m.orbit_ratio * acceleration),
+                    spin: [spin[0] - m.spin_ratio * acceleration, spin[1], spin[2]],
+                },
+            );
         }
+        rates
     }
 
+    #[inline(always)]
     pub(super) fn cage_rates(
         &self,
         state: &CageState,
         pose: &CagePose,
         reaction: &Reaction,
-        acceleration: f64,
+        (_, _, acceleration): Shaft,
     ) -> CageState {
         let m = &self.mechanism;
         if !m.layout.cage {
@@ -319,23 +476,44 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         let rates = m.cage.acceleration(&pose.motion, force, moment, m.gravity);
         let [about_y, about_z] = state.tilt_rate;
-        let [_, tilt_z] = state.tilt;
+        let tilt = &pose.motion.tilt;
         CageState {
             centre: state.velocity,
-            arc: state.arc_velocity - m.pitch_radius * about_y * tilt_z.tan(),
-            tilt: [about_y / tilt_z.cos(), about_z],
+            arc: state.arc_velocity - m.pitch_radius * about_y * tilt.tangent_about_z(),
+            tilt: [about_y / tilt.cosine_about_z(), about_z],
             velocity: rates.linear,
             arc_velocity: m.pitch_radius * (rates.angular[0] - m.orbit_ratio * acceleration),
             tilt_rate: [rates.angular[1], rates.angular[2]],
         }
     }
 
+    /// What a reaction adds to the rates of the cage.
+    #[inline(always)]
+    pub(super) fn cage_response(&self, pose: &CagePose, reaction: &Reaction) -> CageState {
+        let m = &self.mechanism;
+        let force = pose.motion.tilt.to_inertial(reaction.cage_force);
+        let rates = m.cage.response(force, reaction.cage_moment);
+        CageState {
+            velocity: rates.linear,
+            arc_velocity: m.pitch_radius * rates.angular[0],
+            tilt_rate: [rates.angular[1], rates.angular[2]],
+            ..CageState::default()
+        }
+    }
+
+    /// What a reaction adds to the rates of the spindle.
+    #[inline(always)]
+    pub(super) fn spindle_response(&self, reaction: Vector) -> SpindleState {
+        SpindleState { velocity: scale(1.0 / self.mechanism.spindle_mass, reaction), ..SpindleState::default() }
+    }
+
     /// Equations (13), (14), and X where the spindle is free.
+    #[inline(always)]
     pub(super) fn spindle_rates(
         &self,
         state: &SpindleState,
         reaction: Vector,
-        (angle, speed, acceleration): (f64, f64, f64),
+        (angle, speed, acceleration): Shaft,
     ) -> SpindleState {
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
@@ -343,20 +521,89 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         if m.unbalance != 0.0 {
             force = add(force, unbalance_force(m.unbalance, angle, speed, acceleration));
         }
-        SpindleState { position: state.velocity, velocity: scale(1.0 / m.spindle_mass, force) }
+        SpindleState { position: state.velocity, ..self.spindle_response(force) }
     }
 }
 
-/// Where a ball sits on a raceway: place and axes of the contact's frame, in the orbit frame.
-struct ContactFrame {
-    axial: f64,
-    radius: f64,
-    axis: Vector,
-    radial: Vector,
-    tangential: Vector,
+/// Where a ball sits on the inner raceway: place and axes of the contact's frame, in the orbit frame.
+trait ContactFrame: Copy {
+    type Several<const N: usize>;
+    /// Along the raceway's axis and from it.
+    fn place(&self) -> (f64, f64);
+    /// A vector of the orbit frame, in the contact's.
+    fn components(&self, v: Vector) -> Vector;
+    /// A vector of the contact's frame, in the orbit frame.
+    fn vector(&self, c: Vector) -> Vector;
 }
 
-impl ContactFrame {
+/// On a raceway whose axis is parallel to X: the contact's frame is the orbit frame turned about X.
+#[derive(Debug, Clone, Copy, Default)]
+struct StraightFrame<T = f64> {
+    axial: T,
+    radius: T,
+    turn: Azimuth<T>,
+}
+side_by_side!(StraightFrame { axial, radius, turn });
+
+impl StraightFrame {
+    #[inline(always)]
+    fn new(_: Azimuth, from_centre: Vector) -> Self {
+        let [axial, r, t] = from_centre;
+        let radius = (r * r + t * t).sqrt();
+        let per_radius = 1.0 / radius;
+        Self { axial, radius, turn: Azimuth { cosine: per_radius * r, sine: per_radius * t } }
+    }
+}
+
+impl ContactFrame for StraightFrame {
+    type Several<const N: usize> = StraightFrame<Lanes<N>>;
+
+    #[inline(always)]
+    fn place(&self) -> (f64, f64) {
+        (self.axial, self.radius)
+    }
+
+    #[inline(always)]
+    fn components(&self, v: Vector) -> Vector {
+        self.turn.to_orbit(v)
+    }
+
+    #[inline(always)]
+    fn vector(&self, c: Vector) -> Vector {
+        self.turn.to_inertial(c)
+    }
+}
+
+/// On a raceway whose axis is tilted.
+#[derive(Debug, Clone, Copy, Default)]
+struct TiltedFrame<T = f64> {
+    axial: T,
+    radius: T,
+    axis: Vector<T>,
+    radial: Vector<T>,
+    tangential: Vector<T>,
+}
+side_by_side!(TiltedFrame { axial, radius, axis, radial, tangential });
+
+impl TiltedFrame {
+    #[inline(always)]
+    fn new(axis: Vector, from_centre: Vector) -> Self {
+        let axial = dot(from_centre, axis);
+        let across = subtract(from_centre, scale(axial, axis));
+        let radius = dot(across, across).sqrt();
+        let radial = scale(1.0 / radius, across);
+        Self { axial, radius, axis, radial, tangential: cross(axis, radial) }
+    }
+}
+
+impl ContactFrame for TiltedFrame {
+    type Several<const N: usize> = TiltedFrame<Lanes<N>>;
+
+    #[inline(always)]
+    fn place(&self) -> (f64, f64) {
+        (self.axial, self.radius)
+    }
+
     #[inline(always)]
     fn components(&self, v: Vector) -> Vector {
         [dot(self.axis, v), dot(self.radial, v), dot(self.tangential, v)]
@@ -368,13 +615,31 @@ impl ContactFrame {
     }
 }
 
+/// One evaluation, to be compiled for each instruction set.
+struct Evaluation<'a, 'w, const PLANAR: bool> {
+    dynamics: &'a Dynamics<PLANAR>,
+    time: f64,
+    y: &'a [f64],
+    dy: &'a mut [f64],
+    watch: Option<&'a mut (dyn Watch + 'w)>,
+}
+
+impl<const PLANAR: bool> Task for Evaluation<'_, '_, PLANAR> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.dynamics.evaluate_by::<LANES>(self.time, self.y, self.dy, self.watch);
+    }
+}
+
 impl<const PLANAR: bool> OdeSystem for Dynamics<PLANAR> {
     fn dimension(&self) -> usize {
         self.mechanism.layout.dimension()
     }
 
     fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
-        self.evaluate(time, state, derivative, &mut ());
+        self.evaluate(time, state, derivative, None);
     }
 
     fn structure(&self) -> Structure {
