@@ -201,14 +201,13 @@ impl InstructionSet {
     }
 
     /// Does the work with these instructions, or with the baseline's where the processor lacks them.
-    #[inline]
     pub fn run<T: Task>(self, task: T) -> T::Answer {
         #[cfg(target_arch = "x86_64")]
         {
             let run: unsafe fn(T) -> T::Answer = match self {
                 Self::Avx512 => avx512,
                 Self::Avx2 => avx2,
-                Self::Baseline => return task.run(),
+                Self::Baseline => baseline,
             };
             debug_assert!(self.is_here());
             // Safe where the processor has the instructions; `Chosen` hands out none that it has not.
@@ -217,6 +216,11 @@ impl InstructionSet {
         #[cfg(not(target_arch = "x86_64"))]
         task.run()
     }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn baseline<T: Task>(task: T) -> T::Answer {
+    task.run()
 }
 
 #[cfg(target_arch = "x86_64")]

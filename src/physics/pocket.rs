@@ -172,12 +172,14 @@ impl Pocket {
     /// Friction acts on the solid part only: on an undamped film force it would drive the cage unstable.
     #[inline(always)]
     pub fn loads<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>) -> PocketLoad<Lanes<N>> {
+        // A copy: what is stored in the loops cannot change it.
+        let pocket = *self;
         let mut approach = Approach::<Lanes<N>>::default();
-        match self.rim {
+        match pocket.rim {
             Some(rim) => {
                 for lane in 0..N {
                     let motion = motion.at(lane);
-                    approach.put(lane, approach_at(&motion, self.to_seat_or_rim(rim, motion.displacement)));
+                    approach.put(lane, approach_at(&motion, pocket.to_seat_or_rim(rim, motion.displacement)));
                 }
             }
             None => {
@@ -187,25 +189,25 @@ impl Pocket {
                 }
             }
         }
-        let solid = self.solid_loads(&approach);
+        let solid = pocket.solid_loads(&approach);
         let mut load = PocketLoad::<Lanes<N>>::default();
         for lane in 0..N {
-            load.put(lane, self.normal_part(&approach.at(lane), solid[lane]));
+            load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
         }
-        match self.hydrodynamics {
+        match pocket.hydrodynamics {
             Some(hydrodynamics) => {
                 for lane in 0..N {
                     let mut one = load.at(lane);
                     let touching = if approach.distance[lane] > 0.0 { 1.0 } else { 0.0 };
                     let film = (touching * hydrodynamics.rolling, touching * hydrodynamics.shear);
-                    self.add_friction(&motion.at(lane), approach.normal.at(lane), solid[lane], film, &mut one);
+                    pocket.add_friction(&motion.at(lane), approach.normal.at(lane), solid[lane], film, &mut one);
                     load.put(lane, one);
                 }
             }
-            None if self.friction > 0.0 && solid.any(|load| load > 0.0) => {
+            None if pocket.friction > 0.0 && solid.any(|load| load > 0.0) => {
                 for lane in 0..N {
                     let mut one = load.at(lane);
-                    self.add_friction(&motion.at(lane), approach.normal.at(lane), solid[lane], (0.0, 0.0), &mut one);
+                    pocket.add_friction(&motion.at(lane), approach.normal.at(lane), solid[lane], (0.0, 0.0), &mut one);
                     load.put(lane, one);
                 }
             }
@@ -234,7 +236,7 @@ impl Pocket {
 
     /// Loads of the solid contacts [N].
     #[inline(always)]
-    fn solid_loads<const N: usize>(&self, approach: &Approach<Lanes<N>>) -> Lanes<N> {
+    fn solid_loads<const N: usize>(self, approach: &Approach<Lanes<N>>) -> Lanes<N> {
         let mut solid = Lanes::default();
         if !approach.distance.any(|distance| distance > self.clearance) {
             return solid;

@@ -18,7 +18,7 @@ use super::frames::Vector;
 use super::kinematics;
 use super::lubricant::Lubricant;
 use super::surface::SurfaceProfile;
-use crate::numerics::lanes::{Lanes, SideBySide, larger, side_by_side, smaller};
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, larger, side_by_side, smaller};
 
 /// Which parts of the contact a model contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,10 +32,21 @@ pub struct RacewayTerms {
     pub hydrodynamics: bool,
 }
 
-/// Constants of one raceway.
+/// One raceway.
 #[derive(Debug, Clone)]
 pub struct RacewayContact {
-    groove_centre_radius: f64,
+    groove: Groove,
+    traction: Traction,
+    strips: MirroredStrips,
+    /// As `strips`, each with the load of its image.
+    folded_strips: MirroredStrips,
+    surface: SurfaceProfile,
+}
+
+/// Constants of one raceway, and what follows from them for one ball.
+#[derive(Debug, Clone, Copy)]
+struct Groove {
+    centre_radius: f64,
     /// (f − ½) d: distance of ball and groove centre at touch [m].
     touch_distance: f64,
     ball_radius: f64,
@@ -43,14 +54,12 @@ pub struct RacewayContact {
     /// Semi-major axis over √δ: the contact's size follows from its elastic part.
     semi_major_factor: f64,
     damping: DampingFactor,
-    traction: Traction,
-    strips: MirroredStrips,
-    /// As `strips`, each with the load of its image.
-    folded_strips: MirroredStrips,
-    terms: RacewayTerms,
+    conformity: bool,
+    /// 1 where spin slips and has a moment, else 0.
+    spin: f64,
     film: Film,
     inlet: Inlet,
-    surface: SurfaceProfile,
+    hydrodynamics: bool,
 }
 
 /// Motion of a ball relative to the raceway's centre, in the contact's frame.
@@ -207,6 +216,21 @@ impl StripSums {
     }
 }
 
+/// Loads of balls side by side, to be compiled for each instruction set.
+struct Loads<'a, const PLANAR: bool> {
+    contact: &'a RacewayContact,
+    motion: &'a RelativeMotion<Lanes>,
+}
+
+impl<const PLANAR: bool> Task for Loads<'_, PLANAR> {
+    type Answer = RacewayLoad<Lanes>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        self.contact.loads_by::<PLANAR, LANES>(self.motion)
+    }
+}
+
 /// Largest share of the ball's radius that a contact reaches across the groove. Hertz has lost its
 /// meaning long before; the share keeps extreme scenes finite.
 const LARGEST_CONTACT: f64 = 0.95;
@@ -227,20 +251,29 @@ impl RacewayContact {
     ) -> PerRaceway<Self> {
         let p = &bearing.parameters;
         let hertz = raceway_contacts(bearing);
-        let one = |hertz: HertzContact, groove_centre_radius: f64, curvature: f64| Self {
-            groove_centre_radius,
-            touch_distance: (curvature - 0.5) * p.ball_diameter,
-            ball_radius: 0.5 * p.ball_diameter,
-            semi_major_factor: hertz.semi_axes(hertz.stiffness).0,
-            damping,
+        let one = |hertz: HertzContact, centre_radius: f64, curvature: f64| Self {
+            groove: Groove {
+                centre_radius,
+                touch_distance: (curvature - 0.5) * p.ball_diameter,
+                ball_radius: 0.5 * p.ball_diameter,
+                semi_major_factor: hertz.semi_axes(hertz.stiffness).0,
+                damping,
+                conformity: terms.conformity,
+                spin: if terms.spin { 1.0 } else { 0.0 },
+                film: Film::new(&hertz, lubricant.viscosity, lubricant.pressure_viscosity),
+                inlet: Inlet::new(
+                    &hertz,
+                    lubricant.viscosity,
+                    lubricant.meniscus(p.ball_diameter),
+                    0.5 * p.ball_diameter,
+                ),
+                hydrodynamics: terms.hydrodynamics,
+                hertz,
+            },
             traction: Traction::new(&lubricant.traction, lubricant.viscosity, lubricant.pressure_viscosity),
             strips: MirroredStrips::new(&Strips::new(terms.strips), 1.0),
             folded_strips: MirroredStrips::new(&Strips::new(terms.strips), 2.0),
-            terms,
-            film: Film::new(&hertz, lubricant.viscosity, lubricant.pressure_viscosity),
-            inlet: Inlet::new(&hertz, lubricant.viscosity, lubricant.meniscus(p.ball_diameter), 0.5 * p.ball_diameter),
             surface: SurfaceProfile::None,
-            hertz,
         };
         PerRaceway {
             inner: one(hertz.inner, bearing.groove_centre_radius.inner, p.groove_curvature.inner),
@@ -256,52 +289,50 @@ impl RacewayContact {
 
     /// The elastic contact.
     pub fn hertz(&self) -> &HertzContact {
-        &self.hertz
+        &self.groove.hertz
     }
 
     /// Distance of ball and groove centre at which they touch, (f − ½) d [m].
     pub fn touch_distance(&self) -> f64 {
-        self.touch_distance
+        self.groove.touch_distance
     }
 
     /// Penetration [m] and unit vector from the ball towards the contact, in the meridian plane (axial, radial).
-    #[inline(always)]
     pub fn penetration<const PLANAR: bool>(&self, axial: f64, radius: f64) -> (f64, (f64, f64)) {
-        let radial = radius - self.groove_centre_radius;
-        if PLANAR {
-            (radial.abs() - self.touch_distance, (0.0, 1.0_f64.copysign(radial)))
-        } else {
-            let distance = (axial * axial + radial * radial).sqrt();
-            // At the groove's centre there is no direction, and no contact.
-            let inverse = 1.0 / larger(distance, f64::MIN_POSITIVE);
-            (distance - self.touch_distance, (axial * inverse, radial * inverse))
-        }
+        self.groove.penetration::<PLANAR>(axial, radius)
     }
 
     /// Elastic normal load at a penetration [N], and its slope [N/m]; both 0 without contact.
-    #[inline(always)]
     pub fn elastic_load(&self, penetration: f64) -> (f64, f64) {
-        let root = larger(penetration, 0.0).sqrt();
-        (self.hertz.stiffness * root * root * root, 1.5 * self.hertz.stiffness * root)
+        self.groove.elastic_load(penetration)
     }
 
     /// Force and moment of the raceway on one ball.
     pub fn load<const PLANAR: bool>(&self, motion: &RelativeMotion) -> RacewayLoad {
         let mut one = RelativeMotion::<Lanes<1>>::default();
         one.put(0, *motion);
-        self.loads::<PLANAR, 1>(&one).at(0)
+        self.loads_by::<PLANAR, 1>(&one).at(0)
+    }
+
+    /// Forces and moments of the raceway on balls side by side, by a set of instructions.
+    pub fn loads<const PLANAR: bool>(
+        &self,
+        motion: &RelativeMotion<Lanes>,
+        instructions: InstructionSet,
+    ) -> RacewayLoad<Lanes> {
+        instructions.run(Loads::<PLANAR> { contact: self, motion })
     }
 
     /// Forces and moments of the raceway on the balls. `PLANAR`: nothing acts or moves along the axis, so the contact is
     /// symmetric across the groove and half of its strips will do.
     #[inline(always)]
-    pub fn loads<const PLANAR: bool, const N: usize>(
-        &self,
-        motion: &RelativeMotion<Lanes<N>>,
-    ) -> RacewayLoad<Lanes<N>> {
+    fn loads_by<const PLANAR: bool, const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> RacewayLoad<Lanes<N>> {
+        // A copy: what is stored in the loops cannot change it.
+        let groove = self.groove;
+        let surface = self.surface.heights_and_slopes(&motion.azimuth);
         let mut contact = Contact::<Lanes<N>>::default();
         for lane in 0..N {
-            contact.put(lane, self.contact::<PLANAR>(&motion.at(lane)));
+            contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), surface.at(lane)));
         }
         let mut load = RacewayLoad::<Lanes<N>>::default();
         if !contact.penetration.any(|penetration| penetration > 0.0) {
@@ -310,54 +341,17 @@ impl RacewayContact {
         }
         let sums = self.strip_sums::<PLANAR, N>(&contact, motion);
         for lane in 0..N {
-            load.put(lane, self.sum_of_loads(&contact.at(lane), &sums.at(lane)));
+            load.put(lane, groove.sum_of_loads(&contact.at(lane), &sums.at(lane)));
         }
-        if self.terms.hydrodynamics {
+        if groove.hydrodynamics {
             for lane in 0..N {
                 let contact = contact.at(lane);
                 let mut one = load.at(lane);
-                self.add_inlet(&contact, &motion.at(lane), &mut one);
+                groove.add_inlet(&contact, &motion.at(lane), &mut one);
                 load.put(lane, one);
             }
         }
         load
-    }
-
-    /// Geometry, normal load and slip of a contact; without penetration its load is 0.
-    #[inline(always)]
-    fn contact<const PLANAR: bool>(&self, motion: &RelativeMotion) -> Contact {
-        let (mut penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
-        let (towards_a, towards_r) = towards;
-        let [va, vr, vt] = motion.velocity;
-        let mut rate = if PLANAR { towards_r * vr } else { towards_a * va + towards_r * vr };
-        let turning = motion.orbit_speed - motion.raceway_speed;
-        penetration += self.surface.height(motion.azimuth);
-        rate += self.surface.slope(motion.azimuth) * turning;
-        let normal = normal_load(self.hertz.stiffness, penetration, rate, &self.damping);
-        let semi_major =
-            smaller(self.semi_major_factor * larger(penetration, 0.0).sqrt(), LARGEST_CONTACT * self.ball_radius);
-
-        let (across_a, across_r) = across(towards);
-        let [spin_a, spin_r, spin_t] = motion.spin;
-        let relative = motion.raceway_speed - spin_a;
-
-        let deformed = self.hertz.deformed_radius;
-        let semi_major_2 = semi_major * semi_major;
-        let edge = (self.ball_radius * self.ball_radius - semi_major_2).sqrt();
-        let shift = edge - (deformed * deformed - semi_major_2).sqrt();
-        Contact {
-            penetration,
-            normal,
-            towards,
-            semi_major,
-            shift,
-            apex: deformed + shift,
-            base: motion.raceway_speed * motion.radius - vt,
-            per_height: relative * towards_r + spin_r * towards_a,
-            per_place: if PLANAR || !self.terms.spin { 0.0 } else { relative * across_r + spin_r * across_a },
-            side: if PLANAR { 0.0 } else { -(va * across_a + vr * across_r) },
-            roll: if PLANAR { 0.0 } else { spin_t },
-        }
     }
 
     /// Traction over load, summed over the strips.
@@ -367,22 +361,22 @@ impl RacewayContact {
         contact: &Contact<Lanes<N>>,
         motion: &RelativeMotion<Lanes<N>>,
     ) -> StripSums<Lanes<N>> {
-        match &self.traction {
+        match self.traction {
             // The law of most scenes takes several strips at once.
-            Traction::RisingFromZero(law) => self.rising_sums::<PLANAR, N>(law, contact),
+            Traction::RisingFromZero(law) => self.rising_sums::<PLANAR, N>(&law, contact),
             Traction::StickingAtRest(law) => {
-                self.sums_by::<PLANAR, N>(contact, motion, |square, _| sticking(law, square.sqrt(), square))
+                self.sums_by::<PLANAR, N>(contact, motion, |square, _| sticking(&law, square.sqrt(), square))
             }
             Traction::SlideRollFromZero(law) => {
-                self.sums_by::<PLANAR, N>(contact, motion, |square, context| rolling(law, square, context))
+                self.sums_by::<PLANAR, N>(contact, motion, |square, context| rolling(&law, square, context))
             }
             Traction::SlideRollAtRest(law) => {
-                self.sums_by::<PLANAR, N>(contact, motion, |square, context| rolling_at_rest(law, square, context))
+                self.sums_by::<PLANAR, N>(contact, motion, |square, context| rolling_at_rest(&law, square, context))
             }
             Traction::Eyring(law) => {
-                self.sums_by::<PLANAR, N>(contact, motion, |square, context| eyring(law, square, context))
+                self.sums_by::<PLANAR, N>(contact, motion, |square, context| eyring(&law, square, context))
             }
-            Traction::Coulomb(law) => self.sums_by::<PLANAR, N>(contact, motion, |square, _| coulomb(law, square)),
+            Traction::Coulomb(law) => self.sums_by::<PLANAR, N>(contact, motion, |square, _| coulomb(&law, square)),
         }
     }
 
@@ -423,10 +417,11 @@ impl RacewayContact {
         strips: &[Strip; P],
         sums: &mut StripSums<Lanes<N>>,
     ) {
+        let (groove, law) = (self.groove, *law);
         for lane in 0..N {
-            let slip = self.slip::<P, S>(&contact.at(lane), strips);
+            let slip = groove.slip::<P, S>(&contact.at(lane), strips);
             let mut sum = sums.at(lane);
-            sum.add(&slip, strips, rising(law, slip.squares()));
+            sum.add(&slip, strips, rising(&law, slip.squares()));
             sums.put(lane, sum);
         }
     }
@@ -442,8 +437,9 @@ impl RacewayContact {
         // In place of each strip's pressure, p₀.
         let mut context = TractionContext::<Lanes<N>>::default();
         if self.traction.needs_context() {
+            let groove = self.groove;
             for lane in 0..N {
-                context.put(lane, self.context(&contact.at(lane), &motion.at(lane)));
+                context.put(lane, groove.context(&contact.at(lane), &motion.at(lane)));
             }
         }
         let strips = if PLANAR { &self.folded_strips } else { &self.strips };
@@ -470,8 +466,9 @@ impl RacewayContact {
         strip: &Strip,
         sums: &mut StripSums<Lanes<N>>,
     ) {
+        let groove = self.groove;
         for lane in 0..N {
-            let slip = self.slip::<1, S>(&contact.at(lane), &[*strip]);
+            let slip = groove.slip::<1, S>(&contact.at(lane), &[*strip]);
             let whole = context.at(lane);
             let context = TractionContext { pressure: strip.pressure * whole.pressure, ..whole };
             let squares = slip.squares();
@@ -481,17 +478,82 @@ impl RacewayContact {
         }
     }
 
+    /// Minimum film thickness of a loaded contact [m]; 0 without a film.
+    pub fn minimum_film(&self, motion: &RelativeMotion, load: &RacewayLoad) -> f64 {
+        let groove = &self.groove;
+        let (_, (towards_a, towards_r)) = groove.penetration::<false>(motion.axial, motion.radius);
+        let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
+        let rolling = groove.rolling_velocity(motion, per_height, groove.ball_radius);
+        groove.film.minimum(rolling, load.normal)
+    }
+}
+
+impl Groove {
+    /// Penetration [m] and unit vector from the ball towards the contact, in the meridian plane (axial, radial).
+    #[inline(always)]
+    fn penetration<const PLANAR: bool>(&self, axial: f64, radius: f64) -> (f64, (f64, f64)) {
+        let radial = radius - self.centre_radius;
+        if PLANAR {
+            (radial.abs() - self.touch_distance, (0.0, 1.0_f64.copysign(radial)))
+        } else {
+            let distance = (axial * axial + radial * radial).sqrt();
+            // At the groove's centre there is no direction, and no contact.
+            let inverse = 1.0 / larger(distance, f64::MIN_POSITIVE);
+            (distance - self.touch_distance, (axial * inverse, radial * inverse))
+        }
+    }
+
+    /// Elastic normal load at a penetration [N], and its slope [N/m]; both 0 without contact.
+    #[inline(always)]
+    fn elastic_load(&self, penetration: f64) -> (f64, f64) {
+        let root = larger(penetration, 0.0).sqrt();
+        (self.hertz.stiffness * root * root * root, 1.5 * self.hertz.stiffness * root)
+    }
+
+    /// Geometry, normal load and slip of a contact; without penetration its load is 0.
+    #[inline(always)]
+    fn contact<const PLANAR: bool>(&self, motion: &RelativeMotion, (height, slope): (f64, f64)) -> Contact {
+        let (mut penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
+        let (towards_a, towards_r) = towards;
+        let [va, vr, vt] = motion.velocity;
+        let mut rate = if PLANAR { towards_r * vr } else { towards_a * va + towards_r * vr };
+        let turning = motion.orbit_speed - motion.raceway_speed;
+        penetration += height;
+        rate += slope * turning;
+        let normal = normal_load(self.hertz.stiffness, penetration, rate, &self.damping);
+        let semi_major =
+            smaller(self.semi_major_factor * larger(penetration, 0.0).sqrt(), LARGEST_CONTACT * self.ball_radius);
+
+        let (across_a, across_r) = across(towards);
+        let [spin_a, spin_r, spin_t] = motion.spin;
+        let relative = motion.raceway_speed - spin_a;
+
+        let deformed = self.hertz.deformed_radius;
+        let semi_major_2 = semi_major * semi_major;
+        let edge = (self.ball_radius * self.ball_radius - semi_major_2).sqrt();
+        let shift = edge - (deformed * deformed - semi_major_2).sqrt();
+        Contact {
+            penetration,
+            normal,
+            towards,
+            semi_major,
+            shift,
+            apex: deformed + shift,
+            base: motion.raceway_speed * motion.radius - vt,
+            per_height: relative * towards_r + spin_r * towards_a,
+            per_place: if PLANAR { 0.0 } else { self.spin * (relative * across_r + spin_r * across_a) },
+            side: if PLANAR { 0.0 } else { -(va * across_a + vr * across_r) },
+            roll: if PLANAR { 0.0 } else { spin_t },
+        }
+    }
+
     /// Slip in `P` strips, and in the images of the first `S − P`.
     #[inline(always)]
     fn slip<const P: usize, const S: usize>(&self, c: &Contact, strips: &[Strip; P]) -> StripSlip<P, S> {
         let deformed_2 = self.hertz.deformed_radius * self.hertz.deformed_radius;
         let place: [f64; P] = from_fn(|k| strips[k].position * c.semi_major);
         let height: [f64; P] =
-            from_fn(
-                |k| {
-                    if self.terms.conformity { (deformed_2 - place[k] * place[k]).sqrt() + c.shift } else { c.apex }
-                },
-            );
+            from_fn(|k| if self.conformity { (deformed_2 - place[k] * place[k]).sqrt() + c.shift } else { c.apex });
         let mean: [f64; P] = from_fn(|k| c.base + height[k] * c.per_height);
         let half: [f64; P] = from_fn(|k| place[k] * c.per_place);
         StripSlip {
@@ -512,7 +574,7 @@ impl RacewayContact {
         let across = sums.across * normal;
         let along_moment = sums.along_moment * normal;
         let across_moment = sums.across_moment * normal;
-        let spin_moment = sums.spin_moment * if self.terms.spin { normal } else { 0.0 };
+        let spin_moment = sums.spin_moment * normal * self.spin;
         RacewayLoad {
             penetration: c.penetration,
             normal,
@@ -545,7 +607,7 @@ impl RacewayContact {
     #[inline(always)]
     fn rolling_velocity(&self, motion: &RelativeMotion, per_height: f64, apex: f64) -> f64 {
         // Raceway: (ω − θ̇)(r' + h m_r); the ball moves slower by the slip.
-        let towards_r = 1.0_f64.copysign(motion.radius - self.groove_centre_radius);
+        let towards_r = 1.0_f64.copysign(motion.radius - self.centre_radius);
         let raceway = (motion.raceway_speed - motion.orbit_speed) * (motion.radius + apex * towards_r);
         let slip = motion.raceway_speed * motion.radius - motion.velocity[2] + apex * per_height;
         raceway - 0.5 * slip
@@ -560,14 +622,6 @@ impl RacewayContact {
             pressure: self.hertz.max_pressure(self.elastic_load(c.penetration).0),
             film_thickness: self.film.central(rolling, c.normal),
         }
-    }
-
-    /// Minimum film thickness of a loaded contact [m]; 0 without a film.
-    pub fn minimum_film(&self, motion: &RelativeMotion, load: &RacewayLoad) -> f64 {
-        let (_, (towards_a, towards_r)) = self.penetration::<false>(motion.axial, motion.radius);
-        let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
-        let rolling = self.rolling_velocity(motion, per_height, self.ball_radius);
-        self.film.minimum(rolling, load.normal)
     }
 }
 

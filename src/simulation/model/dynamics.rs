@@ -92,11 +92,11 @@ impl Reaction {
     }
 }
 
-impl<const N: usize> Reaction<Lanes<N>> {
+impl Reaction<Lanes> {
     /// Adds those of the first `balls` lanes to `sum`, one ball after the other.
     #[inline(always)]
     pub(super) fn sum_into(&self, sum: &mut Reaction, balls: usize) {
-        for lane in 0..N.min(balls) {
+        for lane in 0..LANES.min(balls) {
             sum.add(&self.at(lane));
         }
     }
@@ -177,21 +177,21 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         self.instructions.run(Evaluation { dynamics: self, time, y, dy, watch });
     }
 
-    /// `evaluate`, `N` balls side by side.
+    /// `evaluate`, `LANES` balls side by side.
     #[inline(always)]
-    fn evaluate_by<const N: usize>(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
+    fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
         let m = &self.mechanism;
         let shaft = m.speed.at(time);
         let (spindle, cage) = (m.layout.spindle(y), m.layout.cage(y));
         let pose = self.cage_pose(&cage, shaft);
         let mut sum = Reaction::default();
-        for first in (0..m.layout.balls).step_by(N) {
-            let state = m.layout.side_by_side::<PLANAR, N>(y, first);
-            let motion = self.ball_motions::<N>(first, &state, shaft);
+        for first in (0..m.layout.balls).step_by(LANES) {
+            let state = m.layout.side_by_side::<PLANAR, LANES>(y, first);
+            let motion = self.ball_motions(first, &state, shaft);
             let contacts = self.contacts(first, &motion, &spindle, &pose, shaft, watch.as_deref_mut());
             contacts.reaction.sum_into(&mut sum, m.layout.balls - first);
             let rates = self.ball_rates(&state, &motion, contacts.wrench, shaft);
-            m.layout.set_side_by_side::<PLANAR, N>(dy, first, &rates);
+            m.layout.set_side_by_side::<PLANAR, LANES>(dy, first, &rates);
         }
         m.layout.set_cage(dy, &self.cage_rates(&cage, &pose, &sum, shaft));
         m.layout.set_spindle(dy, &self.spindle_rates(&spindle, sum.spindle, shaft));
@@ -199,17 +199,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// All contacts of the balls from `first` on.
     #[inline(always)]
-    pub(super) fn contacts<const N: usize>(
+    pub(super) fn contacts(
         &self,
         first: usize,
-        motion: &BallMotion<Lanes<N>>,
+        motion: &BallMotion<Lanes>,
         spindle: &SpindleState,
         pose: &CagePose,
         shaft: Shaft,
         mut watch: Option<&mut (dyn Watch + '_)>,
-    ) -> Contacts<Lanes<N>> {
+    ) -> Contacts<Lanes> {
         let layout = &self.mechanism.layout;
-        let watched = N.min(layout.balls - first);
+        let watched = LANES.min(layout.balls - first);
         let outer = self.outer(motion);
         let inner = self.inner(motion, spindle, shaft);
         let mut all = Contacts { inner: inner.wrench, ..Contacts::default() };
@@ -222,7 +222,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 (0..watched).for_each(|lane| watch.pocket(first + lane, &pocket.load.at(lane)));
             }
         }
-        for lane in 0..N {
+        for lane in 0..LANES {
             all.wrench.put(lane, inner.wrench.at(lane).and(outer.wrench.at(lane)).and(all.pocket.at(lane)));
         }
         if let Some(watch) = watch {
@@ -238,21 +238,21 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     #[inline(always)]
-    pub(super) fn ball_motions<const N: usize>(
+    pub(super) fn ball_motions(
         &self,
         first: usize,
-        state: &BallState<Lanes<N>>,
+        state: &BallState<Lanes>,
         (angle, speed, _): Shaft,
-    ) -> BallMotion<Lanes<N>> {
+    ) -> BallMotion<Lanes> {
         let m = &self.mechanism;
-        let start = Lanes::<N>::of(&m.start.angle, first);
-        let (per_radius, orbit_angle, orbit_speed) =
-            (1.0 / m.pitch_radius, m.orbit_ratio * angle, m.orbit_ratio * speed);
+        let start: Lanes = Lanes::of(&m.start.angle, first);
+        let (pitch_radius, ideal_spin) = (m.pitch_radius, m.spin_ratio * speed);
+        let (per_radius, orbit_angle, orbit_speed) = (1.0 / pitch_radius, m.orbit_ratio * angle, m.orbit_ratio * speed);
         let mut motion = BallMotion::default();
-        for lane in 0..N {
+        for lane in 0..LANES {
             let state = state.at(lane);
             let azimuth = start[lane] + orbit_angle + state.arc * per_radius;
-            let radius = m.pitch_radius + state.radial;
+            let radius = pitch_radius + state.radial;
             let orbit_speed = orbit_speed + state.arc_velocity * per_radius;
             motion.put(
                 lane,
@@ -263,7 +263,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     radius,
                     orbit_speed,
                     velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
-                    spin: [state.spin[0] + m.spin_ratio * speed, state.spin[1], state.spin[2]],
+                    spin: [state.spin[0] + ideal_spin, state.spin[1], state.spin[2]],
                 },
             );
         }
@@ -272,7 +272,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// The outer raceway on the balls.
     #[inline(always)]
-    pub(super) fn outer<const N: usize>(&self, motion: &BallMotion<Lanes<N>>) -> OnRaceway<Lanes<N>> {
+    pub(super) fn outer(&self, motion: &BallMotion<Lanes>) -> OnRaceway<Lanes> {
         let relative = RelativeMotion {
             axial: motion.axial,
             radius: motion.radius,
@@ -282,19 +282,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle,
         };
-        let load = self.mechanism.raceway.outer.loads::<PLANAR, N>(&relative);
+        let load = self.mechanism.raceway.outer.loads::<PLANAR>(&relative, self.instructions);
         let wrench = Wrench { force: load.force, moment: load.moment };
         OnRaceway { relative, load, wrench, reaction: Default::default() }
     }
 
     /// The inner raceway on the balls, and the balls on the spindle.
     #[inline(always)]
-    pub(super) fn inner<const N: usize>(
-        &self,
-        motion: &BallMotion<Lanes<N>>,
-        spindle: &SpindleState,
-        shaft: Shaft,
-    ) -> OnRaceway<Lanes<N>> {
+    pub(super) fn inner(&self, motion: &BallMotion<Lanes>, spindle: &SpindleState, shaft: Shaft) -> OnRaceway<Lanes> {
         match self.tilted_axis {
             None => self.inner_in(motion, spindle, shaft, StraightFrame::new),
             Some(axis) => self.inner_in(motion, spindle, shaft, |azimuth: Azimuth, from_centre| {
@@ -304,24 +299,22 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     #[inline(always)]
-    fn inner_in<const N: usize, F: ContactFrame>(
+    fn inner_in<F: ContactFrame>(
         &self,
-        motion: &BallMotion<Lanes<N>>,
+        motion: &BallMotion<Lanes>,
         spindle: &SpindleState,
         (angle, speed, _): Shaft,
         frame: impl Fn(Azimuth, Vector) -> F,
-    ) -> OnRaceway<Lanes<N>>
-    where
-        F::Several<N>: SideBySide<One = F> + Default,
-    {
+    ) -> OnRaceway<Lanes> {
         let m = &self.mechanism;
         let position = [spindle.position[0] + m.axial_offset, spindle.position[1], spindle.position[2]];
-        let mut on = OnRaceway::<Lanes<N>>::default();
-        let mut frames = F::Several::<N>::default();
-        for lane in 0..N {
+        let spindle_velocity = spindle.velocity;
+        let mut on = OnRaceway::<Lanes>::default();
+        let mut frames = F::Several::default();
+        for lane in 0..LANES {
             let motion = motion.at(lane);
             let centre = motion.azimuth.to_orbit(position);
-            let velocity = motion.azimuth.to_orbit(spindle.velocity);
+            let velocity = motion.azimuth.to_orbit(spindle_velocity);
             let frame = frame(motion.azimuth, [motion.axial - centre[0], motion.radius - centre[1], -centre[2]]);
             let (axial, radius) = frame.place();
             on.relative.put(
@@ -338,8 +331,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             );
             frames.put(lane, frame);
         }
-        on.load = m.raceway.inner.loads::<PLANAR, N>(&on.relative);
-        for lane in 0..N {
+        on.load = m.raceway.inner.loads::<PLANAR>(&on.relative, self.instructions);
+        for lane in 0..LANES {
             let (frame, load) = (frames.at(lane), on.load.at(lane));
             let force = frame.vector(load.force);
             on.wrench.put(lane, Wrench { force, moment: frame.vector(load.moment) });
@@ -367,39 +360,36 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// The pockets on their balls, and the balls on the cage.
     #[inline(always)]
-    pub(super) fn pockets<const N: usize>(
-        &self,
-        first: usize,
-        motion: &BallMotion<Lanes<N>>,
-        cage: &CagePose,
-    ) -> OnCage<Lanes<N>> {
+    pub(super) fn pockets(&self, first: usize, motion: &BallMotion<Lanes>, cage: &CagePose) -> OnCage<Lanes> {
         let m = &self.mechanism;
-        let start = Azimuth { cosine: Lanes::<N>::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
-        let tilt = &cage.motion.tilt;
-        let mut places = [Lanes::<N>::default(); 3];
-        let mut relative = PocketMotion::<Lanes<N>>::default();
+        let start: Azimuth<Lanes> = Azimuth { cosine: Lanes::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
+        let (CageMotion { centre, velocity: cage_velocity, tilt, spin: cage_spin }, cage_azimuth) =
+            (cage.motion, cage.azimuth);
+        let pocket_centre = [m.cage.offset, m.pitch_radius, 0.0];
+        let mut places = [<Lanes>::default(); 3];
+        let mut relative = PocketMotion::<Lanes>::default();
         // All in the cage's tilted frame, from its centre of mass.
-        for lane in 0..N {
+        for lane in 0..LANES {
             let motion = motion.at(lane);
             let azimuth = motion.azimuth;
             let place = azimuth.to_inertial([motion.axial, motion.radius, 0.0]);
-            let ball_place = tilt.to_tilted(subtract(place, cage.motion.centre));
-            let pocket_azimuth = cage.azimuth.turned(start.at(lane));
-            let pocket_place = pocket_azimuth.to_inertial([m.cage.offset, m.pitch_radius, 0.0]);
-            let velocity = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), cage.motion.velocity));
+            let ball_place = tilt.to_tilted(subtract(place, centre));
+            let pocket_azimuth = cage_azimuth.turned(start.at(lane));
+            let pocket_place = pocket_azimuth.to_inertial(pocket_centre);
+            let velocity = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), cage_velocity));
             places.put(lane, ball_place);
             relative.put(
                 lane,
                 PocketMotion {
                     displacement: subtract(ball_place, pocket_place),
-                    velocity: subtract(velocity, cross(cage.motion.spin, ball_place)),
-                    spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), cage.motion.spin),
+                    velocity: subtract(velocity, cross(cage_spin, ball_place)),
+                    spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), cage_spin),
                 },
             );
         }
         let load = m.pocket.loads(&relative);
         let mut on = OnCage { load, ..OnCage::default() };
-        for lane in 0..N {
+        for lane in 0..LANES {
             let (azimuth, load) = (motion.azimuth.at(lane), load.at(lane));
             let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
             on.wrench.put(lane, Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) });
@@ -411,34 +401,35 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// Rates of the balls' states under the forces and moments of their contacts, with drag and gravity added.
     #[inline(always)]
-    pub(super) fn ball_rates<const N: usize>(
+    pub(super) fn ball_rates(
         &self,
-        state: &BallState<Lanes<N>>,
-        motion: &BallMotion<Lanes<N>>,
-        mut wrench: Wrench<Lanes<N>>,
+        state: &BallState<Lanes>,
+        motion: &BallMotion<Lanes>,
+        mut wrench: Wrench<Lanes>,
         (_, _, acceleration): Shaft,
-    ) -> BallState<Lanes<N>> {
+    ) -> BallState<Lanes> {
         let m = &self.mechanism;
-        if let Some(drag) = &m.drag {
-            for lane in 0..N {
-                wrench.force[2][lane] += drag.force(m.pitch_radius * motion.orbit_speed[lane]);
+        let (mass, inertia, pitch_radius) = (m.ball_mass, m.ball_inertia, m.pitch_radius);
+        let (orbit_acceleration, spin_acceleration) = (m.orbit_ratio * acceleration, m.spin_ratio * acceleration);
+        if let Some(drag) = m.drag {
+            for lane in 0..LANES {
+                wrench.force[2][lane] += drag.force(pitch_radius * motion.orbit_speed[lane]);
             }
         }
-        if let Some(churning) = &m.churning {
-            for lane in 0..N {
+        if let Some(churning) = m.churning {
+            for lane in 0..LANES {
                 let moment = add(wrench.moment.at(lane), churning.churning_moment(motion.spin.at(lane)));
                 wrench.moment.put(lane, moment);
             }
         }
         let weight = m.ball_mass * m.gravity;
         let mut rates = BallState::default();
-        for lane in 0..N {
+        for lane in 0..LANES {
             let (state, motion) = (state.at(lane), motion.at(lane));
             let Wrench { mut force, moment } = wrench.at(lane);
             force[1] += weight * motion.azimuth.cosine;
             force[2] -= weight * motion.azimuth.sine;
-            let BallAcceleration { axial, radial, azimuthal, spin } =
-                motion.acceleration(force, moment, m.ball_mass, m.ball_inertia);
+            let BallAcceleration { axial, radial, azimuthal, spin } = motion.acceleration(force, moment, mass, inertia);
             rates.put(
                 lane,
                 BallState {
@@ -447,8 +438,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     arc: state.arc_velocity,
                     axial_velocity: axial,
                     radial_velocity: radial,
-                    arc_velocity: m.pitch_radius * (azimuthal - m.orbit_ratio * acceleration),
-                    spin: [spin[0] - m.spin_ratio * acceleration, spin[1], spin[2]],
+                    arc_velocity: pitch_radius * (azimuthal - orbit_acceleration),
+                    spin: [spin[0] - spin_acceleration, spin[1], spin[2]],
                 },
             );
         }
@@ -527,7 +518,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
 /// Where a ball sits on the inner raceway: place and axes of the contact's frame, in the orbit frame.
 trait ContactFrame: Copy {
-    type Several<const N: usize>;
+    type Several: SideBySide<One = Self> + Default;
     /// Along the raceway's axis and from it.
     fn place(&self) -> (f64, f64);
     /// A vector of the orbit frame, in the contact's.
@@ -556,7 +547,7 @@ impl StraightFrame {
 }
 
 impl ContactFrame for StraightFrame {
-    type Several<const N: usize> = StraightFrame<Lanes<N>>;
+    type Several = StraightFrame<Lanes>;
 
     #[inline(always)]
     fn place(&self) -> (f64, f64) {
@@ -597,7 +588,7 @@ impl TiltedFrame {
 }
 
 impl ContactFrame for TiltedFrame {
-    type Several<const N: usize> = TiltedFrame<Lanes<N>>;
+    type Several = TiltedFrame<Lanes>;
 
     #[inline(always)]
     fn place(&self) -> (f64, f64) {
@@ -629,7 +620,7 @@ impl<const PLANAR: bool> Task for Evaluation<'_, '_, PLANAR> {
 
     #[inline(always)]
     fn run(self) {
-        self.dynamics.evaluate_by::<LANES>(self.time, self.y, self.dy, self.watch);
+        self.dynamics.evaluate_by(self.time, self.y, self.dy, self.watch);
     }
 }
 

@@ -36,7 +36,7 @@ impl<const PLANAR: bool> Task for Differences<'_, PLANAR> {
 
     #[inline(always)]
     fn run(self) {
-        self.dynamics.differences_by::<LANES>(self.time, self.state, self.jacobian);
+        self.dynamics.differences_by(self.time, self.state, self.jacobian);
     }
 }
 
@@ -50,7 +50,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     #[inline(always)]
-    fn differences_by<const N: usize>(&self, time: f64, state: &[f64], jacobian: &mut Jacobian) {
+    fn differences_by(&self, time: f64, state: &[f64], jacobian: &mut Jacobian) {
         let layout = self.mechanism().layout;
         let (block, border) = (layout.ball_size(), layout.border_size());
         let (of_ball, of_border) = self.displacements().split_at(block);
@@ -70,19 +70,27 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let mut sum = Reaction::default();
         let mut sums = [Reaction::default(); MAX_BORDER];
 
-        for first in (0..layout.balls).step_by(N) {
-            let count = N.min(layout.balls - first);
-            let own = layout.side_by_side::<PLANAR, N>(state, first);
-            let (motion, contacts, rates) = self.balls(first, &own, &at_rest);
-            let before = rates.entries(PLANAR);
-            contacts.reaction.sum_into(&mut sum, count);
-            for column in 0..block {
-                let by = of_ball[column];
+        for first in (0..layout.balls).step_by(LANES) {
+            let count = LANES.min(layout.balls - first);
+            let own = layout.side_by_side::<PLANAR, LANES>(state, first);
+            let (mut motion, mut contacts) = (BallMotion::default(), Contacts::default());
+            let mut before = [<Lanes>::default(); 9];
+            // Undisplaced first, then by one entry after the other.
+            for displaced in std::iter::once(None).chain((0..block).map(Some)) {
                 let mut entries = own.entries(PLANAR);
-                entries[column].0.iter_mut().for_each(|entry| *entry += by);
-                let moved = BallState::from_entries(entries, PLANAR);
-                let (_, moved, rates) = self.balls(first, &moved, &at_rest);
-                let after = rates.entries(PLANAR);
+                if let Some(column) = displaced {
+                    entries[column].0.iter_mut().for_each(|entry| *entry += of_ball[column]);
+                }
+                let state = BallState::from_entries(entries, PLANAR);
+                let moving = self.ball_motions(first, &state, shaft);
+                let moved = self.contacts(first, &moving, &at_rest.spindle, &at_rest.pose, shaft, None);
+                let after = self.ball_rates(&state, &moving, moved.wrench, shaft).entries(PLANAR);
+                let Some(column) = displaced else {
+                    (motion, contacts, before) = (moving, moved, after);
+                    contacts.reaction.sum_into(&mut sum, count);
+                    continue;
+                };
+                let by = of_ball[column];
                 for lane in 0..count {
                     let part = jacobian.block_mut(first + lane);
                     for row in 0..block {
@@ -110,7 +118,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     (&contacts.inner, inner.wrench)
                 };
                 let mut wrench = contacts.wrench;
-                for lane in 0..N {
+                for lane in 0..LANES {
                     wrench.put(lane, wrench.at(lane).and(is.at(lane).less(&was.at(lane))));
                 }
                 reaction.sum_into(&mut sums[column], count);
@@ -139,20 +147,6 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let alone = self.mechanism().layout.without_balls();
         let cage = alone.cage(entries);
         Border { pose: self.cage_pose(&cage, shaft), cage, spindle: alone.spindle(entries), shaft }
-    }
-
-    /// Balls in a state: their motion, what acts on them and what they pass on, their rates.
-    #[inline(always)]
-    fn balls<const N: usize>(
-        &self,
-        first: usize,
-        state: &BallState<Lanes<N>>,
-        border: &Border,
-    ) -> (BallMotion<Lanes<N>>, Contacts<Lanes<N>>, BallState<Lanes<N>>) {
-        let motion = self.ball_motions::<N>(first, state, border.shaft);
-        let contacts = self.contacts(first, &motion, &border.spindle, &border.pose, border.shaft, None);
-        let rates = self.ball_rates(state, &motion, contacts.wrench, border.shaft);
-        (motion, contacts, rates)
     }
 
     /// Rates of cage and spindle under a reaction, in their order.
