@@ -56,13 +56,13 @@ const RISE: [f64; 11] = [
     4.445_537_228_154_442_6e-10,
 ];
 
-/// 1 − e^(−x) and e^(−x) of several x ≥ 0, each to about 2 units in the last place, near 0 and far from it.
+/// 1 − 2^(−x) and 2^(−x) of several x ≥ 0, to about 2 units in the last place, the first near 0, too.
 ///
-/// x log₂ e = n + f, |f| ≤ ½; 1 − 2^(−n) 2^(−f) = 2^(−n) (1 − 2^(−f)) + (1 − 2^(−n)), whose second part vanishes for small x.
+/// x = n + f, |f| ≤ ½; 1 − 2^(−n) 2^(−f) = 2^(−n) (1 − 2^(−f)) + (1 − 2^(−n)), whose second part vanishes for small x.
 /// Step by step for all of them: while one waits for its last step, the processor does that of another.
 #[inline(always)]
-pub fn saturations<const S: usize>(x: [f64; S]) -> ([f64; S], [f64; S]) {
-    let z: [f64; S] = from_fn(|k| smaller(x[k] * std::f64::consts::LOG2_E, 1000.0));
+pub fn binary_saturations<const S: usize>(x: [f64; S]) -> ([f64; S], [f64; S]) {
+    let z: [f64; S] = from_fn(|k| smaller(x[k], 1000.0));
     let shifted: [f64; S] = from_fn(|k| z[k] + ROUND);
     let f: [f64; S] = from_fn(|k| z[k] - (shifted[k] - ROUND));
     let linear = |i: usize| -> [f64; S] { from_fn(|k| RISE[i] + RISE[i + 1] * f[k]) };
@@ -82,7 +82,7 @@ pub fn saturations<const S: usize>(x: [f64; S]) -> ([f64; S], [f64; S]) {
 /// 1 − e^(−x), x ≥ 0.
 #[inline(always)]
 pub fn saturation(x: f64) -> f64 {
-    saturations([x]).0[0]
+    binary_saturations([x * std::f64::consts::LOG2_E]).0[0]
 }
 
 /// tanh x for x ≥ 0: 1 − e^(−2x) over 1 + e^(−2x).
@@ -168,7 +168,7 @@ mod tests {
                 assert!((found / expected - 1.0).abs() < ulps * f64::EPSILON, "{x}: {found:e} {expected:e}");
             };
             close(saturation(x), -f64::exp_m1(-x), 3.0);
-            let decay = saturations([x]).1[0];
+            let decay = binary_saturations([x * std::f64::consts::LOG2_E]).1[0];
             assert!((decay - f64::exp(-x)).abs() < 1e-13 * f64::exp(-x) + 1e-300, "{x}: {decay:e}");
             close(hyperbolic_tangent(x), f64::tanh(x), 6.0);
             close(logarithm_of_one_plus(x), f64::ln_1p(x), 3.0);
@@ -179,6 +179,6 @@ mod tests {
         }
         assert_eq!((saturation(0.0), hyperbolic_tangent(0.0), power(0.0, 0.67)), (0.0, 0.0, 0.0));
         assert_eq!((logarithm(1.0), logarithm_of_one_plus(0.0), saturation(1e300)), (0.0, 0.0, 1.0));
-        assert_eq!(saturations([0.5, 3.0]).0, [saturation(0.5), saturation(3.0)]);
+        assert_eq!(binary_saturations([1.0, 2.0]), ([0.5, 0.75], [0.5, 0.25]));
     }
 }

@@ -11,7 +11,7 @@ use super::contact::damping::{DampingFactor, normal_load};
 use super::contact::film::{Film, Inlet};
 use super::contact::hertz::{HertzContact, raceway_contacts};
 use super::contact::traction::{
-    FourParameters, MAX_STRIPS, Strip, Strips, Traction, TractionContext, coulomb, eyring, rising, rolling,
+    FourParameters, MAX_STRIPS, Strip, Strips, TINY, Traction, TractionContext, coulomb, eyring, rising, rolling,
     rolling_at_rest, sticking,
 };
 use super::frames::Vector;
@@ -141,6 +141,7 @@ struct Contact<T = f64> {
     /// Unit vector from the ball towards the contact, axial and radial.
     towards: (T, T),
     semi_major: T,
+    semi_major_2: T,
     /// Height of the deformed surface over the ball's centre, h(η) = √(R_d² − η²) + shift, and h(0).
     shift: T,
     apex: T,
@@ -155,6 +156,7 @@ side_by_side!(Contact {
     normal,
     towards,
     semi_major,
+    semi_major_2,
     shift,
     apex,
     base,
@@ -184,9 +186,10 @@ struct StripSlip<const P: usize, const S: usize> {
 }
 
 impl<const P: usize, const S: usize> StripSlip<P, S> {
+    /// Squared slip, above 0 by next to nothing, so that a law may divide by it.
     #[inline(always)]
     fn squares(&self) -> [f64; S] {
-        let across: [f64; P] = from_fn(|k| self.across[k] * self.across[k]);
+        let across: [f64; P] = from_fn(|k| self.across[k] * self.across[k] + TINY);
         from_fn(|k| self.along[k] * self.along[k] + across[k % P])
     }
 }
@@ -218,7 +221,7 @@ impl StripSums {
 
 /// Loads of balls side by side, to be compiled for each instruction set.
 struct Loads<'a, const PLANAR: bool> {
-    contact: &'a RacewayContact,
+    raceway: &'a RacewayContact,
     motion: &'a RelativeMotion<Lanes>,
 }
 
@@ -227,7 +230,30 @@ impl<const PLANAR: bool> Task for Loads<'_, PLANAR> {
 
     #[inline(always)]
     fn run(self) -> Self::Answer {
-        self.contact.loads_by::<PLANAR, LANES>(self.motion)
+        let contact = self.raceway.contacts::<PLANAR, LANES>(self.motion);
+        self.raceway.loads_of::<PLANAR, LANES>(&contact, self.motion)
+    }
+}
+
+/// The same of both raceways.
+struct PairOfLoads<'a, const PLANAR: bool> {
+    raceway: &'a PerRaceway<RacewayContact>,
+    motion: &'a PerRaceway<RelativeMotion<Lanes>>,
+}
+
+impl<const PLANAR: bool> Task for PairOfLoads<'_, PLANAR> {
+    type Answer = PerRaceway<RacewayLoad<Lanes>>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        let Self { raceway, motion } = self;
+        // Both geometries first: each is a chain of roots, and two chains take no longer than one.
+        let outer = raceway.outer.contacts::<PLANAR, LANES>(&motion.outer);
+        let inner = raceway.inner.contacts::<PLANAR, LANES>(&motion.inner);
+        PerRaceway {
+            inner: raceway.inner.loads_of::<PLANAR, LANES>(&inner, &motion.inner),
+            outer: raceway.outer.loads_of::<PLANAR, LANES>(&outer, &motion.outer),
+        }
     }
 }
 
@@ -311,43 +337,60 @@ impl RacewayContact {
     pub fn load<const PLANAR: bool>(&self, motion: &RelativeMotion) -> RacewayLoad {
         let mut one = RelativeMotion::<Lanes<1>>::default();
         one.put(0, *motion);
-        self.loads_by::<PLANAR, 1>(&one).at(0)
+        self.loads_of::<PLANAR, 1>(&self.contacts::<PLANAR, 1>(&one), &one).at(0)
     }
 
-    /// Forces and moments of the raceway on balls side by side, by a set of instructions.
+    /// Forces and moments of both raceways on balls side by side, by a set of instructions. `PLANAR`: nothing acts or moves
+    /// along the axis, so contacts are symmetric across the groove and half of their strips will do.
+    pub fn pair_of_loads<const PLANAR: bool>(
+        raceway: &PerRaceway<Self>,
+        motion: &PerRaceway<RelativeMotion<Lanes>>,
+        instructions: InstructionSet,
+    ) -> PerRaceway<RacewayLoad<Lanes>> {
+        instructions.run(PairOfLoads::<PLANAR> { raceway, motion })
+    }
+
+    /// The same of one raceway.
     pub fn loads<const PLANAR: bool>(
         &self,
         motion: &RelativeMotion<Lanes>,
         instructions: InstructionSet,
     ) -> RacewayLoad<Lanes> {
-        instructions.run(Loads::<PLANAR> { contact: self, motion })
+        instructions.run(Loads::<PLANAR> { raceway: self, motion })
     }
 
-    /// Forces and moments of the raceway on the balls. `PLANAR`: nothing acts or moves along the axis, so the contact is
-    /// symmetric across the groove and half of its strips will do.
     #[inline(always)]
-    fn loads_by<const PLANAR: bool, const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> RacewayLoad<Lanes<N>> {
-        // A copy: what is stored in the loops cannot change it.
+    fn contacts<const PLANAR: bool, const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> Contact<Lanes<N>> {
+        // A copy: what is stored in the loop cannot change it.
         let groove = self.groove;
         let surface = self.surface.heights_and_slopes(&motion.azimuth);
         let mut contact = Contact::<Lanes<N>>::default();
         for lane in 0..N {
             contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), surface.at(lane)));
         }
+        contact
+    }
+
+    #[inline(always)]
+    fn loads_of<const PLANAR: bool, const N: usize>(
+        &self,
+        contact: &Contact<Lanes<N>>,
+        motion: &RelativeMotion<Lanes<N>>,
+    ) -> RacewayLoad<Lanes<N>> {
         let mut load = RacewayLoad::<Lanes<N>>::default();
         if !contact.penetration.any(|penetration| penetration > 0.0) {
             load.penetration = contact.penetration;
             return load;
         }
-        let sums = self.strip_sums::<PLANAR, N>(&contact, motion);
+        let groove = self.groove;
+        let sums = self.strip_sums::<PLANAR, N>(contact, motion);
         for lane in 0..N {
             load.put(lane, groove.sum_of_loads(&contact.at(lane), &sums.at(lane)));
         }
         if groove.hydrodynamics {
             for lane in 0..N {
-                let contact = contact.at(lane);
                 let mut one = load.at(lane);
-                groove.add_inlet(&contact, &motion.at(lane), &mut one);
+                groove.add_inlet(&contact.at(lane), &motion.at(lane), &mut one);
                 load.put(lane, one);
             }
         }
@@ -521,15 +564,16 @@ impl Groove {
         penetration += height;
         rate += slope * turning;
         let normal = normal_load(self.hertz.stiffness, penetration, rate, &self.damping);
-        let semi_major =
-            smaller(self.semi_major_factor * larger(penetration, 0.0).sqrt(), LARGEST_CONTACT * self.ball_radius);
+        // a² goes with δ: the roots of heights need not wait for that of a.
+        let (depth, largest) = (larger(penetration, 0.0), LARGEST_CONTACT * self.ball_radius);
+        let semi_major = smaller(self.semi_major_factor * depth.sqrt(), largest);
+        let semi_major_2 = smaller(self.semi_major_factor * self.semi_major_factor * depth, largest * largest);
 
         let (across_a, across_r) = across(towards);
         let [spin_a, spin_r, spin_t] = motion.spin;
         let relative = motion.raceway_speed - spin_a;
 
         let deformed = self.hertz.deformed_radius;
-        let semi_major_2 = semi_major * semi_major;
         let edge = (self.ball_radius * self.ball_radius - semi_major_2).sqrt();
         let shift = edge - (deformed * deformed - semi_major_2).sqrt();
         Contact {
@@ -537,6 +581,7 @@ impl Groove {
             normal,
             towards,
             semi_major,
+            semi_major_2,
             shift,
             apex: deformed + shift,
             base: motion.raceway_speed * motion.radius - vt,
@@ -552,8 +597,10 @@ impl Groove {
     fn slip<const P: usize, const S: usize>(&self, c: &Contact, strips: &[Strip; P]) -> StripSlip<P, S> {
         let deformed_2 = self.hertz.deformed_radius * self.hertz.deformed_radius;
         let place: [f64; P] = from_fn(|k| strips[k].position * c.semi_major);
-        let height: [f64; P] =
-            from_fn(|k| if self.conformity { (deformed_2 - place[k] * place[k]).sqrt() + c.shift } else { c.apex });
+        let height: [f64; P] = from_fn(|k| {
+            let position_2 = strips[k].position * strips[k].position;
+            if self.conformity { (deformed_2 - position_2 * c.semi_major_2).sqrt() + c.shift } else { c.apex }
+        });
         let mean: [f64; P] = from_fn(|k| c.base + height[k] * c.per_height);
         let half: [f64; P] = from_fn(|k| place[k] * c.per_place);
         StripSlip {

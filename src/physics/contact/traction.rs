@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use crate::numerics::exponential::{exponential, hyperbolic_tangent, inverse_hyperbolic_sine, saturations};
+use crate::numerics::exponential::{binary_saturations, exponential, hyperbolic_tangent, inverse_hyperbolic_sine};
 use crate::numerics::lanes::{larger, side_by_side, smaller};
 use crate::numerics::roots::bracketed_root;
 use crate::physics::{InvalidParameter, above, within};
@@ -154,8 +154,8 @@ pub const LEAST_ROLLING_SPEED: f64 = 0.1;
 pub const GLASS_VISCOSITY: f64 = 1e12;
 /// A film thinner than a molecule is none [m].
 const LEAST_FILM: f64 = 1e-9;
-/// Stands in for a slip of 0 where a quotient with a limit is formed.
-const TINY: f64 = 1e-150;
+/// Stands in for a slip of 0, or its square, where a quotient with a limit is formed.
+pub const TINY: f64 = 1e-150;
 
 impl Traction {
     /// Prepares a law for a lubricant of viscosity η₀ [Pa s] and pressure–viscosity coefficient α_p [1/Pa].
@@ -194,7 +194,7 @@ impl Traction {
     #[inline(always)]
     pub fn traction_over_speed(&self, slip_squared: f64, context: &TractionContext) -> f64 {
         match self {
-            Self::RisingFromZero(law) => rising(law, [slip_squared])[0],
+            Self::RisingFromZero(law) => rising(law, [slip_squared + TINY])[0],
             Self::StickingAtRest(law) => sticking(law, slip_squared.sqrt(), slip_squared),
             Self::SlideRollFromZero(law) => rolling(law, slip_squared, context),
             Self::SlideRollAtRest(law) => rolling_at_rest(law, slip_squared, context),
@@ -210,14 +210,15 @@ impl Traction {
     }
 }
 
-/// μ/s of the four-parameter law with A = −D, from s², at several places: D (1 − e^(−C s))/s + B e^(−C s), which keeps its
+/// μ/s of the four-parameter law with A = −D, from s² > 0, at several places: D (1 − e^(−C s))/s + B e^(−C s), which keeps its
 /// digits down to s = 0.
 #[inline(always)]
 pub fn rising<const S: usize>(law: &FourParameters, squares: [f64; S]) -> [f64; S] {
-    let s: [f64; S] = from_fn(|k| (squares[k] + TINY).sqrt());
+    let s: [f64; S] = from_fn(|k| squares[k].sqrt());
     let per_s: [f64; S] = from_fn(|k| 1.0 / s[k]);
-    let x: [f64; S] = from_fn(|k| law.c * s[k]);
-    let (saturation, decay) = saturations(x);
+    let binary = law.c * std::f64::consts::LOG2_E;
+    let x: [f64; S] = from_fn(|k| binary * s[k]);
+    let (saturation, decay) = binary_saturations(x);
     from_fn(|k| law.d * per_s[k] * saturation[k] + law.b * decay[k])
 }
 
@@ -232,7 +233,7 @@ pub fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
 #[inline(always)]
 pub fn rolling(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
     let per_rolling = 1.0 / larger(context.rolling_speed, LEAST_ROLLING_SPEED);
-    per_rolling * rising(law, [per_rolling * per_rolling * slip_squared])[0]
+    per_rolling * rising(law, [per_rolling * per_rolling * slip_squared + TINY])[0]
 }
 
 /// μ/|u| of `sticking` over the slide/roll ratio.

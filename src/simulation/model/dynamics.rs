@@ -7,10 +7,11 @@ use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, sid
 use crate::numerics::ode::OdeSystem;
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::physics::ball::{BallAcceleration, BallMotion};
+use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract};
 use crate::physics::pocket::{PocketLoad, PocketMotion};
-use crate::physics::raceway::{RacewayLoad, RelativeMotion};
+use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
 use crate::simulation::channel::BallContact;
 use crate::simulation::state::{BallState, CageState, Layout, SpindleState};
@@ -105,15 +106,15 @@ impl Reaction<Lanes> {
 /// Angle [rad], speed [rad/s] and acceleration [rad/s²] of the shaft.
 pub(super) type Shaft = (f64, f64, f64);
 
-/// A raceway and its balls.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct OnRaceway<T> {
-    relative: RelativeMotion<T>,
-    /// In the contact's frame.
-    load: RacewayLoad<T>,
-    pub wrench: Wrench<T>,
+/// Both raceways and their balls.
+struct OnRaceways<T> {
+    relative: PerRaceway<RelativeMotion<T>>,
+    /// In the contacts' frames.
+    load: PerRaceway<RacewayLoad<T>>,
+    outer: Wrench<T>,
+    inner: Wrench<T>,
     /// On the spindle, inertial frame.
-    pub reaction: Vector<T>,
+    reaction: Vector<T>,
 }
 
 /// The cage and its balls.
@@ -126,12 +127,12 @@ pub(super) struct OnCage<T> {
     pub reaction_moment: Vector<T>,
 }
 
-/// All contacts of balls: what acts on each, and what they pass on.
+/// What acts on balls, and what they pass on.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Contacts<T> {
     pub inner: Wrench<T>,
     pub pocket: Wrench<T>,
-    /// These, and the outer raceway.
+    /// These, the outer raceway and the surroundings.
     pub wrench: Wrench<T>,
     pub reaction: Reaction<T>,
 }
@@ -190,14 +191,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let motion = self.ball_motions(first, &state, shaft);
             let contacts = self.contacts(first, &motion, &spindle, &pose, shaft, watch.as_deref_mut());
             contacts.reaction.sum_into(&mut sum, m.layout.balls - first);
-            let rates = self.ball_rates(&state, &motion, contacts.wrench, shaft);
+            let rates = self.ball_rates(&state, &motion, &contacts.wrench, shaft);
             m.layout.set_side_by_side::<PLANAR, LANES>(dy, first, &rates);
         }
         m.layout.set_cage(dy, &self.cage_rates(&cage, &pose, &sum, shaft));
         m.layout.set_spindle(dy, &self.spindle_rates(&spindle, sum.spindle, shaft));
     }
 
-    /// All contacts of the balls from `first` on.
+    /// All that acts on the balls from `first` on.
     #[inline(always)]
     pub(super) fn contacts(
         &self,
@@ -210,10 +211,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     ) -> Contacts<Lanes> {
         let layout = &self.mechanism.layout;
         let watched = LANES.min(layout.balls - first);
-        let outer = self.outer(motion);
-        let inner = self.inner(motion, spindle, shaft);
-        let mut all = Contacts { inner: inner.wrench, ..Contacts::default() };
-        all.reaction.spindle = inner.reaction;
+        // In this order, so that what waits for itself has something else beside it.
+        let mut all = Contacts { wrench: self.surroundings(motion), ..Contacts::default() };
         if layout.cage {
             let pocket = self.pockets(first, motion, pose);
             all.pocket = pocket.wrench;
@@ -222,16 +221,19 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 (0..watched).for_each(|lane| watch.pocket(first + lane, &pocket.load.at(lane)));
             }
         }
+        let on = self.raceways(motion, spindle, shaft);
+        all.inner = on.inner;
+        all.reaction.spindle = on.reaction;
         for lane in 0..LANES {
-            all.wrench.put(lane, inner.wrench.at(lane).and(outer.wrench.at(lane)).and(all.pocket.at(lane)));
+            let contacts = on.inner.at(lane).and(on.outer.at(lane)).and(all.pocket.at(lane));
+            all.wrench.put(lane, contacts.and(all.wrench.at(lane)));
         }
         if let Some(watch) = watch {
             for lane in 0..watched {
-                for (side, on) in [(BallContact::Outer, &outer), (BallContact::Inner, &inner)] {
-                    let Wrench { force, moment } = on.wrench.at(lane);
-                    let load = RacewayLoad { force, moment, ..on.load.at(lane) };
-                    watch.raceway(first + lane, side, &on.relative.at(lane), &load);
-                }
+                watch.raceway(first + lane, BallContact::Outer, &on.relative.outer.at(lane), &on.load.outer.at(lane));
+                let Wrench { force, moment } = on.inner.at(lane);
+                let load = RacewayLoad { force, moment, ..on.load.inner.at(lane) };
+                watch.raceway(first + lane, BallContact::Inner, &on.relative.inner.at(lane), &load);
             }
         }
         all
@@ -270,26 +272,57 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         motion
     }
 
-    /// The outer raceway on the balls.
+    /// Both raceways on the balls, and the balls on the spindle.
     #[inline(always)]
-    pub(super) fn outer(&self, motion: &BallMotion<Lanes>) -> OnRaceway<Lanes> {
-        let relative = RelativeMotion {
-            axial: motion.axial,
-            radius: motion.radius,
-            velocity: motion.velocity,
-            spin: motion.spin,
-            raceway_speed: Lanes::default(),
-            orbit_speed: motion.orbit_speed,
-            azimuth: motion.azimuth_angle,
-        };
-        let load = self.mechanism.raceway.outer.loads::<PLANAR>(&relative, self.instructions);
-        let wrench = Wrench { force: load.force, moment: load.moment };
-        OnRaceway { relative, load, wrench, reaction: Default::default() }
+    fn raceways(&self, motion: &BallMotion<Lanes>, spindle: &SpindleState, shaft: Shaft) -> OnRaceways<Lanes> {
+        match self.tilted_axis {
+            None => self.raceways_in(motion, spindle, shaft, StraightFrame::new),
+            Some(axis) => self.raceways_in(motion, spindle, shaft, |azimuth: Azimuth, from_centre| {
+                TiltedFrame::new(azimuth.to_orbit(axis), from_centre)
+            }),
+        }
     }
 
-    /// The inner raceway on the balls, and the balls on the spindle.
     #[inline(always)]
-    pub(super) fn inner(&self, motion: &BallMotion<Lanes>, spindle: &SpindleState, shaft: Shaft) -> OnRaceway<Lanes> {
+    fn raceways_in<F: ContactFrame>(
+        &self,
+        motion: &BallMotion<Lanes>,
+        spindle: &SpindleState,
+        shaft: Shaft,
+        frame: impl Fn(Azimuth, Vector) -> F,
+    ) -> OnRaceways<Lanes> {
+        let mut outer = RelativeMotion::<Lanes>::default();
+        for lane in 0..LANES {
+            let motion = motion.at(lane);
+            outer.put(
+                lane,
+                RelativeMotion {
+                    axial: motion.axial,
+                    radius: motion.radius,
+                    velocity: motion.velocity,
+                    spin: motion.spin,
+                    raceway_speed: 0.0,
+                    orbit_speed: motion.orbit_speed,
+                    azimuth: motion.azimuth_angle,
+                },
+            );
+        }
+        let (inner, frames) = self.inner_motions(motion, spindle, shaft, frame);
+        let relative = PerRaceway { inner, outer };
+        let load = RacewayContact::pair_of_loads::<PLANAR>(&self.mechanism.raceway, &relative, self.instructions);
+        let (inner, reaction) = on_inner(motion, &frames, &load.inner);
+        let outer = Wrench { force: load.outer.force, moment: load.outer.moment };
+        OnRaceways { relative, load, outer, inner, reaction }
+    }
+
+    /// The inner raceway alone, and the balls on the spindle.
+    #[inline(always)]
+    pub(super) fn inner(
+        &self,
+        motion: &BallMotion<Lanes>,
+        spindle: &SpindleState,
+        shaft: Shaft,
+    ) -> (Wrench<Lanes>, Vector<Lanes>) {
         match self.tilted_axis {
             None => self.inner_in(motion, spindle, shaft, StraightFrame::new),
             Some(axis) => self.inner_in(motion, spindle, shaft, |azimuth: Azimuth, from_centre| {
@@ -303,13 +336,26 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         &self,
         motion: &BallMotion<Lanes>,
         spindle: &SpindleState,
+        shaft: Shaft,
+        frame: impl Fn(Azimuth, Vector) -> F,
+    ) -> (Wrench<Lanes>, Vector<Lanes>) {
+        let (relative, frames) = self.inner_motions(motion, spindle, shaft, frame);
+        let load = self.mechanism.raceway.inner.loads::<PLANAR>(&relative, self.instructions);
+        on_inner(motion, &frames, &load)
+    }
+
+    /// Motions of the balls relative to the inner raceway, and the frames they are in.
+    #[inline(always)]
+    fn inner_motions<F: ContactFrame>(
+        &self,
+        motion: &BallMotion<Lanes>,
+        spindle: &SpindleState,
         (angle, speed, _): Shaft,
         frame: impl Fn(Azimuth, Vector) -> F,
-    ) -> OnRaceway<Lanes> {
-        let m = &self.mechanism;
-        let position = [spindle.position[0] + m.axial_offset, spindle.position[1], spindle.position[2]];
-        let spindle_velocity = spindle.velocity;
-        let mut on = OnRaceway::<Lanes>::default();
+    ) -> (RelativeMotion<Lanes>, F::Several) {
+        let [x, y, z] = spindle.position;
+        let (position, spindle_velocity) = ([x + self.mechanism.axial_offset, y, z], spindle.velocity);
+        let mut relative = RelativeMotion::<Lanes>::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
             let motion = motion.at(lane);
@@ -317,7 +363,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let velocity = motion.azimuth.to_orbit(spindle_velocity);
             let frame = frame(motion.azimuth, [motion.axial - centre[0], motion.radius - centre[1], -centre[2]]);
             let (axial, radius) = frame.place();
-            on.relative.put(
+            relative.put(
                 lane,
                 RelativeMotion {
                     axial,
@@ -331,14 +377,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             );
             frames.put(lane, frame);
         }
-        on.load = m.raceway.inner.loads::<PLANAR>(&on.relative, self.instructions);
-        for lane in 0..LANES {
-            let (frame, load) = (frames.at(lane), on.load.at(lane));
-            let force = frame.vector(load.force);
-            on.wrench.put(lane, Wrench { force, moment: frame.vector(load.moment) });
-            on.reaction.put(lane, scale(-1.0, motion.azimuth.at(lane).to_inertial(force)));
-        }
-        on
+        (relative, frames)
     }
 
     #[inline(always)]
@@ -362,7 +401,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     #[inline(always)]
     pub(super) fn pockets(&self, first: usize, motion: &BallMotion<Lanes>, cage: &CagePose) -> OnCage<Lanes> {
         let m = &self.mechanism;
-        let start: Azimuth<Lanes> = Azimuth { cosine: Lanes::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
+        let start: Azimuth<Lanes> =
+            Azimuth { cosine: Lanes::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
         let (CageMotion { centre, velocity: cage_velocity, tilt, spin: cage_spin }, cage_azimuth) =
             (cage.motion, cage.azimuth);
         let pocket_centre = [m.cage.offset, m.pitch_radius, 0.0];
@@ -399,18 +439,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         on
     }
 
-    /// Rates of the balls' states under the forces and moments of their contacts, with drag and gravity added.
+    /// Drag, churning and weight of the balls.
     #[inline(always)]
-    pub(super) fn ball_rates(
-        &self,
-        state: &BallState<Lanes>,
-        motion: &BallMotion<Lanes>,
-        mut wrench: Wrench<Lanes>,
-        (_, _, acceleration): Shaft,
-    ) -> BallState<Lanes> {
+    fn surroundings(&self, motion: &BallMotion<Lanes>) -> Wrench<Lanes> {
         let m = &self.mechanism;
-        let (mass, inertia, pitch_radius) = (m.ball_mass, m.ball_inertia, m.pitch_radius);
-        let (orbit_acceleration, spin_acceleration) = (m.orbit_ratio * acceleration, m.spin_ratio * acceleration);
+        let (weight, pitch_radius) = (m.ball_mass * m.gravity, m.pitch_radius);
+        let mut wrench = Wrench::<Lanes>::default();
+        for lane in 0..LANES {
+            let Azimuth { cosine, sine } = motion.azimuth.at(lane);
+            wrench.put(lane, Wrench { force: [0.0, weight * cosine, -weight * sine], moment: [0.0; 3] });
+        }
         if let Some(drag) = m.drag {
             for lane in 0..LANES {
                 wrench.force[2][lane] += drag.force(pitch_radius * motion.orbit_speed[lane]);
@@ -418,17 +456,28 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         if let Some(churning) = m.churning {
             for lane in 0..LANES {
-                let moment = add(wrench.moment.at(lane), churning.churning_moment(motion.spin.at(lane)));
-                wrench.moment.put(lane, moment);
+                wrench.moment.put(lane, churning.churning_moment(motion.spin.at(lane)));
             }
         }
-        let weight = m.ball_mass * m.gravity;
+        wrench
+    }
+
+    /// Rates of the balls' states under all that acts on them.
+    #[inline(always)]
+    pub(super) fn ball_rates(
+        &self,
+        state: &BallState<Lanes>,
+        motion: &BallMotion<Lanes>,
+        wrench: &Wrench<Lanes>,
+        (_, _, acceleration): Shaft,
+    ) -> BallState<Lanes> {
+        let m = &self.mechanism;
+        let (mass, inertia, pitch_radius) = (m.ball_mass, m.ball_inertia, m.pitch_radius);
+        let (orbit_acceleration, spin_acceleration) = (m.orbit_ratio * acceleration, m.spin_ratio * acceleration);
         let mut rates = BallState::default();
         for lane in 0..LANES {
             let (state, motion) = (state.at(lane), motion.at(lane));
-            let Wrench { mut force, moment } = wrench.at(lane);
-            force[1] += weight * motion.azimuth.cosine;
-            force[2] -= weight * motion.azimuth.sine;
+            let Wrench { force, moment } = wrench.at(lane);
             let BallAcceleration { axial, radial, azimuthal, spin } = motion.acceleration(force, moment, mass, inertia);
             rates.put(
                 lane,
@@ -514,6 +563,23 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         SpindleState { position: state.velocity, ..self.spindle_response(force) }
     }
+}
+
+/// The inner raceway on the balls, in their orbit frames, and the balls on the spindle, in the inertial frame.
+#[inline(always)]
+fn on_inner<F: ContactFrame>(
+    motion: &BallMotion<Lanes>,
+    frames: &impl SideBySide<One = F>,
+    load: &RacewayLoad<Lanes>,
+) -> (Wrench<Lanes>, Vector<Lanes>) {
+    let (mut wrench, mut reaction) = (Wrench::<Lanes>::default(), <[Lanes; 3]>::default());
+    for lane in 0..LANES {
+        let (frame, force, moment) = (frames.at(lane), load.force.at(lane), load.moment.at(lane));
+        let force = frame.vector(force);
+        wrench.put(lane, Wrench { force, moment: frame.vector(moment) });
+        reaction.put(lane, scale(-1.0, motion.azimuth.at(lane).to_inertial(force)));
+    }
+    (wrench, reaction)
 }
 
 /// Where a ball sits on the inner raceway: place and axes of the contact's frame, in the orbit frame.

@@ -84,7 +84,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 let state = BallState::from_entries(entries, PLANAR);
                 let moving = self.ball_motions(first, &state, shaft);
                 let moved = self.contacts(first, &moving, &at_rest.spindle, &at_rest.pose, shaft, None);
-                let after = self.ball_rates(&state, &moving, moved.wrench, shaft).entries(PLANAR);
+                let after = self.ball_rates(&state, &moving, &moved.wrench, shaft).entries(PLANAR);
                 let Some(column) = displaced else {
                     (motion, contacts, before) = (moving, moved, after);
                     contacts.reaction.sum_into(&mut sum, count);
@@ -113,16 +113,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     (reaction.cage_force, reaction.cage_moment) = (pocket.reaction_force, pocket.reaction_moment);
                     (&contacts.pocket, pocket.wrench)
                 } else {
-                    let inner = self.inner(&motion, &displaced.spindle, shaft);
-                    reaction.spindle = inner.reaction;
-                    (&contacts.inner, inner.wrench)
+                    let (wrench, on_spindle) = self.inner(&motion, &displaced.spindle, shaft);
+                    reaction.spindle = on_spindle;
+                    (&contacts.inner, wrench)
                 };
                 let mut wrench = contacts.wrench;
                 for lane in 0..LANES {
                     wrench.put(lane, wrench.at(lane).and(is.at(lane).less(&was.at(lane))));
                 }
                 reaction.sum_into(&mut sums[column], count);
-                let after = self.ball_rates(&own, &motion, wrench, shaft).entries(PLANAR);
+                let after = self.ball_rates(&own, &motion, &wrench, shaft).entries(PLANAR);
                 for lane in 0..count {
                     let part = jacobian.right_mut(first + lane);
                     for row in 0..block {
