@@ -56,12 +56,17 @@ impl SpeedProfile {
     }
 
     /// Angle turned since time 0 [rad], angular speed [rad/s] and angular acceleration [rad/s²].
+    #[inline]
     pub fn at(&self, time: f64) -> (f64, f64, f64) {
         let (angle, speed, acceleration) = self.since_first_point(time);
         (angle - self.first_angle, speed, acceleration)
     }
 
+    #[inline]
     fn since_first_point(&self, time: f64) -> (f64, f64, f64) {
+        if let [(at, speed)] = self.points[..] {
+            return (speed * (time - at), speed, 0.0);
+        }
         let next = self.points.partition_point(|&(at, _)| at <= time);
         if next == 0 {
             let (at, speed) = self.points[0];
