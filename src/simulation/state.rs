@@ -4,7 +4,7 @@
 //! spindle, so a Jacobian is bordered block-diagonal). All entries are deviations from ideal rolling, so that a
 //! tolerance means the same early and late in a run. Inside SI; arcs are angles times the pitch radius.
 
-use crate::numerics::lanes::{Lanes, side_by_side};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, side_by_side};
 use crate::numerics::ode::Tolerances;
 use crate::numerics::ode::structure::Structure;
 use crate::physics::frames::Vector;
@@ -210,32 +210,23 @@ impl Layout {
         y[ball * size..][..size].copy_from_slice(&s.entries(self.planar)[..size]);
     }
 
-    /// `N` balls from `first` on, side by side; beyond the last one, the last one again.
+    /// Balls from `first` on, side by side; beyond the last one, the last one again.
     #[inline(always)]
-    pub fn side_by_side<const PLANAR: bool, const N: usize>(&self, y: &[f64], first: usize) -> BallState<Lanes<N>> {
-        let mut entries = [Lanes::<N>::default(); 9];
-        if PLANAR {
-            gather::<5, N>(y, first, self.balls, &mut entries);
-        } else {
-            gather::<9, N>(y, first, self.balls, &mut entries);
+    pub fn side_by_side<const PLANAR: bool>(&self, y: &[f64], first: usize) -> BallState<Lanes> {
+        let layout = Self { planar: PLANAR, ..*self };
+        let mut states = BallState::default();
+        for lane in 0..LANES {
+            states.put(lane, layout.ball(y, (first + lane).min(self.balls - 1)));
         }
-        BallState::from_entries(entries, PLANAR)
+        states
     }
 
     /// Puts the balls back into their places; what stands beyond the last one is dropped.
     #[inline(always)]
-    pub fn set_side_by_side<const PLANAR: bool, const N: usize>(
-        &self,
-        y: &mut [f64],
-        first: usize,
-        s: &BallState<Lanes<N>>,
-    ) {
-        let entries = s.entries(PLANAR);
-        let balls = N.min(self.balls - first);
-        if PLANAR {
-            scatter::<5, N>(&mut y[5 * first..][..5 * balls], &entries);
-        } else {
-            scatter::<9, N>(&mut y[9 * first..][..9 * balls], &entries);
+    pub fn set_side_by_side<const PLANAR: bool>(&self, y: &mut [f64], first: usize, s: &BallState<Lanes>) {
+        let layout = Self { planar: PLANAR, ..*self };
+        for lane in 0..LANES.min(self.balls - first) {
+            layout.set_ball(y, first + lane, &s.at(lane));
         }
     }
 
@@ -359,26 +350,6 @@ fn block<const N: usize>(y: &[f64], at: usize) -> [f64; N] {
     let mut entries = [0.0; N];
     entries.copy_from_slice(&y[at..at + N]);
     entries
-}
-
-#[inline(always)]
-fn gather<const SIZE: usize, const N: usize>(y: &[f64], first: usize, balls: usize, entries: &mut [Lanes<N>; 9]) {
-    for lane in 0..N {
-        let ball = (first + lane).min(balls - 1);
-        let own: [f64; SIZE] = block(y, SIZE * ball);
-        for entry in 0..SIZE {
-            entries[entry][lane] = own[entry];
-        }
-    }
-}
-
-#[inline(always)]
-fn scatter<const SIZE: usize, const N: usize>(y: &mut [f64], entries: &[Lanes<N>; 9]) {
-    for (lane, own) in y.chunks_exact_mut(SIZE).enumerate() {
-        for entry in 0..SIZE {
-            own[entry] = entries[entry][lane];
-        }
-    }
 }
 
 #[inline(always)]

@@ -9,7 +9,7 @@ use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::physics::ball::{BallAcceleration, BallMotion};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
-use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract};
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, length, scale, subtract};
 use crate::physics::pocket::{PocketLoad, PocketMotion};
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
@@ -32,6 +32,7 @@ pub trait Watch {
 #[derive(Debug, Clone)]
 pub struct Dynamics<const PLANAR: bool> {
     mechanism: Mechanism,
+    one: OneBall,
     /// The spindle's axis in the inertial frame; `None`: along X.
     tilted_axis: Option<Vector>,
     /// What the processor offers for balls side by side.
@@ -106,35 +107,21 @@ impl Reaction<Lanes> {
 /// Angle [rad], speed [rad/s] and acceleration [rad/s²] of the shaft.
 pub(super) type Shaft = (f64, f64, f64);
 
-/// Both raceways and their balls.
-struct OnRaceways<T> {
-    relative: PerRaceway<RelativeMotion<T>>,
-    /// In the contacts' frames.
-    load: PerRaceway<RacewayLoad<T>>,
-    outer: Wrench<T>,
-    inner: Wrench<T>,
-    /// On the spindle, inertial frame.
-    reaction: Vector<T>,
+/// Cage and spindle at a time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Border {
+    pub cage: CageState,
+    pub pose: CagePose,
+    pub spindle: SpindleState,
+    pub shaft: Shaft,
 }
 
-/// The cage and its balls.
+/// Balls side by side: how they move, how that changes, and what they pass on.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct OnCage<T> {
-    load: PocketLoad<T>,
-    pub wrench: Wrench<T>,
-    /// On the cage, in its tilted frame, about its centre of mass.
-    pub reaction_force: Vector<T>,
-    pub reaction_moment: Vector<T>,
-}
-
-/// What acts on balls, and what they pass on.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Contacts<T> {
-    pub inner: Wrench<T>,
-    pub pocket: Wrench<T>,
-    /// These, the outer raceway and the surroundings.
-    pub wrench: Wrench<T>,
-    pub reaction: Reaction<T>,
+pub(super) struct Balls {
+    pub motion: BallMotion<Lanes>,
+    pub rates: BallState<Lanes>,
+    pub reaction: Reaction<Lanes>,
 }
 
 /// The cage in the form in which pockets need it.
@@ -145,6 +132,148 @@ pub(super) struct CagePose {
     azimuth: Azimuth,
 }
 
+/// Constants of one ball, and its formulas. Small: a copy of it stands before each loop over balls, so that the compiler sees
+/// that nothing stored in the loop changes it.
+#[derive(Debug, Clone, Copy)]
+struct OneBall {
+    pitch_radius: f64,
+    orbit_ratio: f64,
+    spin_ratio: f64,
+    mass: f64,
+    inertia: f64,
+    weight: f64,
+    /// Axial displacement at which the spindle is held [m].
+    axial_offset: f64,
+    /// Centre of the first pocket, in the orbit frame of the cage.
+    pocket_centre: Vector,
+}
+
+impl OneBall {
+    #[inline(always)]
+    fn motion(&self, start: f64, state: &BallState, (angle, speed, _): Shaft) -> BallMotion {
+        let per_radius = 1.0 / self.pitch_radius;
+        let azimuth = start + self.orbit_ratio * angle + state.arc * per_radius;
+        let radius = self.pitch_radius + state.radial;
+        let orbit_speed = self.orbit_ratio * speed + state.arc_velocity * per_radius;
+        BallMotion {
+            azimuth_angle: azimuth,
+            azimuth: Azimuth::new(azimuth),
+            axial: state.axial,
+            radius,
+            orbit_speed,
+            velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
+            spin: [state.spin[0] + self.spin_ratio * speed, state.spin[1], state.spin[2]],
+        }
+    }
+
+    /// Relative to the outer raceway.
+    #[inline(always)]
+    fn over_outer(&self, motion: &BallMotion) -> RelativeMotion {
+        RelativeMotion {
+            axial: motion.axial,
+            radius: motion.radius,
+            velocity: motion.velocity,
+            spin: motion.spin,
+            raceway_speed: 0.0,
+            orbit_speed: motion.orbit_speed,
+            azimuth: motion.azimuth_angle,
+        }
+    }
+
+    /// Relative to the inner raceway, with the frame that is in.
+    #[inline(always)]
+    fn over_inner<F: ContactFrame>(
+        &self,
+        motion: &BallMotion,
+        spindle: &SpindleState,
+        (angle, speed, _): Shaft,
+        axis: &F::Axis,
+    ) -> (RelativeMotion, F) {
+        let [x, y, z] = spindle.position;
+        let centre = motion.azimuth.to_orbit([x + self.axial_offset, y, z]);
+        let velocity = motion.azimuth.to_orbit(spindle.velocity);
+        let from_centre = [motion.axial - centre[0], motion.radius - centre[1], -centre[2]];
+        let frame = F::new(axis, motion.azimuth, from_centre);
+        let (axial, radius) = frame.place();
+        let relative = RelativeMotion {
+            axial,
+            radius,
+            velocity: frame.components(subtract(motion.velocity, velocity)),
+            spin: frame.components(motion.spin),
+            raceway_speed: speed,
+            orbit_speed: motion.orbit_speed,
+            azimuth: motion.azimuth_angle - angle,
+        };
+        (relative, frame)
+    }
+
+    /// Relative to its pocket, which starts at an azimuth, and the ball's place in the cage's tilted frame, from its centre
+    /// of mass.
+    #[inline(always)]
+    fn in_pocket(&self, motion: &BallMotion, cage: &CagePose, start: Azimuth) -> (PocketMotion, Vector) {
+        let CageMotion { centre, velocity, tilt, spin } = cage.motion;
+        let azimuth = motion.azimuth;
+        let place = tilt.to_tilted(subtract(azimuth.to_inertial([motion.axial, motion.radius, 0.0]), centre));
+        let pocket = cage.azimuth.turned(start).to_inertial(self.pocket_centre);
+        let relative = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), velocity));
+        let motion = PocketMotion {
+            displacement: subtract(place, pocket),
+            velocity: subtract(relative, cross(spin, place)),
+            spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), spin),
+        };
+        (motion, place)
+    }
+
+    /// Rates of its state under all that acts on it but its weight.
+    #[inline(always)]
+    fn rates(&self, state: &BallState, motion: &BallMotion, wrench: Wrench, (_, _, acceleration): Shaft) -> BallState {
+        let Azimuth { cosine, sine } = motion.azimuth;
+        let force = add(wrench.force, [0.0, self.weight * cosine, -self.weight * sine]);
+        let BallAcceleration { axial, radial, azimuthal, spin } =
+            motion.acceleration(force, wrench.moment, self.mass, self.inertia);
+        BallState {
+            axial: state.axial_velocity,
+            radial: state.radial_velocity,
+            arc: state.arc_velocity,
+            axial_velocity: axial,
+            radial_velocity: radial,
+            arc_velocity: self.pitch_radius * (azimuthal - self.orbit_ratio * acceleration),
+            spin: [spin[0] - self.spin_ratio * acceleration, spin[1], spin[2]],
+        }
+    }
+
+    /// What force and moment add to them.
+    #[inline(always)]
+    fn response(&self, motion: &BallMotion, wrench: Wrench) -> BallState {
+        let still = BallMotion { orbit_speed: 0.0, ..*motion };
+        let BallAcceleration { axial, radial, azimuthal, spin } =
+            still.acceleration(wrench.force, wrench.moment, self.mass, self.inertia);
+        BallState {
+            axial_velocity: axial,
+            radial_velocity: radial,
+            arc_velocity: self.pitch_radius * azimuthal,
+            spin,
+            ..BallState::default()
+        }
+    }
+}
+
+/// The inner raceway on a ball, in its orbit frame, and the ball on the spindle, in the inertial frame.
+#[inline(always)]
+fn on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> (Wrench, Vector) {
+    let force = frame.vector(load.force);
+    (Wrench { force, moment: frame.vector(load.moment) }, scale(-1.0, azimuth.to_inertial(force)))
+}
+
+/// A pocket on its ball, in the ball's orbit frame, and the ball on the cage, in its tilted frame about its centre of mass.
+#[inline(always)]
+fn on_pocket(azimuth: Azimuth, tilt: &Tilt, place: Vector, load: &PocketLoad) -> (Wrench, [Vector; 2]) {
+    let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
+    let moment = cross(add(place, load.lever), load.force);
+    let wrench = Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) };
+    (wrench, [scale(-1.0, load.force), scale(-1.0, moment)])
+}
+
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     pub fn new(mechanism: Mechanism) -> Self {
         let [about_y, about_z] = mechanism.misalignment;
@@ -152,7 +281,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
         let one_ball = Layout { balls: 1, ..mechanism.layout };
         let displacements = one_ball.sizes().iter().map(|size| DISPLACEMENT * size).collect();
-        Self { mechanism, tilted_axis, instructions: InstructionSet::best(), displacements }
+        let one = OneBall {
+            pitch_radius: mechanism.pitch_radius,
+            orbit_ratio: mechanism.orbit_ratio,
+            spin_ratio: mechanism.spin_ratio,
+            mass: mechanism.ball_mass,
+            inertia: mechanism.ball_inertia,
+            weight: mechanism.ball_mass * mechanism.gravity,
+            axial_offset: mechanism.axial_offset,
+            pocket_centre: [mechanism.cage.offset, mechanism.pitch_radius, 0.0],
+        };
+        Self { mechanism, one, tilted_axis, instructions: InstructionSet::best(), displacements }
     }
 
     /// The same equations with other instructions of the same processor.
@@ -181,203 +320,192 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// `evaluate`, `LANES` balls side by side.
     #[inline(always)]
     fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
-        let m = &self.mechanism;
-        let shaft = m.speed.at(time);
-        let (spindle, cage) = (m.layout.spindle(y), m.layout.cage(y));
-        let pose = self.cage_pose(&cage, shaft);
+        let layout = self.mechanism.layout;
+        let border = self.border(layout.cage(y), layout.spindle(y), self.mechanism.speed.at(time));
         let mut sum = Reaction::default();
-        for first in (0..m.layout.balls).step_by(LANES) {
-            let state = m.layout.side_by_side::<PLANAR, LANES>(y, first);
-            let motion = self.ball_motions(first, &state, shaft);
-            let contacts = self.contacts(first, &motion, &spindle, &pose, shaft, watch.as_deref_mut());
-            contacts.reaction.sum_into(&mut sum, m.layout.balls - first);
-            let rates = self.ball_rates(&state, &motion, &contacts.wrench, shaft);
-            m.layout.set_side_by_side::<PLANAR, LANES>(dy, first, &rates);
+        let mut balls = Balls::default();
+        for first in (0..layout.balls).step_by(LANES) {
+            let state = layout.side_by_side::<PLANAR>(y, first);
+            self.balls(first, &state, &border, &mut balls, watch.as_deref_mut());
+            balls.reaction.sum_into(&mut sum, layout.balls - first);
+            layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
         }
-        m.layout.set_cage(dy, &self.cage_rates(&cage, &pose, &sum, shaft));
-        m.layout.set_spindle(dy, &self.spindle_rates(&spindle, sum.spindle, shaft));
+        layout.set_cage(dy, &self.cage_rates(&border.cage, &border.pose, &sum, border.shaft));
+        layout.set_spindle(dy, &self.spindle_rates(&border.spindle, sum.spindle, border.shaft));
     }
 
-    /// All that acts on the balls from `first` on.
+    /// What the balls from `first` on do in a state.
     #[inline(always)]
-    pub(super) fn contacts(
-        &self,
-        first: usize,
-        motion: &BallMotion<Lanes>,
-        spindle: &SpindleState,
-        pose: &CagePose,
-        shaft: Shaft,
-        mut watch: Option<&mut (dyn Watch + '_)>,
-    ) -> Contacts<Lanes> {
-        let layout = &self.mechanism.layout;
-        let watched = LANES.min(layout.balls - first);
-        // In this order, so that what waits for itself has something else beside it.
-        let mut all = Contacts { wrench: self.surroundings(motion), ..Contacts::default() };
-        if layout.cage {
-            let pocket = self.pockets(first, motion, pose);
-            all.pocket = pocket.wrench;
-            (all.reaction.cage_force, all.reaction.cage_moment) = (pocket.reaction_force, pocket.reaction_moment);
-            if let Some(watch) = watch.as_deref_mut() {
-                (0..watched).for_each(|lane| watch.pocket(first + lane, &pocket.load.at(lane)));
-            }
-        }
-        let on = self.raceways(motion, spindle, shaft);
-        all.inner = on.inner;
-        all.reaction.spindle = on.reaction;
-        for lane in 0..LANES {
-            let contacts = on.inner.at(lane).and(on.outer.at(lane)).and(all.pocket.at(lane));
-            all.wrench.put(lane, contacts.and(all.wrench.at(lane)));
-        }
-        if let Some(watch) = watch {
-            for lane in 0..watched {
-                watch.raceway(first + lane, BallContact::Outer, &on.relative.outer.at(lane), &on.load.outer.at(lane));
-                let Wrench { force, moment } = on.inner.at(lane);
-                let load = RacewayLoad { force, moment, ..on.load.inner.at(lane) };
-                watch.raceway(first + lane, BallContact::Inner, &on.relative.inner.at(lane), &load);
-            }
-        }
-        all
-    }
-
-    #[inline(always)]
-    pub(super) fn ball_motions(
+    pub(super) fn balls(
         &self,
         first: usize,
         state: &BallState<Lanes>,
-        (angle, speed, _): Shaft,
-    ) -> BallMotion<Lanes> {
+        border: &Border,
+        balls: &mut Balls,
+        watch: Option<&mut (dyn Watch + '_)>,
+    ) {
+        match self.tilted_axis {
+            Some(axis) if !PLANAR => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, watch),
+            _ => self.balls_in::<StraightFrame>(first, state, border, &(), balls, watch),
+        }
+    }
+
+    #[inline(always)]
+    fn balls_in<F: ContactFrame>(
+        &self,
+        first: usize,
+        state: &BallState<Lanes>,
+        border: &Border,
+        axis: &F::Axis,
+        balls: &mut Balls,
+        watch: Option<&mut (dyn Watch + '_)>,
+    ) {
         let m = &self.mechanism;
+        let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
         let start: Lanes = Lanes::of(&m.start.angle, first);
-        let (pitch_radius, ideal_spin) = (m.pitch_radius, m.spin_ratio * speed);
-        let (per_radius, orbit_angle, orbit_speed) = (1.0 / pitch_radius, m.orbit_ratio * angle, m.orbit_ratio * speed);
-        let mut motion = BallMotion::default();
+        let mut relative: PerRaceway<RelativeMotion<Lanes>> = PerRaceway::default();
+        let mut frames = F::Several::default();
         for lane in 0..LANES {
-            let state = state.at(lane);
-            let azimuth = start[lane] + orbit_angle + state.arc * per_radius;
-            let radius = pitch_radius + state.radial;
-            let orbit_speed = orbit_speed + state.arc_velocity * per_radius;
-            motion.put(
-                lane,
-                BallMotion {
-                    azimuth_angle: azimuth,
-                    azimuth: Azimuth::new(azimuth),
-                    axial: state.axial,
-                    radius,
-                    orbit_speed,
-                    velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
-                    spin: [state.spin[0] + ideal_spin, state.spin[1], state.spin[2]],
-                },
-            );
+            let motion = one.motion(start[lane], &state.at(lane), shaft);
+            let (inner, frame) = one.over_inner::<F>(&motion, &spindle, shaft, &axis);
+            relative.outer.put(lane, one.over_outer(&motion));
+            relative.inner.put(lane, inner);
+            frames.put(lane, frame);
+            balls.motion.put(lane, motion);
         }
-        motion
-    }
-
-    /// Both raceways on the balls, and the balls on the spindle.
-    #[inline(always)]
-    fn raceways(&self, motion: &BallMotion<Lanes>, spindle: &SpindleState, shaft: Shaft) -> OnRaceways<Lanes> {
-        match self.tilted_axis {
-            None => self.raceways_in(motion, spindle, shaft, StraightFrame::new),
-            Some(axis) => self.raceways_in(motion, spindle, shaft, |azimuth: Azimuth, from_centre| {
-                TiltedFrame::new(azimuth.to_orbit(axis), from_centre)
-            }),
+        // Before the raceways: what waits for itself has something else beside it.
+        let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
+        if let Some(drag) = m.drag {
+            for lane in 0..LANES {
+                drag_force[lane] = drag.force(one.pitch_radius * balls.motion.orbit_speed[lane]);
+            }
         }
-    }
-
-    #[inline(always)]
-    fn raceways_in<F: ContactFrame>(
-        &self,
-        motion: &BallMotion<Lanes>,
-        spindle: &SpindleState,
-        shaft: Shaft,
-        frame: impl Fn(Azimuth, Vector) -> F,
-    ) -> OnRaceways<Lanes> {
-        let mut outer = RelativeMotion::<Lanes>::default();
+        if let Some(churning) = m.churning {
+            for lane in 0..LANES {
+                churning_factor[lane] = churning.churning_factor(length(balls.motion.spin.at(lane)));
+            }
+        }
+        let (in_pocket, places) = self.pockets(first, &balls.motion, &pose);
+        let load = RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, self.instructions);
         for lane in 0..LANES {
-            let motion = motion.at(lane);
-            outer.put(
-                lane,
-                RelativeMotion {
-                    axial: motion.axial,
-                    radius: motion.radius,
-                    velocity: motion.velocity,
-                    spin: motion.spin,
-                    raceway_speed: 0.0,
-                    orbit_speed: motion.orbit_speed,
-                    azimuth: motion.azimuth_angle,
-                },
-            );
+            let motion = balls.motion.at(lane);
+            let (force, moment) = (load.outer.force.at(lane), load.outer.moment.at(lane));
+            let (inner, spindle) = on_inner(motion.azimuth, &frames.at(lane), &load.inner.at(lane));
+            let (pocket, [cage_force, cage_moment]) =
+                on_pocket(motion.azimuth, &pose.motion.tilt, places.at(lane), &in_pocket.at(lane));
+            let surroundings =
+                Wrench { force: [0.0, 0.0, drag_force[lane]], moment: scale(-churning_factor[lane], motion.spin) };
+            let wrench = inner.and(Wrench { force, moment }).and(pocket).and(surroundings);
+            balls.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
+            balls.rates.put(lane, one.rates(&state.at(lane), &motion, wrench, shaft));
         }
-        let (inner, frames) = self.inner_motions(motion, spindle, shaft, frame);
-        let relative = PerRaceway { inner, outer };
-        let load = RacewayContact::pair_of_loads::<PLANAR>(&self.mechanism.raceway, &relative, self.instructions);
-        let (inner, reaction) = on_inner(motion, &frames, &load.inner);
-        let outer = Wrench { force: load.outer.force, moment: load.outer.moment };
-        OnRaceways { relative, load, outer, inner, reaction }
+        if let Some(watch) = watch {
+            for lane in 0..LANES.min(m.layout.balls - first) {
+                let (ball, outer, inner) = (first + lane, load.outer.at(lane), load.inner.at(lane));
+                watch.raceway(ball, BallContact::Outer, &relative.outer.at(lane), &outer);
+                let (Wrench { force, moment }, _) = on_inner(balls.motion.azimuth.at(lane), &frames.at(lane), &inner);
+                watch.raceway(
+                    ball,
+                    BallContact::Inner,
+                    &relative.inner.at(lane),
+                    &RacewayLoad { force, moment, ..inner },
+                );
+                if m.layout.cage {
+                    watch.pocket(ball, &in_pocket.at(lane));
+                }
+            }
+        }
     }
 
-    /// The inner raceway alone, and the balls on the spindle.
+    /// Loads in the pockets of the balls from `first` on, and the balls' places in the cage; nothing without a cage.
     #[inline(always)]
-    pub(super) fn inner(
-        &self,
-        motion: &BallMotion<Lanes>,
-        spindle: &SpindleState,
-        shaft: Shaft,
-    ) -> (Wrench<Lanes>, Vector<Lanes>) {
+    fn pockets(&self, first: usize, motion: &BallMotion<Lanes>, pose: &CagePose) -> (PocketLoad<Lanes>, Vector<Lanes>) {
+        let m = &self.mechanism;
+        let mut places = <Vector<Lanes>>::default();
+        if !m.layout.cage {
+            return (PocketLoad::default(), places);
+        }
+        let (one, pose) = (self.one, *pose);
+        let start: Azimuth<Lanes> =
+            Azimuth { cosine: Lanes::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
+        let mut relative = PocketMotion::<Lanes>::default();
+        for lane in 0..LANES {
+            let (motion, place) = one.in_pocket(&motion.at(lane), &pose, start.at(lane));
+            relative.put(lane, motion);
+            places.put(lane, place);
+        }
+        (m.pocket.loads(&relative), places)
+    }
+
+    /// The inner raceway alone on the balls, and the balls on the spindle.
+    #[inline(always)]
+    pub(super) fn inner_part(&self, motion: &BallMotion<Lanes>, border: &Border) -> (Wrench<Lanes>, Vector<Lanes>) {
         match self.tilted_axis {
-            None => self.inner_in(motion, spindle, shaft, StraightFrame::new),
-            Some(axis) => self.inner_in(motion, spindle, shaft, |azimuth: Azimuth, from_centre| {
-                TiltedFrame::new(azimuth.to_orbit(axis), from_centre)
-            }),
+            Some(axis) if !PLANAR => self.inner_part_in::<TiltedFrame>(motion, border, &axis),
+            _ => self.inner_part_in::<StraightFrame>(motion, border, &()),
         }
     }
 
     #[inline(always)]
-    fn inner_in<F: ContactFrame>(
+    fn inner_part_in<F: ContactFrame>(
         &self,
         motion: &BallMotion<Lanes>,
-        spindle: &SpindleState,
-        shaft: Shaft,
-        frame: impl Fn(Azimuth, Vector) -> F,
+        border: &Border,
+        axis: &F::Axis,
     ) -> (Wrench<Lanes>, Vector<Lanes>) {
-        let (relative, frames) = self.inner_motions(motion, spindle, shaft, frame);
-        let load = self.mechanism.raceway.inner.loads::<PLANAR>(&relative, self.instructions);
-        on_inner(motion, &frames, &load)
-    }
-
-    /// Motions of the balls relative to the inner raceway, and the frames they are in.
-    #[inline(always)]
-    fn inner_motions<F: ContactFrame>(
-        &self,
-        motion: &BallMotion<Lanes>,
-        spindle: &SpindleState,
-        (angle, speed, _): Shaft,
-        frame: impl Fn(Azimuth, Vector) -> F,
-    ) -> (RelativeMotion<Lanes>, F::Several) {
-        let [x, y, z] = spindle.position;
-        let (position, spindle_velocity) = ([x + self.mechanism.axial_offset, y, z], spindle.velocity);
+        let (one, axis, Border { spindle, shaft, .. }) = (self.one, *axis, *border);
         let mut relative = RelativeMotion::<Lanes>::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
-            let motion = motion.at(lane);
-            let centre = motion.azimuth.to_orbit(position);
-            let velocity = motion.azimuth.to_orbit(spindle_velocity);
-            let frame = frame(motion.azimuth, [motion.axial - centre[0], motion.radius - centre[1], -centre[2]]);
-            let (axial, radius) = frame.place();
-            relative.put(
-                lane,
-                RelativeMotion {
-                    axial,
-                    radius,
-                    velocity: frame.components(subtract(motion.velocity, velocity)),
-                    spin: frame.components(motion.spin),
-                    raceway_speed: speed,
-                    orbit_speed: motion.orbit_speed,
-                    azimuth: motion.azimuth_angle - angle,
-                },
-            );
+            let (inner, frame) = one.over_inner::<F>(&motion.at(lane), &spindle, shaft, &axis);
+            relative.put(lane, inner);
             frames.put(lane, frame);
         }
-        (relative, frames)
+        let load = self.mechanism.raceway.inner.loads::<PLANAR>(&relative, self.instructions);
+        let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();
+        for lane in 0..LANES {
+            let (wrench, reaction) = on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane));
+            parts.0.put(lane, wrench);
+            parts.1.put(lane, reaction);
+        }
+        parts
+    }
+
+    /// The pockets alone on their balls, and the balls on the cage: force and moment.
+    #[inline(always)]
+    pub(super) fn pocket_part(
+        &self,
+        first: usize,
+        motion: &BallMotion<Lanes>,
+        pose: &CagePose,
+    ) -> (Wrench<Lanes>, Vector<Lanes>, Vector<Lanes>) {
+        let tilt = pose.motion.tilt;
+        let (load, places) = self.pockets(first, motion, pose);
+        let mut parts = <(Wrench<Lanes>, Vector<Lanes>, Vector<Lanes>)>::default();
+        for lane in 0..LANES {
+            let azimuth = motion.azimuth.at(lane);
+            let (wrench, [force, moment]) = on_pocket(azimuth, &tilt, places.at(lane), &load.at(lane));
+            parts.0.put(lane, wrench);
+            parts.1.put(lane, force);
+            parts.2.put(lane, moment);
+        }
+        parts
+    }
+
+    /// What a further wrench adds to the rates of the balls.
+    #[inline(always)]
+    pub(super) fn ball_response(&self, motion: &BallMotion<Lanes>, wrench: &Wrench<Lanes>) -> BallState<Lanes> {
+        let one = self.one;
+        let mut response = BallState::<Lanes>::default();
+        for lane in 0..LANES {
+            response.put(lane, one.response(&motion.at(lane), wrench.at(lane)));
+        }
+        response
+    }
+
+    #[inline(always)]
+    pub(super) fn border(&self, cage: CageState, spindle: SpindleState, shaft: Shaft) -> Border {
+        Border { pose: self.cage_pose(&cage, shaft), cage, spindle, shaft }
     }
 
     #[inline(always)]
@@ -395,104 +523,6 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             },
             azimuth: Azimuth::new(m.orbit_ratio * angle + state.arc / m.pitch_radius),
         }
-    }
-
-    /// The pockets on their balls, and the balls on the cage.
-    #[inline(always)]
-    pub(super) fn pockets(&self, first: usize, motion: &BallMotion<Lanes>, cage: &CagePose) -> OnCage<Lanes> {
-        let m = &self.mechanism;
-        let start: Azimuth<Lanes> =
-            Azimuth { cosine: Lanes::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
-        let (CageMotion { centre, velocity: cage_velocity, tilt, spin: cage_spin }, cage_azimuth) =
-            (cage.motion, cage.azimuth);
-        let pocket_centre = [m.cage.offset, m.pitch_radius, 0.0];
-        let mut places = [<Lanes>::default(); 3];
-        let mut relative = PocketMotion::<Lanes>::default();
-        // All in the cage's tilted frame, from its centre of mass.
-        for lane in 0..LANES {
-            let motion = motion.at(lane);
-            let azimuth = motion.azimuth;
-            let place = azimuth.to_inertial([motion.axial, motion.radius, 0.0]);
-            let ball_place = tilt.to_tilted(subtract(place, centre));
-            let pocket_azimuth = cage_azimuth.turned(start.at(lane));
-            let pocket_place = pocket_azimuth.to_inertial(pocket_centre);
-            let velocity = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), cage_velocity));
-            places.put(lane, ball_place);
-            relative.put(
-                lane,
-                PocketMotion {
-                    displacement: subtract(ball_place, pocket_place),
-                    velocity: subtract(velocity, cross(cage_spin, ball_place)),
-                    spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), cage_spin),
-                },
-            );
-        }
-        let load = m.pocket.loads(&relative);
-        let mut on = OnCage { load, ..OnCage::default() };
-        for lane in 0..LANES {
-            let (azimuth, load) = (motion.azimuth.at(lane), load.at(lane));
-            let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
-            on.wrench.put(lane, Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) });
-            on.reaction_force.put(lane, scale(-1.0, load.force));
-            on.reaction_moment.put(lane, scale(-1.0, cross(add(places.at(lane), load.lever), load.force)));
-        }
-        on
-    }
-
-    /// Drag, churning and weight of the balls.
-    #[inline(always)]
-    fn surroundings(&self, motion: &BallMotion<Lanes>) -> Wrench<Lanes> {
-        let m = &self.mechanism;
-        let (weight, pitch_radius) = (m.ball_mass * m.gravity, m.pitch_radius);
-        let mut wrench = Wrench::<Lanes>::default();
-        for lane in 0..LANES {
-            let Azimuth { cosine, sine } = motion.azimuth.at(lane);
-            wrench.put(lane, Wrench { force: [0.0, weight * cosine, -weight * sine], moment: [0.0; 3] });
-        }
-        if let Some(drag) = m.drag {
-            for lane in 0..LANES {
-                wrench.force[2][lane] += drag.force(pitch_radius * motion.orbit_speed[lane]);
-            }
-        }
-        if let Some(churning) = m.churning {
-            for lane in 0..LANES {
-                wrench.moment.put(lane, churning.churning_moment(motion.spin.at(lane)));
-            }
-        }
-        wrench
-    }
-
-    /// Rates of the balls' states under all that acts on them.
-    #[inline(always)]
-    pub(super) fn ball_rates(
-        &self,
-        state: &BallState<Lanes>,
-        motion: &BallMotion<Lanes>,
-        wrench: &Wrench<Lanes>,
-        (_, _, acceleration): Shaft,
-    ) -> BallState<Lanes> {
-        let m = &self.mechanism;
-        let (mass, inertia, pitch_radius) = (m.ball_mass, m.ball_inertia, m.pitch_radius);
-        let (orbit_acceleration, spin_acceleration) = (m.orbit_ratio * acceleration, m.spin_ratio * acceleration);
-        let mut rates = BallState::default();
-        for lane in 0..LANES {
-            let (state, motion) = (state.at(lane), motion.at(lane));
-            let Wrench { force, moment } = wrench.at(lane);
-            let BallAcceleration { axial, radial, azimuthal, spin } = motion.acceleration(force, moment, mass, inertia);
-            rates.put(
-                lane,
-                BallState {
-                    axial: state.axial_velocity,
-                    radial: state.radial_velocity,
-                    arc: state.arc_velocity,
-                    axial_velocity: axial,
-                    radial_velocity: radial,
-                    arc_velocity: pitch_radius * (azimuthal - orbit_acceleration),
-                    spin: [spin[0] - spin_acceleration, spin[1], spin[2]],
-                },
-            );
-        }
-        rates
     }
 
     #[inline(always)]
@@ -565,26 +595,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 }
 
-/// The inner raceway on the balls, in their orbit frames, and the balls on the spindle, in the inertial frame.
-#[inline(always)]
-fn on_inner<F: ContactFrame>(
-    motion: &BallMotion<Lanes>,
-    frames: &impl SideBySide<One = F>,
-    load: &RacewayLoad<Lanes>,
-) -> (Wrench<Lanes>, Vector<Lanes>) {
-    let (mut wrench, mut reaction) = (Wrench::<Lanes>::default(), <[Lanes; 3]>::default());
-    for lane in 0..LANES {
-        let (frame, force, moment) = (frames.at(lane), load.force.at(lane), load.moment.at(lane));
-        let force = frame.vector(force);
-        wrench.put(lane, Wrench { force, moment: frame.vector(moment) });
-        reaction.put(lane, scale(-1.0, motion.azimuth.at(lane).to_inertial(force)));
-    }
-    (wrench, reaction)
-}
-
 /// Where a ball sits on the inner raceway: place and axes of the contact's frame, in the orbit frame.
 trait ContactFrame: Copy {
     type Several: SideBySide<One = Self> + Default;
+    /// What it needs to know of the raceway's axis.
+    type Axis: Copy;
+    /// Of a ball at an azimuth, `from_centre` of the raceway in its orbit frame.
+    fn new(axis: &Self::Axis, azimuth: Azimuth, from_centre: Vector) -> Self;
     /// Along the raceway's axis and from it.
     fn place(&self) -> (f64, f64);
     /// A vector of the orbit frame, in the contact's.
@@ -602,18 +619,16 @@ struct StraightFrame<T = f64> {
 }
 side_by_side!(StraightFrame { axial, radius, turn });
 
-impl StraightFrame {
+impl ContactFrame for StraightFrame {
+    type Several = StraightFrame<Lanes>;
+    type Axis = ();
+
     #[inline(always)]
-    fn new(_: Azimuth, from_centre: Vector) -> Self {
-        let [axial, r, t] = from_centre;
+    fn new(_: &(), _: Azimuth, [axial, r, t]: Vector) -> Self {
         let radius = (r * r + t * t).sqrt();
         let per_radius = 1.0 / radius;
         Self { axial, radius, turn: Azimuth { cosine: per_radius * r, sine: per_radius * t } }
     }
-}
-
-impl ContactFrame for StraightFrame {
-    type Several = StraightFrame<Lanes>;
 
     #[inline(always)]
     fn place(&self) -> (f64, f64) {
@@ -642,19 +657,19 @@ struct TiltedFrame<T = f64> {
 }
 side_by_side!(TiltedFrame { axial, radius, axis, radial, tangential });
 
-impl TiltedFrame {
+impl ContactFrame for TiltedFrame {
+    type Several = TiltedFrame<Lanes>;
+    type Axis = Vector;
+
     #[inline(always)]
-    fn new(axis: Vector, from_centre: Vector) -> Self {
+    fn new(axis: &Vector, azimuth: Azimuth, from_centre: Vector) -> Self {
+        let axis = azimuth.to_orbit(*axis);
         let axial = dot(from_centre, axis);
         let across = subtract(from_centre, scale(axial, axis));
         let radius = dot(across, across).sqrt();
         let radial = scale(1.0 / radius, across);
         Self { axial, radius, axis, radial, tangential: cross(axis, radial) }
     }
-}
-
-impl ContactFrame for TiltedFrame {
-    type Several = TiltedFrame<Lanes>;
 
     #[inline(always)]
     fn place(&self) -> (f64, f64) {

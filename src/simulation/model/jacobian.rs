@@ -5,23 +5,13 @@
 //! nothing but the inner contacts, one of the cage nothing but the pockets, and only those are evaluated.
 
 use super::Dynamics;
-use super::dynamics::{CagePose, Contacts, Reaction, Shaft};
+use super::dynamics::{Balls, Border, CagePose, Reaction, Wrench};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::structure::Jacobian;
-use crate::physics::ball::BallMotion;
-use crate::simulation::state::{BallState, CageState, MAX_BORDER, SpindleState};
+use crate::simulation::state::{BallState, MAX_BORDER};
 
 /// Displacement over the size of an entry: small against the indentation of a contact, large against rounding.
 pub(super) const DISPLACEMENT: f64 = 1e-5;
-
-/// Cage and spindle at a time.
-#[derive(Clone, Copy)]
-struct Border {
-    cage: CageState,
-    pose: CagePose,
-    spindle: SpindleState,
-    shaft: Shaft,
-}
 
 /// One Jacobian, to be compiled for each instruction set.
 struct Differences<'a, const PLANAR: bool> {
@@ -57,12 +47,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let shaft = self.mechanism().speed.at(time);
         let mut entries = [0.0; MAX_BORDER];
         entries[..border].copy_from_slice(&state[layout.balls * block..]);
-        let at_rest = self.border(&entries, shaft);
+        let alone = layout.without_balls();
+        let at_rest = self.border(alone.cage(&entries), alone.spindle(&entries), shaft);
         let mut displaced = [at_rest; MAX_BORDER];
         for column in 0..border {
             let entry = entries[column];
             entries[column] += of_border[column];
-            displaced[column] = self.border(&entries, shaft);
+            displaced[column] = self.border(alone.cage(&entries), alone.spindle(&entries), shaft);
             entries[column] = entry;
         }
         let displaced = &displaced[..border];
@@ -72,31 +63,28 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
         for first in (0..layout.balls).step_by(LANES) {
             let count = LANES.min(layout.balls - first);
-            let own = layout.side_by_side::<PLANAR, LANES>(state, first);
-            let (mut motion, mut contacts) = (BallMotion::default(), Contacts::default());
-            let mut before = [<Lanes>::default(); 9];
+            let own = layout.side_by_side::<PLANAR>(state, first);
+            let (mut balls, mut moved) = (Balls::default(), Balls::default());
             // Undisplaced first, then by one entry after the other.
             for displaced in std::iter::once(None).chain((0..block).map(Some)) {
                 let mut entries = own.entries(PLANAR);
                 if let Some(column) = displaced {
                     entries[column].0.iter_mut().for_each(|entry| *entry += of_ball[column]);
                 }
-                let state = BallState::from_entries(entries, PLANAR);
-                let moving = self.ball_motions(first, &state, shaft);
-                let moved = self.contacts(first, &moving, &at_rest.spindle, &at_rest.pose, shaft, None);
-                let after = self.ball_rates(&state, &moving, &moved.wrench, shaft).entries(PLANAR);
+                self.balls(first, &BallState::from_entries(entries, PLANAR), &at_rest, &mut moved, None);
                 let Some(column) = displaced else {
-                    (motion, contacts, before) = (moving, moved, after);
-                    contacts.reaction.sum_into(&mut sum, count);
+                    balls = moved;
+                    balls.reaction.sum_into(&mut sum, count);
                     continue;
                 };
                 let by = of_ball[column];
+                let (before, after) = (balls.rates.entries(PLANAR), moved.rates.entries(PLANAR));
                 for lane in 0..count {
                     let part = jacobian.block_mut(first + lane);
                     for row in 0..block {
                         part[row * block + column] = (after[row][lane] - before[row][lane]) / by;
                     }
-                    let passed_on = moved.reaction.at(lane).less(&contacts.reaction.at(lane));
+                    let passed_on = moved.reaction.at(lane).less(&balls.reaction.at(lane));
                     let rates = self.border_response(&at_rest.pose, &passed_on);
                     let part = jacobian.below_mut(first + lane);
                     for row in 0..border {
@@ -104,29 +92,30 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     }
                 }
             }
+            // What cage and spindle change, undisplaced first, too.
+            let inner = self.inner_part(&balls.motion, &at_rest).0;
+            let pocket = self.pocket_part(first, &balls.motion, &at_rest.pose).0;
             for (column, displaced) in displaced.iter().enumerate() {
-                let by = of_border[column];
-                let mut reaction = contacts.reaction;
-                // What changes, before and after.
+                let mut reaction = balls.reaction;
                 let (was, is) = if column < layout.cage_size() {
-                    let pocket = self.pockets(first, &motion, &displaced.pose);
-                    (reaction.cage_force, reaction.cage_moment) = (pocket.reaction_force, pocket.reaction_moment);
-                    (&contacts.pocket, pocket.wrench)
+                    let (wrench, force, moment) = self.pocket_part(first, &balls.motion, &displaced.pose);
+                    (reaction.cage_force, reaction.cage_moment) = (force, moment);
+                    (&pocket, wrench)
                 } else {
-                    let (wrench, on_spindle) = self.inner(&motion, &displaced.spindle, shaft);
+                    let (wrench, on_spindle) = self.inner_part(&balls.motion, displaced);
                     reaction.spindle = on_spindle;
-                    (&contacts.inner, wrench)
+                    (&inner, wrench)
                 };
-                let mut wrench = contacts.wrench;
-                for lane in 0..LANES {
-                    wrench.put(lane, wrench.at(lane).and(is.at(lane).less(&was.at(lane))));
-                }
                 reaction.sum_into(&mut sums[column], count);
-                let after = self.ball_rates(&own, &motion, &wrench, shaft).entries(PLANAR);
+                let mut change = Wrench::<Lanes>::default();
+                for lane in 0..LANES {
+                    change.put(lane, is.at(lane).less(&was.at(lane)));
+                }
+                let response = self.ball_response(&balls.motion, &change).entries(PLANAR);
                 for lane in 0..count {
                     let part = jacobian.right_mut(first + lane);
                     for row in 0..block {
-                        part[row * border + column] = (after[row][lane] - before[row][lane]) / by;
+                        part[row * border + column] = response[row][lane] / of_border[column];
                     }
                 }
             }
@@ -140,13 +129,6 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 corner[row * border + column] = (after[row] - before[row]) / of_border[column];
             }
         }
-    }
-
-    #[inline(always)]
-    fn border(&self, entries: &[f64], shaft: Shaft) -> Border {
-        let alone = self.mechanism().layout.without_balls();
-        let cage = alone.cage(entries);
-        Border { pose: self.cage_pose(&cage, shaft), cage, spindle: alone.spindle(entries), shaft }
     }
 
     /// Rates of cage and spindle under a reaction, in their order.
