@@ -41,7 +41,7 @@ fn every_set_of_instructions_gives_the_same_bits() {
                 let bits: Vec<u64> = rates(&model, TIME, &state).iter().map(|rate| rate.to_bits()).collect();
                 (bits, format!("{jacobian:?}"))
             };
-            let baseline = by(InstructionSet::Baseline);
+            let baseline = by(InstructionSet::BASELINE);
             for set in InstructionSet::available() {
                 assert!(by(set) == baseline, "{set:?} {rung:?} {json}");
             }

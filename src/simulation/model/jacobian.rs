@@ -77,18 +77,18 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     balls.reaction.sum_into(&mut sum, count);
                     continue;
                 };
-                let by = of_ball[column];
+                let per = 1.0 / of_ball[column];
                 let (before, after) = (balls.rates.entries(PLANAR), moved.rates.entries(PLANAR));
                 for lane in 0..count {
                     let part = jacobian.block_mut(first + lane);
                     for row in 0..block {
-                        part[row * block + column] = (after[row][lane] - before[row][lane]) / by;
+                        part[row * block + column] = (after[row][lane] - before[row][lane]) * per;
                     }
                     let passed_on = moved.reaction.at(lane).less(&balls.reaction.at(lane));
                     let rates = self.border_response(&at_rest.pose, &passed_on);
                     let part = jacobian.below_mut(first + lane);
                     for row in 0..border {
-                        part[row * block + column] = rates[row] / by;
+                        part[row * block + column] = rates[row] * per;
                     }
                 }
             }
@@ -112,10 +112,11 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     change.put(lane, is.at(lane).less(&was.at(lane)));
                 }
                 let response = self.ball_response(&balls.motion, &change).entries(PLANAR);
+                let per = 1.0 / of_border[column];
                 for lane in 0..count {
                     let part = jacobian.right_mut(first + lane);
                     for row in 0..block {
-                        part[row * border + column] = response[row][lane] / of_border[column];
+                        part[row * border + column] = response[row][lane] * per;
                     }
                 }
             }
