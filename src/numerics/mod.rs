@@ -1,8 +1,10 @@
 //! Mathematics that knows no bearing: special functions, spectra, statistics, integrators.
 //! Imports none of the other rooms.
 
+pub mod angle;
 pub mod elliptic;
 pub mod exponential;
+pub mod lanes;
 pub mod ode;
 pub mod roots;
 pub mod spectrum;
