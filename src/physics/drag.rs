@@ -90,10 +90,12 @@ impl Drag {
         let reynolds = self.reynolds_per_speed * speed;
         // The last segment that begins below; beyond the table C_d is its last value.
         let (mut factor, mut exponent) = self.segments[0];
-        for (point, segment) in DRAG_COEFFICIENT.iter().zip(&self.segments).skip(1) {
-            let reached = reynolds >= point.0;
-            factor = if reached { segment.0 } else { factor };
-            exponent = if reached { segment.1 } else { exponent };
+        // By index: an iterator that skips is a branch, and branches keep balls apart.
+        #[allow(clippy::needless_range_loop)]
+        for i in 1..self.segments.len() {
+            let reached = reynolds >= DRAG_COEFFICIENT[i].0;
+            factor = if reached { self.segments[i].0 } else { factor };
+            exponent = if reached { self.segments[i].1 } else { exponent };
         }
         let (end, last) = DRAG_COEFFICIENT[DRAG_COEFFICIENT.len() - 1];
         let in_table = factor * power(reynolds, exponent);
