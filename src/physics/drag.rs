@@ -90,6 +90,8 @@ impl Drag {
         let reynolds = self.reynolds_per_speed * speed;
         // The last segment that begins below; beyond the table C_d is its last value.
         let (mut factor, mut exponent) = self.segments[0];
+        // By index: an iterator that skips is a branch, and branches keep balls apart.
+        #[allow(clippy::needless_range_loop)]
         for i in 1..self.segments.len() {
             let reached = reynolds >= DRAG_COEFFICIENT[i].0;
             factor = if reached { self.segments[i].0 } else { factor };

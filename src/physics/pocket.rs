@@ -179,13 +179,13 @@ impl Pocket {
             Some(rim) => {
                 for lane in 0..N {
                     let motion = motion.at(lane);
-                    approach.put(lane, approach_at(&motion, pocket.to_seat_or_rim(rim, motion.displacement)));
+                    approach.put(lane, approach_at(&motion, pocket.seat_or_rim(rim, motion.displacement)));
                 }
             }
             None => {
                 for lane in 0..N {
                     let motion = motion.at(lane);
-                    approach.put(lane, approach_at(&motion, to_seat(motion.displacement)));
+                    approach.put(lane, approach_at(&motion, seat(motion.displacement)));
                 }
             }
         }
@@ -216,10 +216,10 @@ impl Pocket {
         load
     }
 
-    /// To the cap as `to_seat`; where the displacement points out of the mouth, to the rim. Both agree at the rim's angle,
+    /// To the cap as `seat`; where the displacement points out of the mouth, to the rim. Both agree at the rim's angle,
     /// here as (cosine, sine).
     #[inline(always)]
-    fn to_seat_or_rim(&self, (cosine, sine): (f64, f64), s: Vector) -> (f64, Vector) {
+    fn seat_or_rim(&self, (cosine, sine): (f64, f64), s: Vector) -> (f64, Vector) {
         let across = (s[1] * s[1] + s[2] * s[2]).sqrt();
         let per_across = if across > 0.0 { 1.0 / across } else { 0.0 };
         let seat_radius = self.ball_radius + self.clearance;
@@ -228,7 +228,7 @@ impl Pocket {
         let per_distance = 1.0 / distance;
         let outward = radial * per_across * per_distance;
         let rim = (seat_radius - distance, [along * per_distance, outward * s[1], outward * s[2]]);
-        let cap = to_seat(s);
+        let cap = seat(s);
         let out = s[0] * sine > across * cosine;
         let pick = |rim: f64, cap: f64| if out { rim } else { cap };
         (pick(rim.0, cap.0), [pick(rim.1[0], cap.1[0]), pick(rim.1[1], cap.1[1]), pick(rim.1[2], cap.1[2])])
@@ -311,7 +311,7 @@ const LEAST_SLIP: f64 = 1e-12;
 
 /// The displacement itself is the way to the nearest point of a cap.
 #[inline(always)]
-fn to_seat(s: Vector) -> (f64, Vector) {
+fn seat(s: Vector) -> (f64, Vector) {
     let distance = length(s);
     // At the very centre there is no direction and, with every law here, no force.
     let inverse = if distance > 0.0 { -1.0 / distance } else { 0.0 };

@@ -111,12 +111,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 for lane in 0..LANES {
                     change.put(lane, is.at(lane).less(&was.at(lane)));
                 }
-                let response = self.ball_response(&balls.motion, &change).entries(PLANAR);
+                let response = self.ball_response(&balls.motion, &change);
                 let per = 1.0 / of_border[column];
                 for lane in 0..count {
+                    let response = response.at(lane).entries(PLANAR);
                     let part = jacobian.right_mut(first + lane);
                     for row in 0..block {
-                        part[row * border + column] = response[row][lane] * per;
+                        part[row * border + column] = response[row] * per;
                     }
                 }
             }
