@@ -9,16 +9,16 @@ use crate::simulation::run::{Method, RunSettings, start_state};
 use crate::simulation::stiffness::{FastestMode, fastest_mode};
 
 /// Time of one ball in one evaluation of the equations, and of each strip of its two contacts on top [s]:
-/// of the order of `cargo bench --bench simulation` on one core of a shared server.
-const SECONDS_PER_BALL: f64 = 0.1e-6;
-const SECONDS_PER_STRIP: f64 = 0.02e-6;
+/// of the order of `cargo bench --bench contact` on one core of a shared server with AVX2.
+const SECONDS_PER_BALL: f64 = 0.03e-6;
+const SECONDS_PER_STRIP: f64 = 0.004e-6;
 /// Longest estimate [s]; a run that long is never finished.
 const LONGEST: f64 = 1e12;
 /// Evaluations a step of the explicit method.
 const EVALUATIONS: f64 = 6.0;
 /// The same of a stiff method, linear algebra included; and its step in the article's case at a tolerance of 1e-5 [s], which shrinks
 /// with the sixth root of the tolerance. What a method of higher or lower order does differently lies within the estimate's error.
-const STIFF_EVALUATIONS: f64 = 3.5;
+const STIFF_EVALUATIONS: f64 = 6.0;
 const STIFF_STEP: f64 = 1e-6;
 const STIFF_TOLERANCE: f64 = 1e-5;
 /// Runs that the references of an accuracy job are worth.

@@ -15,7 +15,7 @@ use crate::numerics::statistics::median;
 use crate::simulation::accuracy::FAINT;
 use crate::simulation::work_precision::{
     ABOVE_OWN_ERROR, LEAST_SCALE, MOST_GROWN, Measured, Plan, Point, Reference, SETTLING, TrajectoryError,
-    WorkPrecision,
+    WorkPrecision, level_floor,
 };
 
 /// Methods and tolerances of one scene: what each costs and how far it is from the reference.
@@ -165,7 +165,8 @@ pub struct MeasuredAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub level_error_db: Option<f64>,
-    /// The level's error is below ten times the reference's own or below the sampling error, and says nothing.
+    /// The level's error is below ten times the reference's own, in chaotic motion below the sampling error or the reference's own, and says
+    /// nothing.
     pub level_below_reference: bool,
     /// Worst of `reference.lines` [Hz].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -411,8 +412,7 @@ fn measured_answer(point: &Point, measured: &Measured) -> MeasuredAnswer {
 /// Errors below this are the reference's own, in a trajectory and in a level [dB]: what plots draw as a floor. Chaotic
 /// trajectories are each compared over a time of their own, and have no common one.
 pub fn floors(reference: &ReferenceAnswer) -> (Option<f64>, Option<f64>) {
-    let own = |own: Option<f64>| own.filter(|own| *own > 0.0).map(|own| ABOVE_OWN_ERROR * own);
-    let levels = [own(reference.own_error_db), reference.sampling_error_db];
-    let trajectory = own(reference.own_trajectory_error).filter(|_| reference.sampling_error_db.is_none());
-    (trajectory, levels.into_iter().flatten().reduce(f64::max))
+    let own = reference.own_trajectory_error.filter(|own| *own > 0.0 && reference.sampling_error_db.is_none());
+    let level = level_floor(reference.own_error_db, reference.sampling_error_db).filter(|floor| *floor > 0.0);
+    (own.map(|own| ABOVE_OWN_ERROR * own), level)
 }

@@ -72,6 +72,82 @@ impl<const N: usize> IndexMut<usize> for Lanes<N> {
     }
 }
 
+/// Quantities of several balls, from which those of one can be taken.
+pub trait SideBySide {
+    /// The quantities of one ball.
+    type One;
+    /// Those of a lane.
+    fn at(&self, lane: usize) -> Self::One;
+    /// Replaces those of a lane.
+    fn put(&mut self, lane: usize, one: Self::One);
+}
+
+impl<const N: usize> SideBySide for Lanes<N> {
+    type One = f64;
+
+    #[inline(always)]
+    fn at(&self, lane: usize) -> f64 {
+        self.0[lane]
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: f64) {
+        self.0[lane] = one;
+    }
+}
+
+impl<C: SideBySide> SideBySide for (C, C) {
+    type One = (C::One, C::One);
+
+    #[inline(always)]
+    fn at(&self, lane: usize) -> Self::One {
+        (self.0.at(lane), self.1.at(lane))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: Self::One) {
+        self.0.put(lane, one.0);
+        self.1.put(lane, one.1);
+    }
+}
+
+impl<C: SideBySide> SideBySide for [C; 3] {
+    type One = [C::One; 3];
+
+    #[inline(always)]
+    fn at(&self, lane: usize) -> Self::One {
+        [self[0].at(lane), self[1].at(lane), self[2].at(lane)]
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: Self::One) {
+        let [a, b, c] = one;
+        self[0].put(lane, a);
+        self[1].put(lane, b);
+        self[2].put(lane, c);
+    }
+}
+
+/// Lets a struct `S<T>` stand for one ball as `S<f64>` and for several as `S<Lanes>`.
+macro_rules! side_by_side {
+    ($name:ident { $($field:ident),* $(,)? }) => {
+        impl<const N: usize> $crate::numerics::lanes::SideBySide for $name<$crate::numerics::lanes::Lanes<N>> {
+            type One = $name<f64>;
+
+            #[inline(always)]
+            fn at(&self, lane: usize) -> Self::One {
+                $name { $($field: $crate::numerics::lanes::SideBySide::at(&self.$field, lane)),* }
+            }
+
+            #[inline(always)]
+            fn put(&mut self, lane: usize, one: Self::One) {
+                $($crate::numerics::lanes::SideBySide::put(&mut self.$field, lane, one.$field);)*
+            }
+        }
+    };
+}
+pub(crate) use side_by_side;
+
 /// The larger of two numbers, neither NaN: one instruction, where `f64::max` looks for NaN first.
 #[inline(always)]
 pub fn larger(a: f64, b: f64) -> f64 {

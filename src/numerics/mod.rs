@@ -1,6 +1,7 @@
 //! Mathematics that knows no bearing: special functions, spectra, statistics, integrators.
 //! Imports none of the other rooms.
 
+pub mod angle;
 pub mod elliptic;
 pub mod exponential;
 pub mod lanes;

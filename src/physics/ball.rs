@@ -1,24 +1,26 @@
 //! A ball: rigid, homogeneous, six degrees of freedom.
 
 use super::frames::{Azimuth, Vector};
+use crate::numerics::lanes::side_by_side;
 
 /// Motion of a ball, vectors in its orbit frame.
-#[derive(Debug, Clone, Copy)]
-pub struct BallMotion {
+#[derive(Debug, Clone, Copy, Default)]
+pub struct BallMotion<T = f64> {
     /// [rad]
-    pub azimuth_angle: f64,
-    pub azimuth: Azimuth,
+    pub azimuth_angle: T,
+    pub azimuth: Azimuth<T>,
     /// [m]
-    pub axial: f64,
+    pub axial: T,
     /// Distance from the bearing axis [m].
-    pub radius: f64,
+    pub radius: T,
     /// θ̇ [rad/s]
-    pub orbit_speed: f64,
+    pub orbit_speed: T,
     /// [m/s]
-    pub velocity: Vector,
+    pub velocity: Vector<T>,
     /// [rad/s]
-    pub spin: Vector,
+    pub spin: Vector<T>,
 }
+side_by_side!(BallMotion { azimuth_angle, azimuth, axial, radius, orbit_speed, velocity, spin });
 
 /// Second derivatives of a ball's coordinates.
 #[derive(Debug, Clone, Copy)]
@@ -39,14 +41,16 @@ impl BallMotion {
     #[inline(always)]
     pub fn acceleration(&self, force: Vector, moment: Vector, mass: f64, inertia: f64) -> BallAcceleration {
         let orbit = self.orbit_speed;
+        // The same for all balls, so divided once.
+        let (per_mass, per_inertia) = (1.0 / mass, 1.0 / inertia);
         BallAcceleration {
-            axial: force[0] / mass,
-            radial: force[1] / mass + self.radius * orbit * orbit,
-            azimuthal: (force[2] / mass - 2.0 * self.velocity[1] * orbit) / self.radius,
+            axial: force[0] * per_mass,
+            radial: force[1] * per_mass + self.radius * orbit * orbit,
+            azimuthal: (force[2] * per_mass - 2.0 * self.velocity[1] * orbit) / self.radius,
             spin: [
-                moment[0] / inertia,
-                moment[1] / inertia + orbit * self.spin[2],
-                moment[2] / inertia - orbit * self.spin[1],
+                moment[0] * per_inertia,
+                moment[1] * per_inertia + orbit * self.spin[2],
+                moment[2] * per_inertia - orbit * self.spin[1],
             ],
         }
     }

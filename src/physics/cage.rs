@@ -1,7 +1,7 @@
 //! The crown cage: a rigid body with a pocket a ball.
 
 use super::contact::damping::DampingLaw;
-use super::frames::{Tilt, Vector};
+use super::frames::{Tilt, Vector, scale};
 use super::material::Material;
 use super::{InvalidParameter, above, within};
 
@@ -112,8 +112,6 @@ pub struct CageMotion {
     /// [m/s]
     pub velocity: Vector,
     pub tilt: Tilt,
-    /// Tilt about the new Z [rad].
-    pub tilt_about_z: f64,
     /// Angular velocity of the cage [rad/s].
     pub spin: Vector,
 }
@@ -131,18 +129,27 @@ impl CageParameters {
     /// Equations (7)–(12): Newton for the centre of mass and Euler about it, for a body of revolution in
     /// a frame that tilts with it but does not spin. `force` [N] in the inertial frame, gravity left out;
     /// `moment` [N m] in the tilted frame.
+    #[inline(always)]
     pub fn acceleration(&self, motion: &CageMotion, force: Vector, moment: Vector, gravity: f64) -> CageAcceleration {
         let (axial, transverse) = (self.axial_inertia, self.transverse_inertia);
+        let CageAcceleration { linear, angular } = self.response(force, moment);
         let [spin, about_y, about_z] = motion.spin;
         // The frame itself turns about x by −β̇ sin-part of its Cardan angles.
-        let frame = about_y * motion.tilt_about_z.tan();
+        let frame = about_y * motion.tilt.tangent_about_z();
+        let gyroscopic = axial / transverse * spin - frame;
         CageAcceleration {
-            linear: [force[0] / self.mass, force[1] / self.mass + gravity, force[2] / self.mass],
-            angular: [
-                moment[0] / axial,
-                (moment[1] - (axial * spin - transverse * frame) * about_z) / transverse,
-                (moment[2] - (transverse * frame - axial * spin) * about_y) / transverse,
-            ],
+            linear: [linear[0], linear[1] + gravity, linear[2]],
+            angular: [angular[0], angular[1] - gyroscopic * about_z, angular[2] + gyroscopic * about_y],
+        }
+    }
+
+    /// What force and moment add to the accelerations.
+    #[inline(always)]
+    pub fn response(&self, force: Vector, moment: Vector) -> CageAcceleration {
+        let (per_axial, per_transverse) = (1.0 / self.axial_inertia, 1.0 / self.transverse_inertia);
+        CageAcceleration {
+            linear: scale(1.0 / self.mass, force),
+            angular: [moment[0] * per_axial, moment[1] * per_transverse, moment[2] * per_transverse],
         }
     }
 }
@@ -163,7 +170,6 @@ mod tests {
                 centre: [0.0; 3],
                 velocity: [0.0; 3],
                 tilt: Tilt::new(y[0], y[1]),
-                tilt_about_z: y[1],
                 spin: [y[2], y[3], y[4]],
             };
             let a = cage.acceleration(&motion, [0.0; 3], [0.0; 3], 0.0).angular;

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::bearing::Bearing;
 use super::lubricant::Lubricant;
+use crate::numerics::exponential::power;
 
 /// Drag coefficient of a sphere over Reynolds number, points of the standard drag curve to two figures; log-log
 /// between them, 27.5/Re below (Stokes: 24/Re), constant above, where the drag crisis is left out.
@@ -83,25 +84,30 @@ impl Drag {
     /// Force on a ball along its orbit [N], against its velocity V = D_m θ̇/2 [m/s]; linear at rest.
     ///
     /// Harris, Rolling Bearing Analysis: F_D = ½ ρ_e C_d (π d²/4) V |V|, Re = ρ_e |V| d/η_e.
-    #[inline]
+    #[inline(always)]
     pub fn force(&self, orbit_velocity: f64) -> f64 {
         let speed = orbit_velocity.abs();
         let reynolds = self.reynolds_per_speed * speed;
-        if reynolds <= DRAG_COEFFICIENT[0].0 {
-            return -self.stokes_factor * orbit_velocity;
+        // The last segment that begins below; beyond the table C_d is its last value.
+        let (mut factor, mut exponent) = self.segments[0];
+        // By index: an iterator that skips is a branch, and branches keep balls apart.
+        #[allow(clippy::needless_range_loop)]
+        for i in 1..self.segments.len() {
+            let reached = reynolds >= DRAG_COEFFICIENT[i].0;
+            factor = if reached { self.segments[i].0 } else { factor };
+            exponent = if reached { self.segments[i].1 } else { exponent };
         }
-        let segment = DRAG_COEFFICIENT[1..].iter().position(|point| reynolds < point.0);
-        let coefficient = segment.map_or(DRAG_COEFFICIENT[DRAG_COEFFICIENT.len() - 1].1, |i| {
-            let (factor, exponent) = self.segments[i];
-            factor * reynolds.powf(exponent)
-        });
-        -self.force_at_unit_coefficient * coefficient * speed * orbit_velocity
+        let (end, last) = DRAG_COEFFICIENT[DRAG_COEFFICIENT.len() - 1];
+        let in_table = factor * power(reynolds, exponent);
+        let coefficient = if reynolds >= end { last } else { in_table };
+        let force = -self.force_at_unit_coefficient * coefficient * speed * orbit_velocity;
+        if reynolds <= DRAG_COEFFICIENT[0].0 { -self.stokes_factor * orbit_velocity } else { force }
     }
 
     /// Moment on a ball [N m] against its spin [rad/s], by components; linear at rest.
     ///
     /// M = −½ ρ_e C_n |ω| ω (d/2)⁵ with `churning_coefficient`.
-    #[inline]
+    #[inline(always)]
     pub fn churning_moment(&self, spin: [f64; 3]) -> [f64; 3] {
         let squared = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];
         let factor = -self.churning_factor(squared.sqrt());
@@ -109,7 +115,7 @@ impl Drag {
     }
 
     /// Magnitude of the churning moment over that of the spin [N m s], spin a magnitude [rad/s].
-    #[inline]
+    #[inline(always)]
     pub fn churning_factor(&self, spin: f64) -> f64 {
         self.churning_linear + self.churning_root * spin.sqrt()
     }

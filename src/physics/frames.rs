@@ -6,8 +6,11 @@
 //!   x × r = t. Vectors in it are written `[x, r, t]`.
 //! * Positive spindle speed turns +Y towards +Z; a rolling ball then spins negatively about x.
 
+use crate::numerics::angle::sin_cos;
+use crate::numerics::lanes::side_by_side;
+
 /// A vector of three components.
-pub type Vector = [f64; 3];
+pub type Vector<T = f64> = [T; 3];
 
 /// a · b
 #[inline(always)]
@@ -46,17 +49,18 @@ pub fn length(a: Vector) -> f64 {
 }
 
 /// The direction of an azimuth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Azimuth {
-    pub cosine: f64,
-    pub sine: f64,
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Azimuth<T = f64> {
+    pub cosine: T,
+    pub sine: T,
 }
+side_by_side!(Azimuth { cosine, sine });
 
 impl Azimuth {
     /// Of an angle [rad].
     #[inline(always)]
     pub fn new(angle: f64) -> Self {
-        let (sine, cosine) = angle.sin_cos();
+        let (sine, cosine) = sin_cos(angle);
         Self { cosine, sine }
     }
 
@@ -95,9 +99,19 @@ impl Tilt {
     /// Tilts about Y and about the new Z [rad].
     #[inline(always)]
     pub fn new(about_y: f64, about_z: f64) -> Self {
-        let (sb, cb) = about_y.sin_cos();
-        let (sz, cz) = about_z.sin_cos();
+        let (sb, cb) = sin_cos(about_y);
+        let (sz, cz) = sin_cos(about_z);
         Self { columns: [[cb * cz, sz, -sb * cz], [-cb * sz, cz, sb * sz], [sb, 0.0, cb]] }
+    }
+
+    /// Cosine of the tilt about the new Z.
+    pub fn cosine_about_z(&self) -> f64 {
+        self.columns[1][1]
+    }
+
+    /// Tangent of the tilt about the new Z.
+    pub fn tangent_about_z(&self) -> f64 {
+        self.columns[0][1] / self.columns[1][1]
     }
 
     /// A vector of the inertial frame, in the tilted frame.

@@ -9,6 +9,8 @@ pub struct SpeedProfile {
     points: Vec<(f64, f64)>,
     /// Angle turned at each point since the first [rad].
     angles: Vec<f64>,
+    /// Angle at time 0 since the first point [rad].
+    first_angle: f64,
 }
 
 /// Largest angular speed accepted [rad/s]: 500 000 r/min.
@@ -48,16 +50,23 @@ impl SpeedProfile {
             let turned = 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0);
             angles.push(angles[angles.len() - 1] + turned);
         }
-        Ok(Self { points, angles })
+        let mut profile = Self { points, angles, first_angle: 0.0 };
+        profile.first_angle = profile.since_first_point(0.0).0;
+        Ok(profile)
     }
 
     /// Angle turned since time 0 [rad], angular speed [rad/s] and angular acceleration [rad/s²].
+    #[inline]
     pub fn at(&self, time: f64) -> (f64, f64, f64) {
         let (angle, speed, acceleration) = self.since_first_point(time);
-        (angle - self.since_first_point(0.0).0, speed, acceleration)
+        (angle - self.first_angle, speed, acceleration)
     }
 
+    #[inline]
     fn since_first_point(&self, time: f64) -> (f64, f64, f64) {
+        if let [(at, speed)] = self.points[..] {
+            return (speed * (time - at), speed, 0.0);
+        }
         let next = self.points.partition_point(|&(at, _)| at <= time);
         if next == 0 {
             let (at, speed) = self.points[0];

@@ -10,6 +10,8 @@ use super::contact::hertz::sphere_stiffness;
 use super::frames::{Vector, add, cross, dot, length, scale};
 use super::lubricant::Lubricant;
 use super::material::contact_modulus;
+use crate::numerics::exponential::hyperbolic_tangent;
+use crate::numerics::lanes::{Lanes, SideBySide, larger, side_by_side, smaller};
 
 /// Damping of the default film [N s/m]: an assumption. Full squeeze of a disc would give about 45;
 /// the seat of a crown pocket covers part of a sphere and is rarely full.
@@ -60,27 +62,39 @@ pub struct PocketTerms {
 
 /// What the pocket does to its ball; the cage feels the opposite at the contact point.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct PocketLoad {
+pub struct PocketLoad<T = f64> {
     /// Normal load, film and solid [N].
-    pub normal: f64,
+    pub normal: T,
     /// Force on the ball [N].
-    pub force: Vector,
+    pub force: Vector<T>,
     /// Moment on the ball about its centre [N m].
-    pub moment: Vector,
+    pub moment: Vector<T>,
     /// From the ball's centre to the contact point [m].
-    pub lever: Vector,
+    pub lever: Vector<T>,
 }
+side_by_side!(PocketLoad { normal, force, moment, lever });
 
 /// Motion of a ball relative to its pocket.
-#[derive(Debug, Clone, Copy)]
-pub struct PocketMotion {
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PocketMotion<T = f64> {
     /// Ball centre minus pocket centre [m].
-    pub displacement: Vector,
+    pub displacement: Vector<T>,
     /// Velocity of the ball centre relative to the cage material there [m/s].
-    pub velocity: Vector,
+    pub velocity: Vector<T>,
     /// Angular velocity of the ball relative to the cage [rad/s].
-    pub spin: Vector,
+    pub spin: Vector<T>,
 }
+side_by_side!(PocketMotion { displacement, velocity, spin });
+
+/// Nearest point of the seat: how far the ball has left the pocket's centre towards it (`C_p` at touch) [m], how fast
+/// [m/s], and the unit vector of the force on the ball.
+#[derive(Debug, Clone, Copy, Default)]
+struct Approach<T = f64> {
+    distance: T,
+    rate: T,
+    normal: Vector<T>,
+}
+side_by_side!(Approach { distance, rate, normal });
 
 impl Pocket {
     /// Constants at an operating spin of the balls [rad/s].
@@ -144,94 +158,177 @@ impl Pocket {
         self.solid_stiffness
     }
 
-    /// Nearest point of the seat: how far the ball has left the pocket's centre towards it
-    /// (`C_p` at touch) [m], and the unit vector of the force on the ball.
-    ///
-    /// On the cap that is the displacement itself. Where the displacement points out of the mouth,
-    /// the rim is nearest; both agree at the rim angle.
-    #[inline(always)]
-    fn approach(&self, s: Vector) -> (f64, Vector) {
-        let across = (s[1] * s[1] + s[2] * s[2]).sqrt();
-        if let Some((cosine, sine)) = self.rim
-            && s[0] * sine > across * cosine
-        {
-            let seat_radius = self.ball_radius + self.clearance;
-            let outward = if across > 0.0 { [s[1] / across, s[2] / across] } else { [0.0, 0.0] };
-            let along = s[0] - seat_radius * cosine;
-            let radial = across - seat_radius * sine;
-            let distance = (along * along + radial * radial).sqrt();
-            let normal = [along / distance, radial * outward[0] / distance, radial * outward[1] / distance];
-            return (seat_radius - distance, normal);
-        }
-        let distance = length(s);
-        // At the very centre there is no direction and, with every law here, no force.
-        let inverse = if distance > 0.0 { -1.0 / distance } else { 0.0 };
-        (distance, scale(inverse, s))
+    /// Force and moment of the pocket on one ball.
+    pub fn load(&self, motion: &PocketMotion) -> PocketLoad {
+        let mut one = PocketMotion::<Lanes<1>>::default();
+        one.put(0, *motion);
+        self.loads(&one).at(0)
     }
 
-    /// Force and moment of the pocket on its ball.
+    /// Forces and moments of the pockets on their balls.
     ///
     /// Normal force: Q = Q_film + Q_solid, Q_film = K_c min(s, C_p) + c_f ṡ min(1, s/0.1 µm), its damping
     /// falling to 0 over the first 1 µm of solid contact, Q_solid = K_n (s − C_p)^1.5 (1 + χ ṡ), neither below 0.
     /// Friction acts on the solid part only: on an undamped film force it would drive the cage unstable.
-    #[inline]
-    pub fn load(&self, motion: &PocketMotion) -> PocketLoad {
-        let (approach, normal) = self.approach(motion.displacement);
-        if approach <= 0.0 {
-            return PocketLoad::default();
+    #[inline(always)]
+    pub fn loads<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>) -> PocketLoad<Lanes<N>> {
+        // A copy: what is stored in the loops cannot change it.
+        let pocket = *self;
+        let mut approach = Approach::<Lanes<N>>::default();
+        match pocket.rim {
+            Some(rim) => {
+                for lane in 0..N {
+                    let motion = motion.at(lane);
+                    approach.put(lane, approach_at(&motion, pocket.seat_or_rim(rim, motion.displacement)));
+                }
+            }
+            None => {
+                for lane in 0..N {
+                    let motion = motion.at(lane);
+                    approach.put(lane, approach_at(&motion, seat(motion.displacement)));
+                }
+            }
         }
-        let rate = -dot(motion.velocity, normal);
-        let penetration = approach - self.clearance;
-        let fade = (1.0 - penetration.max(0.0) / DAMPING_END).max(0.0) * (approach / DAMPING_ONSET).min(1.0);
-        let film = (self.film_stiffness * approach.min(self.clearance) + self.film_damping * fade * rate).max(0.0);
-        let solid = if penetration > 0.0 { self.solid_load(penetration, rate) } else { 0.0 };
-        let lever = scale(-self.ball_radius, normal);
-        let mut load = PocketLoad { normal: film + solid, force: scale(film + solid, normal), moment: [0.0; 3], lever };
-        if solid > 0.0 && self.friction > 0.0 || self.hydrodynamics.is_some() {
-            self.add_friction(motion, normal, lever, solid, &mut load);
+        let solid = pocket.solid_loads(&approach);
+        let mut load = PocketLoad::<Lanes<N>>::default();
+        for lane in 0..N {
+            load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
+        }
+        match pocket.hydrodynamics {
+            Some(hydrodynamics) => {
+                for lane in 0..N {
+                    let mut one = load.at(lane);
+                    let touching = if approach.distance[lane] > 0.0 { 1.0 } else { 0.0 };
+                    let film = (touching * hydrodynamics.rolling, touching * hydrodynamics.shear);
+                    pocket.add_friction(&motion.at(lane), approach.normal.at(lane), solid[lane], film, &mut one);
+                    load.put(lane, one);
+                }
+            }
+            None if pocket.friction > 0.0 && solid.any(|load| load > 0.0) => {
+                for lane in 0..N {
+                    let mut one = load.at(lane);
+                    pocket.add_friction(&motion.at(lane), approach.normal.at(lane), solid[lane], (0.0, 0.0), &mut one);
+                    load.put(lane, one);
+                }
+            }
+            None => {}
         }
         load
     }
 
-    fn solid_load(&self, penetration: f64, rate: f64) -> f64 {
+    /// To the cap as `seat`; where the displacement points out of the mouth, to the rim. Both agree at the rim's angle,
+    /// here as (cosine, sine).
+    #[inline(always)]
+    fn seat_or_rim(&self, (cosine, sine): (f64, f64), s: Vector) -> (f64, Vector) {
+        let across = (s[1] * s[1] + s[2] * s[2]).sqrt();
+        let per_across = if across > 0.0 { 1.0 / across } else { 0.0 };
+        let seat_radius = self.ball_radius + self.clearance;
+        let (along, radial) = (s[0] - seat_radius * cosine, across - seat_radius * sine);
+        let distance = (along * along + radial * radial).sqrt();
+        let per_distance = 1.0 / distance;
+        let outward = radial * per_across * per_distance;
+        let rim = (seat_radius - distance, [along * per_distance, outward * s[1], outward * s[2]]);
+        let cap = seat(s);
+        let out = s[0] * sine > across * cosine;
+        let pick = |rim: f64, cap: f64| if out { rim } else { cap };
+        (pick(rim.0, cap.0), [pick(rim.1[0], cap.1[0]), pick(rim.1[1], cap.1[1]), pick(rim.1[2], cap.1[2])])
+    }
+
+    /// Loads of the solid contacts [N].
+    #[inline(always)]
+    fn solid_loads<const N: usize>(self, approach: &Approach<Lanes<N>>) -> Lanes<N> {
+        let mut solid = Lanes::default();
+        if !approach.distance.any(|distance| distance > self.clearance) {
+            return solid;
+        }
         match self.bar_stiffness {
-            None => normal_load(self.solid_stiffness, penetration, rate, &self.solid_damping),
-            Some(bar) => {
-                let local = contact_share(self.solid_stiffness, bar, penetration);
-                // The contact takes part of the rate: d(local)/d(penetration) = k_bar / (k_bar + 1.5 K √local).
-                let share = bar / (bar + 1.5 * self.solid_stiffness * local.sqrt());
-                normal_load(self.solid_stiffness, local, share * rate, &self.solid_damping)
+            None => {
+                for lane in 0..N {
+                    let penetration = approach.distance[lane] - self.clearance;
+                    solid[lane] =
+                        normal_load(self.solid_stiffness, penetration, approach.rate[lane], &self.solid_damping);
+                }
             }
+            Some(bar) => {
+                for lane in 0..N {
+                    let penetration = larger(approach.distance[lane] - self.clearance, 0.0);
+                    let share = contact_share(self.solid_stiffness, bar, penetration);
+                    let local = if penetration > 0.0 { share } else { 0.0 };
+                    // The contact takes part of the rate: d(local)/d(penetration) = k_bar / (k_bar + 1.5 K √local).
+                    let share = bar / (bar + 1.5 * self.solid_stiffness * local.sqrt());
+                    let rate = share * approach.rate[lane];
+                    solid[lane] = normal_load(self.solid_stiffness, local, rate, &self.solid_damping);
+                }
+            }
+        }
+        solid
+    }
+
+    /// The load along the contact's normal, film and solid.
+    #[inline(always)]
+    fn normal_part(&self, approach: &Approach, solid: f64) -> PocketLoad {
+        let Approach { distance, rate, normal } = *approach;
+        let penetration = distance - self.clearance;
+        let fade = larger(1.0 - larger(penetration, 0.0) * (1.0 / DAMPING_END), 0.0)
+            * smaller(distance * (1.0 / DAMPING_ONSET), 1.0);
+        let film =
+            larger(self.film_stiffness * smaller(distance, self.clearance) + self.film_damping * fade * rate, 0.0);
+        let load = if distance > 0.0 { film + solid } else { 0.0 };
+        PocketLoad {
+            normal: load,
+            force: scale(load, normal),
+            moment: [0.0; 3],
+            lever: scale(-self.ball_radius, normal),
         }
     }
 
-    /// Dry friction P_S = μ Q_solid tanh(|u|/u₀), rolling friction P_R and film shear of the hydrodynamic terms.
-    fn add_friction(&self, motion: &PocketMotion, normal: Vector, lever: Vector, solid: f64, load: &mut PocketLoad) {
+    /// Adds dry friction P_S = μ Q_solid tanh(|u|/u₀), and of the film the rolling friction P_R over the rolling speed and
+    /// the shear over the sliding speed [N s/m].
+    #[inline(always)]
+    fn add_friction(
+        &self,
+        motion: &PocketMotion,
+        normal: Vector,
+        solid: f64,
+        (film_rolling, film_shear): (f64, f64),
+        load: &mut PocketLoad,
+    ) {
         let along = dot(motion.velocity, normal);
         let centre = add(motion.velocity, scale(-along, normal));
-        let rolling = cross(motion.spin, lever);
+        let rolling = cross(motion.spin, load.lever);
         let slip = add(centre, rolling);
-        let speed = length(slip);
-        let mut coefficient = 0.0;
-        if speed > 1e-12 {
-            coefficient += self.friction * solid * (speed / self.friction_speed).tanh() / speed;
-        }
-        let mut force = [0.0; 3];
-        if let Some(hydrodynamics) = self.hydrodynamics {
-            coefficient += hydrodynamics.shear;
-            // The ball's surface carries the lubricant through; rolling friction acts against it.
-            force = scale(-hydrodynamics.rolling, rolling);
-        }
-        let force = add(force, scale(-coefficient, slip));
+        let speed = larger(length(slip), LEAST_SLIP);
+        let dry = self.friction * solid * hyperbolic_tangent(speed * (1.0 / self.friction_speed)) / speed;
+        // The ball's surface carries the lubricant through; rolling friction acts against it.
+        let force = add(scale(-film_rolling, rolling), scale(-(dry + film_shear), slip));
         load.force = add(load.force, force);
-        load.moment = add(load.moment, cross(lever, force));
+        load.moment = add(load.moment, cross(load.lever, force));
     }
+}
+
+/// Stands in for a slip of 0 where its direction is asked for [m/s].
+const LEAST_SLIP: f64 = 1e-12;
+
+/// The displacement itself is the way to the nearest point of a cap.
+#[inline(always)]
+fn seat(s: Vector) -> (f64, Vector) {
+    let distance = length(s);
+    // At the very centre there is no direction and, with every law here, no force.
+    let inverse = if distance > 0.0 { -1.0 / distance } else { 0.0 };
+    (distance, scale(inverse, s))
+}
+
+#[inline(always)]
+fn approach_at(motion: &PocketMotion, (distance, normal): (f64, Vector)) -> Approach {
+    Approach { distance, rate: -dot(motion.velocity, normal), normal }
 }
 
 /// Share of a penetration [m] taken by a contact `K δ^1.5` in series with a bar of stiffness `bar` [N/m]:
 /// solves K δ^1.5 = bar (penetration − δ) by Newton in √δ from above, where it converges monotonically.
+#[inline(always)]
 fn contact_share(stiffness: f64, bar: f64, penetration: f64) -> f64 {
-    let mut root = penetration.sqrt();
+    // A root of nothing would be divided by itself.
+    let mut root = larger(penetration, 1e-200).sqrt();
     for _ in 0..12 {
         let residual = (stiffness * root + bar) * root * root - bar * penetration;
         let slope = (3.0 * stiffness * root + 2.0 * bar) * root;

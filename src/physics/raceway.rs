@@ -4,15 +4,21 @@
 //! raceway's axis, `r` radially from that axis to the ball, `t` = a × r along the groove. `frames`
 //! and `model` bring motions into it and loads out of it.
 
+use std::array::from_fn;
+
 use super::bearing::{Bearing, PerRaceway};
 use super::contact::damping::{DampingFactor, normal_load};
 use super::contact::film::{Film, Inlet};
 use super::contact::hertz::{HertzContact, raceway_contacts};
-use super::contact::traction::{MAX_STRIPS, Strip, Strips, Traction, TractionContext, rising};
+use super::contact::traction::{
+    FourParameters, MAX_STRIPS, Strip, Strips, TINY, Traction, TractionContext, coulomb, eyring, rising, rolling,
+    rolling_at_rest, sticking,
+};
 use super::frames::Vector;
 use super::kinematics;
 use super::lubricant::Lubricant;
 use super::surface::SurfaceProfile;
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, larger, side_by_side, smaller};
 
 /// Which parts of the contact a model contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,10 +32,21 @@ pub struct RacewayTerms {
     pub hydrodynamics: bool,
 }
 
-/// Constants of one raceway.
+/// One raceway.
 #[derive(Debug, Clone)]
 pub struct RacewayContact {
-    groove_centre_radius: f64,
+    groove: Groove,
+    traction: Traction,
+    strips: MirroredStrips,
+    /// As `strips`, each with the load of its image.
+    folded_strips: MirroredStrips,
+    surface: SurfaceProfile,
+}
+
+/// Constants of one raceway, and what follows from them for one ball.
+#[derive(Debug, Clone, Copy)]
+struct Groove {
+    centre_radius: f64,
     /// (f − ½) d: distance of ball and groove centre at touch [m].
     touch_distance: f64,
     ball_radius: f64,
@@ -37,98 +54,218 @@ pub struct RacewayContact {
     /// Semi-major axis over √δ: the contact's size follows from its elastic part.
     semi_major_factor: f64,
     damping: DampingFactor,
-    traction: Traction,
-    all_strips: StripColumns,
-    half_strips: StripColumns,
-    terms: RacewayTerms,
+    conformity: bool,
+    /// 1 where spin slips and has a moment, else 0.
+    spin: f64,
     film: Film,
     inlet: Inlet,
-    surface: SurfaceProfile,
+    hydrodynamics: bool,
 }
 
 /// Motion of a ball relative to the raceway's centre, in the contact's frame.
-#[derive(Debug, Clone, Copy)]
-pub struct RelativeMotion {
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RelativeMotion<T = f64> {
     /// Ball centre along the raceway's axis [m].
-    pub axial: f64,
+    pub axial: T,
     /// Distance of the ball centre from the raceway's axis [m].
-    pub radius: f64,
+    pub radius: T,
     /// Velocity of the ball centre less that of the raceway's centre [m/s].
-    pub velocity: Vector,
+    pub velocity: Vector<T>,
     /// Angular velocity of the ball [rad/s].
-    pub spin: Vector,
+    pub spin: Vector<T>,
     /// Angular speed of the raceway about its axis [rad/s].
-    pub raceway_speed: f64,
+    pub raceway_speed: T,
     /// Angular speed at which the contact moves round the raceway's axis [rad/s].
-    pub orbit_speed: f64,
+    pub orbit_speed: T,
     /// Azimuth of the ball on the raceway itself [rad]; only a surface profile asks for it.
-    pub azimuth: f64,
+    pub azimuth: T,
 }
+side_by_side!(RelativeMotion { axial, radius, velocity, spin, raceway_speed, orbit_speed, azimuth });
 
 /// What a raceway does to a ball; the raceway feels the opposite force.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct RacewayLoad {
+pub struct RacewayLoad<T = f64> {
     /// [m]; not positive: no contact.
-    pub penetration: f64,
+    pub penetration: T,
     /// [N]
-    pub normal: f64,
+    pub normal: T,
     /// Sine and cosine of the contact angle.
-    pub angle: (f64, f64),
+    pub angle: (T, T),
     /// Force on the ball [N].
-    pub force: Vector,
+    pub force: Vector<T>,
     /// Moment on the ball about its centre [N m].
-    pub moment: Vector,
+    pub moment: Vector<T>,
     /// Slip speed of the raceway over the ball at the contact's centre, along the groove and across it [m/s].
-    pub slip: (f64, f64),
+    pub slip: (T, T),
 }
+side_by_side!(RacewayLoad { penetration, normal, angle, force, moment, slip });
 
-/// Strips of a contact, column by column.
+/// Strips of a contact: those on the side of positive η, which stand for their mirror images, too, and the middle one.
 #[derive(Debug, Clone, Copy)]
-struct StripColumns {
-    count: usize,
-    position: [f64; MAX_STRIPS],
-    weight: [f64; MAX_STRIPS],
-    pressure: [f64; MAX_STRIPS],
+struct MirroredStrips {
+    middle: Option<Strip>,
+    pairs: [Strip; MAX_STRIPS],
+    /// So many pairs are in use that `AT_ONCE` divides them, the last ones without weight.
+    used: usize,
 }
 
-impl StripColumns {
-    fn new(strips: &[Strip]) -> Self {
-        let column = |value: fn(&Strip) -> f64| std::array::from_fn(|k| strips.get(k).map_or(0.0, value));
+/// Pairs of strips that are computed at once: four leave no rest of the usual 9 and 17 strips.
+const AT_ONCE: usize = 4;
+
+impl MirroredStrips {
+    /// `weight`: 1, or 2 where a strip carries its image's load as well.
+    fn new(strips: &Strips, weight: f64) -> Self {
+        let all = strips.as_slice();
+        let (half, odd) = (all.len() / 2, all.len() % 2 == 1);
+        // Where no strip is left, one that carries nothing.
+        let blank = Strip { weight: 0.0, ..all[all.len() - 1] };
+        let pair = |k: usize| {
+            let strip = all[all.len() - half + k];
+            Strip { weight: weight * strip.weight, ..strip }
+        };
         Self {
-            count: strips.len().min(MAX_STRIPS),
-            position: column(|strip| strip.position),
-            weight: column(|strip| strip.weight),
-            pressure: column(|strip| strip.pressure),
+            middle: odd.then(|| all[half]),
+            pairs: from_fn(|k| if k < half { pair(k) } else { blank }),
+            used: half.next_multiple_of(AT_ONCE),
         }
     }
 }
 
-/// Slip over a contact as a function of height and place, and the shape of its surface.
-struct StripMotion {
-    semi_major: f64,
-    apex: f64,
-    shift: f64,
-    deformed_2: f64,
-    base: f64,
-    per_height: f64,
-    per_place: f64,
-    side: f64,
-    roll: f64,
+/// A contact's geometry and slip, from which its strips and its loads follow. Slip of the raceway over the ball at height
+/// h along m (towards the contact) and place η along c (across the groove), both from the ball's centre: along the groove
+/// u_t = base + h · per_height + η · per_place, across it u_c = side − h · roll.
+#[derive(Debug, Clone, Copy, Default)]
+struct Contact<T = f64> {
+    penetration: T,
+    normal: T,
+    /// Unit vector from the ball towards the contact, axial and radial.
+    towards: (T, T),
+    semi_major: T,
+    semi_major_2: T,
+    /// Height of the deformed surface over the ball's centre, h(η) = √(R_d² − η²) + shift, and h(0).
+    shift: T,
+    apex: T,
+    base: T,
+    per_height: T,
+    per_place: T,
+    side: T,
+    roll: T,
 }
+side_by_side!(Contact {
+    penetration,
+    normal,
+    towards,
+    semi_major,
+    semi_major_2,
+    shift,
+    apex,
+    base,
+    per_height,
+    per_place,
+    side,
+    roll
+});
 
 /// Traction and its moments over the normal load, along the groove and across it.
-#[derive(Default)]
-struct StripSums {
-    along: f64,
-    across: f64,
-    along_moment: f64,
-    across_moment: f64,
-    spin_moment: f64,
+#[derive(Debug, Clone, Copy, Default)]
+struct StripSums<T = f64> {
+    along: T,
+    across: T,
+    along_moment: T,
+    across_moment: T,
+    spin_moment: T,
+}
+side_by_side!(StripSums { along, across, along_moment, across_moment, spin_moment });
+
+/// Slip in `P` strips, along the groove also in their images; across it that is the same.
+struct StripSlip<const P: usize, const S: usize> {
+    place: [f64; P],
+    height: [f64; P],
+    along: [f64; S],
+    across: [f64; P],
+}
+
+impl<const P: usize, const S: usize> StripSlip<P, S> {
+    /// Squared slip, above 0 by next to nothing, so that a law may divide by it.
+    #[inline(always)]
+    fn squares(&self) -> [f64; S] {
+        let across: [f64; P] = from_fn(|k| self.across[k] * self.across[k] + TINY);
+        from_fn(|k| self.along[k] * self.along[k] + across[k % P])
+    }
+}
+
+impl StripSums {
+    /// Adds strips of which μ/|u| is known.
+    #[inline(always)]
+    fn add<const P: usize, const S: usize>(&mut self, slip: &StripSlip<P, S>, strips: &[Strip; P], factor: [f64; S]) {
+        for k in 0..P {
+            let weighted = strips[k].weight * factor[k];
+            let traction = weighted * slip.along[k];
+            let (mut both, mut difference, mut along) = (weighted, traction, traction);
+            if k + P < S {
+                let weighted = strips[k].weight * factor[k + P];
+                let traction = weighted * slip.along[k + P];
+                both += weighted;
+                difference -= traction;
+                along += traction;
+            }
+            let across = both * slip.across[k];
+            self.along += along;
+            self.along_moment += along * slip.height[k];
+            self.across += across;
+            self.across_moment += across * slip.height[k];
+            self.spin_moment += difference * slip.place[k];
+        }
+    }
+}
+
+/// Loads of balls side by side, to be compiled for each instruction set.
+struct Loads<'a, const PLANAR: bool> {
+    raceway: &'a RacewayContact,
+    motion: &'a RelativeMotion<Lanes>,
+}
+
+impl<const PLANAR: bool> Task for Loads<'_, PLANAR> {
+    type Answer = RacewayLoad<Lanes>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        let contact = self.raceway.contacts::<PLANAR, LANES>(self.motion);
+        self.raceway.loads_of::<PLANAR, LANES>(&contact, self.motion)
+    }
+}
+
+/// The same of both raceways.
+struct PairOfLoads<'a, const PLANAR: bool> {
+    raceway: &'a PerRaceway<RacewayContact>,
+    motion: &'a PerRaceway<RelativeMotion<Lanes>>,
+}
+
+impl<const PLANAR: bool> Task for PairOfLoads<'_, PLANAR> {
+    type Answer = PerRaceway<RacewayLoad<Lanes>>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        let Self { raceway, motion } = self;
+        // Both geometries first: each is a chain of roots, and two chains take no longer than one.
+        let outer = raceway.outer.contacts::<PLANAR, LANES>(&motion.outer);
+        let inner = raceway.inner.contacts::<PLANAR, LANES>(&motion.inner);
+        PerRaceway {
+            inner: raceway.inner.loads_of::<PLANAR, LANES>(&inner, &motion.inner),
+            outer: raceway.outer.loads_of::<PLANAR, LANES>(&outer, &motion.outer),
+        }
+    }
 }
 
 /// Largest share of the ball's radius that a contact reaches across the groove. Hertz has lost its
 /// meaning long before; the share keeps extreme scenes finite.
 const LARGEST_CONTACT: f64 = 0.95;
+
+/// The direction across the groove, c = t × m, from m towards the contact; (t, m, c) is right-handed.
+#[inline(always)]
+fn across((towards_a, towards_r): (f64, f64)) -> (f64, f64) {
+    (-towards_r, towards_a)
+}
 
 impl RacewayContact {
     /// Both raceways of a bearing.
@@ -140,20 +277,29 @@ impl RacewayContact {
     ) -> PerRaceway<Self> {
         let p = &bearing.parameters;
         let hertz = raceway_contacts(bearing);
-        let one = |hertz: HertzContact, groove_centre_radius: f64, curvature: f64| Self {
-            groove_centre_radius,
-            touch_distance: (curvature - 0.5) * p.ball_diameter,
-            ball_radius: 0.5 * p.ball_diameter,
-            semi_major_factor: hertz.semi_axes(hertz.stiffness).0,
-            damping,
+        let one = |hertz: HertzContact, centre_radius: f64, curvature: f64| Self {
+            groove: Groove {
+                centre_radius,
+                touch_distance: (curvature - 0.5) * p.ball_diameter,
+                ball_radius: 0.5 * p.ball_diameter,
+                semi_major_factor: hertz.semi_axes(hertz.stiffness).0,
+                damping,
+                conformity: terms.conformity,
+                spin: if terms.spin { 1.0 } else { 0.0 },
+                film: Film::new(&hertz, lubricant.viscosity, lubricant.pressure_viscosity),
+                inlet: Inlet::new(
+                    &hertz,
+                    lubricant.viscosity,
+                    lubricant.meniscus(p.ball_diameter),
+                    0.5 * p.ball_diameter,
+                ),
+                hydrodynamics: terms.hydrodynamics,
+                hertz,
+            },
             traction: Traction::new(&lubricant.traction, lubricant.viscosity, lubricant.pressure_viscosity),
-            all_strips: StripColumns::new(Strips::new(terms.strips).as_slice()),
-            half_strips: StripColumns::new(Strips::new(terms.strips).half()),
-            terms,
-            film: Film::new(&hertz, lubricant.viscosity, lubricant.pressure_viscosity),
-            inlet: Inlet::new(&hertz, lubricant.viscosity, lubricant.meniscus(p.ball_diameter), 0.5 * p.ball_diameter),
+            strips: MirroredStrips::new(&Strips::new(terms.strips), 1.0),
+            folded_strips: MirroredStrips::new(&Strips::new(terms.strips), 2.0),
             surface: SurfaceProfile::None,
-            hertz,
         };
         PerRaceway {
             inner: one(hertz.inner, bearing.groove_centre_radius.inner, p.groove_curvature.inner),
@@ -169,185 +315,360 @@ impl RacewayContact {
 
     /// The elastic contact.
     pub fn hertz(&self) -> &HertzContact {
-        &self.hertz
+        &self.groove.hertz
     }
 
     /// Distance of ball and groove centre at which they touch, (f − ½) d [m].
     pub fn touch_distance(&self) -> f64 {
-        self.touch_distance
+        self.groove.touch_distance
     }
 
     /// Penetration [m] and unit vector from the ball towards the contact, in the meridian plane (axial, radial).
-    #[inline(always)]
     pub fn penetration<const PLANAR: bool>(&self, axial: f64, radius: f64) -> (f64, (f64, f64)) {
-        let radial = radius - self.groove_centre_radius;
+        self.groove.penetration::<PLANAR>(axial, radius)
+    }
+
+    /// Elastic normal load at a penetration [N], and its slope [N/m]; both 0 without contact.
+    pub fn elastic_load(&self, penetration: f64) -> (f64, f64) {
+        self.groove.elastic_load(penetration)
+    }
+
+    /// Force and moment of the raceway on one ball.
+    pub fn load<const PLANAR: bool>(&self, motion: &RelativeMotion) -> RacewayLoad {
+        let mut one = RelativeMotion::<Lanes<1>>::default();
+        one.put(0, *motion);
+        self.loads_of::<PLANAR, 1>(&self.contacts::<PLANAR, 1>(&one), &one).at(0)
+    }
+
+    /// Forces and moments of both raceways on balls side by side, by a set of instructions. `PLANAR`: nothing acts or moves
+    /// along the axis, so contacts are symmetric across the groove and half of their strips will do.
+    pub fn pair_of_loads<const PLANAR: bool>(
+        raceway: &PerRaceway<Self>,
+        motion: &PerRaceway<RelativeMotion<Lanes>>,
+        instructions: InstructionSet,
+    ) -> PerRaceway<RacewayLoad<Lanes>> {
+        instructions.run(PairOfLoads::<PLANAR> { raceway, motion })
+    }
+
+    /// The same of one raceway.
+    pub fn loads<const PLANAR: bool>(
+        &self,
+        motion: &RelativeMotion<Lanes>,
+        instructions: InstructionSet,
+    ) -> RacewayLoad<Lanes> {
+        instructions.run(Loads::<PLANAR> { raceway: self, motion })
+    }
+
+    #[inline(always)]
+    fn contacts<const PLANAR: bool, const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> Contact<Lanes<N>> {
+        // A copy: what is stored in the loop cannot change it.
+        let groove = self.groove;
+        let surface = self.surface.heights_and_slopes(&motion.azimuth);
+        let mut contact = Contact::<Lanes<N>>::default();
+        for lane in 0..N {
+            contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), surface.at(lane)));
+        }
+        contact
+    }
+
+    #[inline(always)]
+    fn loads_of<const PLANAR: bool, const N: usize>(
+        &self,
+        contact: &Contact<Lanes<N>>,
+        motion: &RelativeMotion<Lanes<N>>,
+    ) -> RacewayLoad<Lanes<N>> {
+        let mut load = RacewayLoad::<Lanes<N>>::default();
+        if !contact.penetration.any(|penetration| penetration > 0.0) {
+            load.penetration = contact.penetration;
+            return load;
+        }
+        let groove = self.groove;
+        let sums = self.strip_sums::<PLANAR, N>(contact, motion);
+        for lane in 0..N {
+            load.put(lane, groove.sum_of_loads(&contact.at(lane), &sums.at(lane)));
+        }
+        if groove.hydrodynamics {
+            for lane in 0..N {
+                let mut one = load.at(lane);
+                groove.add_inlet(&contact.at(lane), &motion.at(lane), &mut one);
+                load.put(lane, one);
+            }
+        }
+        load
+    }
+
+    /// Traction over load, summed over the strips.
+    #[inline(always)]
+    fn strip_sums<const PLANAR: bool, const N: usize>(
+        &self,
+        contact: &Contact<Lanes<N>>,
+        motion: &RelativeMotion<Lanes<N>>,
+    ) -> StripSums<Lanes<N>> {
+        match self.traction {
+            // The law of most scenes takes several strips at once.
+            Traction::RisingFromZero(law) => self.rising_sums::<PLANAR, N>(&law, contact),
+            Traction::StickingAtRest(law) => {
+                self.sums_by::<PLANAR, N>(contact, motion, |square, _| sticking(&law, square.sqrt(), square))
+            }
+            Traction::SlideRollFromZero(law) => {
+                self.sums_by::<PLANAR, N>(contact, motion, |square, context| rolling(&law, square, context))
+            }
+            Traction::SlideRollAtRest(law) => {
+                self.sums_by::<PLANAR, N>(contact, motion, |square, context| rolling_at_rest(&law, square, context))
+            }
+            Traction::Eyring(law) => {
+                self.sums_by::<PLANAR, N>(contact, motion, |square, context| eyring(&law, square, context))
+            }
+            Traction::Coulomb(law) => self.sums_by::<PLANAR, N>(contact, motion, |square, _| coulomb(&law, square)),
+        }
+    }
+
+    #[inline(always)]
+    fn rising_sums<const PLANAR: bool, const N: usize>(
+        &self,
+        law: &FourParameters,
+        contact: &Contact<Lanes<N>>,
+    ) -> StripSums<Lanes<N>> {
+        let strips = if PLANAR { &self.folded_strips } else { &self.strips };
+        let mut sums = StripSums::<Lanes<N>>::default();
+        let mut rest = &strips.pairs[..strips.used];
+        while let Some((&[a, b, c, d], after)) = rest.split_first_chunk::<AT_ONCE>() {
+            rest = after;
+            match strips.middle {
+                Some(middle) if rest.is_empty() && PLANAR => {
+                    self.add_rising::<N, 5, 5>(law, contact, &[a, b, c, d, middle], &mut sums);
+                }
+                Some(middle) if rest.is_empty() => {
+                    self.add_rising::<N, 5, 9>(law, contact, &[a, b, c, d, middle], &mut sums);
+                }
+                _ if PLANAR => self.add_rising::<N, 4, 4>(law, contact, &[a, b, c, d], &mut sums),
+                _ => self.add_rising::<N, 4, 8>(law, contact, &[a, b, c, d], &mut sums),
+            }
+        }
+        if let (Some(middle), 0) = (strips.middle, strips.used) {
+            self.add_rising::<N, 1, 1>(law, contact, &[middle], &mut sums);
+        }
+        sums
+    }
+
+    /// Adds the traction of `P` strips, the first `S − P` of them with their images.
+    #[inline(always)]
+    fn add_rising<const N: usize, const P: usize, const S: usize>(
+        &self,
+        law: &FourParameters,
+        contact: &Contact<Lanes<N>>,
+        strips: &[Strip; P],
+        sums: &mut StripSums<Lanes<N>>,
+    ) {
+        let (groove, law) = (self.groove, *law);
+        for lane in 0..N {
+            let slip = groove.slip::<P, S>(&contact.at(lane), strips);
+            let mut sum = sums.at(lane);
+            sum.add(&slip, strips, rising(&law, slip.squares()));
+            sums.put(lane, sum);
+        }
+    }
+
+    /// The sums by a law that gives μ/|u| of a squared slip and what else there is, one strip after the other.
+    #[inline(always)]
+    fn sums_by<const PLANAR: bool, const N: usize>(
+        &self,
+        contact: &Contact<Lanes<N>>,
+        motion: &RelativeMotion<Lanes<N>>,
+        law: impl Fn(f64, &TractionContext) -> f64,
+    ) -> StripSums<Lanes<N>> {
+        // In place of each strip's pressure, p₀.
+        let mut context = TractionContext::<Lanes<N>>::default();
+        if self.traction.needs_context() {
+            let groove = self.groove;
+            for lane in 0..N {
+                context.put(lane, groove.context(&contact.at(lane), &motion.at(lane)));
+            }
+        }
+        let strips = if PLANAR { &self.folded_strips } else { &self.strips };
+        let mut sums = StripSums::<Lanes<N>>::default();
+        for strip in &strips.pairs[..strips.used] {
+            if PLANAR {
+                self.add_by::<N, 1>(&law, contact, &context, strip, &mut sums);
+            } else {
+                self.add_by::<N, 2>(&law, contact, &context, strip, &mut sums);
+            }
+        }
+        if let Some(middle) = &strips.middle {
+            self.add_by::<N, 1>(&law, contact, &context, middle, &mut sums);
+        }
+        sums
+    }
+
+    #[inline(always)]
+    fn add_by<const N: usize, const S: usize>(
+        &self,
+        law: &impl Fn(f64, &TractionContext) -> f64,
+        contact: &Contact<Lanes<N>>,
+        context: &TractionContext<Lanes<N>>,
+        strip: &Strip,
+        sums: &mut StripSums<Lanes<N>>,
+    ) {
+        let groove = self.groove;
+        for lane in 0..N {
+            let slip = groove.slip::<1, S>(&contact.at(lane), &[*strip]);
+            let whole = context.at(lane);
+            let context = TractionContext { pressure: strip.pressure * whole.pressure, ..whole };
+            let squares = slip.squares();
+            let mut sum = sums.at(lane);
+            sum.add(&slip, &[*strip], from_fn(|k| law(squares[k], &context)));
+            sums.put(lane, sum);
+        }
+    }
+
+    /// Minimum film thickness of a loaded contact [m]; 0 without a film.
+    pub fn minimum_film(&self, motion: &RelativeMotion, load: &RacewayLoad) -> f64 {
+        let groove = &self.groove;
+        let (_, (towards_a, towards_r)) = groove.penetration::<false>(motion.axial, motion.radius);
+        let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
+        let rolling = groove.rolling_velocity(motion, per_height, groove.ball_radius);
+        groove.film.minimum(rolling, load.normal)
+    }
+}
+
+impl Groove {
+    /// Penetration [m] and unit vector from the ball towards the contact, in the meridian plane (axial, radial).
+    #[inline(always)]
+    fn penetration<const PLANAR: bool>(&self, axial: f64, radius: f64) -> (f64, (f64, f64)) {
+        let radial = radius - self.centre_radius;
         if PLANAR {
-            (radial.abs() - self.touch_distance, (0.0, radial.signum()))
+            (radial.abs() - self.touch_distance, (0.0, 1.0_f64.copysign(radial)))
         } else {
             let distance = (axial * axial + radial * radial).sqrt();
-            let inverse = 1.0 / distance;
+            // At the groove's centre there is no direction, and no contact.
+            let inverse = 1.0 / larger(distance, f64::MIN_POSITIVE);
             (distance - self.touch_distance, (axial * inverse, radial * inverse))
         }
     }
 
     /// Elastic normal load at a penetration [N], and its slope [N/m]; both 0 without contact.
-    pub fn elastic_load(&self, penetration: f64) -> (f64, f64) {
-        let root = penetration.max(0.0).sqrt();
+    #[inline(always)]
+    fn elastic_load(&self, penetration: f64) -> (f64, f64) {
+        let root = larger(penetration, 0.0).sqrt();
         (self.hertz.stiffness * root * root * root, 1.5 * self.hertz.stiffness * root)
     }
 
-    /// Force and moment of the raceway on the ball. `PLANAR`: nothing acts or moves along the axis, so the
-    /// contact is symmetric across the groove and half of its strips will do.
+    /// Geometry, normal load and slip of a contact; without penetration its load is 0.
     #[inline(always)]
-    pub fn load<const PLANAR: bool>(&self, motion: &RelativeMotion) -> RacewayLoad {
-        let (mut penetration, (towards_a, towards_r)) = self.penetration::<PLANAR>(motion.axial, motion.radius);
+    fn contact<const PLANAR: bool>(&self, motion: &RelativeMotion, (height, slope): (f64, f64)) -> Contact {
+        let (mut penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
+        let (towards_a, towards_r) = towards;
         let [va, vr, vt] = motion.velocity;
         let mut rate = if PLANAR { towards_r * vr } else { towards_a * va + towards_r * vr };
-        if !matches!(self.surface, SurfaceProfile::None) {
-            let turning = motion.orbit_speed - motion.raceway_speed;
-            penetration += self.surface.height(motion.azimuth);
-            rate += self.surface.slope(motion.azimuth) * turning;
-        }
-        if penetration <= 0.0 {
-            return RacewayLoad { penetration, ..RacewayLoad::default() };
-        }
+        let turning = motion.orbit_speed - motion.raceway_speed;
+        penetration += height;
+        rate += slope * turning;
         let normal = normal_load(self.hertz.stiffness, penetration, rate, &self.damping);
-        let semi_major = (self.semi_major_factor * penetration.sqrt()).min(LARGEST_CONTACT * self.ball_radius);
+        // a² goes with δ: the roots of heights need not wait for that of a.
+        let (depth, largest) = (larger(penetration, 0.0), LARGEST_CONTACT * self.ball_radius);
+        let semi_major = smaller(self.semi_major_factor * depth.sqrt(), largest);
+        let semi_major_2 = smaller(self.semi_major_factor * self.semi_major_factor * depth, largest * largest);
 
-        // Across the groove, c = t × m with m towards the contact; (t, m, c) is right-handed.
-        let (across_a, across_r) = (-towards_r, towards_a);
-        // Slip of the raceway over the ball at height h along m and place η along c (both from the ball's centre):
-        // along the groove  u_t = base + h · per_height + η · per_place,   across it  u_c = side − h · roll.
-        let speed = motion.raceway_speed;
+        let (across_a, across_r) = across(towards);
         let [spin_a, spin_r, spin_t] = motion.spin;
-        let base = speed * motion.radius - vt;
-        let relative = speed - spin_a;
-        let per_height = relative * towards_r + spin_r * towards_a;
-        let per_place = if PLANAR || !self.terms.spin { 0.0 } else { relative * across_r + spin_r * across_a };
-        let side = if PLANAR { 0.0 } else { -(va * across_a + vr * across_r) };
-        let roll = if PLANAR { 0.0 } else { spin_t };
+        let relative = motion.raceway_speed - spin_a;
 
-        // Height of the deformed surface over the ball's centre, h(η) = √(R_d² − η²) + shift.
         let deformed = self.hertz.deformed_radius;
-        let (deformed_2, semi_major_2) = (deformed * deformed, semi_major * semi_major);
         let edge = (self.ball_radius * self.ball_radius - semi_major_2).sqrt();
-        let shift = edge - (deformed_2 - semi_major_2).sqrt();
-        let apex = deformed + shift;
-
-        let contact = StripMotion { semi_major, apex, shift, deformed_2, base, per_height, per_place, side, roll };
-        let sums = match &self.traction {
-            // The law of most scenes, chosen once per contact and not once per strip.
-            Traction::RisingFromZero(law) => {
-                self.sum_strips::<PLANAR>(&contact, |slip_2, _| rising(law, slip_2.sqrt()))
-            }
-            other => {
-                let (context, max_pressure) = self.context(normal, penetration, motion, per_height, apex);
-                self.sum_strips::<PLANAR>(&contact, |slip_2, pressure| {
-                    other.traction_over_speed(slip_2, &TractionContext { pressure: pressure * max_pressure, ..context })
-                })
-            }
-        };
-        let StripSums { mut along, mut across, mut along_moment, mut across_moment, mut spin_moment } = sums;
-        along *= normal;
-        across *= normal;
-        along_moment *= normal;
-        across_moment *= normal;
-        spin_moment *= if self.terms.spin { normal } else { 0.0 };
-
-        // Normal force points from the contact to the ball's centre; c and m are turned back to (a, r).
-        let mut force = [across * across_a - normal * towards_a, across * across_r - normal * towards_r, along];
-        let mut moment = [
-            spin_moment * towards_a - along_moment * across_a,
-            spin_moment * towards_r - along_moment * across_r,
-            across_moment,
-        ];
-        if self.terms.hydrodynamics {
-            let rolling = self.rolling_velocity(motion, per_height, apex);
-            let semi_minor = semi_major / self.hertz.ellipse.ellipticity;
-            let hydro = self.inlet.forces(rolling, self.film.central(rolling, normal), semi_minor);
-            // F_R at the contact point against rolling on each surface, F_H through the ball's centre.
-            force[2] += hydro.pressure - hydro.rolling;
-            moment[0] += hydro.rolling * apex * across_a;
-            moment[1] += hydro.rolling * apex * across_r;
-        }
-        RacewayLoad {
+        let shift = edge - (deformed * deformed - semi_major_2).sqrt();
+        Contact {
             penetration,
             normal,
-            angle: (towards_a * towards_r.signum(), towards_r.abs()),
-            force,
-            moment,
-            slip: (base + apex * per_height, side - apex * roll),
+            towards,
+            semi_major,
+            semi_major_2,
+            shift,
+            apex: deformed + shift,
+            base: motion.raceway_speed * motion.radius - vt,
+            per_height: relative * towards_r + spin_r * towards_a,
+            per_place: if PLANAR { 0.0 } else { self.spin * (relative * across_r + spin_r * across_a) },
+            side: if PLANAR { 0.0 } else { -(va * across_a + vr * across_r) },
+            roll: if PLANAR { 0.0 } else { spin_t },
         }
     }
 
-    /// Traction over load, summed over the strips; `law` gives μ/|u| of a squared slip and the strip's mean
-    /// pressure over p₀. In two passes, so that the first has no order of summation to keep.
+    /// Slip in `P` strips, and in the images of the first `S − P`.
     #[inline(always)]
-    fn sum_strips<const PLANAR: bool>(&self, c: &StripMotion, law: impl Fn(f64, f64) -> f64) -> StripSums {
-        let strips = if PLANAR { &self.half_strips } else { &self.all_strips };
-        let n = strips.count.min(MAX_STRIPS);
-        let (mut along, mut across, mut heights) = ([0.0; MAX_STRIPS], [0.0; MAX_STRIPS], [0.0; MAX_STRIPS]);
-        for k in 0..n {
-            let place = strips.position[k] * c.semi_major;
-            let height = if self.terms.conformity { (c.deformed_2 - place * place).sqrt() + c.shift } else { c.apex };
-            let slip_t = c.base + height * c.per_height + place * c.per_place;
-            let slip_c = c.side - height * c.roll;
-            let factor = strips.weight[k] * law(slip_t * slip_t + slip_c * slip_c, strips.pressure[k]);
-            along[k] = factor * slip_t;
-            across[k] = factor * slip_c;
-            heights[k] = height;
+    fn slip<const P: usize, const S: usize>(&self, c: &Contact, strips: &[Strip; P]) -> StripSlip<P, S> {
+        let deformed_2 = self.hertz.deformed_radius * self.hertz.deformed_radius;
+        let place: [f64; P] = from_fn(|k| strips[k].position * c.semi_major);
+        let height: [f64; P] = from_fn(|k| {
+            let position_2 = strips[k].position * strips[k].position;
+            if self.conformity { (deformed_2 - position_2 * c.semi_major_2).sqrt() + c.shift } else { c.apex }
+        });
+        let mean: [f64; P] = from_fn(|k| c.base + height[k] * c.per_height);
+        let half: [f64; P] = from_fn(|k| place[k] * c.per_place);
+        StripSlip {
+            place,
+            height,
+            along: from_fn(|k| if k < P { mean[k] + half[k] } else { mean[k - P] - half[k - P] }),
+            across: from_fn(|k| c.side - height[k] * c.roll),
         }
-        let mut sums = StripSums::default();
-        for k in 0..n {
-            sums.along += along[k];
-            sums.along_moment += along[k] * heights[k];
-            if !PLANAR {
-                sums.across += across[k];
-                sums.across_moment += across[k] * heights[k];
-                sums.spin_moment += along[k] * (strips.position[k] * c.semi_major);
-            }
+    }
+
+    /// Load on the ball from the sums over its strips.
+    #[inline(always)]
+    fn sum_of_loads(&self, c: &Contact, sums: &StripSums) -> RacewayLoad {
+        let normal = c.normal;
+        let (towards_a, towards_r) = c.towards;
+        let (across_a, across_r) = across(c.towards);
+        let along = sums.along * normal;
+        let across = sums.across * normal;
+        let along_moment = sums.along_moment * normal;
+        let across_moment = sums.across_moment * normal;
+        let spin_moment = sums.spin_moment * normal * self.spin;
+        RacewayLoad {
+            penetration: c.penetration,
+            normal,
+            angle: (towards_a * 1.0_f64.copysign(towards_r), towards_r.abs()),
+            // The normal force points from the contact to the ball's centre; c and m are turned back to (a, r).
+            force: [across * across_a - normal * towards_a, across * across_r - normal * towards_r, along],
+            moment: [
+                spin_moment * towards_a - along_moment * across_a,
+                spin_moment * towards_r - along_moment * across_r,
+                across_moment,
+            ],
+            slip: (c.base + c.apex * c.per_height, c.side - c.apex * c.roll),
         }
-        sums
+    }
+
+    /// Adds the forces of the inlet: F_R at the contact point against rolling on each surface, F_H through the ball's centre.
+    #[inline(always)]
+    fn add_inlet(&self, c: &Contact, motion: &RelativeMotion, load: &mut RacewayLoad) {
+        let rolling = self.rolling_velocity(motion, c.per_height, c.apex);
+        let semi_minor = c.semi_major / self.hertz.ellipse.ellipticity;
+        let hydro = self.inlet.forces(rolling, self.film.central(rolling, c.normal), semi_minor);
+        let (across_a, across_r) = across(c.towards);
+        let touching = if c.penetration > 0.0 { 1.0 } else { 0.0 };
+        load.force[2] += touching * (hydro.pressure - hydro.rolling);
+        load.moment[0] += touching * hydro.rolling * c.apex * across_a;
+        load.moment[1] += touching * hydro.rolling * c.apex * across_r;
     }
 
     /// Mean velocity of both surfaces along the groove, in the frame that moves with the contact [m/s].
     #[inline(always)]
     fn rolling_velocity(&self, motion: &RelativeMotion, per_height: f64, apex: f64) -> f64 {
         // Raceway: (ω − θ̇)(r' + h m_r); the ball moves slower by the slip.
-        let towards_r = (motion.radius - self.groove_centre_radius).signum();
+        let towards_r = 1.0_f64.copysign(motion.radius - self.centre_radius);
         let raceway = (motion.raceway_speed - motion.orbit_speed) * (motion.radius + apex * towards_r);
         let slip = motion.raceway_speed * motion.radius - motion.velocity[2] + apex * per_height;
         raceway - 0.5 * slip
     }
 
-    /// What the traction law looks at besides slip, and the largest pressure p₀ [Pa].
+    /// What the traction law looks at besides slip, with the largest pressure p₀.
     #[inline(always)]
-    fn context(
-        &self,
-        normal: f64,
-        penetration: f64,
-        motion: &RelativeMotion,
-        per_height: f64,
-        apex: f64,
-    ) -> (TractionContext, f64) {
-        if !self.traction.needs_context() {
-            return (TractionContext::default(), 0.0);
-        }
-        let rolling = self.rolling_velocity(motion, per_height, apex);
-        let context = TractionContext {
+    fn context(&self, c: &Contact, motion: &RelativeMotion) -> TractionContext {
+        let rolling = self.rolling_velocity(motion, c.per_height, c.apex);
+        TractionContext {
             rolling_speed: rolling.abs(),
-            pressure: 0.0,
-            film_thickness: self.film.central(rolling, normal),
-        };
-        (context, self.hertz.max_pressure(self.elastic_load(penetration).0))
-    }
-
-    /// Minimum film thickness of a loaded contact [m]; 0 without a film.
-    pub fn minimum_film(&self, motion: &RelativeMotion, load: &RacewayLoad) -> f64 {
-        let (_, (towards_a, towards_r)) = self.penetration::<false>(motion.axial, motion.radius);
-        let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
-        let rolling = self.rolling_velocity(motion, per_height, self.ball_radius);
-        self.film.minimum(rolling, load.normal)
+            pressure: self.hertz.max_pressure(self.elastic_load(c.penetration).0),
+            film_thickness: self.film.central(rolling, c.normal),
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::frames::Vector;
 use super::{InvalidParameter, above, within};
+use crate::numerics::angle::sin_cos;
 
 /// How the axial direction is held.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +61,7 @@ impl Spindle {
 /// Force of an unbalance (mass times eccentricity [kg m]) on the spindle [N], inertial frame:
 /// F = m_u e [ω² (cos ψ, sin ψ) + ω̇ (sin ψ, −cos ψ)] in (Y, Z), ψ the angle turned [rad].
 pub fn unbalance_force(product: f64, angle: f64, speed: f64, acceleration: f64) -> Vector {
-    let (sine, cosine) = angle.sin_cos();
+    let (sine, cosine) = sin_cos(angle);
     let (centrifugal, tangential) = (product * speed * speed, product * acceleration);
     [0.0, centrifugal * cosine + tangential * sine, centrifugal * sine - tangential * cosine]
 }

@@ -4,6 +4,8 @@
 //! continuous slope, for the integrators see the height through the penetration δ and the slope through its
 //! rate; a step would be an impact that no step size resolves.
 
+use crate::numerics::lanes::{Lanes, SideBySide};
+
 /// A height that is added to the penetration of a contact: positive where the surface stands out.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum SurfaceProfile {
@@ -16,7 +18,7 @@ pub enum SurfaceProfile {
 
 impl SurfaceProfile {
     /// Height at an azimuth in the frame of the body [rad], added to the penetration [m].
-    #[inline]
+    #[inline(always)]
     pub fn height(&self, _azimuth: f64) -> f64 {
         match *self {
             Self::None => 0.0,
@@ -26,11 +28,23 @@ impl SurfaceProfile {
 
     /// Change of the height with azimuth [m/rad]; its product with the angular velocity of the contact along
     /// the body adds to the rate of penetration.
-    #[inline]
+    #[inline(always)]
     pub fn slope(&self, _azimuth: f64) -> f64 {
         match *self {
             Self::None | Self::Constant(_) => 0.0,
         }
+    }
+
+    /// Heights and slopes at the azimuths of several balls.
+    #[inline(always)]
+    pub fn heights_and_slopes<const N: usize>(&self, azimuth: &Lanes<N>) -> (Lanes<N>, Lanes<N>) {
+        let mut of = <(Lanes<N>, Lanes<N>)>::default();
+        if !matches!(self, Self::None) {
+            for lane in 0..N {
+                of.put(lane, (self.height(azimuth[lane]), self.slope(azimuth[lane])));
+            }
+        }
+        of
     }
 
     /// True where the profile changes nothing, so that a model may leave it out.

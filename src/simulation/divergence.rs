@@ -84,7 +84,12 @@ pub(super) fn divergence_rate(
                 pair.take(1, &state, &mut disturbed);
                 let squares: f64 = (0..n).map(|i| ((disturbed[i] - straight[i]) / sizes[i]).powi(2)).sum();
                 let distance = (squares / n as f64).sqrt();
-                if distance > SATURATED || distance == 0.0 {
+                if distance > SATURATED {
+                    // However it came about, on the whole or lately.
+                    let mean = (distance / DISTURBANCE).ln() / (time - begin);
+                    return Ok(late_slope(&times, &logarithms).max(mean));
+                }
+                if distance == 0.0 {
                     return Ok(late_slope(&times, &logarithms));
                 }
                 times.push(time);

@@ -4,25 +4,62 @@
 //! spindle, so a Jacobian is bordered block-diagonal). All entries are deviations from ideal rolling, so that a
 //! tolerance means the same early and late in a run. Inside SI; arcs are angles times the pitch radius.
 
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, side_by_side};
 use crate::numerics::ode::Tolerances;
 use crate::numerics::ode::structure::Structure;
 use crate::physics::frames::Vector;
 
 /// Deviations of one ball, or their rates.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct BallState {
+pub struct BallState<T = f64> {
     /// Along X [m].
-    pub axial: f64,
+    pub axial: T,
     /// Radial position less the pitch radius [m].
-    pub radial: f64,
+    pub radial: T,
     /// Along the orbit, less the ideal orbit [m].
-    pub arc: f64,
-    pub axial_velocity: f64,
-    pub radial_velocity: f64,
+    pub arc: T,
+    pub axial_velocity: T,
+    pub radial_velocity: T,
     /// Rate of `arc` [m/s].
-    pub arc_velocity: f64,
+    pub arc_velocity: T,
     /// Angular velocity in the orbit frame, less the ideal spin about X [rad/s].
-    pub spin: Vector,
+    pub spin: Vector<T>,
+}
+side_by_side!(BallState { axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, spin });
+
+impl<T: Copy + Default> BallState<T> {
+    /// In the order of the state; of the planar ones, the first five.
+    #[inline(always)]
+    pub fn entries(&self, planar: bool) -> [T; 9] {
+        let Self { axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, spin: [x, r, t] } = *self;
+        if planar {
+            let none = T::default();
+            [radial, arc, radial_velocity, arc_velocity, x, none, none, none, none]
+        } else {
+            [axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, x, r, t]
+        }
+    }
+
+    /// From entries in that order.
+    #[inline(always)]
+    pub fn from_entries(entries: [T; 9], planar: bool) -> Self {
+        if planar {
+            let [radial, arc, radial_velocity, arc_velocity, spin, ..] = entries;
+            let none = T::default();
+            Self {
+                axial: none,
+                radial,
+                arc,
+                axial_velocity: none,
+                radial_velocity,
+                arc_velocity,
+                spin: [spin, none, none],
+            }
+        } else {
+            let [axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, x, r, t] = entries;
+            Self { axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, spin: [x, r, t] }
+        }
+    }
 }
 
 /// Deviations of the cage, or their rates.
@@ -114,13 +151,17 @@ const SPINDLE_NAMES: [(&str, f64); 6] = [
 ];
 const RADIAL_SPINDLE: [usize; 4] = [1, 2, 4, 5];
 
+/// Most entries that cage and spindle have.
+pub const MAX_BORDER: usize = 18;
+
 impl Layout {
     /// Entries of a ball.
     pub fn ball_size(&self) -> usize {
         if self.planar { 5 } else { 9 }
     }
 
-    fn cage_size(&self) -> usize {
+    /// Entries of the cage.
+    pub fn cage_size(&self) -> usize {
         match (self.cage, self.planar) {
             (false, _) => 0,
             (true, true) => 6,
@@ -130,6 +171,20 @@ impl Layout {
 
     fn spindle_size(&self) -> usize {
         if self.axial_spindle { 6 } else { 4 }
+    }
+
+    /// Cage and spindle alone.
+    pub fn without_balls(self) -> Self {
+        Self { balls: 0, ..self }
+    }
+
+    /// Entries of cage and spindle in their order.
+    #[inline(always)]
+    pub fn border(&self, cage: &CageState, spindle: &SpindleState) -> [f64; MAX_BORDER] {
+        let mut entries = [0.0; MAX_BORDER];
+        self.without_balls().set_cage(&mut entries, cage);
+        self.without_balls().set_spindle(&mut entries, spindle);
+        entries
     }
 
     /// Entries of cage and spindle.
@@ -144,23 +199,34 @@ impl Layout {
 
     #[inline(always)]
     pub fn ball(&self, y: &[f64], ball: usize) -> BallState {
-        if self.planar {
-            let [radial, arc, radial_velocity, arc_velocity, spin] = block(y, 5 * ball);
-            BallState { radial, arc, radial_velocity, arc_velocity, spin: [spin, 0.0, 0.0], ..BallState::default() }
-        } else {
-            let [axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, x, r, t] = block(y, 9 * ball);
-            BallState { axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, spin: [x, r, t] }
-        }
+        let mut entries = [0.0; 9];
+        entries[..self.ball_size()].copy_from_slice(&y[ball * self.ball_size()..][..self.ball_size()]);
+        BallState::from_entries(entries, self.planar)
     }
 
     #[inline(always)]
     pub fn set_ball(&self, y: &mut [f64], ball: usize, s: &BallState) {
-        if self.planar {
-            set_block(y, 5 * ball, [s.radial, s.arc, s.radial_velocity, s.arc_velocity, s.spin[0]]);
-        } else {
-            let [x, r, t] = s.spin;
-            let entries = [s.axial, s.radial, s.arc, s.axial_velocity, s.radial_velocity, s.arc_velocity, x, r, t];
-            set_block(y, 9 * ball, entries);
+        let size = self.ball_size();
+        y[ball * size..][..size].copy_from_slice(&s.entries(self.planar)[..size]);
+    }
+
+    /// Balls from `first` on, side by side; beyond the last one, the last one again.
+    #[inline(always)]
+    pub fn side_by_side<const PLANAR: bool>(&self, y: &[f64], first: usize) -> BallState<Lanes> {
+        let layout = Self { planar: PLANAR, ..*self };
+        let mut states = BallState::default();
+        for lane in 0..LANES {
+            states.put(lane, layout.ball(y, (first + lane).min(self.balls - 1)));
+        }
+        states
+    }
+
+    /// Puts the balls back into their places; what stands beyond the last one is dropped.
+    #[inline(always)]
+    pub fn set_side_by_side<const PLANAR: bool>(&self, y: &mut [f64], first: usize, s: &BallState<Lanes>) {
+        let layout = Self { planar: PLANAR, ..*self };
+        for lane in 0..LANES.min(self.balls - first) {
+            layout.set_ball(y, first + lane, &s.at(lane));
         }
     }
 

@@ -8,6 +8,7 @@ mod scenes;
 mod dissipation;
 mod energy;
 mod extremes;
+mod instructions;
 mod jacobian;
 mod mirror_symmetry;
 mod momentum;

@@ -20,9 +20,10 @@ const FREE_LOOKS: u32 = 6;
 const STEPS_PER_LOOK: u64 = 4;
 /// Evaluations of a step of Dormand–Prince.
 const STAGES: f64 = 6.0;
-/// Cost of one of Gear's evaluations in explicit ones: linear algebra (1.7), and the smaller steps that it would need to err
-/// as little at the same tolerance (1.3).
-const STIFF_EVALUATION: f64 = 2.2;
+/// Cost of one of Gear's evaluations in explicit ones: linear algebra (2.7: between 1.7 with the oldest instructions, whose
+/// evaluations are slow, and 3.2 with the newest), and the smaller steps that it would need to err as little at the same
+/// tolerance (1.3). One number for all, so that the same run chooses alike everywhere.
+const STIFF_EVALUATION: f64 = 3.5;
 /// Steps over which a cost is measured, after those that a method needs to get going; doubled with every change of mind.
 const EXPLICIT_WINDOW: u64 = 100;
 const STIFF_WINDOW: u64 = 400;

@@ -98,10 +98,6 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
         self.corrector.factored_for = None;
     }
 
-    fn norm(&self, vector: impl Iterator<Item = f64>) -> f64 {
-        norm(&self.weights, vector)
-    }
-
     fn predict(&mut self, c: &Coefficients) {
         self.predicted.copy_from_slice(&self.differences[0]);
         self.predicted_rate.fill(0.0);
@@ -202,7 +198,7 @@ impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
             self.predict(&c);
             let failure = match self.correct(&tried, &c) {
                 Ok(()) => {
-                    let error = c.step_error * self.norm(self.corrector.correction.iter().copied());
+                    let error = c.step_error * norm(&self.weights, &self.corrector.correction);
                     if error <= 1.0 {
                         self.conclude(&tried, error, &c);
                         return Ok(());

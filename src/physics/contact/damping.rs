@@ -1,5 +1,6 @@
 //! Dissipation in a contact.
 
+use crate::numerics::lanes::{larger, smaller};
 use crate::numerics::roots::bracketed_root;
 use crate::physics::{InvalidParameter, within};
 
@@ -79,13 +80,13 @@ pub const VISCOUS_RAMP: f64 = 0.1e-6;
 /// 0 without penetration and never negative, for surfaces do not pull at each other.
 ///
 /// Hunt & Crossley 1975 for the form; the ramp is 3s² − 2s³.
-#[inline]
+#[inline(always)]
 pub fn normal_load(stiffness: f64, penetration: f64, rate: f64, damping: &DampingFactor) -> f64 {
-    let depth = penetration.max(0.0);
-    let s = (depth * (1.0 / VISCOUS_RAMP)).min(1.0);
+    let depth = larger(penetration, 0.0);
+    let s = smaller(depth * (1.0 / VISCOUS_RAMP), 1.0);
     let viscous = damping.viscous * s * s * (3.0 - 2.0 * s) * rate;
     let elastic = stiffness * depth * depth.sqrt();
-    (elastic * (1.0 + damping.chi * rate) + viscous).max(0.0)
+    larger(elastic * (1.0 + damping.chi * rate) + viscous, 0.0)
 }
 
 /// `c = χ v₀` with which an impact at v₀ on Q = K δ^1.5 (1 + χ δ̇) returns with e v₀ [-], 0 < e ≤ 1.

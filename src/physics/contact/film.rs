@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 
 use super::hertz::HertzContact;
+use crate::numerics::exponential::{logarithm_of_one_plus, power};
+use crate::numerics::lanes::larger;
 
 /// Film thickness of one contact as powers of rolling speed and load, made once a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,15 +28,15 @@ impl Film {
     }
 
     /// Central film thickness h_c [m] at mean rolling speed ū [m/s] and load [N]; 0 at rest.
-    #[inline]
+    #[inline(always)]
     pub fn central(&self, rolling_speed: f64, load: f64) -> f64 {
-        self.central_coefficient * rolling_speed.abs().powf(0.67) * load.max(LEAST_LOAD).powf(-0.067)
+        self.central_coefficient * power(rolling_speed.abs(), 0.67) * power(larger(load, LEAST_LOAD), -0.067)
     }
 
     /// Minimum film thickness h_min [m] at mean rolling speed ū [m/s] and load [N]; 0 at rest.
-    #[inline]
+    #[inline(always)]
     pub fn minimum(&self, rolling_speed: f64, load: f64) -> f64 {
-        self.minimum_coefficient * rolling_speed.abs().powf(0.68) * load.max(LEAST_LOAD).powf(-0.073)
+        self.minimum_coefficient * power(rolling_speed.abs(), 0.68) * power(larger(load, LEAST_LOAD), -0.073)
     }
 }
 
@@ -133,7 +135,7 @@ impl Inlet {
     ///
     /// The shear of both surfaces is F_p/2 each; the pressure on the ball has the lever R_x, so that the
     /// raceway takes the remainder and momentum is conserved.
-    #[inline]
+    #[inline(always)]
     pub fn forces(&self, rolling_speed: f64, film_thickness: f64, semi_minor: f64) -> InletForces {
         let force = inlet_force(
             self.viscosity,
@@ -141,7 +143,7 @@ impl Inlet {
             self.rolling_radius,
             self.transverse_radius,
             film_thickness,
-            self.meniscus.max(semi_minor),
+            larger(self.meniscus, semi_minor),
         );
         InletForces { rolling: 0.5 * force, pressure: force * self.rolling_radius / self.ball_radius }
     }
@@ -155,7 +157,7 @@ impl Inlet {
 /// t = r_s/√(2 h₀ R_x), r_s the distance of the inlet meniscus.
 /// Differs from the source: the fits 28.59 ln t − 10.10 and 36.57 ln t − 22.85 of the literature lie 6–20 %
 /// below this and turn negative at small t.
-#[inline]
+#[inline(always)]
 pub fn inlet_force(
     viscosity: f64,
     speed_sum: f64,
@@ -166,15 +168,15 @@ pub fn inlet_force(
 ) -> f64 {
     let scale = viscosity * speed_sum * (rolling_radius * transverse_radius).sqrt()
         / (3.0 + 2.0 * rolling_radius / transverse_radius);
-    let t = meniscus / (2.0 * film_thickness.max(LEAST_FILM) * rolling_radius).sqrt();
+    let t = meniscus / (2.0 * larger(film_thickness, LEAST_FILM) * rolling_radius).sqrt();
     scale * 6.0 * PI * inlet_integral(t)
 }
 
 /// `ln(1 + t²) + 1/(1 + t²) − 1` [-], t⁴/2 for small t.
-#[inline]
+#[inline(always)]
 fn inlet_integral(t: f64) -> f64 {
     let square = t * t;
-    square.ln_1p() - square / (1.0 + square)
+    logarithm_of_one_plus(square) - square / (1.0 + square)
 }
 
 #[cfg(test)]

@@ -5,6 +5,8 @@
 use std::f64::consts::PI;
 
 use crate::numerics::elliptic::complete_elliptic;
+use crate::numerics::exponential::power;
+use crate::numerics::lanes::larger;
 use crate::numerics::roots::bracketed_root;
 use crate::physics::bearing::{Bearing, PerRaceway};
 use crate::physics::material::contact_modulus;
@@ -38,10 +40,10 @@ impl HertzContact {
     }
 
     /// Largest pressure `p₀ = 3 Q / (2 π a b)` [Pa] at a normal load [N]; 0 without load.
-    #[inline]
+    #[inline(always)]
     pub fn max_pressure(&self, load: f64) -> f64 {
         // a b = c_a c_b Q^(2/3), so p₀ goes with Q^(1/3) and needs no division by the load.
-        1.5 / (PI * self.semi_major_coefficient * self.semi_minor_coefficient) * load.max(0.0).cbrt()
+        1.5 / (PI * self.semi_major_coefficient * self.semi_minor_coefficient) * power(larger(load, 0.0), 1.0 / 3.0)
     }
 }
 

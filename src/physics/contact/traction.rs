@@ -1,6 +1,9 @@
 //! Traction of a lubricated contact with slip, spin and conformity.
 
-use crate::numerics::exponential::exponential;
+use std::array::from_fn;
+
+use crate::numerics::exponential::{binary_saturations, exponential, hyperbolic_tangent, inverse_hyperbolic_sine};
+use crate::numerics::lanes::{larger, side_by_side, smaller};
 use crate::numerics::roots::bracketed_root;
 use crate::physics::{InvalidParameter, above, within};
 
@@ -90,14 +93,15 @@ pub fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f64) -> 
 
 /// What a traction law may depend on besides slip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct TractionContext {
+pub struct TractionContext<T = f64> {
     /// Mean rolling speed ū, a magnitude [m/s].
-    pub rolling_speed: f64,
+    pub rolling_speed: T,
     /// Mean pressure where the slip acts [Pa].
-    pub pressure: f64,
+    pub pressure: T,
     /// Film thickness [m].
-    pub film_thickness: f64,
+    pub film_thickness: T,
 }
+side_by_side!(TractionContext { rolling_speed, pressure, film_thickness });
 
 /// A traction law made ready for the time step.
 ///
@@ -114,24 +118,32 @@ pub enum Traction {
     /// As `StickingAtRest`, over s = u / max(ū, 0.1 m/s).
     SlideRollAtRest(FourParameters),
     /// min(τ_E asinh(η(p) u / (h τ_E)), Λ p) / p, its slope at rest held below Λ/u_r.
-    Eyring {
-        /// [Pa]
-        stress: f64,
-        /// Largest τ/p [-].
-        limit: f64,
-        /// η₀ [Pa s].
-        viscosity: f64,
-        /// α_p [1/Pa].
-        pressure_viscosity: f64,
-        /// Largest α_p p, where the oil is a glass [-].
-        largest_exponent: f64,
-    },
+    Eyring(Eyring),
     /// μ tanh(u / u_r).
-    Coulomb {
-        coefficient: f64,
-        /// 1 / u_r [s/m].
-        per_regularisation: f64,
-    },
+    Coulomb(Coulomb),
+}
+
+/// Constants of the law of Eyring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Eyring {
+    /// [Pa]
+    stress: f64,
+    /// Largest τ/p [-].
+    limit: f64,
+    /// η₀ [Pa s].
+    viscosity: f64,
+    /// α_p [1/Pa].
+    pressure_viscosity: f64,
+    /// Largest α_p p, where the oil is a glass [-].
+    largest_exponent: f64,
+}
+
+/// Constants of regularised dry friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coulomb {
+    coefficient: f64,
+    /// 1 / u_r [s/m].
+    per_regularisation: f64,
 }
 
 /// Slip speed u_r over which a law that does not vanish at rest turns its direction [m/s].
@@ -142,8 +154,8 @@ pub const LEAST_ROLLING_SPEED: f64 = 0.1;
 pub const GLASS_VISCOSITY: f64 = 1e12;
 /// A film thinner than a molecule is none [m].
 const LEAST_FILM: f64 = 1e-9;
-/// Stands in for a slip of 0 where a quotient with a limit is formed.
-const TINY: f64 = 1e-150;
+/// Stands in for a slip of 0, or its square, where a quotient with a limit is formed.
+pub const TINY: f64 = 1e-150;
 
 impl Traction {
     /// Prepares a law for a lubricant of viscosity η₀ [Pa s] and pressure–viscosity coefficient α_p [1/Pa].
@@ -157,15 +169,15 @@ impl Traction {
                 let parameters = FourParameters { a, b, c, d };
                 if a + d == 0.0 { Self::SlideRollFromZero(parameters) } else { Self::SlideRollAtRest(parameters) }
             }
-            TractionLaw::Eyring { stress, limit } => Self::Eyring {
+            TractionLaw::Eyring { stress, limit } => Self::Eyring(Eyring {
                 stress,
                 limit,
                 viscosity,
                 pressure_viscosity,
                 largest_exponent: (GLASS_VISCOSITY / viscosity.max(1e-9)).ln(),
-            },
+            }),
             TractionLaw::Coulomb { coefficient, regularisation } => {
-                Self::Coulomb { coefficient, per_regularisation: 1.0 / regularisation }
+                Self::Coulomb(Coulomb { coefficient, per_regularisation: 1.0 / regularisation })
             }
         }
     }
@@ -173,8 +185,8 @@ impl Traction {
     /// True where `coefficient` reads rolling speed, pressure or film thickness.
     pub fn needs_context(&self) -> bool {
         match self {
-            Self::RisingFromZero(_) | Self::StickingAtRest(_) | Self::Coulomb { .. } => false,
-            Self::SlideRollFromZero(_) | Self::SlideRollAtRest(_) | Self::Eyring { .. } => true,
+            Self::RisingFromZero(_) | Self::StickingAtRest(_) | Self::Coulomb(_) => false,
+            Self::SlideRollFromZero(_) | Self::SlideRollAtRest(_) | Self::Eyring(_) => true,
         }
     }
 
@@ -182,30 +194,12 @@ impl Traction {
     #[inline(always)]
     pub fn traction_over_speed(&self, slip_squared: f64, context: &TractionContext) -> f64 {
         match self {
-            Self::RisingFromZero(law) => rising(law, slip_squared.sqrt()),
+            Self::RisingFromZero(law) => rising(law, [slip_squared + TINY])[0],
             Self::StickingAtRest(law) => sticking(law, slip_squared.sqrt(), slip_squared),
-            Self::SlideRollFromZero(law) => {
-                let per_rolling = 1.0 / context.rolling_speed.max(LEAST_ROLLING_SPEED);
-                per_rolling * rising(law, per_rolling * slip_squared.sqrt())
-            }
-            Self::SlideRollAtRest(law) => {
-                let per_rolling = 1.0 / context.rolling_speed.max(LEAST_ROLLING_SPEED);
-                sticking(law, per_rolling * slip_squared.sqrt(), slip_squared)
-            }
-            Self::Eyring { stress, limit, viscosity, pressure_viscosity, largest_exponent } => {
-                let slip = slip_squared.sqrt().max(TINY);
-                let pressure = context.pressure.max(1.0);
-                let viscosity = viscosity * (pressure_viscosity * pressure).min(*largest_exponent).exp();
-                let rate = viscosity / (context.film_thickness.max(LEAST_FILM) * stress);
-                let coefficient = ((stress / pressure) * (rate * slip).asinh()).min(*limit);
-                // 1 GPa makes oil so stiff that τ would turn within 1e-10 m/s: no steeper than Λ/u_r.
-                let (softness, softest) = (slip / coefficient, DIRECTION_SPEED / limit);
-                1.0 / (softness * softness + softest * softest).sqrt()
-            }
-            Self::Coulomb { coefficient, per_regularisation } => {
-                let slip = slip_squared.sqrt().max(TINY);
-                coefficient * (slip * per_regularisation).tanh() / slip
-            }
+            Self::SlideRollFromZero(law) => rolling(law, slip_squared, context),
+            Self::SlideRollAtRest(law) => rolling_at_rest(law, slip_squared, context),
+            Self::Eyring(law) => eyring(law, slip_squared, context),
+            Self::Coulomb(law) => coulomb(law, slip_squared),
         }
     }
 
@@ -216,22 +210,56 @@ impl Traction {
     }
 }
 
-/// μ/s of the four-parameter law with A = −D: D (1 − e^(−C s))/s + B e^(−C s).
+/// μ/s of the four-parameter law with A = −D, from s² > 0, at several places: D (1 − e^(−C s))/s + B e^(−C s), which keeps its
+/// digits down to s = 0.
 #[inline(always)]
-pub fn rising(law: &FourParameters, s: f64) -> f64 {
-    let x = law.c * s;
-    let decay = exponential(-x);
-    // (1 − e^(−x))/x; below 0.01 its series, for the difference would lose the digits.
-    let share =
-        if x < 0.01 { 1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0))) } else { (1.0 - decay) / x };
-    law.d * law.c * share + law.b * decay
+pub fn rising<const S: usize>(law: &FourParameters, squares: [f64; S]) -> [f64; S] {
+    let s: [f64; S] = from_fn(|k| squares[k].sqrt());
+    let per_s: [f64; S] = from_fn(|k| 1.0 / s[k]);
+    let binary = law.c * std::f64::consts::LOG2_E;
+    let x: [f64; S] = from_fn(|k| binary * s[k]);
+    let (saturation, decay) = binary_saturations(x);
+    from_fn(|k| law.d * per_s[k] * saturation[k] + law.b * decay[k])
 }
 
 /// μ/√(u² + u_r²) of the four-parameter law that does not vanish at rest, s its argument.
 #[inline(always)]
-fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
+pub fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
     let mu = (law.a + law.b * s) * exponential(-law.c * s) + law.d;
     mu / (slip_squared + DIRECTION_SPEED * DIRECTION_SPEED).sqrt()
+}
+
+/// μ/|u| of `rising` over the slide/roll ratio.
+#[inline(always)]
+pub fn rolling(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
+    let per_rolling = 1.0 / larger(context.rolling_speed, LEAST_ROLLING_SPEED);
+    per_rolling * rising(law, [per_rolling * per_rolling * slip_squared + TINY])[0]
+}
+
+/// μ/|u| of `sticking` over the slide/roll ratio.
+#[inline(always)]
+pub fn rolling_at_rest(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
+    let per_rolling = 1.0 / larger(context.rolling_speed, LEAST_ROLLING_SPEED);
+    sticking(law, per_rolling * slip_squared.sqrt(), slip_squared)
+}
+
+/// μ/|u| of the law of Eyring. 1 GPa makes oil so stiff that τ would turn within 1e-10 m/s: no steeper than Λ/u_r.
+#[inline(always)]
+pub fn eyring(law: &Eyring, slip_squared: f64, context: &TractionContext) -> f64 {
+    let slip = larger(slip_squared.sqrt(), TINY);
+    let pressure = larger(context.pressure, 1.0);
+    let viscosity = law.viscosity * exponential(smaller(law.pressure_viscosity * pressure, law.largest_exponent));
+    let rate = viscosity / (larger(context.film_thickness, LEAST_FILM) * law.stress);
+    let coefficient = smaller((law.stress / pressure) * inverse_hyperbolic_sine(rate * slip), law.limit);
+    let (softness, softest) = (slip / coefficient, DIRECTION_SPEED / law.limit);
+    1.0 / (softness * softness + softest * softest).sqrt()
+}
+
+/// μ/|u| of regularised dry friction.
+#[inline(always)]
+pub fn coulomb(law: &Coulomb, slip_squared: f64) -> f64 {
+    let slip = larger(slip_squared.sqrt(), TINY);
+    law.coefficient * hyperbolic_tangent(slip * law.per_regularisation) / slip
 }
 
 /// A strip of the ellipse of contact, parallel to rolling.
@@ -258,8 +286,6 @@ pub const DEFAULT_STRIPS: usize = 9;
 pub struct Strips {
     count: usize,
     strips: [Strip; MAX_STRIPS],
-    /// The strips up to the middle, their weights doubled but for the middle one's.
-    half: [Strip; MAX_STRIPS],
 }
 
 impl Strips {
@@ -280,16 +306,7 @@ impl Strips {
             }
             *slot = strip;
         }
-        let mut half = strips;
-        half[..count / 2].iter_mut().for_each(|strip| strip.weight *= 2.0);
-        Self { count, strips, half }
-    }
-
-    /// The strips from t = −1 to the middle, with the weights of their mirror images added: enough for
-    /// a contact that is symmetric across the groove.
-    #[inline]
-    pub fn half(&self) -> &[Strip] {
-        &self.half[..self.count.div_ceil(2)]
+        Self { count, strips }
     }
 
     /// The strips from t = −1 to t = 1.

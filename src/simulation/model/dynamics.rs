@@ -2,16 +2,19 @@
 //! opposite sign to the two bodies it joins.
 
 use super::Mechanism;
+use super::jacobian::DISPLACEMENT;
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, side_by_side};
 use crate::numerics::ode::OdeSystem;
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::physics::ball::{BallAcceleration, BallMotion};
+use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
-use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract};
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, length, scale, subtract};
 use crate::physics::pocket::{PocketLoad, PocketMotion};
-use crate::physics::raceway::{RacewayLoad, RelativeMotion};
+use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
 use crate::simulation::channel::BallContact;
-use crate::simulation::state::{BallState, CageState, SpindleState};
+use crate::simulation::state::{BallState, CageState, Layout, SpindleState};
 
 /// Sees every load of one evaluation of the equations, as they are applied.
 pub trait Watch {
@@ -23,29 +26,28 @@ pub trait Watch {
     fn pocket(&mut self, ball: usize, load: &PocketLoad) {
         let _ = (ball, load);
     }
-    /// All that acts on a ball, and what it passes on to spindle and cage.
-    fn ball(&mut self, ball: usize, wrench: &Wrench, reaction: &Reaction) {
-        let _ = (ball, wrench, reaction);
-    }
 }
-
-/// Nobody watches: costs nothing.
-impl Watch for () {}
 
 /// The equations of motion with (`PLANAR = false`) or without motion along X.
 #[derive(Debug, Clone)]
 pub struct Dynamics<const PLANAR: bool> {
     mechanism: Mechanism,
+    one: OneBall,
     /// The spindle's axis in the inertial frame; `None`: along X.
     tilted_axis: Option<Vector>,
+    /// What the processor offers for balls side by side.
+    instructions: InstructionSet,
+    /// By which the Jacobian displaces the entries of a ball, of cage and spindle.
+    displacements: Vec<f64>,
 }
 
 /// Force and moment on a ball, in its orbit frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Wrench {
-    pub force: Vector,
-    pub moment: Vector,
+pub struct Wrench<T = f64> {
+    pub force: Vector<T>,
+    pub moment: Vector<T>,
 }
+side_by_side!(Wrench { force, moment });
 
 impl Wrench {
     /// Both together.
@@ -55,6 +57,7 @@ impl Wrench {
     }
 
     /// The difference.
+    #[inline(always)]
     pub fn less(self, other: &Self) -> Self {
         Self { force: subtract(self.force, other.force), moment: subtract(self.moment, other.moment) }
     }
@@ -62,17 +65,19 @@ impl Wrench {
 
 /// Forces that balls exert, one or all.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Reaction {
+pub struct Reaction<T = f64> {
     /// On the spindle, inertial frame.
-    pub spindle: Vector,
+    pub spindle: Vector<T>,
     /// On the cage, in its tilted frame.
-    pub cage_force: Vector,
+    pub cage_force: Vector<T>,
     /// On the cage about its centre of mass, in its tilted frame.
-    pub cage_moment: Vector,
+    pub cage_moment: Vector<T>,
 }
+side_by_side!(Reaction { spindle, cage_force, cage_moment });
 
 impl Reaction {
     /// The difference.
+    #[inline(always)]
     pub fn less(&self, other: &Self) -> Self {
         Self {
             spindle: subtract(self.spindle, other.spindle),
@@ -89,58 +94,67 @@ impl Reaction {
     }
 }
 
+impl Reaction<Lanes> {
+    /// Adds those of the first `balls` lanes to `sum`, one ball after the other.
+    #[inline(always)]
+    pub(super) fn sum_into(&self, sum: &mut Reaction, balls: usize) {
+        for lane in 0..LANES.min(balls) {
+            sum.add(&self.at(lane));
+        }
+    }
+}
+
+/// Angle [rad], speed [rad/s] and acceleration [rad/s²] of the shaft.
+pub(super) type Shaft = (f64, f64, f64);
+
+/// Cage and spindle at a time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Border {
+    pub cage: CageState,
+    pub pose: CagePose,
+    pub spindle: SpindleState,
+    pub shaft: Shaft,
+}
+
+/// Balls side by side: how they move, how that changes, and what they pass on.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Balls {
+    pub motion: BallMotion<Lanes>,
+    pub rates: BallState<Lanes>,
+    pub reaction: Reaction<Lanes>,
+}
+
 /// The cage in the form in which pockets need it.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct CagePose {
     motion: CageMotion,
     /// Azimuth of the first pocket about the cage axis.
     azimuth: Azimuth,
 }
 
-impl<const PLANAR: bool> Dynamics<PLANAR> {
-    pub fn new(mechanism: Mechanism) -> Self {
-        let [about_y, about_z] = mechanism.misalignment;
-        let tilted_axis =
-            (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
-        Self { mechanism, tilted_axis }
-    }
+/// Constants of one ball, and its formulas. Small: a copy of it stands before each loop over balls, so that the compiler sees
+/// that nothing stored in the loop changes it.
+#[derive(Debug, Clone, Copy)]
+struct OneBall {
+    pitch_radius: f64,
+    orbit_ratio: f64,
+    spin_ratio: f64,
+    mass: f64,
+    inertia: f64,
+    weight: f64,
+    /// Axial displacement at which the spindle is held [m].
+    axial_offset: f64,
+    /// Centre of the first pocket, in the orbit frame of the cage.
+    pocket_centre: Vector,
+}
 
-    pub fn mechanism(&self) -> &Mechanism {
-        &self.mechanism
-    }
-
-    /// Writes `dy/dt`, showing each load to `watch`.
-    pub fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: &mut impl Watch) {
-        let m = &self.mechanism;
-        let motion = m.speed.at(time);
-        let (angle, speed, acceleration) = motion;
-        let spindle = m.layout.spindle(y);
-        let cage_state = m.layout.cage(y);
-        let cage = self.cage_pose(&cage_state, angle, speed);
-        let mut sum = Reaction::default();
-        for ball in 0..m.layout.balls {
-            let state = m.layout.ball(y, ball);
-            let motion = self.ball_motion(ball, &state, angle, speed);
-            let mut reaction = Reaction::default();
-            let outer = self.outer(ball, &motion, watch);
-            let mut wrench = self.inner(ball, &motion, &spindle, (angle, speed), &mut reaction, watch).and(outer);
-            if m.layout.cage {
-                wrench = wrench.and(self.pocket(ball, &motion, &cage, &mut reaction, watch));
-            }
-            watch.ball(ball, &wrench, &reaction);
-            sum.add(&reaction);
-            let rates = self.ball_rates(&state, &motion, wrench, acceleration);
-            m.layout.set_ball(dy, ball, &rates);
-        }
-        m.layout.set_cage(dy, &self.cage_rates(&cage_state, &cage, &sum, acceleration));
-        m.layout.set_spindle(dy, &self.spindle_rates(&spindle, sum.spindle, motion));
-    }
-
+impl OneBall {
     #[inline(always)]
-    pub(super) fn ball_motion(&self, ball: usize, state: &BallState, angle: f64, speed: f64) -> BallMotion {
-        let m = &self.mechanism;
-        let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + state.arc / m.pitch_radius;
-        let radius = m.pitch_radius + state.radial;
-        let orbit_speed = m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius;
+    fn motion(&self, start: f64, state: &BallState, (angle, speed, _): Shaft) -> BallMotion {
+        let per_radius = 1.0 / self.pitch_radius;
+        let azimuth = start + self.orbit_ratio * angle + state.arc * per_radius;
+        let radius = self.pitch_radius + state.radial;
+        let orbit_speed = self.orbit_ratio * speed + state.arc_velocity * per_radius;
         BallMotion {
             azimuth_angle: azimuth,
             azimuth: Azimuth::new(azimuth),
@@ -148,14 +162,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             radius,
             orbit_speed,
             velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
-            spin: [state.spin[0] + m.spin_ratio * speed, state.spin[1], state.spin[2]],
+            spin: [state.spin[0] + self.spin_ratio * speed, state.spin[1], state.spin[2]],
         }
     }
 
-    /// Force and moment of the outer raceway on a ball, in its orbit frame.
+    /// Relative to the outer raceway.
     #[inline(always)]
-    fn outer(&self, ball: usize, motion: &BallMotion, watch: &mut impl Watch) -> Wrench {
-        let relative = RelativeMotion {
+    fn over_outer(&self, motion: &BallMotion) -> RelativeMotion {
+        RelativeMotion {
             axial: motion.axial,
             radius: motion.radius,
             velocity: motion.velocity,
@@ -163,62 +177,339 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             raceway_speed: 0.0,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle,
-        };
-        let load = self.mechanism.raceway.outer.load::<PLANAR>(&relative);
-        watch.raceway(ball, BallContact::Outer, &relative, &load);
-        Wrench { force: load.force, moment: load.moment }
+        }
     }
 
-    /// Force and moment of the inner raceway on a ball, in its orbit frame; the spindle's share goes into `reaction`.
+    /// Relative to the inner raceway, with the frame that is in.
     #[inline(always)]
-    pub(super) fn inner(
+    fn over_inner<F: ContactFrame>(
         &self,
-        ball: usize,
         motion: &BallMotion,
         spindle: &SpindleState,
-        (angle, speed): (f64, f64),
-        reaction: &mut Reaction,
-        watch: &mut impl Watch,
-    ) -> Wrench {
-        let m = &self.mechanism;
-        let position = [spindle.position[0] + m.axial_offset, spindle.position[1], spindle.position[2]];
-        let centre = motion.azimuth.to_orbit(position);
+        (angle, speed, _): Shaft,
+        axis: &F::Axis,
+    ) -> (RelativeMotion, F) {
+        let [x, y, z] = spindle.position;
+        let centre = motion.azimuth.to_orbit([x + self.axial_offset, y, z]);
         let velocity = motion.azimuth.to_orbit(spindle.velocity);
-        let frame = self.inner_frame(motion, centre);
+        let from_centre = [motion.axial - centre[0], motion.radius - centre[1], -centre[2]];
+        let frame = F::new(axis, motion.azimuth, from_centre);
+        let (axial, radius) = frame.place();
         let relative = RelativeMotion {
-            axial: frame.axial,
-            radius: frame.radius,
+            axial,
+            radius,
             velocity: frame.components(subtract(motion.velocity, velocity)),
             spin: frame.components(motion.spin),
             raceway_speed: speed,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle - angle,
         };
-        let local = m.raceway.inner.load::<PLANAR>(&relative);
-        let load = RacewayLoad { force: frame.vector(local.force), moment: frame.vector(local.moment), ..local };
-        watch.raceway(ball, BallContact::Inner, &relative, &load);
-        if load.penetration > 0.0 {
-            reaction.spindle = subtract(reaction.spindle, motion.azimuth.to_inertial(load.force));
-        }
-        Wrench { force: load.force, moment: load.moment }
+        (relative, frame)
     }
 
-    /// The contact frame of the inner raceway, whose axis may be displaced and tilted.
+    /// Relative to its pocket, which starts at an azimuth, and the ball's place in the cage's tilted frame, from its centre
+    /// of mass.
     #[inline(always)]
-    fn inner_frame(&self, motion: &BallMotion, centre: Vector) -> ContactFrame {
-        let from_centre = [motion.axial - centre[0], motion.radius - centre[1], -centre[2]];
-        let axis = match self.tilted_axis {
-            None => [1.0, 0.0, 0.0],
-            Some(axis) => motion.azimuth.to_orbit(axis),
+    fn in_pocket(&self, motion: &BallMotion, cage: &CagePose, start: Azimuth) -> (PocketMotion, Vector) {
+        let CageMotion { centre, velocity, tilt, spin } = cage.motion;
+        let azimuth = motion.azimuth;
+        let place = tilt.to_tilted(subtract(azimuth.to_inertial([motion.axial, motion.radius, 0.0]), centre));
+        let pocket = cage.azimuth.turned(start).to_inertial(self.pocket_centre);
+        let relative = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), velocity));
+        let motion = PocketMotion {
+            displacement: subtract(place, pocket),
+            velocity: subtract(relative, cross(spin, place)),
+            spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), spin),
         };
-        let axial = dot(from_centre, axis);
-        let across = subtract(from_centre, scale(axial, axis));
-        let radius = dot(across, across).sqrt();
-        let radial = scale(1.0 / radius, across);
-        ContactFrame { axial, radius, axis, radial, tangential: cross(axis, radial) }
+        (motion, place)
     }
 
-    pub(super) fn cage_pose(&self, state: &CageState, angle: f64, speed: f64) -> CagePose {
+    /// Rates of its state under all that acts on it but its weight.
+    #[inline(always)]
+    fn rates(&self, state: &BallState, motion: &BallMotion, wrench: Wrench, (_, _, acceleration): Shaft) -> BallState {
+        let Azimuth { cosine, sine } = motion.azimuth;
+        let force = add(wrench.force, [0.0, self.weight * cosine, -self.weight * sine]);
+        let BallAcceleration { axial, radial, azimuthal, spin } =
+            motion.acceleration(force, wrench.moment, self.mass, self.inertia);
+        BallState {
+            axial: state.axial_velocity,
+            radial: state.radial_velocity,
+            arc: state.arc_velocity,
+            axial_velocity: axial,
+            radial_velocity: radial,
+            arc_velocity: self.pitch_radius * (azimuthal - self.orbit_ratio * acceleration),
+            spin: [spin[0] - self.spin_ratio * acceleration, spin[1], spin[2]],
+        }
+    }
+
+    /// What force and moment add to them.
+    #[inline(always)]
+    fn response(&self, motion: &BallMotion, wrench: Wrench) -> BallState {
+        let still = BallMotion { orbit_speed: 0.0, ..*motion };
+        let BallAcceleration { axial, radial, azimuthal, spin } =
+            still.acceleration(wrench.force, wrench.moment, self.mass, self.inertia);
+        BallState {
+            axial_velocity: axial,
+            radial_velocity: radial,
+            arc_velocity: self.pitch_radius * azimuthal,
+            spin,
+            ..BallState::default()
+        }
+    }
+}
+
+/// The inner raceway on a ball, in its orbit frame, and the ball on the spindle, in the inertial frame.
+#[inline(always)]
+fn on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> (Wrench, Vector) {
+    let force = frame.vector(load.force);
+    (Wrench { force, moment: frame.vector(load.moment) }, scale(-1.0, azimuth.to_inertial(force)))
+}
+
+/// A pocket on its ball, in the ball's orbit frame, and the ball on the cage, in its tilted frame about its centre of mass.
+#[inline(always)]
+fn on_pocket(azimuth: Azimuth, tilt: &Tilt, place: Vector, load: &PocketLoad) -> (Wrench, [Vector; 2]) {
+    let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
+    let moment = cross(add(place, load.lever), load.force);
+    let wrench = Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) };
+    (wrench, [scale(-1.0, load.force), scale(-1.0, moment)])
+}
+
+impl<const PLANAR: bool> Dynamics<PLANAR> {
+    pub fn new(mechanism: Mechanism) -> Self {
+        let [about_y, about_z] = mechanism.misalignment;
+        let tilted_axis =
+            (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
+        let one_ball = Layout { balls: 1, ..mechanism.layout };
+        let displacements = one_ball.sizes().iter().map(|size| DISPLACEMENT * size).collect();
+        let one = OneBall {
+            pitch_radius: mechanism.pitch_radius,
+            orbit_ratio: mechanism.orbit_ratio,
+            spin_ratio: mechanism.spin_ratio,
+            mass: mechanism.ball_mass,
+            inertia: mechanism.ball_inertia,
+            weight: mechanism.ball_mass * mechanism.gravity,
+            axial_offset: mechanism.axial_offset,
+            pocket_centre: [mechanism.cage.offset, mechanism.pitch_radius, 0.0],
+        };
+        Self { mechanism, one, tilted_axis, instructions: InstructionSet::best(), displacements }
+    }
+
+    /// The same equations with other instructions of the same processor.
+    pub(super) fn with_instructions(mut self, instructions: InstructionSet) -> Self {
+        self.instructions = instructions;
+        self
+    }
+
+    pub(super) fn displacements(&self) -> &[f64] {
+        &self.displacements
+    }
+
+    pub(super) fn instructions(&self) -> InstructionSet {
+        self.instructions
+    }
+
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+
+    /// Writes `dy/dt`, showing each load to `watch`.
+    pub fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: Option<&mut (dyn Watch + '_)>) {
+        self.instructions.run(Evaluation { dynamics: self, time, y, dy, watch });
+    }
+
+    /// `evaluate`, `LANES` balls side by side.
+    #[inline(always)]
+    fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
+        let layout = self.mechanism.layout;
+        let border = self.border(layout.cage(y), layout.spindle(y), self.mechanism.speed.at(time));
+        let mut sum = Reaction::default();
+        let mut balls = Balls::default();
+        for first in (0..layout.balls).step_by(LANES) {
+            let state = layout.side_by_side::<PLANAR>(y, first);
+            self.balls(first, &state, &border, &mut balls, watch.as_deref_mut());
+            balls.reaction.sum_into(&mut sum, layout.balls - first);
+            layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
+        }
+        layout.set_cage(dy, &self.cage_rates(&border.cage, &border.pose, &sum, border.shaft));
+        layout.set_spindle(dy, &self.spindle_rates(&border.spindle, sum.spindle, border.shaft));
+    }
+
+    /// What the balls from `first` on do in a state.
+    #[inline(always)]
+    pub(super) fn balls(
+        &self,
+        first: usize,
+        state: &BallState<Lanes>,
+        border: &Border,
+        balls: &mut Balls,
+        watch: Option<&mut (dyn Watch + '_)>,
+    ) {
+        match self.tilted_axis {
+            Some(axis) if !PLANAR => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, watch),
+            _ => self.balls_in::<StraightFrame>(first, state, border, &(), balls, watch),
+        }
+    }
+
+    #[inline(always)]
+    fn balls_in<F: ContactFrame>(
+        &self,
+        first: usize,
+        state: &BallState<Lanes>,
+        border: &Border,
+        axis: &F::Axis,
+        balls: &mut Balls,
+        watch: Option<&mut (dyn Watch + '_)>,
+    ) {
+        let m = &self.mechanism;
+        let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
+        let start: Lanes = Lanes::of(&m.start.angle, first);
+        let mut relative: PerRaceway<RelativeMotion<Lanes>> = PerRaceway::default();
+        let mut frames = F::Several::default();
+        for lane in 0..LANES {
+            let motion = one.motion(start[lane], &state.at(lane), shaft);
+            let (inner, frame) = one.over_inner::<F>(&motion, &spindle, shaft, &axis);
+            relative.outer.put(lane, one.over_outer(&motion));
+            relative.inner.put(lane, inner);
+            frames.put(lane, frame);
+            balls.motion.put(lane, motion);
+        }
+        // Before the raceways: what waits for itself has something else beside it.
+        let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
+        if let Some(drag) = m.drag {
+            for lane in 0..LANES {
+                drag_force[lane] = drag.force(one.pitch_radius * balls.motion.orbit_speed[lane]);
+            }
+        }
+        if let Some(churning) = m.churning {
+            for lane in 0..LANES {
+                churning_factor[lane] = churning.churning_factor(length(balls.motion.spin.at(lane)));
+            }
+        }
+        let (in_pocket, places) = self.pockets(first, &balls.motion, &pose);
+        let load = RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, self.instructions);
+        for lane in 0..LANES {
+            let motion = balls.motion.at(lane);
+            let (force, moment) = (load.outer.force.at(lane), load.outer.moment.at(lane));
+            let (inner, spindle) = on_inner(motion.azimuth, &frames.at(lane), &load.inner.at(lane));
+            let (pocket, [cage_force, cage_moment]) =
+                on_pocket(motion.azimuth, &pose.motion.tilt, places.at(lane), &in_pocket.at(lane));
+            let surroundings =
+                Wrench { force: [0.0, 0.0, drag_force[lane]], moment: scale(-churning_factor[lane], motion.spin) };
+            let wrench = inner.and(Wrench { force, moment }).and(pocket).and(surroundings);
+            balls.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
+            balls.rates.put(lane, one.rates(&state.at(lane), &motion, wrench, shaft));
+        }
+        if let Some(watch) = watch {
+            for lane in 0..LANES.min(m.layout.balls - first) {
+                let (ball, outer, inner) = (first + lane, load.outer.at(lane), load.inner.at(lane));
+                watch.raceway(ball, BallContact::Outer, &relative.outer.at(lane), &outer);
+                let (Wrench { force, moment }, _) = on_inner(balls.motion.azimuth.at(lane), &frames.at(lane), &inner);
+                watch.raceway(
+                    ball,
+                    BallContact::Inner,
+                    &relative.inner.at(lane),
+                    &RacewayLoad { force, moment, ..inner },
+                );
+                if m.layout.cage {
+                    watch.pocket(ball, &in_pocket.at(lane));
+                }
+            }
+        }
+    }
+
+    /// Loads in the pockets of the balls from `first` on, and the balls' places in the cage; nothing without a cage.
+    #[inline(always)]
+    fn pockets(&self, first: usize, motion: &BallMotion<Lanes>, pose: &CagePose) -> (PocketLoad<Lanes>, Vector<Lanes>) {
+        let m = &self.mechanism;
+        let mut places = <Vector<Lanes>>::default();
+        if !m.layout.cage {
+            return (PocketLoad::default(), places);
+        }
+        let (one, pose) = (self.one, *pose);
+        let start: Azimuth<Lanes> =
+            Azimuth { cosine: Lanes::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
+        let mut relative = PocketMotion::<Lanes>::default();
+        for lane in 0..LANES {
+            let (motion, place) = one.in_pocket(&motion.at(lane), &pose, start.at(lane));
+            relative.put(lane, motion);
+            places.put(lane, place);
+        }
+        (m.pocket.loads(&relative), places)
+    }
+
+    /// The inner raceway alone on the balls, and the balls on the spindle.
+    #[inline(always)]
+    pub(super) fn inner_part(&self, motion: &BallMotion<Lanes>, border: &Border) -> (Wrench<Lanes>, Vector<Lanes>) {
+        match self.tilted_axis {
+            Some(axis) if !PLANAR => self.inner_part_in::<TiltedFrame>(motion, border, &axis),
+            _ => self.inner_part_in::<StraightFrame>(motion, border, &()),
+        }
+    }
+
+    #[inline(always)]
+    fn inner_part_in<F: ContactFrame>(
+        &self,
+        motion: &BallMotion<Lanes>,
+        border: &Border,
+        axis: &F::Axis,
+    ) -> (Wrench<Lanes>, Vector<Lanes>) {
+        let (one, axis, Border { spindle, shaft, .. }) = (self.one, *axis, *border);
+        let mut relative = RelativeMotion::<Lanes>::default();
+        let mut frames = F::Several::default();
+        for lane in 0..LANES {
+            let (inner, frame) = one.over_inner::<F>(&motion.at(lane), &spindle, shaft, &axis);
+            relative.put(lane, inner);
+            frames.put(lane, frame);
+        }
+        let load = self.mechanism.raceway.inner.loads::<PLANAR>(&relative, self.instructions);
+        let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();
+        for lane in 0..LANES {
+            let (wrench, reaction) = on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane));
+            parts.0.put(lane, wrench);
+            parts.1.put(lane, reaction);
+        }
+        parts
+    }
+
+    /// The pockets alone on their balls, and the balls on the cage: force and moment.
+    #[inline(always)]
+    pub(super) fn pocket_part(
+        &self,
+        first: usize,
+        motion: &BallMotion<Lanes>,
+        pose: &CagePose,
+    ) -> (Wrench<Lanes>, Vector<Lanes>, Vector<Lanes>) {
+        let tilt = pose.motion.tilt;
+        let (load, places) = self.pockets(first, motion, pose);
+        let mut parts = <(Wrench<Lanes>, Vector<Lanes>, Vector<Lanes>)>::default();
+        for lane in 0..LANES {
+            let azimuth = motion.azimuth.at(lane);
+            let (wrench, [force, moment]) = on_pocket(azimuth, &tilt, places.at(lane), &load.at(lane));
+            parts.0.put(lane, wrench);
+            parts.1.put(lane, force);
+            parts.2.put(lane, moment);
+        }
+        parts
+    }
+
+    /// What a further wrench adds to the rates of the balls.
+    #[inline(always)]
+    pub(super) fn ball_response(&self, motion: &BallMotion<Lanes>, wrench: &Wrench<Lanes>) -> BallState<Lanes> {
+        let one = self.one;
+        let mut response = BallState::<Lanes>::default();
+        for lane in 0..LANES {
+            response.put(lane, one.response(&motion.at(lane), wrench.at(lane)));
+        }
+        response
+    }
+
+    #[inline(always)]
+    pub(super) fn border(&self, cage: CageState, spindle: SpindleState, shaft: Shaft) -> Border {
+        Border { pose: self.cage_pose(&cage, shaft), cage, spindle, shaft }
+    }
+
+    #[inline(always)]
+    pub(super) fn cage_pose(&self, state: &CageState, (angle, speed, _): Shaft) -> CagePose {
         let m = &self.mechanism;
         let [x, y, z] = state.centre;
         let [about_y, about_z] = state.tilt_rate;
@@ -228,83 +519,19 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 centre: [x - m.cage.offset, y, z],
                 velocity: state.velocity,
                 tilt: if PLANAR { Tilt::NONE } else { Tilt::new(state.tilt[0], state.tilt[1]) },
-                tilt_about_z: state.tilt[1],
                 spin: [m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius, about_y, about_z],
             },
             azimuth: Azimuth::new(m.orbit_ratio * angle + state.arc / m.pitch_radius),
         }
     }
 
-    /// Force and moment of its pocket on a ball, in the ball's orbit frame; the cage's share goes into `reaction`.
     #[inline(always)]
-    pub(super) fn pocket(
-        &self,
-        ball: usize,
-        motion: &BallMotion,
-        cage: &CagePose,
-        reaction: &mut Reaction,
-        watch: &mut impl Watch,
-    ) -> Wrench {
-        let m = &self.mechanism;
-        let tilt = &cage.motion.tilt;
-        let azimuth = motion.azimuth;
-        // All in the cage's tilted frame, from its centre of mass.
-        let place = azimuth.to_inertial([motion.axial, motion.radius, 0.0]);
-        let ball_place = tilt.to_tilted(subtract(place, cage.motion.centre));
-        let pocket_azimuth = cage.azimuth.turned(m.start[ball]);
-        let pocket_place = pocket_azimuth.to_inertial([m.cage.offset, m.pitch_radius, 0.0]);
-        let velocity = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), cage.motion.velocity));
-        let relative = PocketMotion {
-            displacement: subtract(ball_place, pocket_place),
-            velocity: subtract(velocity, cross(cage.motion.spin, ball_place)),
-            spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), cage.motion.spin),
-        };
-        let load = m.pocket.load(&relative);
-        watch.pocket(ball, &load);
-        reaction.cage_force = subtract(reaction.cage_force, load.force);
-        reaction.cage_moment = subtract(reaction.cage_moment, cross(add(ball_place, load.lever), load.force));
-        let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
-        Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) }
-    }
-
-    /// Rates of a ball's state under the force and moment of its contacts, with drag and gravity added.
-    #[inline(always)]
-    pub(super) fn ball_rates(
-        &self,
-        state: &BallState,
-        motion: &BallMotion,
-        Wrench { mut force, mut moment }: Wrench,
-        acceleration: f64,
-    ) -> BallState {
-        let m = &self.mechanism;
-        if let Some(drag) = &m.drag {
-            force[2] += drag.force(m.pitch_radius * motion.orbit_speed);
-        }
-        if let Some(churning) = &m.churning {
-            moment = add(moment, churning.churning_moment(motion.spin));
-        }
-        let weight = m.ball_mass * m.gravity;
-        force[1] += weight * motion.azimuth.cosine;
-        force[2] -= weight * motion.azimuth.sine;
-        let BallAcceleration { axial, radial, azimuthal, spin } =
-            motion.acceleration(force, moment, m.ball_mass, m.ball_inertia);
-        BallState {
-            axial: state.axial_velocity,
-            radial: state.radial_velocity,
-            arc: state.arc_velocity,
-            axial_velocity: axial,
-            radial_velocity: radial,
-            arc_velocity: m.pitch_radius * (azimuthal - m.orbit_ratio * acceleration),
-            spin: [spin[0] - m.spin_ratio * acceleration, spin[1], spin[2]],
-        }
-    }
-
     pub(super) fn cage_rates(
         &self,
         state: &CageState,
         pose: &CagePose,
         reaction: &Reaction,
-        acceleration: f64,
+        (_, _, acceleration): Shaft,
     ) -> CageState {
         let m = &self.mechanism;
         if !m.layout.cage {
@@ -319,23 +546,44 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         let rates = m.cage.acceleration(&pose.motion, force, moment, m.gravity);
         let [about_y, about_z] = state.tilt_rate;
-        let [_, tilt_z] = state.tilt;
+        let tilt = &pose.motion.tilt;
         CageState {
             centre: state.velocity,
-            arc: state.arc_velocity - m.pitch_radius * about_y * tilt_z.tan(),
-            tilt: [about_y / tilt_z.cos(), about_z],
+            arc: state.arc_velocity - m.pitch_radius * about_y * tilt.tangent_about_z(),
+            tilt: [about_y / tilt.cosine_about_z(), about_z],
             velocity: rates.linear,
             arc_velocity: m.pitch_radius * (rates.angular[0] - m.orbit_ratio * acceleration),
             tilt_rate: [rates.angular[1], rates.angular[2]],
         }
     }
 
+    /// What a reaction adds to the rates of the cage.
+    #[inline(always)]
+    pub(super) fn cage_response(&self, pose: &CagePose, reaction: &Reaction) -> CageState {
+        let m = &self.mechanism;
+        let force = pose.motion.tilt.to_inertial(reaction.cage_force);
+        let rates = m.cage.response(force, reaction.cage_moment);
+        CageState {
+            velocity: rates.linear,
+            arc_velocity: m.pitch_radius * rates.angular[0],
+            tilt_rate: [rates.angular[1], rates.angular[2]],
+            ..CageState::default()
+        }
+    }
+
+    /// What a reaction adds to the rates of the spindle.
+    #[inline(always)]
+    pub(super) fn spindle_response(&self, reaction: Vector) -> SpindleState {
+        SpindleState { velocity: scale(1.0 / self.mechanism.spindle_mass, reaction), ..SpindleState::default() }
+    }
+
     /// Equations (13), (14), and X where the spindle is free.
+    #[inline(always)]
     pub(super) fn spindle_rates(
         &self,
         state: &SpindleState,
         reaction: Vector,
-        (angle, speed, acceleration): (f64, f64, f64),
+        (angle, speed, acceleration): Shaft,
     ) -> SpindleState {
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
@@ -343,20 +591,91 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         if m.unbalance != 0.0 {
             force = add(force, unbalance_force(m.unbalance, angle, speed, acceleration));
         }
-        SpindleState { position: state.velocity, velocity: scale(1.0 / m.spindle_mass, force) }
+        SpindleState { position: state.velocity, ..self.spindle_response(force) }
     }
 }
 
-/// Where a ball sits on a raceway: place and axes of the contact's frame, in the orbit frame.
-struct ContactFrame {
-    axial: f64,
-    radius: f64,
-    axis: Vector,
-    radial: Vector,
-    tangential: Vector,
+/// Where a ball sits on the inner raceway: place and axes of the contact's frame, in the orbit frame.
+trait ContactFrame: Copy {
+    type Several: SideBySide<One = Self> + Default;
+    /// What it needs to know of the raceway's axis.
+    type Axis: Copy;
+    /// Of a ball at an azimuth, `from_centre` of the raceway in its orbit frame.
+    fn new(axis: &Self::Axis, azimuth: Azimuth, from_centre: Vector) -> Self;
+    /// Along the raceway's axis and from it.
+    fn place(&self) -> (f64, f64);
+    /// A vector of the orbit frame, in the contact's.
+    fn components(&self, v: Vector) -> Vector;
+    /// A vector of the contact's frame, in the orbit frame.
+    fn vector(&self, c: Vector) -> Vector;
 }
 
-impl ContactFrame {
+/// On a raceway whose axis is parallel to X: the contact's frame is the orbit frame turned about X.
+#[derive(Debug, Clone, Copy, Default)]
+struct StraightFrame<T = f64> {
+    axial: T,
+    radius: T,
+    turn: Azimuth<T>,
+}
+side_by_side!(StraightFrame { axial, radius, turn });
+
+impl ContactFrame for StraightFrame {
+    type Several = StraightFrame<Lanes>;
+    type Axis = ();
+
+    #[inline(always)]
+    fn new(_: &(), _: Azimuth, [axial, r, t]: Vector) -> Self {
+        let radius = (r * r + t * t).sqrt();
+        let per_radius = 1.0 / radius;
+        Self { axial, radius, turn: Azimuth { cosine: per_radius * r, sine: per_radius * t } }
+    }
+
+    #[inline(always)]
+    fn place(&self) -> (f64, f64) {
+        (self.axial, self.radius)
+    }
+
+    #[inline(always)]
+    fn components(&self, v: Vector) -> Vector {
+        self.turn.to_orbit(v)
+    }
+
+    #[inline(always)]
+    fn vector(&self, c: Vector) -> Vector {
+        self.turn.to_inertial(c)
+    }
+}
+
+/// On a raceway whose axis is tilted.
+#[derive(Debug, Clone, Copy, Default)]
+struct TiltedFrame<T = f64> {
+    axial: T,
+    radius: T,
+    axis: Vector<T>,
+    radial: Vector<T>,
+    tangential: Vector<T>,
+}
+side_by_side!(TiltedFrame { axial, radius, axis, radial, tangential });
+
+impl ContactFrame for TiltedFrame {
+    type Several = TiltedFrame<Lanes>;
+    type Axis = Vector;
+
+    #[inline(always)]
+    fn new(axis: &Vector, azimuth: Azimuth, from_centre: Vector) -> Self {
+        let axis = azimuth.to_orbit(*axis);
+        let axial = dot(from_centre, axis);
+        let across = subtract(from_centre, scale(axial, axis));
+        let radius = dot(across, across).sqrt();
+        let radial = scale(1.0 / radius, across);
+        Self { axial, radius, axis, radial, tangential: cross(axis, radial) }
+    }
+
+    #[inline(always)]
+    fn place(&self) -> (f64, f64) {
+        (self.axial, self.radius)
+    }
+
     #[inline(always)]
     fn components(&self, v: Vector) -> Vector {
         [dot(self.axis, v), dot(self.radial, v), dot(self.tangential, v)]
@@ -368,13 +687,31 @@ impl ContactFrame {
     }
 }
 
+/// One evaluation, to be compiled for each instruction set.
+struct Evaluation<'a, 'w, const PLANAR: bool> {
+    dynamics: &'a Dynamics<PLANAR>,
+    time: f64,
+    y: &'a [f64],
+    dy: &'a mut [f64],
+    watch: Option<&'a mut (dyn Watch + 'w)>,
+}
+
+impl<const PLANAR: bool> Task for Evaluation<'_, '_, PLANAR> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.dynamics.evaluate_by(self.time, self.y, self.dy, self.watch);
+    }
+}
+
 impl<const PLANAR: bool> OdeSystem for Dynamics<PLANAR> {
     fn dimension(&self) -> usize {
         self.mechanism.layout.dimension()
     }
 
     fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
-        self.evaluate(time, state, derivative, &mut ());
+        self.evaluate(time, state, derivative, None);
     }
 
     fn structure(&self) -> Structure {

@@ -16,6 +16,7 @@ use super::needs::Needs;
 use super::run::Rung;
 use super::scene::Scene;
 use super::state::Layout;
+use crate::numerics::lanes::{InstructionSet, LANES};
 use crate::numerics::ode::OdeSystem;
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::physics::bearing::PerRaceway;
@@ -39,8 +40,8 @@ pub struct Mechanism {
     /// Spin ω_x of ideal balls in space (that in the orbit frame, and the orbit's own) over spindle speed.
     pub spin_ratio: f64,
     pub pitch_radius: f64,
-    /// Azimuths at which balls and pockets start.
-    pub start: Vec<Azimuth>,
+    /// Azimuths at which balls and pockets start; beyond the last ball, its own again, up to whole lanes.
+    pub start: StartAzimuths,
     pub ball_mass: f64,
     pub ball_inertia: f64,
     pub raceway: PerRaceway<RacewayContact>,
@@ -62,6 +63,24 @@ pub struct Mechanism {
     pub gravity: f64,
 }
 
+/// Azimuths by column.
+#[derive(Debug, Clone)]
+pub struct StartAzimuths {
+    /// [rad]
+    pub angle: Vec<f64>,
+    pub cosine: Vec<f64>,
+    pub sine: Vec<f64>,
+}
+
+impl StartAzimuths {
+    fn new(balls: usize) -> Self {
+        let angle: Vec<f64> =
+            (0..balls.next_multiple_of(LANES)).map(|ball| start_azimuth(ball.min(balls - 1), balls)).collect();
+        let (cosine, sine) = angle.iter().map(|&angle| Azimuth::new(angle)).map(|a| (a.cosine, a.sine)).unzip();
+        Self { angle, cosine, sine }
+    }
+}
+
 impl Mechanism {
     /// The constants of a scene with what it needs.
     pub fn new(scene: &Scene, needs: &Needs) -> Self {
@@ -81,9 +100,7 @@ impl Mechanism {
             orbit_ratio,
             spin_ratio: relative_spin_ratio + orbit_ratio,
             pitch_radius: 0.5 * bearing.parameters.pitch_diameter,
-            start: (0..bearing.parameters.ball_count)
-                .map(|ball| Azimuth::new(start_azimuth(ball, bearing.parameters.ball_count)))
-                .collect(),
+            start: StartAzimuths::new(bearing.parameters.ball_count),
             ball_mass: bearing.ball_mass,
             ball_inertia: bearing.ball_inertia,
             raceway: RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway),
@@ -147,8 +164,16 @@ impl Model {
     /// As `OdeSystem::derivative`, showing each load to `watch` on the way.
     pub fn derivative_watched(&self, time: f64, state: &[f64], derivative: &mut [f64], watch: &mut impl Watch) {
         match self {
-            Self::Full(model) => model.evaluate(time, state, derivative, watch),
-            Self::Planar(model) => model.evaluate(time, state, derivative, watch),
+            Self::Full(model) => model.evaluate(time, state, derivative, Some(watch)),
+            Self::Planar(model) => model.evaluate(time, state, derivative, Some(watch)),
+        }
+    }
+
+    /// The same model with other instructions of the same processor; its rates are the same to the bit.
+    pub fn with_instructions(self, instructions: InstructionSet) -> Self {
+        match self {
+            Self::Full(model) => Self::Full(model.with_instructions(instructions)),
+            Self::Planar(model) => Self::Planar(model.with_instructions(instructions)),
         }
     }
 }
@@ -159,7 +184,10 @@ impl OdeSystem for Model {
     }
 
     fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
-        self.derivative_watched(time, state, derivative, &mut ());
+        match self {
+            Self::Full(model) => model.derivative(time, state, derivative),
+            Self::Planar(model) => model.derivative(time, state, derivative),
+        }
     }
 
     fn structure(&self) -> Structure {

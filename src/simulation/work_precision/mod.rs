@@ -300,7 +300,7 @@ fn measured(
     let own = references.check.as_ref().and_then(|(check, _)| comparison.trajectory(check, relative_tolerance));
     let below_reference = matches!((&errors.trajectory, own),
         (Some(error), Some(own)) if error.rms < ABOVE_OWN_ERROR * own.rms);
-    let floor = largest(reference.own_error_db.map(|own| ABOVE_OWN_ERROR * own), reference.sampling_error_db);
+    let floor = level_floor(reference.own_error_db, reference.sampling_error_db);
     let level_below_reference = matches!((errors.level_db, floor), (Some(error), Some(floor)) if error < floor);
     Ok(Measured {
         choice: run.choice.clone(),
@@ -310,6 +310,15 @@ fn measured(
         below_reference,
         level_below_reference,
     })
+}
+
+/// Below this the error of a level says nothing [dB]. In chaotic motion any two runs are samples of the same, the references
+/// too.
+pub fn level_floor(own_error_db: Option<f64>, sampling_error_db: Option<f64>) -> Option<f64> {
+    match sampling_error_db {
+        Some(sampling) => largest(Some(sampling), own_error_db),
+        None => own_error_db.map(|own| ABOVE_OWN_ERROR * own),
+    }
 }
 
 /// Levels of the accelerations [dB].

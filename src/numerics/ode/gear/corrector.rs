@@ -80,14 +80,14 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
                 corrector.correction[i] += *increment;
                 self.trial[i] = self.predicted[i] + corrector.correction[i];
             }
-            let size = norm(&self.weights, corrector.increment.iter().copied());
+            let size = norm(&self.weights, &corrector.increment);
             if iteration > 0 {
                 corrector.contraction = (0.3 * corrector.contraction).max(size / last);
             }
             if size * corrector.contraction.min(1.0) * c.step_error <= CORRECTOR_ERROR {
                 return Ok(());
             }
-            let rounding = 16.0 * f64::EPSILON * norm(&self.weights, self.trial.iter().copied());
+            let rounding = 16.0 * f64::EPSILON * norm(&self.weights, &self.trial);
             if size <= rounding {
                 return Ok(());
             }
@@ -162,8 +162,22 @@ impl Corrector {
     }
 }
 
+/// Partial sums of a norm: one sum would wait for itself at every entry.
+const SUMS: usize = 8;
+
 /// Weighted root mean square.
-pub(super) fn norm(weights: &[f64], vector: impl Iterator<Item = f64>) -> f64 {
-    let sum: f64 = vector.zip(weights).map(|(x, w)| (x * w) * (x * w)).sum();
-    (sum / weights.len().max(1) as f64).sqrt()
+pub(super) fn norm(weights: &[f64], a: &[f64]) -> f64 {
+    norm_of_sum(weights, a, (0.0, a))
+}
+
+/// Weighted root mean square of `a + factor · b`.
+pub(super) fn norm_of_sum(weights: &[f64], a: &[f64], (factor, b): (f64, &[f64])) -> f64 {
+    let mut sums = [0.0; SUMS];
+    for ((weights, a), b) in weights.chunks(SUMS).zip(a.chunks(SUMS)).zip(b.chunks(SUMS)) {
+        for (((sum, weight), a), b) in sums.iter_mut().zip(weights).zip(a).zip(b) {
+            let x = (a + factor * b) * weight;
+            *sum += x * x;
+        }
+    }
+    (sums.iter().sum::<f64>() / weights.len().max(1) as f64).sqrt()
 }

@@ -1,6 +1,7 @@
 //! Order and size of the next step.
 
 use super::coefficients::Coefficients;
+use super::corrector::norm_of_sum;
 use super::{Gear, MOST_ORDER};
 use crate::numerics::ode::OdeSystem;
 
@@ -34,7 +35,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
         if k < MOST_ORDER && self.known > k + 1 {
             let scale = c.scale[k + 1];
             let correction = &self.corrector.correction;
-            let higher = self.norm(correction.iter().zip(&self.differences[k + 1]).map(|(e, d)| e - scale * d));
+            let higher = norm_of_sum(&self.weights, correction, (-scale, &self.differences[k + 1]));
             let higher = gain(c.error[k + 1] * higher, k + 1, AIM[2]);
             if higher > best {
                 (best, order) = (higher, k + 1);
@@ -73,7 +74,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
         }
         let scale = c.scale[k];
         let correction = &self.corrector.correction;
-        let lower = self.norm(correction.iter().zip(&self.differences[k]).map(|(e, d)| e + scale * d));
+        let lower = norm_of_sum(&self.weights, correction, (scale, &self.differences[k]));
         gain(c.error[k - 1] * lower, k - 1, AIM[1])
     }
 }

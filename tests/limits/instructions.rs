@@ -1,0 +1,77 @@
+//! Balls side by side: the same bits by whatever instructions, in whatever number.
+
+use raceway::numerics::lanes::InstructionSet;
+use raceway::numerics::ode::OdeSystem;
+use raceway::numerics::ode::structure::Jacobian;
+use raceway::simulation::run::Rung;
+use serde_json::{Value, json};
+
+use crate::scenes::{article, changed, disturbed, everything, model_on, rates};
+
+const TIME: f64 = 2.3e-4;
+
+/// Scenes that between them hold every law and every term.
+fn scenes() -> Vec<(Value, Rung)> {
+    let everything_with = |change: Value| changed(everything(), change);
+    let traction = |law: Value| everything_with(json!({ "lubricant": { "traction": law } }));
+    vec![
+        (article(), Rung::Full),
+        (article(), Rung::Planar),
+        (everything(), Rung::Full),
+        (everything_with(json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } })), Rung::Full),
+        (changed(article(), json!({ "lubricant": "dry", "bearing": { "ball_count": 8 } })), Rung::Full),
+        (everything_with(json!({ "terms": { "drag": "on", "churning": "on" } })), Rung::Full),
+        (traction(json!({ "law": "four_parameter", "at_rest": 0.02 })), Rung::Full),
+        (traction(json!({ "law": "eyring" })), Rung::Full),
+        (traction(json!({ "law": "coulomb" })), Rung::Full),
+    ]
+}
+
+/// Rates and Jacobians to the bit, on every set that this machine has.
+#[test]
+fn every_set_of_instructions_gives_the_same_bits() {
+    for (json, rung) in scenes() {
+        let model = model_on(&json, Some(rung));
+        for seed in 1..=3 {
+            let state = disturbed(&model, seed);
+            let by = |set: InstructionSet| {
+                let model = model.clone().with_instructions(set);
+                let mut jacobian = Jacobian::new(&model.structure());
+                model.jacobian(TIME, &state, &[], &[], &mut jacobian);
+                let bits: Vec<u64> = rates(&model, TIME, &state).iter().map(|rate| rate.to_bits()).collect();
+                (bits, format!("{jacobian:?}"))
+            };
+            let baseline = by(InstructionSet::BASELINE);
+            for set in InstructionSet::available() {
+                assert!(by(set) == baseline, "{set:?} {rung:?} {json}");
+            }
+        }
+    }
+}
+
+/// A ball's rates do not depend on who stands beside it: with the cage and the spindle in their places, the same ball
+/// alone in all lanes.
+#[test]
+fn a_ball_does_not_depend_on_its_neighbours() {
+    for (json, rung) in scenes() {
+        let model = model_on(&json, Some(rung));
+        let layout = model.mechanism().layout;
+        let state = disturbed(&model, 5);
+        let together = rates(&model, TIME, &state);
+        for ball in 0..layout.balls {
+            // The others far from every contact.
+            let mut alone = state.clone();
+            for other in (0..layout.balls).filter(|other| *other != ball) {
+                let mut lonely = layout.ball(&alone, other);
+                lonely.radial = 0.0;
+                lonely.axial = 0.0;
+                layout.set_ball(&mut alone, other, &lonely);
+            }
+            assert_eq!(
+                layout.ball(&rates(&model, TIME, &alone), ball),
+                layout.ball(&together, ball),
+                "{rung:?} {json}"
+            );
+        }
+    }
+}
