@@ -76,8 +76,8 @@ impl Pair<'_> {
     /// δ_e0 [m].
     fn touch(&self) -> f64 {
         let stiffness = self.raceway.outer.hertz().stiffness;
-        // Two more turns take in that the orbit grows with the penetration, some 1e-4 of it.
-        (0..3).fold(0.0, |touch: f64, _| ((self.centrifugal + self.slope * touch) / stiffness).powf(2.0 / 3.0))
+        // Further turns take in that the orbit grows with the penetration, some 1e-4 to 1e-3 of it, to rounding.
+        (0..8).fold(0.0, |touch: f64, _| ((self.centrifugal + self.slope * touch) / stiffness).powf(2.0 / 3.0))
     }
 
     /// `beyond`: approach − δ_e0 [m], positive.
