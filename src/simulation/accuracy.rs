@@ -276,7 +276,6 @@ fn repeat(
         relative_tolerance: (settings.relative_tolerance / TIGHTER).max(LEAST_TOLERANCE),
         fixed_step: settings.fixed_step.map(|step| 0.5 * step),
         most_evaluations: Some(most_evaluations),
-        ..Stepping::of(settings)
     };
     let mut observer = Observer::new(setup.model, setup.needs, &again);
     let span = Span { start: begin, end: observer.end(), checkpoint: begin, share: (0.88, 0.95) };
