@@ -5,6 +5,7 @@ mod dynamics;
 mod full;
 mod jacobian;
 mod planar;
+pub mod radially_condensed;
 
 pub use dynamics::{Dynamics, Reaction, Watch, Wrench};
 pub use full::Full;
