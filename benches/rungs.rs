@@ -59,7 +59,7 @@ fn scene(number: usize) -> (Scene, String) {
             "preset": "article-integrated", "ball_count": balls, "radial_clearance_um": clearance,
             "pitch_diameter_mm": pitch, "outer_diameter_mm": pitch + 5.0, "inner_diameter_mm": pitch - 4.5
         },
-        "spindle": if grade > 0.0 { json!({ "mass_g": mass, "balance_grade": grade }) } else { json!({ "mass_g": mass }) },
+        "spindle": if grade > 0.0 { json!({ "mass_kg": 1e-3 * mass, "balance_grade": grade }) } else { json!({ "mass_kg": 1e-3 * mass }) },
         "operation": { "speed_rpm": speed, "radial_load_y_n": load }
     });
     let text = json.to_string();
