@@ -43,7 +43,7 @@ pub struct Lane(pub [f64; WIDTH]);
 /// Displacement over which film damping of a pocket sets in [m]; as in `physics/pocket.rs`.
 const DAMPING_ONSET: f64 = 0.1e-6;
 /// Loads beyond the largest static one for which contacts count as narrow.
-const LOAD_MARGIN: f64 = 4.0;
+const LOAD_MARGIN: f64 = 1.5;
 
 /// Eight balls: deviations from ideal rolling, as in `state.rs`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -259,16 +259,9 @@ impl RadiallyCondensed {
         Ok((vec![Balls::default(); self.groups], border))
     }
 
-    /// Rates at a time [s]; `seen` is called with each group of balls.
+    /// Rates at a time [s], and what was seen of each group of balls.
     #[inline(always)]
-    pub fn rates(
-        &self,
-        time: f64,
-        balls: &[Balls],
-        border: &Border,
-        rates: &mut Rates,
-        mut seen: impl FnMut(usize, &Seen),
-    ) {
+    pub fn rates(&self, time: f64, balls: &[Balls], border: &Border, rates: &mut Rates, seen: &mut [Seen]) {
         let m = &self.mechanism;
         let (angle, speed, acceleration) = m.speed.at(time);
         let mixture = if self.constant_speed { self.mixture } else { Mixture::at(m, speed) };
@@ -276,8 +269,7 @@ impl RadiallyCondensed {
         let drive = Drive { speed, acceleration, angle, ideal, mixture };
         let mut sums = BorderSums::default();
         for group in 0..self.groups {
-            let seen_here = self.group(&drive, group, &balls[group], border, &mut rates.balls[group], &mut sums);
-            seen(group, &seen_here);
+            seen[group] = self.group(&drive, group, &balls[group], border, &mut rates.balls[group], &mut sums);
         }
         self.border_rates(&drive, border, &sums, rates);
     }
@@ -350,9 +342,7 @@ impl RadiallyCondensed {
                     x * (1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 * (1.0 / 5_040.0 - x2 * (1.0 / 362_880.0)))));
             }
         } else {
-            for k in 0..WIDTH {
-                (l.ahead_sine.0[k], l.ahead_cosine.0[k]) = (balls.arc.0[k] * per_radius).sin_cos();
-            }
+            turned(&balls.arc, per_radius, &mut l.ahead_sine, &mut l.ahead_cosine);
         }
         for k in 0..WIDTH {
             let pocket_cosine = start_cosine.0[k] * drive.ideal.cosine - start_sine.0[k] * drive.ideal.sine;
@@ -716,6 +706,13 @@ struct Locals {
     mass_yy: Lane,
     mass_yz: Lane,
     mass_zz: Lane,
+}
+
+#[inline(never)]
+fn turned(arc: &Lane, per_radius: f64, sine: &mut Lane, cosine: &mut Lane) {
+    for k in 0..WIDTH {
+        (sine.0[k], cosine.0[k]) = (arc.0[k] * per_radius).sin_cos();
+    }
 }
 
 /// Sum over the balls, always in the same order.

@@ -148,7 +148,6 @@ impl Run<'_> {
         let mut filtered: Vec<Vec<f64>> = vec![Vec::with_capacity(values); FILTERED];
         let mut picked: Vec<(Channel, Vec<f64>)> =
             self.picked().into_iter().map(|channel| (channel, Vec::with_capacity(values))).collect();
-        let wants_loads = picked.iter().any(|(channel, _)| matches!(channel, Channel::BallLoad(..)));
 
         // The first kept value falls on a step: the part of a step before that is a short start.
         let before = (settings.settle / step).floor();
@@ -167,22 +166,15 @@ impl Run<'_> {
             slip: PerRaceway::default(),
             pocket: Lane::default(),
         };
-        let mut loads: Vec<Seen> = vec![Seen::default(); model.groups()];
         let mut least_film = PerRaceway { inner: f64::INFINITY, outer: f64::INFINITY };
         let balls_count = m.layout.balls as f64;
         loop {
             let now = stepper.steps();
             let counts = kept.contains(&now);
             let keeps = counts && (now - first) % factor as u64 == 0;
+            stepper.rate();
             if counts {
-                stepper.rate(|group, seen| {
-                    extremes.look(group, seen);
-                    if keeps && (wants_loads || model.needs().film_thickness) {
-                        loads[group] = *seen;
-                    }
-                });
-            } else {
-                stepper.rate(|_, _| {});
+                stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.look(group, seen));
             }
             if now + delay as u64 >= first || primed {
                 let border = stepper.border();
@@ -233,16 +225,16 @@ impl Run<'_> {
                 spin += (m.spin_ratio - m.orbit_ratio) * speed + own - arc_velocity / m.pitch_radius;
                 looks += 1.0;
                 for (channel, signal) in &mut picked {
-                    signal.push(self.value(*channel, &stepper, &loads, speed));
+                    signal.push(self.value(*channel, &stepper, speed));
                 }
                 if model.needs().film_thickness {
-                    self.films(&loads, &stepper, speed, &mut least_film);
+                    self.films(&stepper, speed, &mut least_film);
                 }
             }
             if now >= last {
                 break;
             }
-            stepper.advance(|_, _| {});
+            stepper.advance();
             if now.is_multiple_of(STEPS_PER_LOOK) {
                 self.look(&stepper, last)?;
             }
@@ -290,7 +282,7 @@ impl Run<'_> {
         picked
     }
 
-    fn value(&self, channel: Channel, stepper: &Stepper<'_>, loads: &[Seen], speed: f64) -> f64 {
+    fn value(&self, channel: Channel, stepper: &Stepper<'_>, speed: f64) -> f64 {
         let m = self.model.mechanism();
         let border = stepper.border();
         match channel {
@@ -304,7 +296,7 @@ impl Run<'_> {
                 m.spin_ratio * speed + balls.spin.0[k] - orbit
             }
             Channel::BallLoad(ball, contact) => {
-                let (seen, k) = (&loads[ball / WIDTH], ball % WIDTH);
+                let (seen, k) = (&stepper.seen()[ball / WIDTH], ball % WIDTH);
                 match contact {
                     BallContact::Inner => seen.load.inner.0[k],
                     BallContact::Outer => seen.load.outer.0[k],
@@ -316,13 +308,13 @@ impl Run<'_> {
 
     /// Least minimum film thickness under load, looked for at the kept values.
     #[inline(never)]
-    fn films(&self, loads: &[Seen], stepper: &Stepper<'_>, speed: f64, least: &mut PerRaceway<f64>) {
+    fn films(&self, stepper: &Stepper<'_>, speed: f64, least: &mut PerRaceway<f64>) {
         let m = self.model.mechanism();
         for ball in 0..m.layout.balls {
             let (balls, k) = (&stepper.balls()[ball / WIDTH], ball % WIDTH);
             let orbit = m.orbit_ratio * speed + balls.arc_velocity.0[k] / m.pitch_radius;
             let spin = [m.spin_ratio * speed + balls.spin.0[k], 0.0, 0.0];
-            let seen = &loads[ball / WIDTH];
+            let seen = &stepper.seen()[ball / WIDTH];
             let at = |radius: f64, raceway_speed: f64| RelativeMotion {
                 axial: 0.0,
                 radius,

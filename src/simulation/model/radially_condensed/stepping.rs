@@ -75,8 +75,8 @@ pub struct Stepper<'m> {
     place: [usize; NODES],
     /// How many of them count.
     known: usize,
-    /// Whether the newest has its rates.
-    rated: bool,
+    /// Of the last evaluation.
+    seen: Vec<Seen>,
 }
 
 impl<'m> Stepper<'m> {
@@ -93,14 +93,18 @@ impl<'m> Stepper<'m> {
             nodes: std::array::from_fn(|_| node.clone()),
             place: std::array::from_fn(|i| i),
             known: 1,
-            rated: false,
+            seen: vec![Seen::default(); model.groups()],
         };
         // Short steps, then every sixteenth of them as the past of the long ones.
         let mut past = Vec::new();
         for _ in 0..NODES - 1 {
-            stepper.rate(|_, _| {});
-            past.push(stepper.nodes[stepper.place[0]].clone());
-            (0..START).for_each(|_| stepper.advance(|_, _| {}));
+            for short in 0..START {
+                stepper.rate();
+                if short == 0 {
+                    past.push(stepper.nodes[stepper.place[0]].clone());
+                }
+                stepper.advance();
+            }
         }
         for (i, node) in past.into_iter().rev().enumerate() {
             stepper.nodes[stepper.place[i + 1]] = node;
@@ -138,23 +142,23 @@ impl<'m> Stepper<'m> {
         self.nodes[self.place[0]].rates.spindle
     }
 
-    /// Evaluates the rates at the present time, unless that was done.
+    /// What was seen at the present time, once `rate` has run.
+    pub fn seen(&self) -> &[Seen] {
+        &self.seen
+    }
+
+    /// Evaluates the rates at the present time.
     #[inline(always)]
-    pub fn rate(&mut self, seen: impl FnMut(usize, &Seen)) {
-        if self.rated {
-            return;
-        }
+    pub fn rate(&mut self) {
         let time = self.time();
         let node = &mut self.nodes[self.place[0]];
-        self.model.rates(time, &node.balls, &node.border, &mut node.rates, seen);
+        self.model.rates(time, &node.balls, &node.border, &mut node.rates, &mut self.seen);
         self.evaluations += 1;
-        self.rated = true;
     }
 
     /// One step, after `rate`.
     #[inline(always)]
-    pub fn advance(&mut self, seen: impl FnMut(usize, &Seen)) {
-        self.rate(seen);
+    pub fn advance(&mut self) {
         let known = self.known.min(NODES);
         let implicit = &IMPLICIT[known.min(ORDER) - 1];
         let (bashforth, moulton) = (&BASHFORTH[known.min(4) - 1], &MOULTON[known.min(4) - 1]);
@@ -163,18 +167,10 @@ impl<'m> Stepper<'m> {
         {
             let [now, before, earlier] = [0, 1, 2].map(|i| &self.nodes[self.place[i]]);
             for group in 0..self.model.groups() {
-                let last = &oldest.balls[group];
-                let new = step_balls(
-                    implicit,
-                    moulton,
-                    h,
-                    [(now, group), (before, group), (earlier, group)].map(|(node, g)| (&node.balls[g], &node.rates.balls[g])),
-                    last,
-                );
-                oldest.balls[group] = new;
+                let past = [now, before, earlier].map(|node| (&node.balls[group], &node.rates.balls[group]));
+                oldest.balls[group] = step_balls(implicit, moulton, h, past);
             }
             let mut border = Border::default();
-            let lost = oldest.border;
             for i in 0..3 {
                 let delta = now.border.cage_velocity[i] - before.border.cage_velocity[i];
                 let delta_before = before.border.cage_velocity[i] - earlier.border.cage_velocity[i];
@@ -215,14 +211,12 @@ impl<'m> Stepper<'m> {
                 earlier.border.cage_velocity[2],
             ];
             border.cage_arc = now.border.cage_arc + h * weighed(moulton, velocities);
-            let _ = lost;
             oldest.border = border;
         }
         self.nodes[self.place[NODES - 1]] = oldest;
         self.place.rotate_right(1);
         self.count += 1;
         self.known = (known + 1).min(NODES);
-        self.rated = false;
     }
 }
 
@@ -238,7 +232,6 @@ fn step_balls(
     moulton: &[f64; 4],
     h: f64,
     [(now, f), (before, f1), (earlier, f2)]: [(&Balls, &super::BallRates); 3],
-    _last: &Balls,
 ) -> Balls {
     let mut new = Balls::default();
     for k in 0..WIDTH {

@@ -8,9 +8,9 @@ use crate::physics::contact::traction::{FourParameters, MAX_STRIPS, Strips};
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
 
 /// Terms of the series of √(1 − x) after the first.
-const SERIES: [f64; 5] = [-0.5, -0.125, -0.0625, -5.0 / 128.0, -7.0 / 256.0];
-/// Largest (a / ball radius)² for which the series is good to 1e-6 of the radius.
-pub const WIDEST: f64 = 0.2;
+const SERIES: [f64; 6] = [-0.5, -0.125, -0.0625, -5.0 / 128.0, -7.0 / 256.0, -21.0 / 1024.0];
+/// Largest (a / ball radius)² for which the series is good to 3e-5 of the radius.
+pub const WIDEST: f64 = 0.4;
 /// Slip up to which μ/u is a polynomial, in units of 1/C of the law.
 const REACH: f64 = 2.0;
 const DEGREE: usize = 10;
@@ -83,7 +83,7 @@ impl RisingTraction {
             reach,
             strips: half.len(),
             weight: std::array::from_fn(|k| half.get(k).map_or(0.0, |strip| strip.weight)),
-            height: std::array::from_fn(|k| half.get(k).map_or([0.0; 5], |strip| height_at(strip.position))),
+            height: std::array::from_fn(|k| half.get(k).map_or([0.0; SERIES.len()], |strip| height_at(strip.position))),
             apex: height_at(0.0),
             ball_radius,
         }
@@ -158,7 +158,7 @@ fn over_speed(law: &FourParameters, x: f64, decay: f64) -> f64 {
 #[inline(always)]
 fn horner(c: &[f64; SERIES.len()], x: f64) -> f64 {
     let square = x * x;
-    (c[0] + c[1] * x) + square * ((c[2] + c[3] * x) + square * c[4])
+    (c[0] + c[1] * x) + square * ((c[2] + c[3] * x) + square * (c[4] + c[5] * x))
 }
 
 /// Force and moment over the load by the contact of the full model, at a given normal load: the rate of penetration is set so
