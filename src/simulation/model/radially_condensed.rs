@@ -115,6 +115,42 @@ pub struct RadiallyCondensed {
     /// Drag and churning, straight lines at the ideal speeds; made anew where the speed changes.
     constant_speed: bool,
     mixture: Mixture,
+    root: f64,
+    instructions: Instructions,
+}
+
+/// What the loops over eight balls are compiled for. Sums of floats are neither contracted nor reordered: the bits are the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instructions {
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    Baseline,
+}
+
+impl Instructions {
+    /// Those of this processor, the best first.
+    pub fn available() -> Vec<Self> {
+        let mut all = Vec::new();
+        #[cfg(target_arch = "x86_64")]
+        {
+            let wide = is_x86_feature_detected!("avx512dq") && is_x86_feature_detected!("avx512vl");
+            if is_x86_feature_detected!("avx512f") && wide {
+                all.push(Self::Avx512);
+            }
+            if is_x86_feature_detected!("avx2") {
+                all.push(Self::Avx2);
+            }
+        }
+        all.push(Self::Baseline);
+        all
+    }
+}
+
+fn unloaded_root(m: &Mechanism, speed: f64, stiffness: f64) -> f64 {
+    let orbit = m.orbit_ratio * speed;
+    ((m.ball_mass * (m.pitch_radius * orbit * orbit + m.gravity) + 1e-12) / stiffness).cbrt()
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -230,9 +266,21 @@ impl RadiallyCondensed {
             ball_radius,
             constant_speed: scene.operation.speed.is_constant(),
             mixture: Mixture::at(&m, m.speed.at(0.0).1),
+            root: unloaded_root(&m, m.speed.at(0.0).1, stiffness.outer),
+            instructions: Instructions::available()[0],
             mechanism: m,
             needs,
         })
+    }
+
+    /// The same with loops compiled for other instructions, which must be available.
+    pub fn with_instructions(self, instructions: Instructions) -> Self {
+        assert!(Instructions::available().contains(&instructions), "{instructions:?} is not here");
+        Self { instructions, ..self }
+    }
+
+    pub fn instructions(&self) -> Instructions {
+        self.instructions
     }
 
     pub fn mechanism(&self) -> &Mechanism {
@@ -262,19 +310,68 @@ impl RadiallyCondensed {
     /// Rates at a time [s], and what was seen of each group of balls.
     #[inline(always)]
     pub fn rates(&self, time: f64, balls: &[Balls], border: &Border, rates: &mut Rates, seen: &mut [Seen]) {
+        let instructions = self.instructions;
         let m = &self.mechanism;
         let (angle, speed, acceleration) = m.speed.at(time);
         let mixture = if self.constant_speed { self.mixture } else { Mixture::at(m, speed) };
         let ideal = Azimuth::new(m.orbit_ratio * angle + border.cage_arc / m.pitch_radius);
-        let drive = Drive { speed, acceleration, angle, ideal, mixture };
+        let drive = Drive { speed, acceleration, angle, ideal, mixture, root: self.root_of(speed) };
         let mut sums = BorderSums::default();
         for group in 0..self.groups {
-            seen[group] = self.group(&drive, group, &balls[group], border, &mut rates.balls[group], &mut sums);
+            let (balls, rates, seen) = (&balls[group], &mut rates.balls[group], &mut seen[group]);
+            match instructions {
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: the processor has what the function is compiled for.
+                Instructions::Avx512 => unsafe { self.group_avx512(&drive, group, balls, border, rates, &mut sums, seen) },
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: as above.
+                Instructions::Avx2 => unsafe { self.group_avx2(&drive, group, balls, border, rates, &mut sums, seen) },
+                Instructions::Baseline => self.group(&drive, group, balls, border, rates, &mut sums, seen),
+            }
         }
         self.border_rates(&drive, border, &sums, rates);
     }
 
-    #[inline(always)]
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+    #[allow(clippy::too_many_arguments)]
+    fn group_avx512(
+        &self,
+        drive: &Drive,
+        group: usize,
+        balls: &Balls,
+        border: &Border,
+        rates: &mut BallRates,
+        sums: &mut BorderSums,
+        seen: &mut Seen,
+    ) {
+        self.group(drive, group, balls, border, rates, sums, seen);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    #[allow(clippy::too_many_arguments)]
+    fn group_avx2(
+        &self,
+        drive: &Drive,
+        group: usize,
+        balls: &Balls,
+        border: &Border,
+        rates: &mut BallRates,
+        sums: &mut BorderSums,
+        seen: &mut Seen,
+    ) {
+        self.group(drive, group, balls, border, rates, sums, seen);
+    }
+
+    /// √δ of the outer contact under the centrifugal force of the ideal orbit: where the cube root of each ball starts.
+    fn root_of(&self, speed: f64) -> f64 {
+        if self.constant_speed {
+            return self.root;
+        }
+        unloaded_root(&self.mechanism, speed, self.stiffness.outer)
+    }
+
     fn border_rates(&self, drive: &Drive, border: &Border, sums: &BorderSums, rates: &mut Rates) {
         let m = &self.mechanism;
         let mut force = [m.load[1] + m.spindle_mass * m.gravity + sums.force[0], m.load[2] + sums.force[1]];
@@ -309,6 +406,7 @@ impl RadiallyCondensed {
 
     /// Rates of eight balls, and what they pass on.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     fn group(
         &self,
         drive: &Drive,
@@ -317,7 +415,8 @@ impl RadiallyCondensed {
         border: &Border,
         rates: &mut BallRates,
         sums: &mut BorderSums,
-    ) -> Seen {
+        seen: &mut Seen,
+    ) {
         let m = &self.mechanism;
         let active = &self.active[group];
         let [start_cosine, start_sine] = &self.start[group];
@@ -328,8 +427,6 @@ impl RadiallyCondensed {
         let ([sy, sz], [svy, svz]) = (border.spindle, border.spindle_velocity);
         let outer_clearance = 0.5 * self.clearance;
         let ideal_orbit = m.orbit_ratio * drive.speed;
-        let ideal_force = mass * m.pitch_radius * ideal_orbit * ideal_orbit;
-        let root_guess = ((ideal_force + weight + 1e-12) / k_e).cbrt();
         let mut l = Locals::default();
 
         // Where the balls are: ahead of the cage by a small angle.
@@ -363,7 +460,7 @@ impl RadiallyCondensed {
             l.body.0[k] = body;
             // ∛ by two steps of Halley from its value on the ideal orbit.
             let cube = body / k_e;
-            let mut root = root_guess;
+            let mut root = drive.root;
             let c = root * root * root;
             root *= (c + 2.0 * cube) / (2.0 * c + cube);
             let c = root * root * root;
@@ -385,7 +482,8 @@ impl RadiallyCondensed {
 
             // Both contacts, elastic.
             let excess = approach - unloaded;
-            let u = if excess > 0.0 { excess } else { 0.0 }.sqrt();
+            let u = if excess > 0.0 { excess } else { 0.0 };
+            let u = u.sqrt();
             let inner_root = self.law.inner_root(u, root) * active.0[k];
             let inner = inner_root * inner_root;
             let outer = if excess > 0.0 { approach } else { unloaded } - inner;
@@ -488,11 +586,11 @@ impl RadiallyCondensed {
                 sums.damping[i] += total(&l.cage_damping[i]);
             }
         }
-        Seen {
+        *seen = Seen {
             load: PerRaceway { inner: l.inner_load, outer: l.outer_load },
             slip: PerRaceway { inner: inner.slip, outer: outer.slip },
             pocket: l.pocket_load,
-        }
+        };
     }
 
     /// Forces of the pockets on eight balls, along and across the orbit, and on the cage.
@@ -651,6 +749,7 @@ struct Drive {
     /// The cage's azimuth.
     ideal: Azimuth,
     mixture: Mixture,
+    root: f64,
 }
 
 /// Forces of all balls on spindle (y, z) and cage (y, z, moment), mass that moves with the spindle (yy, yz, zz), damping of the cage.

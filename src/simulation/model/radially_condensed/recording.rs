@@ -63,37 +63,11 @@ impl RadiallyCondensed {
         control: &Control<'_>,
     ) -> Result<(Recording, Statistics), SimulationError> {
         let run = Run { model: self, settings, pace, control };
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-            {
-                // SAFETY: the processor has what the function is compiled for.
-                return unsafe { run_avx512(&run) };
-            }
-            if is_x86_feature_detected!("avx2") {
-                // SAFETY: as above.
-                return unsafe { run_avx2(&run) };
-            }
-        }
         run.run()
     }
 }
 
 type Outcome = Result<(Recording, Statistics), SimulationError>;
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-unsafe fn run_avx512(run: &Run<'_>) -> Outcome {
-    run.run()
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-unsafe fn run_avx2(run: &Run<'_>) -> Outcome {
-    run.run()
-}
 
 struct Run<'a> {
     model: &'a RadiallyCondensed,
@@ -131,7 +105,6 @@ impl Extremes {
 }
 
 impl Run<'_> {
-    #[inline(always)]
     fn run(&self) -> Outcome {
         let (model, settings) = (self.model, self.settings);
         let m = model.mechanism();

@@ -12,7 +12,7 @@
 //! spindle's velocity takes Adams–Bashforth, all positions Adams–Moulton with the new velocities. The order is `ORDER`;
 //! spindle and positions have one more. The first steps are of rising order and a sixteenth of the length.
 
-use super::{Balls, Border, Lane, RadiallyCondensed, Rates, Seen, WIDTH};
+use super::{BallRates, Balls, Border, Instructions, Lane, RadiallyCondensed, Rates, Seen, WIDTH};
 
 /// Order of the method.
 pub const ORDER: usize = 3;
@@ -148,7 +148,6 @@ impl<'m> Stepper<'m> {
     }
 
     /// Evaluates the rates at the present time.
-    #[inline(always)]
     pub fn rate(&mut self) {
         let time = self.time();
         let node = &mut self.nodes[self.place[0]];
@@ -157,7 +156,6 @@ impl<'m> Stepper<'m> {
     }
 
     /// One step, after `rate`.
-    #[inline(always)]
     pub fn advance(&mut self) {
         let known = self.known.min(NODES);
         let implicit = &IMPLICIT[known.min(ORDER) - 1];
@@ -168,7 +166,16 @@ impl<'m> Stepper<'m> {
             let [now, before, earlier] = [0, 1, 2].map(|i| &self.nodes[self.place[i]]);
             for group in 0..self.model.groups() {
                 let past = [now, before, earlier].map(|node| (&node.balls[group], &node.rates.balls[group]));
-                oldest.balls[group] = step_balls(implicit, moulton, h, past);
+                let new = &mut oldest.balls[group];
+                match self.model.instructions() {
+                    #[cfg(target_arch = "x86_64")]
+                    // SAFETY: the processor has what the function is compiled for.
+                    Instructions::Avx512 => unsafe { step_balls_avx512(implicit, moulton, h, past, new) },
+                    #[cfg(target_arch = "x86_64")]
+                    // SAFETY: as above.
+                    Instructions::Avx2 => unsafe { step_balls_avx2(implicit, moulton, h, past, new) },
+                    Instructions::Baseline => step_balls(implicit, moulton, h, past, new),
+                }
             }
             let mut border = Border::default();
             for i in 0..3 {
@@ -225,15 +232,30 @@ fn weighed(weights: &[f64; 4], values: [f64; 4]) -> f64 {
     (weights[0] * values[0] + weights[1] * values[1]) + (weights[2] * values[2] + weights[3] * values[3])
 }
 
-/// Eight balls a step on; newest first.
+/// States and rates of eight balls, newest first.
+type Past<'a> = [(&'a Balls, &'a BallRates); 3];
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+fn step_balls_avx512(c: &Implicit, moulton: &[f64; 4], h: f64, past: Past<'_>, new: &mut Balls) {
+    step_balls(c, moulton, h, past, new);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn step_balls_avx2(c: &Implicit, moulton: &[f64; 4], h: f64, past: Past<'_>, new: &mut Balls) {
+    step_balls(c, moulton, h, past, new);
+}
+
+/// Eight balls a step on.
 #[inline(always)]
 fn step_balls(
     c: &Implicit,
     moulton: &[f64; 4],
     h: f64,
-    [(now, f), (before, f1), (earlier, f2)]: [(&Balls, &super::BallRates); 3],
-) -> Balls {
-    let mut new = Balls::default();
+    [(now, f), (before, f1), (earlier, f2)]: Past<'_>,
+    new: &mut Balls,
+) {
     for k in 0..WIDTH {
         let part = |now: &Lane, before: &Lane, earlier: &Lane| {
             let (delta, delta_before) = (now.0[k] - before.0[k], before.0[k] - earlier.0[k]);
@@ -260,5 +282,4 @@ fn step_balls(
         let arrived = [v, now.arc_velocity.0[k], before.arc_velocity.0[k], earlier.arc_velocity.0[k]];
         new.arc.0[k] = now.arc.0[k] + h * weighed(moulton, arrived);
     }
-    new
 }
