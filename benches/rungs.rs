@@ -107,8 +107,8 @@ fn of_recording(recording: &Recording) -> Levels {
 
 fn full(scene: &Scene, text: &str) -> (Levels, f64) {
     let kept = std::env::var_os("RUNGS_REFERENCE").map(|dir| {
-        let name: String = text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
-        PathBuf::from(dir).join(&name[name.len().saturating_sub(200)..])
+        let name: String = text.chars().filter(|c| c.is_ascii_digit() || ".,".contains(*c)).collect();
+        PathBuf::from(dir).join(name)
     });
     if let Some(text) = kept.as_ref().and_then(|path| std::fs::read_to_string(path).ok()) {
         return serde_json::from_str(&text).expect("written by this program");
@@ -151,7 +151,9 @@ fn mean_and_spread(windows: &[f64; WINDOWS]) -> (f64, f64) {
 fn main() {
     let numbers: Vec<usize> = std::env::args().skip(1).filter_map(|argument| argument.parse().ok()).collect();
     let (first, last) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(SCENES.len()));
-    println!("| scene | r/min | N | P_d µm | balls | g | G | rms full a_y, a_z m/s² | spread a_y, a_z, v_y, v_z dB | full × | step µs | error a_y, a_z, v_y, v_z dB | × real time |");
+    println!(
+        "| scene | r/min | N | P_d µm | balls | g | G | rms full a_y, a_z m/s² | spread a_y, a_z, v_y, v_z dB | full × | step µs | error a_y, a_z, v_y, v_z dB | × real time |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let mut summary = PACES.map(|_| (Vec::new(), Vec::new()));
     let (mut within, mut figures) = (PACES.map(|_| 0), 0);
@@ -181,11 +183,8 @@ fn main() {
             summary[i].0.extend(errors.map(f64::abs));
             summary[i].1.push(factor);
             let decibels = |values: &[f64]| values.iter().map(|v| format!("{v:.3}")).collect::<Vec<_>>().join(" ");
-            let accelerations = format!(
-                "{:.2} {:.2}",
-                10f64.powf(0.05 * reference[0].0),
-                10f64.powf(0.05 * reference[1].0)
-            );
+            let accelerations =
+                format!("{:.2} {:.2}", 10f64.powf(0.05 * reference[0].0), 10f64.powf(0.05 * reference[1].0));
             println!(
                 "| {} | {speed} | {load} | {clearance} | {balls} | {mass} | {grade} | {accelerations} | {} | {full_speed:.2} | {:.2} | {} | {factor:.1} |",
                 number + 1,
@@ -196,7 +195,9 @@ fn main() {
         }
     }
     println!();
-    println!("| step µs | figures within 0.05 dB + 2 spreads | median error dB | worst error dB | least, median × real time |");
+    println!(
+        "| step µs | figures within 0.05 dB + 2 spreads | median error dB | worst error dB | least, median × real time |"
+    );
     println!("|---|---|---|---|---|");
     for (i, (mut errors, mut factors)) in summary.into_iter().enumerate() {
         errors.sort_by(f64::total_cmp);

@@ -185,7 +185,8 @@ impl Mixture {
 /// Why a scene or its outputs cannot be had on this rung; `None`: they can.
 pub fn refusal(scene: &Scene, outputs: &Outputs) -> Option<&'static str> {
     let term_on = |term| scene.terms.get(term) == TermChoice::On;
-    let along_x = |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
+    let along_x =
+        |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
     if scene.operation.load[0] != 0.0 {
         Some("an axial load acts")
     } else if scene.spindle.axial == AxialHold::Free {
@@ -235,7 +236,13 @@ impl RadiallyCondensed {
                     let law = four_parameters(at_rest, maximum, at_slip, limit);
                     let (strips, conformity) = (needs.raceway.strips, needs.raceway.conformity);
                     let deformed = contact.hertz().deformed_radius;
-                    RacewayTraction::Rising(Box::new(RisingTraction::new(law, strips, conformity, ball_radius, deformed)))
+                    RacewayTraction::Rising(Box::new(RisingTraction::new(
+                        law,
+                        strips,
+                        conformity,
+                        ball_radius,
+                        deformed,
+                    )))
                 }
                 _ => RacewayTraction::General,
             }
@@ -309,7 +316,7 @@ impl RadiallyCondensed {
 
     /// Rates at a time [s], and what was seen of each group of balls.
     #[inline(always)]
-    pub fn rates(&self, time: f64, balls: &[Balls], border: &Border, rates: &mut Rates, seen: &mut [Seen]) {
+    pub fn rates(&self, time: f64, balls: &[Balls], border: &Border, rates: &mut Rates, scratch: &mut Scratch) {
         let instructions = self.instructions;
         let m = &self.mechanism;
         let (angle, speed, acceleration) = m.speed.at(time);
@@ -318,15 +325,21 @@ impl RadiallyCondensed {
         let drive = Drive { speed, acceleration, angle, ideal, mixture, root: self.root_of(speed) };
         let mut sums = BorderSums::default();
         for group in 0..self.groups {
-            let (balls, rates, seen) = (&balls[group], &mut rates.balls[group], &mut seen[group]);
+            let (balls, rates) = (&balls[group], &mut rates.balls[group]);
+            let Scratch { seen, locals: l } = scratch;
+            let seen = &mut seen[group];
             match instructions {
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: the processor has what the function is compiled for.
-                Instructions::Avx512 => unsafe { self.group_avx512(&drive, group, balls, border, rates, &mut sums, seen) },
+                Instructions::Avx512 => unsafe {
+                    self.group_avx512(&drive, group, balls, border, rates, &mut sums, seen, l)
+                },
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: as above.
-                Instructions::Avx2 => unsafe { self.group_avx2(&drive, group, balls, border, rates, &mut sums, seen) },
-                Instructions::Baseline => self.group(&drive, group, balls, border, rates, &mut sums, seen),
+                Instructions::Avx2 => unsafe {
+                    self.group_avx2(&drive, group, balls, border, rates, &mut sums, seen, l)
+                },
+                Instructions::Baseline => self.group(&drive, group, balls, border, rates, &mut sums, seen, l),
             }
         }
         self.border_rates(&drive, border, &sums, rates);
@@ -344,8 +357,9 @@ impl RadiallyCondensed {
         rates: &mut BallRates,
         sums: &mut BorderSums,
         seen: &mut Seen,
+        l: &mut Locals,
     ) {
-        self.group(drive, group, balls, border, rates, sums, seen);
+        self.group(drive, group, balls, border, rates, sums, seen, l);
     }
 
     #[cfg(target_arch = "x86_64")]
@@ -360,8 +374,9 @@ impl RadiallyCondensed {
         rates: &mut BallRates,
         sums: &mut BorderSums,
         seen: &mut Seen,
+        l: &mut Locals,
     ) {
-        self.group(drive, group, balls, border, rates, sums, seen);
+        self.group(drive, group, balls, border, rates, sums, seen, l);
     }
 
     /// √δ of the outer contact under the centrifugal force of the ideal orbit: where the cube root of each ball starts.
@@ -416,6 +431,7 @@ impl RadiallyCondensed {
         rates: &mut BallRates,
         sums: &mut BorderSums,
         seen: &mut Seen,
+        l: &mut Locals,
     ) {
         let m = &self.mechanism;
         let active = &self.active[group];
@@ -427,7 +443,6 @@ impl RadiallyCondensed {
         let ([sy, sz], [svy, svz]) = (border.spindle, border.spindle_velocity);
         let outer_clearance = 0.5 * self.clearance;
         let ideal_orbit = m.orbit_ratio * drive.speed;
-        let mut l = Locals::default();
 
         // Where the balls are: ahead of the cage by a small angle.
         if m.layout.cage {
@@ -517,7 +532,7 @@ impl RadiallyCondensed {
         }
 
         if m.layout.cage {
-            self.pockets(border, balls, drive, active, &mut l);
+            self.pockets(border, balls, drive, active, l);
         }
 
         for k in 0..WIDTH {
@@ -545,8 +560,8 @@ impl RadiallyCondensed {
             l.inner_square.0[k] = self.axis_square.inner * l.inner.0[k];
             l.outer_square.0[k] = self.axis_square.outer * l.outer.0[k];
         }
-        let inner = self.traction(true, &l, drive, balls);
-        let outer = self.traction(false, &l, drive, balls);
+        let inner = self.traction(true, l, drive, balls);
+        let outer = self.traction(false, l, drive, balls);
 
         let per_inertia = 1.0 / m.ball_inertia;
         for k in 0..WIDTH {
@@ -761,8 +776,21 @@ struct BorderSums {
     damping: [f64; 3],
 }
 
+/// Room for an evaluation, and what was seen in it.
+#[derive(Debug, Clone)]
+pub struct Scratch {
+    pub seen: Vec<Seen>,
+    locals: Box<Locals>,
+}
+
+impl Scratch {
+    pub fn new(model: &RadiallyCondensed) -> Self {
+        Self { seen: vec![Seen::default(); model.groups], locals: Box::default() }
+    }
+}
+
 /// Quantities of eight balls on their way through an evaluation.
-#[derive(Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Locals {
     ahead_cosine: Lane,
     ahead_sine: Lane,

@@ -301,8 +301,7 @@ impl Run<'_> {
                 let load = RacewayLoad { normal, ..RacewayLoad::default() };
                 if normal > 0.0 { contact.minimum_film(&motion, &load) } else { f64::INFINITY }
             };
-            least.inner =
-                least.inner.min(film(&m.raceway.inner, at(m.pitch_radius, speed), seen.load.inner.0[k]));
+            least.inner = least.inner.min(film(&m.raceway.inner, at(m.pitch_radius, speed), seen.load.inner.0[k]));
             least.outer = least.outer.min(film(&m.raceway.outer, at(m.pitch_radius, 0.0), seen.load.outer.0[k]));
         }
     }

@@ -12,7 +12,7 @@
 //! spindle's velocity takes Adams–Bashforth, all positions Adams–Moulton with the new velocities. The order is `ORDER`;
 //! spindle and positions have one more. The first steps are of rising order and a sixteenth of the length.
 
-use super::{BallRates, Balls, Border, Instructions, Lane, RadiallyCondensed, Rates, Seen, WIDTH};
+use super::{BallRates, Balls, Border, Instructions, Lane, RadiallyCondensed, Rates, Scratch, Seen, WIDTH};
 
 /// Order of the method.
 pub const ORDER: usize = 3;
@@ -33,12 +33,7 @@ struct Implicit {
 const IMPLICIT: [Implicit; 3] = [
     Implicit { leading: 1.0, past: [0.0; 2], ahead: [0.0; 2], rates: [1.0, 0.0, 0.0] },
     Implicit { leading: 1.5, past: [0.5, 0.0], ahead: [1.0, 0.0], rates: [2.0, -1.0, 0.0] },
-    Implicit {
-        leading: 11.0 / 6.0,
-        past: [7.0 / 6.0, -1.0 / 3.0],
-        ahead: [2.0, -1.0],
-        rates: [3.0, -3.0, 1.0],
-    },
+    Implicit { leading: 11.0 / 6.0, past: [7.0 / 6.0, -1.0 / 3.0], ahead: [2.0, -1.0], rates: [3.0, -3.0, 1.0] },
 ];
 const BASHFORTH: [[f64; 4]; 4] = [
     [1.0, 0.0, 0.0, 0.0],
@@ -75,8 +70,7 @@ pub struct Stepper<'m> {
     place: [usize; NODES],
     /// How many of them count.
     known: usize,
-    /// Of the last evaluation.
-    seen: Vec<Seen>,
+    scratch: Scratch,
 }
 
 impl<'m> Stepper<'m> {
@@ -93,7 +87,7 @@ impl<'m> Stepper<'m> {
             nodes: std::array::from_fn(|_| node.clone()),
             place: std::array::from_fn(|i| i),
             known: 1,
-            seen: vec![Seen::default(); model.groups()],
+            scratch: Scratch::new(model),
         };
         // Short steps, then every sixteenth of them as the past of the long ones.
         let mut past = Vec::new();
@@ -144,14 +138,14 @@ impl<'m> Stepper<'m> {
 
     /// What was seen at the present time, once `rate` has run.
     pub fn seen(&self) -> &[Seen] {
-        &self.seen
+        &self.scratch.seen
     }
 
     /// Evaluates the rates at the present time.
     pub fn rate(&mut self) {
         let time = self.time();
         let node = &mut self.nodes[self.place[0]];
-        self.model.rates(time, &node.balls, &node.border, &mut node.rates, &mut self.seen);
+        self.model.rates(time, &node.balls, &node.border, &mut node.rates, &mut self.scratch);
         self.evaluations += 1;
     }
 
@@ -182,8 +176,11 @@ impl<'m> Stepper<'m> {
                 let delta = now.border.cage_velocity[i] - before.border.cage_velocity[i];
                 let delta_before = before.border.cage_velocity[i] - earlier.border.cage_velocity[i];
                 let damping = h * now.rates.cage_damping[i];
-                let rates =
-                    [now, before, earlier].iter().zip(implicit.rates).map(|(node, c)| c * node.rates.cage[i]).sum::<f64>();
+                let rates = [now, before, earlier]
+                    .iter()
+                    .zip(implicit.rates)
+                    .map(|(node, c)| c * node.rates.cage[i])
+                    .sum::<f64>();
                 let pushed = implicit.past[0] * delta
                     + implicit.past[1] * delta_before
                     + damping * (implicit.ahead[0] * delta + implicit.ahead[1] * delta_before)
@@ -191,17 +188,16 @@ impl<'m> Stepper<'m> {
                 border.cage_velocity[i] = now.border.cage_velocity[i] + pushed / (implicit.leading + damping);
             }
             for i in 0..2 {
-                let accelerations = [
-                    now.rates.spindle[i],
-                    before.rates.spindle[i],
-                    earlier.rates.spindle[i],
-                    oldest.rates.spindle[i],
-                ];
+                let accelerations =
+                    [now.rates.spindle[i], before.rates.spindle[i], earlier.rates.spindle[i], oldest.rates.spindle[i]];
                 let change = weighed(bashforth, accelerations);
                 border.spindle_velocity[i] = now.border.spindle_velocity[i] + h * change;
-                let velocities =
-                    [border.spindle_velocity[i], now.border.spindle_velocity[i], before.border.spindle_velocity[i],
-                        earlier.border.spindle_velocity[i]];
+                let velocities = [
+                    border.spindle_velocity[i],
+                    now.border.spindle_velocity[i],
+                    before.border.spindle_velocity[i],
+                    earlier.border.spindle_velocity[i],
+                ];
                 border.spindle[i] = now.border.spindle[i] + h * weighed(moulton, velocities);
                 let velocities = [
                     border.cage_velocity[i],
@@ -259,14 +255,12 @@ fn step_balls(
     for k in 0..WIDTH {
         let part = |now: &Lane, before: &Lane, earlier: &Lane| {
             let (delta, delta_before) = (now.0[k] - before.0[k], before.0[k] - earlier.0[k]);
-            (
-                c.past[0] * delta + c.past[1] * delta_before,
-                c.ahead[0] * delta + c.ahead[1] * delta_before,
-            )
+            (c.past[0] * delta + c.past[1] * delta_before, c.ahead[0] * delta + c.ahead[1] * delta_before)
         };
         let (past_v, ahead_v) = part(&now.arc_velocity, &before.arc_velocity, &earlier.arc_velocity);
         let (past_p, ahead_p) = part(&now.spin, &before.spin, &earlier.spin);
-        let rate_v = c.rates[0] * f.arc_velocity.0[k] + c.rates[1] * f1.arc_velocity.0[k] + c.rates[2] * f2.arc_velocity.0[k];
+        let rate_v =
+            c.rates[0] * f.arc_velocity.0[k] + c.rates[1] * f1.arc_velocity.0[k] + c.rates[2] * f2.arc_velocity.0[k];
         let rate_p = c.rates[0] * f.spin.0[k] + c.rates[1] * f1.spin.0[k] + c.rates[2] * f2.spin.0[k];
         // A = [−a, b; d, −e]
         let (a, b) = (h * f.matrix[0].0[k], h * f.matrix[1].0[k]);

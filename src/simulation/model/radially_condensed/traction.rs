@@ -18,7 +18,7 @@ const DEGREE: usize = 10;
 const SLIP_STEP: f64 = 1e-3;
 
 /// Sums over the strips of one contact, divided by its load.
-#[derive(Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Sums {
     /// Force along the groove, raceway on ball.
     pub force: Lane,
@@ -33,7 +33,7 @@ pub struct Sums {
 }
 
 /// Slip over a contact is base + height · per_height.
-#[derive(Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Slip {
     pub base: Lane,
     pub per_height: Lane,
