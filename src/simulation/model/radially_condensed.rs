@@ -435,14 +435,7 @@ impl RadiallyCondensed {
     ) {
         let m = &self.mechanism;
         let active = &self.active[group];
-        let [start_cosine, start_sine] = &self.start[group];
         let per_radius = 1.0 / m.pitch_radius;
-        let (k_i, k_e) = (self.stiffness.inner, self.stiffness.outer);
-        let (mass, per_mass) = (m.ball_mass, 1.0 / m.ball_mass);
-        let weight = mass * m.gravity;
-        let ([sy, sz], [svy, svz]) = (border.spindle, border.spindle_velocity);
-        let outer_clearance = 0.5 * self.clearance;
-        let ideal_orbit = m.orbit_ratio * drive.speed;
 
         // Where the balls are: ahead of the cage by a small angle.
         if m.layout.cage {
@@ -456,6 +449,53 @@ impl RadiallyCondensed {
         } else {
             turned(&balls.arc, per_radius, &mut l.ahead_sine, &mut l.ahead_cosine);
         }
+        self.approach(drive, &self.start[group], active, balls, border, l);
+        if m.layout.cage {
+            self.pockets(border, balls, drive, active, l);
+        }
+
+        self.slips(drive, active, balls, border, l);
+        let inner = self.traction(true, l, drive, balls);
+        let outer = self.traction(false, l, drive, balls);
+
+        self.ball_rates(drive, active, balls, &inner, &outer, rates, l);
+        sums.force[0] += total(&l.spindle_y);
+        sums.force[1] += total(&l.spindle_z);
+        sums.mass[0] += total(&l.mass_yy);
+        sums.mass[1] += total(&l.mass_yz);
+        sums.mass[2] += total(&l.mass_zz);
+        if m.layout.cage {
+            for i in 0..3 {
+                sums.cage[i] += total(&l.cage[i]);
+                sums.damping[i] += total(&l.cage_damping[i]);
+            }
+        }
+        *seen = Seen {
+            load: PerRaceway { inner: l.inner_load, outer: l.outer_load },
+            slip: PerRaceway { inner: inner.slip, outer: outer.slip },
+            pocket: l.pocket_load,
+        };
+    }
+
+    /// Places of eight balls, the approach of the raceways there, and both contacts.
+    #[inline(always)]
+    fn approach(
+        &self,
+        drive: &Drive,
+        [start_cosine, start_sine]: &[Lane; 2],
+        active: &Lane,
+        balls: &Balls,
+        border: &Border,
+        l: &mut Locals,
+    ) {
+        let m = &self.mechanism;
+        let per_radius = 1.0 / m.pitch_radius;
+        let (k_i, k_e) = (self.stiffness.inner, self.stiffness.outer);
+        let mass = m.ball_mass;
+        let weight = mass * m.gravity;
+        let ([sy, sz], [svy, svz]) = (border.spindle, border.spindle_velocity);
+        let outer_clearance = 0.5 * self.clearance;
+        let ideal_orbit = m.orbit_ratio * drive.speed;
         for k in 0..WIDTH {
             let pocket_cosine = start_cosine.0[k] * drive.ideal.cosine - start_sine.0[k] * drive.ideal.sine;
             let pocket_sine = start_sine.0[k] * drive.ideal.cosine + start_cosine.0[k] * drive.ideal.sine;
@@ -471,7 +511,7 @@ impl RadiallyCondensed {
             l.orbit.0[k] = orbit;
             let nominal = m.pitch_radius + outer_clearance;
             let body = mass * nominal * orbit * orbit + weight * cosine;
-            let body = if body > 0.0 { body } else { 0.0 };
+            let body = positive(body);
             l.body.0[k] = body;
             // ∛ by two steps of Halley from its value on the ideal orbit.
             let cube = body / k_e;
@@ -497,11 +537,11 @@ impl RadiallyCondensed {
 
             // Both contacts, elastic.
             let excess = approach - unloaded;
-            let u = if excess > 0.0 { excess } else { 0.0 };
-            let u = u.sqrt();
+            let pressed = positive(excess);
+            let u = pressed.sqrt();
             let inner_root = self.law.inner_root(u, root) * active.0[k];
             let inner = inner_root * inner_root;
-            let outer = if excess > 0.0 { approach } else { unloaded } - inner;
+            let outer = unloaded + pressed - inner;
             let outer_root = outer.sqrt();
             let elastic = k_i * inner * inner_root;
             let outer_elastic = elastic + body;
@@ -516,8 +556,7 @@ impl RadiallyCondensed {
 
             // Damping, energy-consistent; inertia of the ball's own motion, without the spindle's acceleration.
             let ramp = |depth: f64| {
-                let s = depth * (1.0 / VISCOUS_RAMP);
-                let s = if s < 1.0 { s } else { 1.0 };
+                let s = 1.0 - positive(1.0 - depth * (1.0 / VISCOUS_RAMP));
                 self.damping.viscous * s * s * (3.0 - 2.0 * s)
             };
             let damping = inner_share * inner_share * (self.damping.chi * elastic + ramp(inner))
@@ -530,18 +569,21 @@ impl RadiallyCondensed {
             l.inertia.0[k] = mass * (outer_share * outer_share * swing + bend * rate * rate);
             l.normal.0[k] = elastic + rate * damping;
         }
+    }
 
-        if m.layout.cage {
-            self.pockets(border, balls, drive, active, l);
-        }
-
+    /// Loads of eight balls, and slip over both contacts as base + height · per_height.
+    #[inline(always)]
+    fn slips(&self, drive: &Drive, active: &Lane, balls: &Balls, border: &Border, l: &mut Locals) {
+        let m = &self.mechanism;
+        let mass = m.ball_mass;
+        let [svy, svz] = border.spindle_velocity;
         for k in 0..WIDTH {
             let normal = l.normal.0[k] + l.inertia.0[k] - l.outer_share.0[k] * l.pocket_radial.0[k];
-            let presses = normal > 0.0 && l.outer_share.0[k] > 0.0;
+            let presses = (normal > 0.0) & (l.outer_share.0[k] > 0.0);
             let normal = if presses { normal } else { 0.0 };
             let outer = normal + l.body.0[k] + l.pocket_radial.0[k];
             l.inner_load.0[k] = normal;
-            l.outer_load.0[k] = if outer > 0.0 { outer } else { 0.0 } * active.0[k];
+            l.outer_load.0[k] = positive(outer) * active.0[k];
             let share = if presses { l.outer_share.0[k] } else { 0.0 };
             l.mass.0[k] = mass * share * share;
             // Slip of both contacts: base + height · per_height.
@@ -560,9 +602,24 @@ impl RadiallyCondensed {
             l.inner_square.0[k] = self.axis_square.inner * l.inner.0[k];
             l.outer_square.0[k] = self.axis_square.outer * l.outer.0[k];
         }
-        let inner = self.traction(true, l, drive, balls);
-        let outer = self.traction(false, l, drive, balls);
+    }
 
+    /// Rates of eight balls, and their force on the spindle.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn ball_rates(
+        &self,
+        drive: &Drive,
+        active: &Lane,
+        balls: &Balls,
+        inner: &Sums,
+        outer: &Sums,
+        rates: &mut BallRates,
+        l: &mut Locals,
+    ) {
+        let m = &self.mechanism;
+        let per_mass = 1.0 / m.ball_mass;
+        let weight = m.ball_mass * m.gravity;
         let per_inertia = 1.0 / m.ball_inertia;
         for k in 0..WIDTH {
             let (q_i, q_e) = (l.inner_load.0[k], l.outer_load.0[k]);
@@ -590,31 +647,30 @@ impl RadiallyCondensed {
             l.mass_yz.0[k] = l.mass.0[k] * c * s;
             l.mass_zz.0[k] = l.mass.0[k] * s * s;
         }
-        sums.force[0] += total(&l.spindle_y);
-        sums.force[1] += total(&l.spindle_z);
-        sums.mass[0] += total(&l.mass_yy);
-        sums.mass[1] += total(&l.mass_yz);
-        sums.mass[2] += total(&l.mass_zz);
-        if m.layout.cage {
-            for i in 0..3 {
-                sums.cage[i] += total(&l.cage[i]);
-                sums.damping[i] += total(&l.cage_damping[i]);
-            }
-        }
-        *seen = Seen {
-            load: PerRaceway { inner: l.inner_load, outer: l.outer_load },
-            slip: PerRaceway { inner: inner.slip, outer: outer.slip },
-            pocket: l.pocket_load,
-        };
     }
 
     /// Forces of the pockets on eight balls, along and across the orbit, and on the cage.
     #[inline(always)]
     fn pockets(&self, border: &Border, balls: &Balls, drive: &Drive, active: &Lane, l: &mut Locals) {
         let m = &self.mechanism;
-        let ([cy, cz], [vy, vz, _]) = (border.cage, border.cage_velocity);
         let cage_spin = m.orbit_ratio * drive.speed + border.cage_velocity[2] / m.pitch_radius;
         let mut offset: [Lane; 4] = Default::default();
+        self.film(border, cage_spin, active, l, &mut offset);
+        let mut solid = !self.plain_pocket;
+        for k in 0..WIDTH {
+            solid |= l.distance.0[k] * active.0[k] > self.film.clearance;
+        }
+        if solid {
+            self.solid_pockets(&offset, balls, drive, cage_spin, active, l);
+        }
+        self.pocket_forces(l);
+    }
+
+    /// Films of eight pockets; `offset`: displacement and relative velocity in the pocket's own directions.
+    #[inline(always)]
+    fn film(&self, border: &Border, cage_spin: f64, active: &Lane, l: &mut Locals, offset: &mut [Lane; 4]) {
+        let m = &self.mechanism;
+        let ([cy, cz], [vy, vz, _]) = (border.cage, border.cage_velocity);
         for k in 0..WIDTH {
             // In the pocket's own directions: n outwards, t along the orbit.
             let (nc, ns) = (l.pocket_cosine.0[k], l.pocket_sine.0[k]);
@@ -625,20 +681,19 @@ impl RadiallyCondensed {
             let d_t = r * ds - (cz * nc - cy * ns);
             let v_n = radial * dc - tangential * ds - (vy * nc + vz * ns) + cage_spin * d_t;
             let v_t = radial * ds + tangential * dc - (vz * nc - vy * ns) - cage_spin * (m.pitch_radius + d_n);
-            for (column, value) in offset.iter_mut().zip([d_n, d_t, v_n, v_t]) {
-                column.0[k] = value;
-            }
+            offset[0].0[k] = d_n;
+            offset[1].0[k] = d_t;
+            offset[2].0[k] = v_n;
+            offset[3].0[k] = v_t;
             let square = d_n * d_n + d_t * d_t + 1e-60;
             let distance = square.sqrt();
             let inverse = 1.0 / distance;
             let rate = (d_n * v_n + d_t * v_t) * inverse;
-            let onset = distance * (1.0 / DAMPING_ONSET);
-            let onset = if onset < 1.0 { onset } else { 1.0 };
+            let onset = 1.0 - positive(1.0 - distance * (1.0 / DAMPING_ONSET));
             let damping = self.film.damping * onset;
             let load = self.film.stiffness * distance + damping * rate;
-            let pushes = load > 0.0;
-            let load = if pushes { load } else { 0.0 };
-            let damping = if pushes { damping * active.0[k] } else { 0.0 };
+            let damping = if load > 0.0 { damping * active.0[k] } else { 0.0 };
+            let load = positive(load);
             let (n, t) = (d_n * inverse, d_t * inverse);
             let force = load * active.0[k];
             l.pocket_load.0[k] = force;
@@ -653,13 +708,11 @@ impl RadiallyCondensed {
             l.cage_damping[1].0[k] = damping * z * z;
             l.cage_damping[2].0[k] = damping * t * t;
         }
-        let mut solid = !self.plain_pocket;
-        for k in 0..WIDTH {
-            solid |= l.distance.0[k] * active.0[k] > self.film.clearance;
-        }
-        if solid {
-            self.solid_pockets(&offset, balls, drive, cage_spin, active, l);
-        }
+    }
+
+    /// Forces of eight pockets, turned to the orbits of the balls and to Y and Z.
+    #[inline(always)]
+    fn pocket_forces(&self, l: &mut Locals) {
         for k in 0..WIDTH {
             let (n, t) = (l.pocket_n.0[k], l.pocket_t.0[k]);
             let (dc, ds) = (l.ahead_cosine.0[k], l.ahead_sine.0[k]);
@@ -840,6 +893,12 @@ fn turned(arc: &Lane, per_radius: f64, sine: &mut Lane, cosine: &mut Lane) {
     for k in 0..WIDTH {
         (sine.0[k], cosine.0[k]) = (arc.0[k] * per_radius).sin_cos();
     }
+}
+
+/// The larger of a number and 0, by arithmetic: a comparison here becomes a branch that keeps balls from going side by side.
+#[inline(always)]
+fn positive(x: f64) -> f64 {
+    0.5 * (x + x.abs())
 }
 
 /// Sum over the balls, always in the same order.
