@@ -321,12 +321,12 @@ impl RadiallyCondensed {
         let m = &self.mechanism;
         let (angle, speed, acceleration) = m.speed.at(time);
         let mixture = if self.constant_speed { self.mixture } else { Mixture::at(m, speed) };
-        let ideal = Azimuth::new(m.orbit_ratio * angle + border.cage_arc / m.pitch_radius);
+        let ideal = scratch.turn.to(m.orbit_ratio * angle + border.cage_arc / m.pitch_radius);
         let drive = Drive { speed, acceleration, angle, ideal, mixture, root: self.root_of(speed) };
         let mut sums = BorderSums::default();
         for group in 0..self.groups {
             let (balls, rates) = (&balls[group], &mut rates.balls[group]);
-            let Scratch { seen, locals: l } = scratch;
+            let Scratch { seen, locals: l, .. } = scratch;
             let seen = &mut seen[group];
             match instructions {
                 #[cfg(target_arch = "x86_64")]
@@ -632,11 +632,11 @@ impl RadiallyCondensed {
             let moment = q_e * outer.moment.0[k] - q_i * inner.moment.0[k] + l.pocket_moment.0[k] + churning;
             rates.spin.0[k] = active.0[k] * (moment * per_inertia - m.spin_ratio * drive.acceleration);
             let (s_i, s_e) = (q_i * inner.slope.0[k], q_e * outer.slope.0[k]);
-            let cross = q_i * inner.slope_height.0[k] - q_e * outer.slope_height.0[k];
+            let cross = (s_i - s_e) * self.ball_radius;
             rates.matrix[0].0[k] = (s_i + s_e + l.pocket_damping.0[k]) * per_mass;
             rates.matrix[1].0[k] = cross * per_mass;
             rates.matrix[2].0[k] = cross * per_inertia;
-            rates.matrix[3].0[k] = (q_i * inner.slope_height_2.0[k] + q_e * outer.slope_height_2.0[k]) * per_inertia;
+            rates.matrix[3].0[k] = (s_i + s_e) * self.ball_radius * self.ball_radius * per_inertia;
             // On the spindle, along and across; then in Y and Z.
             let along = -(q_i + l.lean.0[k] * t_i);
             let across = l.lean.0[k] * q_i - t_i;
@@ -795,13 +795,11 @@ impl RadiallyCondensed {
                 orbit_speed: l.orbit.0[k],
                 azimuth: 0.0,
             };
-            let [force, moment, slope, slope_height, slope_height_2, seen] =
+            let [force, moment, slope, seen] =
                 general_sums(contact, &motion, towards, load, self.damping.chi, self.ball_radius);
             sums.force.0[k] = force;
             sums.moment.0[k] = moment;
             sums.slope.0[k] = slope;
-            sums.slope_height.0[k] = slope_height;
-            sums.slope_height_2.0[k] = slope_height_2;
             sums.slip.0[k] = seen;
         }
         sums
@@ -834,11 +832,46 @@ struct BorderSums {
 pub struct Scratch {
     pub seen: Vec<Seen>,
     locals: Box<Locals>,
+    turn: Turn,
+}
+
+/// An azimuth on its way: turned on by small angles, anew after some of them.
+#[derive(Debug, Clone)]
+struct Turn {
+    angle: f64,
+    azimuth: Azimuth,
+    left: u32,
+}
+
+impl Turn {
+    const SMALL: f64 = 0.05;
+    const ANEW: u32 = 64;
+
+    #[inline(always)]
+    fn to(&mut self, angle: f64) -> Azimuth {
+        let x = angle - self.angle;
+        self.angle = angle;
+        if self.left == 0 || x.abs() > Self::SMALL {
+            self.left = Self::ANEW;
+            self.azimuth = Azimuth::new(angle);
+        } else {
+            self.left -= 1;
+            let x2 = x * x;
+            let cosine = 1.0 - x2 * (0.5 - x2 * (1.0 / 24.0 - x2 * (1.0 / 720.0 - x2 * (1.0 / 40_320.0))));
+            let sine = x * (1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 * (1.0 / 5_040.0))));
+            self.azimuth = self.azimuth.turned(Azimuth { cosine, sine });
+        }
+        self.azimuth
+    }
 }
 
 impl Scratch {
     pub fn new(model: &RadiallyCondensed) -> Self {
-        Self { seen: vec![Seen::default(); model.groups], locals: Box::default() }
+        Self {
+            seen: vec![Seen::default(); model.groups],
+            locals: Box::default(),
+            turn: Turn { angle: 0.0, azimuth: Azimuth::new(0.0), left: 0 },
+        }
     }
 }
 

@@ -65,9 +65,8 @@ pub struct Stepper<'m> {
     /// Steps since `begin`.
     count: u64,
     evaluations: u64,
-    /// Newest first, by `place`.
-    nodes: [Node; NODES],
-    place: [usize; NODES],
+    /// Newest first.
+    nodes: [Box<Node>; NODES],
     /// How many of them count.
     known: usize,
     scratch: Scratch,
@@ -84,8 +83,7 @@ impl<'m> Stepper<'m> {
             step: step / START as f64,
             count: 0,
             evaluations: 0,
-            nodes: std::array::from_fn(|_| node.clone()),
-            place: std::array::from_fn(|i| i),
+            nodes: std::array::from_fn(|_| Box::new(node.clone())),
             known: 1,
             scratch: Scratch::new(model),
         };
@@ -95,13 +93,13 @@ impl<'m> Stepper<'m> {
             for short in 0..START {
                 stepper.rate();
                 if short == 0 {
-                    past.push(stepper.nodes[stepper.place[0]].clone());
+                    past.push(stepper.nodes[0].clone());
                 }
                 stepper.advance();
             }
         }
         for (i, node) in past.into_iter().rev().enumerate() {
-            stepper.nodes[stepper.place[i + 1]] = node;
+            stepper.nodes[i + 1] = node;
         }
         stepper.step = step;
         stepper.count = NODES as u64 - 1;
@@ -124,16 +122,16 @@ impl<'m> Stepper<'m> {
     }
 
     pub fn balls(&self) -> &[Balls] {
-        &self.nodes[self.place[0]].balls
+        &self.nodes[0].balls
     }
 
     pub fn border(&self) -> &Border {
-        &self.nodes[self.place[0]].border
+        &self.nodes[0].border
     }
 
     /// Accelerations of the spindle at the present time, once `rate` has run.
     pub fn spindle_acceleration(&self) -> [f64; 2] {
-        self.nodes[self.place[0]].rates.spindle
+        self.nodes[0].rates.spindle
     }
 
     /// What was seen at the present time, once `rate` has run.
@@ -144,7 +142,7 @@ impl<'m> Stepper<'m> {
     /// Evaluates the rates at the present time.
     pub fn rate(&mut self) {
         let time = self.time();
-        let node = &mut self.nodes[self.place[0]];
+        let node = &mut self.nodes[0];
         self.model.rates(time, &node.balls, &node.border, &mut node.rates, &mut self.scratch);
         self.evaluations += 1;
     }
@@ -155,11 +153,12 @@ impl<'m> Stepper<'m> {
         let implicit = &IMPLICIT[known.min(ORDER) - 1];
         let (bashforth, moulton) = (&BASHFORTH[known.min(4) - 1], &MOULTON[known.min(4) - 1]);
         let h = self.step;
-        let mut oldest = std::mem::take(&mut self.nodes[self.place[NODES - 1]]);
+        // The oldest makes room for the newest.
+        self.nodes.rotate_right(1);
+        let [oldest, now, before, earlier] = &mut self.nodes;
         {
-            let [now, before, earlier] = [0, 1, 2].map(|i| &self.nodes[self.place[i]]);
             for group in 0..self.model.groups() {
-                let past = [now, before, earlier].map(|node| (&node.balls[group], &node.rates.balls[group]));
+                let past = [&*now, &*before, &*earlier].map(|node| (&node.balls[group], &node.rates.balls[group]));
                 let new = &mut oldest.balls[group];
                 match self.model.instructions() {
                     #[cfg(target_arch = "x86_64")]
@@ -176,11 +175,8 @@ impl<'m> Stepper<'m> {
                 let delta = now.border.cage_velocity[i] - before.border.cage_velocity[i];
                 let delta_before = before.border.cage_velocity[i] - earlier.border.cage_velocity[i];
                 let damping = h * now.rates.cage_damping[i];
-                let rates = [now, before, earlier]
-                    .iter()
-                    .zip(implicit.rates)
-                    .map(|(node, c)| c * node.rates.cage[i])
-                    .sum::<f64>();
+                let [c, c1, c2] = implicit.rates;
+                let rates = c * now.rates.cage[i] + c1 * before.rates.cage[i] + c2 * earlier.rates.cage[i];
                 let pushed = implicit.past[0] * delta
                     + implicit.past[1] * delta_before
                     + damping * (implicit.ahead[0] * delta + implicit.ahead[1] * delta_before)
@@ -216,8 +212,6 @@ impl<'m> Stepper<'m> {
             border.cage_arc = now.border.cage_arc + h * weighed(moulton, velocities);
             oldest.border = border;
         }
-        self.nodes[self.place[NODES - 1]] = oldest;
-        self.place.rotate_right(1);
         self.count += 1;
         self.known = (known + 1).min(NODES);
     }

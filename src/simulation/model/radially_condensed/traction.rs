@@ -8,12 +8,12 @@ use crate::physics::contact::traction::{FourParameters, MAX_STRIPS, Strips};
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
 
 /// Terms of the series of √(1 − x) after the first.
-const SERIES: [f64; 6] = [-0.5, -0.125, -0.0625, -5.0 / 128.0, -7.0 / 256.0, -21.0 / 1024.0];
+const SERIES: [f64; 4] = [-0.5, -0.125, -0.0625, -5.0 / 128.0];
 /// Largest (a / ball radius)² for which the series is good to 3e-5 of the radius.
-pub const WIDEST: f64 = 0.4;
+pub const WIDEST: f64 = 0.25;
 /// Slip up to which μ/u is a polynomial, in units of 1/C of the law.
-const REACH: f64 = 2.0;
-const DEGREE: usize = 10;
+const REACH: f64 = 1.0;
+const DEGREE: usize = 6;
 /// Change of slip by which the general law is differentiated [m/s].
 const SLIP_STEP: f64 = 1e-3;
 
@@ -24,10 +24,8 @@ pub struct Sums {
     pub force: Lane,
     /// Its moment: force times height over the ball's centre [m].
     pub moment: Lane,
-    /// Slope of the force over slip [s/m], and the same times height once and twice.
+    /// Slope of the force over slip [s/m].
     pub slope: Lane,
-    pub slope_height: Lane,
-    pub slope_height_2: Lane,
     /// Slip at the middle of the contact [m/s].
     pub slip: Lane,
 }
@@ -140,8 +138,6 @@ impl RisingTraction {
                 sums.force.0[k] += force;
                 sums.moment.0[k] += force * height;
                 sums.slope.0[k] += slope;
-                sums.slope_height.0[k] += slope * height;
-                sums.slope_height_2.0[k] += slope * height * height;
             }
         }
     }
@@ -157,8 +153,7 @@ fn over_speed(law: &FourParameters, x: f64, decay: f64) -> f64 {
 
 #[inline(always)]
 fn horner(c: &[f64; SERIES.len()], x: f64) -> f64 {
-    let square = x * x;
-    (c[0] + c[1] * x) + square * ((c[2] + c[3] * x) + square * (c[4] + c[5] * x))
+    (c[0] + c[1] * x) + x * x * (c[2] + c[3] * x)
 }
 
 /// Force and moment over the load by the contact of the full model, at a given normal load: the rate of penetration is set so
@@ -170,7 +165,7 @@ pub fn general_sums(
     load: f64,
     chi: f64,
     ball_radius: f64,
-) -> [f64; 6] {
+) -> [f64; 4] {
     let at = |spin: f64| {
         let mut motion = RelativeMotion { spin: [spin, 0.0, 0.0], ..*motion };
         let elastic = contact.elastic_load(contact.penetration::<true>(0.0, motion.radius).0).0;
@@ -186,5 +181,5 @@ pub fn general_sums(
     let (force_there, _, slip_there) = at(spin + step);
     let change = slip_there - slip;
     let slope = if change.abs() > 0.0 { ((force_there - force) / change).max(0.0) } else { 0.0 };
-    [force, moment, slope, slope * ball_radius, slope * ball_radius * ball_radius, slip]
+    [force, moment, slope, slip]
 }
