@@ -119,7 +119,8 @@ pub struct RadiallyCondensed {
     instructions: Instructions,
 }
 
-/// What the loops over eight balls are compiled for. Sums of floats are neither contracted nor reordered: the bits are the same.
+/// What the loops over eight balls are compiled for. Fused products are written as such and nothing else is contracted or
+/// reordered: the bits are the same. Without the instruction a fused product is slow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instructions {
     #[cfg(target_arch = "x86_64")]
@@ -136,10 +137,10 @@ impl Instructions {
         #[cfg(target_arch = "x86_64")]
         {
             let wide = is_x86_feature_detected!("avx512dq") && is_x86_feature_detected!("avx512vl");
-            if is_x86_feature_detected!("avx512f") && wide {
+            if is_x86_feature_detected!("avx512f") && wide && is_x86_feature_detected!("fma") {
                 all.push(Self::Avx512);
             }
-            if is_x86_feature_detected!("avx2") {
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 all.push(Self::Avx2);
             }
         }
@@ -346,7 +347,7 @@ impl RadiallyCondensed {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
     #[allow(clippy::too_many_arguments)]
     fn group_avx512(
         &self,
@@ -363,7 +364,7 @@ impl RadiallyCondensed {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
+    #[target_feature(enable = "avx2,fma")]
     #[allow(clippy::too_many_arguments)]
     fn group_avx2(
         &self,
@@ -491,6 +492,7 @@ impl RadiallyCondensed {
         let m = &self.mechanism;
         let per_radius = 1.0 / m.pitch_radius;
         let (k_i, k_e) = (self.stiffness.inner, self.stiffness.outer);
+        let (guess, per_outer) = (drive.root, 1.0 / k_e);
         let mass = m.ball_mass;
         let weight = mass * m.gravity;
         let ([sy, sz], [svy, svz]) = (border.spindle, border.spindle_velocity);
@@ -513,13 +515,10 @@ impl RadiallyCondensed {
             let body = mass * nominal * orbit * orbit + weight * cosine;
             let body = positive(body);
             l.body.0[k] = body;
-            // ∛ by two steps of Halley from its value on the ideal orbit.
-            let cube = body / k_e;
-            let mut root = drive.root;
-            let c = root * root * root;
-            root *= (c + 2.0 * cube) / (2.0 * c + cube);
-            let c = root * root * root;
-            root *= (c + 2.0 * cube) / (2.0 * c + cube);
+            // ∛ by a step of Halley from its value on the ideal orbit, near which it stays.
+            let cube = body * per_outer;
+            let c = guess * guess * guess;
+            let root = guess * (c + 2.0 * cube) / (2.0 * c + cube);
             let unloaded = root * root;
 
             // Approach of the raceways and its rate; the spindle's displacement across counts to second order.

@@ -8,7 +8,7 @@
 use crate::numerics::roots::bracketed_root;
 
 /// Degree of the fit.
-pub const DEGREE: usize = 13;
+pub const DEGREE: usize = 11;
 /// The constant c of t: where the two ends of the law meet.
 const MIDDLE: f64 = 1.6;
 
@@ -78,12 +78,12 @@ pub fn polynomial<const N: usize>(c: &[f64; N], x: f64) -> f64 {
     let square = x * x;
     let (mut even, mut odd) = (0.0, 0.0);
     for pair in (0..N.div_ceil(2)).rev() {
-        even = even * square + c[2 * pair];
+        even = f64::mul_add(even, square, c[2 * pair]);
         if 2 * pair + 1 < N {
-            odd = odd * square + c[2 * pair + 1];
+            odd = f64::mul_add(odd, square, c[2 * pair + 1]);
         }
     }
-    even + x * odd
+    odd.mul_add(x, even)
 }
 
 #[cfg(test)]

@@ -226,13 +226,13 @@ fn weighed(weights: &[f64; 4], values: [f64; 4]) -> f64 {
 type Past<'a> = [(&'a Balls, &'a BallRates); 3];
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
 fn step_balls_avx512(c: &Implicit, moulton: &[f64; 4], h: f64, past: Past<'_>, new: &mut Balls) {
     step_balls(c, moulton, h, past, new);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 fn step_balls_avx2(c: &Implicit, moulton: &[f64; 4], h: f64, past: Past<'_>, new: &mut Balls) {
     step_balls(c, moulton, h, past, new);
 }

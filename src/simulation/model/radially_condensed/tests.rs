@@ -94,7 +94,7 @@ fn steps_are_of_third_order() {
     let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     let runs = [600, 1200, 2400, 4800].map(at);
     let distances: Vec<f64> = runs.windows(2).map(|pair| distance(pair[0], pair[1])).collect();
-    println!("distances {distances:.3e?}");
+    println!("distances {distances:?}");
     for pair in distances.windows(2) {
         let ratio = pair[0] / pair[1];
         assert!((5.0..20.0).contains(&ratio), "{distances:?}");

@@ -116,9 +116,9 @@ impl RisingTraction {
             let steepest = self.law.d * self.law.c + self.law.b;
             self.add_strips(slip, square, &mut sums, |speed| {
                 let speed = if speed < self.reach { speed } else { self.reach };
-                let over = polynomial(&self.fit, scale * speed - 1.0);
+                let over = polynomial(&self.fit, scale.mul_add(speed, -1.0));
                 // The matrix of the implicit part needs the slope to a few per cent only: dμ/du = μ/u + u (μ/u)'.
-                (over, 2.0 * over - steepest)
+                (over, over.mul_add(2.0, -steepest))
             });
         }
         sums
@@ -130,14 +130,14 @@ impl RisingTraction {
             let (weight, coefficients) = (self.weight[strip], &self.height[strip]);
             for k in 0..WIDTH {
                 let s = square.0[k];
-                let height = self.ball_radius + s * horner(coefficients, s);
-                let speed = slip.base.0[k] + height * slip.per_height.0[k];
+                let height = s.mul_add(horner(coefficients, s), self.ball_radius);
+                let speed = height.mul_add(slip.per_height.0[k], slip.base.0[k]);
                 let (over, slope) = law(speed.abs());
                 let force = weight * over * speed;
-                let slope = weight * if slope > 0.0 { slope } else { 0.0 };
+                let slope = if slope > 0.0 { slope } else { 0.0 };
                 sums.force.0[k] += force;
-                sums.moment.0[k] += force * height;
-                sums.slope.0[k] += slope;
+                sums.moment.0[k] = force.mul_add(height, sums.moment.0[k]);
+                sums.slope.0[k] = weight.mul_add(slope, sums.slope.0[k]);
             }
         }
     }
@@ -153,7 +153,7 @@ fn over_speed(law: &FourParameters, x: f64, decay: f64) -> f64 {
 
 #[inline(always)]
 fn horner(c: &[f64; SERIES.len()], x: f64) -> f64 {
-    (c[0] + c[1] * x) + x * x * (c[2] + c[3] * x)
+    x.mul_add(x.mul_add(x.mul_add(c[3], c[2]), c[1]), c[0])
 }
 
 /// Force and moment over the load by the contact of the full model, at a given normal load: the rate of penetration is set so
