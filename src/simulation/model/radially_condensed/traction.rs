@@ -2,7 +2,7 @@
 //! depends on a ball's load alone made ready as polynomials.
 
 use super::contact_law::{chebyshev_fit, polynomial};
-use super::{Lane, WIDTH};
+use super::{Lane, WIDTH, positive, total};
 use crate::numerics::exponential::exponential;
 use crate::physics::contact::traction::{FourParameters, MAX_STRIPS, Strips};
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
@@ -91,20 +91,17 @@ impl RisingTraction {
     #[inline(always)]
     pub fn sums(&self, slip: &Slip, square: &Lane, loaded: &Lane) -> Sums {
         let mut sums = Sums::default();
-        let mut largest = Lane::default();
+        let mut slides = Lane::default();
         for k in 0..WIDTH {
             let s = square.0[k];
             let height = self.ball_radius + s * horner(&self.apex, s);
             let edge = self.ball_radius + s * horner(&self.height[0], s);
             sums.slip.0[k] = slip.base.0[k] + height * slip.per_height.0[k];
             let at_edge = slip.base.0[k] + edge * slip.per_height.0[k];
-            let (a, b) = (sums.slip.0[k].abs(), at_edge.abs());
-            largest.0[k] = if loaded.0[k] > 0.0 { if a > b { a } else { b } } else { 0.0 };
+            let beyond = positive(sums.slip.0[k].abs() - self.reach) + positive(at_edge.abs() - self.reach);
+            slides.0[k] = beyond * loaded.0[k];
         }
-        let mut beyond = false;
-        for k in 0..WIDTH {
-            beyond |= largest.0[k] > self.reach;
-        }
+        let beyond = total(&slides) > 0.0;
         if beyond {
             self.add_strips(slip, square, &mut sums, |speed| {
                 let x = self.law.c * speed;
@@ -115,7 +112,7 @@ impl RisingTraction {
             let scale = 2.0 / self.reach;
             let steepest = self.law.d * self.law.c + self.law.b;
             self.add_strips(slip, square, &mut sums, |speed| {
-                let speed = if speed < self.reach { speed } else { self.reach };
+                let speed = self.reach - positive(self.reach - speed);
                 let over = polynomial(&self.fit, scale.mul_add(speed, -1.0));
                 // The matrix of the implicit part needs the slope to a few per cent only: dμ/du = μ/u + u (μ/u)'.
                 (over, over.mul_add(2.0, -steepest))
@@ -134,7 +131,7 @@ impl RisingTraction {
                 let speed = height.mul_add(slip.per_height.0[k], slip.base.0[k]);
                 let (over, slope) = law(speed.abs());
                 let force = weight * over * speed;
-                let slope = if slope > 0.0 { slope } else { 0.0 };
+                let slope = positive(slope);
                 sums.force.0[k] += force;
                 sums.moment.0[k] = force.mul_add(height, sums.moment.0[k]);
                 sums.slope.0[k] = weight.mul_add(slope, sums.slope.0[k]);
