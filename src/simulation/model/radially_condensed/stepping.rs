@@ -145,6 +145,29 @@ impl<'m> Stepper<'m> {
         let node = &mut self.nodes[0];
         self.model.rates(time, &node.balls, &node.border, &mut node.rates, &mut self.scratch);
         self.evaluations += 1;
+        self.correct();
+    }
+
+    /// The spindle once more by Adams–Moulton, with the acceleration where it was predicted to be.
+    fn correct(&mut self) {
+        if self.known < NODES {
+            return;
+        }
+        let [now, before, earlier, oldest] = &mut self.nodes;
+        let c = &MOULTON[NODES - 1];
+        for i in 0..2 {
+            let accelerations =
+                [now.rates.spindle[i], before.rates.spindle[i], earlier.rates.spindle[i], oldest.rates.spindle[i]];
+            let velocity = before.border.spindle_velocity[i] + self.step * weighed(c, accelerations);
+            now.border.spindle_velocity[i] = velocity;
+            let velocities = [
+                velocity,
+                before.border.spindle_velocity[i],
+                earlier.border.spindle_velocity[i],
+                oldest.border.spindle_velocity[i],
+            ];
+            now.border.spindle[i] = before.border.spindle[i] + self.step * weighed(c, velocities);
+        }
     }
 
     /// One step, after `rate`.
