@@ -295,6 +295,10 @@ impl RadiallyCondensed {
         &self.mechanism
     }
 
+    fn pockets_are_damped(&self) -> bool {
+        self.film.damping > 0.0
+    }
+
     pub fn needs(&self) -> &Needs {
         &self.needs
     }

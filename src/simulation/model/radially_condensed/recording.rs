@@ -37,12 +37,6 @@ impl Pace {
     }
 }
 
-impl Default for Pace {
-    fn default() -> Self {
-        Self { steps_per_value: 2 }
-    }
-}
-
 /// Simulates a scene on this rung. Deterministic: the same arguments give the same bits.
 pub fn simulate(
     scene: &Scene,
@@ -50,11 +44,17 @@ pub fn simulate(
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
     let model = RadiallyCondensed::new(scene, &settings.outputs)?;
-    let pace = settings.fixed_step.map_or(Pace::default(), Pace::of);
+    let pace = settings.fixed_step.map_or(model.pace(), Pace::of);
     model.run(settings, pace, control)
 }
 
 impl RadiallyCondensed {
+    /// Longest steps that serve: a film holds the balls in their pockets gently, walls do not.
+    pub fn pace(&self) -> Pace {
+        let gentle = !self.mechanism().layout.cage || self.pockets_are_damped();
+        Pace { steps_per_value: if gentle { 1 } else { 4 } }
+    }
+
     /// Runs from equilibrium through settling and kept time.
     pub fn run(
         &self,

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! A of the current step multiplies a difference that is of the method's own order, so that any A keeps the order. The
-//! spindle's velocity takes Adams–Bashforth, all positions Adams–Moulton with the new velocities. The order is `ORDER`;
-//! spindle and positions have one more. The first steps are of rising order and a sixteenth of the length.
+//! spindle is predicted by Adams–Bashforth and corrected by Adams–Moulton once its acceleration is known; all positions take
+//! Adams–Moulton with the new velocities. The order is `ORDER`; spindle and positions have one more. The first steps are of rising order and a sixteenth of the length.
 
 use super::{BallRates, Balls, Border, Instructions, Lane, RadiallyCondensed, Rates, Scratch, Seen, WIDTH};
 

@@ -61,7 +61,7 @@ fn levels_are_those_of_the_full_dynamics() {
     {
         let scene = article(speed, [load, 0.0], clearance, balls, grade);
         let full = run(&scene, &settings(5e-3, 10e-3), &CONTROL).unwrap();
-        let condensed = recorded(&scene, 5e-3, 10e-3, 2);
+        let condensed = recorded(&scene, 5e-3, 10e-3, 1);
         for series in &full.series {
             let expected: Vec<f64> = series.values.iter().map(|value| value / series.channel.scale()).collect();
             let found = condensed.signal(series.channel).unwrap();
@@ -74,12 +74,13 @@ fn levels_are_those_of_the_full_dynamics() {
     }
 }
 
-/// A method of order 3: the distance of steps h from steps h/2 falls by 8 with h. Kinks of contacts that open and close
-/// keep it from being exact: at least 5, and no more than 16.
+/// A method of order 3: the distance of steps h from steps h/2 falls by 8 with h, measured without cage and with all contacts
+/// loaded; kinks of traction where slip changes its direction let it be 6 at least on the way from 4 to ½ µs.
 #[test]
 fn steps_are_of_third_order() {
-    let scene = article(50_000.0, [600.0, 0.0], -20.0, 8, 6.3);
-    let model = model(&scene);
+    let text = r#"{ "bearing": { "preset": "article-integrated", "radial_clearance_um": -20 }, "terms": { "cage": "off" },
+        "operation": { "speed_rpm": 50000, "radial_load_y_n": 300 }, "spindle": { "balance_grade": 40 } }"#;
+    let model = model(&scene_from_json(text).unwrap());
     let end = 1.2e-3;
     let at = |steps: u32| {
         let (balls, border) = model.start().unwrap();
@@ -88,16 +89,16 @@ fn steps_are_of_third_order() {
             stepper.rate();
             stepper.advance();
         }
-        let border = stepper.border();
-        [border.spindle_velocity[0], border.spindle_velocity[1]]
+        let ball = &stepper.balls()[0];
+        (stepper.border().spindle_velocity, ball.spin.0[1])
     };
-    let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    let runs = [600, 1200, 2400, 4800].map(at);
-    let distances: Vec<f64> = runs.windows(2).map(|pair| distance(pair[0], pair[1])).collect();
-    println!("distances {distances:?}");
-    for pair in distances.windows(2) {
-        let ratio = pair[0] / pair[1];
-        assert!((5.0..20.0).contains(&ratio), "{distances:?}");
+    let runs = [300, 600, 1200, 2400].map(at);
+    let of_spindle = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let spindle: Vec<f64> = runs.windows(2).map(|pair| of_spindle(pair[0].0, pair[1].0)).collect();
+    let spin: Vec<f64> = runs.windows(2).map(|pair| (pair[0].1 - pair[1].1).abs()).collect();
+    println!("spindle {spindle:?} spin {spin:?}");
+    for distances in [spindle, spin] {
+        assert!(distances[0] / distances[2] > 36.0, "{distances:?}");
     }
 }
 
@@ -107,7 +108,7 @@ fn bits_repeat_with_all_instructions() {
     let scene = article(50_000.0, [200.0, 30.0], 5.0, 7, 6.3);
     let signals = |instructions| {
         let model = model(&scene).with_instructions(instructions);
-        model.run(&settings(1e-3, 3e-3), Pace::default(), &CONTROL).unwrap().0.signals
+        model.run(&settings(1e-3, 3e-3), Pace { steps_per_value: 2 }, &CONTROL).unwrap().0.signals
     };
     let reference = signals(Instructions::Baseline);
     for instructions in Instructions::available() {
@@ -148,15 +149,18 @@ fn scenes_out_of_the_plane_are_refused() {
     let plain = settings(0.0, 1e-3).outputs;
     let scene = |text: &str| scene_from_json(text).unwrap();
     let reason = |text: &str| refusal(&scene(text), &plain);
-    assert_eq!(reason(r#"{ "bearing": "article-integrated" }"#), None);
-    let pushed =
-        r#"{ "bearing": "article-integrated", "operation": { "axial_load_n": 10 }, "spindle": { "axial": "free" } }"#;
+    assert_eq!(
+        reason(r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9 } }"#),
+        None
+    );
+    let pushed = r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9, "axial_load_n": 10 }, "spindle": { "axial": "free" } }"#;
     assert_eq!(reason(pushed), Some("an axial load acts"));
     assert!(RadiallyCondensed::new(&scene(pushed), &plain).is_err());
-    let free = r#"{ "bearing": "article-integrated", "spindle": { "axial": "free" } }"#;
+    let free = r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9 }, "spindle": { "axial": "free" } }"#;
     assert_eq!(reason(free), Some("the spindle moves along X"));
     let along_x = Outputs { series: vec![Channel::Spindle(Axis::X, Motion::Acceleration)], ..plain.clone() };
-    let article = scene(r#"{ "bearing": "article-integrated" }"#);
+    let article =
+        scene(r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9 } }"#);
     assert_eq!(refusal(&article, &along_x), Some("an output asks for motion along X"));
 }
 
@@ -170,7 +174,7 @@ fn the_general_contact_agrees_with_the_short_form() {
     general.traction = PerRaceway { inner: RacewayTraction::General, outer: RacewayTraction::General };
     let [a, b] = [short, general].map(|model| {
         assert!(matches!(model.traction.inner, RacewayTraction::General) || model.plain_pocket);
-        model.run(&settings(2e-3, 4e-3), Pace::default(), &CONTROL).unwrap().0
+        model.run(&settings(2e-3, 4e-3), Pace { steps_per_value: 2 }, &CONTROL).unwrap().0
     });
     for axis in [Axis::Y, Axis::Z] {
         let channel = Channel::Spindle(axis, Motion::Acceleration);
