@@ -116,6 +116,8 @@ pub struct RadiallyCondensed {
     constant_speed: bool,
     mixture: Mixture,
     root: f64,
+    /// Where the spindle starts [m].
+    rest: [f64; 2],
     instructions: Instructions,
 }
 
@@ -226,7 +228,7 @@ impl RadiallyCondensed {
         let stiffness = m.raceway.map(|contact| contact.hertz().stiffness);
         let axis_square = m.raceway.map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2));
         let ball_radius = 0.5 * bearing.parameters.ball_diameter;
-        let rest = equilibrium(&m, scene.operating_speed())?;
+        let rest = equilibrium(&m, m.speed.at(0.0).1)?;
         let largest = rest.loads.iter().fold(0.0, |most, load| f64::max(most, f64::max(load.inner, load.outer)));
         let one = |contact: &crate::physics::raceway::RacewayContact| {
             let (a, _) = contact.hertz().semi_axes(LOAD_MARGIN * largest);
@@ -275,6 +277,7 @@ impl RadiallyCondensed {
             constant_speed: scene.operation.speed.is_constant(),
             mixture: Mixture::at(&m, m.speed.at(0.0).1),
             root: unloaded_root(&m, m.speed.at(0.0).1, stiffness.outer),
+            rest: [rest.spindle[1], rest.spindle[2]],
             instructions: Instructions::available()[0],
             mechanism: m,
             needs,
@@ -313,10 +316,9 @@ impl RadiallyCondensed {
     }
 
     /// Spindle in equilibrium under load, gravity and centrifugal force; balls rolling ideally, cage centred.
-    pub fn start(&self) -> Result<(Vec<Balls>, Border), SimulationError> {
-        let rest = equilibrium(&self.mechanism, self.mechanism.speed.at(0.0).1)?;
-        let border = Border { spindle: [rest.spindle[1], rest.spindle[2]], ..Border::default() };
-        Ok((vec![Balls::default(); self.groups], border))
+    pub fn start(&self) -> (Vec<Balls>, Border) {
+        let border = Border { spindle: self.rest, ..Border::default() };
+        (vec![Balls::default(); self.groups], border)
     }
 
     /// Rates at a time [s], and what was seen of each group of balls.

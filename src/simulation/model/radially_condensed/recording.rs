@@ -15,6 +15,8 @@ use crate::simulation::scene::Scene;
 
 /// Steps between two looks at `Control`.
 const STEPS_PER_LOOK: u64 = 256;
+/// A spindle or cage beyond this is lost [m, m/s].
+const FARTHEST: f64 = 1.0;
 /// Spindle signals that pass the filter.
 const FILTERED: usize = 6;
 
@@ -118,14 +120,14 @@ impl Run<'_> {
             [Motion::Displacement, Motion::Velocity, Motion::Acceleration].map(|motion| Channel::Spindle(axis, motion))
         });
         let channels: Vec<Channel> = channels.into_iter().flatten().collect();
-        let mut filtered: Vec<Vec<f64>> = vec![Vec::with_capacity(values); FILTERED];
+        let mut filtered: Vec<Vec<f64>> = (0..FILTERED).map(|_| Vec::with_capacity(values)).collect();
         let mut picked: Vec<(Channel, Vec<f64>)> =
             self.picked().into_iter().map(|channel| (channel, Vec::with_capacity(values))).collect();
 
         // The first kept value falls on a step: the part of a step before that is a short start.
         let before = (settings.settle / step).floor();
         let offset = settings.settle - before * step;
-        let (balls, border) = model.start()?;
+        let (balls, border) = model.start();
         let mut stepper = Stepper::new(model, offset, balls, border, step);
         let first = (before as u64).max(stepper.steps());
         let primed = first < stepper.steps() + delay as u64;
@@ -134,6 +136,7 @@ impl Run<'_> {
         let mut sums = [[0.0; 2]; FILTERED];
         let mut origin = [0.0; FILTERED];
         let (mut shaft, mut cage, mut spin, mut looks) = (0.0, 0.0, 0.0, 0.0);
+        let wants_extremes = settings.outputs.contacts || settings.outputs.cage;
         let mut extremes = Extremes {
             load: vec![PerRaceway::default(); model.groups()],
             slip: PerRaceway::default(),
@@ -144,9 +147,9 @@ impl Run<'_> {
         loop {
             let now = stepper.steps();
             let counts = kept.contains(&now);
-            let keeps = counts && (now - first) % factor as u64 == 0;
+            let keeps = counts && (now - first).is_multiple_of(factor as u64);
             stepper.rate();
-            if counts {
+            if counts && wants_extremes {
                 stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.look(group, seen));
             }
             if now + delay as u64 >= first || primed {
@@ -174,12 +177,12 @@ impl Run<'_> {
                         sum[1] += off * off;
                     }
                 }
-                if !primed || now >= first {
-                    if let Some(frame) = decimator.push(&frame) {
-                        for (signal, value) in filtered.iter_mut().zip(frame) {
-                            if signal.len() < values {
-                                signal.push(*value);
-                            }
+                if (!primed || now >= first)
+                    && let Some(frame) = decimator.push(&frame)
+                {
+                    for (signal, value) in filtered.iter_mut().zip(frame) {
+                        if signal.len() < values {
+                            signal.push(*value);
                         }
                     }
                 }
@@ -337,7 +340,12 @@ impl Run<'_> {
 
     fn finite(&self, stepper: &Stepper<'_>) -> Result<(), SimulationError> {
         let border = stepper.border();
-        let away = border.spindle.iter().chain(&border.spindle_velocity).chain(&border.cage).any(|x| !(x.abs() < 1.0));
+        let away = border
+            .spindle
+            .iter()
+            .chain(&border.spindle_velocity)
+            .chain(&border.cage)
+            .any(|x| x.is_nan() || x.abs() > FARTHEST);
         if away {
             let source = IntegrationError::NotFinite { time: stepper.time(), step: self.pace.step(), component: 0 };
             return Err(SimulationError::Integration { source, entry: "spindle or cage, radially condensed".into() });

@@ -44,7 +44,9 @@ fn model(scene: &Scene) -> RadiallyCondensed {
 }
 
 fn recorded(scene: &Scene, settle: f64, duration: f64, steps_per_value: usize) -> Recording {
-    model(scene).run(&settings(settle, duration), Pace { steps_per_value }, &CONTROL).unwrap().0
+    let mut settings = settings(settle, duration);
+    settings.outputs.contacts = true;
+    model(scene).run(&settings, Pace { steps_per_value }, &CONTROL).unwrap().0
 }
 
 fn spread(signal: &[f64]) -> f64 {
@@ -83,7 +85,7 @@ fn steps_are_of_third_order() {
     let model = model(&scene_from_json(text).unwrap());
     let end = 1.2e-3;
     let at = |steps: u32| {
-        let (balls, border) = model.start().unwrap();
+        let (balls, border) = model.start();
         let mut stepper = Stepper::new(&model, 0.0, balls, border, end / f64::from(steps));
         while stepper.steps() < u64::from(steps) {
             stepper.rate();
