@@ -118,6 +118,8 @@ pub struct RadiallyCondensed {
     root: f64,
     /// Where the spindle starts [m].
     rest: [f64; 2],
+    /// Damping over mass and frequency of the spindle on its contacts at rest, as if all lay in one direction [1/s, rad/s].
+    spindle_rates: [f64; 2],
     instructions: Instructions,
 }
 
@@ -250,6 +252,15 @@ impl RadiallyCondensed {
                 _ => RacewayTraction::General,
             }
         };
+        let damping = scene.raceway_damping.resolve();
+        let (mut held, mut damped) = (0.0, 0.0);
+        for load in rest.loads.iter().filter(|load| load.inner > 0.0) {
+            // Two contacts in series: half of the slope and of the damping of one.
+            let depth = (load.inner / stiffness.inner).powf(2.0 / 3.0);
+            held += 0.75 * load.inner / depth;
+            damped += 0.5 * (damping.chi * load.inner + damping.viscous);
+        }
+        let spindle_rates = [damped / m.spindle_mass, (held / m.spindle_mass).sqrt()];
         let film_damping = match scene.cage.film {
             PocketFilm::Wedge => WEDGE_DAMPING,
             PocketFilm::Given { damping, .. } => damping,
@@ -265,7 +276,7 @@ impl RadiallyCondensed {
             traction: m.raceway.map(one),
             axis_square,
             stiffness,
-            damping: scene.raceway_damping.resolve(),
+            damping,
             clearance: 0.5 * bearing.radial_clearance,
             film: Film {
                 stiffness: m.pocket.film_stiffness(),
@@ -278,6 +289,7 @@ impl RadiallyCondensed {
             mixture: Mixture::at(&m, m.speed.at(0.0).1),
             root: unloaded_root(&m, m.speed.at(0.0).1, stiffness.outer),
             rest: [rest.spindle[1], rest.spindle[2]],
+            spindle_rates,
             instructions: Instructions::available()[0],
             mechanism: m,
             needs,

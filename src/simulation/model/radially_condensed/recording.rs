@@ -15,6 +15,9 @@ use crate::simulation::scene::Scene;
 
 /// Steps between two looks at `Control`.
 const STEPS_PER_LOOK: u64 = 256;
+/// Largest product of the step with the rate at which the contacts at rest damp the spindle, and with its frequency on them.
+const LARGEST_DECAY: f64 = 0.2;
+const LARGEST_TURN: f64 = 0.4;
 /// A spindle or cage beyond this is lost [m, m/s].
 const FARTHEST: f64 = 1.0;
 /// Spindle signals that pass the filter.
@@ -51,10 +54,13 @@ pub fn simulate(
 }
 
 impl RadiallyCondensed {
-    /// Longest steps that serve: a film holds the balls in their pockets gently, walls do not.
+    /// Longest steps that serve: a film holds the balls in their pockets gently, walls do not; and the spindle on its loaded
+    /// contacts is advanced explicitly.
     pub fn pace(&self) -> Pace {
         let gentle = !self.mechanism().layout.cage || self.pockets_are_damped();
-        Pace { steps_per_value: if gentle { 1 } else { 4 } }
+        let fastest = (self.spindle_rates[0] / LARGEST_DECAY).max(self.spindle_rates[1] / LARGEST_TURN);
+        let stable = (fastest / RATE).ceil().max(1.0) as usize;
+        Pace { steps_per_value: stable.max(if gentle { 1 } else { 4 }) }
     }
 
     /// Runs from equilibrium through settling and kept time.

@@ -76,14 +76,15 @@ fn levels_are_those_of_the_full_dynamics() {
     }
 }
 
-/// A method of order 3: the distance of steps h from steps h/2 falls by 8 with h, measured without cage and with all contacts
-/// loaded; kinks of traction where slip changes its direction let it be 6 at least on the way from 4 to ½ µs.
+/// A method of order 3: the distance of steps h from steps h/2 falls by 8 with h. Measured on spindle and azimuths from 12
+/// to 1.5 µs, without cage: by 36 at least where two halvings of order 3 give 64. Below, contacts that open and traction that
+/// turns are seen, and what the first steps make of the balls' fast way to their speeds.
 #[test]
 fn steps_are_of_third_order() {
-    let text = r#"{ "bearing": { "preset": "article-integrated", "radial_clearance_um": -20 }, "terms": { "cage": "off" },
+    let text = r#"{ "bearing": "article-integrated", "terms": { "cage": "off" },
         "operation": { "speed_rpm": 50000, "radial_load_y_n": 300 }, "spindle": { "balance_grade": 40 } }"#;
     let model = model(&scene_from_json(text).unwrap());
-    let end = 1.2e-3;
+    let end = 6e-3;
     let at = |steps: u32| {
         let (balls, border) = model.start();
         let mut stepper = Stepper::new(&model, 0.0, balls, border, end / f64::from(steps));
@@ -91,15 +92,14 @@ fn steps_are_of_third_order() {
             stepper.rate();
             stepper.advance();
         }
-        let ball = &stepper.balls()[0];
-        (stepper.border().spindle_velocity, ball.spin.0[1])
+        stepper.rate();
+        let [y, z] = stepper.border().spindle_velocity;
+        [y, z, stepper.balls()[0].arc.0[2]]
     };
-    let runs = [300, 600, 1200, 2400].map(at);
-    let of_spindle = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    let spindle: Vec<f64> = runs.windows(2).map(|pair| of_spindle(pair[0].0, pair[1].0)).collect();
-    let spin: Vec<f64> = runs.windows(2).map(|pair| (pair[0].1 - pair[1].1).abs()).collect();
-    println!("spindle {spindle:?} spin {spin:?}");
-    for distances in [spindle, spin] {
+    let runs = [500, 1000, 2000, 4000].map(at);
+    for value in 0..3 {
+        let distances: Vec<f64> = runs.windows(2).map(|pair| (pair[0][value] - pair[1][value]).abs()).collect();
+        println!("value {value}: {distances:?}");
         assert!(distances[0] / distances[2] > 36.0, "{distances:?}");
     }
 }
