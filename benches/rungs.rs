@@ -157,13 +157,13 @@ fn main() {
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let mut summary = PACES.map(|_| (Vec::new(), Vec::new()));
     let (mut within, mut figures) = (PACES.map(|_| 0), 0);
-    for number in first - 1..last {
+    for (number, &(speed, load, clearance, balls, mass, grade)) in SCENES.iter().enumerate().take(last).skip(first - 1)
+    {
         let (scene, text) = scene(number);
         assert!(scene.cage.seat == PocketSeat::Open || scene.cage.offset == 0.0);
         let (reference, full_speed) = full(&scene, &text);
         let reference = reference.map(|windows| mean_and_spread(&windows));
         figures += 4;
-        let (speed, load, clearance, balls, mass, grade) = SCENES[number];
         for (i, steps_per_value) in PACES.into_iter().enumerate() {
             let pace = Pace { steps_per_value };
             let long = settings(&scene, WINDOW * WINDOWS as f64);
