@@ -6,6 +6,7 @@ mod dynamics;
 mod full;
 mod jacobian;
 mod planar;
+pub mod radially_condensed;
 pub mod spindle_only;
 
 pub use dynamics::{Dynamics, Reaction, Watch, Wrench};

@@ -1,0 +1,227 @@
+//! The radially condensed rung against the full dynamics: error of the levels and run time.
+//!
+//! `cargo bench --bench rungs [-- FIRST LAST]` runs the scenes of these numbers, all without them. The full dynamics run by
+//! `auto` at a relative tolerance of 1e-7 over four windows of 0.1 s after settling; levels are the mean power of the windows, 0–20 kHz, the
+//! spread is the standard deviation of the windows' levels. Run time is that of 0.02 + 0.1 s, CPU time of the thread, least of
+//! several runs. With `RUNGS_REFERENCE=DIR` the levels of the full dynamics are kept in that folder and read from it.
+
+use std::path::PathBuf;
+
+use raceway::contract::scene_from_json;
+use raceway::physics::cage::PocketSeat;
+use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::metrics::channel_metrics;
+use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
+use raceway::simulation::observe::{RATE, Recording};
+use raceway::simulation::run::{Control, Method, Outputs, RunSettings, run};
+use raceway::simulation::scene::Scene;
+use serde_json::{Value, json};
+
+const WINDOW: f64 = 0.1;
+const WINDOWS: usize = 4;
+const PACES: [usize; 4] = [1, 2, 3, 4];
+const TIMED_RUNS: usize = 7;
+const CHANNELS: [Channel; 4] = [
+    Channel::Spindle(Axis::Y, Motion::Acceleration),
+    Channel::Spindle(Axis::Z, Motion::Acceleration),
+    Channel::Spindle(Axis::Y, Motion::Velocity),
+    Channel::Spindle(Axis::Z, Motion::Velocity),
+];
+
+/// r/min, N, P_d [µm], balls, spindle [g], balance grade [mm/s].
+const SCENES: [(f64, f64, f64, u32, f64, f64); 18] = [
+    (50_000.0, 200.0, 5.0, 7, 50.0, 0.0),
+    (50_000.0, 200.0, 5.0, 7, 50.0, 6.3),
+    (50_000.0, 200.0, 2.0, 7, 50.0, 0.0),
+    (50_000.0, 200.0, 10.0, 7, 50.0, 0.0),
+    (50_000.0, 50.0, 5.0, 7, 50.0, 0.0),
+    (50_000.0, 400.0, 5.0, 7, 50.0, 0.0),
+    (30_000.0, 200.0, 5.0, 7, 50.0, 0.0),
+    (10_000.0, 200.0, 5.0, 7, 50.0, 0.0),
+    (60_000.0, 200.0, 5.0, 7, 50.0, 0.0),
+    (50_000.0, 200.0, 5.0, 6, 50.0, 0.0),
+    (50_000.0, 200.0, 5.0, 8, 50.0, 0.0),
+    (50_000.0, 200.0, 5.0, 9, 50.0, 0.0),
+    (50_000.0, 200.0, 5.0, 7, 100.0, 0.0),
+    (20_000.0, 100.0, 8.0, 8, 70.0, 2.5),
+    (40_000.0, 300.0, 3.0, 9, 80.0, 6.3),
+    (60_000.0, 100.0, 4.0, 6, 60.0, 1.0),
+    (10_000.0, 50.0, 3.0, 9, 100.0, 0.0),
+    (30_000.0, 400.0, 10.0, 8, 50.0, 6.3),
+];
+
+fn scene(number: usize) -> (Scene, String) {
+    let (speed, load, clearance, balls, mass, grade) = SCENES[number];
+    // Nine balls of this size need a larger circle.
+    let pitch = if balls > 8 { 14.0 } else { 13.0 };
+    let json: Value = json!({
+        "bearing": {
+            "preset": "article-integrated", "ball_count": balls, "radial_clearance_um": clearance,
+            "pitch_diameter_mm": pitch, "outer_diameter_mm": pitch + 5.0, "inner_diameter_mm": pitch - 4.5
+        },
+        "spindle": if grade > 0.0 { json!({ "mass_kg": 1e-3 * mass, "balance_grade": grade }) } else { json!({ "mass_kg": 1e-3 * mass }) },
+        "operation": { "speed_rpm": speed, "radial_load_y_n": load }
+    });
+    let text = json.to_string();
+    (scene_from_json(&text).unwrap_or_else(|fault| panic!("{text}: {fault:?}")), text)
+}
+
+fn settings(scene: &Scene, duration: f64) -> RunSettings {
+    let cage = 0.43 * scene.operating_speed() / std::f64::consts::TAU;
+    RunSettings {
+        method: Method::Auto,
+        rung: None,
+        relative_tolerance: 1e-7,
+        model_tolerance_db: 0.0,
+        fixed_step: None,
+        settle: (3.0 / cage).max(0.02),
+        duration,
+        outputs: Outputs {
+            vibration: true,
+            contacts: false,
+            cage: false,
+            spectra: Vec::new(),
+            series: CHANNELS.to_vec(),
+        },
+    }
+}
+
+const CONTROL: Control<'static> = Control { stop: &|| false, progress: &|_| {} };
+
+/// Rms of each window of each channel [SI].
+type Levels = [[f64; WINDOWS]; 4];
+
+fn levels(signal: impl Fn(Channel) -> Vec<f64>) -> Levels {
+    let length = (WINDOW * RATE) as usize;
+    CHANNELS.map(|channel| {
+        let signal = signal(channel);
+        std::array::from_fn(|w| {
+            channel_metrics(channel, &signal[w * length..(w + 1) * length], 0.0).rms / channel.scale()
+        })
+    })
+}
+
+fn of_recording(recording: &Recording) -> Levels {
+    levels(|channel| recording.signal(channel).expect("kept").to_vec())
+}
+
+fn full(scene: &Scene, text: &str) -> (Levels, f64) {
+    let kept = std::env::var_os("RUNGS_REFERENCE").map(|dir| {
+        let name: String = text.chars().filter(|c| c.is_ascii_digit() || ".,".contains(*c)).collect();
+        PathBuf::from(dir).join(name)
+    });
+    if let Some(text) = kept.as_ref().and_then(|path| std::fs::read_to_string(path).ok()) {
+        return serde_json::from_str(&text).expect("written by this program");
+    }
+    let settings = settings(scene, WINDOW * WINDOWS as f64);
+    let begin = cpu_time();
+    let result = run(scene, &settings, &CONTROL).expect("the full dynamics run");
+    let speed = (settings.settle + settings.duration) / (cpu_time() - begin);
+    let found = levels(|channel| {
+        let series = result.series.iter().find(|series| series.channel == channel).expect("kept");
+        series.values.iter().map(|value| value / channel.scale()).collect()
+    });
+    if let Some(path) = kept {
+        std::fs::write(path, serde_json::to_string(&(found, speed)).expect("numbers")).expect("a folder");
+    }
+    (found, speed)
+}
+
+#[cfg(target_os = "linux")]
+fn cpu_time() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+#[cfg(not(target_os = "linux"))]
+fn cpu_time() -> f64 {
+    std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0.0, |time| time.as_secs_f64())
+}
+
+/// Level of the mean power [dB re 1], and the standard deviation of the windows' levels.
+fn mean_and_spread(windows: &[f64; WINDOWS]) -> (f64, f64) {
+    let n = WINDOWS as f64;
+    let power = windows.iter().map(|rms| rms * rms).sum::<f64>() / n;
+    let db = windows.map(|rms| 20.0 * rms.log10());
+    let mean = db.iter().sum::<f64>() / n;
+    let variance = db.iter().map(|level| (level - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (10.0 * power.log10(), variance.sqrt())
+}
+
+fn main() {
+    let numbers: Vec<usize> = std::env::args().skip(1).filter_map(|argument| argument.parse().ok()).collect();
+    let (first, last) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(SCENES.len()));
+    println!(
+        "| scene | r/min | N | P_d µm | balls | g | G | rms full a_y, a_z m/s² | spread a_y, a_z, v_y, v_z dB | full × | step µs | error a_y, a_z, v_y, v_z dB | × real time |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    let mut summary = PACES.map(|_| (Vec::new(), Vec::new()));
+    let (mut within, mut figures) = (PACES.map(|_| 0), 0);
+    for (number, &(speed, load, clearance, balls, mass, grade)) in SCENES.iter().enumerate().take(last).skip(first - 1)
+    {
+        let (scene, text) = scene(number);
+        assert!(scene.cage.seat == PocketSeat::Open || scene.cage.offset == 0.0);
+        let (reference, full_speed) = full(&scene, &text);
+        let reference = reference.map(|windows| mean_and_spread(&windows));
+        figures += 4;
+        for (i, steps_per_value) in PACES.into_iter().enumerate() {
+            let pace = Pace { steps_per_value };
+            let long = settings(&scene, WINDOW * WINDOWS as f64);
+            let model = RadiallyCondensed::new(&scene, &long.outputs).expect("a scene in the plane");
+            let (errors, factor) = match model.run(&long, pace, &CONTROL) {
+                Ok((recording, _)) => {
+                    let found = of_recording(&recording).map(|windows| mean_and_spread(&windows));
+                    let errors: [f64; 4] = std::array::from_fn(|c| found[c].0 - reference[c].0);
+                    (errors, real_time_factor(&scene, pace))
+                }
+                Err(fault) => {
+                    println!("{fault}");
+                    ([f64::NAN; 4], f64::NAN)
+                }
+            };
+            within[i] += errors.iter().zip(&reference).filter(|(e, r)| e.abs() <= 0.05 + 2.0 * r.1).count();
+            summary[i].0.extend(errors.map(f64::abs));
+            summary[i].1.push(factor);
+            let decibels = |values: &[f64]| values.iter().map(|v| format!("{v:.3}")).collect::<Vec<_>>().join(" ");
+            let accelerations =
+                format!("{:.2} {:.2}", 10f64.powf(0.05 * reference[0].0), 10f64.powf(0.05 * reference[1].0));
+            println!(
+                "| {} | {speed} | {load} | {clearance} | {balls} | {mass} | {grade} | {accelerations} | {} | {full_speed:.2} | {:.2} | {} | {factor:.1} |",
+                number + 1,
+                decibels(&reference.map(|r| r.1)),
+                pace.step() * 1e6,
+                decibels(&errors)
+            );
+        }
+    }
+    println!();
+    println!(
+        "| step µs | figures within 0.05 dB + 2 spreads | median error dB | worst error dB | least, median × real time |"
+    );
+    println!("|---|---|---|---|---|");
+    for (i, (mut errors, mut factors)) in summary.into_iter().enumerate() {
+        errors.sort_by(f64::total_cmp);
+        factors.sort_by(f64::total_cmp);
+        let step = Pace { steps_per_value: PACES[i] }.step() * 1e6;
+        let (median, worst) = (errors[errors.len() / 2], errors[errors.len() - 1]);
+        println!(
+            "| {step:.2} | {} of {figures} | {median:.3} | {worst:.3} | {:.0}, {:.0} |",
+            within[i],
+            factors[0],
+            factors[factors.len() / 2]
+        );
+    }
+}
+
+/// Simulated over CPU time, model and recording included.
+fn real_time_factor(scene: &Scene, pace: Pace) -> f64 {
+    let settings = RunSettings { settle: 0.02, ..settings(scene, 0.1) };
+    let once = || {
+        let begin = cpu_time();
+        let model = RadiallyCondensed::new(scene, &settings.outputs).expect("a scene in the plane");
+        let recording = model.run(&settings, pace, &CONTROL).expect("it ran before");
+        std::hint::black_box(&recording);
+        cpu_time() - begin
+    };
+    0.12 / (0..TIMED_RUNS).map(|_| once()).fold(f64::INFINITY, f64::min)
+}
