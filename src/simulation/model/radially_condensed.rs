@@ -268,7 +268,7 @@ impl RadiallyCondensed {
         };
         Ok(Self {
             start: (0..groups)
-                .map(|group| [lane(group, &|ball| m.start[ball].cosine), lane(group, &|ball| m.start[ball].sine)])
+                .map(|group| [lane(group, &|ball| m.start.cosine[ball]), lane(group, &|ball| m.start.sine[ball])])
                 .collect(),
             active: (0..groups).map(|group| lane(group, &|_| 1.0)).collect(),
             groups,

@@ -74,7 +74,10 @@ impl RisingTraction {
             })
         };
         let strips = Strips::new(strips);
-        let half = strips.half();
+        // Both sides of the groove slip alike: one side with twice the weight, and the middle.
+        let all = strips.as_slice();
+        let mut half = all[..all.len().div_ceil(2)].to_vec();
+        half[..all.len() / 2].iter_mut().for_each(|strip| strip.weight *= 2.0);
         Self {
             law,
             fit: chebyshev_fit(|t| over_speed(&law, t * REACH, (-t * REACH).exp())),
