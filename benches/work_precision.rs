@@ -115,7 +115,7 @@ fn estimates(name: &str) {
             "| {name} | {method} | {tolerance:e} | {stated:.1e} | {error:.1e} | {:.2} | {} | {:.0} |",
             stated / error,
             accuracy.motion.map_or("unknown".into(), |motion| format!("{motion:?}").to_lowercase()),
-            accuracy.divergence_rate_per_s
+            accuracy.divergence_rate_per_s.unwrap_or(f64::NAN)
         );
     }
 }

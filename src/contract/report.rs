@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::units::significant;
 use crate::physics::kinematics::CharacteristicFrequencies;
 use crate::simulation::metrics::{AccuracyReport, MotionKind, SolverReport};
 use crate::simulation::needs::{Grounds, LeftOut};
@@ -57,8 +58,10 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub motion: Option<MotionName>,
-    /// Rate at which neighbouring runs part; negative: they meet [1/s].
-    pub divergence_rate_per_s: f64,
+    /// Rate at which neighbouring runs part; negative: they meet [1/s]. Absent where `motion` is: too short to tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub divergence_rate_per_s: Option<f64>,
     /// Present where the level is not resolved (an error of more than 1 dB), or where a fixed step lies beyond the limit of
     /// stability: then the result is wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -127,7 +130,7 @@ impl From<&SolverReport> for SolverAnswer {
             wall_time_s: report.wall_time,
             simulated_time_s: report.simulated_time,
             real_time_factor: report.simulated_time / report.wall_time.max(1e-9),
-            relative_tolerance: report.relative_tolerance,
+            relative_tolerance: significant(report.relative_tolerance, 3),
             states: report.states as u64,
             strips: report.strips as u64,
             mean_step_s: work.advanced / work.steps.max(1) as f64,
@@ -142,7 +145,7 @@ impl From<&AccuracyReport> for AccuracyAnswer {
             level_error_db: report.level_error_db,
             how: report.how.clone(),
             motion: report.motion.map(MotionName::from),
-            divergence_rate_per_s: report.divergence_rate,
+            divergence_rate_per_s: report.motion.map(|_| report.divergence_rate),
             warning: report.warning.clone(),
         }
     }

@@ -1,7 +1,7 @@
 //! How far a run can be trusted: does a disturbance die out, and does the level depend on the tolerance?
 
 use super::channel::{Axis, Channel, Motion};
-use super::divergence::{divergence_rate, judged_stretch, motion};
+use super::divergence::{divergence_rate, judged_stretch, judging, motion};
 use super::metrics::{AccuracyReport, BAND, MotionKind};
 use super::observe::{self, Observer, RATE, Recording};
 use super::run::{Attempt, Control, Outputs, RunSettings, Setup, SimulationError, Span, Stepping, integrate};
@@ -37,8 +37,9 @@ const NOISY: f64 = 0.3;
 const MUCH_TIGHTER: f64 = 100.0;
 /// Tightest relative tolerance that double precision resolves here.
 const LEAST_TOLERANCE: f64 = 1e-13;
-/// A repetition may take this many times the evaluations of the run, and at least of so many.
-const EVALUATIONS_OVER_RUN: u64 = 50;
+/// What judges a run, and what repeats the whole of it, may take this many times its evaluations, and at least of so many.
+const JUDGING: u64 = 10;
+const REPEATING: u64 = 50;
 const LEAST_EVALUATIONS: u64 = 10_000;
 /// Levels below this count as silence [m/s²].
 const SILENCE: f64 = 1e-6;
@@ -55,7 +56,7 @@ pub(super) fn judge(
 ) -> Result<(Attempt, AccuracyReport), SimulationError> {
     let settings = setup.settings;
     let (stretch, checkpoint) = (judged_stretch(settings), &first.integrated.checkpoint);
-    let most = EVALUATIONS_OVER_RUN * first.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
+    let most = JUDGING * first.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
     let parted = divergence_rate(setup.model, settings, settings.settle, checkpoint, stretch, most, control);
     let (parted, mut failure) = or_failure(parted)?;
     (control.progress)(0.88);
@@ -70,7 +71,7 @@ pub(super) fn judge(
         let warning = attempt.integrated.unstable.clone().or(failure.clone()).or_else(|| doubt(level_error_db));
         (attempt, AccuracyReport { level_error_db, how, motion, divergence_rate, warning })
     };
-    let at = match repeating(settings.method) {
+    let at = match judging(settings.method) {
         _ if fixed => "half of the step".into(),
         method if method == settings.method => "a tenth of the relative tolerance".to_owned(),
         other => format!("a tenth of the relative tolerance by {}", other.name()),
@@ -126,7 +127,7 @@ fn resolve(
     control: &Control<'_>,
 ) -> Result<(Attempt, Option<f64>, f64), SimulationError> {
     let chooses = setup.settings.method == Method::Auto;
-    let most = EVALUATIONS_OVER_RUN * first.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
+    let most = REPEATING * first.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
     let (mut kept, mut last, mut error) = (first, None::<Attempt>, Some(first_error));
     loop {
         let latest = last.as_ref().unwrap_or(&kept);
@@ -225,12 +226,6 @@ fn level_distance(a: &Recording, b: &Recording) -> Option<f64> {
     differences.iter().filter_map(|twice| level_difference(&twice.first, &twice.again)).map(f64::abs).reduce(f64::max)
 }
 
-/// By what a run of a method is repeated. The long steps of `radau` are looked at by interpolation, whose error hardly depends
-/// on the tolerance: another method sees it.
-fn repeating(method: Method) -> Method {
-    if method == Method::Radau { Method::Gear } else { method }
-}
-
 /// What repeating a part of a run has shown, worst of y and z.
 struct Repeated {
     /// [dB]
@@ -272,7 +267,7 @@ fn repeat(
         ..settings.clone()
     };
     let stepping = Stepping {
-        method: repeating(settings.method),
+        method: judging(settings.method),
         relative_tolerance: (settings.relative_tolerance / TIGHTER).max(LEAST_TOLERANCE),
         fixed_step: settings.fixed_step.map(|step| 0.5 * step),
         most_evaluations: Some(most_evaluations),

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::metrics::MotionKind;
 use super::model::Model;
-use super::run::{Control, RunSettings, STEPS_PER_LOOK, SimulationError};
+use super::run::{Control, Method, RunSettings, STEPS_PER_LOOK, SimulationError};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::statistics::slope;
@@ -29,6 +29,12 @@ const PAIR_TOLERANCE: f64 = 1e-6;
 /// How much of a run is judged [s].
 pub fn judged_stretch(settings: &RunSettings) -> f64 {
     settings.duration.min(STRETCH)
+}
+
+/// By what a run of a method is judged. The long steps of `radau` damp what parts two motions and are looked at by
+/// interpolation, whose error hardly depends on the tolerance: another method sees both.
+pub(super) fn judging(method: Method) -> Method {
+    if method == Method::Radau { Method::Gear } else { method }
 }
 
 /// What growth at a rate [1/s] over a stretch [s] says of the motion; `None`: the stretch is too short to tell.
@@ -59,7 +65,7 @@ pub(super) fn divergence_rate(
     let one = model.mechanism().layout.tolerances(settings.relative_tolerance.min(PAIR_TOLERANCE));
     let twice = |of: &[f64]| pair.joined(of, of);
     let tolerances = Tolerances { relative: twice(&one.relative), absolute: twice(&one.absolute) };
-    let mut integrator = settings.method.start(&pair, begin, &start, tolerances, settings.fixed_step);
+    let mut integrator = judging(settings.method).start(&pair, begin, &start, tolerances, settings.fixed_step);
     let end = begin + stretch;
     let mut stops: Vec<f64> = model.mechanism().speed.kinks().filter(|kink| *kink > begin && *kink < end).collect();
     stops.push(end);
