@@ -89,8 +89,11 @@ pub(super) fn judge(
     }
     match repeated {
         None => {
-            let how = "no level to compare: nothing moves, or the run is too short to repeat a part of it".into();
-            Ok(report(None, how, first))
+            let how = match failure {
+                Some(_) => "not judged: see the warning",
+                None => "no level to compare: nothing moves, or the run is too short to repeat a part of it",
+            };
+            Ok(report(None, how.into(), first))
         }
         Some(repeated) if !fixed && repeated.is_unresolved() => {
             let (attempt, error, tightest) = resolve(setup, first, repeated.level_error_db, control)?;
