@@ -5,8 +5,8 @@
 //! Each cell is a whole run as the service makes it, its own judgement of its accuracy included: it simulates 2 ms and keeps
 //! 6 ms. It is compared with the run of another integrator at the tighter tolerance (where no other has finished, with its
 //! own at the other tolerance). A level is right where it differs by no more than `FACTOR` times what both runs state
-//! themselves; largest contact load and cage speed, which nothing is stated of, by no more than `QUANTITIES`, or than that
-//! taken as a ratio, where the motion is not chaotic. A result that says of itself that its level is not resolved counts as such.
+//! themselves; largest contact load and cage speed, which nothing is stated of, by no more than `QUANTITIES` where the
+//! motion is not chaotic. A result that says of itself that its level is not resolved counts as such.
 //! Work is bounded by counts and not by a clock: the table is the same on every machine.
 
 use std::cell::Cell;
@@ -403,12 +403,9 @@ fn judge(ends: &[[End; 2]], methods: &[Method], index: usize, which: usize, answ
         return (verdict, format!("{words}; nothing to compare with"));
     };
     let (levels, quantities) = (level_difference(answer, other), quantity_difference(answer, other));
-    let stated = FACTOR * (answer.stated + other.stated);
-    let right_level = levels <= stated + INAUDIBLE;
+    let right_level = levels <= FACTOR * (answer.stated + other.stated) + INAUDIBLE;
     let tighter = TOLERANCES[which].max(TOLERANCES[at]) <= TOLERANCES[1];
-    // A level error as a ratio of amplitudes, for it is all that a run states.
-    let stated_ratio = stated * std::f64::consts::LN_10 / 20.0;
-    let right = right_level && (answer.chaotic || quantities <= QUANTITIES[usize::from(tighter)].max(stated_ratio));
+    let right = right_level && (answer.chaotic || quantities <= QUANTITIES[usize::from(tighter)]);
     let words = format!(
         "{words}; from {} at {:e}: {levels:.1e} dB, {quantities:.1e} of load and cage speed",
         methods[method].name(),
