@@ -54,6 +54,14 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub level_error_db: Option<f64>,
+    /// Estimated error of the largest contact load, as a share of it [-]; absent where nothing could be repeated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub max_load_error: Option<f64>,
+    /// Estimated error of the cage speed (without a cage, of the balls' mean orbit speed), as a share of it [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub cage_speed_error: Option<f64>,
     pub how: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -62,8 +70,9 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub divergence_rate_per_s: Option<f64>,
-    /// Present where the level is not resolved (an error of more than 1 dB), or where a fixed step lies beyond the limit of
-    /// stability: then the result is wrong.
+    /// Present where the level is not resolved (an error of more than 1 dB), where the largest contact load or the cage
+    /// speed is not (more than 10 %, chaotic motion apart), where a run could not be judged, or where a fixed step lies
+    /// beyond the limit of stability: then the result is wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub warning: Option<String>,
@@ -143,6 +152,8 @@ impl From<&AccuracyReport> for AccuracyAnswer {
     fn from(report: &AccuracyReport) -> Self {
         Self {
             level_error_db: report.level_error_db,
+            max_load_error: report.quantity_errors.map(|errors| significant(errors.max_load, 3)),
+            cage_speed_error: report.quantity_errors.map(|errors| significant(errors.cage_speed, 3)),
             how: report.how.clone(),
             motion: report.motion.map(MotionName::from),
             divergence_rate_per_s: report.motion.map(|_| report.divergence_rate),

@@ -1,9 +1,11 @@
 //! How far a run can be trusted: does a disturbance die out, and does the level depend on the tolerance?
 
+use std::ops::Range;
+
 use super::channel::{Axis, Channel, Motion};
 use super::divergence::{divergence_rate, judged_stretch, judging, motion};
-use super::metrics::{AccuracyReport, BAND, MotionKind};
-use super::observe::{self, Observer, RATE, Recording};
+use super::metrics::{AccuracyReport, BAND, MotionKind, QuantityErrors};
+use super::observe::{self, Observer, Quantities, RATE, Recording};
 use super::run::{Attempt, Control, Outputs, RunSettings, Setup, SimulationError, Span, Stepping, integrate};
 use crate::numerics::ode::Method;
 use crate::numerics::spectrum::band_limited;
@@ -23,9 +25,10 @@ pub const FAINT: f64 = 60.0;
 const REPEATED: f64 = 0.01;
 /// How much tighter the repetition is.
 const TIGHTER: f64 = 10.0;
-/// Parts of the repeated stretch whose levels are compared one by one.
-const PARTS: usize = 5;
-/// Values between the start of the repeated stretch and the first one compared: past the filter's delay.
+/// Parts of the repeated stretch that are compared one by one.
+pub(super) const PARTS: usize = 5;
+/// Values between the start of a stretch that is repeated without what came before, and the first one compared: past the
+/// filter's delay.
 pub(super) const SKIPPED: usize = 100;
 
 /// Change of a level under a tighter tolerance from which the tighter run may be no better: both may be the noise of
@@ -43,8 +46,12 @@ const REPEATING: u64 = 50;
 const LEAST_EVALUATIONS: u64 = 10_000;
 /// Levels below this count as silence [m/s²].
 const SILENCE: f64 = 1e-6;
-/// Level error from which a result warns of itself [dB].
+/// Level error from which a result warns of itself [dB], and error of a load or speed [-].
 const DOUBTFUL: f64 = 1.0;
+const DOUBTFUL_SHARE: f64 = 0.1;
+/// Contact loads [N] and cage speeds [rad/s] below these count as so large in a relative error.
+const LEAST_LOAD: f64 = 0.1;
+const LEAST_SPEED: f64 = 6.0;
 
 /// Judges a run from its first attempt; returns the attempt that the result is made of, which is another one where `auto`
 /// may choose and the first has not resolved its level. Instability parts two copies as chaos does; so a fixed step is
@@ -67,10 +74,14 @@ pub(super) fn judge(
     failure = failure.or(failed);
     (control.progress)(0.95);
     let fixed = settings.fixed_step.is_some();
-    let report = |level_error_db: Option<f64>, how: String, attempt: Attempt| {
-        let warning = attempt.integrated.unstable.clone().or(failure.clone()).or_else(|| doubt(level_error_db));
-        (attempt, AccuracyReport { level_error_db, how, motion, divergence_rate, warning })
+    let report = |distance: Distance, how: String, attempt: Attempt| {
+        let Distance { level_db: level_error_db, quantities: quantity_errors } = distance;
+        let by_chance = motion == Some(MotionKind::Diverging);
+        let doubt = || doubt(level_error_db).or_else(|| doubt_quantities(quantity_errors.filter(|_| !by_chance)?));
+        let warning = attempt.integrated.unstable.clone().or(failure.clone()).or_else(doubt);
+        (attempt, AccuracyReport { level_error_db, quantity_errors, how, motion, divergence_rate, warning })
     };
+    let of_repetition = repeated.as_ref().map_or(Distance::UNKNOWN, |repeated| repeated.distance);
     let at = match judging(settings.method) {
         _ if fixed => "half of the step".into(),
         method if method == settings.method => "a tenth of the relative tolerance".to_owned(),
@@ -80,31 +91,32 @@ pub(super) fn judge(
     if motion == Some(MotionKind::Diverging) {
         // Another sample of the same motion: over a part of the time it scatters more than over all of it.
         let share = if fixed { 1.0 } else { (REPEATED / settings.duration).min(1.0).sqrt() };
-        let scatter = repeated.map(|repeated| share * repeated.level_error_db);
+        let scatter = of_repetition.level_db.map(|error| share * error);
         let how = format!(
             "the motion is chaotic: standard error of the level by ten batch means, or what {over} differ by if that is more, \
              worst of y and z"
         );
-        return Ok(report(larger(sampling_error(&first.recording, &judged(&first.recording)), scatter), how, first));
+        let level_db = larger(sampling_error(&first.recording, &judged(&first.recording)), scatter);
+        return Ok(report(Distance { level_db, ..of_repetition }, how, first));
     }
     match repeated {
-        None => {
+        Some(repeated) if !fixed && repeated.is_unresolved() => {
+            let (attempt, distance, tightest) = resolve(setup, first, of_repetition, control)?;
+            let how = match distance.level_db {
+                Some(_) => "whole run repeated at ever tighter tolerances",
+                None => "nothing moves: no level is left at ever tighter tolerances",
+            };
+            Ok(report(distance, format!("{how} down to {tightest:.0e}, worst of y and z"), attempt))
+        }
+        Some(repeated) if repeated.distance.level_db.is_some() => {
+            Ok(report(of_repetition, format!("level over {over}, worst of y and z"), first))
+        }
+        _ => {
             let how = match failure {
                 Some(_) => "not judged: see the warning",
                 None => "no level to compare: nothing moves, or the run is too short to repeat a part of it",
             };
-            Ok(report(None, how.into(), first))
-        }
-        Some(repeated) if !fixed && repeated.is_unresolved() => {
-            let (attempt, error, tightest) = resolve(setup, first, repeated.level_error_db, control)?;
-            let how = match error {
-                Some(_) => "whole run repeated at ever tighter tolerances",
-                None => "nothing moves: no level is left at ever tighter tolerances",
-            };
-            Ok(report(error, format!("{how} down to {tightest:.0e}, worst of y and z"), attempt))
-        }
-        Some(repeated) => {
-            Ok(report(Some(repeated.level_error_db), format!("level over {over}, worst of y and z"), first))
+            Ok(report(of_repetition, how.into(), first))
         }
     }
 }
@@ -122,16 +134,16 @@ fn or_failure<T>(result: Result<T, SimulationError>) -> Result<(Option<T>, Optio
 
 /// Repeats the whole run at ever tighter tolerances until its level stands still. `auto` takes the first that stands
 /// still; any other method is left as it was asked for. Returns the attempt that is kept, its distance from the
-/// tightest [dB] (`None`: both are silent), and the tolerance of that. `first_error`: what is known of the first [dB].
+/// tightest, and the tolerance of that. `of_first`: what is known of the first.
 fn resolve(
     setup: &Setup<'_>,
     first: Attempt,
-    first_error: f64,
+    of_first: Distance,
     control: &Control<'_>,
-) -> Result<(Attempt, Option<f64>, f64), SimulationError> {
+) -> Result<(Attempt, Distance, f64), SimulationError> {
     let chooses = setup.settings.method == Method::Auto;
     let most = REPEATING * first.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
-    let (mut kept, mut last, mut error) = (first, None::<Attempt>, Some(first_error));
+    let (mut kept, mut last, mut distance) = (first, None::<Attempt>, of_first);
     loop {
         let latest = last.as_ref().unwrap_or(&kept);
         let tolerance = (latest.relative_tolerance / MUCH_TIGHTER).max(LEAST_TOLERANCE);
@@ -142,25 +154,25 @@ fn resolve(
             Stepping { relative_tolerance: tolerance, most_evaluations: Some(most), ..Stepping::of(setup.settings) };
         // A tolerance too tight for its cost or for double precision: what is known has to do.
         let (Some(next), _) = or_failure(setup.attempt(&stepping, (0.95, 0.95), control))? else { break };
-        let change = level_distance(&latest.recording, &next.recording);
+        let change = Distance::of_runs(&latest.recording, &next.recording);
         if chooses {
             if let Some(last) = last.take() {
                 kept = last;
             }
-            error = change;
+            distance = change;
         } else {
-            error = level_distance(&kept.recording, &next.recording);
+            distance = Distance::of_runs(&kept.recording, &next.recording);
         }
         last = Some(next);
-        if change.is_none_or(|change| change <= UNRESOLVED) {
+        if change.level_db.is_none_or(|change| change <= UNRESOLVED) {
             break;
         }
     }
     let tightest = last.as_ref().unwrap_or(&kept).relative_tolerance;
-    if let Some(last) = last.filter(|_| chooses && error.is_some_and(|error| error > UNRESOLVED)) {
+    if let Some(last) = last.filter(|_| chooses && distance.level_db.is_some_and(|error| error > UNRESOLVED)) {
         kept = last;
     }
-    Ok((kept, error, tightest))
+    Ok((kept, distance, tightest))
 }
 
 /// What a result says where its level is not resolved.
@@ -170,6 +182,17 @@ fn doubt(level_error_db: Option<f64>) -> Option<String> {
         "the level is not resolved: it may err by {error:.0} dB or more; hardly anything moves, or the run is too short. \
          Try a tighter relative tolerance or the method `auto`, or keep more"
     ))
+}
+
+/// What a result says where its largest load or its cage speed is not resolved.
+fn doubt_quantities(errors: QuantityErrors) -> Option<String> {
+    let one = |name: &str, error: f64| {
+        (error > DOUBTFUL_SHARE)
+            .then(|| format!("{name} is not resolved: it may err by {:.0} % or more", 100.0 * error))
+    };
+    let errors =
+        one("the largest contact load", errors.max_load).or_else(|| one("the cage speed", errors.cage_speed))?;
+    Some(format!("{errors}. Try a tighter relative tolerance or the method `auto`"))
 }
 
 fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
@@ -222,29 +245,80 @@ fn twice(first: &Recording, again: &Recording, (from, to): (usize, usize)) -> Ve
     judged(again).into_iter().filter_map(both).collect()
 }
 
-/// Difference of the levels of two whole runs, worst of y and z [dB]; `None` where nothing moves.
-fn level_distance(a: &Recording, b: &Recording) -> Option<f64> {
-    let values = a.signal(ACCELERATIONS[0]).map_or(0, <[f64]>::len);
-    let differences = twice(a, b, (0, values));
-    differences.iter().filter_map(|twice| level_difference(&twice.first, &twice.again)).map(f64::abs).reduce(f64::max)
+/// By how much two runs of a scene differ.
+#[derive(Clone, Copy)]
+struct Distance {
+    /// Levels, worst of y and z [dB]; `None` where nothing moves.
+    level_db: Option<f64>,
+    quantities: Option<QuantityErrors>,
 }
 
-/// What repeating a part of a run has shown, worst of y and z.
+impl Distance {
+    const UNKNOWN: Self = Self { level_db: None, quantities: None };
+
+    /// Of two whole runs.
+    fn of_runs(a: &Recording, b: &Recording) -> Self {
+        let values = a.signal(ACCELERATIONS[0]).map_or(0, <[f64]>::len);
+        let levels = twice(a, b, (0, values));
+        let levels = levels.iter().filter_map(|twice| level_difference(&twice.first, &twice.again));
+        Self {
+            level_db: levels.map(f64::abs).reduce(f64::max),
+            quantities: Some(quantity_errors(&[a.quantities()], &[b.quantities()])),
+        }
+    }
+}
+
+/// Differences of two runs' numbers as shares of the larger ones, from those of equal parts of both. A largest load may be
+/// that of any part; differences in a mean partly cancel, and may do so by luck.
+fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErrors {
+    let relative = |a: f64, b: f64, least: f64| (a - b) / a.max(b).max(least);
+    let both = || a.iter().zip(b);
+    let loads: Vec<f64> = both().map(|(a, b)| relative(a.max_load, b.max_load, LEAST_LOAD)).collect();
+    let speeds: Vec<f64> = both().map(|(a, b)| relative(a.cage_speed, b.cage_speed, LEAST_SPEED)).collect();
+    let largest = |of: &[Quantities]| of.iter().fold(0.0, |most, part| f64::max(most, part.max_load));
+    QuantityErrors {
+        max_load: rms_about_zero(&loads).max(relative(largest(a), largest(b), LEAST_LOAD).abs()),
+        cage_speed: mean_or_luck(&speeds),
+    }
+}
+
+/// Size of the mean of some differences; at least what it would be if their signs were a matter of chance.
+fn mean_or_luck(differences: &[f64]) -> f64 {
+    let n = (differences.len() as f64).max(1.0);
+    (differences.iter().sum::<f64>() / n).abs().max(rms_about_zero(differences) / n.sqrt())
+}
+
+fn rms_about_zero(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / (values.len() as f64).max(1.0)).sqrt()
+}
+
+/// What repeating a part of a run has shown.
 struct Repeated {
-    /// [dB]
-    level_error_db: f64,
-    /// Rms of the signals' difference over that of the whole run [-].
+    distance: Distance,
+    /// Rms of the signals' difference over that of the whole run, worst of y and z [-].
     noise: f64,
 }
 
 impl Repeated {
     /// The level may be that of the noise which the integrator's steps leave.
     fn is_unresolved(&self) -> bool {
-        self.level_error_db > UNRESOLVED || self.noise > NOISY
+        self.distance.level_db.is_some_and(|error| error > UNRESOLVED || self.noise > NOISY)
     }
 }
 
-/// Repeats a stretch of the run at a tighter tolerance; `None` where the run is too short or nothing moves.
+/// Whether a repetition goes through settling, too, for what that has left behind: where it does not double the work.
+fn repeats_settling(settings: &RunSettings) -> bool {
+    settings.settle <= settings.duration
+}
+
+/// Kept values of a run that a repetition of a part sees again.
+pub(super) fn repeated_values(settings: &RunSettings) -> Range<usize> {
+    let values = observe::kept_values(settings.duration.min(REPEATED));
+    let skipped = if repeats_settling(settings) { 0 } else { SKIPPED };
+    skipped.min(values)..values
+}
+
+/// Repeats a stretch of the run at a tighter tolerance; `None` where the run is too short.
 fn repeat(
     setup: &Setup<'_>,
     run: &Attempt,
@@ -253,19 +327,18 @@ fn repeat(
 ) -> Result<Option<Repeated>, SimulationError> {
     let settings = setup.settings;
     let stretch = settings.duration.min(REPEATED);
-    let values = observe::kept_values(stretch);
+    let Range { start: first, end: values } = repeated_values(settings);
     if values < 2 * SKIPPED {
         return Ok(None);
     }
-    // With what settling has left behind, too, where that does not double the work.
-    let (begin, state) = if settings.settle <= settings.duration {
+    let (begin, state) = if repeats_settling(settings) {
         (0.0, setup.start)
     } else {
         (settings.settle, run.integrated.checkpoint.as_slice())
     };
     let again = RunSettings {
-        settle: settings.settle + SKIPPED as f64 / RATE,
-        duration: (values - SKIPPED) as f64 / RATE,
+        settle: settings.settle + first as f64 / RATE,
+        duration: (values - first) as f64 / RATE,
         outputs: Outputs { spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() },
         ..settings.clone()
     };
@@ -275,25 +348,30 @@ fn repeat(
         fixed_step: settings.fixed_step.map(|step| 0.5 * step),
         most_evaluations: Some(most_evaluations),
     };
-    let mut observer = Observer::new(setup.model, setup.needs, &again);
+    let mut observer = Observer::new(setup.model, setup.needs, &again).comparing(&(0..values - first), PARTS);
     let span = Span { start: begin, end: observer.end(), checkpoint: begin, share: (0.88, 0.95) };
     integrate(setup.model, state, &stepping, &span, control, |step| observer.after(step))?;
-    let signals = twice(&run.recording, &observer.finish(), (SKIPPED, values));
+    let again = observer.finish();
+    let signals = twice(&run.recording, &again, (first, values));
     let unseen = (1.0 - stretch / settings.duration).max(0.0).sqrt();
     let error = |twice: &Twice| {
         let whole = level_difference(&twice.first, &twice.again)?;
-        // Differences of either sign can cancel: their scatter over parts tells by how much the rest of the run may differ.
+        // Differences of either sign can cancel, here by luck, and their scatter tells by how much the rest of the run may
+        // differ.
         let part = twice.first.len().div_ceil(PARTS);
         let parts = twice.first.chunks(part).zip(twice.again.chunks(part));
         let parts: Vec<f64> = parts.filter_map(|(a, b)| level_difference(a, b)).collect();
-        Some(whole.hypot(unseen * standard_error(&parts)))
+        Some(whole.abs().max(mean_or_luck(&parts)).hypot(unseen * standard_error(&parts)))
     };
     let noise = |twice: &Twice| {
         let difference: Vec<f64> = twice.first.iter().zip(&twice.again).map(|(a, b)| a - b).collect();
         rms(&difference) / twice.whole.max(SILENCE)
     };
-    let worst = signals.iter().filter_map(error).reduce(f64::max);
-    Ok(worst.map(|level_error_db| Repeated { level_error_db, noise: signals.iter().map(noise).fold(0.0, f64::max) }))
+    let distance = Distance {
+        level_db: signals.iter().filter_map(error).reduce(f64::max),
+        quantities: Some(quantity_errors(&run.recording.compared, &again.compared)),
+    };
+    Ok(Some(Repeated { distance, noise: signals.iter().map(noise).fold(0.0, f64::max) }))
 }
 
 /// Standard error of the mean of a few values.

@@ -91,17 +91,26 @@ pub enum MotionKind {
     Diverging,
 }
 
+/// Estimated errors of single numbers, as shares of them [-].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuantityErrors {
+    pub max_load: f64,
+    pub cage_speed: f64,
+}
+
 /// How far the result can be trusted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyReport {
     /// Estimated error of the worst acceleration level [dB]; absent where no level exists.
     pub level_error_db: Option<f64>,
+    /// What a repetition of a part, or of the whole, differed by; absent where nothing was repeated.
+    pub quantity_errors: Option<QuantityErrors>,
     pub how: String,
     /// `None`: the run is too short to tell.
     pub motion: Option<MotionKind>,
     /// Rate at which two runs 1e-10 apart part (negative: meet) [1/s].
     pub divergence_rate: f64,
-    /// In words, where a fixed step lies beyond the limit of stability.
+    /// In words, where the result is not to be trusted.
     pub warning: Option<String>,
 }
 

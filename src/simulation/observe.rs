@@ -4,6 +4,8 @@
 //! low-pass filter on their way to 102 400 values a second (contact resonances lie above the band of interest and must not
 //! fold into it); all others are kept as they stand at those times. Extremes see every look.
 
+use std::ops::Range;
+
 use super::channel::{Axis, BallContact, Channel, Motion};
 use super::model::{Model, Watch};
 use super::needs::Needs;
@@ -32,6 +34,15 @@ pub struct ContactExtremes {
     pub least_film: Option<f64>,
 }
 
+/// Single numbers of a motion that are compared with those of a repetition, in SI.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Quantities {
+    /// Largest load of any raceway contact [N].
+    pub max_load: f64,
+    /// Mean over the time, absolute value [rad/s].
+    pub cage_speed: f64,
+}
+
 /// What a run has shown, in SI.
 #[derive(Debug, Clone)]
 pub struct Recording {
@@ -49,12 +60,20 @@ pub struct Recording {
     pub cage_speed: f64,
     /// About X, seen from the orbit frame.
     pub ball_spin: f64,
+    /// Over each of the parts that `Observer::comparing` chose.
+    pub compared: Vec<Quantities>,
 }
 
 impl Recording {
     /// The kept values of a channel [SI].
     pub fn signal(&self, channel: Channel) -> Option<&[f64]> {
         self.signals.iter().find(|(kept, _)| *kept == channel).map(|(_, values)| values.as_slice())
+    }
+
+    /// Over all that was kept.
+    pub fn quantities(&self) -> Quantities {
+        let loads = self.contacts.inner.max_load.iter().chain(&self.contacts.outer.max_load);
+        Quantities { max_load: loads.copied().fold(0.0, f64::max), cage_speed: self.cage_speed }
     }
 }
 
@@ -151,6 +170,15 @@ pub struct Observer<'m> {
     shaft: Moments,
     cage: Moments,
     spin: Moments,
+    /// Places of the looks of each part that is compared, and what was seen there.
+    parts: Vec<Part>,
+}
+
+/// A part of a run of its own: places of its looks, largest load [N], and speed of the cage [rad/s].
+struct Part {
+    places: Range<usize>,
+    max_load: f64,
+    cage: Moments,
 }
 
 impl<'m> Observer<'m> {
@@ -207,7 +235,15 @@ impl<'m> Observer<'m> {
             shaft: Moments::default(),
             cage: Moments::default(),
             spin: Moments::default(),
+            parts: Vec::new(),
         }
+    }
+
+    /// Notes `Recording::compared` of a number of equal parts between two kept values.
+    pub fn comparing(self, values: &Range<usize>, parts: usize) -> Self {
+        let place = |part: usize| (values.start + part * values.len() / parts) * OVERSAMPLING;
+        let part = |part| Part { places: place(part)..place(part + 1), max_load: 0.0, cage: Moments::default() };
+        Self { parts: (0..parts).map(part).collect(), ..self }
     }
 
     fn look_time(&self, look: usize) -> f64 {
@@ -247,7 +283,12 @@ impl<'m> Observer<'m> {
             for (moments, value) in self.moments.iter_mut().zip(&self.frame) {
                 moments.add(*value);
             }
-            self.gather_speeds(time);
+            let cage_speed = self.gather_speeds(time);
+            if let Some(part) = self.parts.iter_mut().find(|part| part.places.contains(&place)) {
+                let loads = self.snapshot.inner.iter().chain(&self.snapshot.outer);
+                part.max_load = loads.copied().fold(part.max_load, f64::max);
+                part.cage.add(cage_speed);
+            }
             if place % OVERSAMPLING == 0 {
                 self.pick(time);
             }
@@ -277,7 +318,8 @@ impl<'m> Observer<'m> {
         }
     }
 
-    fn gather_speeds(&mut self, time: f64) {
+    /// Returns the speed of the cage [rad/s].
+    fn gather_speeds(&mut self, time: f64) -> f64 {
         let m = self.model.mechanism();
         let (_, speed, _) = m.speed.at(time);
         let balls = m.layout.balls;
@@ -290,8 +332,10 @@ impl<'m> Observer<'m> {
         // Without a cage the balls' mean orbit speed stands for it.
         let arc_velocity = if m.layout.cage { m.layout.cage(&self.state).arc_velocity } else { orbit };
         self.shaft.add(speed);
-        self.cage.add(m.orbit_ratio * speed + arc_velocity / m.pitch_radius);
+        let cage_speed = m.orbit_ratio * speed + arc_velocity / m.pitch_radius;
+        self.cage.add(cage_speed);
         self.spin.add((m.spin_ratio - m.orbit_ratio) * speed + spin - orbit / m.pitch_radius);
+        cage_speed
     }
 
     fn pick(&mut self, time: f64) {
@@ -328,7 +372,14 @@ impl<'m> Observer<'m> {
             shaft_speed: self.shaft.mean.abs(),
             cage_speed: self.cage.mean.abs(),
             ball_spin: self.spin.mean.abs(),
+            compared: self.parts.iter().map(Part::quantities).collect(),
         }
+    }
+}
+
+impl Part {
+    fn quantities(&self) -> Quantities {
+        Quantities { max_load: self.max_load, cage_speed: self.cage.mean.abs() }
     }
 }
 

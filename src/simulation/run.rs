@@ -180,7 +180,8 @@ impl Setup<'_> {
         share: (f64, f64),
         control: &Control<'_>,
     ) -> Result<Attempt, SimulationError> {
-        let mut observer = Observer::new(self.model, self.needs, self.settings);
+        let mut observer = Observer::new(self.model, self.needs, self.settings)
+            .comparing(&accuracy::repeated_values(self.settings), accuracy::PARTS);
         let span = Span { start: 0.0, end: observer.end(), checkpoint: self.settings.settle, share };
         let integrated = integrate(self.model, self.start, stepping, &span, control, |step| observer.after(step))?;
         let relative_tolerance = stepping.relative_tolerance;

@@ -235,3 +235,23 @@ fn fixed_steps_are_right_or_say_so() {
         }
     }
 }
+
+/// Contacts with 10⁸ N s/m of damping: a peak that the tolerance does not resolve is stated, and warned of.
+#[test]
+fn a_peak_that_is_not_resolved_is_stated() {
+    let stiff = json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 1e8 } } });
+    let stiff = scene(&changed(article(), stiff));
+    let of = |relative_tolerance: f64| {
+        let brief =
+            RunSettings { method: Method::Gear, relative_tolerance, settle: 1e-3, duration: 3e-3, ..settings() };
+        let summary = run(&stiff, &brief, &patient()).unwrap().summary;
+        let contacts = summary.contacts.unwrap().raceway;
+        (contacts.inner.max_load.max(contacts.outer.max_load), summary.accuracy)
+    };
+    let ((loose, accuracy), (tight, _)) = (of(1e-4), of(1e-7));
+    let (off, stated) = ((loose / tight - 1.0).abs(), accuracy.quantity_errors.unwrap().max_load);
+    println!("{loose:.0} N for {tight:.0} N, stated {stated:.3}: {:?}", accuracy.warning);
+    assert!(off > 0.1, "{loose} {tight}");
+    assert!(stated > off / 3.0 && stated < 3.0 * off, "{off} {stated}");
+    assert!(accuracy.warning.is_some());
+}

@@ -246,6 +246,7 @@ impl Run<'_> {
             shaft_speed: shaft_mean.abs(),
             cage_speed: (cage / looks).abs(),
             ball_spin: (spin / looks).abs(),
+            compared: Vec::new(),
         };
         Ok((recording, statistics))
     }
