@@ -4,6 +4,7 @@ use super::job::Job;
 use super::resolve::CostAnswer;
 use super::units::significant;
 use crate::simulation::divergence::judged_stretch;
+use crate::simulation::ladder::{self, Rung};
 use crate::simulation::model::Model;
 use crate::simulation::run::{Method, RunSettings, start_state};
 use crate::simulation::stiffness::{FastestMode, fastest_mode};
@@ -21,6 +22,8 @@ const EVALUATIONS: f64 = 6.0;
 const STIFF_EVALUATIONS: f64 = 6.0;
 const STIFF_STEP: f64 = 1e-6;
 const STIFF_TOLERANCE: f64 = 1e-5;
+/// Speed of a reduced rung with its check by another, times real time.
+const REDUCED_REAL_TIME_FACTOR: f64 = 20.0;
 /// Runs that the references of an accuracy job are worth.
 const REFERENCE_RUNS: f64 = 20.0;
 /// Longest step that accuracy allows where stability does not bind [s].
@@ -42,9 +45,14 @@ pub fn estimate(job: &Job) -> CostAnswer {
     let estimated_wall_time_s = mode.ok().map(|mode| {
         let balls = scene.bearing.parameters.ball_count as f64;
         let evaluation = balls * (SECONDS_PER_BALL + 2.0 * job.needs.raceway.strips as f64 * SECONDS_PER_STRIP);
-        let time = simulated_time(job, judged_stretch(&job.settings));
+        let (settle, duration) = (job.settings.settle, job.settings.duration);
+        let (time, reduced) = match job.rungs.first().filter(|rung| rung.is_reduced()) {
+            Some(rung) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => (0.0, settle + duration),
+            Some(_) => (ladder::check_time(scene), settle + duration),
+            None => (simulated_time(job, judged_stretch(&job.settings)), 0.0),
+        };
         let evaluations = time * evaluations_per_second(&job.settings, &mode);
-        significant((evaluations * evaluation).min(LONGEST), 2)
+        significant((evaluations * evaluation + reduced / REDUCED_REAL_TIME_FACTOR).min(LONGEST), 2)
     });
     CostAnswer { states, estimated_wall_time_s }
 }

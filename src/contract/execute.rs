@@ -112,9 +112,10 @@ impl From<SimulationError> for RunFailure {
             SimulationError::Integration { source: IntegrationError::StepTooSmall { .. }, .. }
             | SimulationError::Exhausted { .. }
             | SimulationError::NoEquilibrium(_)
+            | SimulationError::Unable { .. }
             | SimulationError::Endless { .. } => DID_NOT_CONVERGE,
             // A checked job has had its needs decided already.
-            SimulationError::Unmet(_) | SimulationError::Unable { .. } => INTERNAL,
+            SimulationError::Unmet(_) => INTERNAL,
         };
         Self::Failed { cause, detail: error.to_string() }
     }

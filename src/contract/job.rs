@@ -11,6 +11,7 @@ use super::scene::{ResolvedScene, SceneInput};
 use super::solver::{MethodName, Solver, SolverInput};
 use super::strict::{self, object, optional_object};
 use super::{accuracy, given_fields, times};
+use crate::simulation::ladder::{self, Rung};
 use crate::simulation::needs::{Needs, Unmet};
 use crate::simulation::run::RunSettings;
 use crate::simulation::scene::Scene;
@@ -99,6 +100,9 @@ pub struct Job {
     /// What an accuracy job compares; `None` for all others.
     pub plan: Option<Plan>,
     /// What the model contains.
+    /// Rungs that are tried, the leanest first.
+    pub rungs: Vec<Rung>,
+    /// What the equations hold on the last of them.
     pub needs: Needs,
     /// Solver and outputs with every default, as in a request.
     pub solver: SolverInput,
@@ -248,7 +252,8 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
     errors.splice(0..0, faults);
     match resolved {
         Some(mut resolved) if errors.is_empty() => {
-            let needs = Needs::of(&resolved.scene, &settings.outputs, settings.rung).map_err(unmet)?;
+            let rungs = ladder::tried(&resolved.scene, &settings).map_err(unmet)?;
+            let needs = ladder::needs(&resolved.scene, &settings.outputs, settings.rung).map_err(unmet)?;
             resolved.defaults.append(&mut filling.defaults);
             Ok(Job {
                 kind,
@@ -256,6 +261,7 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
                 resolved,
                 settings,
                 plan,
+                rungs,
                 needs,
                 solver: input.solver.unwrap_or_default(),
                 outputs: input.outputs.unwrap_or_default(),
@@ -283,6 +289,9 @@ fn simulation(input: &mut JobInput, scene: Option<&Scene>, filling: &mut Filling
 /// What the runs of an accuracy job have in common.
 fn compared(input: &mut JobInput, filling: &mut Filling) -> RunSettings {
     let (rung, model_tolerance_db) = input.solver.get_or_insert_default().resolve_model(filling);
+    if let Some(rung) = rung.filter(|rung| rung.is_reduced()) {
+        filling.refuse("/solver/rung", format!("methods are compared on `full` or `planar`, not on `{}`", rung.name()));
+    }
     let outputs = input.outputs.get_or_insert_default().resolve_metrics(filling);
     let settle = times::settle(&mut input.settle_s, accuracy::SETTLE, filling);
     let duration = times::duration(&mut input.duration_s, accuracy::DURATION, &outputs, filling);

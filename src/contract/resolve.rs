@@ -17,6 +17,7 @@ use crate::physics::contact::hertz::raceway_contacts;
 use crate::physics::kinematics::ideal_frequencies;
 use crate::physics::rating::{dynamic_load_rating, dynamic_load_rating_full_formula};
 use crate::simulation::equilibrium::{StaticLoads, static_loads};
+use crate::simulation::ladder;
 
 /// The answer to `POST /v1/scenes/resolve`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -48,7 +49,10 @@ pub struct ResolveAnswer {
     #[schema(example = json!(["/scene/spindle/mass_kg"]))]
     pub defaults: Vec<String>,
     pub derived: DerivedAnswer,
-    /// What will not be in the equations, and why.
+    /// Rungs of the ladder of models that are tried, the leanest first: a reduced one makes the result where its check holds.
+    #[schema(example = json!(["radially_condensed", "full"]))]
+    pub rungs: Vec<String>,
+    /// What will not be in the equations of the first of them, and why.
     pub left_out: Vec<LeftOutAnswer>,
     pub cost: CostAnswer,
 }
@@ -111,6 +115,9 @@ pub struct CostAnswer {
 pub fn resolve_answer(job: &Job) -> ResolveAnswer {
     let at_rest = static_loads(job.scene(), &job.needs).ok();
     let plan = job.plan.as_ref();
+    let leanest = job.rungs.first().filter(|rung| rung.is_reduced());
+    let leanest = leanest.and_then(|rung| ladder::needs(job.scene(), &job.settings.outputs, Some(*rung)).ok());
+    let left_out = leanest.map_or_else(|| job.needs.left_out.clone(), |needs| needs.left_out);
     ResolveAnswer {
         scene: job.scene_json(),
         solver: given_fields(&job.solver),
@@ -121,7 +128,8 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
         relative_tolerances: plan.map(|plan| plan.relative_tolerances.clone()),
         repetitions: plan.map(|plan| plan.repetitions),
         defaults: job.resolved.defaults.clone(),
-        left_out: job.needs.left_out.iter().map(LeftOutAnswer::from).collect(),
+        rungs: job.rungs.iter().map(|rung| rung.name().to_owned()).collect(),
+        left_out: left_out.iter().map(LeftOutAnswer::from).collect(),
         cost: cost::estimate(job),
         derived: derived(job, at_rest.as_ref()),
     }

@@ -22,7 +22,8 @@ pub struct SolverInput {
     /// conventions only. Default 0.05.
     #[schema(nullable = false, minimum = 0, maximum = 20, example = 0.05)]
     pub model_tolerance_db: Option<f64>,
-    /// A rung of the ladder of models; left out, the scene and the outputs decide.
+    /// A rung of the ladder of models. Left out, it is the leanest one that can give the outputs and that a check against the
+    /// next richer one confirms within `model_tolerance_db`; a method asked for by name, or a fixed step, runs on `full` or `planar`.
     #[schema(nullable = false, value_type = Option<RungName>)]
     pub rung: Option<String>,
     /// Steps of this size instead of error control [µs]; only with `dormand_prince` and `fine_abm`.
@@ -44,12 +45,18 @@ pub enum MethodName {
     Radau,
 }
 
-/// `full`: six degrees of freedom a ball and cage; `planar`: no axial motion, no tilt.
+/// `full`: six degrees of freedom a ball and cage. `planar`: no axial motion, no tilt. `radially_condensed`: balls in radial
+/// equilibrium between their raceways. `spindle_only`: balls equally spaced, vibration of the spindle only. `periodic`:
+/// the same, its steady motion that repeats with every ball. The last three have integrators of their own, and are checked
+/// against the next richer one.
 #[derive(ToSchema)]
 #[schema(rename_all = "snake_case")]
 pub enum RungName {
     Full,
     Planar,
+    RadiallyCondensed,
+    SpindleOnly,
+    Periodic,
 }
 
 const METHODS: [(&str, Option<Method>); 10] = [
@@ -63,14 +70,6 @@ const METHODS: [(&str, Option<Method>); 10] = [
     ("semi_implicit", None),
     ("shooting", None),
     ("harmonic_balance", None),
-];
-
-const RUNGS: [(&str, Option<Rung>); 5] = [
-    ("full", Some(Rung::Full)),
-    ("planar", Some(Rung::Planar)),
-    ("radially_condensed", None),
-    ("spindle_only", None),
-    ("periodic", None),
 ];
 
 /// Tightest and loosest relative tolerance.
@@ -101,13 +100,23 @@ impl SolverInput {
                 filling.refuse("/solver/fixed_step_us", format!("goes with the methods {takers}, not with `{name}`"));
             }
         }
+        if let Some(rung) = rung.filter(|rung| rung.is_reduced())
+            && (method != Method::Auto || self.fixed_step_us.is_some())
+        {
+            let detail = format!(
+                "`{}` has an integrator of its own: the method must be `auto`, without a fixed step",
+                rung.name()
+            );
+            filling.refuse("/solver/rung", detail);
+        }
         let fixed_step = self.fixed_step_us.map(|step| US.to_si(step));
         Solver { method, rung, relative_tolerance, model_tolerance_db, fixed_step }
     }
 
     /// What decides over the model alone: rung and `model_tolerance_db`.
     pub fn resolve_model(&mut self, filling: &mut Filling) -> (Option<Rung>, f64) {
-        let rung = self.rung.as_ref().and_then(|name| chosen(filling, "/solver/rung", name, &RUNGS));
+        let rungs = Rung::ALL.map(|rung| (rung.name(), Some(rung)));
+        let rung = self.rung.as_ref().and_then(|name| chosen(filling, "/solver/rung", name, &rungs));
         let model_tolerance_db = filling.take("/solver/model_tolerance_db", &mut self.model_tolerance_db, 0.05);
         filling.within("/solver/model_tolerance_db", model_tolerance_db, 0.0, 20.0, "dB");
         (rung, model_tolerance_db)

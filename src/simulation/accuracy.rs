@@ -219,6 +219,18 @@ struct Twice {
     whole: f64,
 }
 
+impl Twice {
+    /// What the levels of the whole run may differ by [dB]. `unseen`: root of the share of it that was not recorded again.
+    fn error_db(&self, unseen: f64) -> Option<f64> {
+        let whole = level_difference(&self.first, &self.again)?;
+        // Differences of either sign can cancel, here by luck, and their scatter tells by how much the rest may differ.
+        let part = self.first.len().div_ceil(PARTS);
+        let parts = self.first.chunks(part).zip(self.again.chunks(part));
+        let parts: Vec<f64> = parts.filter_map(|(a, b)| level_difference(a, b)).collect();
+        Some(whole.abs().max(mean_or_luck(&parts)).hypot(unseen * standard_error(&parts)))
+    }
+}
+
 /// Root mean square of a signal in the band of levels.
 fn band_rms(signal: &[f64]) -> f64 {
     rms(&band_limited(signal, RATE, BAND))
@@ -246,15 +258,26 @@ fn twice(first: &Recording, again: &Recording, (from, to): (usize, usize)) -> Ve
 }
 
 /// By how much two runs of a scene differ.
-#[derive(Clone, Copy)]
-struct Distance {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Distance {
     /// Levels, worst of y and z [dB]; `None` where nothing moves.
-    level_db: Option<f64>,
-    quantities: Option<QuantityErrors>,
+    pub level_db: Option<f64>,
+    /// Largest load and cage speed; `None` where they are not known.
+    pub quantities: Option<QuantityErrors>,
 }
 
 impl Distance {
     const UNKNOWN: Self = Self { level_db: None, quantities: None };
+
+    /// Of two recordings of the same stretch. `unseen`: root of the share of a run that they do not show.
+    pub fn of_recordings(a: &Recording, b: &Recording, unseen: f64) -> Self {
+        let values = a.signal(ACCELERATIONS[0]).map_or(0, <[f64]>::len);
+        let levels = twice(a, b, (0, values));
+        Self {
+            level_db: levels.iter().filter_map(|twice| twice.error_db(unseen)).reduce(f64::max),
+            quantities: Some(quantity_errors(&[a.quantities()], &[b.quantities()])),
+        }
+    }
 
     /// Of two whole runs.
     fn of_runs(a: &Recording, b: &Recording) -> Self {
@@ -354,21 +377,12 @@ fn repeat(
     let again = observer.finish();
     let signals = twice(&run.recording, &again, (first, values));
     let unseen = (1.0 - stretch / settings.duration).max(0.0).sqrt();
-    let error = |twice: &Twice| {
-        let whole = level_difference(&twice.first, &twice.again)?;
-        // Differences of either sign can cancel, here by luck, and their scatter tells by how much the rest of the run may
-        // differ.
-        let part = twice.first.len().div_ceil(PARTS);
-        let parts = twice.first.chunks(part).zip(twice.again.chunks(part));
-        let parts: Vec<f64> = parts.filter_map(|(a, b)| level_difference(a, b)).collect();
-        Some(whole.abs().max(mean_or_luck(&parts)).hypot(unseen * standard_error(&parts)))
-    };
     let noise = |twice: &Twice| {
         let difference: Vec<f64> = twice.first.iter().zip(&twice.again).map(|(a, b)| a - b).collect();
         rms(&difference) / twice.whole.max(SILENCE)
     };
     let distance = Distance {
-        level_db: signals.iter().filter_map(error).reduce(f64::max),
+        level_db: signals.iter().filter_map(|twice| twice.error_db(unseen)).reduce(f64::max),
         quantities: Some(quantity_errors(&run.recording.compared, &again.compared)),
     };
     Ok(Some(Repeated { distance, noise: signals.iter().map(noise).fold(0.0, f64::max) }))

@@ -2,7 +2,7 @@
 
 use super::channel::{Axis, Channel, Motion};
 use super::lines::{Line, find_lines};
-use super::model::Model;
+use super::model::Mechanism;
 use super::observe::{ContactExtremes, RATE, Recording};
 use super::run::{ChannelSpectra, RunSettings, Series};
 use super::scene::Scene;
@@ -175,8 +175,8 @@ pub fn vibration(recording: &Recording) -> Vec<(Channel, ChannelMetrics)> {
 }
 
 /// Metrics of the raceway contacts.
-pub fn contacts(model: &Model, recording: &Recording) -> ContactMetrics {
-    let raceway = &model.mechanism().raceway;
+pub fn contacts(mechanism: &Mechanism, recording: &Recording) -> ContactMetrics {
+    let raceway = &mechanism.raceway;
     let one = |extremes: &ContactExtremes, pressure: &dyn Fn(f64) -> f64| {
         let max_load = extremes.max_load.iter().copied().fold(0.0, f64::max);
         RacewayContactMetrics {

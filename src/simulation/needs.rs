@@ -312,13 +312,3 @@ impl Decision<'_> {
         })
     }
 }
-
-impl Rung {
-    /// The name in requests and results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Full => "full",
-            Self::Planar => "planar",
-        }
-    }
-}

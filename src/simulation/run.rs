@@ -5,8 +5,10 @@ use std::time::Instant;
 use super::accuracy;
 use super::channel::Channel;
 use super::equilibrium::equilibrium;
+use super::ladder;
+pub use super::ladder::Rung;
 use super::metrics::{self, AccuracyReport, SolverReport, Summary};
-use super::model::Model;
+use super::model::{Mechanism, Model};
 use super::needs::{LeftOut, Needs, Unmet};
 use super::observe::{Observer, Recording};
 use super::scene::Scene;
@@ -15,13 +17,6 @@ pub use crate::numerics::ode::Method;
 use crate::numerics::ode::stability::{self, StabilityWatch};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Statistics};
 use crate::numerics::spectrum::Spectrum;
-
-/// A rung of the ladder of models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rung {
-    Full,
-    Planar,
-}
 
 /// What a run must produce; it decides what the model must contain.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,6 +126,11 @@ const EVALUATIONS_PER_LOOK: u64 = 6 * STEPS_PER_LOOK;
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from `wall_time`.
 pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
     let begin = Instant::now();
+    let (reduced, found) = ladder::run(scene, settings, control)?;
+    if let Some(result) = reduced {
+        (control.progress)(1.0);
+        return Ok(result);
+    }
     let needs = Needs::of(scene, &settings.outputs, settings.rung)?;
     let model = Model::new(scene, &needs);
     let start = start_state(&model)?;
@@ -138,7 +138,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let first = setup.attempt(&Stepping::of(settings), (0.0, MAIN_SHARE), control)?;
     let (attempt, accuracy) = accuracy::judge(&setup, first, control)?;
     (control.progress)(1.0);
-    Ok(summarise(scene, &setup, &attempt, accuracy, begin))
+    Ok(summarise(scene, &setup, &attempt, accuracy, &found, begin))
 }
 
 /// Share of the progress that the main integration stands for; the rest judges its accuracy.
@@ -308,37 +308,59 @@ fn summarise(
     setup: &Setup<'_>,
     attempt: &Attempt,
     accuracy: AccuracyReport,
+    found: &[String],
     begin: Instant,
 ) -> RunResult {
     let &Setup { model, needs, settings, .. } = setup;
-    let (recording, main) = (&attempt.recording, &attempt.integrated);
-    let spectra = metrics::spectra(recording, settings);
-    let frequencies = metrics::frequencies(scene, recording);
-    let outputs = &settings.outputs;
-    let summary = Summary {
-        channels: if outputs.vibration { metrics::vibration(recording) } else { Vec::new() },
-        contacts: outputs.contacts.then(|| metrics::contacts(model, recording)),
-        cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
-        frequencies,
-        lines: if outputs.vibration { metrics::lines(scene, &spectra, &frequencies) } else { Vec::new() },
-        solver: SolverReport {
-            method: main.choice.method.name(),
-            method_reason: reason(settings, attempt),
-            rung: needs.rung.name(),
-            check: match needs.rung {
-                Rung::Full => "the full dynamics: nothing richer to check against".into(),
-                Rung::Planar => "planar motion: see left_out for why no motion along the axis is needed".into(),
-            },
-            statistics: main.statistics,
-            wall_time: begin.elapsed().as_secs_f64(),
-            simulated_time: settings.settle + settings.duration,
-            states: model.mechanism().layout.dimension(),
-            strips: needs.raceway.strips,
-            relative_tolerance: attempt.relative_tolerance,
-        },
-        accuracy,
+    let main = &attempt.integrated;
+    let mut check = match needs.rung {
+        Rung::Planar => "planar motion: see left_out for why no motion along the axis is needed".to_owned(),
+        _ => "the full dynamics: nothing richer to check against".to_owned(),
     };
-    RunResult { summary, spectra, series: metrics::series(recording, settings), left_out: needs.left_out.clone() }
+    for words in found {
+        check = format!("{check}; {words}");
+    }
+    let solver = SolverReport {
+        method: main.choice.method.name(),
+        method_reason: reason(settings, attempt),
+        rung: needs.rung.name(),
+        check,
+        statistics: main.statistics,
+        wall_time: begin.elapsed().as_secs_f64(),
+        simulated_time: settings.settle + settings.duration,
+        states: model.mechanism().layout.dimension(),
+        strips: needs.raceway.strips,
+        relative_tolerance: attempt.relative_tolerance,
+    };
+    let (mechanism, recording) = (model.mechanism(), &attempt.recording);
+    RunResult::new(scene, settings, mechanism, recording, solver, accuracy, needs.left_out.clone())
+}
+
+impl RunResult {
+    /// Everything that the outputs ask for, from what a run has shown.
+    pub(super) fn new(
+        scene: &Scene,
+        settings: &RunSettings,
+        mechanism: &Mechanism,
+        recording: &Recording,
+        solver: SolverReport,
+        accuracy: AccuracyReport,
+        left_out: Vec<LeftOut>,
+    ) -> Self {
+        let spectra = metrics::spectra(recording, settings);
+        let frequencies = metrics::frequencies(scene, recording);
+        let outputs = &settings.outputs;
+        let summary = Summary {
+            channels: if outputs.vibration { metrics::vibration(recording) } else { Vec::new() },
+            contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
+            cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
+            frequencies,
+            lines: if outputs.vibration { metrics::lines(scene, &spectra, &frequencies) } else { Vec::new() },
+            solver,
+            accuracy,
+        };
+        Self { summary, spectra, series: metrics::series(recording, settings), left_out }
+    }
 }
 
 /// Why this method, and why a tighter tolerance than the one asked for.

@@ -151,7 +151,8 @@ impl Model {
         let mechanism = Mechanism::new(scene, needs);
         match needs.rung {
             Rung::Full => Self::Full(Full::new(mechanism)),
-            Rung::Planar => Self::Planar(Planar::new(mechanism)),
+            // Reduced rungs have models of their own; what they leave of the dynamics is planar.
+            _ => Self::Planar(Planar::new(mechanism)),
         }
     }
 

@@ -1,0 +1,333 @@
+//! The ladder of models: on which rung a scene is simulated, and whether the next richer rung confirms it.
+//!
+//! The two upper rungs, `full` and `planar`, are the dynamics of `model/dynamics.rs`. The reduced ones below keep less: what they
+//! leave out is checked on a short stretch, from the same start, against the next richer rung. Where nothing is asked for by
+//! name, the leanest rung that can give the outputs and that its check confirms within `model_tolerance_db` makes the result.
+
+use std::time::Instant;
+
+use super::accuracy;
+use super::metrics::{AccuracyReport, SolverReport};
+use super::model::radially_condensed::{self, RadiallyCondensed};
+use super::model::{Mechanism, Model};
+use super::needs::{Grounds, LeftOut, Needs, Unmet};
+use super::observe::Recording;
+use super::reduced;
+use super::run::{self, Control, Method, Outputs, RunResult, RunSettings, Setup, SimulationError, Stepping};
+use super::scene::{Scene, Term, TermChoice};
+use crate::numerics::ode::Statistics;
+use crate::physics::kinematics;
+
+/// A rung of the ladder of models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rung {
+    /// Six degrees of freedom of every ball and of the cage.
+    Full,
+    /// No motion along the axis, no tilt.
+    Planar,
+    /// Planar, and every ball in radial equilibrium between its raceways.
+    RadiallyCondensed,
+    /// The balls go round equally spaced.
+    SpindleOnly,
+    /// The same, repeating with every ball.
+    Periodic,
+}
+
+/// Shortest stretch of a check, and of what comes before it [s]; and the ball passages that they hold at least.
+const CHECKED: f64 = 6e-3;
+const CHECK_SETTLES: f64 = 2e-3;
+const CHECKED_PASSAGES: f64 = 3.0;
+/// How much longer a check is that costs little.
+const LONGER: f64 = 4.0;
+/// Largest share of a run that its check may be; a shorter run is simulated on the richer rung at once.
+const WORTH_IT: f64 = 0.3;
+/// States of the rungs that integrate the spindle alone.
+const SPINDLE_STATES: usize = 4;
+/// Relative tolerance of the dynamics in a check: errs by some 2e-4 dB.
+const CHECK_TOLERANCE: f64 = 1e-4;
+
+impl Rung {
+    /// All, the richest first.
+    pub const ALL: [Self; 5] = [Self::Full, Self::Planar, Self::RadiallyCondensed, Self::SpindleOnly, Self::Periodic];
+    const REDUCED: [Self; 3] = [Self::Periodic, Self::SpindleOnly, Self::RadiallyCondensed];
+
+    /// The name in requests and results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::Planar => "planar",
+            Self::RadiallyCondensed => "radially_condensed",
+            Self::SpindleOnly => "spindle_only",
+            Self::Periodic => "periodic",
+        }
+    }
+
+    /// Whether it leaves out more than identities allow, and has an integrator of its own.
+    pub fn is_reduced(self) -> bool {
+        Self::REDUCED.contains(&self)
+    }
+
+    /// The integrator of a reduced rung.
+    fn own_method(self) -> &'static str {
+        match self {
+            Self::Periodic => "shooting",
+            Self::SpindleOnly => "adams_moulton",
+            _ => "semi_implicit",
+        }
+    }
+
+    /// Why a reduced rung cannot have this scene or give these outputs; `None`: it can, or it is none.
+    fn refusal(self, scene: &Scene, needs: &Needs, outputs: &Outputs) -> Option<String> {
+        match self {
+            Self::Full | Self::Planar => None,
+            Self::RadiallyCondensed => radially_condensed::refusal(scene, outputs).map(str::to_owned),
+            Self::SpindleOnly => reduced::unable(scene, needs, outputs),
+            Self::Periodic => reduced::unable_periodic(scene, needs, outputs),
+        }
+    }
+}
+
+/// What the equations of a scene hold on a rung asked for by name, or on the dynamics that the scene needs.
+pub fn needs(scene: &Scene, outputs: &Outputs, rung: Option<Rung>) -> Result<Needs, Unmet> {
+    let Some(rung) = rung.filter(|rung| rung.is_reduced()) else { return Needs::of(scene, outputs, rung) };
+    if let Some(reason) = rung.refusal(scene, &Needs::of(scene, outputs, Some(Rung::Full))?, outputs) {
+        return Err(Unmet::Rung { rung, reason });
+    }
+    let mut needs = Needs::of(scene, outputs, Some(Rung::Planar))?;
+    needs.left_out.retain(|left_out| left_out.term != Term::CageTilt.name() || left_out.by == Grounds::Identity);
+    let tilts = !needs.left_out.iter().any(|left_out| left_out.term == Term::CageTilt.name());
+    needs.left_out.extend(omissions(rung, tilts));
+    Ok(needs)
+}
+
+/// What a reduced rung leaves out by judgement; the bound is that of its check, of all together.
+fn omissions(rung: Rung, tilts: bool) -> Vec<LeftOut> {
+    let one = |term: Term, reason: &str| LeftOut {
+        term: term.name(),
+        reason: format!("rung {}: {reason}", rung.name()),
+        by: Grounds::Judgement,
+        bound: None,
+    };
+    let mut all = vec![one(Term::BallRadialDynamics, "balls are in radial equilibrium between their raceways")];
+    if tilts {
+        all.push(one(Term::CageTilt, "no ball or cage leaves the plane"));
+    }
+    if rung != Rung::RadiallyCondensed {
+        all.push(one(Term::Cage, "balls go round equally spaced, at the speed of ideal rolling"));
+        all.push(one(Term::BallSpinDynamics, "balls roll ideally"));
+    }
+    all
+}
+
+/// The rungs that are tried, the leanest first; the last one is sure to serve.
+pub fn tried(scene: &Scene, settings: &RunSettings) -> Result<Vec<Rung>, Unmet> {
+    if let Some(rung) = settings.rung {
+        return Ok(vec![rung]);
+    }
+    let dynamics = Needs::of(scene, &settings.outputs, None)?;
+    let mut rungs = if may_reduce(scene, settings) {
+        let serves = |rung: &Rung| rung.refusal(scene, &dynamics, &settings.outputs).is_none();
+        Rung::REDUCED.into_iter().filter(serves).collect()
+    } else {
+        Vec::new()
+    };
+    rungs.push(dynamics.rung);
+    Ok(rungs)
+}
+
+/// Whether a reduced rung may be chosen: nothing else is asked for, and its check would tell and be worth it.
+fn may_reduce(scene: &Scene, settings: &RunSettings) -> bool {
+    let dynamics = [Term::BallRadialDynamics, Term::BallSpinDynamics, Term::CageTilt];
+    let asked = dynamics.iter().any(|term| scene.terms.get(*term) == TermChoice::On);
+    let free = settings.method == Method::Auto && settings.fixed_step.is_none() && settings.model_tolerance_db > 0.0;
+    let worth_it = check_time(scene) <= WORTH_IT * (settings.settle + settings.duration);
+    // A check from the start tells nothing of the speeds that come later.
+    free && !asked && scene.operation.speed.is_constant() && worth_it
+}
+
+/// Times of a check: before the stretch that is compared, and of that [s].
+fn check_times(scene: &Scene) -> (f64, f64) {
+    let orbit = (kinematics::ideal_orbit_ratio(&scene.bearing) * scene.operating_speed()).abs();
+    let passage = std::f64::consts::TAU / (scene.bearing.parameters.ball_count as f64 * orbit);
+    (passage.max(CHECK_SETTLES), (CHECKED_PASSAGES * passage).max(CHECKED))
+}
+
+/// What the dynamics simulate to check a reduced rung [s].
+pub fn check_time(scene: &Scene) -> f64 {
+    let (settle, duration) = check_times(scene);
+    settle + duration
+}
+
+/// What a reduced rung has shown beside the next richer one.
+#[derive(Debug, Clone, Copy)]
+struct Check {
+    against: Rung,
+    /// [s]
+    stretch: f64,
+    distance: accuracy::Distance,
+}
+
+impl Check {
+    /// Whether level, and largest load and cage speed where they are asked for, differ by no more than so many decibels.
+    fn confirms(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
+        let share = 10_f64.powf(tolerance_db / 20.0) - 1.0;
+        let within = |asked: bool, error: Option<f64>| !asked || error.is_some_and(|error| error <= share);
+        let quantities = self.distance.quantities;
+        self.distance.level_db.is_some_and(|error| error <= tolerance_db)
+            && within(outputs.contacts, quantities.map(|errors| errors.max_load))
+            && within(outputs.cage, quantities.map(|errors| errors.cage_speed))
+    }
+
+    fn words(&self) -> String {
+        let against = format!("{:.3} ms on the rung {}, from the same start", 1e3 * self.stretch, self.against.name());
+        match (self.distance.level_db, self.distance.quantities) {
+            (Some(level), Some(q)) => format!(
+                "{against}: level {level:.4} dB, largest load {:.3} %, cage speed {:.4} % apart",
+                100.0 * q.max_load,
+                100.0 * q.cage_speed
+            ),
+            (Some(level), None) => format!("{against}: level {level:.4} dB apart"),
+            (None, _) => format!("{against}: nothing moves that could be compared"),
+        }
+    }
+}
+
+/// The result of the leanest reduced rung that serves; `None`: the dynamics have to. With what the others have shown, in words.
+pub(super) fn run(
+    scene: &Scene,
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<(Option<RunResult>, Vec<String>), SimulationError> {
+    let begin = Instant::now();
+    let mut found = Vec::new();
+    for rung in tried(scene, settings)?.into_iter().filter(|rung| rung.is_reduced()) {
+        match on_rung(rung, scene, settings, begin, control) {
+            Ok(Ok(result)) => return Ok((Some(result), found)),
+            Ok(Err(check)) => found.push(format!("{} was not confirmed: {check}", rung.name())),
+            Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
+            Err(error) if settings.rung.is_some() => return Err(error),
+            Err(SimulationError::Unable { reason, .. }) => {
+                found.push(format!("{} does not serve: {reason}", rung.name()))
+            }
+            Err(error) => found.push(format!("{} failed: {error}", rung.name())),
+        }
+    }
+    Ok((None, found))
+}
+
+/// The result of a reduced rung; `Err`: what its check has shown instead, where it was not asked for by name.
+fn on_rung(
+    rung: Rung,
+    scene: &Scene,
+    settings: &RunSettings,
+    begin: Instant,
+    control: &Control<'_>,
+) -> Result<Result<RunResult, String>, SimulationError> {
+    let part = |from: f64, to: f64| move |share: f64| (control.progress)(from + share * (to - from));
+    let (checking, running) = (part(0.0, 0.5), part(0.5, 1.0));
+    // The check decides, so it comes first.
+    let check = check(rung, scene, settings, &Control { stop: control.stop, progress: &checking })?;
+    let confirmed = check.confirms(&settings.outputs, settings.model_tolerance_db);
+    if !confirmed && settings.rung.is_none() {
+        return Ok(Err(check.words()));
+    }
+    let made = record(rung, scene, settings, &Control { stop: control.stop, progress: &running })?;
+    Ok(Ok(summarise(rung, scene, settings, &made, &check, begin)?))
+}
+
+/// What a reduced rung has left behind, and its first-order states.
+struct Made {
+    recording: Recording,
+    statistics: Statistics,
+    states: usize,
+}
+
+fn record(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<Made, SimulationError> {
+    let (recording, statistics) = match rung {
+        Rung::Periodic => reduced::simulate_periodic(scene, settings, control)?,
+        Rung::SpindleOnly => reduced::simulate(scene, settings, control)?,
+        _ => radially_condensed::simulate(scene, settings, control)?,
+    };
+    let states = match rung {
+        Rung::Periodic | Rung::SpindleOnly => SPINDLE_STATES,
+        _ => RadiallyCondensed::new(scene, &settings.outputs)?.states(),
+    };
+    Ok(Made { recording, statistics, states })
+}
+
+/// A short run of the rung beside one of the next richer rung.
+fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<Check, SimulationError> {
+    let (mut settle, mut duration) = check_times(scene);
+    if rung != Rung::RadiallyCondensed {
+        // The richer rung costs little; and a periodic motion is none from the start.
+        settle = settle.max(settings.settle);
+        duration = settings.duration.min(LONGER * duration).max(duration);
+    }
+    let outputs = Outputs { spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() };
+    let quiet = Control { stop: control.stop, progress: &|_| {} };
+    let short = RunSettings { method: Method::Auto, fixed_step: None, settle, duration, outputs, ..settings.clone() };
+    let own = record(rung, scene, &short, &quiet)?.recording;
+    let (against, richer) = if rung == Rung::RadiallyCondensed {
+        let needs = Needs::of(scene, &short.outputs, None)?;
+        let model = Model::new(scene, &needs);
+        let start = run::start_state(&model)?;
+        let tolerance = settings.relative_tolerance.max(CHECK_TOLERANCE);
+        let stepping = Stepping { relative_tolerance: tolerance, ..Stepping::of(&short) };
+        let setup = Setup { model: &model, needs: &needs, settings: &short, start: &start };
+        (needs.rung, setup.attempt(&stepping, (0.0, 1.0), control)?.recording)
+    } else {
+        (Rung::RadiallyCondensed, record(Rung::RadiallyCondensed, scene, &short, &quiet)?.recording)
+    };
+    let unseen = (1.0 - duration / settings.duration).max(0.0).sqrt();
+    let mut distance = accuracy::Distance::of_recordings(&own, &richer, unseen);
+    if !(settings.outputs.contacts || settings.outputs.cage) {
+        distance.quantities = None;
+    }
+    Ok(Check { against, stretch: duration, distance })
+}
+
+fn summarise(
+    rung: Rung,
+    scene: &Scene,
+    settings: &RunSettings,
+    made: &Made,
+    check: &Check,
+    begin: Instant,
+) -> Result<RunResult, SimulationError> {
+    let mut needs = needs(scene, &settings.outputs, Some(rung))?;
+    let bound = check.distance.level_db.map(|error| (error, "dB"));
+    for left_out in needs.left_out.iter_mut().filter(|left_out| left_out.by == Grounds::Judgement) {
+        left_out.bound = bound;
+    }
+    let confirmed = check.confirms(&settings.outputs, settings.model_tolerance_db);
+    let warning = (!confirmed).then(|| {
+        format!(
+            "the rung {} was asked for and is not confirmed within {} dB: {}",
+            rung.name(),
+            settings.model_tolerance_db,
+            check.words()
+        )
+    });
+    let solver = SolverReport {
+        method: rung.own_method(),
+        method_reason: "the rung's own, for no other integrates it".into(),
+        rung: rung.name(),
+        check: check.words(),
+        statistics: made.statistics,
+        wall_time: begin.elapsed().as_secs_f64(),
+        simulated_time: settings.settle + settings.duration,
+        relative_tolerance: settings.relative_tolerance,
+        states: made.states,
+        strips: needs.raceway.strips,
+    };
+    let accuracy = AccuracyReport {
+        level_error_db: check.distance.level_db,
+        quantity_errors: check.distance.quantities,
+        how: format!("model and integration together: {}, worst of y and z", check.words()),
+        motion: None,
+        divergence_rate: 0.0,
+        warning,
+    };
+    let mechanism = Mechanism::new(scene, &needs);
+    Ok(RunResult::new(scene, settings, &mechanism, &made.recording, solver, accuracy, needs.left_out))
+}
