@@ -54,7 +54,7 @@ pub struct Needs {
 /// A choice of the request that this scene cannot be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unmet {
-    #[error("rung {rung} cannot represent this scene: {reason}", rung = .rung.name())]
+    #[error("rung {rung} cannot represent this scene or its outputs: {reason}", rung = .rung.name())]
     Rung { rung: Rung, reason: String },
     #[error("term {term} cannot be {choice}: {reason}", term = .term.name())]
     Term { term: Term, choice: &'static str, reason: &'static str },

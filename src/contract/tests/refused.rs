@@ -171,7 +171,20 @@ fn impossible_jobs_are_refused() {
         (job(r#""solver":{"method":"runge_kutta_4"}"#), "/solver/method", "not available in this version"),
         (job(r#""solver":{"method":"shooting"}"#), "/solver/method", "not available in this version"),
         (job(r#""solver":{"method":"euler"}"#), "/solver/method", "unknown"),
-        (job(r#""solver":{"rung":"periodic"}"#), "/solver/rung", "not available in this version"),
+        (job(r#""solver":{"rung":"periodic"}"#), "/solver/rung", "contacts are asked for"),
+        (
+            job(r#""solver":{"rung":"periodic","method":"gear"},"outputs":{"metrics":["vibration"]}"#),
+            "/solver/rung",
+            "the method must be `auto`",
+        ),
+        (
+            job(
+                r#""solver":{"rung":"spindle_only","fixed_step_us":1,"method":"dormand_prince"},"outputs":{"metrics":["vibration"]}"#,
+            ),
+            "/solver/rung",
+            "without a fixed step",
+        ),
+        (job(r#""solver":{"rung":"condensed"}"#), "/solver/rung", "available: `full`, `planar`, `radially_condensed`"),
         (
             job(r#""solver":{"relative_tolerance":1e-13}"#),
             "/solver/relative_tolerance",
@@ -230,7 +243,7 @@ fn impossible_accuracy_jobs_are_refused() {
         (job(r#""solver":{"method":"gear"}"#), "/solver/method", "takes /methods"),
         (job(r#""solver":{"relative_tolerance":1e-5}"#), "/solver/relative_tolerance", "takes /relative_tolerances"),
         (job(r#""solver":{"fixed_step_us":1}"#), "/solver/fixed_step_us", "with error control"),
-        (job(r#""solver":{"rung":"periodic"}"#), "/solver/rung", "not available in this version"),
+        (job(r#""solver":{"rung":"periodic"}"#), "/solver/rung", "compared on `full` or `planar`, not on `periodic`"),
         (job(r#""outputs":{"spectra":[]}"#), "/outputs/spectra", "keeps no signals"),
         (job(r#""outputs":{"series":["cage.speed"]}"#), "/outputs/series", "keeps no signals"),
         (job(r#""reuse":true"#), "/reuse", "no other answers it"),
