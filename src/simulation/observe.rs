@@ -7,7 +7,7 @@
 use super::channel::{Axis, BallContact, Channel, Motion};
 use super::model::{Model, Watch};
 use super::needs::Needs;
-use super::run::RunSettings;
+use super::run::{Outputs, RunSettings};
 use crate::numerics::ode::Integrator;
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
@@ -167,14 +167,7 @@ impl<'m> Observer<'m> {
             })
             .map(|channel| (channel, Vec::with_capacity(values)))
             .collect();
-        let outputs = &settings.outputs;
-        let orbit = [Channel::CageDisplacement(Axis::Y), Channel::CageDisplacement(Axis::Z)];
-        let mut picked: Vec<Channel> = if outputs.cage && layout.cage { orbit.to_vec() } else { Vec::new() };
-        for &channel in outputs.spectra.iter().chain(&outputs.series) {
-            if !matches!(channel, Channel::Spindle(..)) && !picked.contains(&channel) {
-                picked.push(channel);
-            }
-        }
+        let picked = picked_channels(&settings.outputs, layout.cage);
         let decimator = Decimator::new(OVERSAMPLING, filtered.len());
         let delay = decimator.delay();
         // A run without time to settle has no past for the filter: it starts from a standstill then.
@@ -330,6 +323,18 @@ impl<'m> Observer<'m> {
             ball_spin: self.spin.mean.abs(),
         }
     }
+}
+
+/// Channels besides the spindle's that the outputs need, kept as they stand; `cage`: whether there is one.
+pub fn picked_channels(outputs: &Outputs, cage: bool) -> Vec<Channel> {
+    let orbit = [Channel::CageDisplacement(Axis::Y), Channel::CageDisplacement(Axis::Z)];
+    let mut picked: Vec<Channel> = if outputs.cage && cage { orbit.to_vec() } else { Vec::new() };
+    for &channel in outputs.spectra.iter().chain(&outputs.series) {
+        if !matches!(channel, Channel::Spindle(..)) && !picked.contains(&channel) {
+            picked.push(channel);
+        }
+    }
+    picked
 }
 
 /// Number of values kept of a channel over a duration [s]; at least one.
