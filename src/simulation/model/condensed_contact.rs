@@ -129,7 +129,8 @@ impl CondensedContact {
         let outer_share = t * a;
         let inner_share = 1.0 - outer_share;
         // dt/d(approach) = c √δ₀/(u + c √δ₀)²/(2u): with a_e/u = a/(u + c √δ₀) finite at touch.
-        let turning = if pressed > 0.0 { 0.5 * middle * (per_sum * per_sum * per_sum) } else { 0.0 };
+        let turning = 0.5 * middle * (per_sum * per_sum * per_sum);
+        let slope = turning * a * (a + 2.0 * t * a_slope);
         CondensedLoad {
             pressed,
             inner,
@@ -138,7 +139,7 @@ impl CondensedContact {
             stiffness: 1.5 * stiffness * inner_share,
             inner_share,
             outer_share,
-            outer_share_slope: turning * a * (a + 2.0 * t * a_slope),
+            outer_share_slope: if pressed > 0.0 { slope } else { 0.0 },
             damped_load: inner_share * inner_share * load + outer_share * outer_share * (load + free.force),
         }
     }

@@ -1,8 +1,7 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
 use super::ball::{BallRates, BallState, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
-use super::pocket::Displaced;
-use super::traction::{General, RacewayTraction, Sums};
+use super::traction::{General, RacewayTraction};
 use super::{Border, RadiallyCondensed};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide};
 use crate::physics::bearing::PerRaceway;
@@ -41,26 +40,12 @@ pub struct Seen {
 #[derive(Debug, Clone)]
 pub struct Scratch {
     pub seen: Vec<Seen>,
-    room: Box<Room>,
     cage: Turn,
-}
-
-/// Quantities of eight balls on their way through an evaluation.
-#[derive(Debug, Clone, Default)]
-struct Room {
-    ahead: Azimuth<Lanes>,
-    held: Held<Lanes>,
-    displaced: Displaced<Lanes>,
-    pushed: Pushed<Lanes>,
-    loaded: Loaded<Lanes>,
-    inner: Sums<Lanes>,
-    outer: Sums<Lanes>,
-    passed: Passed<Lanes>,
 }
 
 impl Scratch {
     pub fn new(groups: usize) -> Self {
-        Self { seen: vec![Seen::default(); groups], room: Box::default(), cage: Turn::default() }
+        Self { seen: vec![Seen::default(); groups], cage: Turn::default() }
     }
 }
 
@@ -112,10 +97,10 @@ impl RadiallyCondensed {
         sums: &mut AllBalls,
     ) {
         let cage = self.mechanism.layout.cage;
-        let Scratch { seen, room, .. } = scratch;
-        let Room { ahead, held, displaced, pushed, loaded, inner, outer, passed: on_spindle } = &mut **room;
         // Copies: what is stored in the loops cannot change them.
-        let (one, start, present, drive, border) = (self.one, self.start[group], self.present[group], *drive, *border);
+        let (one, start, present) = (self.one, self.start[group], self.present[group]);
+        let (drive, balls, border) = (*drive, *balls, *border);
+        let (mut ahead, mut held) = (Azimuth::<Lanes>::default(), Held::<Lanes>::default());
         if cage {
             for lane in 0..LANES {
                 ahead.put(lane, one.ahead(border.cage_arc, &balls.at(lane)));
@@ -133,38 +118,44 @@ impl RadiallyCondensed {
                 held.put(lane, one.with_viscous(&held.at(lane)));
             }
         }
+        let mut pushed = Pushed::<Lanes>::default();
         if cage {
             let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
-            let free = self.film.pushed(&border, cage_spin, held, &present, displaced, pushed);
-            if !free || !self.plain_pocket {
-                let spins = (one.spin_ratio, cage_spin);
+            let displaced = self.film.displaced(&border, cage_spin, &held);
+            if self.plain_pocket && self.film.reaches(&displaced) {
+                pushed = self.film.pushed(&held, &displaced, &present);
+            } else {
+                let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
                 let pocket = &self.mechanism.pocket;
-                self.film.pushed_by_wall(pocket, &drive, spins, balls, held, &present, displaced, pushed);
+                pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present);
             }
         }
+        let mut loaded = Loaded::<Lanes>::default();
         for lane in 0..LANES {
             loaded.put(lane, one.loaded(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]));
         }
-        *inner = match &self.traction.inner {
+        let inner = match &self.traction.inner {
             RacewayTraction::Rising(law) => law.sums(&loaded.inner),
             RacewayTraction::General => {
                 self.general(&drive, true).sums(&loaded.inner, &balls.spin, &held.inner, &held.orbit)
             }
         };
-        *outer = match &self.traction.outer {
+        let outer = match &self.traction.outer {
             RacewayTraction::Rising(law) => law.sums(&loaded.outer),
             RacewayTraction::General => {
                 self.general(&drive, false).sums(&loaded.outer, &balls.spin, &held.outer, &held.orbit)
             }
         };
+        let (mut rates_now, mut on_spindle) = (BallRates::<Lanes>::default(), Passed::<Lanes>::default());
         for lane in 0..LANES {
             let (held, loaded) = (held.at(lane), loaded.at(lane));
             let traction = PerRaceway { inner: inner.at(lane), outer: outer.at(lane) };
-            rates.put(lane, one.rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction));
+            rates_now.put(lane, one.rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction));
             on_spindle.put(lane, passed(&held, &loaded, traction.inner.force, present[lane]));
         }
-        sums.add(on_spindle, pushed);
-        seen[group] = Seen {
+        *rates = rates_now;
+        sums.add(&on_spindle, &pushed);
+        scratch.seen[group] = Seen {
             load: PerRaceway { inner: loaded.inner.load, outer: loaded.outer.load },
             slip: PerRaceway { inner: inner.slip, outer: outer.slip },
             pocket: pushed.load,

@@ -1,7 +1,7 @@
 //! Pockets of several balls: the film in a short form, walls and hydrodynamic terms by the pocket of the full model.
 
 use super::Border;
-use super::ball::{BallState, Drive, Held, Pushed};
+use super::ball::{Held, Pushed};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side, smaller};
 use crate::physics::pocket::{Pocket, PocketMotion};
 
@@ -44,7 +44,7 @@ struct Push {
 
 impl Film {
     #[inline(always)]
-    fn displaced(&self, border: &Border, cage_spin: f64, held: &Held) -> Displaced {
+    fn displaced_one(&self, border: &Border, cage_spin: f64, held: &Held) -> Displaced {
         let ([cy, cz], [vy, vz, _]) = (border.cage, border.cage_velocity);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
@@ -100,48 +100,50 @@ impl Film {
         }
     }
 
-    /// Pockets with nothing but their film; false where a ball has come to the wall.
+    /// Where balls are in their pockets.
     #[inline(always)]
-    pub fn pushed(
-        self,
-        border: &Border,
-        cage_spin: f64,
-        held: &Held<Lanes>,
-        present: &Lanes,
-        displaced: &mut Displaced<Lanes>,
-        pushed: &mut Pushed<Lanes>,
-    ) -> bool {
-        let (film, border) = (self, *border);
+    pub fn displaced(self, border: &Border, cage_spin: f64, held: &Held<Lanes>) -> Displaced<Lanes> {
+        let mut displaced = Displaced::<Lanes>::default();
         for lane in 0..LANES {
-            let held = held.at(lane);
-            let one = film.displaced(&border, cage_spin, &held);
-            displaced.put(lane, one);
-            pushed.put(lane, film.turned(&held, &one, &film.push(&one), present[lane]));
+            displaced.put(lane, self.displaced_one(border, cage_spin, &held.at(lane)));
         }
-        !displaced.distance.any(|distance| distance > film.clearance)
+        displaced
     }
 
-    /// The same by the pocket of the full model, ball by ball.
-    #[allow(clippy::too_many_arguments)]
+    /// Whether no ball has come to the wall of its pocket.
+    #[inline(always)]
+    pub fn reaches(&self, displaced: &Displaced<Lanes>) -> bool {
+        !displaced.distance.any(|distance| distance > self.clearance)
+    }
+
+    /// Pockets with nothing but their film.
+    #[inline(always)]
+    pub fn pushed(self, held: &Held<Lanes>, displaced: &Displaced<Lanes>, present: &Lanes) -> Pushed<Lanes> {
+        let mut pushed = Pushed::<Lanes>::default();
+        for lane in 0..LANES {
+            let one = displaced.at(lane);
+            pushed.put(lane, self.turned(&held.at(lane), &one, &self.push(&one), present[lane]));
+        }
+        pushed
+    }
+
+    /// The same by the pocket of the full model, ball by ball; `spins`: of the balls over the cage's.
     #[inline(never)]
     pub fn pushed_by_wall(
         &self,
         pocket: &Pocket,
-        drive: &Drive,
-        spins: (f64, f64),
-        balls: &BallState<Lanes>,
+        spins: &Lanes,
         held: &Held<Lanes>,
-        present: &Lanes,
         displaced: &Displaced<Lanes>,
-        pushed: &mut Pushed<Lanes>,
-    ) {
-        let (spin_ratio, cage_spin) = spins;
+        present: &Lanes,
+    ) -> Pushed<Lanes> {
+        let mut pushed = Pushed::<Lanes>::default();
         for lane in 0..LANES {
             let at = displaced.at(lane);
             let motion = PocketMotion {
                 displacement: [0.0, at.displacement.0, at.displacement.1],
                 velocity: [0.0, at.velocity.0, at.velocity.1],
-                spin: [spin_ratio * drive.speed + balls.spin[lane] - cage_spin, 0.0, 0.0],
+                spin: [spins[lane], 0.0, 0.0],
             };
             let load = pocket.load(&motion);
             let push = Push {
@@ -153,5 +155,6 @@ impl Film {
             };
             pushed.put(lane, self.turned(&held.at(lane), &at, &push, present[lane]));
         }
+        pushed
     }
 }

@@ -234,8 +234,11 @@ impl<'m> Stepper<'m> {
         let [new, now, before, earlier] = &mut self.nodes;
         let oldest = new.acceleration;
         for group in 0..now.balls.len() {
-            let past = [&*now, &*before, &*earlier].map(|node| (&node.balls[group], &node.rates.balls[group]));
-            step_balls(&formulas.implicit, moulton, h, past, &mut new.balls[group]);
+            let past = Past {
+                states: (now.balls[group], before.balls[group], earlier.balls[group]),
+                rates: (now.rates.balls[group], before.rates.balls[group], earlier.rates.balls[group]),
+            };
+            new.balls[group] = past.stepped(&formulas.implicit, moulton, h);
         }
         let mut border = Border::default();
         let (a, b, c) = (&now.border, &before.border, &earlier.border);
@@ -305,26 +308,34 @@ impl Implicit {
 }
 
 /// States and rates of eight balls, newest first.
-type Past<'a> = [(&'a BallState<Lanes>, &'a BallRates<Lanes>); 3];
+struct Past {
+    states: (BallState<Lanes>, BallState<Lanes>, BallState<Lanes>),
+    rates: (BallRates<Lanes>, BallRates<Lanes>, BallRates<Lanes>),
+}
 
-/// Eight balls a step on.
-#[inline(always)]
-fn step_balls(c: &Implicit, moulton: &[f64; NODES], h: f64, past: Past<'_>, new: &mut BallState<Lanes>) {
-    let (c, moulton) = (*c, *moulton);
-    for lane in 0..LANES {
-        let [(now, f), (before, f1), (earlier, f2)] = past.map(|(state, rates)| (state.at(lane), rates.at(lane)));
-        let velocities = [now.arc_velocity, before.arc_velocity, earlier.arc_velocity];
-        let spins = [now.spin, before.spin, earlier.spin];
-        let (push_v, ahead_v) = c.pushed(h, velocities, [f.arc_velocity, f1.arc_velocity, f2.arc_velocity]);
-        let (push_p, ahead_p) = c.pushed(h, spins, [f.spin, f1.spin, f2.spin]);
-        // A = [−a, b; d, −e]
-        let (a, b, d, e) = (h * f.arc_by_arc, h * f.arc_by_spin, h * f.spin_by_arc, h * f.spin_by_spin);
-        let (right_v, right_p) = (push_v + a * ahead_v - b * ahead_p, push_p - d * ahead_v + e * ahead_p);
-        let (vv, pp) = (c.leading + a, c.leading + e);
-        let per_determinant = 1.0 / (vv * pp - b * d);
-        let arc_velocity = now.arc_velocity + per_determinant * (pp * right_v + b * right_p);
-        let spin = now.spin + per_determinant * (vv * right_p + d * right_v);
-        let arrived = [arc_velocity, now.arc_velocity, before.arc_velocity, earlier.arc_velocity];
-        new.put(lane, BallState { arc: now.arc + h * weighed(&moulton, arrived), arc_velocity, spin });
+impl Past {
+    /// A step on.
+    #[inline(always)]
+    fn stepped(&self, formulas: &Implicit, moulton: &[f64; NODES], h: f64) -> BallState<Lanes> {
+        let (c, moulton) = (*formulas, *moulton);
+        let mut new = BallState::<Lanes>::default();
+        for lane in 0..LANES {
+            let (now, before, earlier) = (self.states.0.at(lane), self.states.1.at(lane), self.states.2.at(lane));
+            let (f, f1, f2) = (self.rates.0.at(lane), self.rates.1.at(lane), self.rates.2.at(lane));
+            let velocities = [now.arc_velocity, before.arc_velocity, earlier.arc_velocity];
+            let spins = [now.spin, before.spin, earlier.spin];
+            let (push_v, ahead_v) = c.pushed(h, velocities, [f.arc_velocity, f1.arc_velocity, f2.arc_velocity]);
+            let (push_p, ahead_p) = c.pushed(h, spins, [f.spin, f1.spin, f2.spin]);
+            // A = [−a, b; d, −e]
+            let (a, b, d, e) = (h * f.arc_by_arc, h * f.arc_by_spin, h * f.spin_by_arc, h * f.spin_by_spin);
+            let (right_v, right_p) = (push_v + a * ahead_v - b * ahead_p, push_p - d * ahead_v + e * ahead_p);
+            let (vv, pp) = (c.leading + a, c.leading + e);
+            let per_determinant = 1.0 / (vv * pp - b * d);
+            let arc_velocity = now.arc_velocity + per_determinant * (pp * right_v + b * right_p);
+            let spin = now.spin + per_determinant * (vv * right_p + d * right_v);
+            let arrived = [arc_velocity, now.arc_velocity, before.arc_velocity, earlier.arc_velocity];
+            new.put(lane, BallState { arc: now.arc + h * weighed(&moulton, arrived), arc_velocity, spin });
+        }
+        new
     }
 }
