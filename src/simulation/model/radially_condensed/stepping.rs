@@ -43,7 +43,9 @@ const IMPLICIT: [Implicit; 3] = [
 /// Formulas with as many nodes as are known.
 #[derive(Debug, Clone, Copy)]
 struct Formulas {
-    implicit: Implicit,
+    /// For the balls, and for the cage, whose pockets would not bear extrapolation of order 3 over long steps.
+    balls: Implicit,
+    cage: Implicit,
     /// Through the known nodes, and through the new one and the others but the oldest.
     predict: Weights<NODES>,
     correct: Weights<NODES>,
@@ -52,7 +54,7 @@ struct Formulas {
 impl Formulas {
     fn new(known: usize) -> Self {
         let known = known.min(NODES);
-        Self { implicit: IMPLICIT[known.min(3) - 1], predict: weights(0.0, known), correct: weights(1.0, known) }
+        Self { balls: IMPLICIT[known.min(3) - 1], cage: IMPLICIT[known.min(2) - 1], predict: weights(0.0, known), correct: weights(1.0, known) }
     }
 }
 
@@ -238,7 +240,7 @@ impl<'m> Stepper<'m> {
                 states: (now.balls[group], before.balls[group], earlier.balls[group]),
                 rates: (now.rates.balls[group], before.rates.balls[group], earlier.rates.balls[group]),
             };
-            new.balls[group] = past.stepped(&formulas.implicit, moulton, h);
+            new.balls[group] = past.stepped(&formulas.balls, moulton, h);
         }
         let mut border = Border::default();
         let (a, b, c) = (&now.border, &before.border, &earlier.border);
@@ -246,9 +248,9 @@ impl<'m> Stepper<'m> {
             let damping = h * now.rates.cage_damping[i];
             let rates = [now.rates.cage[i], before.rates.cage[i], earlier.rates.cage[i]];
             let values = [a.cage_velocity[i], b.cage_velocity[i], c.cage_velocity[i]];
-            let (pushed, ahead) = formulas.implicit.pushed(h, values, rates);
+            let (pushed, ahead) = formulas.cage.pushed(h, values, rates);
             border.cage_velocity[i] =
-                values[0] + (pushed + damping * ahead) / (formulas.implicit.leading + damping);
+                values[0] + (pushed + damping * ahead) / (formulas.cage.leading + damping);
         }
         for i in 0..2 {
             let accelerations = [now.acceleration[i], before.acceleration[i], earlier.acceleration[i], oldest[i]];
