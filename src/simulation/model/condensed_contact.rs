@@ -96,8 +96,7 @@ impl CondensedContact {
         let outer = self.stiffness.outer;
         let force = |penetration: f64| mass * orbit_speed * orbit_speed * (radius + penetration) + weight;
         // Further turns take in that the orbit grows with the penetration, some 1e-4 to 1e-3 of it, to rounding.
-        let penetration =
-            (0..8).fold(0.0, |touch: f64, _| (force(touch) / outer).cbrt().powi(2)).max(LEAST_TOUCH);
+        let penetration = (0..8).fold(0.0, |touch: f64, _| (force(touch) / outer).cbrt().powi(2)).max(LEAST_TOUCH);
         let root = penetration.sqrt();
         Unloaded { force: outer * penetration * root, penetration, root }
     }

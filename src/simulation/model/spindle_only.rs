@@ -101,8 +101,7 @@ impl SpindleOnly {
     pub fn new(mechanism: &Mechanism, damping: f64, orbit_ratio: f64, corrections: Corrections) -> Self {
         let m = mechanism;
         let balls = m.layout.balls;
-        let touching =
-            |contact: &RacewayContact| contact.penetration::<true>(0.0, m.pitch_radius).0;
+        let touching = |contact: &RacewayContact| contact.penetration::<true>(0.0, m.pitch_radius).0;
         let centred = m.raceway.map(touching);
         let orbit_radius = m.pitch_radius - centred.outer;
         let speed = m.speed.largest();

@@ -218,7 +218,10 @@ impl OneBall {
         let azimuth = pocket.turned(ahead);
         let (c, s) = (azimuth.cosine, azimuth.sine);
         let orbit = self.orbit_ratio * drive.speed + ball.arc_velocity * per_pitch_radius;
-        let centrifugal = larger(self.mass * (self.nominal + drive.unloaded_root * drive.unloaded_root) * orbit * orbit + self.weight * c, 0.0);
+        let centrifugal = larger(
+            self.mass * (self.nominal + drive.unloaded_root * drive.unloaded_root) * orbit * orbit + self.weight * c,
+            0.0,
+        );
         let unloaded = self.contact.unloaded_near(drive.unloaded_root, centrifugal);
 
         // Approach of the raceways and its rate; the spindle's displacement across counts to second order.
@@ -233,8 +236,8 @@ impl OneBall {
         let contact = self.contact.load(approach, &unloaded);
         let damping = self.damping.chi * contact.damped_load;
         let swing = 2.0 * orbit * across_velocity - orbit * orbit * along;
-        let inertia = self.mass
-            * (contact.outer_share * contact.outer_share * swing + contact.outer_share_slope * rate * rate);
+        let inertia =
+            self.mass * (contact.outer_share * contact.outer_share * swing + contact.outer_share_slope * rate * rate);
         Held {
             azimuth,
             pocket,
@@ -319,8 +322,8 @@ impl OneBall {
         let (q_i, q_e) = (loaded.inner.load, loaded.outer.load);
         let drag = drive.mixture.drag[0] + drive.mixture.drag[1] * ball.arc_velocity;
         let churning = drive.mixture.churning[0] + drive.mixture.churning[1] * ball.spin;
-        let force = q_i * (inner.force - held.lean) + q_e * outer.force + pushed.along + drag
-            - self.weight * held.azimuth.sine;
+        let force =
+            q_i * (inner.force - held.lean) + q_e * outer.force + pushed.along + drag - self.weight * held.azimuth.sine;
         let per_radius = per_nominal * reciprocal_near_one(held.outer * per_nominal);
         let turning = (force * per_mass - 2.0 * held.radial_velocity * held.orbit) * per_radius;
         let moment = q_e * outer.moment - q_i * inner.moment + pushed.moment + churning;

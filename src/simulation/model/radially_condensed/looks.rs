@@ -213,8 +213,7 @@ impl<'a> Looks<'a> {
             return PerRaceway { inner: none.clone(), outer: none };
         };
         let one = |load: &dyn Fn(&PerRaceway<Lanes>) -> Lanes, slip: &Lanes, film: Option<f64>| {
-            let max_load: Vec<f64> =
-                (0..balls).map(|ball| load(&extremes.load[ball / LANES])[ball % LANES]).collect();
+            let max_load: Vec<f64> = (0..balls).map(|ball| load(&extremes.load[ball / LANES])[ball % LANES]).collect();
             let touched = max_load.iter().any(|load| *load > 0.0);
             ContactExtremes {
                 max_load,

@@ -54,7 +54,12 @@ struct Formulas {
 impl Formulas {
     fn new(known: usize) -> Self {
         let known = known.min(NODES);
-        Self { balls: IMPLICIT[known.min(3) - 1], cage: IMPLICIT[known.min(2) - 1], predict: weights(0.0, known), correct: weights(1.0, known) }
+        Self {
+            balls: IMPLICIT[known.min(3) - 1],
+            cage: IMPLICIT[known.min(2) - 1],
+            predict: weights(0.0, known),
+            correct: weights(1.0, known),
+        }
     }
 }
 
@@ -210,8 +215,7 @@ impl<'m> Stepper<'m> {
         // By how much these differ from where the force was taken, and what that does to the force.
         let (k, c) = (on.stiffness, on.damping);
         let off = [places[0] - now.border.spindle[0], places[1] - now.border.spindle[1]];
-        let fast =
-            [velocities[0] - now.border.spindle_velocity[0], velocities[1] - now.border.spindle_velocity[1]];
+        let fast = [velocities[0] - now.border.spindle_velocity[0], velocities[1] - now.border.spindle_velocity[1]];
         let missing = [
             -(k[0] * off[0] + k[1] * off[1] + c[0] * fast[0] + c[1] * fast[1]),
             -(k[1] * off[0] + k[2] * off[1] + c[1] * fast[0] + c[2] * fast[1]),
@@ -249,8 +253,7 @@ impl<'m> Stepper<'m> {
             let rates = [now.rates.cage[i], before.rates.cage[i], earlier.rates.cage[i]];
             let values = [a.cage_velocity[i], b.cage_velocity[i], c.cage_velocity[i]];
             let (pushed, ahead) = formulas.cage.pushed(h, values, rates);
-            border.cage_velocity[i] =
-                values[0] + (pushed + damping * ahead) / (formulas.cage.leading + damping);
+            border.cage_velocity[i] = values[0] + (pushed + damping * ahead) / (formulas.cage.leading + damping);
         }
         for i in 0..2 {
             let accelerations = [now.acceleration[i], before.acceleration[i], earlier.acceleration[i], oldest[i]];

@@ -2,11 +2,11 @@
 //! one by the contact of the full model.
 
 use super::ball::Contact;
-use crate::simulation::model::condensed_contact::chebyshev;
 use crate::numerics::exponential::exponential;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side, smaller};
 use crate::physics::contact::traction::FourParameters;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
+use crate::simulation::model::condensed_contact::chebyshev;
 
 /// Terms of the series of √(1 − x) after the first.
 const SERIES: [f64; 4] = [-0.5, -0.125, -0.0625, -5.0 / 128.0];
@@ -90,7 +90,8 @@ impl RisingTraction {
         let mut sums = Sums::<Lanes>::default();
         let mut beyond: Lanes = Lanes::default();
         for lane in 0..LANES {
-            let (one, fastest) = own.sums_by(&contact.at(lane), |speed| polynomial(&own.fit, smaller(speed, own.reach)));
+            let (one, fastest) =
+                own.sums_by(&contact.at(lane), |speed| polynomial(&own.fit, smaller(speed, own.reach)));
             sums.put(lane, one);
             beyond[lane] = if contact.load[lane] > 0.0 { fastest } else { 0.0 };
         }
