@@ -71,6 +71,8 @@ pub struct RadiallyCondensed {
     rest: [f64; 2],
     /// Damping over mass and frequency of the spindle on its contacts at rest, as if all lay in one direction [1/s, rad/s].
     spindle_rates: [f64; 2],
+    /// Fastest rate at which traction holds a ball [1/s].
+    traction_rate: f64,
     instructions: InstructionSet,
 }
 
@@ -185,11 +187,16 @@ impl RadiallyCondensed {
             constant: None,
             rest: [rest.spindle[1], rest.spindle[2]],
             spindle_rates: [0.0; 2],
+            traction_rate: 0.0,
             instructions: InstructionSet::best(),
             mechanism: m,
             needs,
         };
         model.spindle_rates = model.rates_at_rest(&rest);
+        let steepest = model.traction.map(RacewayTraction::steepest);
+        let one = &model.one;
+        model.traction_rate =
+            largest * (steepest.inner + steepest.outer) * (1.0 / one.mass + one.radius * one.radius / one.inertia);
         if model.mechanism.speed.is_constant() {
             model.constant = Some(model.ideal(model.mechanism.speed.at(0.0).1));
         }

@@ -16,6 +16,9 @@ const STEPS_PER_LOOK: u64 = 256;
 /// Largest product of the step with the rate at which the contacts at rest damp the spindle, and with its frequency on them.
 const LARGEST_DECAY: f64 = 0.2;
 const LARGEST_TURN: f64 = 0.4;
+/// Largest product of the step with the rate at which traction holds a ball: beyond, what its slope changes by from step to step
+/// is too much for rates that are extrapolated.
+const LARGEST_HOLD: f64 = 100.0;
 /// A spindle or cage beyond this is lost [m, m/s].
 const FARTHEST: f64 = 1.0;
 
@@ -74,11 +77,13 @@ pub fn simulate(
 }
 
 impl RadiallyCondensed {
-    /// Longest steps that serve: a film holds the balls in their pockets gently, walls do not; and the spindle on its loaded
-    /// contacts bounds them.
+    /// Longest steps that serve: a film holds the balls in their pockets gently, walls do not; the spindle on its loaded
+    /// contacts and steep traction bound them.
     pub fn pace(&self) -> Pace {
         let gentle = !self.mechanism().layout.cage || self.pockets_are_damped();
-        let fastest = (self.spindle_rates[0] / LARGEST_DECAY).max(self.spindle_rates[1] / LARGEST_TURN);
+        let fastest = (self.spindle_rates[0] / LARGEST_DECAY)
+            .max(self.spindle_rates[1] / LARGEST_TURN)
+            .max(self.traction_rate / LARGEST_HOLD);
         let stable = (fastest / RATE).ceil().max(1.0) as usize;
         Pace::of_steps(stable.max(if gentle { 1 } else { 4 }))
     }

@@ -64,6 +64,16 @@ pub(super) struct RisingTraction {
     ball_radius: f64,
 }
 
+impl RacewayTraction {
+    /// dμ/du at rest [s/m], where it is known.
+    pub fn steepest(&self) -> f64 {
+        match self {
+            Self::Rising(traction) => traction.steepest(),
+            Self::General => 0.0,
+        }
+    }
+}
+
 impl RisingTraction {
     /// `conformity`: whether slip varies across the contact.
     pub fn new(law: FourParameters, conformity: bool, ball_radius: f64, deformed_radius: f64) -> Self {
@@ -85,14 +95,21 @@ impl RisingTraction {
     }
 
     #[inline(always)]
+    fn steepest(&self) -> f64 {
+        self.law.d * self.law.c + self.law.b
+    }
+
+    #[inline(always)]
     pub fn sums(&self, contact: &Contact<Lanes>) -> Sums<Lanes> {
         let own = *self;
+        let steepest = own.steepest();
         let mut sums = Sums::<Lanes>::default();
         let mut beyond: Lanes = Lanes::default();
         for lane in 0..LANES {
-            let (one, fastest) =
-                own.sums_by(&contact.at(lane), |speed| polynomial(&own.fit, smaller(speed, own.reach)));
-            sums.put(lane, one);
+            let fitted = |speed: f64| polynomial(&own.fit, smaller(speed, own.reach));
+            let (one, fastest) = own.sums_by(&contact.at(lane), fitted);
+            // dμ/du = μ/u + u (μ/u)', the latter a straight line: a few per cent serve.
+            sums.put(lane, Sums { slope: larger(2.0 * one.slope - steepest, 0.0), ..one });
             beyond[lane] = if contact.load[lane] > 0.0 { fastest } else { 0.0 };
         }
         if beyond.any(|fastest| fastest > own.reach) {
@@ -104,7 +121,7 @@ impl RisingTraction {
         sums
     }
 
-    /// The sums and the fastest slip; `over_speed`: μ(u)/u.
+    /// The sums, with the mean of μ/u, never less than the slope, in place of that, and the fastest slip; `over_speed`: μ(u)/u.
     #[inline(always)]
     fn sums_by(&self, contact: &Contact, over_speed: impl Fn(f64) -> f64) -> (Sums, f64) {
         let s = contact.axis_square;
@@ -122,10 +139,7 @@ impl RisingTraction {
             force += one;
             risen += one * rise;
         }
-        // The implicit part needs the slope to a few per cent only: dμ/du = μ/u + u (μ/u)', the latter a straight line.
-        let steepest = self.law.d * self.law.c + self.law.b;
-        let slope = larger(2.0 * mean - steepest, 0.0);
-        (Sums { force, moment: force * middle + risen, slope, slip }, fastest)
+        (Sums { force, moment: force * middle + risen, slope: mean, slip }, fastest)
     }
 }
 
