@@ -3,10 +3,8 @@
 use super::Border;
 use super::ball::{Held, Pushed};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side, smaller};
-use crate::physics::pocket::{Pocket, PocketMotion};
+use crate::physics::pocket::{DAMPING_ONSET, Pocket, PocketMotion};
 
-/// Displacement over which film damping of a pocket sets in [m]; as in `physics/pocket.rs`.
-const DAMPING_ONSET: f64 = 0.1e-6;
 /// Stands in for no displacement at all where its direction is asked for [m²].
 const TINY: f64 = 1e-60;
 

@@ -1,14 +1,14 @@
 //! Steps of fixed length through the radially condensed equations: one evaluation a step.
 //!
 //! Orbit speed and spin of each ball and the velocity of the cage, which traction and pocket film hold with rates beyond
-//! 1/h, are advanced by backward differentiation of order 3 with the rates extrapolated and their stiff linear part A taken
+//! 1/h, are advanced by backward differentiation with the rates extrapolated and their stiff linear part A taken
 //! implicitly (2 × 2 a ball, diagonal for the cage; Ascher, Ruuth & Wetton 1995, SIAM J. Numer. Anal. 32, p. 797):
 //!
 //! ```text
 //! Σ a_i y_{n+1−i} = h Σ b_i f_{n−i} + h A (y_{n+1} − Σ b_i y_{n−i})
 //! ```
 //!
-//! A of the current step multiplies a difference that is of the method's own order, so that any A keeps the order; azimuths and
+//! A of the current step multiplies a difference that is of the method's own order, so that any A keeps the order: 3 for the balls, 2 for the cage. Azimuths and
 //! places of the cage take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by
 //! Adams–Moulton, whose equation is solved by one step of Newton with the stiffness and the damping of the raceways: no second
 //! evaluation, and the error and the stability of the implicit method. The first steps are of rising order and a sixteenth of
