@@ -127,7 +127,8 @@ fn traction(scene: &Scene, needs: &Needs, contact: &RacewayContact, load: f64) -
         {
             let law = four_parameters(at_rest, maximum, at_slip, limit);
             let deformed = contact.hertz().deformed_radius;
-            RacewayTraction::Rising(RisingTraction::new(law, needs.raceway.conformity, ball_radius, deformed))
+            let conformity = needs.raceway.conformity;
+            RacewayTraction::Rising(Box::new(RisingTraction::new(law, conformity, ball_radius, deformed)))
         }
         _ => RacewayTraction::General,
     }

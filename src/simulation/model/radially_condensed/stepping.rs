@@ -8,8 +8,8 @@
 //! Σ a_i y_{n+1−i} = h Σ b_i f_{n−i} + h A (y_{n+1} − Σ b_i y_{n−i})
 //! ```
 //!
-//! A of the current step multiplies a difference that is of the method's own order, so that any A keeps the order: 3 for the balls, 2 for the cage. Azimuths and
-//! places of the cage take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by
+//! A of the current step multiplies a difference that is of the method's own order, so that any A keeps the order: 3 for the
+//! balls, 2 for the cage. Azimuths and places of the cage take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by
 //! Adams–Moulton, whose equation is solved by one step of Newton with the stiffness and the damping of the raceways: no second
 //! evaluation, and the error and the stability of the implicit method. The first steps are of rising order and a sixteenth of
 //! the length.
@@ -255,8 +255,8 @@ impl<'m> Stepper<'m> {
             let (pushed, ahead) = formulas.cage.pushed(h, values, rates);
             border.cage_velocity[i] = values[0] + (pushed + damping * ahead) / (formulas.cage.leading + damping);
         }
-        for i in 0..2 {
-            let accelerations = [now.acceleration[i], before.acceleration[i], earlier.acceleration[i], oldest[i]];
+        for (i, oldest) in oldest.into_iter().enumerate() {
+            let accelerations = [now.acceleration[i], before.acceleration[i], earlier.acceleration[i], oldest];
             let (w, p) = (&formulas.predict.velocity, &formulas.predict.place);
             border.spindle_velocity[i] = a.spindle_velocity[i] + h * weighed(w, accelerations);
             border.spindle[i] = a.spindle[i] + h * (a.spindle_velocity[i] + h * weighed(p, accelerations));

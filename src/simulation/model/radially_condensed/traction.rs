@@ -45,7 +45,7 @@ side_by_side!(Sums { force, moment, slope, slip });
 #[derive(Debug, Clone)]
 pub(super) enum RacewayTraction {
     /// The four-parameter law that vanishes at rest, no hydrodynamic terms, narrow contacts.
-    Rising(RisingTraction),
+    Rising(Box<RisingTraction>),
     /// Everything else: ball by ball through the contact of the full model.
     General,
 }
