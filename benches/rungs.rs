@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 const WINDOW: f64 = 0.1;
 const WINDOWS: usize = 4;
-const PACES: [usize; 4] = [1, 2, 3, 4];
+const PACES: [Pace; 3] = [Pace::LONGEST, Pace::of_steps(1), Pace::of_steps(2)];
 const TIMED_RUNS: usize = 7;
 const CHANNELS: [Channel; 4] = [
     Channel::Spindle(Axis::Y, Motion::Acceleration),
@@ -164,8 +164,7 @@ fn main() {
         let (reference, full_speed) = full(&scene, &text);
         let reference = reference.map(|windows| mean_and_spread(&windows));
         figures += 4;
-        for (i, steps_per_value) in PACES.into_iter().enumerate() {
-            let pace = Pace { steps_per_value };
+        for (i, pace) in PACES.into_iter().enumerate() {
             let long = settings(&scene, WINDOW * WINDOWS as f64);
             let model = RadiallyCondensed::new(&scene, &long.outputs).expect("a scene in the plane");
             let (errors, factor) = match model.run(&long, pace, &CONTROL) {
@@ -202,7 +201,7 @@ fn main() {
     for (i, (mut errors, mut factors)) in summary.into_iter().enumerate() {
         errors.sort_by(f64::total_cmp);
         factors.sort_by(f64::total_cmp);
-        let step = Pace { steps_per_value: PACES[i] }.step() * 1e6;
+        let step = PACES[i].step() * 1e6;
         let (median, worst) = (errors[errors.len() / 2], errors[errors.len() - 1]);
         println!(
             "| {step:.2} | {} of {figures} | {median:.3} | {worst:.3} | {:.0}, {:.0} |",

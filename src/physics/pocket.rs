@@ -21,7 +21,7 @@ const EMPIRICAL_EDGE_FORCE: f64 = 11.0;
 /// Largest effective radius of ball and seat [m]; closer conformity has no Hertz contact.
 const LARGEST_RADIUS: f64 = 0.2;
 /// Displacement over which film damping sets in [m].
-const DAMPING_ONSET: f64 = 0.1e-6;
+pub const DAMPING_ONSET: f64 = 0.1e-6;
 /// Penetration over which film damping vanishes once the solids touch [m].
 const DAMPING_END: f64 = 1e-6;
 

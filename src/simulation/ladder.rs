@@ -80,7 +80,7 @@ impl Rung {
     fn refusal(self, scene: &Scene, needs: &Needs, outputs: &Outputs) -> Option<String> {
         match self {
             Self::Full | Self::Planar => None,
-            Self::RadiallyCondensed => radially_condensed::refusal(scene, outputs).map(str::to_owned),
+            Self::RadiallyCondensed => radially_condensed::unable(scene, outputs).map(str::to_owned),
             Self::SpindleOnly => reduced::unable(scene, needs, outputs),
             Self::Periodic => reduced::unable_periodic(scene, needs, outputs),
         }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::channel::{Axis, BallContact, Channel, Motion};
 use super::model::{Model, Watch};
 use super::needs::Needs;
-use super::run::RunSettings;
+use super::run::{Outputs, RunSettings};
 use crate::numerics::ode::Integrator;
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
@@ -195,14 +195,7 @@ impl<'m> Observer<'m> {
             })
             .map(|channel| (channel, Vec::with_capacity(values)))
             .collect();
-        let outputs = &settings.outputs;
-        let orbit = [Channel::CageDisplacement(Axis::Y), Channel::CageDisplacement(Axis::Z)];
-        let mut picked: Vec<Channel> = if outputs.cage && layout.cage { orbit.to_vec() } else { Vec::new() };
-        for &channel in outputs.spectra.iter().chain(&outputs.series) {
-            if !matches!(channel, Channel::Spindle(..)) && !picked.contains(&channel) {
-                picked.push(channel);
-            }
-        }
+        let picked = picked_channels(&settings.outputs, layout.cage);
         let decimator = Decimator::new(OVERSAMPLING, filtered.len());
         let delay = decimator.delay();
         // A run without time to settle has no past for the filter: it starts from a standstill then.
@@ -381,6 +374,18 @@ impl Part {
     fn quantities(&self) -> Quantities {
         Quantities { max_load: self.max_load, cage_speed: self.cage.mean.abs() }
     }
+}
+
+/// Channels besides the spindle's that the outputs need, kept as they stand; `cage`: whether there is one.
+pub fn picked_channels(outputs: &Outputs, cage: bool) -> Vec<Channel> {
+    let orbit = [Channel::CageDisplacement(Axis::Y), Channel::CageDisplacement(Axis::Z)];
+    let mut picked: Vec<Channel> = if outputs.cage && cage { orbit.to_vec() } else { Vec::new() };
+    for &channel in outputs.spectra.iter().chain(&outputs.series) {
+        if !matches!(channel, Channel::Spindle(..)) && !picked.contains(&channel) {
+            picked.push(channel);
+        }
+    }
+    picked
 }
 
 /// Number of values kept of a channel over a duration [s]; at least one.

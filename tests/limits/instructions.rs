@@ -3,10 +3,11 @@
 use raceway::numerics::lanes::InstructionSet;
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
-use raceway::simulation::run::Rung;
+use raceway::simulation::model::radially_condensed::RadiallyCondensed;
+use raceway::simulation::run::{Control, Method, RunSettings, Rung};
 use serde_json::{Value, json};
 
-use crate::scenes::{article, changed, disturbed, everything, model_on, rates};
+use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_asked, rates, scene};
 
 const TIME: f64 = 2.3e-4;
 
@@ -45,6 +46,46 @@ fn every_set_of_instructions_gives_the_same_bits() {
             for set in InstructionSet::available() {
                 assert!(by(set) == baseline, "{set:?} {rung:?} {json}");
             }
+        }
+    }
+}
+
+/// A run of the radially condensed rung to the bit: two groups of balls, walls of pockets, slip beyond the fitted law, viscous
+/// raceways, every law of traction.
+#[test]
+fn runs_of_the_condensed_rung_have_the_same_bits() {
+    let with = |change: Value| changed(article(), change);
+    let scenes = [
+        article(),
+        with(
+            json!({ "bearing": { "ball_count": 9, "pitch_diameter_mm": 14, "outer_diameter_mm": 19, "inner_diameter_mm": 9.5, "cage": { "film": "none" } } }),
+        ),
+        with(json!({ "lubricant": { "traction": { "law": "four_parameter", "at_slip_m_s": 0.01 } } })),
+        with(json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 50.0 } } })),
+        with(json!({ "lubricant": { "kind": "oil" }, "terms": { "hydrodynamics": "on" } })),
+        with(json!({ "terms": { "cage": "off" } })),
+    ];
+    let settings = RunSettings {
+        method: Method::Auto,
+        rung: None,
+        relative_tolerance: 1e-7,
+        model_tolerance_db: 0.0,
+        fixed_step: None,
+        settle: 1e-3,
+        duration: 2e-3,
+        outputs: nothing_asked(),
+    };
+    let control = Control { stop: &|| false, progress: &|_| {} };
+    for json in scenes {
+        let model = RadiallyCondensed::new(&scene(&json), &settings.outputs).unwrap();
+        let by = |set: InstructionSet| {
+            let (recording, _) = model.clone().with_instructions(set).run(&settings, model.pace(), &control).unwrap();
+            assert!(recording.signals.iter().all(|(_, values)| values.iter().all(|value| value.is_finite())));
+            format!("{recording:?}")
+        };
+        let baseline = by(InstructionSet::BASELINE);
+        for set in InstructionSet::available() {
+            assert!(by(set) == baseline, "{set:?} {json}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Ordinary differential equations `dy/dt = f(t, y)`: what an integrator needs to know of a system,
 //! what it reports, and how it fails. One method a file; none knows what a bearing is.
 
+pub mod adams;
 pub mod adams_moulton;
 pub mod arrowhead;
 pub mod automatic;

@@ -83,10 +83,16 @@ pub const VISCOUS_RAMP: f64 = 0.1e-6;
 #[inline(always)]
 pub fn normal_load(stiffness: f64, penetration: f64, rate: f64, damping: &DampingFactor) -> f64 {
     let depth = larger(penetration, 0.0);
-    let s = smaller(depth * (1.0 / VISCOUS_RAMP), 1.0);
-    let viscous = damping.viscous * s * s * (3.0 - 2.0 * s) * rate;
+    let viscous = damping.viscous * viscous_ramp(depth) * rate;
     let elastic = stiffness * depth * depth.sqrt();
     larger(elastic * (1.0 + damping.chi * rate) + viscous, 0.0)
+}
+
+/// Share of a viscous damper that acts at a depth [m], not negative.
+#[inline(always)]
+pub fn viscous_ramp(depth: f64) -> f64 {
+    let s = smaller(depth * (1.0 / VISCOUS_RAMP), 1.0);
+    s * s * (3.0 - 2.0 * s)
 }
 
 /// `c = χ v₀` with which an impact at v₀ on Q = K δ^1.5 (1 + χ δ̇) returns with e v₀ [-], 0 < e ≤ 1.

@@ -5,10 +5,9 @@
 use std::f64::consts::TAU;
 
 use super::Mechanism;
-use super::condensed_contact::{CondensedContact, polynomial};
+use super::condensed_contact::{CondensedContact, Unloaded, polynomial};
 use crate::numerics::lanes::{LANES, larger};
 use crate::numerics::ode::adams_moulton::{EquationsOfMotion, Motion};
-use crate::physics::bearing::PerRaceway;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::unbalance_force;
@@ -56,7 +55,7 @@ pub struct SpindleOnly {
     /// Cosine and sine of the balls' start azimuths and 1 for each ball.
     groups: Vec<Group>,
     contact: CondensedContact,
-    raceway: PerRaceway<RacewayContact>,
+    unloaded: Unloaded,
     mass_of_ball: f64,
     orbit_radius: f64,
     /// Approach of the centred bearing [m]: −P_d/2.
@@ -102,11 +101,11 @@ impl SpindleOnly {
     pub fn new(mechanism: &Mechanism, damping: f64, orbit_ratio: f64, corrections: Corrections) -> Self {
         let m = mechanism;
         let balls = m.layout.balls;
-        let touching =
-            |contact: &crate::physics::raceway::RacewayContact| contact.penetration::<true>(0.0, m.pitch_radius).0;
+        let touching = |contact: &RacewayContact| contact.penetration::<true>(0.0, m.pitch_radius).0;
         let centred = m.raceway.map(touching);
         let orbit_radius = m.pitch_radius - centred.outer;
         let speed = m.speed.largest();
+        let contact = CondensedContact::new(m.raceway.map(|contact| contact.hertz().stiffness));
         let groups = (0..balls.div_ceil(GROUP))
             .map(|group| {
                 let of = |value: &dyn Fn(usize) -> f64| {
@@ -129,8 +128,8 @@ impl SpindleOnly {
             speed: m.speed.clone(),
             balls,
             groups,
-            contact: CondensedContact::new(&m.raceway, m.ball_mass, orbit_radius, orbit_ratio * speed),
-            raceway: m.raceway.clone(),
+            unloaded: contact.unloaded(m.ball_mass, orbit_radius, orbit_ratio * speed, 0.0),
+            contact,
             mass_of_ball: m.ball_mass,
             orbit_radius,
             orbit_ratio,
@@ -150,8 +149,7 @@ impl SpindleOnly {
 
     /// Takes the centrifugal force at another spindle speed [rad/s].
     pub fn refit(&mut self, speed: f64) {
-        self.contact =
-            CondensedContact::new(&self.raceway, self.mass_of_ball, self.orbit_radius, self.orbit_ratio * speed);
+        self.unloaded = self.contact.unloaded(self.mass_of_ball, self.orbit_radius, self.orbit_ratio * speed, 0.0);
     }
 
     /// Angular speed of the spindle at a time, and whether it never changes.
@@ -175,7 +173,7 @@ impl SpindleOnly {
             for group in &self.groups {
                 for lane in 0..group.count {
                     let (c, s) = (group.cosine[lane], group.sine[lane]);
-                    let load = self.contact.load(self.centred + place[0] * c + place[1] * s);
+                    let load = self.contact.load(self.centred + place[0] * c + place[1] * s, &self.unloaded);
                     let (load, k) = (group.present[lane] * load.load, group.present[lane] * load.stiffness);
                     force = [force[0] - load * c, force[1] - load * s];
                     stiffness = [stiffness[0] + k * c * c, stiffness[1] + k * c * s, stiffness[2] + k * s * s];
@@ -195,10 +193,6 @@ impl SpindleOnly {
             }
         }
         (place, (stiffest / self.mass).sqrt())
-    }
-
-    pub fn contact(&self) -> &CondensedContact {
-        &self.contact
     }
 
     pub fn balls(&self) -> usize {
@@ -226,7 +220,7 @@ impl SpindleOnly {
         let ([y, z], [vy, vz]) = *motion;
         let mut of = [[0.0; GROUP]; 5];
         // A copy, for a store might change what is behind a reference.
-        let contact = self.contact;
+        let (contact, unloaded) = (self.contact, self.unloaded);
         for lane in 0..group.count.min(GROUP) {
             let c = group.cosine[lane] * cosine - group.sine[lane] * sine;
             let s = group.sine[lane] * cosine + group.cosine[lane] * sine;
@@ -235,7 +229,7 @@ impl SpindleOnly {
             let tilt = 2.0 * self.half_curvature * tangential;
             let approach = self.centred + radial - 0.5 * tilt * tangential;
             let rate = radial_velocity + speed * tangential - tilt * (tangential_velocity - speed * radial);
-            let load = contact.load(approach);
+            let load = contact.load(approach, &unloaded);
             let normal = load.load + self.damping * load.damped_load * rate;
             let normal = larger(normal, 0.0);
             // The ball follows by its outer share: m a_e² D̈, here without the spindle's own acceleration. Half the slope of

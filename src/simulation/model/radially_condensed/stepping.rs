@@ -8,21 +8,25 @@
 //! Σ a_i y_{n+1−i} = h Σ b_i f_{n−i} + h A (y_{n+1} − Σ b_i y_{n−i})
 //! ```
 //!
-//! A of the current step multiplies a difference that is of the method's own order, so that any A keeps the order. The
-//! spindle is predicted by Adams–Bashforth and corrected by Adams–Moulton once its acceleration is known; all positions take
-//! Adams–Moulton with the new velocities. The order is `ORDER`; spindle and positions have one more. The first steps are of rising order and a sixteenth of the length.
+//! A of the current step multiplies a difference that is of the method's own order, so that any A keeps the order: 3 for the
+//! balls, 2 for the cage. Azimuths and places of the cage take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by
+//! Adams–Moulton, whose equation is solved by one step of Newton with the stiffness and the damping of the raceways: no second
+//! evaluation, and the error and the stability of the implicit method. The first steps are of rising order and a sixteenth of
+//! the length.
 
-use super::{BallRates, Balls, Border, Instructions, Lane, RadiallyCondensed, Rates, Scratch, Seen, WIDTH};
+use super::evaluation::Scratch;
+use super::{BallRates, BallState, Border, RadiallyCondensed, Rates, Seen};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
+use crate::numerics::ode::adams::{Weights, weights};
 
-/// Order of the method.
-pub const ORDER: usize = 3;
 /// Short steps to one of full length at the start.
 const START: usize = 16;
-/// Nodes that are remembered.
+/// Nodes that are remembered: order of the spindle's motion.
 const NODES: usize = 4;
 
 /// y_{n+1} − y_n in backward differentiation of order k, times `leading`: Σ past_i Δ_i + h Σ rates_i f_i, and the implicit part's
 /// extrapolation Σ ahead_i Δ_i.
+#[derive(Debug, Clone, Copy)]
 struct Implicit {
     leading: f64,
     past: [f64; 2],
@@ -35,26 +39,38 @@ const IMPLICIT: [Implicit; 3] = [
     Implicit { leading: 1.5, past: [0.5, 0.0], ahead: [1.0, 0.0], rates: [2.0, -1.0, 0.0] },
     Implicit { leading: 11.0 / 6.0, past: [7.0 / 6.0, -1.0 / 3.0], ahead: [2.0, -1.0], rates: [3.0, -3.0, 1.0] },
 ];
-const BASHFORTH: [[f64; 4]; 4] = [
-    [1.0, 0.0, 0.0, 0.0],
-    [1.5, -0.5, 0.0, 0.0],
-    [23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0, 0.0],
-    [55.0 / 24.0, -59.0 / 24.0, 37.0 / 24.0, -9.0 / 24.0],
-];
-/// The first is that of the new velocity.
-const MOULTON: [[f64; 4]; 4] = [
-    [1.0, 0.0, 0.0, 0.0],
-    [0.5, 0.5, 0.0, 0.0],
-    [5.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0, 0.0],
-    [9.0 / 24.0, 19.0 / 24.0, -5.0 / 24.0, 1.0 / 24.0],
-];
+
+/// Formulas with as many nodes as are known.
+#[derive(Debug, Clone, Copy)]
+struct Formulas {
+    /// For the balls, and for the cage, whose pockets would not bear extrapolation of order 3 over long steps.
+    balls: Implicit,
+    cage: Implicit,
+    /// Through the known nodes, and through the new one and the others but the oldest.
+    predict: Weights<NODES>,
+    correct: Weights<NODES>,
+}
+
+impl Formulas {
+    fn new(known: usize) -> Self {
+        let known = known.min(NODES);
+        Self {
+            balls: IMPLICIT[known.min(3) - 1],
+            cage: IMPLICIT[known.min(2) - 1],
+            predict: weights(0.0, known),
+            correct: weights(1.0, known),
+        }
+    }
+}
 
 /// State and rates at one time.
 #[derive(Debug, Clone, Default)]
 struct Node {
-    balls: Vec<Balls>,
+    balls: Vec<BallState<Lanes>>,
     border: Border,
     rates: Rates,
+    /// Of the spindle.
+    acceleration: [f64; 2],
 }
 
 /// The motion on its way.
@@ -69,14 +85,21 @@ pub struct Stepper<'m> {
     nodes: [Box<Node>; NODES],
     /// How many of them count.
     known: usize,
+    formulas: Formulas,
     scratch: Scratch,
 }
 
 impl<'m> Stepper<'m> {
     /// From a state at a time [s], in steps of a length [s].
-    pub fn new(model: &'m RadiallyCondensed, time: f64, balls: Vec<Balls>, border: Border, step: f64) -> Self {
-        let rates = Rates { balls: vec![Default::default(); model.groups()], ..Rates::default() };
-        let node = Node { balls, border, rates };
+    pub fn new(
+        model: &'m RadiallyCondensed,
+        time: f64,
+        balls: Vec<BallState<Lanes>>,
+        border: Border,
+        step: f64,
+    ) -> Self {
+        let rates = Rates { balls: vec![BallRates::default(); model.groups()], ..Rates::default() };
+        let node = Node { balls, border, rates, acceleration: [0.0; 2] };
         let mut stepper = Self {
             model,
             begin: time,
@@ -85,17 +108,23 @@ impl<'m> Stepper<'m> {
             evaluations: 0,
             nodes: std::array::from_fn(|_| Box::new(node.clone())),
             known: 1,
-            scratch: Scratch::new(model),
+            formulas: Formulas::new(1),
+            scratch: Scratch::new(model.groups()),
         };
         // Short steps, then every sixteenth of them as the past of the long ones.
         let mut past = Vec::new();
         for _ in 0..NODES - 1 {
-            for short in 0..START {
-                stepper.rate();
-                if short == 0 {
-                    past.push(stepper.nodes[0].clone());
+            for _ in 0..START {
+                let first = stepper.count.is_multiple_of(START as u64);
+                stepper.advance(1, &mut |at| {
+                    if first {
+                        past.push(at.nodes[0].clone());
+                    }
+                });
+                if stepper.known < NODES {
+                    stepper.known += 1;
+                    stepper.formulas = Formulas::new(stepper.known);
                 }
-                stepper.advance();
             }
         }
         for (i, node) in past.into_iter().rev().enumerate() {
@@ -103,13 +132,17 @@ impl<'m> Stepper<'m> {
         }
         stepper.step = step;
         stepper.count = NODES as u64 - 1;
-        stepper.known = NODES;
         stepper
     }
 
     /// [s]
     pub fn time(&self) -> f64 {
         self.begin + self.count as f64 * self.step
+    }
+
+    /// [s]
+    pub fn step_length(&self) -> f64 {
+        self.step
     }
 
     /// Full steps, those of the start included.
@@ -121,7 +154,7 @@ impl<'m> Stepper<'m> {
         self.evaluations
     }
 
-    pub fn balls(&self) -> &[Balls] {
+    pub fn balls(&self) -> &[BallState<Lanes>] {
         &self.nodes[0].balls
     }
 
@@ -129,18 +162,30 @@ impl<'m> Stepper<'m> {
         &self.nodes[0].border
     }
 
-    /// Accelerations of the spindle at the present time, once `rate` has run.
+    /// Accelerations of the spindle at the time of a look.
     pub fn spindle_acceleration(&self) -> [f64; 2] {
-        self.nodes[0].rates.spindle
+        self.nodes[0].acceleration
     }
 
-    /// What was seen at the present time, once `rate` has run.
+    /// Spindle one step before: place, velocity, acceleration.
+    pub fn spindle_before(&self) -> [[f64; 2]; 3] {
+        let Node { border, acceleration, .. } = &*self.nodes[1];
+        [border.spindle, border.spindle_velocity, *acceleration]
+    }
+
+    /// What was seen of the balls at the time of a look.
     pub fn seen(&self) -> &[Seen] {
         &self.scratch.seen
     }
 
+    /// Some steps on, with a look before each, once its rates are known.
+    pub fn advance(&mut self, steps: u64, look: &mut dyn FnMut(&Self)) {
+        self.model.instructions.run(Stretch { stepper: self, steps, look });
+    }
+
     /// Evaluates the rates at the present time.
-    pub fn rate(&mut self) {
+    #[inline(always)]
+    fn rate(&mut self) {
         let time = self.time();
         let node = &mut self.nodes[0];
         self.model.rates(time, &node.balls, &node.border, &mut node.rates, &mut self.scratch);
@@ -148,149 +193,154 @@ impl<'m> Stepper<'m> {
         self.correct();
     }
 
-    /// The spindle once more by Adams–Moulton, with the acceleration where it was predicted to be.
+    /// The spindle by Adams–Moulton: Newton's step from where it was predicted to be.
+    #[inline(always)]
     fn correct(&mut self) {
-        if self.known < NODES {
+        let h = self.step;
+        let [now, before, earlier, oldest] = &mut self.nodes;
+        let on = &now.rates.spindle;
+        let predicted = solved(on.mass, on.force);
+        if self.known == 1 {
+            now.acceleration = predicted;
             return;
         }
-        let [now, before, earlier, oldest] = &mut self.nodes;
-        let c = &MOULTON[NODES - 1];
+        let Weights { velocity: w, place: p } = &self.formulas.correct;
+        let (mut places, mut velocities) = ([0.0; 2], [0.0; 2]);
         for i in 0..2 {
-            let accelerations =
-                [now.rates.spindle[i], before.rates.spindle[i], earlier.rates.spindle[i], oldest.rates.spindle[i]];
-            let velocity = before.border.spindle_velocity[i] + self.step * weighed(c, accelerations);
-            now.border.spindle_velocity[i] = velocity;
-            let velocities = [
-                velocity,
-                before.border.spindle_velocity[i],
-                earlier.border.spindle_velocity[i],
-                oldest.border.spindle_velocity[i],
-            ];
-            now.border.spindle[i] = before.border.spindle[i] + self.step * weighed(c, velocities);
+            let a = [predicted[i], before.acceleration[i], earlier.acceleration[i], oldest.acceleration[i]];
+            let (from, velocity) = (before.border.spindle[i], before.border.spindle_velocity[i]);
+            velocities[i] = velocity + h * weighed(w, a);
+            places[i] = from + h * (velocity + h * weighed(p, a));
+        }
+        // By how much these differ from where the force was taken, and what that does to the force.
+        let (k, c) = (on.stiffness, on.damping);
+        let off = [places[0] - now.border.spindle[0], places[1] - now.border.spindle[1]];
+        let fast = [velocities[0] - now.border.spindle_velocity[0], velocities[1] - now.border.spindle_velocity[1]];
+        let missing = [
+            -(k[0] * off[0] + k[1] * off[1] + c[0] * fast[0] + c[1] * fast[1]),
+            -(k[1] * off[0] + k[2] * off[1] + c[1] * fast[0] + c[2] * fast[1]),
+        ];
+        let (by_place, by_velocity) = (h * h * p[0], h * w[0]);
+        let effective = std::array::from_fn(|i| on.mass[i] + by_place * k[i] + by_velocity * c[i]);
+        let change = solved(effective, missing);
+        for i in 0..2 {
+            now.acceleration[i] = predicted[i] + change[i];
+            now.border.spindle[i] = places[i] + by_place * change[i];
+            now.border.spindle_velocity[i] = velocities[i] + by_velocity * change[i];
         }
     }
 
     /// One step, after `rate`.
-    pub fn advance(&mut self) {
-        let known = self.known.min(NODES);
-        let implicit = &IMPLICIT[known.min(ORDER) - 1];
-        let (bashforth, moulton) = (&BASHFORTH[known.min(4) - 1], &MOULTON[known.min(4) - 1]);
-        let h = self.step;
+    #[inline(always)]
+    fn step(&mut self) {
+        let (h, formulas) = (self.step, &self.formulas);
+        let moulton = &formulas.correct.velocity;
         // The oldest makes room for the newest.
         self.nodes.rotate_right(1);
-        let [oldest, now, before, earlier] = &mut self.nodes;
-        {
-            for group in 0..self.model.groups() {
-                let past = [&*now, &*before, &*earlier].map(|node| (&node.balls[group], &node.rates.balls[group]));
-                let new = &mut oldest.balls[group];
-                match self.model.instructions() {
-                    #[cfg(target_arch = "x86_64")]
-                    // SAFETY: the processor has what the function is compiled for.
-                    Instructions::Avx512 => unsafe { step_balls_avx512(implicit, moulton, h, past, new) },
-                    #[cfg(target_arch = "x86_64")]
-                    // SAFETY: as above.
-                    Instructions::Avx2 => unsafe { step_balls_avx2(implicit, moulton, h, past, new) },
-                    Instructions::Baseline => step_balls(implicit, moulton, h, past, new),
-                }
-            }
-            let mut border = Border::default();
-            for i in 0..3 {
-                let delta = now.border.cage_velocity[i] - before.border.cage_velocity[i];
-                let delta_before = before.border.cage_velocity[i] - earlier.border.cage_velocity[i];
-                let damping = h * now.rates.cage_damping[i];
-                let [c, c1, c2] = implicit.rates;
-                let rates = c * now.rates.cage[i] + c1 * before.rates.cage[i] + c2 * earlier.rates.cage[i];
-                let pushed = implicit.past[0] * delta
-                    + implicit.past[1] * delta_before
-                    + damping * (implicit.ahead[0] * delta + implicit.ahead[1] * delta_before)
-                    + h * rates;
-                border.cage_velocity[i] = now.border.cage_velocity[i] + pushed / (implicit.leading + damping);
-            }
-            for i in 0..2 {
-                let accelerations =
-                    [now.rates.spindle[i], before.rates.spindle[i], earlier.rates.spindle[i], oldest.rates.spindle[i]];
-                let change = weighed(bashforth, accelerations);
-                border.spindle_velocity[i] = now.border.spindle_velocity[i] + h * change;
-                let velocities = [
-                    border.spindle_velocity[i],
-                    now.border.spindle_velocity[i],
-                    before.border.spindle_velocity[i],
-                    earlier.border.spindle_velocity[i],
-                ];
-                border.spindle[i] = now.border.spindle[i] + h * weighed(moulton, velocities);
-                let velocities = [
-                    border.cage_velocity[i],
-                    now.border.cage_velocity[i],
-                    before.border.cage_velocity[i],
-                    earlier.border.cage_velocity[i],
-                ];
-                border.cage[i] = now.border.cage[i] + h * weighed(moulton, velocities);
-            }
-            let velocities = [
-                border.cage_velocity[2],
-                now.border.cage_velocity[2],
-                before.border.cage_velocity[2],
-                earlier.border.cage_velocity[2],
-            ];
-            border.cage_arc = now.border.cage_arc + h * weighed(moulton, velocities);
-            oldest.border = border;
+        let [new, now, before, earlier] = &mut self.nodes;
+        let oldest = new.acceleration;
+        for group in 0..now.balls.len() {
+            let past = Past {
+                states: (now.balls[group], before.balls[group], earlier.balls[group]),
+                rates: (now.rates.balls[group], before.rates.balls[group], earlier.rates.balls[group]),
+            };
+            new.balls[group] = past.stepped(&formulas.balls, moulton, h);
         }
+        let mut border = Border::default();
+        let (a, b, c) = (&now.border, &before.border, &earlier.border);
+        for i in 0..3 {
+            let damping = h * now.rates.cage_damping[i];
+            let rates = [now.rates.cage[i], before.rates.cage[i], earlier.rates.cage[i]];
+            let values = [a.cage_velocity[i], b.cage_velocity[i], c.cage_velocity[i]];
+            let (pushed, ahead) = formulas.cage.pushed(h, values, rates);
+            border.cage_velocity[i] = values[0] + (pushed + damping * ahead) / (formulas.cage.leading + damping);
+        }
+        for (i, oldest) in oldest.into_iter().enumerate() {
+            let accelerations = [now.acceleration[i], before.acceleration[i], earlier.acceleration[i], oldest];
+            let (w, p) = (&formulas.predict.velocity, &formulas.predict.place);
+            border.spindle_velocity[i] = a.spindle_velocity[i] + h * weighed(w, accelerations);
+            border.spindle[i] = a.spindle[i] + h * (a.spindle_velocity[i] + h * weighed(p, accelerations));
+            let velocities = [border.cage_velocity[i], a.cage_velocity[i], b.cage_velocity[i], c.cage_velocity[i]];
+            border.cage[i] = a.cage[i] + h * weighed(moulton, velocities);
+        }
+        let velocities = [border.cage_velocity[2], a.cage_velocity[2], b.cage_velocity[2], c.cage_velocity[2]];
+        border.cage_arc = a.cage_arc + h * weighed(moulton, velocities);
+        new.border = border;
         self.count += 1;
-        self.known = (known + 1).min(NODES);
+    }
+}
+
+/// Steps between two changes of instructions.
+struct Stretch<'a, 's, 'm> {
+    stepper: &'s mut Stepper<'m>,
+    steps: u64,
+    look: &'a mut dyn FnMut(&Stepper<'m>),
+}
+
+impl Task for Stretch<'_, '_, '_> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for _ in 0..self.steps {
+            self.stepper.rate();
+            (self.look)(self.stepper);
+            self.stepper.step();
+        }
     }
 }
 
 #[inline(always)]
-fn weighed(weights: &[f64; 4], values: [f64; 4]) -> f64 {
+fn weighed(weights: &[f64; NODES], values: [f64; NODES]) -> f64 {
     (weights[0] * values[0] + weights[1] * values[1]) + (weights[2] * values[2] + weights[3] * values[3])
 }
 
-/// States and rates of eight balls, newest first.
-type Past<'a> = [(&'a Balls, &'a BallRates); 3];
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
-fn step_balls_avx512(c: &Implicit, moulton: &[f64; 4], h: f64, past: Past<'_>, new: &mut Balls) {
-    step_balls(c, moulton, h, past, new);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn step_balls_avx2(c: &Implicit, moulton: &[f64; 4], h: f64, past: Past<'_>, new: &mut Balls) {
-    step_balls(c, moulton, h, past, new);
-}
-
-/// Eight balls a step on.
+/// Solves a symmetric system (yy, yz, zz) of two equations.
 #[inline(always)]
-fn step_balls(
-    c: &Implicit,
-    moulton: &[f64; 4],
-    h: f64,
-    [(now, f), (before, f1), (earlier, f2)]: Past<'_>,
-    new: &mut Balls,
-) {
-    for k in 0..WIDTH {
-        let part = |now: &Lane, before: &Lane, earlier: &Lane| {
-            let (delta, delta_before) = (now.0[k] - before.0[k], before.0[k] - earlier.0[k]);
-            (c.past[0] * delta + c.past[1] * delta_before, c.ahead[0] * delta + c.ahead[1] * delta_before)
-        };
-        let (past_v, ahead_v) = part(&now.arc_velocity, &before.arc_velocity, &earlier.arc_velocity);
-        let (past_p, ahead_p) = part(&now.spin, &before.spin, &earlier.spin);
-        let rate_v =
-            c.rates[0] * f.arc_velocity.0[k] + c.rates[1] * f1.arc_velocity.0[k] + c.rates[2] * f2.arc_velocity.0[k];
-        let rate_p = c.rates[0] * f.spin.0[k] + c.rates[1] * f1.spin.0[k] + c.rates[2] * f2.spin.0[k];
-        // A = [−a, b; d, −e]
-        let (a, b) = (h * f.matrix[0].0[k], h * f.matrix[1].0[k]);
-        let (d, e) = (h * f.matrix[2].0[k], h * f.matrix[3].0[k]);
-        let right_v = past_v + h * rate_v + a * ahead_v - b * ahead_p;
-        let right_p = past_p + h * rate_p - d * ahead_v + e * ahead_p;
-        let (vv, pp) = (c.leading + a, c.leading + e);
-        let inverse = 1.0 / (vv * pp - b * d);
-        let v = now.arc_velocity.0[k] + inverse * (pp * right_v + b * right_p);
-        let p = now.spin.0[k] + inverse * (vv * right_p + d * right_v);
-        new.arc_velocity.0[k] = v;
-        new.spin.0[k] = p;
-        let arrived = [v, now.arc_velocity.0[k], before.arc_velocity.0[k], earlier.arc_velocity.0[k]];
-        new.arc.0[k] = now.arc.0[k] + h * weighed(moulton, arrived);
+fn solved([yy, yz, zz]: [f64; 3], [y, z]: [f64; 2]) -> [f64; 2] {
+    let per_determinant = 1.0 / (yy * zz - yz * yz);
+    [per_determinant * (zz * y - yz * z), per_determinant * (yy * z - yz * y)]
+}
+
+impl Implicit {
+    /// What pushes a value on, and the extrapolated change that the implicit part starts from; newest first.
+    #[inline(always)]
+    fn pushed(&self, h: f64, values: [f64; 3], rates: [f64; 3]) -> (f64, f64) {
+        let (delta, before) = (values[0] - values[1], values[1] - values[2]);
+        let rate = self.rates[0] * rates[0] + self.rates[1] * rates[1] + self.rates[2] * rates[2];
+        (self.past[0] * delta + self.past[1] * before + h * rate, self.ahead[0] * delta + self.ahead[1] * before)
+    }
+}
+
+/// States and rates of eight balls, newest first.
+struct Past {
+    states: (BallState<Lanes>, BallState<Lanes>, BallState<Lanes>),
+    rates: (BallRates<Lanes>, BallRates<Lanes>, BallRates<Lanes>),
+}
+
+impl Past {
+    /// A step on.
+    #[inline(always)]
+    fn stepped(&self, formulas: &Implicit, moulton: &[f64; NODES], h: f64) -> BallState<Lanes> {
+        let (c, moulton) = (*formulas, *moulton);
+        let mut new = BallState::<Lanes>::default();
+        for lane in 0..LANES {
+            let (now, before, earlier) = (self.states.0.at(lane), self.states.1.at(lane), self.states.2.at(lane));
+            let (f, f1, f2) = (self.rates.0.at(lane), self.rates.1.at(lane), self.rates.2.at(lane));
+            let velocities = [now.arc_velocity, before.arc_velocity, earlier.arc_velocity];
+            let spins = [now.spin, before.spin, earlier.spin];
+            let (push_v, ahead_v) = c.pushed(h, velocities, [f.arc_velocity, f1.arc_velocity, f2.arc_velocity]);
+            let (push_p, ahead_p) = c.pushed(h, spins, [f.spin, f1.spin, f2.spin]);
+            // A = [−a, b; d, −e]
+            let (a, b, d, e) = (h * f.arc_by_arc, h * f.arc_by_spin, h * f.spin_by_arc, h * f.spin_by_spin);
+            let (right_v, right_p) = (push_v + a * ahead_v - b * ahead_p, push_p - d * ahead_v + e * ahead_p);
+            let (vv, pp) = (c.leading + a, c.leading + e);
+            let per_determinant = 1.0 / (vv * pp - b * d);
+            let arc_velocity = now.arc_velocity + per_determinant * (pp * right_v + b * right_p);
+            let spin = now.spin + per_determinant * (vv * right_p + d * right_v);
+            let arrived = [arc_velocity, now.arc_velocity, before.arc_velocity, earlier.arc_velocity];
+            new.put(lane, BallState { arc: now.arc + h * weighed(&moulton, arrived), arc_velocity, spin });
+        }
+        new
     }
 }

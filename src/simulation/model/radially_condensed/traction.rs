@@ -1,146 +1,165 @@
-//! Traction of one raceway on eight balls side by side: the strip sum of `physics/raceway.rs` in the plane, with what
-//! depends on a ball's load alone made ready as polynomials.
+//! Traction of one raceway in the plane. The law that rises from rest is integrated over the contact by quadrature, every other
+//! one by the contact of the full model.
 
-use super::contact_law::{chebyshev_fit, polynomial};
-use super::{Lane, WIDTH, positive, total};
+use super::ball::Contact;
 use crate::numerics::exponential::exponential;
-use crate::physics::contact::traction::{FourParameters, MAX_STRIPS, Strips};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side, smaller};
+use crate::physics::contact::traction::FourParameters;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
+use crate::simulation::model::condensed_contact::chebyshev;
 
 /// Terms of the series of √(1 − x) after the first.
 const SERIES: [f64; 4] = [-0.5, -0.125, -0.0625, -5.0 / 128.0];
+/// Terms of it for what lies across the contact.
+const ACROSS: usize = 3;
 /// Largest (a / ball radius)² for which the series is good to 3e-5 of the radius.
-pub const WIDEST: f64 = 0.25;
+pub(super) const WIDEST: f64 = 0.25;
 /// Slip up to which μ/u is a polynomial, in units of 1/C of the law.
 const REACH: f64 = 1.0;
-const DEGREE: usize = 6;
+/// Its terms: good to 2e-5.
+const TERMS: usize = 5;
+/// Points of the quadrature on one side of the contact.
+const POINTS: usize = 3;
+/// Places t = η/a and weights of ∫ ¾ (1 − t²) g(t²) dt over −1 … 1, exact for g up to degree 5 (Gauss–Jacobi; the places are the
+/// inner ones of Lobatto's rule with eight points, Abramowitz & Stegun, table 25.6).
+const PLACES: [f64; POINTS] = [0.209_299_217_902_479, 0.591_700_181_433_142, 0.871_740_148_509_607];
+const LOBATTO: [f64; POINTS] = [0.412_458_794_658_704, 0.341_122_692_483_504, 0.210_704_227_143_506];
 /// Change of slip by which the general law is differentiated [m/s].
 const SLIP_STEP: f64 = 1e-3;
 
-/// Sums over the strips of one contact, divided by its load.
+/// Integrals over one contact, divided by its load.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Sums {
+pub(super) struct Sums<T = f64> {
     /// Force along the groove, raceway on ball.
-    pub force: Lane,
+    pub force: T,
     /// Its moment: force times height over the ball's centre [m].
-    pub moment: Lane,
-    /// Slope of the force over slip [s/m].
-    pub slope: Lane,
+    pub moment: T,
+    /// Slope of the force over slip [s/m], not negative.
+    pub slope: T,
     /// Slip at the middle of the contact [m/s].
-    pub slip: Lane,
+    pub slip: T,
 }
-
-/// Slip over a contact is base + height · per_height.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Slip {
-    pub base: Lane,
-    pub per_height: Lane,
-}
+side_by_side!(Sums { force, moment, slope, slip });
 
 /// The traction of one raceway, made ready.
 #[derive(Debug, Clone)]
-pub enum RacewayTraction {
+pub(super) enum RacewayTraction {
     /// The four-parameter law that vanishes at rest, no hydrodynamic terms, narrow contacts.
     Rising(Box<RisingTraction>),
     /// Everything else: ball by ball through the contact of the full model.
     General,
 }
 
-#[derive(Debug, Clone)]
-pub struct RisingTraction {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RisingTraction {
     law: FourParameters,
-    /// μ/u over u in 0 … reach, in powers of 2u/reach − 1.
-    fit: [f64; DEGREE + 1],
+    /// μ/u by powers of u, up to u = reach.
+    fit: [f64; TERMS],
     reach: f64,
-    strips: usize,
-    weight: [f64; MAX_STRIPS],
-    /// Height of each strip over the ball's centre in powers of a².
-    height: [[f64; SERIES.len()]; MAX_STRIPS],
-    /// That of the middle of the contact.
-    apex: [f64; SERIES.len()],
+    weights: [f64; POINTS],
+    /// Height of the middle of the contact over the ball's centre, less its radius, and rise from there to each point, by
+    /// powers of a².
+    middle: [f64; SERIES.len()],
+    rise: [[f64; ACROSS]; POINTS],
     ball_radius: f64,
 }
 
+impl RacewayTraction {
+    /// dμ/du at rest [s/m], where it is known.
+    pub fn steepest(&self) -> f64 {
+        match self {
+            Self::Rising(traction) => traction.steepest(),
+            Self::General => 0.0,
+        }
+    }
+}
+
 impl RisingTraction {
-    pub fn new(law: FourParameters, strips: usize, conformity: bool, ball_radius: f64, deformed_radius: f64) -> Self {
+    /// `conformity`: whether slip varies across the contact.
+    pub fn new(law: FourParameters, conformity: bool, ball_radius: f64, deformed_radius: f64) -> Self {
         let reach = REACH / law.c;
         // h = r_b + Σ c_j s^j [r_b^(1−2j) − R_d^(1−2j) (1 − t^2j)], s = a².
-        let height_at = |position: f64| -> [f64; SERIES.len()] {
-            std::array::from_fn(|i| {
-                let power = i as i32 + 1;
-                let shape = |radius: f64| radius.powi(1 - 2 * power);
-                let at_place = if conformity { position.powi(2 * power) } else { 0.0 };
-                SERIES[i] * (shape(ball_radius) - shape(deformed_radius) * (1.0 - at_place))
-            })
-        };
-        let strips = Strips::new(strips);
-        // Both sides of the groove slip alike: one side with twice the weight, and the middle.
-        let all = strips.as_slice();
-        let mut half = all[..all.len().div_ceil(2)].to_vec();
-        half[..all.len() / 2].iter_mut().for_each(|strip| strip.weight *= 2.0);
+        let shape = |radius: f64, term: usize| SERIES[term] * radius.powi(-1 - 2 * term as i32);
+        let across = if conformity { 1.0 } else { 0.0 };
+        let scaled: [f64; TERMS] = chebyshev(|t| over_speed(&law, t * REACH, (-t * REACH).exp()));
         Self {
             law,
-            fit: chebyshev_fit(|t| over_speed(&law, t * REACH, (-t * REACH).exp())),
+            fit: powers_of_the_argument(scaled, reach),
             reach,
-            strips: half.len(),
-            weight: std::array::from_fn(|k| half.get(k).map_or(0.0, |strip| strip.weight)),
-            height: std::array::from_fn(|k| half.get(k).map_or([0.0; SERIES.len()], |strip| height_at(strip.position))),
-            apex: height_at(0.0),
+            weights: std::array::from_fn(|k| 1.5 * LOBATTO[k] * (1.0 - PLACES[k] * PLACES[k])),
+            middle: std::array::from_fn(|j| shape(ball_radius, j) - shape(deformed_radius, j)),
+            rise: PLACES
+                .map(|t| std::array::from_fn(|j| across * shape(deformed_radius, j) * t.powi(2 * j as i32 + 2))),
             ball_radius,
         }
     }
 
-    /// The sums for squares of the semi-major axes [m²]; `loaded`: 0 for contacts that do not count.
     #[inline(always)]
-    pub fn sums(&self, slip: &Slip, square: &Lane, loaded: &Lane) -> Sums {
-        let mut sums = Sums::default();
-        let mut slides = Lane::default();
-        for k in 0..WIDTH {
-            let s = square.0[k];
-            let height = self.ball_radius + s * horner(&self.apex, s);
-            let edge = self.ball_radius + s * horner(&self.height[0], s);
-            sums.slip.0[k] = slip.base.0[k] + height * slip.per_height.0[k];
-            let at_edge = slip.base.0[k] + edge * slip.per_height.0[k];
-            let beyond = positive(sums.slip.0[k].abs() - self.reach) + positive(at_edge.abs() - self.reach);
-            slides.0[k] = beyond * loaded.0[k];
+    fn steepest(&self) -> f64 {
+        self.law.d * self.law.c + self.law.b
+    }
+
+    #[inline(always)]
+    pub fn sums(&self, contact: &Contact<Lanes>) -> Sums<Lanes> {
+        let own = *self;
+        let steepest = own.steepest();
+        let mut sums = Sums::<Lanes>::default();
+        let mut beyond: Lanes = Lanes::default();
+        for lane in 0..LANES {
+            let fitted = |speed: f64| polynomial(&own.fit, smaller(speed, own.reach));
+            let (one, fastest) = own.sums_by(&contact.at(lane), fitted);
+            // dμ/du = μ/u + u (μ/u)', the latter a straight line: a few per cent serve.
+            sums.put(lane, Sums { slope: larger(2.0 * one.slope - steepest, 0.0), ..one });
+            beyond[lane] = if contact.load[lane] > 0.0 { fastest } else { 0.0 };
         }
-        let beyond = total(&slides) > 0.0;
-        if beyond {
-            self.add_strips(slip, square, &mut sums, |speed| {
-                let x = self.law.c * speed;
-                let decay = exponential(-x);
-                (over_speed(&self.law, x, decay), decay * (self.law.d * self.law.c + self.law.b * (1.0 - x)))
-            });
-        } else {
-            let scale = 2.0 / self.reach;
-            let steepest = self.law.d * self.law.c + self.law.b;
-            self.add_strips(slip, square, &mut sums, |speed| {
-                let speed = self.reach - positive(self.reach - speed);
-                let over = polynomial(&self.fit, scale.mul_add(speed, -1.0));
-                // The matrix of the implicit part needs the slope to a few per cent only: dμ/du = μ/u + u (μ/u)'.
-                (over, over.mul_add(2.0, -steepest))
-            });
+        if beyond.any(|fastest| fastest > own.reach) {
+            for lane in 0..LANES {
+                let exact = |speed: f64| over_speed(&own.law, own.law.c * speed, exponential(-own.law.c * speed));
+                sums.put(lane, own.sums_by(&contact.at(lane), exact).0);
+            }
         }
         sums
     }
 
+    /// The sums, with the mean of μ/u, never less than the slope, in place of that, and the fastest slip; `over_speed`: μ(u)/u.
     #[inline(always)]
-    fn add_strips(&self, slip: &Slip, square: &Lane, sums: &mut Sums, law: impl Fn(f64) -> (f64, f64)) {
-        for strip in 0..self.strips {
-            let (weight, coefficients) = (self.weight[strip], &self.height[strip]);
-            for k in 0..WIDTH {
-                let s = square.0[k];
-                let height = s.mul_add(horner(coefficients, s), self.ball_radius);
-                let speed = height.mul_add(slip.per_height.0[k], slip.base.0[k]);
-                let (over, slope) = law(speed.abs());
-                let force = weight * over * speed;
-                let slope = positive(slope);
-                sums.force.0[k] += force;
-                sums.moment.0[k] = force.mul_add(height, sums.moment.0[k]);
-                sums.slope.0[k] = weight.mul_add(slope, sums.slope.0[k]);
-            }
+    fn sums_by(&self, contact: &Contact, over_speed: impl Fn(f64) -> f64) -> (Sums, f64) {
+        let s = contact.axis_square;
+        let [m0, m1, m2, m3] = self.middle;
+        let middle = self.ball_radius + s * ((m0 + s * m1) + s * s * (m2 + s * m3));
+        let slip = contact.base + middle * contact.per_height;
+        let (mut force, mut risen, mut mean, mut fastest) = (0.0, 0.0, 0.0, 0.0);
+        for (weight, [r0, r1, r2]) in self.weights.into_iter().zip(self.rise) {
+            let rise = s * (r0 + s * (r1 + s * r2));
+            let speed = slip + rise * contact.per_height;
+            fastest = larger(fastest, speed.abs());
+            let over = weight * over_speed(speed.abs());
+            let one = over * speed;
+            mean += over;
+            force += one;
+            risen += one * rise;
         }
+        (Sums { force, moment: force * middle + risen, slope: mean, slip }, fastest)
     }
+}
+
+/// From powers of x = 2u/reach − 1 to powers of u.
+fn powers_of_the_argument(scaled: [f64; TERMS], reach: f64) -> [f64; TERMS] {
+    let (mut powers, mut of_x) = ([0.0; TERMS], [0.0; TERMS]);
+    of_x[0] = 1.0;
+    for coefficient in scaled {
+        for (power, term) in powers.iter_mut().zip(of_x) {
+            *power += coefficient * term;
+        }
+        of_x = std::array::from_fn(|i| if i == 0 { 0.0 } else { of_x[i - 1] * 2.0 / reach } - of_x[i]);
+    }
+    powers
+}
+
+#[inline(always)]
+fn polynomial([a, b, c, d, e]: &[f64; TERMS], u: f64) -> f64 {
+    let square = u * u;
+    (a + b * u) + square * ((c + d * u) + square * e)
 }
 
 /// μ/u of the four-parameter law with A = −D at x = C u, D C (1 − e^−x)/x + B e^−x.
@@ -151,35 +170,63 @@ fn over_speed(law: &FourParameters, x: f64, decay: f64) -> f64 {
     law.d * law.c * if x < 0.01 { near } else { far } + law.b * decay
 }
 
-#[inline(always)]
-fn horner(c: &[f64; SERIES.len()], x: f64) -> f64 {
-    x.mul_add(x.mul_add(x.mul_add(c[3], c[2]), c[1]), c[0])
+/// A raceway of the full model, and how it moves.
+pub(super) struct General<'a> {
+    pub contact: &'a RacewayContact,
+    /// 1 for the outer raceway, −1 for the inner one: from the ball towards it.
+    pub towards: f64,
+    /// Angular speed of the raceway and of the ball that rolls ideally [rad/s].
+    pub raceway_speed: f64,
+    pub spin: f64,
+    /// Orbit radius of a ball that touches without load [m].
+    pub touching: f64,
+    pub chi: f64,
+    pub ball_radius: f64,
 }
 
-/// Force and moment over the load by the contact of the full model, at a given normal load: the rate of penetration is set so
-/// that the contact carries just that. `towards`: 1 for the outer raceway, −1 for the inner one.
-pub fn general_sums(
-    contact: &RacewayContact,
-    motion: &RelativeMotion,
-    towards: f64,
-    load: f64,
-    chi: f64,
-    ball_radius: f64,
-) -> [f64; 4] {
-    let at = |spin: f64| {
-        let mut motion = RelativeMotion { spin: [spin, 0.0, 0.0], ..*motion };
-        let elastic = contact.elastic_load(contact.penetration::<true>(0.0, motion.radius).0).0;
-        let rate = if chi > 0.0 && elastic > 0.0 { (load / elastic - 1.0) / chi } else { 0.0 };
-        motion.velocity[1] = towards * rate;
-        let seen = contact.load::<true>(&motion);
-        let share = if seen.normal > 0.0 { 1.0 / seen.normal } else { 0.0 };
-        (seen.force[2] * share, towards * seen.moment[0] * share, seen.slip.0)
-    };
-    let spin = motion.spin[0];
-    let (force, moment, slip) = at(spin);
-    let step = SLIP_STEP / ball_radius;
-    let (force_there, _, slip_there) = at(spin + step);
-    let change = slip_there - slip;
-    let slope = if change.abs() > 0.0 { ((force_there - force) / change).max(0.0) } else { 0.0 };
-    [force, moment, slope, slip]
+impl General<'_> {
+    /// `spin`: deviations from ideal rolling; `penetration`: of this contact.
+    #[inline(never)]
+    pub fn sums(&self, contact: &Contact<Lanes>, spin: &Lanes, penetration: &Lanes, orbit: &Lanes) -> Sums<Lanes> {
+        let mut sums = Sums::default();
+        for lane in 0..LANES {
+            let Contact { load, base, .. } = contact.at(lane);
+            if load <= 0.0 {
+                continue;
+            }
+            // The contact of the full model measures its own penetration from the radius.
+            let radius = self.touching + self.towards * penetration[lane];
+            let motion = RelativeMotion {
+                axial: 0.0,
+                radius,
+                velocity: [0.0, 0.0, self.raceway_speed * radius - base],
+                spin: [self.spin + spin[lane], 0.0, 0.0],
+                raceway_speed: self.raceway_speed,
+                orbit_speed: orbit[lane],
+                azimuth: 0.0,
+            };
+            sums.put(lane, self.one(&motion, load));
+        }
+        sums
+    }
+
+    /// Force and moment over the load by the contact of the full model: the rate of penetration is set so that the contact
+    /// carries just that load.
+    fn one(&self, motion: &RelativeMotion, load: f64) -> Sums {
+        let at = |spin: f64| {
+            let mut motion = RelativeMotion { spin: [spin, 0.0, 0.0], ..*motion };
+            let elastic = self.contact.elastic_load(self.contact.penetration::<true>(0.0, motion.radius).0).0;
+            let rate = if self.chi > 0.0 && elastic > 0.0 { (load / elastic - 1.0) / self.chi } else { 0.0 };
+            motion.velocity[1] = self.towards * rate;
+            let seen = self.contact.load::<true>(&motion);
+            let share = if seen.normal > 0.0 { 1.0 / seen.normal } else { 0.0 };
+            (seen.force[2] * share, self.towards * seen.moment[0] * share, seen.slip.0)
+        };
+        let spin = motion.spin[0];
+        let (force, moment, slip) = at(spin);
+        let (force_there, _, slip_there) = at(spin + SLIP_STEP / self.ball_radius);
+        let change = slip_there - slip;
+        let slope = if change.abs() > 0.0 { larger((force_there - force) / change, 0.0) } else { 0.0 };
+        Sums { force, moment, slope, slip }
+    }
 }

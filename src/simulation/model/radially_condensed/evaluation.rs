@@ -1,0 +1,263 @@
+//! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
+
+use super::ball::{BallRates, BallState, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
+use super::traction::{General, RacewayTraction};
+use super::{Border, RadiallyCondensed};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide};
+use crate::physics::bearing::PerRaceway;
+use crate::physics::frames::Azimuth;
+use crate::physics::spindle::unbalance_force;
+
+/// Rates of the velocities at one time, with what the implicit part of a step needs of their derivatives.
+#[derive(Debug, Clone, Default)]
+pub struct Rates {
+    pub balls: Vec<BallRates<Lanes>>,
+    pub spindle: OnSpindle,
+    pub cage: [f64; 3],
+    /// Diagonal of the damping of the cage by its pockets [1/s], not negative.
+    pub cage_damping: [f64; 3],
+}
+
+/// What moves the spindle: force [N], and the symmetric matrices (yy, yz, zz) of the mass that moves along [kg], of the stiffness
+/// [N/m] and the damping [N s/m] of the raceways.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct OnSpindle {
+    pub force: [f64; 2],
+    pub mass: [f64; 3],
+    pub stiffness: [f64; 3],
+    pub damping: [f64; 3],
+}
+
+/// What else was seen of eight balls in an evaluation.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Seen {
+    pub load: PerRaceway<Lanes>,
+    pub slip: PerRaceway<Lanes>,
+    pub pocket: Lanes,
+}
+
+/// Room for an evaluation, and what was seen in it.
+#[derive(Debug, Clone)]
+pub struct Scratch {
+    pub seen: Vec<Seen>,
+    cage: Turn,
+}
+
+impl Scratch {
+    pub fn new(groups: usize) -> Self {
+        Self { seen: vec![Seen::default(); groups], cage: Turn::default() }
+    }
+}
+
+/// Sums over the balls: on the spindle, and on the cage (y, z, moment) with the damping there.
+#[derive(Clone, Copy, Default)]
+struct AllBalls {
+    spindle: OnSpindle,
+    cage: [f64; 3],
+    cage_damping: [f64; 3],
+}
+
+impl RadiallyCondensed {
+    /// Rates at a time [s].
+    #[inline(always)]
+    pub fn rates(
+        &self,
+        time: f64,
+        balls: &[BallState<Lanes>],
+        border: &Border,
+        rates: &mut Rates,
+        scratch: &mut Scratch,
+    ) {
+        let m = &self.mechanism;
+        let (angle, speed, acceleration) = m.speed.at(time);
+        let (mixture, unloaded_root) = match self.constant {
+            Some(constant) => constant,
+            None => self.ideal(speed),
+        };
+        let cage = scratch.cage.to(m.orbit_ratio * angle + border.cage_arc / m.pitch_radius);
+        let drive = Drive { angle, speed, acceleration, cage, mixture, unloaded_root };
+        let mut sums = AllBalls::default();
+        for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
+            self.group(&drive, group, balls, border, rates, scratch, &mut sums);
+        }
+        self.border_rates(&drive, border, &sums, rates);
+    }
+
+    /// Rates of eight balls, and what they pass on.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn group(
+        &self,
+        drive: &Drive,
+        group: usize,
+        balls: &BallState<Lanes>,
+        border: &Border,
+        rates: &mut BallRates<Lanes>,
+        scratch: &mut Scratch,
+        sums: &mut AllBalls,
+    ) {
+        let cage = self.mechanism.layout.cage;
+        // Copies: what is stored in the loops cannot change them.
+        let (one, start, present) = (self.one, self.start[group], self.present[group]);
+        let (drive, balls, border) = (*drive, *balls, *border);
+        let (mut ahead, mut held) = (Azimuth::<Lanes>::default(), Held::<Lanes>::default());
+        if cage {
+            for lane in 0..LANES {
+                ahead.put(lane, one.ahead(border.cage_arc, &balls.at(lane)));
+            }
+        } else {
+            for lane in 0..LANES {
+                ahead.put(lane, one.ahead_alone(&balls.at(lane)));
+            }
+        }
+        for lane in 0..LANES {
+            held.put(lane, one.held(&drive, start.at(lane), ahead.at(lane), &border, &balls.at(lane)));
+        }
+        if one.damping.viscous > 0.0 {
+            for lane in 0..LANES {
+                held.put(lane, one.with_viscous(&held.at(lane)));
+            }
+        }
+        let mut pushed = Pushed::<Lanes>::default();
+        if cage {
+            let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
+            let displaced = self.film.displaced(&border, cage_spin, &held);
+            if self.plain_pocket && self.film.reaches(&displaced) {
+                pushed = self.film.pushed(&held, &displaced, &present);
+            } else {
+                let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
+                let pocket = &self.mechanism.pocket;
+                pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present);
+            }
+        }
+        let mut loaded = Loaded::<Lanes>::default();
+        for lane in 0..LANES {
+            loaded.put(lane, one.loaded(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]));
+        }
+        let inner = match &self.traction.inner {
+            RacewayTraction::Rising(law) => law.sums(&loaded.inner),
+            RacewayTraction::General => {
+                self.general(&drive, true).sums(&loaded.inner, &balls.spin, &held.inner, &held.orbit)
+            }
+        };
+        let outer = match &self.traction.outer {
+            RacewayTraction::Rising(law) => law.sums(&loaded.outer),
+            RacewayTraction::General => {
+                self.general(&drive, false).sums(&loaded.outer, &balls.spin, &held.outer, &held.orbit)
+            }
+        };
+        let (mut rates_now, mut on_spindle) = (BallRates::<Lanes>::default(), Passed::<Lanes>::default());
+        for lane in 0..LANES {
+            let (held, loaded) = (held.at(lane), loaded.at(lane));
+            let traction = PerRaceway { inner: inner.at(lane), outer: outer.at(lane) };
+            rates_now.put(lane, one.rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction));
+            on_spindle.put(lane, passed(&held, &loaded, traction.inner.force, present[lane]));
+        }
+        *rates = rates_now;
+        sums.add(&on_spindle, &pushed);
+        scratch.seen[group] = Seen {
+            load: PerRaceway { inner: loaded.inner.load, outer: loaded.outer.load },
+            slip: PerRaceway { inner: inner.slip, outer: outer.slip },
+            pocket: pushed.load,
+        };
+    }
+
+    fn general(&self, drive: &Drive, inner: bool) -> General<'_> {
+        let m = &self.mechanism;
+        let (contact, towards, raceway_speed) =
+            if inner { (&m.raceway.inner, -1.0, drive.speed) } else { (&m.raceway.outer, 1.0, 0.0) };
+        General {
+            contact,
+            towards,
+            raceway_speed,
+            spin: m.spin_ratio * drive.speed,
+            touching: m.pitch_radius + towards * 0.5 * self.one.clearance,
+            chi: self.one.damping.chi,
+            ball_radius: self.one.radius,
+        }
+    }
+
+    #[inline(always)]
+    fn border_rates(&self, drive: &Drive, border: &Border, sums: &AllBalls, rates: &mut Rates) {
+        let m = &self.mechanism;
+        let mut spindle = sums.spindle;
+        spindle.force[0] += m.load[1] + m.spindle_mass * m.gravity;
+        spindle.force[1] += m.load[2];
+        spindle.mass[0] += m.spindle_mass;
+        spindle.mass[2] += m.spindle_mass;
+        if m.unbalance != 0.0 {
+            let [_, y, z] = unbalance_force(m.unbalance, drive.angle, drive.speed, drive.acceleration);
+            spindle.force = [spindle.force[0] + y, spindle.force[1] + z];
+        }
+        rates.spindle = spindle;
+        if !m.layout.cage {
+            return;
+        }
+        let [mut y, mut z, mut moment] = sums.cage;
+        if let Some(land) = &m.land {
+            let spin = m.orbit_ratio * drive.speed + border.cage_velocity[2] / m.pitch_radius;
+            let (force, braking) = land.load([0.0, border.cage[0], border.cage[1]], spin);
+            (y, z, moment) = (y + force[1], z + force[2], moment + braking);
+        }
+        let (per_mass, arm, per_inertia) = (1.0 / m.cage.mass, m.pitch_radius, 1.0 / m.cage.axial_inertia);
+        rates.cage =
+            [y * per_mass + m.gravity, z * per_mass, arm * (moment * per_inertia - m.orbit_ratio * drive.acceleration)];
+        let [d_y, d_z, d_arc] = sums.cage_damping;
+        rates.cage_damping = [d_y * per_mass, d_z * per_mass, d_arc * (arm * arm * per_inertia)];
+    }
+}
+
+impl AllBalls {
+    #[inline(always)]
+    fn add(&mut self, spindle: &Passed<Lanes>, pushed: &Pushed<Lanes>) {
+        self.spindle.force[0] += total(&spindle.force.0);
+        self.spindle.force[1] += total(&spindle.force.1);
+        for i in 0..3 {
+            self.spindle.mass[i] += total(&spindle.mass[i]);
+            self.spindle.stiffness[i] += total(&spindle.stiffness[i]);
+            self.spindle.damping[i] += total(&spindle.damping[i]);
+            self.cage[i] += total(&pushed.cage[i]);
+            self.cage_damping[i] += total(&pushed.cage_damping[i]);
+        }
+    }
+}
+
+/// Sum over the lanes in pairs, always in the same order.
+#[inline(always)]
+fn total(lanes: &Lanes) -> f64 {
+    let [a, b, c, d, e, f, g, h] = lanes.0;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+/// An azimuth on its way: turned on by small angles, anew after some of them.
+#[derive(Debug, Clone)]
+struct Turn {
+    angle: f64,
+    azimuth: Azimuth,
+    left: u32,
+}
+
+impl Default for Turn {
+    fn default() -> Self {
+        Self { angle: 0.0, azimuth: Azimuth::new(0.0), left: 0 }
+    }
+}
+
+impl Turn {
+    const SMALL: f64 = 0.05;
+    const ANEW: u32 = 64;
+
+    #[inline(always)]
+    fn to(&mut self, angle: f64) -> Azimuth {
+        let by = angle - self.angle;
+        self.angle = angle;
+        if self.left == 0 || by.abs() > Self::SMALL {
+            self.left = Self::ANEW;
+            self.azimuth = Azimuth::new(angle);
+        } else {
+            self.left -= 1;
+            self.azimuth = self.azimuth.turned(small_azimuth(by));
+        }
+        self.azimuth
+    }
+}

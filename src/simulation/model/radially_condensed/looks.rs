@@ -1,0 +1,303 @@
+//! Looks at the motion, one a step: what of it is kept.
+
+use super::{RadiallyCondensed, Seen, Stepper};
+use crate::numerics::lanes::{LANES, Lanes, larger};
+use crate::numerics::spectrum::Decimator;
+use crate::physics::bearing::PerRaceway;
+use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
+use crate::simulation::channel::{Axis, BallContact, Channel, Motion};
+use crate::simulation::observe::{ContactExtremes, Recording, picked_channels};
+use crate::simulation::run::RunSettings;
+
+use super::recording::Schedule;
+
+/// Spindle signals: place, velocity, acceleration of y, then of z.
+const SIGNALS: usize = 6;
+
+/// What was seen so far.
+pub(super) struct Looks<'a> {
+    model: &'a RadiallyCondensed,
+    schedule: Schedule,
+    decimator: Decimator,
+    /// The first frame stands for what was before: the run has none.
+    primed: bool,
+    filtered: [Vec<f64>; SIGNALS],
+    picked: Vec<(Channel, Vec<f64>)>,
+    /// Of the spindle's signals, from the first one on, and what they are counted from.
+    sums: [[f64; 2]; SIGNALS],
+    origin: [f64; SIGNALS],
+    /// Sums of speeds at the kept values, and their number.
+    shaft: f64,
+    cage: f64,
+    spin: f64,
+    kept: f64,
+    extremes: Option<Extremes>,
+    least_film: Option<PerRaceway<f64>>,
+}
+
+/// Largest values so far, group by group.
+struct Extremes {
+    load: Vec<PerRaceway<Lanes>>,
+    slip: PerRaceway<Lanes>,
+    pocket: Lanes,
+}
+
+fn grow(largest: &mut Lanes, seen: impl Fn(usize) -> f64) {
+    for lane in 0..LANES {
+        largest[lane] = larger(largest[lane], seen(lane));
+    }
+}
+
+impl Extremes {
+    fn look(&mut self, group: usize, seen: &Seen) {
+        let (load, slip) = (&seen.load, &seen.slip);
+        grow(&mut self.load[group].inner, |lane| load.inner[lane]);
+        grow(&mut self.load[group].outer, |lane| load.outer[lane]);
+        grow(&mut self.pocket, |lane| seen.pocket[lane]);
+        let under = |load: &Lanes, slip: &Lanes, lane: usize| if load[lane] > 0.0 { slip[lane].abs() } else { 0.0 };
+        grow(&mut self.slip.inner, |lane| under(&load.inner, &slip.inner, lane));
+        grow(&mut self.slip.outer, |lane| under(&load.outer, &slip.outer, lane));
+    }
+}
+
+impl<'a> Looks<'a> {
+    pub fn new(model: &'a RadiallyCondensed, settings: &RunSettings, schedule: Schedule, primed: bool) -> Self {
+        let outputs = &settings.outputs;
+        let values = || Vec::with_capacity(schedule.values);
+        let extremes = Extremes {
+            load: vec![PerRaceway::default(); model.groups()],
+            slip: PerRaceway::default(),
+            pocket: Lanes::default(),
+        };
+        Self {
+            model,
+            schedule,
+            decimator: Decimator::new(schedule.pace.steps, SIGNALS),
+            primed,
+            filtered: std::array::from_fn(|_| values()),
+            picked: picked_channels(outputs, model.mechanism().layout.cage)
+                .into_iter()
+                .map(|channel| (channel, values()))
+                .collect(),
+            sums: [[0.0; 2]; SIGNALS],
+            origin: [0.0; SIGNALS],
+            shaft: 0.0,
+            cage: 0.0,
+            spin: 0.0,
+            kept: 0.0,
+            extremes: (outputs.contacts || outputs.cage).then_some(extremes),
+            least_film: model
+                .needs()
+                .film_thickness
+                .then_some(PerRaceway { inner: f64::INFINITY, outer: f64::INFINITY }),
+        }
+    }
+
+    /// One look, in the order of the steps.
+    pub fn look(&mut self, stepper: &Stepper<'_>) {
+        let (now, schedule) = (stepper.steps(), self.schedule);
+        if now + (schedule.delay as u64) < schedule.first {
+            return;
+        }
+        let frame = frame(stepper);
+        let counts = (schedule.first..=schedule.last).contains(&now);
+        if now == schedule.first {
+            self.origin = frame;
+            if self.primed {
+                self.decimator = Decimator::new(schedule.pace.steps, SIGNALS);
+                self.decimator.prime(&frame);
+            }
+        }
+        if counts {
+            for ((sum, value), origin) in self.sums.iter_mut().zip(frame).zip(self.origin) {
+                let off = value - origin;
+                sum[0] += off;
+                sum[1] += off * off;
+            }
+            if let Some(extremes) = &mut self.extremes {
+                stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.look(group, seen));
+            }
+        }
+        if !self.primed || now >= schedule.first {
+            self.keep_spindle(stepper, frame);
+        }
+        if counts && (now - schedule.first).is_multiple_of(schedule.pace.steps as u64) {
+            self.keep(stepper);
+        }
+    }
+
+    /// Through the filter where steps are shorter than the interval of the kept values; with one value between two steps where
+    /// they are longer.
+    fn keep_spindle(&mut self, stepper: &Stepper<'_>, frame: [f64; SIGNALS]) {
+        let Schedule { pace, first, values, .. } = self.schedule;
+        let mut keep = |frame: &[f64]| {
+            if self.filtered[0].len() < values {
+                for (signal, value) in self.filtered.iter_mut().zip(frame) {
+                    signal.push(*value);
+                }
+            }
+        };
+        if pace.steps > 1 {
+            if let Some(frame) = self.decimator.push(&frame) {
+                keep(frame);
+            }
+            return;
+        }
+        if pace.values == 2 && stepper.steps() > first {
+            keep(&halfway(stepper, frame, pace.step()));
+        }
+        keep(&frame);
+    }
+
+    /// Speeds and all channels besides the spindle's, as they stand.
+    fn keep(&mut self, stepper: &Stepper<'_>) {
+        let model = self.model;
+        let m = model.mechanism();
+        let (_, speed, _) = m.speed.at(stepper.time());
+        let balls = m.layout.balls;
+        let (mut arc_velocity, mut own) = (0.0, 0.0);
+        for ball in 0..balls {
+            let group = &stepper.balls()[ball / LANES];
+            arc_velocity += group.arc_velocity[ball % LANES] / balls as f64;
+            own += group.spin[ball % LANES] / balls as f64;
+        }
+        // Without a cage the balls' mean orbit speed stands for it.
+        let cage_velocity = if m.layout.cage { stepper.border().cage_velocity[2] } else { arc_velocity };
+        self.shaft += speed;
+        self.cage += m.orbit_ratio * speed + cage_velocity / m.pitch_radius;
+        self.spin += (m.spin_ratio - m.orbit_ratio) * speed + own - arc_velocity / m.pitch_radius;
+        self.kept += 1.0;
+        let values = self.schedule.values;
+        for (channel, signal) in &mut self.picked {
+            let value = value(model, *channel, stepper, speed);
+            if self.schedule.pace.values == 2
+                && let Some(last) = signal.last()
+            {
+                signal.push(0.5 * (last + value));
+            }
+            if signal.len() < values {
+                signal.push(value);
+            }
+        }
+        if let Some(least) = &mut self.least_film {
+            films(model, stepper, speed, least);
+        }
+    }
+
+    /// What was seen.
+    pub fn finish(self, start: f64) -> Recording {
+        let axes = [Axis::Y, Axis::Z];
+        let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
+        let channels = axes.into_iter().flat_map(|axis| motions.map(|motion| Channel::Spindle(axis, motion)));
+        let channels: Vec<Channel> = channels.collect();
+        let count = (self.schedule.last - self.schedule.first + 1) as f64;
+        let variance = |[sum, squares]: [f64; 2]| ((squares - sum * sum / count) / count).max(0.0);
+        let shaft = self.shaft / self.kept;
+        Recording {
+            start,
+            total_variance: channels.iter().copied().zip(self.sums.map(variance)).collect(),
+            contacts: self.contacts(),
+            max_pocket_load: self.extremes.map_or(0.0, |seen| seen.pocket.0.into_iter().fold(0.0, f64::max)),
+            signals: channels.into_iter().zip(self.filtered).chain(self.picked).collect(),
+            direction: if shaft < 0.0 { -1.0 } else { 1.0 },
+            shaft_speed: shaft.abs(),
+            cage_speed: (self.cage / self.kept).abs(),
+            ball_spin: (self.spin / self.kept).abs(),
+            compared: Vec::new(),
+        }
+    }
+
+    fn contacts(&self) -> PerRaceway<ContactExtremes> {
+        let balls = self.model.mechanism().layout.balls;
+        let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
+        let Some(extremes) = &self.extremes else {
+            return PerRaceway { inner: none.clone(), outer: none };
+        };
+        let one = |load: &dyn Fn(&PerRaceway<Lanes>) -> Lanes, slip: &Lanes, film: Option<f64>| {
+            let max_load: Vec<f64> = (0..balls).map(|ball| load(&extremes.load[ball / LANES])[ball % LANES]).collect();
+            let touched = max_load.iter().any(|load| *load > 0.0);
+            ContactExtremes {
+                max_load,
+                angle: touched.then_some((0.0, 0.0)),
+                max_slip: slip.0.into_iter().fold(0.0, f64::max),
+                least_film: film.filter(|film| film.is_finite()),
+            }
+        };
+        PerRaceway {
+            inner: one(&|load| load.inner, &extremes.slip.inner, self.least_film.map(|least| least.inner)),
+            outer: one(&|load| load.outer, &extremes.slip.outer, self.least_film.map(|least| least.outer)),
+        }
+    }
+}
+
+/// The spindle's signals at a look.
+fn frame(stepper: &Stepper<'_>) -> [f64; SIGNALS] {
+    let (border, acceleration) = (stepper.border(), stepper.spindle_acceleration());
+    let ([y, z], [vy, vz]) = (border.spindle, border.spindle_velocity);
+    [y, vy, acceleration[0], z, vz, acceleration[1]]
+}
+
+/// Halfway between the last two steps: place and velocity by the polynomial of degree 5 through places, velocities and
+/// accelerations, the acceleration by that of degree 3 through velocities and accelerations.
+fn halfway(stepper: &Stepper<'_>, now: [f64; SIGNALS], h: f64) -> [f64; SIGNALS] {
+    let before = stepper.spindle_before();
+    let mut halfway = [0.0; SIGNALS];
+    for (axis, values) in halfway.chunks_exact_mut(3).enumerate() {
+        let [q0, v0, a0] = before.map(|of_axes| of_axes[axis]);
+        let (q1, v1, a1) = (now[3 * axis], now[3 * axis + 1], now[3 * axis + 2]);
+        values[0] = 0.5 * (q0 + q1) + h * (5.0 / 32.0) * (v0 - v1) + h * h * (1.0 / 64.0) * (a0 + a1);
+        values[1] = 15.0 / 8.0 * (q1 - q0) / h - 7.0 / 16.0 * (v0 + v1) + h * (1.0 / 32.0) * (a1 - a0);
+        values[2] = 1.5 * (v1 - v0) / h - 0.25 * (a0 + a1);
+    }
+    halfway
+}
+
+/// A channel besides the spindle's.
+fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, speed: f64) -> f64 {
+    let m = model.mechanism();
+    let border = stepper.border();
+    match channel {
+        Channel::Spindle(..) | Channel::CageDisplacement(Axis::X) => 0.0,
+        Channel::CageDisplacement(Axis::Y) => border.cage[0],
+        Channel::CageDisplacement(Axis::Z) => border.cage[1],
+        Channel::CageSpeed => m.orbit_ratio * speed + border.cage_velocity[2] / m.pitch_radius,
+        Channel::BallSpin(ball) => {
+            let (balls, lane) = (&stepper.balls()[ball / LANES], ball % LANES);
+            let orbit = m.orbit_ratio * speed + balls.arc_velocity[lane] / m.pitch_radius;
+            m.spin_ratio * speed + balls.spin[lane] - orbit
+        }
+        Channel::BallLoad(ball, contact) => {
+            let (seen, lane) = (&stepper.seen()[ball / LANES], ball % LANES);
+            match contact {
+                BallContact::Inner => seen.load.inner[lane],
+                BallContact::Outer => seen.load.outer[lane],
+                BallContact::Pocket => seen.pocket[lane],
+            }
+        }
+    }
+}
+
+/// Least minimum film thickness under load, looked for at the kept values.
+fn films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, least: &mut PerRaceway<f64>) {
+    let m = model.mechanism();
+    for ball in 0..m.layout.balls {
+        let (balls, lane) = (&stepper.balls()[ball / LANES], ball % LANES);
+        let seen = &stepper.seen()[ball / LANES];
+        let orbit = m.orbit_ratio * speed + balls.arc_velocity[lane] / m.pitch_radius;
+        let film = |contact: &RacewayContact, raceway_speed: f64, normal: f64| {
+            let motion = RelativeMotion {
+                axial: 0.0,
+                radius: m.pitch_radius,
+                velocity: [0.0, 0.0, m.pitch_radius * orbit],
+                spin: [m.spin_ratio * speed + balls.spin[lane], 0.0, 0.0],
+                raceway_speed,
+                orbit_speed: orbit,
+                azimuth: 0.0,
+            };
+            let load = RacewayLoad { normal, ..RacewayLoad::default() };
+            if normal > 0.0 { contact.minimum_film(&motion, &load) } else { f64::INFINITY }
+        };
+        least.inner = least.inner.min(film(&m.raceway.inner, speed, seen.load.inner[lane]));
+        least.outer = least.outer.min(film(&m.raceway.outer, 0.0, seen.load.outer[lane]));
+    }
+}

@@ -1,0 +1,158 @@
+//! Pockets of several balls: the film in a short form, walls and hydrodynamic terms by the pocket of the full model.
+
+use super::Border;
+use super::ball::{Held, Pushed};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side, smaller};
+use crate::physics::pocket::{DAMPING_ONSET, Pocket, PocketMotion};
+
+/// Stands in for no displacement at all where its direction is asked for [m²].
+const TINY: f64 = 1e-60;
+
+/// The film of the pockets of a cage, and how the cage moves.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Film {
+    /// [N/m], [N s/m], [m]
+    pub stiffness: f64,
+    pub damping: f64,
+    pub clearance: f64,
+    pub pitch_radius: f64,
+}
+
+/// Of a ball in its pocket: n outwards, t along the orbit.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Displaced<T = f64> {
+    displacement: (T, T),
+    velocity: (T, T),
+    distance: T,
+}
+side_by_side!(Displaced { displacement, velocity, distance });
+
+/// Force on the ball (n, t) [N].
+#[derive(Debug, Clone, Copy)]
+struct Push {
+    load: f64,
+    force: (f64, f64),
+    moment: f64,
+    /// From the pocket's centre to where the cage is pushed.
+    lever: (f64, f64),
+    damping: f64,
+    /// 1/distance², for the direction of the damping.
+    per_square: f64,
+}
+
+impl Film {
+    #[inline(always)]
+    fn displaced_one(&self, border: &Border, cage_spin: f64, held: &Held) -> Displaced {
+        let ([cy, cz], [vy, vz, _]) = (border.cage, border.cage_velocity);
+        let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
+        let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
+        let tangential = held.radius * held.orbit;
+        let n = held.radius * dc - self.pitch_radius - (cy * nc + cz * ns);
+        let t = held.radius * ds - (cz * nc - cy * ns);
+        let v_n = held.radial_velocity * dc - tangential * ds - (vy * nc + vz * ns) + cage_spin * t;
+        let v_t =
+            held.radial_velocity * ds + tangential * dc - (vz * nc - vy * ns) - cage_spin * (self.pitch_radius + n);
+        Displaced { displacement: (n, t), velocity: (v_n, v_t), distance: (n * n + t * t).sqrt() }
+    }
+
+    /// The force of the film: stiffness and damping along the displacement, not below 0.
+    #[inline(always)]
+    fn push(&self, displaced: &Displaced) -> Push {
+        let ((n, t), (v_n, v_t)) = (displaced.displacement, displaced.velocity);
+        let per_square = 1.0 / (n * n + t * t + TINY);
+        let damping = self.damping * smaller(displaced.distance * (1.0 / DAMPING_ONSET), 1.0);
+        let over_distance = larger(self.stiffness + damping * ((n * v_n + t * v_t) * per_square), 0.0);
+        Push {
+            load: over_distance * displaced.distance,
+            force: (-over_distance * n, -over_distance * t),
+            moment: 0.0,
+            lever: (0.0, 0.0),
+            damping: if over_distance > 0.0 { damping } else { 0.0 },
+            per_square,
+        }
+    }
+
+    /// Turned to the ball's own orbit and, with `present`, to the cage.
+    #[inline(always)]
+    fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f64) -> Pushed {
+        let ((n, t), (d_n, d_t)) = (push.force, displaced.displacement);
+        let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
+        let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
+        let square = push.damping * push.per_square;
+        let (d_y, d_z) = (d_n * nc - d_t * ns, d_n * ns + d_t * nc);
+        let (n_present, t_present) = (present * n, present * t);
+        let (arm_n, arm_t) = (self.pitch_radius + d_n + push.lever.0, d_t + push.lever.1);
+        let damping = square * d_t * d_t;
+        Pushed {
+            load: push.load,
+            radial: n * dc + t * ds,
+            along: t * dc - n * ds,
+            moment: push.moment,
+            damping,
+            cage: [
+                t_present * ns - n_present * nc,
+                -(n_present * ns + t_present * nc),
+                arm_t * n_present - arm_n * t_present,
+            ],
+            cage_damping: [present * square * d_y * d_y, present * square * d_z * d_z, present * damping],
+        }
+    }
+
+    /// Where balls are in their pockets.
+    #[inline(always)]
+    pub fn displaced(self, border: &Border, cage_spin: f64, held: &Held<Lanes>) -> Displaced<Lanes> {
+        let mut displaced = Displaced::<Lanes>::default();
+        for lane in 0..LANES {
+            displaced.put(lane, self.displaced_one(border, cage_spin, &held.at(lane)));
+        }
+        displaced
+    }
+
+    /// Whether no ball has come to the wall of its pocket.
+    #[inline(always)]
+    pub fn reaches(&self, displaced: &Displaced<Lanes>) -> bool {
+        !displaced.distance.any(|distance| distance > self.clearance)
+    }
+
+    /// Pockets with nothing but their film.
+    #[inline(always)]
+    pub fn pushed(self, held: &Held<Lanes>, displaced: &Displaced<Lanes>, present: &Lanes) -> Pushed<Lanes> {
+        let mut pushed = Pushed::<Lanes>::default();
+        for lane in 0..LANES {
+            let one = displaced.at(lane);
+            pushed.put(lane, self.turned(&held.at(lane), &one, &self.push(&one), present[lane]));
+        }
+        pushed
+    }
+
+    /// The same by the pocket of the full model, ball by ball; `spins`: of the balls over the cage's.
+    #[inline(never)]
+    pub fn pushed_by_wall(
+        &self,
+        pocket: &Pocket,
+        spins: &Lanes,
+        held: &Held<Lanes>,
+        displaced: &Displaced<Lanes>,
+        present: &Lanes,
+    ) -> Pushed<Lanes> {
+        let mut pushed = Pushed::<Lanes>::default();
+        for lane in 0..LANES {
+            let at = displaced.at(lane);
+            let motion = PocketMotion {
+                displacement: [0.0, at.displacement.0, at.displacement.1],
+                velocity: [0.0, at.velocity.0, at.velocity.1],
+                spin: [spins[lane], 0.0, 0.0],
+            };
+            let load = pocket.load(&motion);
+            let push = Push {
+                load: load.normal,
+                force: (load.force[1], load.force[2]),
+                moment: load.moment[0],
+                lever: (load.lever[1], load.lever[2]),
+                ..self.push(&at)
+            };
+            pushed.put(lane, self.turned(&held.at(lane), &at, &push, present[lane]));
+        }
+        pushed
+    }
+}

@@ -1,0 +1,139 @@
+//! Rungs 3 and 4, the spindle alone in time and its steady orbit, against the full dynamics and each other.
+
+use raceway::contract::scene_from_json;
+use raceway::numerics::ode::Method;
+use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::metrics::channel_metrics;
+use raceway::simulation::model::Model;
+use raceway::simulation::needs::Needs;
+use raceway::simulation::observe::{Observer, Recording};
+use raceway::simulation::reduced::{passage, simulate, simulate_periodic};
+use raceway::simulation::run::{Control, Outputs, RunSettings, Rung, SimulationError, start_state};
+use raceway::simulation::scene::Scene;
+
+const QUIET: Control<'static> = Control { stop: &|| false, progress: &|_| () };
+
+fn article(clearance_um: f64, load_n: f64, speed_rpm: f64) -> Scene {
+    scene_from_json(&format!(
+        r#"{{ "bearing": {{ "preset": "article-integrated", "radial_clearance_um": {clearance_um} }},
+            "operation": {{ "speed_rpm": {speed_rpm}, "radial_load_y_n": {load_n} }} }}"#
+    ))
+    .unwrap()
+}
+
+fn settings(settle: f64, duration: f64) -> RunSettings {
+    RunSettings {
+        method: Method::Gear,
+        rung: None,
+        relative_tolerance: 1e-5,
+        model_tolerance_db: 0.0,
+        fixed_step: None,
+        settle,
+        duration,
+        outputs: Outputs { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() },
+    }
+}
+
+/// rms of y and z, acceleration and velocity, 0–20 kHz.
+fn levels(recording: &Recording) -> [f64; 4] {
+    let of = |axis, motion| {
+        let channel = Channel::Spindle(axis, motion);
+        channel_metrics(channel, recording.signal(channel).unwrap(), 0.0).rms
+    };
+    let [y, z] = [Axis::Y, Axis::Z];
+    [of(y, Motion::Acceleration), of(z, Motion::Acceleration), of(y, Motion::Velocity), of(z, Motion::Velocity)]
+}
+
+fn worst_db(one: &[f64; 4], other: &[f64; 4]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| (20.0 * (a / b).log10()).abs()).fold(0.0, f64::max)
+}
+
+fn full(scene: &Scene, settings: &RunSettings) -> [f64; 4] {
+    let needs = Needs::of(scene, &settings.outputs, Some(Rung::Full)).unwrap();
+    let model = Model::new(scene, &needs);
+    let tolerances = model.mechanism().layout.tolerances(settings.relative_tolerance);
+    let start = start_state(&model).unwrap();
+    let mut observer = Observer::new(&model, &needs, settings);
+    let mut integrator = settings.method.start(&model, 0.0, &start, tolerances, None);
+    while integrator.time() < observer.end() {
+        integrator.step(observer.end()).unwrap();
+        observer.after(integrator.as_ref());
+    }
+    let recording = observer.finish();
+    levels(&recording)
+}
+
+#[test]
+fn the_spindle_alone_has_the_levels_of_the_full_dynamics() {
+    for (clearance, load, speed) in [(5.0, 200.0, 50_000.0), (5.0, 400.0, 40_000.0)] {
+        let (scene, settings) = (article(clearance, load, speed), settings(0.03, 0.03));
+        let (recording, _) = simulate(&scene, &settings, &QUIET).unwrap();
+        let apart = worst_db(&levels(&recording), &full(&scene, &settings));
+        assert!(apart < 0.3, "{clearance} µm, {load} N, {speed} r/min: {apart} dB");
+    }
+}
+
+#[test]
+fn the_steady_orbit_is_where_a_run_in_time_ends() {
+    for (clearance, load, speed) in [(5.0, 200.0, 50_000.0), (2.0, 400.0, 30_000.0), (5.0, 200.0, 10_000.0)] {
+        let (scene, settings) = (article(clearance, load, speed), settings(0.1, 0.1));
+        let (in_time, _) =
+            simulate(&scene, &RunSettings { fixed_step: Some(3e-6), ..settings.clone() }, &QUIET).unwrap();
+        let (periodic, _) = simulate_periodic(&scene, &settings, &QUIET).unwrap();
+        assert_eq!(periodic.signals[0].1.len(), in_time.signals[0].1.len());
+        let apart = worst_db(&levels(&periodic), &levels(&in_time));
+        assert!(apart < 0.02, "{clearance} µm, {load} N, {speed} r/min: {apart} dB");
+        let orbit = passage(&scene, &settings).unwrap();
+        assert!(orbit.orbit.radius() < 0.95);
+        let series = orbit.rms(20_000.0);
+        // The window of the recording holds no whole number of passages.
+        let apart = worst_db(&[series[4], series[5], 1e3 * series[2], 1e3 * series[3]], &levels(&in_time));
+        assert!(apart < 0.2, "{clearance} µm, {load} N, {speed} r/min: {apart} dB");
+    }
+}
+
+/// P_d 10 µm at 200 N: the motion repeats after two balls and not after one, though an orbit of one exists.
+#[test]
+fn motions_that_repeat_after_more_than_one_ball_are_refused() {
+    for speed in [20_000.0, 40_000.0] {
+        let refused = passage(&article(10.0, 200.0, speed), &settings(0.1, 0.1));
+        assert!(matches!(refused, Err(SimulationError::Unable { rung: "periodic", .. })), "{speed}: {refused:?}");
+    }
+}
+
+#[test]
+fn what_the_spindle_alone_cannot_show_is_refused_in_words() {
+    let scene = article(5.0, 200.0, 50_000.0);
+    let base = settings(0.01, 0.01);
+    let with = |outputs: Outputs| simulate(&scene, &RunSettings { outputs, ..base.clone() }, &QUIET);
+    let outputs = &base.outputs;
+    assert!(with(outputs.clone()).is_ok());
+    assert!(with(Outputs { contacts: true, ..outputs.clone() }).is_err());
+    assert!(with(Outputs { cage: true, ..outputs.clone() }).is_err());
+    assert!(with(Outputs { series: vec![Channel::CageSpeed], ..outputs.clone() }).is_err());
+    let mut misaligned = scene.clone();
+    misaligned.operation.misalignment = [1e-3, 0.0];
+    let words = simulate(&misaligned, &base, &QUIET).unwrap_err().to_string();
+    assert_eq!(words, "the rung spindle_only does not serve: the spindle is misaligned");
+    let mut unbalanced = scene.clone();
+    unbalanced.spindle.unbalance = raceway::physics::spindle::Unbalance::Grade(6.3e-3);
+    assert!(simulate_periodic(&unbalanced, &base, &QUIET).is_err());
+}
+
+/// G 6.3 on 50 g adds the acceleration 6.3 mm/s · ω in all directions, and a ramp ends at its speed.
+#[test]
+fn unbalance_and_ramps_run_in_time() {
+    let mut scene = article(5.0, 200.0, 20_000.0);
+    let base = settings(0.05, 0.1);
+    let quiet = simulate(&scene, &base, &QUIET).unwrap().0;
+    scene.spindle.unbalance = raceway::physics::spindle::Unbalance::Grade(6.3e-3);
+    let loud = simulate(&scene, &base, &QUIET).unwrap().0;
+    let added = levels(&loud)[1].powi(2) - levels(&quiet)[1].powi(2);
+    let force = 6.3e-3 * 20_000.0 * std::f64::consts::TAU / 60.0 / 2f64.sqrt();
+    assert!((added.max(0.0).sqrt() / force - 1.0).abs() < 0.5, "{added} against {force}²");
+    let points = vec![(0.0, 1000.0), (0.1, 3000.0)];
+    scene.operation.speed = raceway::physics::operation::SpeedProfile::new(points).unwrap();
+    let (ramp, statistics) = simulate(&scene, &base, &QUIET).unwrap();
+    assert!((ramp.shaft_speed - 2750.0).abs() < 1.0);
+    assert!(levels(&ramp).iter().all(|level| level.is_finite() && *level > 0.0) && statistics.steps > 10_000);
+}
