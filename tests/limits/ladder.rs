@@ -1,0 +1,129 @@
+//! Which rung a scene is simulated on, and what the result says of it.
+
+use raceway::simulation::needs::Grounds;
+use raceway::simulation::run::{Control, Method, Outputs, RunResult, RunSettings, Rung, run};
+use serde_json::{Value, json};
+
+use crate::article_run::{Y, Z, patient, settings};
+use crate::scenes::{article, changed, scene};
+
+/// 20 ms to settle, 40 ms kept; `all`: contacts and cage, too.
+fn asked(all: bool, rung: Option<Rung>) -> RunSettings {
+    let outputs = Outputs { contacts: all, cage: all, ..settings().outputs };
+    RunSettings { rung, settle: 0.02, duration: 0.04, outputs, ..settings() }
+}
+
+fn simulate(json: &Value, settings: &RunSettings) -> RunResult {
+    run(&scene(json), settings, &patient()).unwrap()
+}
+
+/// Levels of y and z [dB].
+fn levels(result: &RunResult) -> [f64; 2] {
+    [Y, Z].map(|channel| {
+        let found = result.summary.channels.iter().find(|(of, _)| *of == channel);
+        found.and_then(|(_, metrics)| metrics.level_db).unwrap()
+    })
+}
+
+fn apart(a: &RunResult, b: &RunResult) -> f64 {
+    let (a, b) = (levels(a), levels(b));
+    (a[0] - b[0]).abs().max((a[1] - b[1]).abs())
+}
+
+/// What is chosen is within what was asked, and what it states of itself is right within a factor of three.
+#[test]
+fn the_leanest_rung_that_is_confirmed_makes_the_result() {
+    let full = simulate(&article(), &asked(true, Some(Rung::Full)));
+    for (all, expected) in [(true, "radially_condensed"), (false, "periodic")] {
+        let result = simulate(&article(), &asked(all, None));
+        let (solver, accuracy) = (&result.summary.solver, &result.summary.accuracy);
+        let (off, stated) = (apart(&result, &full), accuracy.level_error_db.unwrap());
+        println!("{}: {off:.4} dB off, {stated:.4} stated; {}", solver.rung, solver.check);
+        assert_eq!(solver.rung, expected);
+        assert!(off < 0.05 && off < 3.0 * stated && stated <= 0.05, "{off} {stated}");
+        assert_eq!((&accuracy.warning, result.summary.contacts.is_some()), (&None, all));
+        let bound = |term: &str| {
+            let left_out = result.left_out.iter().find(|left_out| left_out.term == term)?;
+            (left_out.by == Grounds::Judgement).then_some(left_out.bound?.0)
+        };
+        assert_eq!(bound("ball_radial_dynamics"), Some(stated));
+        assert_eq!(bound("cage_tilt"), Some(stated));
+    }
+}
+
+/// Largest load and cage speed are those of the full dynamics, too.
+#[test]
+fn contacts_and_cage_of_the_condensed_rung_are_those_of_the_full_dynamics() {
+    let full = simulate(&article(), &asked(true, Some(Rung::Full))).summary;
+    let lean = simulate(&article(), &asked(true, Some(Rung::RadiallyCondensed))).summary;
+    let near = |a: f64, b: f64, within: f64| assert!((a / b - 1.0).abs() < within, "{a} {b}");
+    let (a, b) = (lean.contacts.unwrap().raceway, full.contacts.unwrap().raceway);
+    near(a.inner.max_load, b.inner.max_load, 5e-3);
+    near(a.outer.max_load, b.outer.max_load, 5e-3);
+    near(a.inner.max_slip, b.inner.max_slip, 0.05);
+    near(a.inner.min_film_thickness.unwrap(), b.inner.min_film_thickness.unwrap(), 0.02);
+    let (a, b) = (lean.cage.unwrap(), full.cage.unwrap());
+    near(a.speed, b.speed, 1e-4);
+    near(a.ball_spin, b.ball_spin, 1e-3);
+    near(lean.frequencies.ball_pass_outer, full.frequencies.ball_pass_outer, 1e-4);
+}
+
+/// Reduced rungs are left where they do not serve, and the result says why.
+#[test]
+fn the_dynamics_are_taken_where_no_reduced_rung_serves() {
+    let rung_of = |changes: Value, settings: &RunSettings| {
+        let solver = simulate(&changed(article(), changes), settings).summary.solver;
+        (solver.rung, solver.check)
+    };
+    let chaotic = json!({ "bearing": { "cage": { "film": "none" } } });
+    let (rung, why) = rung_of(chaotic, &asked(true, None));
+    assert!(rung == "full" && why.contains("radially_condensed was not confirmed: 6.000 ms on the rung full"), "{why}");
+    let axial = json!({ "operation": { "axial_load_n": 12 } });
+    let plain = json!({});
+    let closed = json!({ "bearing": { "cage": { "seat": "closed", "offset_mm": 0 } } });
+    let ramp = json!({ "operation": { "speed_rpm": [{ "at_s": 0, "rpm": 20_000 }, { "at_s": 0.06, "rpm": 25_000 }] } });
+    let exact = RunSettings { model_tolerance_db: 0.0, ..asked(true, None) };
+    let gear = RunSettings { method: Method::Gear, ..asked(true, None) };
+    let short = RunSettings { settle: 5e-3, duration: 5e-3, ..asked(true, None) };
+    for (name, changes, settings, rung) in [
+        ("an axial load", axial, &asked(true, None), "full"),
+        ("no tolerance", plain.clone(), &exact, "full"),
+        ("no tolerance, nothing leaves the plane", closed, &exact, "planar"),
+        ("a method by name", plain.clone(), &gear, "full"),
+        ("not worth a check", plain.clone(), &short, "full"),
+        ("speeds that a check does not see", ramp, &asked(true, None), "full"),
+    ] {
+        assert_eq!(rung_of(changes, settings).0, rung, "{name}");
+    }
+}
+
+/// P_d 10 µm at 40 000 r/min: the motion repeats after two balls, not after one.
+#[test]
+fn a_periodic_motion_that_is_unstable_is_never_the_answer() {
+    let json =
+        changed(article(), json!({ "bearing": { "radial_clearance_um": 10 }, "operation": { "speed_rpm": 40_000 } }));
+    let chosen = simulate(&json, &asked(false, None)).summary.solver;
+    assert_ne!(chosen.rung, "periodic");
+    let by_name = run(&scene(&json), &asked(false, Some(Rung::Periodic)), &patient());
+    let words = by_name.unwrap_err().to_string();
+    assert!(words.contains("the rung periodic does not serve"), "{words}");
+}
+
+/// A rung asked for by name is run and checked, and warns where it is not confirmed.
+#[test]
+fn a_rung_by_name_that_is_not_confirmed_warns() {
+    let settings = RunSettings { model_tolerance_db: 1e-3, ..asked(false, Some(Rung::SpindleOnly)) };
+    let summary = simulate(&article(), &settings).summary;
+    assert_eq!((summary.solver.rung, summary.solver.method), ("spindle_only", "adams_moulton"));
+    let warning = summary.accuracy.warning.unwrap();
+    assert!(warning.contains("spindle_only was asked for and is not confirmed within 0.001 dB"), "{warning}");
+}
+
+#[test]
+fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
+    let settings = asked(true, None);
+    let stopped = run(&scene(&article()), &settings, &Control { stop: &|| true, progress: &|_| {} });
+    assert!(matches!(stopped, Err(raceway::simulation::run::SimulationError::Stopped { .. })), "{stopped:?}");
+    let (a, b) = (simulate(&article(), &settings), simulate(&article(), &settings));
+    assert_eq!((a.spectra, a.summary.channels, a.left_out), (b.spectra, b.summary.channels, b.left_out));
+}
