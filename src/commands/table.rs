@@ -24,7 +24,7 @@ const ROWS: [(&str, &str, &str, usize); 16] = [
     ("cage speed", "/kinematics/cage_speed_hz", "Hz", 2),
     ("cage slip", "/kinematics/cage_slip", "", 5),
     ("orbit of the cage, rms", "/cage/orbit_radius_um", "µm", 2),
-    ("error of the level", "/accuracy/level_error_db", "dB", 2),
+    ("error of the level", "/accuracy/level_error_db", "dB", 5),
     ("steps", "/solver/steps", "", 0),
     ("wall time", "/solver/wall_time_s", "s", 2),
 ];

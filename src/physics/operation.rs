@@ -67,7 +67,8 @@ impl SpeedProfile {
         if let [(at, speed)] = self.points[..] {
             return (speed * (time - at), speed, 0.0);
         }
-        let next = self.points.partition_point(|&(at, _)| at <= time);
+        // At a kink it is the slope that led there; a run begins with the one that follows.
+        let next = self.points.partition_point(|&(at, _)| at < time || at <= 0.0);
         if next == 0 {
             let (at, speed) = self.points[0];
             return (speed * (time - at), speed, 0.0);

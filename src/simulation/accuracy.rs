@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use super::channel::{Axis, Channel, Motion};
-use super::divergence::{divergence_rate, judged_stretch, judging, motion};
+use super::divergence::{divergence_rate, judged_stretch, judging};
 use super::metrics::{AccuracyReport, BAND, MotionKind, QuantityErrors};
-use super::observe::{self, Observer, Quantities, RATE, Recording};
-use super::run::{Attempt, Control, Outputs, RunSettings, Setup, SimulationError, Span, Stepping, integrate};
+use super::observe::{self, Quantities, RATE, Recording};
+use super::run::{Attempt, Control, Outputs, RunSettings, Setup, SimulationError, Stepping};
 use crate::numerics::ode::Method;
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{level_standard_error_db, rms};
@@ -27,9 +27,8 @@ const REPEATED: f64 = 0.01;
 const TIGHTER: f64 = 10.0;
 /// Parts of the repeated stretch that are compared one by one.
 pub(super) const PARTS: usize = 5;
-/// Values between the start of a stretch that is repeated without what came before, and the first one compared: past the
-/// filter's delay.
-pub(super) const SKIPPED: usize = 100;
+/// Fewest values that are compared.
+const LEAST_VALUES: usize = 200;
 
 /// Change of a level under a tighter tolerance from which the tighter run may be no better: both may be the noise of
 /// their steps [dB].
@@ -51,7 +50,7 @@ const DOUBTFUL: f64 = 1.0;
 const DOUBTFUL_SHARE: f64 = 0.1;
 /// Contact loads [N] and cage speeds [rad/s] below these count as so large in a relative error.
 const LEAST_LOAD: f64 = 0.1;
-const LEAST_SPEED: f64 = 6.0;
+const LEAST_SPEED: f64 = 0.06;
 
 /// Judges a run from its first attempt; returns the attempt that the result is made of, which is another one where `auto`
 /// may choose and the first has not resolved its level. Instability parts two copies as chaos does; so a fixed step is
@@ -67,8 +66,8 @@ pub(super) fn judge(
     let parted = divergence_rate(setup.model, settings, settings.settle, checkpoint, stretch, most, control);
     let (parted, mut failure) = or_failure(parted)?;
     (control.progress)(0.88);
-    let divergence_rate = parted.unwrap_or(0.0);
-    let motion = parted.and_then(|rate| motion(rate, stretch));
+    let divergence_rate = parted.map_or(0.0, |parted| parted.rate);
+    let motion = parted.and_then(|parted| parted.motion());
     let (repeated, failed) = or_failure(repeat(setup, &first, most, control))?;
     let repeated = repeated.flatten();
     failure = failure.or(failed);
@@ -77,8 +76,8 @@ pub(super) fn judge(
     let report = |distance: Distance, how: String, attempt: Attempt| {
         let Distance { level_db: level_error_db, quantities: quantity_errors } = distance;
         let by_chance = motion == Some(MotionKind::Diverging);
-        let doubt = || doubt(level_error_db).or_else(|| doubt_quantities(quantity_errors.filter(|_| !by_chance)?));
-        let warning = attempt.integrated.unstable.clone().or(failure.clone()).or_else(doubt);
+        let doubts = doubts(level_error_db, quantity_errors.filter(|_| !by_chance));
+        let warning = attempt.integrated.unstable.clone().or(failure.clone()).or(doubts);
         (attempt, AccuracyReport { level_error_db, quantity_errors, how, motion, divergence_rate, warning })
     };
     let of_repetition = repeated.as_ref().map_or(Distance::UNKNOWN, |repeated| repeated.distance);
@@ -87,10 +86,15 @@ pub(super) fn judge(
         method if method == settings.method => "a tenth of the relative tolerance".to_owned(),
         other => format!("a tenth of the relative tolerance by {}", other.name()),
     };
-    let over = format!("{:.3} ms repeated at {at}", 1e3 * settings.duration.min(REPEATED));
+    let part = repeated_time(settings, setup.model.mechanism().speed.is_constant());
+    let over = if part < settings.duration {
+        format!("the first {:.3} of {:.3} ms repeated at {at}", 1e3 * part, 1e3 * settings.duration)
+    } else {
+        format!("{:.3} ms repeated at {at}", 1e3 * part)
+    };
     if motion == Some(MotionKind::Diverging) {
         // Another sample of the same motion: over a part of the time it scatters more than over all of it.
-        let share = if fixed { 1.0 } else { (REPEATED / settings.duration).min(1.0).sqrt() };
+        let share = if fixed { 1.0 } else { (part / settings.duration).sqrt() };
         let scatter = of_repetition.level_db.map(|error| share * error);
         let how = format!(
             "the motion is chaotic: standard error of the level by ten batch means, or what {over} differ by if that is more, \
@@ -175,24 +179,25 @@ fn resolve(
     Ok((kept, distance, tightest))
 }
 
-/// What a result says where its level is not resolved.
-fn doubt(level_error_db: Option<f64>) -> Option<String> {
-    let error = level_error_db.filter(|error| *error > DOUBTFUL)?;
-    Some(format!(
-        "the level is not resolved: it may err by {error:.0} dB or more; hardly anything moves, or the run is too short. \
-         Try a tighter relative tolerance or the method `auto`, or keep more"
-    ))
-}
-
-/// What a result says where its largest load or its cage speed is not resolved.
-fn doubt_quantities(errors: QuantityErrors) -> Option<String> {
-    let one = |name: &str, error: f64| {
-        (error > DOUBTFUL_SHARE)
-            .then(|| format!("{name} is not resolved: it may err by {:.0} % or more", 100.0 * error))
+/// What a result says where level, largest load or cage speed are not resolved.
+fn doubts(level_error_db: Option<f64>, quantities: Option<QuantityErrors>) -> Option<String> {
+    let level = level_error_db
+        .filter(|error| *error > DOUBTFUL)
+        .map(|error| format!("the level (an error of {error:.0} dB or more)"));
+    let share = |name: &str, error: Option<f64>| {
+        error
+            .filter(|error| *error > DOUBTFUL_SHARE)
+            .map(|error| format!("{name} (an error of {:.0} % or more)", 100.0 * error))
     };
-    let errors =
-        one("the largest contact load", errors.max_load).or_else(|| one("the cage speed", errors.cage_speed))?;
-    Some(format!("{errors}. Try a tighter relative tolerance or the method `auto`"))
+    let load = share("the largest contact load", quantities.map(|errors| errors.max_load));
+    let speed = share("the cage speed", quantities.map(|errors| errors.cage_speed));
+    let all: Vec<String> = [level, load, speed].into_iter().flatten().collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "not resolved: {}. Try a tighter relative tolerance, the method `auto`, or keep more time",
+            all.join(", ")
+        )
+    })
 }
 
 fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
@@ -329,19 +334,18 @@ impl Repeated {
     }
 }
 
-/// Whether a repetition goes through settling, too, for what that has left behind: where it does not double the work.
-fn repeats_settling(settings: &RunSettings) -> bool {
-    settings.settle <= settings.duration
+/// How much of the kept time is repeated [s]: all of it where the speed varies, for the beginning tells nothing of what comes.
+fn repeated_time(settings: &RunSettings, constant_speed: bool) -> f64 {
+    if constant_speed { settings.duration.min(REPEATED) } else { settings.duration }
 }
 
-/// Kept values of a run that a repetition of a part sees again.
-pub(super) fn repeated_values(settings: &RunSettings) -> Range<usize> {
-    let values = observe::kept_values(settings.duration.min(REPEATED));
-    let skipped = if repeats_settling(settings) { 0 } else { SKIPPED };
-    skipped.min(values)..values
+/// Kept values of a run that a repetition of its beginning sees again.
+pub(super) fn repeated_values(settings: &RunSettings, constant_speed: bool) -> Range<usize> {
+    0..observe::kept_values(repeated_time(settings, constant_speed))
 }
 
-/// Repeats a stretch of the run at a tighter tolerance; `None` where the run is too short.
+/// Repeats the run from its start, for what settling leaves behind, over a part of the kept time, at a tighter tolerance;
+/// `None` where the run is too short.
 fn repeat(
     setup: &Setup<'_>,
     run: &Attempt,
@@ -349,19 +353,14 @@ fn repeat(
     control: &Control<'_>,
 ) -> Result<Option<Repeated>, SimulationError> {
     let settings = setup.settings;
-    let stretch = settings.duration.min(REPEATED);
-    let Range { start: first, end: values } = repeated_values(settings);
-    if values < 2 * SKIPPED {
+    let constant_speed = setup.model.mechanism().speed.is_constant();
+    let time = repeated_time(settings, constant_speed);
+    let values = repeated_values(settings, constant_speed);
+    if values.len() < LEAST_VALUES {
         return Ok(None);
     }
-    let (begin, state) = if repeats_settling(settings) {
-        (0.0, setup.start)
-    } else {
-        (settings.settle, run.integrated.checkpoint.as_slice())
-    };
     let again = RunSettings {
-        settle: settings.settle + first as f64 / RATE,
-        duration: (values - first) as f64 / RATE,
+        duration: time,
         outputs: Outputs { spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() },
         ..settings.clone()
     };
@@ -371,12 +370,9 @@ fn repeat(
         fixed_step: settings.fixed_step.map(|step| 0.5 * step),
         most_evaluations: Some(most_evaluations),
     };
-    let mut observer = Observer::new(setup.model, setup.needs, &again).comparing(&(0..values - first), PARTS);
-    let span = Span { start: begin, end: observer.end(), checkpoint: begin, share: (0.88, 0.95) };
-    integrate(setup.model, state, &stepping, &span, control, |step| observer.after(step))?;
-    let again = observer.finish();
-    let signals = twice(&run.recording, &again, (first, values));
-    let unseen = (1.0 - stretch / settings.duration).max(0.0).sqrt();
+    let again = Setup { settings: &again, ..*setup }.attempt(&stepping, (0.88, 0.95), control)?.recording;
+    let signals = twice(&run.recording, &again, (0, values.len()));
+    let unseen = (1.0 - time / settings.duration).max(0.0).sqrt();
     let noise = |twice: &Twice| {
         let difference: Vec<f64> = twice.first.iter().zip(&twice.again).map(|(a, b)| a - b).collect();
         rms(&difference) / twice.whole.max(SILENCE)

@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use super::metrics::MotionKind;
 use super::model::Model;
-use super::run::{Control, Method, RunSettings, STEPS_PER_LOOK, SimulationError};
+use super::run::{Control, Method, RunSettings, STEPS_PER_LOOK, SimulationError, stops};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
-use crate::numerics::statistics::slope;
+use crate::numerics::statistics::{rms, slope};
 
-/// Stretch over which the disturbed and the undisturbed motion are followed [s].
+/// Stretch over which the disturbed and the undisturbed motion are followed at first [s].
 const STRETCH: f64 = 0.01;
 /// Shortest stretch that tells decay from divergence; shorter runs say nothing about it [s].
 const LEAST_STRETCH: f64 = 5e-3;
@@ -20,6 +20,8 @@ const DISTURBANCE: f64 = 1e-5;
 const SATURATED: f64 = 0.1;
 /// Distances on the way, evenly spaced in time.
 const SAMPLES: usize = 50;
+/// Relative distances below this are those of rounding.
+const ROUNDING: f64 = 1e-9;
 /// Growth by this many e-folds over the stretch counts as diverging; less may be a neutral drift of the azimuths.
 const FOLDS: f64 = 2.0;
 /// Loosest relative tolerance at which two motions are followed: whether they part is a matter of the scene, and must not
@@ -37,15 +39,53 @@ pub(super) fn judging(method: Method) -> Method {
     if method == Method::Radau { Method::Gear } else { method }
 }
 
-/// What growth at a rate [1/s] over a stretch [s] says of the motion; `None`: the stretch is too short to tell.
-pub(super) fn motion(divergence_rate: f64, stretch: f64) -> Option<MotionKind> {
-    let diverging = divergence_rate * stretch > FOLDS;
-    let kind = if diverging { MotionKind::Diverging } else { MotionKind::Decaying };
-    (stretch >= LEAST_STRETCH).then_some(kind)
+/// How a disturbance has grown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parted {
+    /// [1/s]; negative: it has shrunk.
+    pub rate: f64,
+    /// How long it was followed [s].
+    pub over: f64,
 }
 
-/// Rate at which a small disturbance of the state at `begin` [s] grows over a stretch [s] (negative: shrinks) [1/s], by
-/// a straight line through the later half of the logarithms of the distance.
+impl Parted {
+    /// What that says of the motion; `None`: too short to tell.
+    pub fn motion(&self) -> Option<MotionKind> {
+        let diverging = self.rate * self.over > FOLDS;
+        let kind = if diverging { MotionKind::Diverging } else { MotionKind::Decaying };
+        (self.over >= LEAST_STRETCH).then_some(kind)
+    }
+}
+
+/// How two motions part that started `disturbance` apart, in sizes of their signals, from what was recorded of them after a
+/// time to settle [s] at a rate [Hz].
+pub(super) fn of_signals(pairs: &[(&[f64], &[f64])], disturbance: f64, settle: f64, rate: f64) -> Parted {
+    let values = pairs.iter().map(|(one, _)| one.len()).min().unwrap_or(0);
+    let window = (values / SAMPLES).max(1);
+    let distance = |from: usize| {
+        let relative = |(one, other): &(&[f64], &[f64])| {
+            let differences: Vec<f64> = one[from..from + window].iter().zip(*other).map(|(a, b)| a - b).collect();
+            let size = rms(one).max(f64::MIN_POSITIVE);
+            differences.iter().map(|x| x * x).sum::<f64>().sqrt() / (window as f64).sqrt() / size
+        };
+        pairs.iter().map(relative).fold(ROUNDING, f64::max)
+    };
+    let starts: Vec<usize> = (0..values.saturating_sub(window - 1)).step_by(window).collect();
+    let times: Vec<f64> = starts.iter().map(|start| settle + *start as f64 / rate).collect();
+    let logarithms: Vec<f64> = starts.iter().map(|start| distance(*start).ln()).collect();
+    let over = settle + values as f64 / rate;
+    let late = late_slope(&times, &logarithms);
+    match logarithms.iter().copied().reduce(f64::max) {
+        Some(largest) if largest > SATURATED.ln() => {
+            Parted { rate: late.max((FOLDS + largest - disturbance.ln()).max(0.0) / over), over }
+        }
+        _ => Parted { rate: late, over: values as f64 / rate },
+    }
+}
+
+/// How a small disturbance of the state at `begin` [s] grows over a stretch [s]: the slope of a straight line through the later
+/// half of the logarithms of the distance. Where it might have grown by the end of the kept time and has not yet, it is
+/// followed on: slow chaos shows late, and a drift, which is none, never grows by much in the later half.
 pub(super) fn divergence_rate(
     model: &Model,
     settings: &RunSettings,
@@ -54,7 +94,7 @@ pub(super) fn divergence_rate(
     stretch: f64,
     most_evaluations: u64,
     control: &Control<'_>,
-) -> Result<f64, SimulationError> {
+) -> Result<Parted, SimulationError> {
     let n = model.dimension();
     let sizes = model.mechanism().layout.sizes();
     let pair = Pair::new(model);
@@ -66,46 +106,56 @@ pub(super) fn divergence_rate(
     let twice = |of: &[f64]| pair.joined(of, of);
     let tolerances = Tolerances { relative: twice(&one.relative), absolute: twice(&one.absolute) };
     let mut integrator = judging(settings.method).start(&pair, begin, &start, tolerances, settings.fixed_step);
-    let end = begin + stretch;
-    let mut stops: Vec<f64> = model.mechanism().speed.kinks().filter(|kink| *kink > begin && *kink < end).collect();
-    stops.push(end);
+    if model.mechanism().speed.kinks().any(|kink| kink == begin) {
+        integrator.restart();
+    }
+    let (last, spacing) = ((settings.settle + settings.duration).max(begin + stretch), stretch / SAMPLES as f64);
     let (mut times, mut logarithms) = (Vec::new(), Vec::new());
     let mut state = start.clone();
     let [mut straight, mut disturbed] = [(); 2].map(|()| vec![0.0; n]);
-    let mut sample = 1;
-    for stop in stops {
-        while integrator.time() < stop {
-            step(integrator.as_mut(), stop, model, control)?;
-            let (time, evaluations) = (integrator.time(), integrator.statistics().rhs_evaluations);
-            if evaluations > most_evaluations {
-                return Err(SimulationError::Exhausted { time, evaluations });
+    let mut end = begin + stretch;
+    loop {
+        for stop in stops(model, integrator.time(), end) {
+            while integrator.time() < stop {
+                step(integrator.as_mut(), stop, model, control)?;
+                let (time, evaluations) = (integrator.time(), integrator.statistics().rhs_evaluations);
+                if evaluations > most_evaluations {
+                    return Err(SimulationError::Exhausted { time, evaluations });
+                }
+                loop {
+                    let time = (begin + spacing * (times.len() + 1) as f64).min(last);
+                    if time > integrator.time() || times.last() == Some(&time) {
+                        break;
+                    }
+                    integrator.interpolate(time, &mut state);
+                    pair.take(0, &state, &mut straight);
+                    pair.take(1, &state, &mut disturbed);
+                    let squares: f64 = (0..n).map(|i| ((disturbed[i] - straight[i]) / sizes[i]).powi(2)).sum();
+                    let distance = (squares / n as f64).sqrt();
+                    let late = late_slope(&times, &logarithms);
+                    if distance > SATURATED {
+                        // However it came about, on the whole or lately.
+                        let mean = (distance / DISTURBANCE).ln() / (time - begin);
+                        return Ok(Parted { rate: late.max(mean), over: time.max(begin + stretch) - begin });
+                    }
+                    if distance == 0.0 {
+                        return Ok(Parted { rate: late, over: stretch });
+                    }
+                    times.push(time);
+                    logarithms.push(distance.ln());
+                }
             }
-            while sample <= SAMPLES {
-                let time = (begin + stretch * sample as f64 / SAMPLES as f64).min(end);
-                if time > integrator.time() {
-                    break;
-                }
-                integrator.interpolate(time, &mut state);
-                pair.take(0, &state, &mut straight);
-                pair.take(1, &state, &mut disturbed);
-                let squares: f64 = (0..n).map(|i| ((disturbed[i] - straight[i]) / sizes[i]).powi(2)).sum();
-                let distance = (squares / n as f64).sqrt();
-                if distance > SATURATED {
-                    // However it came about, on the whole or lately.
-                    let mean = (distance / DISTURBANCE).ln() / (time - begin);
-                    return Ok(late_slope(&times, &logarithms).max(mean));
-                }
-                if distance == 0.0 {
-                    return Ok(late_slope(&times, &logarithms));
-                }
-                times.push(time);
-                logarithms.push(distance.ln());
-                sample += 1;
+            if stop < end {
+                integrator.restart();
             }
         }
-        integrator.restart();
+        let parted = Parted { rate: late_slope(&times, &logarithms), over: end - begin };
+        let might_grow = parted.rate * (last - begin) > FOLDS;
+        if end >= last || !might_grow || parted.motion() == Some(MotionKind::Diverging) {
+            return Ok(parted);
+        }
+        end = (begin + 2.0 * (end - begin)).min(last);
     }
-    Ok(late_slope(&times, &logarithms))
 }
 
 /// Slope of the later half: two motions that fly apart freely part ever more slowly, seen so, and chaos does not.

@@ -7,11 +7,13 @@
 use std::time::Instant;
 
 use super::accuracy;
-use super::metrics::{AccuracyReport, SolverReport};
+use super::channel::Channel;
+use super::divergence::{self, Parted};
+use super::metrics::{AccuracyReport, MotionKind, SolverReport};
 use super::model::radially_condensed::{self, RadiallyCondensed};
 use super::model::{Mechanism, Model};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
-use super::observe::Recording;
+use super::observe::{RATE, Recording};
 use super::reduced;
 use super::run::{self, Control, Method, Outputs, RunResult, RunSettings, Setup, SimulationError, Stepping};
 use super::scene::{Scene, Term, TermChoice};
@@ -41,6 +43,9 @@ const CHECKED_PASSAGES: f64 = 3.0;
 const LONGER: f64 = 4.0;
 /// Largest share of a run that its check may be; a shorter run is simulated on the richer rung at once.
 const WORTH_IT: f64 = 0.3;
+/// How far apart two motions start that show whether the motion is chaotic [m], and the size of the spindle's displacements [m].
+const DISPLACEMENT: f64 = 1e-10;
+const STATIC_DISPLACEMENT: f64 = 1e-6;
 /// States of the rungs that integrate the spindle alone.
 const SPINDLE_STATES: usize = 4;
 /// Relative tolerance of the dynamics in a check: errs by some 2e-4 dB.
@@ -232,7 +237,11 @@ fn on_rung(
         return Ok(Err(check.words()));
     }
     let made = record(rung, scene, settings, &Control { stop: control.stop, progress: &running })?;
-    Ok(Ok(summarise(rung, scene, settings, &made, &check, begin)?))
+    let parted = parted(rung, scene, settings, &made, control)?;
+    if parted.motion() == Some(MotionKind::Diverging) && settings.rung.is_none() {
+        return Ok(Err("the motion is chaotic, and no check from the start tells of its statistics".into()));
+    }
+    Ok(Ok(summarise(rung, scene, settings, &made, &check, parted, begin)?))
 }
 
 /// What a reduced rung has left behind, and its first-order states.
@@ -255,8 +264,8 @@ fn record(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'
     Ok(Made { recording, statistics, states })
 }
 
-/// A short run of the rung beside one of the next richer rung.
-fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<Check, SimulationError> {
+/// The short run of a check.
+fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) -> RunSettings {
     let (mut settle, mut duration) = check_times(scene);
     if rung != Rung::RadiallyCondensed {
         // The richer rung costs little; and a periodic motion is none from the start.
@@ -264,8 +273,14 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
         duration = settings.duration.min(LONGER * duration).max(duration);
     }
     let outputs = Outputs { spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() };
+    RunSettings { method: Method::Auto, fixed_step: None, settle, duration, outputs, ..settings.clone() }
+}
+
+/// A short run of the rung beside one of the next richer rung.
+fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<Check, SimulationError> {
     let quiet = Control { stop: control.stop, progress: &|_| {} };
-    let short = RunSettings { method: Method::Auto, fixed_step: None, settle, duration, outputs, ..settings.clone() };
+    let short = check_settings(rung, scene, settings);
+    let duration = short.duration;
     let own = record(rung, scene, &short, &quiet)?.recording;
     let (against, richer) = if rung == Rung::RadiallyCondensed {
         let needs = Needs::of(scene, &short.outputs, None)?;
@@ -286,12 +301,37 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
     Ok(Check { against, stretch: duration, distance })
 }
 
+/// Do two motions on the condensed rung that start next to each other part? On a leaner rung over the time of its check.
+fn parted(
+    rung: Rung,
+    scene: &Scene,
+    settings: &RunSettings,
+    made: &Made,
+    control: &Control<'_>,
+) -> Result<Parted, SimulationError> {
+    let quiet = Control { stop: control.stop, progress: &|_| {} };
+    let beside = |displacement, settings: &RunSettings| {
+        radially_condensed::simulate_beside(scene, displacement, settings, &quiet).map(|(recording, _)| recording)
+    };
+    let of = |one: &Recording, other: &Recording, settings: &RunSettings| {
+        let both = |channel: &Channel| Some((one.signal(*channel)?, other.signal(*channel)?));
+        let pairs: Vec<(&[f64], &[f64])> = accuracy::ACCELERATIONS.iter().filter_map(both).collect();
+        divergence::of_signals(&pairs, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE)
+    };
+    if rung == Rung::RadiallyCondensed {
+        return Ok(of(&made.recording, &beside([DISPLACEMENT; 2], settings)?, settings));
+    }
+    let short = check_settings(rung, scene, settings);
+    Ok(of(&beside([0.0; 2], &short)?, &beside([DISPLACEMENT; 2], &short)?, &short))
+}
+
 fn summarise(
     rung: Rung,
     scene: &Scene,
     settings: &RunSettings,
     made: &Made,
     check: &Check,
+    parted: Parted,
     begin: Instant,
 ) -> Result<RunResult, SimulationError> {
     let mut needs = needs(scene, &settings.outputs, Some(rung))?;
@@ -320,12 +360,20 @@ fn summarise(
         states: made.states,
         strips: needs.raceway.strips,
     };
+    let (mut level_error_db, mut how) =
+        (check.distance.level_db, format!("model and integration together: {}, worst of y and z", check.words()));
+    if parted.motion() == Some(MotionKind::Diverging) {
+        let sampling = accuracy::sampling_error(&made.recording, &accuracy::ACCELERATIONS);
+        level_error_db = level_error_db.into_iter().chain(sampling).reduce(f64::max);
+        how =
+            format!("the motion is chaotic: standard error of the level by ten batch means, or {how}, if that is more");
+    }
     let accuracy = AccuracyReport {
-        level_error_db: check.distance.level_db,
+        level_error_db,
         quantity_errors: check.distance.quantities,
-        how: format!("model and integration together: {}, worst of y and z", check.words()),
-        motion: None,
-        divergence_rate: 0.0,
+        how,
+        motion: parted.motion(),
+        divergence_rate: parted.rate,
         warning,
     };
     let mechanism = Mechanism::new(scene, &needs);

@@ -180,8 +180,9 @@ impl Setup<'_> {
         share: (f64, f64),
         control: &Control<'_>,
     ) -> Result<Attempt, SimulationError> {
-        let mut observer = Observer::new(self.model, self.needs, self.settings)
-            .comparing(&accuracy::repeated_values(self.settings), accuracy::PARTS);
+        let constant_speed = self.model.mechanism().speed.is_constant();
+        let compared = accuracy::repeated_values(self.settings, constant_speed);
+        let mut observer = Observer::new(self.model, self.needs, self.settings).comparing(&compared, accuracy::PARTS);
         let span = Span { start: 0.0, end: observer.end(), checkpoint: self.settings.settle, share };
         let integrated = integrate(self.model, self.start, stepping, &span, control, |step| observer.after(step))?;
         let relative_tolerance = stepping.relative_tolerance;
@@ -232,6 +233,12 @@ pub(super) struct Integrated {
     pub unstable: Option<String>,
 }
 
+/// Times at which steps end exactly: kinks of the speed between two times, and the later one [s].
+pub(super) fn stops(model: &Model, from: f64, to: f64) -> Vec<f64> {
+    let kinks = model.mechanism().speed.kinks().filter(|kink| *kink > from && *kink < to);
+    kinks.chain([to]).collect()
+}
+
 /// Integrates a span, showing the integrator to `after_step` after each step. Steps end exactly where
 /// the speed profile has a kink, and the method starts afresh there.
 pub(super) fn integrate(
@@ -247,13 +254,17 @@ pub(super) fn integrate(
     let mut integrator = stepping.method.start(model, span.start, start, tolerances, stepping.fixed_step);
     let mut watch = stepping.fixed_step.map(StabilityWatch::new);
     let mut checkpoint = start.to_vec();
-    let mut stops: Vec<f64> =
-        model.mechanism().speed.kinks().filter(|kink| *kink > span.start && *kink < span.end).collect();
-    stops.push(span.end);
+    let stops = stops(model, span.start, span.end);
+    if model.mechanism().speed.kinks().any(|kink| kink == span.start) {
+        integrator.restart();
+    }
     let mut next_look = EVALUATIONS_PER_LOOK;
     for stop in stops {
         while integrator.time() < stop {
-            integrator.step(stop).map_err(|source| SimulationError::integration(source, &layout))?;
+            if let Err(source) = integrator.step(stop) {
+                let error = SimulationError::integration(source, &layout);
+                return Err(error.because(watch.as_ref().and_then(StabilityWatch::warning)));
+            }
             if integrator.previous_time() < span.checkpoint && span.checkpoint <= integrator.time() {
                 integrator.interpolate(span.checkpoint, &mut checkpoint);
             }
@@ -375,6 +386,16 @@ fn reason(settings: &RunSettings, attempt: &Attempt) -> String {
 }
 
 impl SimulationError {
+    /// The same with a cause that is known.
+    fn because(self, cause: Option<String>) -> Self {
+        match (self, cause) {
+            (Self::Integration { source, entry }, Some(cause)) => {
+                Self::Integration { source, entry: format!("{entry}; {cause}") }
+            }
+            (error, _) => error,
+        }
+    }
+
     pub(super) fn integration(source: IntegrationError, layout: &Layout) -> Self {
         let component = match source {
             IntegrationError::Stopped { time } => return Self::Stopped { time },

@@ -218,6 +218,7 @@ impl<S: OdeSystem + ?Sized> Integrator for DormandPrince<'_, S> {
     }
 
     fn restart(&mut self) {
+        self.time = self.time.next_up();
         self.first_same_as_last = false;
         if !self.fixed {
             self.control = StepSizeControl::new(4);

@@ -369,7 +369,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
     }
 
     fn restart(&mut self) {
-        let time = self.time();
+        let time = self.time().next_up();
         let state = self.state().to_vec();
         self.corrected.copy_from_slice(&state);
         if !self.fixed {

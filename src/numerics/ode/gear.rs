@@ -262,6 +262,7 @@ impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
     }
 
     fn restart(&mut self) {
+        self.time = self.time.next_up();
         self.known = 0;
     }
 

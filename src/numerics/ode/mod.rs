@@ -128,7 +128,8 @@ pub trait Integrator {
     fn state(&self) -> &[f64];
     /// State at a time within the last step.
     fn interpolate(&self, time: f64, state: &mut [f64]);
-    /// Forgets what it knows of the past, after the right-hand side has jumped.
+    /// Forgets what it knows of the past where the right-hand side jumps, and goes on at the next larger time: at the jump itself
+    /// a right-hand side is the one that led there.
     fn restart(&mut self);
     /// Work done so far.
     fn statistics(&self) -> Statistics;

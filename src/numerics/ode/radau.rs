@@ -341,6 +341,7 @@ impl<S: OdeSystem + ?Sized> Integrator for Radau<'_, S> {
     }
 
     fn restart(&mut self) {
+        self.time = self.time.next_up();
         self.starting = true;
         self.continues = false;
         self.accepted = None;

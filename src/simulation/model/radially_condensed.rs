@@ -16,7 +16,7 @@ mod traction;
 
 pub use ball::{BallRates, BallState};
 pub use evaluation::{Rates, Seen};
-pub use recording::{Pace, simulate};
+pub use recording::{Pace, simulate, simulate_beside};
 pub use stepping::Stepper;
 
 use super::Mechanism;
@@ -254,6 +254,11 @@ impl RadiallyCondensed {
     /// First-order states of the scene on this rung.
     pub fn states(&self) -> usize {
         3 * self.mechanism.layout.balls + if self.mechanism.layout.cage { 6 } else { 0 } + 4
+    }
+
+    /// The same, its spindle starting a little beside its equilibrium (y, z) [m].
+    pub fn displaced(self, [y, z]: [f64; 2]) -> Self {
+        Self { rest: [self.rest[0] + y, self.rest[1] + z], ..self }
     }
 
     /// Spindle in equilibrium under load, gravity and centrifugal force; balls rolling ideally, cage centred.

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use super::super::accuracy::SKIPPED;
 use super::super::model::Model;
 use super::super::needs::Needs;
 use super::super::observe::{Observer, RATE, Recording};
@@ -76,6 +75,9 @@ fn processor_time() -> Option<f64> {
 fn processor_time() -> Option<f64> {
     None
 }
+
+/// Values between the start of the runs and the first one kept: past the filter's delay.
+const SKIPPED: usize = 100;
 
 impl<'m> Course<'m> {
     /// Lets the scene settle from a state at rest by the method and tolerance of `settings`. Runs begin a little before

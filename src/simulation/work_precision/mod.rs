@@ -143,9 +143,9 @@ pub fn study(
     let course = Course::settled(&model, &needs, &settings, start_state(&model)?, control)?;
     let stretch = divergence::judged_stretch(&settings);
     let (begin, start) = (course.begin, &course.start);
-    let divergence_rate = divergence::divergence_rate(&model, &settings, begin, start, stretch, u64::MAX, control)?;
+    let parted = divergence::divergence_rate(&model, &settings, begin, start, stretch, u64::MAX, control)?;
     (control.progress)(DIVERGENCE_KNOWN);
-    let motion = divergence::motion(divergence_rate, stretch);
+    let (motion, divergence_rate) = (parted.motion(), parted.rate);
     let references = references(&course, control)?;
     let growth = if motion == Some(MotionKind::Diverging) { divergence_rate } else { 0.0 };
     let comparison = Comparison::new(scene, &course, &references.first, growth);

@@ -71,7 +71,17 @@ pub fn simulate(
     settings: &RunSettings,
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
-    let model = RadiallyCondensed::new(scene, &settings.outputs)?;
+    simulate_beside(scene, [0.0; 2], settings, control)
+}
+
+/// The same with the spindle starting a little beside its equilibrium (y, z) [m].
+pub fn simulate_beside(
+    scene: &Scene,
+    displacement: [f64; 2],
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<(Recording, Statistics), SimulationError> {
+    let model = RadiallyCondensed::new(scene, &settings.outputs)?.displaced(displacement);
     let pace = settings.fixed_step.map_or(model.pace(), Pace::of);
     model.run(settings, pace, control)
 }
