@@ -1,7 +1,5 @@
 //! How far a run can be trusted: does a disturbance die out, and does the level depend on the tolerance?
 
-use std::ops::Range;
-
 use super::channel::{Axis, Channel, Motion};
 use super::divergence::{divergence_rate, judged_stretch, judging};
 use super::metrics::{AccuracyReport, BAND, MotionKind, QuantityErrors};
@@ -21,12 +19,13 @@ pub(super) const BATCHES: usize = 10;
 /// run makes anew.
 pub const FAINT: f64 = 60.0;
 
-/// Stretch that is repeated at a tighter tolerance [s].
+/// Stretch that is repeated at a tighter tolerance [s], where disturbances die out and nothing else than at its beginning
+/// is to come; else all of the run.
 const REPEATED: f64 = 0.01;
 /// How much tighter the repetition is.
 const TIGHTER: f64 = 10.0;
-/// Parts of the repeated stretch that are compared one by one.
-pub(super) const PARTS: usize = 5;
+/// Parts of the repeated stretch whose levels are compared one by one.
+const PARTS: usize = 5;
 /// Fewest values that are compared.
 const LEAST_VALUES: usize = 200;
 
@@ -68,7 +67,13 @@ pub(super) fn judge(
     (control.progress)(0.88);
     let divergence_rate = parted.map_or(0.0, |parted| parted.rate);
     let motion = parted.and_then(|parted| parted.motion());
-    let (repeated, failed) = or_failure(repeat(setup, &first, most, control))?;
+    let constant_speed = setup.model.mechanism().speed.is_constant();
+    let part = if constant_speed && parted.is_some_and(|parted| parted.growth < 0.0) {
+        settings.duration.min(REPEATED)
+    } else {
+        settings.duration
+    };
+    let (repeated, failed) = or_failure(repeat(setup, &first, part, most, control))?;
     let repeated = repeated.flatten();
     failure = failure.or(failed);
     (control.progress)(0.95);
@@ -86,7 +91,6 @@ pub(super) fn judge(
         method if method == settings.method => "a tenth of the relative tolerance".to_owned(),
         other => format!("a tenth of the relative tolerance by {}", other.name()),
     };
-    let part = repeated_time(settings, setup.model.mechanism().speed.is_constant());
     let over = if part < settings.duration {
         format!("the first {:.3} of {:.3} ms repeated at {at}", 1e3 * part, 1e3 * settings.duration)
     } else {
@@ -300,6 +304,8 @@ impl Distance {
 /// that of any part; differences in a mean partly cancel, and may do so by luck.
 fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErrors {
     let relative = |a: f64, b: f64, least: f64| (a - b) / a.max(b).max(least);
+    // One may be of a part of the time of the other.
+    let a = &a[..a.len().min(b.len())];
     let both = || a.iter().zip(b);
     let loads: Vec<f64> = both().map(|(a, b)| relative(a.max_load, b.max_load, LEAST_LOAD)).collect();
     let speeds: Vec<f64> = both().map(|(a, b)| relative(a.cage_speed, b.cage_speed, LEAST_SPEED)).collect();
@@ -334,29 +340,18 @@ impl Repeated {
     }
 }
 
-/// How much of the kept time is repeated [s]: all of it where the speed varies, for the beginning tells nothing of what comes.
-fn repeated_time(settings: &RunSettings, constant_speed: bool) -> f64 {
-    if constant_speed { settings.duration.min(REPEATED) } else { settings.duration }
-}
-
-/// Kept values of a run that a repetition of its beginning sees again.
-pub(super) fn repeated_values(settings: &RunSettings, constant_speed: bool) -> Range<usize> {
-    0..observe::kept_values(repeated_time(settings, constant_speed))
-}
-
-/// Repeats the run from its start, for what settling leaves behind, over a part of the kept time, at a tighter tolerance;
+/// Repeats the run from its start, for what settling leaves behind, over a time of the kept one [s], at a tighter tolerance;
 /// `None` where the run is too short.
 fn repeat(
     setup: &Setup<'_>,
     run: &Attempt,
+    time: f64,
     most_evaluations: u64,
     control: &Control<'_>,
 ) -> Result<Option<Repeated>, SimulationError> {
     let settings = setup.settings;
-    let constant_speed = setup.model.mechanism().speed.is_constant();
-    let time = repeated_time(settings, constant_speed);
-    let values = repeated_values(settings, constant_speed);
-    if values.len() < LEAST_VALUES {
+    let values = observe::kept_values(time);
+    if values < LEAST_VALUES {
         return Ok(None);
     }
     let again = RunSettings {
@@ -371,7 +366,7 @@ fn repeat(
         most_evaluations: Some(most_evaluations),
     };
     let again = Setup { settings: &again, ..*setup }.attempt(&stepping, (0.88, 0.95), control)?.recording;
-    let signals = twice(&run.recording, &again, (0, values.len()));
+    let signals = twice(&run.recording, &again, (0, values));
     let unseen = (1.0 - time / settings.duration).max(0.0).sqrt();
     let noise = |twice: &Twice| {
         let difference: Vec<f64> = twice.first.iter().zip(&twice.again).map(|(a, b)| a - b).collect();
@@ -379,7 +374,7 @@ fn repeat(
     };
     let distance = Distance {
         level_db: signals.iter().filter_map(|twice| twice.error_db(unseen)).reduce(f64::max),
-        quantities: Some(quantity_errors(&run.recording.compared, &again.compared)),
+        quantities: Some(quantity_errors(&run.recording.parts, &again.parts)),
     };
     Ok(Some(Repeated { distance, noise: signals.iter().map(noise).fold(0.0, f64::max) }))
 }

@@ -46,6 +46,8 @@ pub struct Parted {
     pub rate: f64,
     /// How long it was followed [s].
     pub over: f64,
+    /// Its mean size in the later half over that at the beginning [e-folds].
+    pub growth: f64,
 }
 
 impl Parted {
@@ -77,9 +79,10 @@ pub(super) fn of_signals(pairs: &[(&[f64], &[f64])], disturbance: f64, settle: f
     let late = late_slope(&times, &logarithms);
     match logarithms.iter().copied().reduce(f64::max) {
         Some(largest) if largest > SATURATED.ln() => {
-            Parted { rate: late.max((FOLDS + largest - disturbance.ln()).max(0.0) / over), over }
+            let growth = largest - disturbance.ln();
+            Parted { rate: late.max((FOLDS + growth).max(0.0) / over), over, growth }
         }
-        _ => Parted { rate: late, over: values as f64 / rate },
+        _ => Parted { rate: late, over: values as f64 / rate, growth: late_mean(&logarithms) - disturbance.ln() },
     }
 }
 
@@ -136,10 +139,11 @@ pub(super) fn divergence_rate(
                     if distance > SATURATED {
                         // However it came about, on the whole or lately.
                         let mean = (distance / DISTURBANCE).ln() / (time - begin);
-                        return Ok(Parted { rate: late.max(mean), over: time.max(begin + stretch) - begin });
+                        let growth = (distance / DISTURBANCE).ln();
+                        return Ok(Parted { rate: late.max(mean), over: time.max(begin + stretch) - begin, growth });
                     }
                     if distance == 0.0 {
-                        return Ok(Parted { rate: late, over: stretch });
+                        return Ok(Parted { rate: late, over: stretch, growth: f64::MIN });
                     }
                     times.push(time);
                     logarithms.push(distance.ln());
@@ -149,7 +153,8 @@ pub(super) fn divergence_rate(
                 integrator.restart();
             }
         }
-        let parted = Parted { rate: late_slope(&times, &logarithms), over: end - begin };
+        let growth = late_mean(&logarithms) - DISTURBANCE.ln();
+        let parted = Parted { rate: late_slope(&times, &logarithms), over: end - begin, growth };
         let might_grow = parted.rate * (last - begin) > FOLDS;
         if end >= last || !might_grow || parted.motion() == Some(MotionKind::Diverging) {
             return Ok(parted);
@@ -162,6 +167,12 @@ pub(super) fn divergence_rate(
 fn late_slope(times: &[f64], logarithms: &[f64]) -> f64 {
     let half = times.len() / 2;
     slope(&times[half..], &logarithms[half..]).unwrap_or(0.0)
+}
+
+/// Mean of the later half; smallest where there is none.
+fn late_mean(logarithms: &[f64]) -> f64 {
+    let late = &logarithms[logarithms.len() / 2..];
+    if late.is_empty() { f64::MIN } else { late.iter().sum::<f64>() / late.len() as f64 }
 }
 
 /// Two copies of a system side by side, so that both take the same steps: the balls of both, then spindle and cage of

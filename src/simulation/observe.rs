@@ -4,8 +4,6 @@
 //! low-pass filter on their way to 102 400 values a second (contact resonances lie above the band of interest and must not
 //! fold into it); all others are kept as they stand at those times. Extremes see every look.
 
-use std::ops::Range;
-
 use super::channel::{Axis, BallContact, Channel, Motion};
 use super::model::{Model, Watch};
 use super::needs::Needs;
@@ -18,6 +16,8 @@ use crate::physics::raceway::{RacewayLoad, RelativeMotion};
 
 /// Rate at which signals are kept [Hz].
 pub const RATE: f64 = 102_400.0;
+/// Kept values of a part whose largest load and cage speed are noted: eight parts in 10 ms.
+const PART: usize = 128;
 /// Looks per kept value.
 const OVERSAMPLING: usize = 4;
 /// Rate at which the motion is looked at [Hz].
@@ -60,8 +60,8 @@ pub struct Recording {
     pub cage_speed: f64,
     /// About X, seen from the orbit frame.
     pub ball_spin: f64,
-    /// Over each of the parts that `Observer::comparing` chose.
-    pub compared: Vec<Quantities>,
+    /// Over each stretch of `PART` kept values.
+    pub parts: Vec<Quantities>,
 }
 
 impl Recording {
@@ -170,13 +170,13 @@ pub struct Observer<'m> {
     shaft: Moments,
     cage: Moments,
     spin: Moments,
-    /// Places of the looks of each part that is compared, and what was seen there.
+    /// What was seen of each stretch of `PART` kept values.
     parts: Vec<Part>,
 }
 
-/// A part of a run of its own: places of its looks, largest load [N], and speed of the cage [rad/s].
+/// Largest load [N] and speed of the cage [rad/s] over a part of a run.
+#[derive(Clone, Copy, Default)]
 struct Part {
-    places: Range<usize>,
     max_load: f64,
     cage: Moments,
 }
@@ -228,15 +228,8 @@ impl<'m> Observer<'m> {
             shaft: Moments::default(),
             cage: Moments::default(),
             spin: Moments::default(),
-            parts: Vec::new(),
+            parts: vec![Part::default(); values.div_ceil(PART)],
         }
-    }
-
-    /// Notes `Recording::compared` of a number of equal parts between two kept values.
-    pub fn comparing(self, values: &Range<usize>, parts: usize) -> Self {
-        let place = |part: usize| (values.start + part * values.len() / parts) * OVERSAMPLING;
-        let part = |part| Part { places: place(part)..place(part + 1), max_load: 0.0, cage: Moments::default() };
-        Self { parts: (0..parts).map(part).collect(), ..self }
     }
 
     fn look_time(&self, look: usize) -> f64 {
@@ -277,7 +270,7 @@ impl<'m> Observer<'m> {
                 moments.add(*value);
             }
             let cage_speed = self.gather_speeds(time);
-            if let Some(part) = self.parts.iter_mut().find(|part| part.places.contains(&place)) {
+            if let Some(part) = self.parts.get_mut(place / (PART * OVERSAMPLING)) {
                 let loads = self.snapshot.inner.iter().chain(&self.snapshot.outer);
                 part.max_load = loads.copied().fold(part.max_load, f64::max);
                 part.cage.add(cage_speed);
@@ -365,7 +358,7 @@ impl<'m> Observer<'m> {
             shaft_speed: self.shaft.mean.abs(),
             cage_speed: self.cage.mean.abs(),
             ball_spin: self.spin.mean.abs(),
-            compared: self.parts.iter().map(Part::quantities).collect(),
+            parts: self.parts.iter().map(Part::quantities).collect(),
         }
     }
 }

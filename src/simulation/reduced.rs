@@ -237,7 +237,7 @@ fn recording(
         shaft_speed: mean.abs(),
         cage_speed: (model.orbit_ratio() * mean).abs(),
         ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
-        compared: Vec::new(),
+        parts: Vec::new(),
     }
 }
 

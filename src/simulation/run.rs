@@ -180,9 +180,7 @@ impl Setup<'_> {
         share: (f64, f64),
         control: &Control<'_>,
     ) -> Result<Attempt, SimulationError> {
-        let constant_speed = self.model.mechanism().speed.is_constant();
-        let compared = accuracy::repeated_values(self.settings, constant_speed);
-        let mut observer = Observer::new(self.model, self.needs, self.settings).comparing(&compared, accuracy::PARTS);
+        let mut observer = Observer::new(self.model, self.needs, self.settings);
         let span = Span { start: 0.0, end: observer.end(), checkpoint: self.settings.settle, share };
         let integrated = integrate(self.model, self.start, stepping, &span, control, |step| observer.after(step))?;
         let relative_tolerance = stepping.relative_tolerance;

@@ -203,7 +203,7 @@ impl<'a> Looks<'a> {
             shaft_speed: shaft.abs(),
             cage_speed: (self.cage / self.kept).abs(),
             ball_spin: (self.spin / self.kept).abs(),
-            compared: Vec::new(),
+            parts: Vec::new(),
         }
     }
 
