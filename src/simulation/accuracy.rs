@@ -68,12 +68,17 @@ pub(super) fn judge(
     let divergence_rate = parted.map_or(0.0, |parted| parted.rate);
     let motion = parted.and_then(|parted| parted.motion());
     let constant_speed = setup.model.mechanism().speed.is_constant();
-    let part = if constant_speed && parted.is_some_and(|parted| parted.growth < 0.0) {
+    let mut part = if constant_speed && parted.is_some_and(|parted| parted.growth < 0.0) {
         settings.duration.min(REPEATED)
     } else {
         settings.duration
     };
-    let (repeated, failed) = or_failure(repeat(setup, &first, part, most, control))?;
+    let (mut repeated, mut failed) = or_failure(repeat(setup, &first, part, most, control))?;
+    if failed.is_some() && part > REPEATED {
+        // A part is better than nothing.
+        part = REPEATED;
+        (repeated, failed) = or_failure(repeat(setup, &first, part, most, control))?;
+    }
     let repeated = repeated.flatten();
     failure = failure.or(failed);
     (control.progress)(0.95);

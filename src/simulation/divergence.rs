@@ -66,7 +66,8 @@ pub(super) fn of_signals(pairs: &[(&[f64], &[f64])], disturbance: f64, settle: f
     let window = (values / SAMPLES).max(1);
     let distance = |from: usize| {
         let relative = |(one, other): &(&[f64], &[f64])| {
-            let differences: Vec<f64> = one[from..from + window].iter().zip(*other).map(|(a, b)| a - b).collect();
+            let differences: Vec<f64> =
+                one[from..from + window].iter().zip(&other[from..]).map(|(a, b)| a - b).collect();
             let size = rms(one).max(f64::MIN_POSITIVE);
             differences.iter().map(|x| x * x).sum::<f64>().sqrt() / (window as f64).sqrt() / size
         };
