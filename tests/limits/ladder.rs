@@ -10,7 +10,7 @@ use crate::scenes::{article, changed, scene};
 /// 20 ms to settle, 40 ms kept; `all`: contacts and cage, too.
 fn asked(all: bool, rung: Option<Rung>) -> RunSettings {
     let outputs = Outputs { contacts: all, cage: all, ..settings().outputs };
-    RunSettings { rung, settle: 0.02, duration: 0.04, outputs, ..settings() }
+    RunSettings { rung, model_tolerance_db: 0.05, settle: 0.02, duration: 0.04, outputs, ..settings() }
 }
 
 fn simulate(json: &Value, settings: &RunSettings) -> RunResult {

@@ -236,7 +236,7 @@ fn fixed_steps_are_right_or_say_so() {
     }
 }
 
-/// Contacts with 10⁸ N s/m of damping: a peak that the tolerance does not resolve is stated, and warned of.
+/// Contacts with 10⁸ N s/m of damping: a peak that the tolerance does not resolve is stated, and the result warns.
 #[test]
 fn a_peak_that_is_not_resolved_is_stated() {
     let stiff = json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 1e8 } } });
@@ -248,10 +248,12 @@ fn a_peak_that_is_not_resolved_is_stated() {
         let contacts = summary.contacts.unwrap().raceway;
         (contacts.inner.max_load.max(contacts.outer.max_load), summary.accuracy)
     };
-    let ((loose, accuracy), (tight, _)) = (of(1e-5), of(1e-7));
-    let (off, stated) = ((loose / tight - 1.0).abs(), accuracy.quantity_errors.unwrap().max_load);
-    println!("{loose:.0} N for {tight:.0} N, stated {stated:.3}: {:?}", accuracy.warning);
-    assert!(off > 0.1, "{loose} {tight}");
-    assert!(stated > off / 3.0 && stated < 3.0 * off, "{off} {stated}");
-    assert!(accuracy.warning.is_some());
+    let (right, _) = of(1e-7);
+    for tolerance in [1e-4, 1e-5] {
+        let (load, accuracy) = of(tolerance);
+        let (off, stated) = ((load / right - 1.0).abs(), accuracy.quantity_errors.unwrap().max_load);
+        println!("{tolerance:e}: {load:.0} N for {right:.0} N, stated {stated:.3}: {:?}", accuracy.warning);
+        assert!(off > 0.01 && stated > off / 3.0 && stated < 3.0 * off, "{off} {stated}");
+        assert!(accuracy.warning.is_some());
+    }
 }
