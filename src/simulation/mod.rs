@@ -11,6 +11,7 @@ pub mod metrics;
 pub mod model;
 pub mod needs;
 pub mod observe;
+pub mod pair;
 pub mod reduced;
 pub mod run;
 pub mod scene;

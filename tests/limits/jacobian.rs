@@ -2,7 +2,8 @@
 
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
-use raceway::simulation::run::Rung;
+use raceway::simulation::pair::Pair;
+use raceway::simulation::run::{Rung, start_state};
 use serde_json::json;
 
 use crate::scenes::{article, changed, disturbed, everything, model_on};
@@ -64,5 +65,38 @@ fn the_arrowhead_is_the_whole_jacobian() {
                 );
             }
         }
+    }
+}
+
+/// Two states far from each other: each copy must be given its own Jacobian, in its own place.
+#[test]
+fn jacobian_of_a_pair_is_that_of_both() {
+    let model = model_on(&article(), Some(Rung::Full));
+    let sizes = model.mechanism().layout.sizes();
+    let start = start_state(&model).unwrap();
+    let moved = |by: f64| -> Vec<f64> {
+        start.iter().zip(&sizes).enumerate().map(|(i, (y, size))| y + by * (i as f64).sin() * size).collect()
+    };
+    let pair = Pair::new(&model);
+    let (state, both_sizes) = (pair.joined(&moved(0.1), &moved(-0.3)), pair.joined(&sizes, &sizes));
+    let n = pair.dimension();
+    let mut jacobian = Jacobian::new(&pair.structure());
+    let unused = vec![0.0; n];
+    pair.jacobian(0.0, &state, &unused, &unused, &mut jacobian);
+
+    let direction: Vec<f64> = both_sizes.iter().enumerate().map(|(i, size)| (1.7 * i as f64).cos() * size).collect();
+    let mut product = unused.clone();
+    jacobian.multiply(&direction, &mut product);
+    let rate = |by: f64| {
+        let moved: Vec<f64> = state.iter().zip(&direction).map(|(y, d)| y + by * d).collect();
+        let mut rate = unused.clone();
+        pair.derivative(0.0, &moved, &mut rate);
+        rate
+    };
+    let (ahead, behind) = (rate(1e-5), rate(-1e-5));
+    for i in 0..n {
+        let expected = (ahead[i] - behind[i]) / 2e-5;
+        let scale = product.iter().zip(&both_sizes).map(|(p, size)| (p / size).abs()).fold(0.0, f64::max);
+        assert!((product[i] - expected).abs() < 1e-3 * scale * both_sizes[i], "{i}: {} {expected}", product[i]);
     }
 }
