@@ -39,6 +39,8 @@ pub enum Rung {
 const CHECKED: f64 = 6e-3;
 const CHECK_SETTLES: f64 = 2e-3;
 const CHECKED_PASSAGES: f64 = 3.0;
+/// Share of the progress that a check stands for.
+const CHECK_SHARE: f64 = 0.1;
 /// How much longer a check is that costs little.
 const LONGER: f64 = 4.0;
 /// Largest share of a run that its check may be; a shorter run is simulated on the richer rung at once.
@@ -83,11 +85,13 @@ impl Rung {
 
     /// Why a reduced rung cannot have this scene or give these outputs; `None`: it can, or it is none.
     fn refusal(self, scene: &Scene, needs: &Needs, outputs: &Outputs) -> Option<String> {
+        // The leaner rungs are checked against this one.
+        let condensed = || radially_condensed::unable(scene, outputs).map(str::to_owned);
         match self {
             Self::Full | Self::Planar => None,
-            Self::RadiallyCondensed => radially_condensed::unable(scene, outputs).map(str::to_owned),
-            Self::SpindleOnly => reduced::unable(scene, needs, outputs),
-            Self::Periodic => reduced::unable_periodic(scene, needs, outputs),
+            Self::RadiallyCondensed => condensed(),
+            Self::SpindleOnly => reduced::unable(scene, needs, outputs).or_else(condensed),
+            Self::Periodic => reduced::unable_periodic(scene, needs, outputs).or_else(condensed),
         }
     }
 }
@@ -229,7 +233,7 @@ fn on_rung(
     control: &Control<'_>,
 ) -> Result<Result<RunResult, String>, SimulationError> {
     let part = |from: f64, to: f64| move |share: f64| (control.progress)(from + share * (to - from));
-    let (checking, running) = (part(0.0, 0.5), part(0.5, 1.0));
+    let (checking, running) = (part(0.0, CHECK_SHARE), part(CHECK_SHARE, 1.0));
     // The check decides, so it comes first.
     let check = check(rung, scene, settings, &Control { stop: control.stop, progress: &checking })?;
     let confirmed = check.confirms(&settings.outputs, settings.model_tolerance_db);
@@ -266,7 +270,10 @@ fn record(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'
 
 /// The short run of a check.
 fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) -> RunSettings {
-    let (mut settle, mut duration) = check_times(scene);
+    let (settle, duration) = check_times(scene);
+    // A rung that was asked for by name may be of a run that is shorter than a ball passage.
+    let (mut settle, mut duration) =
+        (settle.min(settings.settle.max(CHECK_SETTLES)), duration.min(settings.duration.max(CHECKED)));
     if rung != Rung::RadiallyCondensed {
         // The richer rung costs little; and a periodic motion is none from the start.
         settle = settle.max(settings.settle);

@@ -1,5 +1,6 @@
 //! The main story: equilibrium, integrate, observe.
 
+use std::cell::Cell;
 use std::time::Instant;
 
 use super::accuracy;
@@ -126,6 +127,13 @@ const EVALUATIONS_PER_LOOK: u64 = 6 * STEPS_PER_LOOK;
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from `wall_time`.
 pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
     let begin = Instant::now();
+    // A rung that is given up is followed by another: what was told is not taken back.
+    let furthest = Cell::new(0.0);
+    let progress = |share: f64| {
+        furthest.set(f64::max(share, furthest.get()));
+        (control.progress)(furthest.get());
+    };
+    let control = &Control { stop: control.stop, progress: &progress };
     let (reduced, found) = ladder::run(scene, settings, control)?;
     if let Some(result) = reduced {
         (control.progress)(1.0);

@@ -119,6 +119,19 @@ fn a_rung_by_name_that_is_not_confirmed_warns() {
     assert!(warning.contains("spindle_only was asked for and is not confirmed within 0.001 dB"), "{warning}");
 }
 
+/// Nothing turns, or hardly: a check is no longer than the run.
+#[test]
+fn rungs_by_name_of_a_bearing_at_rest_end() {
+    for rpm in [0.0, 1e-3] {
+        let json = changed(article(), json!({ "operation": { "speed_rpm": rpm } }));
+        for rung in [Rung::RadiallyCondensed, Rung::SpindleOnly] {
+            let brief = RunSettings { settle: 2e-3, duration: 4e-3, ..asked(false, Some(rung)) };
+            let summary = simulate(&json, &brief).summary;
+            assert_eq!(summary.solver.rung, rung.name());
+        }
+    }
+}
+
 #[test]
 fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
     let settings = asked(true, None);
