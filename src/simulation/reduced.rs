@@ -6,6 +6,7 @@ use realfft::num_complex::Complex;
 
 use super::channel::{Axis, Channel, Motion};
 use super::model::Mechanism;
+use super::model::radially_condensed::MOST_STEPS;
 use super::model::spindle_only::{Corrections, SpindleMotion, SpindleOnly};
 use super::needs::Needs;
 use super::observe::{ContactExtremes, RATE, Recording, kept_values};
@@ -26,6 +27,8 @@ const LONGEST_STEP: f64 = 0.35;
 /// that a few more cost little.
 const LONGEST_SHOT: f64 = 0.2;
 const LONGEST_SHOT_TIME: f64 = 7e-6;
+/// Steps of a passage beyond which a run in time is no slower.
+const MOST_STEPS_A_PASSAGE: usize = 100_000;
 /// Steps between two looks at `Control`, and at the speed.
 const STEPS_PER_LOOK: usize = 64;
 /// Relative change of speed after which the centrifugal force is taken anew.
@@ -123,6 +126,10 @@ pub fn simulate(
     let longest = settings.fixed_step.unwrap_or(LONGEST_STEP / frequency);
     let per_value = (1.0 / (RATE * longest)).ceil().max(1.0) as usize;
     let step = 1.0 / (RATE * per_value as f64);
+    if per_value > MOST_STEPS {
+        let reason = format!("the spindle on its contacts is too quick for it: it needs steps of {step:.1e} s");
+        return Err(SimulationError::Unable { rung: "spindle_only", reason });
+    }
     let values = kept_values(settings.duration);
     let before = (settings.settle / step).floor() as usize;
     // The grid of steps meets the first kept value; the run begins up to a step after time 0.
@@ -297,6 +304,10 @@ fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
     let length = std::f64::consts::TAU / (model.balls() as f64 * (model.orbit_ratio() * speed).abs());
     let longest = LONGEST_SHOT_TIME.min(LONGEST_SHOT / frequency);
     let steps = ((length / longest).ceil() as usize).max(16);
+    if steps > MOST_STEPS_A_PASSAGE {
+        let reason = format!("a ball passes every {length:.1e} s, which takes {steps} steps of {longest:.1e} s");
+        return Err(SimulationError::Unable { rung: "periodic", reason });
+    }
     let set = InstructionSet::best();
     let shoot = |state: &[f64; 4]| set.run(Shot { model, length, steps, state: *state, signals: None });
     let place = 1e-6;

@@ -16,7 +16,7 @@ mod traction;
 
 pub use ball::{BallRates, BallState};
 pub use evaluation::{Rates, Seen};
-pub use recording::{Pace, simulate, simulate_beside};
+pub use recording::{MOST_STEPS, Pace, simulate, simulate_beside};
 pub use stepping::Stepper;
 
 use super::Mechanism;

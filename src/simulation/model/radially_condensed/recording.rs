@@ -22,6 +22,9 @@ const LARGEST_HOLD: f64 = 100.0;
 /// A spindle or cage beyond this is lost [m, m/s].
 const FARTHEST: f64 = 1.0;
 
+/// Steps to a value beyond which the full dynamics are no slower.
+pub const MOST_STEPS: usize = 64;
+
 /// How long a step is: that many steps to an interval of the kept values, 1/102 400 s, or that many values to a step. One of them
 /// is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,6 +86,10 @@ pub fn simulate_beside(
 ) -> Result<(Recording, Statistics), SimulationError> {
     let model = RadiallyCondensed::new(scene, &settings.outputs)?.displaced(displacement);
     let pace = settings.fixed_step.map_or(model.pace(), Pace::of);
+    if pace.steps > MOST_STEPS {
+        let reason = format!("spindle or traction are too quick for it: they need steps of {:.1e} s", pace.step());
+        return Err(SimulationError::Unable { rung: "radially_condensed", reason });
+    }
     model.run(settings, pace, control)
 }
 
