@@ -3,17 +3,18 @@
 //! `cargo bench --bench rungs [-- FIRST LAST]` runs the scenes of these numbers, all without them. The full dynamics run by
 //! `auto` at a relative tolerance of 1e-7 over four windows of 0.1 s after settling; levels are the mean power of the windows, 0–20 kHz, the
 //! spread is the standard deviation of the windows' levels. Run time is that of 0.02 + 0.1 s, CPU time of the thread, least of
-//! several runs. With `RUNGS_REFERENCE=DIR` the levels of the full dynamics are kept in that folder and read from it.
+//! several runs. `-- chosen` runs plain jobs on the rung that is chosen beside the full dynamics. With `RUNGS_REFERENCE=DIR` the levels of the full dynamics are kept in that folder and read from it.
 
 use std::path::PathBuf;
 
 use raceway::contract::scene_from_json;
 use raceway::physics::cage::PocketSeat;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::metrics::Summary;
 use raceway::simulation::metrics::channel_metrics;
 use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
 use raceway::simulation::observe::{RATE, Recording};
-use raceway::simulation::run::{Control, Method, Outputs, RunSettings, run};
+use raceway::simulation::run::{Control, Method, Outputs, RunSettings, Rung, run};
 use raceway::simulation::scene::Scene;
 use serde_json::{Value, json};
 
@@ -148,7 +149,53 @@ fn mean_and_spread(windows: &[f64; WINDOWS]) -> (f64, f64) {
     (10.0 * power.log10(), variance.sqrt())
 }
 
+/// Plain runs of 0.02 + 0.1 s on the rung that is chosen, with all metrics and with vibration only, beside `full`: worst of the
+/// levels of a_y and a_z.
+fn chosen() {
+    println!(
+        "| r/min | N | P_d µm | balls | g | G | all metrics: dB off, stated | ms | vibration only: dB off, stated | ms |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    for (number, (speed, load, clearance, balls, mass, grade)) in SCENES.into_iter().enumerate() {
+        let (scene, _) = scene(number);
+        let plain = |rung: Option<Rung>, all: bool| {
+            let outputs = Outputs {
+                vibration: true,
+                contacts: all,
+                cage: all,
+                spectra: CHANNELS[..2].to_vec(),
+                series: Vec::new(),
+            };
+            let tolerances = (1e-5, 0.05);
+            let settings = RunSettings {
+                rung,
+                relative_tolerance: tolerances.0,
+                model_tolerance_db: tolerances.1,
+                settle: 0.02,
+                outputs,
+                ..settings(&scene, 0.1)
+            };
+            run(&scene, &settings, &CONTROL).expect("the scenes run").summary
+        };
+        let level = |summary: &Summary, channel: Channel| {
+            let found = summary.channels.iter().find(|(of, _)| *of == channel);
+            found.and_then(|(_, metrics)| metrics.level_db).expect("the scenes vibrate")
+        };
+        let full = plain(Some(Rung::Full), true);
+        let cells = [true, false].map(|all| {
+            let found = plain(None, all);
+            let off = CHANNELS[..2].iter().map(|c| (level(&found, *c) - level(&full, *c)).abs()).fold(0.0, f64::max);
+            let stated = found.accuracy.level_error_db.expect("a level is judged");
+            format!("`{}` {off:.4}, {stated:.4} | {:.0}", found.solver.rung, 1e3 * found.solver.wall_time)
+        });
+        println!("| {speed} | {load} | {clearance} | {balls} | {mass} | {grade} | {} | {} |", cells[0], cells[1]);
+    }
+}
+
 fn main() {
+    if std::env::args().any(|argument| argument == "chosen") {
+        return chosen();
+    }
     let numbers: Vec<usize> = std::env::args().skip(1).filter_map(|argument| argument.parse().ok()).collect();
     let (first, last) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(SCENES.len()));
     println!(
