@@ -52,7 +52,7 @@ pub struct ResolveAnswer {
     /// Rungs of the ladder of models that are tried, the leanest first: a reduced one makes the result where its check holds.
     #[schema(example = json!(["radially_condensed", "full"]))]
     pub rungs: Vec<String>,
-    /// What will not be in the equations of the first of them, and why.
+    /// What will not be in the equations of the first of them, and why; where its check fails, more is in them.
     pub left_out: Vec<LeftOutAnswer>,
     pub cost: CostAnswer,
 }
@@ -100,9 +100,10 @@ pub struct StaticAnswer {
 /// What the run will cost.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CostAnswer {
-    /// Number of first-order states.
+    /// Number of first-order states on the last of `rungs`.
     pub states: u64,
-    /// Order of magnitude, on one core [s]: in ordinary scenes within a factor of ten, mostly of three. What happens later in
+    /// Order of magnitude, on one core [s]: in ordinary scenes within a factor of ten, mostly of three; of the first of `rungs`: where
+    /// its check fails, the dynamics take up to a hundred times as long. What happens later in
     /// the run is not foreseen: chaos and impacts may double it, and slip that saturates early (`coulomb` over 1e-5 m/s)
     /// takes ten to a hundred times as long, `radau` and `fine_abm` at loose tolerances most. Absent where the run has
     /// no equilibrium to start from.

@@ -281,7 +281,7 @@ pub(super) struct Distance {
 }
 
 impl Distance {
-    const UNKNOWN: Self = Self { level_db: None, quantities: None };
+    pub const UNKNOWN: Self = Self { level_db: None, quantities: None };
 
     /// Of two recordings of the same stretch. `unseen`: root of the share of a run that they do not show.
     pub fn of_recordings(a: &Recording, b: &Recording, unseen: f64) -> Self {

@@ -73,12 +73,13 @@ pub(super) fn of_signals(pairs: &[(&[f64], &[f64])], disturbance: f64, settle: f
     let starts: Vec<usize> = (0..values.saturating_sub(window - 1)).step_by(window).collect();
     let times: Vec<f64> = starts.iter().map(|start| settle + *start as f64 / rate).collect();
     let logarithms: Vec<f64> = starts.iter().map(|start| distance(*start).ln()).collect();
-    let over = settle + values as f64 / rate;
     let late = late_slope(&times, &logarithms);
     match logarithms.iter().copied().reduce(f64::max) {
         Some(largest) if largest > SATURATED.ln() => {
             let growth = largest - disturbance.ln();
-            Parted { rate: late.max((FOLDS + growth).max(0.0) / over), over, growth }
+            // However it came about: they have nothing more in common.
+            let over = values as f64 / rate;
+            Parted { rate: late.max((FOLDS + growth).max(FOLDS) / over), over, growth }
         }
         _ => Parted { rate: late, over: values as f64 / rate, growth: late_mean(&logarithms) - disturbance.ln() },
     }

@@ -134,7 +134,7 @@ pub fn tried(scene: &Scene, settings: &RunSettings) -> Result<Vec<Rung>, Unmet> 
         return Ok(vec![rung]);
     }
     let dynamics = Needs::of(scene, &settings.outputs, None)?;
-    let mut rungs = if may_reduce(scene, settings) {
+    let mut rungs = if not_tried(scene, settings).is_none() {
         let serves = |rung: &Rung| rung.refusal(scene, &dynamics, &settings.outputs).is_none();
         Rung::REDUCED.into_iter().filter(serves).collect()
     } else {
@@ -144,14 +144,22 @@ pub fn tried(scene: &Scene, settings: &RunSettings) -> Result<Vec<Rung>, Unmet> 
     Ok(rungs)
 }
 
-/// Whether a reduced rung may be chosen: nothing else is asked for, and its check would tell and be worth it.
-fn may_reduce(scene: &Scene, settings: &RunSettings) -> bool {
+/// Why no reduced rung is tried; `None`: nothing else is asked for, and a check would tell and be worth it.
+fn not_tried(scene: &Scene, settings: &RunSettings) -> Option<&'static str> {
     let dynamics = [Term::BallRadialDynamics, Term::BallSpinDynamics, Term::CageTilt];
-    let asked = dynamics.iter().any(|term| scene.terms.get(*term) == TermChoice::On);
-    let free = settings.method == Method::Auto && settings.fixed_step.is_none() && settings.model_tolerance_db > 0.0;
-    let worth_it = check_time(scene) <= WORTH_IT * (settings.settle + settings.duration);
-    // A check from the start tells nothing of the speeds that come later.
-    free && !asked && scene.operation.speed.is_constant() && worth_it
+    if settings.method != Method::Auto || settings.fixed_step.is_some() {
+        Some("a method or a fixed step was asked for")
+    } else if settings.model_tolerance_db == 0.0 {
+        Some("model_tolerance_db is 0")
+    } else if dynamics.iter().any(|term| scene.terms.get(*term) == TermChoice::On) {
+        Some("a term that it leaves out is on")
+    } else if !scene.operation.speed.is_constant() {
+        Some("the speed varies, and a check from the start tells nothing of later speeds")
+    } else if check_time(scene) > WORTH_IT * (settings.settle + settings.duration) {
+        Some("its check would take too large a part of the run")
+    } else {
+        None
+    }
 }
 
 /// Times of a check: before the stretch that is compared, and of that [s].
@@ -168,12 +176,14 @@ pub fn check_time(scene: &Scene) -> f64 {
 }
 
 /// What a reduced rung has shown beside the next richer one.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Check {
     against: Rung,
     /// [s]
     stretch: f64,
     distance: accuracy::Distance,
+    /// Why it tells nothing of the run.
+    fault: Option<String>,
 }
 
 impl Check {
@@ -187,7 +197,15 @@ impl Check {
             && within(outputs.cage, quantities.map(|errors| errors.cage_speed))
     }
 
+    /// One that could not be made.
+    fn failed(fault: String) -> Self {
+        Self { against: Rung::Full, stretch: 0.0, distance: accuracy::Distance::UNKNOWN, fault: Some(fault) }
+    }
+
     fn words(&self) -> String {
+        if let Some(fault) = &self.fault {
+            return format!("not checked: {fault}");
+        }
         let against = format!("{:.3} ms on the rung {}, from the same start", 1e3 * self.stretch, self.against.name());
         match (self.distance.level_db, self.distance.quantities) {
             (Some(level), Some(q)) => format!(
@@ -209,6 +227,9 @@ pub(super) fn run(
 ) -> Result<(Option<RunResult>, Vec<String>), SimulationError> {
     let begin = Instant::now();
     let mut found = Vec::new();
+    if let (None, Some(reason)) = (settings.rung, not_tried(scene, settings)) {
+        found.push(format!("no reduced rung was tried: {reason}"));
+    }
     for rung in tried(scene, settings)?.into_iter().filter(|rung| rung.is_reduced()) {
         match on_rung(rung, scene, settings, begin, control) {
             Ok(Ok(result)) => return Ok((Some(result), found)),
@@ -235,14 +256,26 @@ fn on_rung(
     let part = |from: f64, to: f64| move |share: f64| (control.progress)(from + share * (to - from));
     let (checking, running) = (part(0.0, CHECK_SHARE), part(CHECK_SHARE, 1.0));
     // The check decides, so it comes first.
-    let check = check(rung, scene, settings, &Control { stop: control.stop, progress: &checking })?;
+    let check = match check(rung, scene, settings, &Control { stop: control.stop, progress: &checking }) {
+        Ok(check) => check,
+        // A rung by name is run whatever its check shows.
+        Err(error) if settings.rung.is_some() && !matches!(error, SimulationError::Stopped { .. }) => {
+            Check::failed(error.to_string())
+        }
+        Err(error) => return Err(error),
+    };
     let confirmed = check.confirms(&settings.outputs, settings.model_tolerance_db);
     if !confirmed && settings.rung.is_none() {
         return Ok(Err(check.words()));
     }
     let made = record(rung, scene, settings, &Control { stop: control.stop, progress: &running })?;
-    let parted = parted(rung, scene, settings, &made, control)?;
-    if parted.motion() == Some(MotionKind::Diverging) && settings.rung.is_none() {
+    let turns = scene.operating_speed() != 0.0;
+    let parted = match parted(rung, scene, settings, &made, control) {
+        Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
+        // Where nothing turns, two motions may stay apart for ever.
+        parted => parted.ok().filter(|_| turns),
+    };
+    if parted.and_then(|parted| parted.motion()) == Some(MotionKind::Diverging) && settings.rung.is_none() {
         return Ok(Err("the motion is chaotic, and no check from the start tells of its statistics".into()));
     }
     Ok(Ok(summarise(rung, scene, settings, &made, &check, parted, begin)?))
@@ -305,7 +338,17 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
     if !(settings.outputs.contacts || settings.outputs.cage) {
         distance.quantities = None;
     }
-    Ok(Check { against, stretch: duration, distance })
+    let fault = if !scene.operation.speed.is_constant() {
+        Some("the speed varies, and a check from the start tells nothing of later speeds")
+    } else if settings.duration < duration {
+        Some("less is kept than a check compares")
+    } else {
+        None
+    };
+    if fault.is_some() {
+        distance = accuracy::Distance::UNKNOWN;
+    }
+    Ok(Check { against, stretch: duration, distance, fault: fault.map(str::to_owned) })
 }
 
 /// Do two motions on the condensed rung that start next to each other part? On a leaner rung over the time of its check.
@@ -338,7 +381,7 @@ fn summarise(
     settings: &RunSettings,
     made: &Made,
     check: &Check,
-    parted: Parted,
+    parted: Option<Parted>,
     begin: Instant,
 ) -> Result<RunResult, SimulationError> {
     let mut needs = needs(scene, &settings.outputs, Some(rung))?;
@@ -367,9 +410,10 @@ fn summarise(
         states: made.states,
         strips: needs.raceway.strips,
     };
+    let motion = parted.and_then(|parted| parted.motion());
     let (mut level_error_db, mut how) =
         (check.distance.level_db, format!("model and integration together: {}, worst of y and z", check.words()));
-    if parted.motion() == Some(MotionKind::Diverging) {
+    if motion == Some(MotionKind::Diverging) {
         let sampling = accuracy::sampling_error(&made.recording, &accuracy::ACCELERATIONS);
         level_error_db = level_error_db.into_iter().chain(sampling).reduce(f64::max);
         how =
@@ -379,8 +423,8 @@ fn summarise(
         level_error_db,
         quantity_errors: check.distance.quantities,
         how,
-        motion: parted.motion(),
-        divergence_rate: parted.rate,
+        motion,
+        divergence_rate: parted.map_or(0.0, |parted| parted.rate),
         warning,
     };
     let mechanism = Mechanism::new(scene, &needs);

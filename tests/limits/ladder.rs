@@ -132,6 +132,30 @@ fn rungs_by_name_of_a_bearing_at_rest_end() {
     }
 }
 
+/// A check from the start tells nothing of a speed that changes later, nor of less than it compares.
+#[test]
+fn rungs_by_name_whose_check_tells_nothing_say_so() {
+    let slows = json!({ "operation": { "speed_rpm": [{ "at_s": 0, "rpm": 50_000 }, { "at_s": 0.03, "rpm": 3_000 }] } });
+    let brief = RunSettings { settle: 1e-3, duration: 5e-4, ..asked(false, Some(Rung::SpindleOnly)) };
+    for (changes, settings, words) in [
+        (slows, asked(false, Some(Rung::RadiallyCondensed)), "the speed varies"),
+        (json!({}), brief, "less is kept than a check compares"),
+    ] {
+        let accuracy = simulate(&changed(article(), changes), &settings).summary.accuracy;
+        assert_eq!((accuracy.level_error_db, accuracy.quantity_errors), (None, None));
+        assert!(accuracy.warning.is_some_and(|warning| warning.contains(words)));
+    }
+}
+
+/// The rung that it is checked against does not hold at 500 000 r/min.
+#[test]
+fn a_rung_by_name_is_run_even_where_its_check_fails() {
+    let json = changed(article(), json!({ "operation": { "speed_rpm": 500_000 } }));
+    let summary = simulate(&json, &asked(false, Some(Rung::SpindleOnly))).summary;
+    assert!(summary.solver.check.starts_with("not checked: "), "{}", summary.solver.check);
+    assert!(summary.accuracy.warning.is_some() && summary.accuracy.level_error_db.is_none());
+}
+
 #[test]
 fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
     let settings = asked(true, None);
