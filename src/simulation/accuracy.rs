@@ -75,7 +75,8 @@ pub(super) fn judge(
     };
     let (mut repeated, mut failed) = or_failure(repeat(setup, &first, part, most, control))?;
     if failed.is_some() && part > REPEATED {
-        // A part is better than nothing.
+        // A part is better than nothing, and the result says that it is one.
+        failure = failure.or(failed);
         part = REPEATED;
         (repeated, failed) = or_failure(repeat(setup, &first, part, most, control))?;
     }
