@@ -44,18 +44,18 @@ impl OdeSystem for Dense<'_> {
         let Structure { blocks, block, border, .. } = structure;
         let n = self.dimension();
         let whole = jacobian.corner_mut();
-        let mut place = |rows: usize, columns: usize, width: usize, part: &[f64]| {
-            for (i, value) in part.iter().enumerate() {
-                whole[(rows + i / width) * n + columns + i % width] = *value;
+        let mut place = |rows: usize, columns: usize, width: usize, part: &mut dyn Iterator<Item = f64>| {
+            for (i, value) in part.enumerate() {
+                whole[(rows + i / width) * n + columns + i % width] = value;
             }
         };
         let edge = blocks * block;
         for index in 0..blocks {
-            place(index * block, index * block, block, arrowhead.block(index));
-            place(index * block, edge, border, arrowhead.right(index));
-            place(edge, index * block, block, arrowhead.below(index));
+            place(index * block, index * block, block, &mut arrowhead.blocks.of(index));
+            place(index * block, edge, border, &mut arrowhead.right.of(index));
+            place(edge, index * block, block, &mut arrowhead.below.of(index));
         }
-        place(edge, edge, border, arrowhead.corner());
+        place(edge, edge, border, &mut arrowhead.corner().iter().copied());
         evaluations
     }
 }

@@ -9,6 +9,7 @@ use std::time::Instant;
 use raceway::contract::scene_from_json;
 use raceway::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide};
 use raceway::numerics::ode::OdeSystem;
+use raceway::numerics::ode::arrowhead::ArrowheadFactors;
 use raceway::numerics::ode::structure::Jacobian;
 use raceway::physics::bearing::PerRaceway;
 use raceway::physics::pocket::PocketMotion;
@@ -26,7 +27,9 @@ fn main() {
     println!("one contact of the article's bearing at 3 µm of penetration");
     println!("{:>10} {:>9} {:>9} {:>20}", "of", "by", "ns", "range");
     contacts(&article);
-    println!("\none evaluation of dy/dt, and one of its Jacobian; the full rung at the start state");
+    println!(
+        "\none evaluation of dy/dt, of its Jacobian J, factors of s − J, a solution with them; the full rung at the start state"
+    );
     println!("{:>6} {:>10} {:>9} {:>9} {:>20}", "balls", "of", "by", "ns", "range");
     for balls in BALLS {
         evaluations(balls, &model(balls));
@@ -129,6 +132,8 @@ fn evaluations(balls: usize, model: &Model) {
     let state = start_state(model).expect("a grown bearing has an equilibrium");
     let mut rate = state.clone();
     let mut jacobian = Jacobian::new(&model.structure());
+    let mut factors = ArrowheadFactors::new(&model.structure());
+    let mut right_side = state.clone();
     for set in InstructionSet::available() {
         let model = model.clone().with_instructions(set);
         let row = |of: &str, (median, least, largest): (f64, f64, f64)| {
@@ -139,6 +144,16 @@ fn evaluations(balls: usize, model: &Model) {
             "Jacobian",
             time(|| {
                 model.jacobian(black_box(0.0), black_box(&state), &[], &[], &mut jacobian);
+            }),
+        );
+        // As a step of 1 µs needs them.
+        factors = factors.with_instructions(set);
+        row("factors", time(|| factors.factor(black_box(&jacobian), 1e6).expect("a regular matrix")));
+        row(
+            "solution",
+            time(|| {
+                right_side.copy_from_slice(black_box(&state));
+                factors.solve(&mut right_side);
             }),
         );
     }

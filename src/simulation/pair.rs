@@ -93,12 +93,15 @@ impl OdeSystem for Pair<'_> {
             let columns = copy * border..(copy + 1) * border;
             for index in 0..blocks {
                 let joint = copy * blocks + index;
-                jacobian.block_mut(joint).copy_from_slice(one.block(index));
-                let (right, below) = (one.right(index), one.below(index));
-                for (row, entries) in jacobian.right_mut(joint).chunks_exact_mut(2 * border).enumerate() {
-                    entries[columns.clone()].copy_from_slice(&right[row * border..(row + 1) * border]);
+                for (i, entry) in one.blocks.of(index).enumerate() {
+                    *jacobian.blocks.entry_mut(joint, i / block, i % block) = entry;
                 }
-                jacobian.below_mut(joint)[columns.start * block..columns.end * block].copy_from_slice(below);
+                for (i, entry) in one.right.of(index).enumerate() {
+                    *jacobian.right.entry_mut(joint, i / border, columns.start + i % border) = entry;
+                }
+                for (i, entry) in one.below.of(index).enumerate() {
+                    *jacobian.below.entry_mut(joint, columns.start + i / block, i % block) = entry;
+                }
             }
             for row in 0..border {
                 let from = (columns.start + row) * 2 * border + columns.start;

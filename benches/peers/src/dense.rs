@@ -9,20 +9,18 @@ pub fn by_columns(jacobian: &Jacobian, columns: &mut [f64]) {
     let n = blocks * block + border;
     let first = blocks * block;
     columns.fill(0.0);
-    let mut put = |at: (usize, usize), width: usize, part: &[f64]| {
-        for (row, values) in part.chunks_exact(width.max(1)).enumerate() {
-            for (column, value) in values.iter().enumerate() {
-                columns[(at.1 + column) * n + at.0 + row] = *value;
-            }
+    let mut put = |at: (usize, usize), width: usize, part: &mut dyn Iterator<Item = f64>| {
+        for (i, value) in part.enumerate() {
+            columns[(at.1 + i % width) * n + at.0 + i / width] = value;
         }
     };
     for index in 0..blocks {
         let at = index * block;
-        put((at, at), block, jacobian.block(index));
-        put((at, first), border, jacobian.right(index));
-        put((first, at), block, jacobian.below(index));
+        put((at, at), block, &mut jacobian.blocks.of(index));
+        put((at, first), border, &mut jacobian.right.of(index));
+        put((first, at), block, &mut jacobian.below.of(index));
     }
-    put((first, first), border, jacobian.corner());
+    put((first, first), border, &mut jacobian.corner().iter().copied());
 }
 
 /// Displacements for difference quotients: half the digits of an entry or of its size.

@@ -7,6 +7,7 @@
 use nalgebra::ComplexField;
 
 use super::structure::{Jacobian, Structure};
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, Task};
 
 /// The matrix has no inverse, or an entry that is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,8 +36,54 @@ impl Kept {
     }
 }
 
-/// Blocks are worked on side by side in groups of so many.
-const LANES: usize = 8;
+/// An entry of each block of a group, side by side: a group is worked on at once.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+struct Group<T>([T; LANES]);
+
+impl<T: Number> Group<T> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self([T::zero(); LANES])
+    }
+
+    #[inline(always)]
+    fn of(entries: Lanes) -> Self {
+        Self(entries.0.map(T::from_real))
+    }
+
+    /// `self -= a · b`.
+    #[inline(always)]
+    fn subtract(&mut self, a: Self, b: Self) {
+        for lane in 0..LANES {
+            self.0[lane] -= a.0[lane] * b.0[lane];
+        }
+    }
+
+    /// `self += a · b`.
+    #[inline(always)]
+    fn add(&mut self, a: Self, b: Self) {
+        for lane in 0..LANES {
+            self.0[lane] += a.0[lane] * b.0[lane];
+        }
+    }
+
+    #[inline(always)]
+    fn scale(&mut self, factor: Self) {
+        for lane in 0..LANES {
+            self.0[lane] *= factor.0[lane];
+        }
+    }
+
+    #[inline(always)]
+    fn sum(self) -> T {
+        let mut sum = T::zero();
+        for lane in self.0 {
+            sum += lane;
+        }
+        sum
+    }
+}
 
 /// The factors, with room for right-hand sides; allocates only on construction.
 ///
@@ -52,32 +99,59 @@ pub struct ArrowheadFactors<T> {
     structure: Structure,
     in_block: Kept,
     in_border: Kept,
+    instructions: InstructionSet,
     inverse_shift: T,
-    /// E, U and F of all blocks: entry by entry, the blocks of a group side by side.
-    own: Vec<[T; LANES]>,
-    by_border: Vec<[T; LANES]>,
-    to_border: Vec<[T; LANES]>,
-    /// G and S⁻¹, row by row.
+    /// Of each group of blocks: E and U in rows of `block + border`, then F in rows of `block`.
+    own: Vec<Group<T>>,
+    to_border: Vec<Group<T>>,
+    /// G, and S beside the identity, then the identity beside S⁻¹; row by row.
     border_positions: Vec<T>,
-    border_inverse: Vec<T>,
+    corner: Vec<T>,
     work: Work<T>,
 }
 
 /// Room for factors and right-hand sides.
 #[derive(Debug, Clone)]
 struct Work<T> {
-    /// A and the right-hand sides (I | ∂v'/∂x / s | R) that it is solved for.
-    block: Vec<T>,
-    wide: Vec<T>,
-    /// C.
-    below: Vec<T>,
-    /// S, and the identity.
-    corner: Vec<T>,
-    exchanges: Vec<usize>,
-    /// Right-hand side of a group of blocks, the border's, and the border's solution.
-    group: Vec<[T; LANES]>,
+    /// A and C of a group of blocks.
+    block: Vec<Group<T>>,
+    below: Vec<Group<T>>,
+    /// Right-hand side and solution of a group of blocks, and the border's.
+    group: Vec<Group<T>>,
+    solved: Vec<Group<T>>,
     border: Vec<T>,
     border_solution: Vec<T>,
+}
+
+/// Factors, to be made with the processor's instructions.
+struct Factor<'a, T> {
+    factors: &'a mut ArrowheadFactors<T>,
+    jacobian: &'a Jacobian,
+    shift: T,
+}
+
+impl<T: Number> Task for Factor<'_, T> {
+    type Answer = Result<(), Singular>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        self.factors.factor_by(self.jacobian, self.shift)
+    }
+}
+
+/// A solution, to be found with them.
+struct Solve<'a, T> {
+    factors: &'a mut ArrowheadFactors<T>,
+    right_side: &'a mut [T],
+}
+
+impl<T: Number> Task for Solve<'_, T> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.factors.solve_by(self.right_side);
+    }
 }
 
 impl<T: Number> ArrowheadFactors<T> {
@@ -88,22 +162,20 @@ impl<T: Number> ArrowheadFactors<T> {
         let (block, border, px) = (structure.block, structure.border, in_border.positions.len());
         let groups = structure.blocks.div_ceil(LANES);
         let zeros = |count: usize| vec![T::zero(); count];
-        let lanes = |count: usize| vec![[T::zero(); LANES]; groups * count];
+        let lanes = |count: usize| vec![Group::zero(); count];
         Self {
             structure: structure.clone(),
+            instructions: InstructionSet::best(),
             inverse_shift: T::one(),
-            own: lanes(m * block),
-            by_border: lanes(m * border),
-            to_border: lanes(p * block),
+            own: lanes(groups * m * (block + border)),
+            to_border: lanes(groups * p * block),
             border_positions: zeros(p * px),
-            border_inverse: zeros(p * p),
+            corner: zeros(2 * p * p),
             work: Work {
-                block: zeros(m * m),
-                wide: zeros(m * (block + border)),
-                below: zeros(p * m),
-                corner: zeros(p * p),
-                exchanges: vec![0; m.max(p)],
-                group: vec![[T::zero(); LANES]; block],
+                block: lanes(m * m),
+                below: lanes(p * m),
+                group: lanes(block),
+                solved: lanes(block),
                 border: zeros(p),
                 border_solution: zeros(border),
             },
@@ -112,112 +184,130 @@ impl<T: Number> ArrowheadFactors<T> {
         }
     }
 
+    /// The same with other instructions of the same processor.
+    pub fn with_instructions(mut self, instructions: InstructionSet) -> Self {
+        self.instructions = instructions;
+        self
+    }
+
     /// Factors `shift · I − J`.
     pub fn factor(&mut self, jacobian: &Jacobian, shift: T) -> Result<(), Singular> {
-        let (block, border) = (self.structure.block, self.structure.border);
+        self.instructions.run(Factor { factors: self, jacobian, shift })
+    }
+
+    /// Replaces the right-hand side by the solution.
+    pub fn solve(&mut self, right_side: &mut [T]) {
+        self.instructions.run(Solve { factors: self, right_side });
+    }
+
+    #[inline(always)]
+    fn factor_by(&mut self, jacobian: &Jacobian, shift: T) -> Result<(), Singular> {
+        let Structure { blocks, block, border, .. } = self.structure;
         let (inner, outer) = (&self.in_block, &self.in_border);
         let (m, p, px) = (inner.entries.len(), outer.entries.len(), outer.positions.len());
         let inverse = T::one() / shift;
         self.inverse_shift = inverse;
         let work = &mut self.work;
-        reduce(jacobian.corner(), border, (outer, outer), inverse, &mut work.corner);
-        add_diagonal(&mut work.corner, p, shift);
         for (row, &entry) in outer.entries.iter().enumerate() {
-            for (k, &(position, _)) in outer.positions.iter().enumerate() {
-                self.border_positions[row * px + k] =
-                    inverse * T::from_real(jacobian.corner()[entry * border + position]);
+            let source = &jacobian.corner()[entry * border..(entry + 1) * border];
+            let target = &mut self.corner[row * 2 * p..(row + 1) * 2 * p];
+            target[p..].fill(T::zero());
+            target[p + row] = T::one();
+            for (value, &column) in target.iter_mut().zip(&outer.entries) {
+                *value = T::from_real(-source[column]);
+            }
+            target[row] += shift;
+            for (k, &(position, velocity)) in outer.positions.iter().enumerate() {
+                let folded = inverse * T::from_real(source[position]);
+                target[velocity] -= folded;
+                self.border_positions[row * px + k] = folded;
             }
         }
         let width = block + border;
-        for index in 0..self.structure.blocks {
-            reduce(jacobian.block(index), block, (inner, inner), inverse, &mut work.block);
-            add_diagonal(&mut work.block, m, shift);
-            factor(&mut work.block, m, &mut work.exchanges)?;
-            work.wide.fill(T::zero());
+        for first in (0..blocks).step_by(LANES) {
+            let group = first / LANES;
+            let own = &mut self.own[group * m * width..(group + 1) * m * width];
+            let to_border = &mut self.to_border[group * p * block..(group + 1) * p * block];
+            let of_group = jacobian.blocks.group(group);
             for (row, &entry) in inner.entries.iter().enumerate() {
-                let target = &mut work.wide[row * width..(row + 1) * width];
-                target[entry] = T::one();
+                let source = &of_group[entry * block..(entry + 1) * block];
+                reduce(source, inner, inverse, &mut work.block[row * m..(row + 1) * m]);
+                for lane in 0..LANES {
+                    work.block[row * m + row].0[lane] += shift;
+                }
+                let target = &mut own[row * width..(row + 1) * width];
+                target[..block].fill(Group::zero());
+                target[entry] = Group([T::one(); LANES]);
                 for &(position, _) in &inner.positions {
-                    target[position] = inverse * T::from_real(jacobian.block(index)[entry * block + position]);
-                }
-                let right = &jacobian.right(index)[entry * border..(entry + 1) * border];
-                for (value, &right) in target[block..].iter_mut().zip(right) {
-                    *value = T::from_real(right);
+                    target[position] = Group::of(source[position]);
+                    target[position].scale(Group([inverse; LANES]));
                 }
             }
-            substitute(&work.block, m, &work.exchanges, &mut work.wide, width);
-            reduce(jacobian.below(index), block, (outer, inner), inverse, &mut work.below);
+            let of_group = jacobian.right.group(group);
+            for (row, &entry) in inner.entries.iter().enumerate() {
+                let target = &mut own[row * width + block..(row + 1) * width];
+                for (value, &right) in target.iter_mut().zip(&of_group[entry * border..(entry + 1) * border]) {
+                    *value = Group::of(right);
+                }
+            }
+            eliminate(&mut work.block, m, own, width)?;
 
-            let (group, lane) = (index / LANES, index % LANES);
-            let own = &mut self.own[group * m * block..];
-            let by_border = &mut self.by_border[group * m * border..];
-            let to_border = &mut self.to_border[group * p * block..];
-            for (row, solved) in work.wide.chunks_exact(width).enumerate() {
-                for column in 0..block {
-                    own[row * block + column][lane] = solved[column];
-                }
-                for column in 0..border {
-                    by_border[row * border + column][lane] = solved[block + column];
-                }
-            }
+            let of_group = jacobian.below.group(group);
             for (row, &entry) in outer.entries.iter().enumerate() {
-                let below = &work.below[row * m..(row + 1) * m];
+                let source = &of_group[entry * block..(entry + 1) * block];
+                let below = &mut work.below[row * m..(row + 1) * m];
+                reduce(source, inner, inverse, below);
                 let through = |column: usize| {
-                    let mut sum = T::zero();
+                    let mut sum = Group::zero();
                     for (k, &weight) in below.iter().enumerate() {
-                        sum -= weight * work.wide[k * width + column];
+                        sum.subtract(weight, own[k * width + column]);
                     }
                     sum
                 };
-                for column in 0..block {
-                    to_border[row * block + column][lane] = through(column);
+                let target = &mut to_border[row * block..(row + 1) * block];
+                for (column, value) in target.iter_mut().enumerate() {
+                    *value = through(column);
                 }
                 for &(position, _) in &inner.positions {
-                    let direct = inverse * T::from_real(jacobian.below(index)[entry * block + position]);
-                    to_border[row * block + position][lane] += direct;
+                    target[position].add(Group([inverse; LANES]), Group::of(source[position]));
                 }
                 for (column, &entry) in outer.entries.iter().enumerate() {
-                    work.corner[row * p + column] -= through(block + entry);
+                    self.corner[row * 2 * p + column] -= through(block + entry).sum();
                 }
                 for (k, &(position, velocity)) in outer.positions.iter().enumerate() {
-                    let folded = inverse * through(block + position);
+                    let folded = inverse * through(block + position).sum();
                     self.border_positions[row * px + k] += folded;
-                    work.corner[row * p + velocity] -= folded;
+                    self.corner[row * 2 * p + velocity] -= folded;
                 }
             }
         }
-        factor(&mut work.corner, p, &mut work.exchanges)?;
-        self.border_inverse.fill(T::zero());
-        add_diagonal(&mut self.border_inverse, p, T::one());
-        substitute(&work.corner, p, &work.exchanges[..p], &mut self.border_inverse, p);
-        Ok(())
+        invert(&mut self.corner, p)
     }
 
-    /// Replaces the right-hand side by the solution.
-    pub fn solve(&mut self, right_side: &mut [T]) {
-        let (block, border) = (self.structure.block, self.structure.border);
+    #[inline(always)]
+    fn solve_by(&mut self, right_side: &mut [T]) {
+        let Structure { blocks, block, border, .. } = self.structure;
         let (inner, outer) = (&self.in_block, &self.in_border);
         let (m, p, px) = (inner.entries.len(), outer.entries.len(), outer.positions.len());
-        let Work { group: gathered, border: sums, border_solution: solution, .. } = &mut self.work;
-        let (of_blocks, of_border) = right_side.split_at_mut(self.structure.blocks * block);
+        let width = block + border;
+        let Work { group: gathered, solved, border: sums, border_solution: solution, .. } = &mut self.work;
+        let (of_blocks, of_border) = right_side.split_at_mut(blocks * block);
         for (row, (sum, &entry)) in sums.iter_mut().zip(&outer.entries).enumerate() {
             *sum = of_border[entry];
             for (weight, &(position, _)) in self.border_positions[row * px..].iter().zip(&outer.positions) {
                 *sum += *weight * of_border[position];
             }
         }
-        for (group, blocks) in of_blocks.chunks(LANES * block.max(1)).enumerate() {
-            gather(blocks, block, gathered);
+        for (group, of_group) in of_blocks.chunks(LANES * block.max(1)).enumerate() {
+            gather(of_group, block, gathered);
             let to_border = &self.to_border[group * p * block..(group + 1) * p * block];
             for (sum, row) in sums.iter_mut().zip(to_border.chunks_exact(block)) {
-                for lane in dot(row, gathered) {
-                    *sum += lane;
-                }
+                *sum += dot(row, gathered).sum();
             }
         }
         for (row, &entry) in outer.entries.iter().enumerate() {
             let mut value = T::zero();
-            for (&weight, &sum) in self.border_inverse[row * p..].iter().zip(sums.iter()) {
+            for (&weight, &sum) in self.corner[row * 2 * p + p..].iter().zip(sums.iter()) {
                 value += weight * sum;
             }
             solution[entry] = value;
@@ -226,137 +316,182 @@ impl<T: Number> ArrowheadFactors<T> {
             solution[position] = (of_border[position] + solution[outer.entries[velocity]]) * self.inverse_shift;
         }
         of_border.copy_from_slice(solution);
-        for (group, blocks) in of_blocks.chunks_mut(LANES * block.max(1)).enumerate() {
-            gather(blocks, block, gathered);
-            let own = &self.own[group * m * block..(group + 1) * m * block];
-            let by_border = &self.by_border[group * m * border..(group + 1) * m * border];
+        for (group, of_group) in of_blocks.chunks_mut(LANES * block.max(1)).enumerate() {
+            if blocks > LANES {
+                gather(of_group, block, gathered);
+            }
+            let own = &self.own[group * m * width..(group + 1) * m * width];
             for (row, &entry) in inner.entries.iter().enumerate() {
-                let mut sum = dot(&own[row * block..(row + 1) * block], gathered);
-                for (weights, &value) in by_border[row * border..(row + 1) * border].iter().zip(solution.iter()) {
-                    for (sum, &weight) in sum.iter_mut().zip(weights) {
-                        *sum += weight * value;
-                    }
+                let (by_own, by_border) = own[row * width..(row + 1) * width].split_at(block);
+                let mut sum = dot(by_own, gathered);
+                for (&weights, &value) in by_border.iter().zip(solution.iter()) {
+                    sum.add(weights, Group([value; LANES]));
                 }
-                for (target, value) in blocks.chunks_exact_mut(block).zip(sum) {
-                    target[entry] = value;
-                }
+                solved[entry] = sum;
             }
-            for target in blocks.chunks_exact_mut(block) {
-                for &(position, velocity) in &inner.positions {
-                    target[position] = (target[position] + target[inner.entries[velocity]]) * self.inverse_shift;
-                }
+            for &(position, velocity) in &inner.positions {
+                let mut sum = gathered[position];
+                sum.add(Group([T::one(); LANES]), solved[inner.entries[velocity]]);
+                sum.scale(Group([self.inverse_shift; LANES]));
+                solved[position] = sum;
             }
+            scatter(solved, block, of_group);
         }
     }
 }
 
-/// Entries of a group's blocks side by side; lanes without a block hold what is left there, which nobody reads.
-fn gather<T: Number>(blocks: &[T], block: usize, gathered: &mut [[T; LANES]]) {
-    for (lane, entries) in blocks.chunks_exact(block).enumerate() {
+/// Entries of a group's blocks side by side; lanes without a block hold what is left there, which meets zeros.
+///
+/// Never inlined, as its counterpart: AVX-512 would scatter and gather, which takes longer than moves one by one.
+#[inline(never)]
+fn gather<T: Number>(blocks: &[T], block: usize, gathered: &mut [Group<T>]) {
+    for (lane, entries) in blocks.chunks_exact(block).take(LANES).enumerate() {
         for (row, &entry) in gathered.iter_mut().zip(entries) {
-            row[lane] = entry;
+            row.0[lane] = entry;
+        }
+    }
+}
+
+/// Puts entries that stand side by side back into a group's blocks.
+#[inline(never)]
+fn scatter<T: Number>(gathered: &[Group<T>], block: usize, blocks: &mut [T]) {
+    for (lane, entries) in blocks.chunks_exact_mut(block).take(LANES).enumerate() {
+        for (row, entry) in gathered.iter().zip(entries) {
+            *entry = row.0[lane];
         }
     }
 }
 
 /// Σ row · column in every lane.
 #[inline(always)]
-fn dot<T: Number>(row: &[[T; LANES]], column: &[[T; LANES]]) -> [T; LANES] {
-    let mut sum = [T::zero(); LANES];
-    for (a, b) in row.iter().zip(column) {
-        for lane in 0..LANES {
-            sum[lane] += a[lane] * b[lane];
-        }
+fn dot<T: Number>(row: &[Group<T>], column: &[Group<T>]) -> Group<T> {
+    let mut sum = Group::zero();
+    for (&a, &b) in row.iter().zip(column) {
+        sum.add(a, b);
     }
     sum
 }
 
-/// Writes −J over the kept entries, positions folded into their velocities.
-fn reduce<T: Number>(jacobian: &[f64], width: usize, (rows, columns): (&Kept, &Kept), inverse: T, matrix: &mut [T]) {
-    let n = columns.entries.len();
-    for (row, &entry) in rows.entries.iter().enumerate() {
-        let source = &jacobian[entry * width..(entry + 1) * width];
-        let target = &mut matrix[row * n..(row + 1) * n];
-        for (value, &column) in target.iter_mut().zip(&columns.entries) {
-            *value = T::from_real(-source[column]);
-        }
-        for &(position, velocity) in &columns.positions {
-            target[velocity] -= inverse * T::from_real(source[position]);
-        }
+/// Writes a row of −J over the kept entries, positions folded into their velocities.
+#[inline(always)]
+fn reduce<T: Number>(source: &[Lanes], kept: &Kept, inverse: T, target: &mut [Group<T>]) {
+    for (value, &column) in target.iter_mut().zip(&kept.entries) {
+        *value = Group::zero();
+        value.subtract(Group([T::one(); LANES]), Group::of(source[column]));
+    }
+    for &(position, velocity) in &kept.positions {
+        target[velocity].subtract(Group([inverse; LANES]), Group::of(source[position]));
     }
 }
 
-fn add_diagonal<T: Number>(matrix: &mut [T], n: usize, shift: T) {
-    for i in 0..n {
-        matrix[i * n + i] += shift;
-    }
-}
-
-/// Replaces a matrix by its triangular factors, with partial pivoting.
-fn factor<T: Number>(matrix: &mut [T], n: usize, exchanges: &mut [usize]) -> Result<(), Singular> {
+/// Replaces the right-hand sides of a group of small systems by their solutions (row by row, in place): Gauss's elimination,
+/// each with its own row exchanges.
+#[inline(always)]
+fn eliminate<T: Number>(
+    matrix: &mut [Group<T>],
+    n: usize,
+    right: &mut [Group<T>],
+    columns: usize,
+) -> Result<(), Singular> {
     for k in 0..n {
-        let (mut pivot, mut largest) = (k, matrix[k * n + k].norm1());
         for row in k + 1..n {
-            let size = matrix[row * n + k].norm1();
-            if size > largest {
-                (pivot, largest) = (row, size);
+            let larger = exchanged(matrix[k * n + k], matrix[row * n + k]);
+            if larger.iter().any(|&larger| larger) {
+                exchange(matrix, n, (k, row), larger);
+                exchange(right, columns, (k, row), larger);
             }
         }
-        if !(largest > 0.0 && largest.is_finite()) {
-            return Err(Singular);
-        }
-        exchanges[k] = pivot;
-        if pivot != k {
-            for column in 0..n {
-                matrix.swap(k * n + column, pivot * n + column);
+        let mut inverse = matrix[k * n + k];
+        for pivot in &mut inverse.0 {
+            let size = pivot.norm1();
+            if !(size > 0.0 && size.is_finite()) {
+                return Err(Singular);
             }
+            *pivot = T::one() / *pivot;
         }
-        let inverse = T::one() / matrix[k * n + k];
+        matrix[k * n + k] = inverse;
         let (upper, lower) = matrix.split_at_mut((k + 1) * n);
-        let pivot_row = &upper[k * n..];
-        for row in lower.chunks_exact_mut(n) {
-            let weight = row[k] * inverse;
-            row[k] = weight;
-            for (value, &above) in row[k + 1..].iter_mut().zip(&pivot_row[k + 1..]) {
-                *value -= weight * above;
+        let (right_upper, right_lower) = right.split_at_mut((k + 1) * columns);
+        for (row, of_row) in lower.chunks_exact_mut(n).zip(right_lower.chunks_exact_mut(columns)) {
+            let mut weight = row[k];
+            weight.scale(inverse);
+            for (value, &above) in row[k + 1..].iter_mut().zip(&upper[k * n + k + 1..]) {
+                value.subtract(weight, above);
+            }
+            for (value, &above) in of_row.iter_mut().zip(&right_upper[k * columns..]) {
+                value.subtract(weight, above);
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        let (above, of_row) = right[..(k + 1) * columns].split_at_mut(k * columns);
+        for value in of_row.iter_mut() {
+            value.scale(matrix[k * n + k]);
+        }
+        for (row, target) in above.chunks_exact_mut(columns).enumerate() {
+            for (value, &below) in target.iter_mut().zip(of_row.iter()) {
+                value.subtract(matrix[row * n + k], below);
             }
         }
     }
     Ok(())
 }
 
-/// Solves for `columns` right-hand sides at once (row by row, in place).
-fn substitute<T: Number>(factors: &[T], n: usize, exchanges: &[usize], right: &mut [T], columns: usize) {
-    for (k, &pivot) in exchanges[..n].iter().enumerate() {
+/// In which lanes the second is the larger pivot.
+#[inline(always)]
+fn exchanged<T: Number>(first: Group<T>, second: Group<T>) -> [bool; LANES] {
+    let mut larger = [false; LANES];
+    for lane in 0..LANES {
+        larger[lane] = second.0[lane].norm1() > first.0[lane].norm1();
+    }
+    larger
+}
+
+/// Exchanges two rows, the first above the second, in some lanes.
+#[inline(always)]
+fn exchange<T: Number>(matrix: &mut [Group<T>], columns: usize, (first, second): (usize, usize), lanes: [bool; LANES]) {
+    let (upper, lower) = matrix.split_at_mut(second * columns);
+    for (a, b) in upper[first * columns..(first + 1) * columns].iter_mut().zip(&mut lower[..columns]) {
+        for lane in 0..LANES {
+            let (above, below) = (a.0[lane], b.0[lane]);
+            a.0[lane] = if lanes[lane] { below } else { above };
+            b.0[lane] = if lanes[lane] { above } else { below };
+        }
+    }
+}
+
+/// Replaces a matrix that stands beside the identity, `(A | I)` row by row, by the identity beside its inverse: elimination by
+/// Gauss and Jordan.
+#[inline(always)]
+fn invert<T: Number>(matrix: &mut [T], n: usize) -> Result<(), Singular> {
+    let width = 2 * n;
+    for k in 0..n {
+        let size = |row: usize| matrix[row * width + k].norm1();
+        let (mut pivot, mut largest) = (k, size(k));
+        for row in k + 1..n {
+            if size(row) > largest {
+                (pivot, largest) = (row, size(row));
+            }
+        }
+        if !(largest > 0.0 && largest.is_finite()) {
+            return Err(Singular);
+        }
         if pivot != k {
-            for column in 0..columns {
-                right.swap(k * columns + column, pivot * columns + column);
+            let (upper, lower) = matrix.split_at_mut(pivot * width);
+            upper[k * width..(k + 1) * width].swap_with_slice(&mut lower[..width]);
+        }
+        let (above, rest) = matrix.split_at_mut(k * width);
+        let (row, below) = rest.split_at_mut(width);
+        let scale = T::one() / row[k];
+        row.iter_mut().for_each(|value| *value *= scale);
+        for other in above.chunks_exact_mut(width).chain(below.chunks_exact_mut(width)) {
+            let weight = other[k];
+            for (value, &pivot) in other.iter_mut().zip(&*row) {
+                *value -= weight * pivot;
             }
         }
     }
-    for row in 1..n {
-        let (known, rest) = right.split_at_mut(row * columns);
-        for k in 0..row {
-            let weight = factors[row * n + k];
-            for (value, &above) in rest[..columns].iter_mut().zip(&known[k * columns..(k + 1) * columns]) {
-                *value -= weight * above;
-            }
-        }
-    }
-    for row in (0..n).rev() {
-        let (rest, known) = right.split_at_mut((row + 1) * columns);
-        let target = &mut rest[row * columns..];
-        for k in row + 1..n {
-            let weight = factors[row * n + k];
-            for (value, &below) in target.iter_mut().zip(&known[(k - row - 1) * columns..(k - row) * columns]) {
-                *value -= weight * below;
-            }
-        }
-        let inverse = T::one() / factors[row * n + row];
-        for value in target {
-            *value *= inverse;
-        }
-    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -385,12 +520,12 @@ mod tests {
                         Some((_, velocity)) => f64::from(u8::from(column == velocity)),
                         None => noise(&mut seed),
                     };
-                    jacobian.block_mut(index)[row * 5 + column] = value;
+                    *jacobian.blocks.entry_mut(index, row, column) = value;
                     dense[(index * 5 + row, index * 5 + column)] = value;
                 }
                 for column in 0..4 {
                     let value = if pair.is_some() { 0.0 } else { noise(&mut seed) };
-                    jacobian.right_mut(index)[row * 4 + column] = value;
+                    *jacobian.right.entry_mut(index, row, column) = value;
                     dense[(index * 5 + row, 15 + column)] = value;
                 }
             }
@@ -398,7 +533,7 @@ mod tests {
                 for column in 0..5 {
                     let pair = is_position(&structure.border_pairs, row);
                     let value = if pair.is_some() { 0.0 } else { noise(&mut seed) };
-                    jacobian.below_mut(index)[row * 5 + column] = value;
+                    *jacobian.below.entry_mut(index, row, column) = value;
                     dense[(15 + row, index * 5 + column)] = value;
                 }
             }

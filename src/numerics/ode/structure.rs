@@ -9,7 +9,10 @@
 //! Blocks act on each other only through the border (the balls of a bearing through spindle and cage), so that the cost of
 //! linear algebra grows with their number and not with its cube. A system without blocks is all corner: dense.
 
+use std::ops::Range;
+
 use super::{OdeSystem, Tolerances};
+use crate::numerics::lanes::{LANES, Lanes};
 
 /// How the entries of a state depend on each other.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,13 +41,70 @@ impl Structure {
     }
 }
 
+/// One part of the Jacobian of every block, `LANES` blocks side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    rows: usize,
+    columns: usize,
+    groups: Vec<Lanes>,
+}
+
+impl Part {
+    fn new(blocks: usize, rows: usize, columns: usize) -> Self {
+        let groups = vec![Lanes::default(); blocks.div_ceil(LANES) * rows * columns];
+        Self { rows, columns, groups }
+    }
+
+    fn places(&self, group: usize) -> Range<usize> {
+        let size = self.rows * self.columns;
+        group * size..(group + 1) * size
+    }
+
+    /// Row by row, of the blocks from `group · LANES` on; zeros beyond the last one.
+    #[inline(always)]
+    pub fn group(&self, group: usize) -> &[Lanes] {
+        &self.groups[self.places(group)]
+    }
+
+    #[inline(always)]
+    pub fn group_mut(&mut self, group: usize) -> &mut [Lanes] {
+        let places = self.places(group);
+        &mut self.groups[places]
+    }
+
+    /// Row by row, of one block.
+    pub fn of(&self, block: usize) -> impl Iterator<Item = f64> + '_ {
+        self.group(block / LANES).iter().map(move |entry| entry[block % LANES])
+    }
+
+    /// The entry of a block in a row and a column.
+    pub fn entry_mut(&mut self, block: usize, row: usize, column: usize) -> &mut f64 {
+        let columns = self.columns;
+        &mut self.group_mut(block / LANES)[row * columns + column][block % LANES]
+    }
+
+    /// `sum += of(block) · vector`.
+    fn accumulate(&self, block: usize, vector: &[f64], sum: &mut [f64]) {
+        for (row, sum) in self.group(block / LANES).chunks_exact(self.columns.max(1)).zip(sum) {
+            *sum += row.iter().zip(vector).map(|(entry, x)| entry[block % LANES] * x).sum::<f64>();
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        self.groups.iter().all(|entry| entry.0.iter().all(|x| x.is_finite()))
+    }
+}
+
 /// ∂f/∂y, each part row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jacobian {
     structure: Structure,
-    blocks: Vec<f64>,
-    right: Vec<f64>,
-    below: Vec<f64>,
+    /// How each block acts on itself: `block` × `block`.
+    pub blocks: Part,
+    /// How the border acts on each block: `block` × `border`.
+    pub right: Part,
+    /// How each block acts on the border: `border` × `block`.
+    pub below: Part,
     corner: Vec<f64>,
 }
 
@@ -54,9 +114,9 @@ impl Jacobian {
         let Structure { blocks, block, border, .. } = *structure;
         Self {
             structure: structure.clone(),
-            blocks: vec![0.0; blocks * block * block],
-            right: vec![0.0; blocks * block * border],
-            below: vec![0.0; blocks * border * block],
+            blocks: Part::new(blocks, block, block),
+            right: Part::new(blocks, block, border),
+            below: Part::new(blocks, border, block),
             corner: vec![0.0; border * border],
         }
     }
@@ -65,36 +125,9 @@ impl Jacobian {
         &self.structure
     }
 
-    /// How block `index` acts on itself: `block` × `block`.
-    pub fn block(&self, index: usize) -> &[f64] {
-        part(&self.blocks, index, self.structure.block * self.structure.block)
-    }
-
-    /// How the border acts on block `index`: `block` × `border`.
-    pub fn right(&self, index: usize) -> &[f64] {
-        part(&self.right, index, self.structure.block * self.structure.border)
-    }
-
-    /// How block `index` acts on the border: `border` × `block`.
-    pub fn below(&self, index: usize) -> &[f64] {
-        part(&self.below, index, self.structure.border * self.structure.block)
-    }
-
     /// How the border acts on itself: `border` × `border`.
     pub fn corner(&self) -> &[f64] {
         &self.corner
-    }
-
-    pub fn block_mut(&mut self, index: usize) -> &mut [f64] {
-        part_mut(&mut self.blocks, index, self.structure.block * self.structure.block)
-    }
-
-    pub fn right_mut(&mut self, index: usize) -> &mut [f64] {
-        part_mut(&mut self.right, index, self.structure.block * self.structure.border)
-    }
-
-    pub fn below_mut(&mut self, index: usize) -> &mut [f64] {
-        part_mut(&mut self.below, index, self.structure.border * self.structure.block)
     }
 
     pub fn corner_mut(&mut self) -> &mut [f64] {
@@ -109,11 +142,12 @@ impl Jacobian {
         of_border.fill(0.0);
         accumulate(&self.corner, in_border, of_border);
         for index in 0..blocks {
-            let (own, rate) = (part(in_blocks, index, block), part_mut(of_blocks, index, block));
+            let own = &in_blocks[index * block..(index + 1) * block];
+            let rate = &mut of_blocks[index * block..(index + 1) * block];
             rate.fill(0.0);
-            accumulate(self.block(index), own, rate);
-            accumulate(self.right(index), in_border, rate);
-            accumulate(self.below(index), own, of_border);
+            self.blocks.accumulate(index, own, rate);
+            self.right.accumulate(index, in_border, rate);
+            self.below.accumulate(index, own, of_border);
         }
         debug_assert_eq!(vector.len(), blocks * block + border);
     }
@@ -147,16 +181,9 @@ impl Jacobian {
 
     /// Every entry is finite.
     pub fn is_finite(&self) -> bool {
-        [&self.blocks, &self.right, &self.below, &self.corner].iter().all(|part| part.iter().all(|x| x.is_finite()))
+        [&self.blocks, &self.right, &self.below].iter().all(|part| part.is_finite())
+            && self.corner.iter().all(|x| x.is_finite())
     }
-}
-
-fn part(all: &[f64], index: usize, size: usize) -> &[f64] {
-    &all[index * size..(index + 1) * size]
-}
-
-fn part_mut(all: &mut [f64], index: usize, size: usize) -> &mut [f64] {
-    &mut all[index * size..(index + 1) * size]
 }
 
 /// `sum += matrix · vector`, the matrix row by row.

@@ -62,7 +62,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let mut sums = [Reaction::default(); MAX_BORDER];
 
         for first in (0..layout.balls).step_by(LANES) {
-            let count = LANES.min(layout.balls - first);
+            let (count, group) = (LANES.min(layout.balls - first), first / LANES);
+            // Lanes beyond the last ball repeat it, and have no part in the Jacobian.
+            let mut share: Lanes = Lanes::default();
+            share.0[..count].fill(1.0);
             let own = layout.side_by_side::<PLANAR>(state, first);
             let (mut balls, mut moved) = (Balls::default(), Balls::default());
             // Undisplaced first, then by one entry after the other.
@@ -79,17 +82,23 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 };
                 let per = 1.0 / of_ball[column];
                 let (before, after) = (balls.rates.entries(PLANAR), moved.rates.entries(PLANAR));
-                for lane in 0..count {
-                    let part = jacobian.block_mut(first + lane);
-                    for row in 0..block {
-                        part[row * block + column] = (after[row][lane] - before[row][lane]) * per;
+                let part = jacobian.blocks.group_mut(group);
+                for row in 0..block {
+                    for lane in 0..LANES {
+                        part[row * block + column][lane] = share[lane] * ((after[row][lane] - before[row][lane]) * per);
                     }
+                }
+                let mut rates = [Lanes::default(); MAX_BORDER];
+                for lane in 0..LANES {
                     let passed_on = moved.reaction.at(lane).less(&balls.reaction.at(lane));
-                    let rates = self.border_response(&at_rest.pose, &passed_on);
-                    let part = jacobian.below_mut(first + lane);
+                    let response = self.border_response(&at_rest.pose, &passed_on);
                     for row in 0..border {
-                        part[row * block + column] = rates[row] * per;
+                        rates[row][lane] = share[lane] * (response[row] * per);
                     }
+                }
+                let part = jacobian.below.group_mut(group);
+                for row in 0..border {
+                    part[row * block + column] = rates[row];
                 }
             }
             // What cage and spindle change, undisplaced first, too.
@@ -113,11 +122,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 }
                 let response = self.ball_response(&balls.motion, &change);
                 let per = 1.0 / of_border[column];
-                for lane in 0..count {
-                    let response = response.at(lane).entries(PLANAR);
-                    let part = jacobian.right_mut(first + lane);
-                    for row in 0..block {
-                        part[row * border + column] = response[row] * per;
+                let (response, part) = (response.entries(PLANAR), jacobian.right.group_mut(group));
+                for row in 0..block {
+                    for lane in 0..LANES {
+                        part[row * border + column][lane] = share[lane] * (response[row][lane] * per);
                     }
                 }
             }

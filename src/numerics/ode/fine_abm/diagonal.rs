@@ -16,7 +16,7 @@ impl Diagonal {
         let matrix = |n: usize, pairs: &[(usize, usize)]| {
             let mut matrix = vec![0.0; n * n];
             pairs.iter().for_each(|&(position, velocity)| matrix[position * n + velocity] = 1.0);
-            in_panels(&matrix, n)
+            in_panels(matrix.into_iter(), n)
         };
         Self {
             block: structure.block,
@@ -28,8 +28,8 @@ impl Diagonal {
 
     pub(super) fn of(jacobian: &Jacobian) -> Self {
         let Structure { blocks, block, border, .. } = *jacobian.structure();
-        let blocks = (0..blocks).map(|index| in_panels(jacobian.block(index), block)).collect();
-        Self { block, border, blocks, corner: in_panels(jacobian.corner(), border) }
+        let blocks = (0..blocks).map(|index| in_panels(jacobian.blocks.of(index), block)).collect();
+        Self { block, border, blocks, corner: in_panels(jacobian.corner().iter().copied(), border) }
     }
 
     /// All matrices with their sizes, the corner last.
@@ -53,9 +53,9 @@ impl Diagonal {
 const PANEL: usize = 4;
 
 /// From row by row: panels of four rows, each column by column, the last one filled up with zeros.
-pub(super) fn in_panels(matrix: &[f64], n: usize) -> Vec<f64> {
+pub(super) fn in_panels(matrix: impl Iterator<Item = f64>, n: usize) -> Vec<f64> {
     let mut panels = vec![0.0; n.div_ceil(PANEL) * PANEL * n];
-    for (i, &value) in matrix.iter().enumerate() {
+    for (i, value) in matrix.enumerate() {
         let (row, column) = (i / n, i % n);
         panels[(row / PANEL * n + column) * PANEL + row % PANEL] = value;
     }

@@ -84,7 +84,9 @@ impl OdeSystem for Linear {
         Structure { blocks: 2, block: 2, ..Structure::dense(0) }
     }
     fn jacobian(&self, _time: f64, _: &[f64], _: &[f64], _: &[f64], jacobian: &mut Jacobian) -> u64 {
-        (0..2).for_each(|k| jacobian.block_mut(k).copy_from_slice(&BLOCKS[k]));
+        for (k, block) in BLOCKS.iter().enumerate() {
+            block.iter().enumerate().for_each(|(i, entry)| *jacobian.blocks.entry_mut(k, i / 2, i % 2) = *entry);
+        }
         0
     }
 }

@@ -41,7 +41,7 @@ impl Weights {
             let mut matrices: Vec<Vec<f64>> = linear
                 .matrices()
                 .zip(&functions)
-                .map(|((_, n), functions)| in_panels(&weights(functions, which), n))
+                .map(|((_, n), functions)| in_panels(weights(functions, which).into_iter(), n))
                 .collect();
             let corner = matrices.pop().unwrap_or_default();
             Diagonal { blocks: matrices, corner, ..*linear }

@@ -84,9 +84,9 @@ impl OdeSystem for Springs {
                 }
                 match (row / 2, column / 2) {
                     (2, 2) => jacobian.corner_mut()[(row - 4) * 2 + column - 4] = entry,
-                    (2, of) => jacobian.below_mut(of)[(row - 4) * 2 + column - 2 * of] = entry,
-                    (of, 2) => jacobian.right_mut(of)[(row - 2 * of) * 2 + column - 4] = entry,
-                    (of, same) if of == same => jacobian.block_mut(of)[(row - 2 * of) * 2 + column - 2 * of] = entry,
+                    (2, of) => *jacobian.below.entry_mut(of, row - 4, column - 2 * of) = entry,
+                    (of, 2) => *jacobian.right.entry_mut(of, row - 2 * of, column - 4) = entry,
+                    (of, same) if of == same => *jacobian.blocks.entry_mut(of, row - 2 * of, column - 2 * of) = entry,
                     _ => assert_eq!(entry, 0.0),
                 }
             }
