@@ -4,6 +4,8 @@
 //! unknowns; then block after block, `W = A⁻¹B`, and the border's Schur complement `D − Σ C W`
 //! (Å. Björck, *Numerical Methods in Matrix Computations*, §1.5). Linear in the number of blocks.
 
+use std::hint::black_box;
+
 use nalgebra::ComplexField;
 
 use super::structure::{Jacobian, Structure};
@@ -34,6 +36,16 @@ impl Kept {
         let positions = pairs.iter().map(|&(position, velocity)| (position, place(velocity))).collect();
         Self { entries, positions }
     }
+}
+
+/// Rows of a block that stay after the elimination of positions: those of a ball in the plane, and at most. Elimination is
+/// compiled for these, so that its loops are straight code; fewer rows are filled up with those of the identity.
+const FEW: usize = 3;
+const MOST: usize = 6;
+
+/// Rows that are worked on for so many that stay.
+fn rows(stay: usize) -> usize {
+    if stay <= FEW { FEW } else { MOST }
 }
 
 /// An entry of each block of a group, side by side: a group is worked on at once.
@@ -77,11 +89,9 @@ impl<T: Number> Group<T> {
 
     #[inline(always)]
     fn sum(self) -> T {
-        let mut sum = T::zero();
-        for lane in self.0 {
-            sum += lane;
-        }
-        sum
+        // Halves upon halves: eight additions in a row would each wait for the one before.
+        let [a, b, c, d, e, f, g, h] = self.0;
+        ((a + e) + (c + g)) + ((b + f) + (d + h))
     }
 }
 
@@ -113,9 +123,9 @@ pub struct ArrowheadFactors<T> {
 /// Room for factors and right-hand sides.
 #[derive(Debug, Clone)]
 struct Work<T> {
-    /// A and C of a group of blocks.
-    block: Vec<Group<T>>,
-    below: Vec<Group<T>>,
+    /// Of a group of blocks: (∂v'/∂x / s | R), and a row of a product.
+    right: Vec<Group<T>>,
+    through: Vec<Group<T>>,
     /// Right-hand side and solution of a group of blocks, and the border's.
     group: Vec<Group<T>>,
     solved: Vec<Group<T>>,
@@ -123,19 +133,19 @@ struct Work<T> {
     border_solution: Vec<T>,
 }
 
-/// Factors, to be made with the processor's instructions.
-struct Factor<'a, T> {
+/// Factors, to be made with the processor's instructions; `M`: as many rows stay, or more.
+struct Factor<'a, T, const M: usize> {
     factors: &'a mut ArrowheadFactors<T>,
     jacobian: &'a Jacobian,
     shift: T,
 }
 
-impl<T: Number> Task for Factor<'_, T> {
+impl<T: Number, const M: usize> Task for Factor<'_, T, M> {
     type Answer = Result<(), Singular>;
 
     #[inline(always)]
     fn run(self) -> Self::Answer {
-        self.factors.factor_by(self.jacobian, self.shift)
+        self.factors.factor_by::<M>(self.jacobian, self.shift)
     }
 }
 
@@ -155,25 +165,30 @@ impl<T: Number> Task for Solve<'_, T> {
 }
 
 impl<T: Number> ArrowheadFactors<T> {
+    /// # Panics
+    ///
+    /// If more than 6 entries of a block stay after the elimination of positions.
     pub fn new(structure: &Structure) -> Self {
         let in_block = Kept::new(structure.block, &structure.block_pairs);
+        assert!(in_block.entries.len() <= MOST, "at most {MOST} entries of a block stay");
         let in_border = Kept::new(structure.border, &structure.border_pairs);
         let (m, p) = (in_block.entries.len(), in_border.entries.len());
         let (block, border, px) = (structure.block, structure.border, in_border.positions.len());
         let groups = structure.blocks.div_ceil(LANES);
+        let rows = rows(m);
         let zeros = |count: usize| vec![T::zero(); count];
         let lanes = |count: usize| vec![Group::zero(); count];
         Self {
             structure: structure.clone(),
             instructions: InstructionSet::best(),
             inverse_shift: T::one(),
-            own: lanes(groups * m * (block + border)),
+            own: lanes(groups * rows * (block + border)),
             to_border: lanes(groups * p * block),
             border_positions: zeros(p * px),
             corner: zeros(2 * p * p),
             work: Work {
-                block: lanes(m * m),
-                below: lanes(p * m),
+                right: lanes(rows * (in_block.positions.len() + border)),
+                through: lanes(block + border),
                 group: lanes(block),
                 solved: lanes(block),
                 border: zeros(p),
@@ -192,7 +207,11 @@ impl<T: Number> ArrowheadFactors<T> {
 
     /// Factors `shift · I − J`.
     pub fn factor(&mut self, jacobian: &Jacobian, shift: T) -> Result<(), Singular> {
-        self.instructions.run(Factor { factors: self, jacobian, shift })
+        let instructions = self.instructions;
+        match rows(self.in_block.entries.len()) {
+            FEW => instructions.run(Factor::<T, FEW> { factors: self, jacobian, shift }),
+            _ => instructions.run(Factor::<T, MOST> { factors: self, jacobian, shift }),
+        }
     }
 
     /// Replaces the right-hand side by the solution.
@@ -201,7 +220,7 @@ impl<T: Number> ArrowheadFactors<T> {
     }
 
     #[inline(always)]
-    fn factor_by(&mut self, jacobian: &Jacobian, shift: T) -> Result<(), Singular> {
+    fn factor_by<const M: usize>(&mut self, jacobian: &Jacobian, shift: T) -> Result<(), Singular> {
         let Structure { blocks, block, border, .. } = self.structure;
         let (inner, outer) = (&self.in_block, &self.in_border);
         let (m, p, px) = (inner.entries.len(), outer.entries.len(), outer.positions.len());
@@ -223,61 +242,64 @@ impl<T: Number> ArrowheadFactors<T> {
                 self.border_positions[row * px + k] = folded;
             }
         }
-        let width = block + border;
+        let (width, positions) = (block + border, inner.positions.len());
+        let columns = positions + border;
         for first in (0..blocks).step_by(LANES) {
             let group = first / LANES;
-            let own = &mut self.own[group * m * width..(group + 1) * m * width];
+            let own = &mut self.own[group * M * width..(group + 1) * M * width];
             let to_border = &mut self.to_border[group * p * block..(group + 1) * p * block];
-            let of_group = jacobian.blocks.group(group);
+            let (of_block, of_right) = (jacobian.blocks.group(group), jacobian.right.group(group));
+            let mut matrix = [[Group::zero(); M]; M];
             for (row, &entry) in inner.entries.iter().enumerate() {
-                let source = &of_group[entry * block..(entry + 1) * block];
-                reduce(source, inner, inverse, &mut work.block[row * m..(row + 1) * m]);
-                for lane in 0..LANES {
-                    work.block[row * m + row].0[lane] += shift;
+                let source = &of_block[entry * block..(entry + 1) * block];
+                reduce(source, inner, inverse, &mut matrix[row][..m]);
+                matrix[row][row].add(Group([T::one(); LANES]), Group([shift; LANES]));
+                let (by_position, by_border) = work.right[row * columns..(row + 1) * columns].split_at_mut(positions);
+                for (value, &(position, _)) in by_position.iter_mut().zip(&inner.positions) {
+                    *value = Group::of(source[position]);
+                    value.scale(Group([inverse; LANES]));
                 }
-                let target = &mut own[row * width..(row + 1) * width];
-                target[..block].fill(Group::zero());
-                target[entry] = Group([T::one(); LANES]);
-                for &(position, _) in &inner.positions {
-                    target[position] = Group::of(source[position]);
-                    target[position].scale(Group([inverse; LANES]));
-                }
-            }
-            let of_group = jacobian.right.group(group);
-            for (row, &entry) in inner.entries.iter().enumerate() {
-                let target = &mut own[row * width + block..(row + 1) * width];
-                for (value, &right) in target.iter_mut().zip(&of_group[entry * border..(entry + 1) * border]) {
+                for (value, &right) in by_border.iter_mut().zip(&of_right[entry * border..(entry + 1) * border]) {
                     *value = Group::of(right);
                 }
             }
-            eliminate(&mut work.block, m, own, width)?;
-
-            let of_group = jacobian.below.group(group);
-            for (row, &entry) in outer.entries.iter().enumerate() {
-                let source = &of_group[entry * block..(entry + 1) * block];
-                let below = &mut work.below[row * m..(row + 1) * m];
-                reduce(source, inner, inverse, below);
-                let through = |column: usize| {
-                    let mut sum = Group::zero();
-                    for (k, &weight) in below.iter().enumerate() {
-                        sum.subtract(weight, own[k * width + column]);
-                    }
-                    sum
-                };
-                let target = &mut to_border[row * block..(row + 1) * block];
-                for (column, value) in target.iter_mut().enumerate() {
-                    *value = through(column);
+            for k in m..M {
+                matrix[k][k] = Group([T::one(); LANES]);
+            }
+            invert_group(&mut matrix)?;
+            for (row, inverse_row) in matrix.iter().enumerate() {
+                product(inverse_row, &work.right, &mut work.through[..columns]);
+                let (by_block, by_border) = own[row * width..(row + 1) * width].split_at_mut(block);
+                for (&value, &entry) in inverse_row.iter().zip(&inner.entries) {
+                    by_block[entry] = value;
                 }
+                for (&value, &(position, _)) in work.through.iter().zip(&inner.positions) {
+                    by_block[position] = value;
+                }
+                by_border.copy_from_slice(&work.through[positions..columns]);
+            }
+
+            let of_below = jacobian.below.group(group);
+            for (row, &entry) in outer.entries.iter().enumerate() {
+                let source = &of_below[entry * block..(entry + 1) * block];
+                let mut below = [Group::zero(); M];
+                reduce(source, inner, inverse, &mut below[..m]);
+                below.iter_mut().for_each(|weight| weight.scale(Group([-T::one(); LANES])));
+                product(&below, own, &mut work.through[..width]);
+                let (through_block, through_border) = work.through[..width].split_at(block);
+                let target = &mut to_border[row * block..(row + 1) * block];
+                target.copy_from_slice(through_block);
                 for &(position, _) in &inner.positions {
                     target[position].add(Group([inverse; LANES]), Group::of(source[position]));
                 }
-                for (column, &entry) in outer.entries.iter().enumerate() {
-                    self.corner[row * 2 * p + column] -= through(block + entry).sum();
+                let of_row = &mut self.corner[row * 2 * p..(row * 2 + 1) * p];
+                for (value, &entry) in of_row.iter_mut().zip(&outer.entries) {
+                    *value -= through_border[entry].sum();
                 }
                 for (k, &(position, velocity)) in outer.positions.iter().enumerate() {
-                    let folded = inverse * through(block + position).sum();
+                    let folded = inverse * through_border[position].sum();
                     self.border_positions[row * px + k] += folded;
-                    self.corner[row * 2 * p + velocity] -= folded;
+                    of_row[velocity] -= folded;
                 }
             }
         }
@@ -320,7 +342,7 @@ impl<T: Number> ArrowheadFactors<T> {
             if blocks > LANES {
                 gather(of_group, block, gathered);
             }
-            let own = &self.own[group * m * width..(group + 1) * m * width];
+            let own = &self.own[group * rows(m) * width..(group + 1) * rows(m) * width];
             for (row, &entry) in inner.entries.iter().enumerate() {
                 let (by_own, by_border) = own[row * width..(row + 1) * width].split_at(block);
                 let mut sum = dot(by_own, gathered);
@@ -384,57 +406,72 @@ fn reduce<T: Number>(source: &[Lanes], kept: &Kept, inverse: T, target: &mut [Gr
     }
 }
 
-/// Replaces the right-hand sides of a group of small systems by their solutions (row by row, in place): Gauss's elimination,
-/// each with its own row exchanges.
+/// Replaces the small matrices of a group by their inverses: elimination by Gauss and Jordan, each with its own exchanges of
+/// rows.
 #[inline(always)]
-fn eliminate<T: Number>(
-    matrix: &mut [Group<T>],
-    n: usize,
-    right: &mut [Group<T>],
-    columns: usize,
-) -> Result<(), Singular> {
-    for k in 0..n {
-        for row in k + 1..n {
-            let larger = exchanged(matrix[k * n + k], matrix[row * n + k]);
+fn invert_group<T: Number, const M: usize>(matrix: &mut [[Group<T>; M]; M]) -> Result<(), Singular> {
+    let mut inverse = [[Group::zero(); M]; M];
+    for (k, row) in inverse.iter_mut().enumerate() {
+        row[k] = Group([T::one(); LANES]);
+    }
+    for k in 0..M {
+        for row in k + 1..M {
+            let larger = exchanged(matrix[k][k], matrix[row][k]);
             if larger.iter().any(|&larger| larger) {
-                exchange(matrix, n, (k, row), larger);
-                exchange(right, columns, (k, row), larger);
+                for matrix in [&mut *matrix, &mut inverse] {
+                    let (upper, lower) = matrix.split_at_mut(row);
+                    exchange(&mut upper[k], &mut lower[0], larger);
+                }
             }
         }
-        let mut inverse = matrix[k * n + k];
-        for pivot in &mut inverse.0 {
+        let mut scale = matrix[k][k];
+        for pivot in &mut scale.0 {
             let size = pivot.norm1();
             if !(size > 0.0 && size.is_finite()) {
                 return Err(Singular);
             }
             *pivot = T::one() / *pivot;
         }
-        matrix[k * n + k] = inverse;
-        let (upper, lower) = matrix.split_at_mut((k + 1) * n);
-        let (right_upper, right_lower) = right.split_at_mut((k + 1) * columns);
-        for (row, of_row) in lower.chunks_exact_mut(n).zip(right_lower.chunks_exact_mut(columns)) {
-            let mut weight = row[k];
-            weight.scale(inverse);
-            for (value, &above) in row[k + 1..].iter_mut().zip(&upper[k * n + k + 1..]) {
-                value.subtract(weight, above);
-            }
-            for (value, &above) in of_row.iter_mut().zip(&right_upper[k * columns..]) {
-                value.subtract(weight, above);
-            }
+        for column in 0..M {
+            matrix[k][column].scale(scale);
+            inverse[k][column].scale(scale);
         }
-    }
-    for k in (0..n).rev() {
-        let (above, of_row) = right[..(k + 1) * columns].split_at_mut(k * columns);
-        for value in of_row.iter_mut() {
-            value.scale(matrix[k * n + k]);
-        }
-        for (row, target) in above.chunks_exact_mut(columns).enumerate() {
-            for (value, &below) in target.iter_mut().zip(of_row.iter()) {
-                value.subtract(matrix[row * n + k], below);
+        let (pivot, solved) = (matrix[k], inverse[k]);
+        for row in (0..M).filter(|&row| row != k) {
+            let weight = matrix[row][k];
+            for column in 0..M {
+                matrix[row][column].subtract(weight, pivot[column]);
+                inverse[row][column].subtract(weight, solved[column]);
             }
         }
     }
+    *matrix = inverse;
     Ok(())
+}
+
+/// The turn of a loop whose lanes are to be side by side, and not its turns: these the compiler would gather and scatter.
+#[inline(always)]
+fn alone(turn: usize) -> usize {
+    black_box(turn)
+}
+
+/// `product = weights · matrix`, the matrix row by row.
+#[inline(always)]
+fn product<T: Number, const M: usize>(weights: &[Group<T>; M], matrix: &[Group<T>], product: &mut [Group<T>]) {
+    let columns = product.len();
+    let mut rows = [matrix; M];
+    for k in 0..M {
+        rows[k] = &matrix[k * columns..(k + 1) * columns];
+    }
+    let weights = *weights;
+    for (column, value) in product.iter_mut().enumerate() {
+        let column = alone(column);
+        let mut sum = Group::zero();
+        for k in 0..M {
+            sum.add(weights[k], rows[k][column]);
+        }
+        *value = sum;
+    }
 }
 
 /// In which lanes the second is the larger pivot.
@@ -447,11 +484,10 @@ fn exchanged<T: Number>(first: Group<T>, second: Group<T>) -> [bool; LANES] {
     larger
 }
 
-/// Exchanges two rows, the first above the second, in some lanes.
+/// Exchanges two rows in some lanes.
 #[inline(always)]
-fn exchange<T: Number>(matrix: &mut [Group<T>], columns: usize, (first, second): (usize, usize), lanes: [bool; LANES]) {
-    let (upper, lower) = matrix.split_at_mut(second * columns);
-    for (a, b) in upper[first * columns..(first + 1) * columns].iter_mut().zip(&mut lower[..columns]) {
+fn exchange<T: Number>(first: &mut [Group<T>], second: &mut [Group<T>], lanes: [bool; LANES]) {
+    for (a, b) in first.iter_mut().zip(second) {
         for lane in 0..LANES {
             let (above, below) = (a.0[lane], b.0[lane]);
             a.0[lane] = if lanes[lane] { below } else { above };
