@@ -129,6 +129,7 @@ struct Work<T> {
     /// Right-hand side and solution of a group of blocks, and the border's.
     group: Vec<Group<T>>,
     solved: Vec<Group<T>>,
+    sums: Vec<Group<T>>,
     border: Vec<T>,
     border_solution: Vec<T>,
 }
@@ -191,6 +192,7 @@ impl<T: Number> ArrowheadFactors<T> {
                 through: lanes(block + border),
                 group: lanes(block),
                 solved: lanes(block),
+                sums: lanes(p),
                 border: zeros(p),
                 border_solution: zeros(border),
             },
@@ -312,24 +314,27 @@ impl<T: Number> ArrowheadFactors<T> {
         let (inner, outer) = (&self.in_block, &self.in_border);
         let (m, p, px) = (inner.entries.len(), outer.entries.len(), outer.positions.len());
         let width = block + border;
-        let Work { group: gathered, solved, border: sums, border_solution: solution, .. } = &mut self.work;
+        let Work { group: gathered, solved, sums, border: reduced, border_solution: solution, .. } = &mut self.work;
         let (of_blocks, of_border) = right_side.split_at_mut(blocks * block);
-        for (row, (sum, &entry)) in sums.iter_mut().zip(&outer.entries).enumerate() {
-            *sum = of_border[entry];
-            for (weight, &(position, _)) in self.border_positions[row * px..].iter().zip(&outer.positions) {
-                *sum += *weight * of_border[position];
-            }
-        }
+        sums.fill(Group::zero());
         for (group, of_group) in of_blocks.chunks(LANES * block.max(1)).enumerate() {
             gather(of_group, block, gathered);
             let to_border = &self.to_border[group * p * block..(group + 1) * p * block];
             for (sum, row) in sums.iter_mut().zip(to_border.chunks_exact(block)) {
-                *sum += dot(row, gathered).sum();
+                let mut lanes = *sum;
+                add_dot(&mut lanes, row, gathered);
+                *sum = lanes;
+            }
+        }
+        for (row, ((value, &sum), &entry)) in reduced.iter_mut().zip(&*sums).zip(&outer.entries).enumerate() {
+            *value = of_border[entry] + sum.sum();
+            for (weight, &(position, _)) in self.border_positions[row * px..].iter().zip(&outer.positions) {
+                *value += *weight * of_border[position];
             }
         }
         for (row, &entry) in outer.entries.iter().enumerate() {
             let mut value = T::zero();
-            for (&weight, &sum) in self.corner[row * 2 * p + p..].iter().zip(sums.iter()) {
+            for (&weight, &sum) in self.corner[row * 2 * p + p..].iter().zip(reduced.iter()) {
                 value += weight * sum;
             }
             solution[entry] = value;
@@ -345,7 +350,8 @@ impl<T: Number> ArrowheadFactors<T> {
             let own = &self.own[group * rows(m) * width..(group + 1) * rows(m) * width];
             for (row, &entry) in inner.entries.iter().enumerate() {
                 let (by_own, by_border) = own[row * width..(row + 1) * width].split_at(block);
-                let mut sum = dot(by_own, gathered);
+                let mut sum = Group::zero();
+                add_dot(&mut sum, by_own, gathered);
                 for (&weights, &value) in by_border.iter().zip(solution.iter()) {
                     sum.add(weights, Group([value; LANES]));
                 }
@@ -384,14 +390,12 @@ fn scatter<T: Number>(gathered: &[Group<T>], block: usize, blocks: &mut [T]) {
     }
 }
 
-/// Σ row · column in every lane.
+/// Adds Σ row · column in every lane.
 #[inline(always)]
-fn dot<T: Number>(row: &[Group<T>], column: &[Group<T>]) -> Group<T> {
-    let mut sum = Group::zero();
+fn add_dot<T: Number>(sum: &mut Group<T>, row: &[Group<T>], column: &[Group<T>]) {
     for (&a, &b) in row.iter().zip(column) {
         sum.add(a, b);
     }
-    sum
 }
 
 /// Writes a row of −J over the kept entries, positions folded into their velocities.
