@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-9;
 const FOLDS: f64 = 2.0;
 /// Loosest relative tolerance at which two motions are followed: whether they part is a matter of the scene, and must not
 /// drown in the errors of the steps.
-const PAIR_TOLERANCE: f64 = 1e-6;
+const PAIR_TOLERANCE: f64 = 1e-4;
 
 /// How much of a run is judged [s].
 pub fn judged_stretch(settings: &RunSettings) -> f64 {

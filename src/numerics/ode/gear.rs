@@ -16,6 +16,7 @@ use self::coefficients::Coefficients;
 use self::corrector::{Corrector, Failure, norm};
 use super::step_size::{Try, initial_step, is_impossible, largest};
 use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
+use crate::numerics::lanes::{InstructionSet, Task};
 
 /// Highest order with a useful sector of stability.
 pub const MOST_ORDER: usize = 5;
@@ -29,6 +30,7 @@ const SHARE: f64 = 0.25;
 pub struct Gear<'a, S: OdeSystem + ?Sized> {
     system: &'a S,
     tolerances: Tolerances,
+    instructions: InstructionSet,
     order: usize,
     time: f64,
     previous_time: f64,
@@ -66,6 +68,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
         Self {
             system,
             tolerances,
+            instructions: InstructionSet::best(),
             order: 1,
             time,
             previous_time: time,
@@ -98,6 +101,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
         self.corrector.factored_for = None;
     }
 
+    #[inline(always)]
     fn predict(&mut self, c: &Coefficients) {
         self.predicted.copy_from_slice(&self.differences[0]);
         self.predicted_rate.fill(0.0);
@@ -113,6 +117,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     }
 
     /// Takes the corrected state as the next one and updates the differences.
+    #[inline(always)]
     fn accept(&mut self, tried: &Try, c: &Coefficients) {
         let k = self.order;
         let correction = &self.corrector.correction;
@@ -143,6 +148,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     }
 
     /// Takes an accepted try over and plans the next step.
+    #[inline(always)]
     fn conclude(&mut self, tried: &Try, error: f64, c: &Coefficients) {
         let (order, next) = self.plan(tried.step, error, c);
         // Growth ends where the error no longer allows both a step of twice the size and the next order.
@@ -182,8 +188,24 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     }
 }
 
-impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
-    fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
+/// One step, to be compiled for each instruction set.
+struct Step<'g, 'a, S: OdeSystem + ?Sized> {
+    method: &'g mut Gear<'a, S>,
+    limit: f64,
+}
+
+impl<S: OdeSystem + ?Sized> Task for Step<'_, '_, S> {
+    type Answer = Result<(), IntegrationError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        self.method.step_by(self.limit)
+    }
+}
+
+impl<S: OdeSystem + ?Sized> Gear<'_, S> {
+    #[inline(always)]
+    fn step_by(&mut self, limit: f64) -> Result<(), IntegrationError> {
         if self.known == 0 {
             self.start(limit - self.time);
         }
@@ -229,6 +251,12 @@ impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
                 });
             }
         }
+    }
+}
+
+impl<S: OdeSystem + ?Sized> Integrator for Gear<'_, S> {
+    fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
+        self.instructions.run(Step { method: self, limit })
     }
 
     fn time(&self) -> f64 {

@@ -47,6 +47,7 @@ pub(super) enum Failure {
 
 impl<S: OdeSystem + ?Sized> Gear<'_, S> {
     /// Solves for the correction at the end of a step, from the predictor on.
+    #[inline(always)]
     pub(super) fn correct(&mut self, tried: &Try, c: &Coefficients) -> Result<(), Failure> {
         let (corrector, end) = (&mut self.corrector, tried.end);
         corrector.correction.fill(0.0);
@@ -123,6 +124,7 @@ impl Corrector {
     }
 
     /// Sees to it that factors fit for the leading coefficient exist.
+    #[inline(always)]
     fn prepare<S: OdeSystem + ?Sized>(
         &mut self,
         system: &S,
@@ -166,18 +168,28 @@ impl Corrector {
 const SUMS: usize = 8;
 
 /// Weighted root mean square.
+#[inline(always)]
 pub(super) fn norm(weights: &[f64], a: &[f64]) -> f64 {
     norm_of_sum(weights, a, (0.0, a))
 }
 
 /// Weighted root mean square of `a + factor · b`.
+#[inline(always)]
 pub(super) fn norm_of_sum(weights: &[f64], a: &[f64], (factor, b): (f64, &[f64])) -> f64 {
     let mut sums = [0.0; SUMS];
-    for ((weights, a), b) in weights.chunks(SUMS).zip(a.chunks(SUMS)).zip(b.chunks(SUMS)) {
-        for (((sum, weight), a), b) in sums.iter_mut().zip(weights).zip(a).zip(b) {
-            let x = (a + factor * b) * weight;
-            *sum += x * x;
+    let ((all_weights, weights_left), (all_a, a_left), (all_b, b_left)) =
+        (weights.as_chunks::<SUMS>(), a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
+    let mut add = |k: usize, weight: f64, a: f64, b: f64| {
+        let x = (a + factor * b) * weight;
+        sums[k] += x * x;
+    };
+    for ((weights, a), b) in all_weights.iter().zip(all_a).zip(all_b) {
+        for k in 0..SUMS {
+            add(k, weights[k], a[k], b[k]);
         }
+    }
+    for (k, ((weight, a), b)) in weights_left.iter().zip(a_left).zip(b_left).enumerate() {
+        add(k, *weight, *a, *b);
     }
     (sums.iter().sum::<f64>() / weights.len().max(1) as f64).sqrt()
 }

@@ -16,6 +16,7 @@ const DISTRUST: u32 = 3;
 
 impl<S: OdeSystem + ?Sized> Gear<'_, S> {
     /// Order and size of the next step, seen from an accepted try that is not yet taken over.
+    #[inline(always)]
     pub(super) fn plan(&self, step: f64, error: f64, c: &Coefficients) -> (usize, f64) {
         let k = self.order;
         let same = gain(error, k, AIM[0]);
@@ -51,6 +52,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
     }
 
     /// What to do after a try whose error was too large.
+    #[inline(always)]
     pub(super) fn after_rejection(&mut self, step: f64, error: f64, failures: u32, c: &Coefficients) {
         self.starting = false;
         if failures >= DISTRUST {
@@ -67,6 +69,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
     }
 
     /// Factor that the step may grow by at the next lower order; 0 at order 1.
+    #[inline(always)]
     fn gain_lower(&self, c: &Coefficients) -> f64 {
         let k = self.order;
         if k == 1 {
