@@ -8,7 +8,7 @@ use std::array::from_fn;
 
 use super::bearing::{Bearing, PerRaceway};
 use super::contact::damping::{DampingFactor, normal_load};
-use super::contact::film::{Film, Inlet};
+use super::contact::film::{Film, Inlet, ThinnestFilm};
 use super::contact::hertz::{HertzContact, raceway_contacts};
 use super::contact::traction::{
     FourParameters, MAX_STRIPS, Strip, Strips, TINY, Traction, TractionContext, coulomb, eyring, rising, rolling,
@@ -523,11 +523,20 @@ impl RacewayContact {
 
     /// Minimum film thickness of a loaded contact [m]; 0 without a film.
     pub fn minimum_film(&self, motion: &RelativeMotion, load: &RacewayLoad) -> f64 {
+        self.groove.film.minimum(self.rolling_speed(motion), load.normal)
+    }
+
+    /// Meets that film.
+    pub fn meet_film(&self, motion: &RelativeMotion, load: &RacewayLoad, thinnest: &mut ThinnestFilm) {
+        thinnest.meet(&self.groove.film, self.rolling_speed(motion), load.normal);
+    }
+
+    /// Mean rolling speed ū at the contact's centre [m/s].
+    fn rolling_speed(&self, motion: &RelativeMotion) -> f64 {
         let groove = &self.groove;
         let (_, (towards_a, towards_r)) = groove.penetration::<false>(motion.axial, motion.radius);
         let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
-        let rolling = groove.rolling_velocity(motion, per_height, groove.ball_radius);
-        groove.film.minimum(rolling, load.normal)
+        groove.rolling_velocity(motion, per_height, groove.ball_radius)
     }
 }
 

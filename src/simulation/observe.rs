@@ -11,6 +11,7 @@ use super::run::{Outputs, RunSettings};
 use crate::numerics::ode::Integrator;
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
+use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::pocket::PocketLoad;
 use crate::physics::raceway::{RacewayLoad, RelativeMotion};
 
@@ -83,10 +84,35 @@ struct Snapshot {
     inner: Vec<f64>,
     outer: Vec<f64>,
     pocket: Vec<f64>,
-    /// Extremes so far; they grow only while `counts` is set.
-    extremes: PerRaceway<ContactExtremes>,
+    /// What was met so far; it grows only while `counts` is set.
+    met: PerRaceway<Met>,
     max_pocket_load: f64,
     counts: bool,
+}
+
+/// Extremes of one kind of contact on the way, in the form that costs least to compare.
+#[derive(Clone)]
+struct Met {
+    max_load: Vec<f64>,
+    /// Sine and cosine of the least and the largest contact angle, between ±90°: the sine grows with the angle.
+    angles: Option<[(f64, f64); 2]>,
+    slip_square: f64,
+    film: ThinnestFilm,
+}
+
+impl Met {
+    fn new(balls: usize) -> Self {
+        Self { max_load: vec![0.0; balls], angles: None, slip_square: 0.0, film: ThinnestFilm::NONE }
+    }
+
+    fn extremes(self) -> ContactExtremes {
+        ContactExtremes {
+            max_load: self.max_load,
+            angle: self.angles.map(|[least, most]| (least.0.atan2(least.1), most.0.atan2(most.1))),
+            max_slip: self.slip_square.sqrt(),
+            least_film: Some(self.film.thickness).filter(|film| film.is_finite()),
+        }
+    }
 }
 
 /// The watch of one look, with the model it looks at.
@@ -98,24 +124,26 @@ struct Look<'a> {
 impl Watch for Look<'_> {
     fn raceway(&mut self, ball: usize, side: BallContact, motion: &RelativeMotion, load: &RacewayLoad) {
         let snapshot = &mut *self.snapshot;
-        let (loads, extremes, contact) = match side {
-            BallContact::Inner => {
-                (&mut snapshot.inner, &mut snapshot.extremes.inner, &self.model.mechanism().raceway.inner)
-            }
-            _ => (&mut snapshot.outer, &mut snapshot.extremes.outer, &self.model.mechanism().raceway.outer),
+        let raceway = &self.model.mechanism().raceway;
+        let (loads, met, contact) = match side {
+            BallContact::Inner => (&mut snapshot.inner, &mut snapshot.met.inner, &raceway.inner),
+            _ => (&mut snapshot.outer, &mut snapshot.met.outer, &raceway.outer),
         };
         loads[ball] = load.normal;
         if !snapshot.counts || load.normal <= 0.0 {
             return;
         }
-        extremes.max_load[ball] = extremes.max_load[ball].max(load.normal);
-        extremes.max_slip = extremes.max_slip.max(load.slip.0.hypot(load.slip.1));
-        let angle = load.angle.0.atan2(load.angle.1);
-        let (least, most) = extremes.angle.unwrap_or((angle, angle));
-        extremes.angle = Some((least.min(angle), most.max(angle)));
+        met.max_load[ball] = met.max_load[ball].max(load.normal);
+        met.slip_square = met.slip_square.max(load.slip.0 * load.slip.0 + load.slip.1 * load.slip.1);
+        let [least, most] = met.angles.get_or_insert([load.angle; 2]);
+        if load.angle.0 < least.0 {
+            *least = load.angle;
+        }
+        if load.angle.0 > most.0 {
+            *most = load.angle;
+        }
         if snapshot.film {
-            let film = contact.minimum_film(motion, load);
-            extremes.least_film = Some(extremes.least_film.map_or(film, |least| least.min(film)));
+            contact.meet_film(motion, load, &mut met.film);
         }
     }
 
@@ -201,7 +229,6 @@ impl<'m> Observer<'m> {
         // A run without time to settle has no past for the filter: it starts from a standstill then.
         let lead = if settings.settle * LOOK_RATE >= delay as f64 { delay } else { 0 };
         let balls = layout.balls;
-        let extremes = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
         Self {
             model,
             start: settings.settle,
@@ -221,7 +248,7 @@ impl<'m> Observer<'m> {
                 inner: vec![0.0; balls],
                 outer: vec![0.0; balls],
                 pocket: vec![0.0; balls],
-                extremes: PerRaceway { inner: extremes.clone(), outer: extremes },
+                met: PerRaceway { inner: Met::new(balls), outer: Met::new(balls) },
                 max_pocket_load: 0.0,
                 counts: false,
             },
@@ -352,7 +379,10 @@ impl<'m> Observer<'m> {
             start: self.start,
             signals: self.filtered.into_iter().chain(self.picked).collect(),
             total_variance,
-            contacts: self.snapshot.extremes,
+            contacts: PerRaceway {
+                inner: self.snapshot.met.inner.extremes(),
+                outer: self.snapshot.met.outer.extremes(),
+            },
             max_pocket_load: self.snapshot.max_pocket_load,
             direction: if self.shaft.mean < 0.0 { -1.0 } else { 1.0 },
             shaft_speed: self.shaft.mean.abs(),

@@ -209,8 +209,8 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
         if self.known == 0 {
             self.start(limit - self.time);
         }
-        for (i, weight) in self.weights.iter_mut().enumerate() {
-            *weight = 1.0 / (SHARE * self.tolerances.allowed(i, self.differences[0][i]));
+        for (weight, allowed) in self.weights.iter_mut().zip(self.tolerances.all_allowed(&self.differences[0])) {
+            *weight = 1.0 / (SHARE * allowed);
         }
         let (mut tries, mut too_large) = (0, 0);
         loop {

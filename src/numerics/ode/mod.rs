@@ -56,6 +56,13 @@ impl Tolerances {
         Self { relative: vec![relative; dimension], absolute: vec![absolute; dimension] }
     }
 
+    /// What each component of a state may err by in a step.
+    #[inline(always)]
+    pub fn all_allowed<'a>(&'a self, state: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let each = self.absolute.iter().zip(&self.relative).zip(state);
+        each.map(|((absolute, relative), size)| absolute + relative * size.abs())
+    }
+
     /// What component `i` may err by in a step where it is of this size.
     #[inline]
     pub fn allowed(&self, i: usize, size: f64) -> f64 {

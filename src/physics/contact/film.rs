@@ -17,6 +17,9 @@ pub struct Film {
 
 /// A load below which a film does not grow any further [N].
 const LEAST_LOAD: f64 = 1e-6;
+/// Of the minimum film: it grows with speed, and falls with load.
+const SPEED_EXPONENT: f64 = 0.68;
+const LOAD_EXPONENT: f64 = 0.073;
 /// A film thinner than a molecule is none [m].
 const LEAST_FILM: f64 = 1e-9;
 
@@ -36,7 +39,36 @@ impl Film {
     /// Minimum film thickness h_min [m] at mean rolling speed ū [m/s] and load [N]; 0 at rest.
     #[inline(always)]
     pub fn minimum(&self, rolling_speed: f64, load: f64) -> f64 {
-        self.minimum_coefficient * power(rolling_speed.abs(), 0.68) * power(larger(load, LEAST_LOAD), -0.073)
+        self.minimum_coefficient
+            * power(rolling_speed.abs(), SPEED_EXPONENT)
+            * power(larger(load, LEAST_LOAD), -LOAD_EXPONENT)
+    }
+}
+
+/// The thinnest minimum film of a contact that was met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ThinnestFilm {
+    /// [m]; infinite before the first.
+    pub thickness: f64,
+    /// The mean rolling speed [m/s] and the load [N] that it was met at.
+    rolling_speed: f64,
+    load: f64,
+}
+
+impl ThinnestFilm {
+    pub const NONE: Self = Self { thickness: f64::INFINITY, rolling_speed: 0.0, load: 0.0 };
+
+    /// Meets another one. Most are thicker, which shows without their powers: with 1 − 1/x ≤ ln x ≤ x − 1 the logarithm of
+    /// the ratio of thicknesses is at least what is compared with 0 here.
+    pub fn meet(&mut self, film: &Film, rolling_speed: f64, load: f64) {
+        let (speed, load) = (rolling_speed.abs(), larger(load, LEAST_LOAD));
+        if SPEED_EXPONENT * (1.0 - self.rolling_speed / speed) - LOAD_EXPONENT * (load / self.load - 1.0) >= 0.0 {
+            return;
+        }
+        let thickness = film.minimum(speed, load);
+        if thickness < self.thickness {
+            *self = Self { thickness, rolling_speed: speed, load };
+        }
     }
 }
 
@@ -100,7 +132,11 @@ pub fn central_film_thickness(conditions: &FilmConditions) -> f64 {
 pub fn minimum_film_thickness(conditions: &FilmConditions) -> f64 {
     let (speed, material, load) = conditions.groups();
     let side_leakage = 1.0 - (-0.68 * conditions.ellipticity).exp();
-    3.63 * speed.powf(0.68) * material.powf(0.49) * load.powf(-0.073) * side_leakage * conditions.rolling_radius
+    3.63 * speed.powf(SPEED_EXPONENT)
+        * material.powf(0.49)
+        * load.powf(-LOAD_EXPONENT)
+        * side_leakage
+        * conditions.rolling_radius
 }
 
 /// Forces of the inlet on a ball, signed like the rolling speed.
@@ -281,5 +317,22 @@ mod tests {
         assert!(inlet_force(0.02, 1.0, 1e-3, 1e-2, 0.0, 1e-3).is_finite());
         assert_close(inlet_integral(1e-2), 0.5e-8, 1e-3);
         assert_eq!(inlet_integral(0.0), 0.0);
+    }
+
+    /// Skipping what is surely thicker misses none: the thinnest of many is that of all their powers.
+    #[test]
+    fn the_thinnest_film_is_found_without_all_powers() {
+        let film = Film { central_coefficient: 1.0, minimum_coefficient: 1e-7 };
+        let mut thinnest = ThinnestFilm::NONE;
+        let mut least = f64::INFINITY;
+        for i in 0..10_000 {
+            let i = f64::from(i);
+            let (speed, load) = (7.0 + 3.0 * (0.7 * i).sin(), 100.0 + 99.0 * (0.31 * i).cos());
+            thinnest.meet(&film, -speed, load);
+            least = least.min(film.minimum(speed, load));
+            assert_eq!(thinnest.thickness, least);
+        }
+        thinnest.meet(&film, 0.0, 1.0);
+        assert_eq!(thinnest.thickness, 0.0);
     }
 }

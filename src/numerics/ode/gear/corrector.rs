@@ -70,16 +70,21 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
             } else {
                 corrector.excess += 1;
             }
-            for (i, increment) in corrector.increment.iter_mut().enumerate() {
-                *increment = corrector.rate[i] - self.predicted_rate[i] - c.leading * corrector.correction[i];
+            let known = corrector.rate.iter().zip(&self.predicted_rate).zip(&corrector.correction);
+            for (increment, ((rate, predicted), correction)) in corrector.increment.iter_mut().zip(known) {
+                *increment = rate - predicted - c.leading * correction;
             }
             corrector.factors.solve(&mut corrector.increment);
             // Between the limits of a slow and of a stiff component, for factors of another coefficient.
             let mend = 2.0 / (1.0 + c.leading / corrector.factored_for.unwrap_or(c.leading));
-            for (i, increment) in corrector.increment.iter_mut().enumerate() {
+            for (correction, increment) in corrector.correction.iter_mut().zip(&mut corrector.increment) {
                 *increment *= mend;
-                corrector.correction[i] += *increment;
-                self.trial[i] = self.predicted[i] + corrector.correction[i];
+                *correction += *increment;
+            }
+            for ((trial, predicted), correction) in
+                self.trial.iter_mut().zip(&self.predicted).zip(&corrector.correction)
+            {
+                *trial = predicted + correction;
             }
             let size = norm(&self.weights, &corrector.increment);
             if iteration > 0 {
