@@ -174,6 +174,7 @@ fn settings(case: &Case, method: Method, relative_tolerance: f64) -> RunSettings
         rung: None,
         relative_tolerance,
         // Integrators are on trial, not reduced models.
+        tightened: None,
         model_tolerance_db: 0.0,
         fixed_step: None,
         settle: case.settle,

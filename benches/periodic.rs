@@ -54,6 +54,7 @@ fn main() {
         method: Method::Auto,
         rung: None,
         relative_tolerance: 1e-6,
+        tightened: None,
         model_tolerance_db: 0.0,
         fixed_step: Some(2.5e-6),
         settle: 0.3,

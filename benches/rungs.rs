@@ -73,6 +73,7 @@ fn settings(scene: &Scene, duration: f64) -> RunSettings {
         method: Method::Auto,
         rung: None,
         relative_tolerance: 1e-7,
+        tightened: None,
         model_tolerance_db: 0.0,
         fixed_step: None,
         settle: (3.0 / cage).max(0.02),
@@ -170,6 +171,7 @@ fn chosen() {
             let settings = RunSettings {
                 rung,
                 relative_tolerance: tolerances.0,
+                tightened: None,
                 model_tolerance_db: tolerances.1,
                 settle: 0.02,
                 outputs,

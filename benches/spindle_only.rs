@@ -59,6 +59,7 @@ fn settings(duration: f64) -> RunSettings {
         method: Method::Auto,
         rung: None,
         relative_tolerance: TOLERANCE,
+        tightened: None,
         model_tolerance_db: 0.0,
         fixed_step: None,
         settle: SETTLE,

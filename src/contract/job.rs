@@ -285,8 +285,22 @@ fn simulation(input: &mut JobInput, scene: Option<&Scene>, filling: &mut Filling
     let outputs = input.outputs.get_or_insert_default().resolve(filling, scene);
     let settle = times::settle(&mut input.settle_s, times::default_settle(scene), filling);
     let duration = times::duration(&mut input.duration_s, times::default_duration(scene), &outputs, filling);
-    let Solver { method, rung, relative_tolerance, model_tolerance_db, fixed_step } = solver;
-    RunSettings { method, rung, relative_tolerance, model_tolerance_db, fixed_step, settle, duration, outputs }
+    let Solver { method, rung, mut relative_tolerance, mut tightened, model_tolerance_db, fixed_step } = solver;
+    if !outputs.series.is_empty() {
+        // Every value of a series is asked for, and nothing judges them.
+        relative_tolerance = tightened.take().unwrap_or(relative_tolerance);
+    }
+    RunSettings {
+        method,
+        rung,
+        relative_tolerance,
+        tightened,
+        model_tolerance_db,
+        fixed_step,
+        settle,
+        duration,
+        outputs,
+    }
 }
 
 /// What the runs of an accuracy job have in common.
@@ -299,7 +313,17 @@ fn compared(input: &mut JobInput, filling: &mut Filling) -> RunSettings {
     let settle = times::settle(&mut input.settle_s, accuracy::SETTLE, filling);
     let duration = times::duration(&mut input.duration_s, accuracy::DURATION, &outputs, filling);
     let (method, relative_tolerance) = SETTLING;
-    RunSettings { method, rung, relative_tolerance, model_tolerance_db, fixed_step: None, settle, duration, outputs }
+    RunSettings {
+        method,
+        rung,
+        relative_tolerance,
+        tightened: None,
+        model_tolerance_db,
+        fixed_step: None,
+        settle,
+        duration,
+        outputs,
+    }
 }
 
 fn kind_of(request: &Value) -> Result<JobKind, FieldError> {

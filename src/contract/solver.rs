@@ -15,7 +15,9 @@ pub struct SolverInput {
     /// Default `auto`: the run chooses, and the result names what ran and why.
     #[schema(nullable = false, value_type = Option<MethodName>)]
     pub method: Option<String>,
-    /// Relative tolerance of the integrator [-]; `auto` tightens it where it leaves more noise than level. Default 1e-5.
+    /// Relative tolerance of the integrator [-]; `auto` tightens it where it leaves more noise than level. Left out, it is
+    /// 1e-5; with the method `auto` and no series asked for it is 1e-3 where the error that the result then states is within half of
+    /// `model_tolerance_db`, else 1e-5. `solver.relative_tolerance` of the result tells which.
     #[schema(nullable = false, minimum = 1e-12, maximum = 0.01, example = 0.00001)]
     pub relative_tolerance: Option<f64>,
     /// How much a level may change by what is left out by judgement [dB]; 0: identities and
@@ -72,6 +74,10 @@ const METHODS: [(&str, Option<Method>); 10] = [
     ("harmonic_balance", None),
 ];
 
+/// Relative tolerance where none is given: the first where a run may choose and nothing but levels, loads and speeds is asked
+/// for, the second where that does not do.
+const LOOSE_TOLERANCE: f64 = 1e-3;
+const TOLERANCE: f64 = 1e-5;
 /// Tightest and loosest relative tolerance.
 pub const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 
@@ -81,6 +87,8 @@ pub struct Solver {
     pub method: Method,
     pub rung: Option<Rung>,
     pub relative_tolerance: f64,
+    /// See `RunSettings::tightened`.
+    pub tightened: Option<f64>,
     pub model_tolerance_db: f64,
     /// [s]
     pub fixed_step: Option<f64>,
@@ -90,7 +98,11 @@ impl SolverInput {
     pub fn resolve(&mut self, filling: &mut Filling) -> Solver {
         let name = filling.take("/solver/method", &mut self.method, "auto".to_owned());
         let method = method_of(filling, "/solver/method", &name).unwrap_or(Method::Auto);
-        let relative_tolerance = filling.take("/solver/relative_tolerance", &mut self.relative_tolerance, 1e-5);
+        let chooses = self.relative_tolerance.is_none() && method == Method::Auto && self.fixed_step_us.is_none();
+        if !chooses {
+            filling.take("/solver/relative_tolerance", &mut self.relative_tolerance, TOLERANCE);
+        }
+        let relative_tolerance = self.relative_tolerance.unwrap_or(LOOSE_TOLERANCE);
         filling.within("/solver/relative_tolerance", relative_tolerance, TOLERANCES.0, TOLERANCES.1, "");
         let (rung, model_tolerance_db) = self.resolve_model(filling);
         if let Some(step) = self.fixed_step_us {
@@ -110,7 +122,8 @@ impl SolverInput {
             filling.refuse("/solver/rung", detail);
         }
         let fixed_step = self.fixed_step_us.map(|step| US.to_si(step));
-        Solver { method, rung, relative_tolerance, model_tolerance_db, fixed_step }
+        let tightened = chooses.then_some(TOLERANCE);
+        Solver { method, rung, relative_tolerance, tightened, model_tolerance_db, fixed_step }
     }
 
     /// What decides over the model alone: rung and `model_tolerance_db`.

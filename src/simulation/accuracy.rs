@@ -189,6 +189,15 @@ fn resolve(
     Ok((kept, distance, tightest))
 }
 
+impl AccuracyReport {
+    /// Whether a tighter tolerance would tell nothing that was asked for any better: what is stated is within so many decibels,
+    /// or the motion is chaotic and the error is that of any sample of it.
+    pub(super) fn within(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
+        let stated = Distance { level_db: self.level_error_db, quantities: self.quantity_errors };
+        self.motion == Some(MotionKind::Diverging) || stated.within(outputs, tolerance_db)
+    }
+}
+
 /// What a result says where level, largest load or cage speed are not resolved.
 fn doubts(level_error_db: Option<f64>, quantities: Option<QuantityErrors>) -> Option<String> {
     let level = level_error_db
@@ -283,6 +292,15 @@ pub(super) struct Distance {
 
 impl Distance {
     pub const UNKNOWN: Self = Self { level_db: None, quantities: None };
+
+    /// Whether level, and largest load and cage speed where they are asked for, differ by no more than so many decibels.
+    pub fn within(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
+        let share = 10_f64.powf(tolerance_db / 20.0) - 1.0;
+        let within = |asked: bool, error: Option<f64>| !asked || error.is_some_and(|error| error <= share);
+        self.level_db.is_some_and(|error| error <= tolerance_db)
+            && within(outputs.contacts, self.quantities.map(|errors| errors.max_load))
+            && within(outputs.cage, self.quantities.map(|errors| errors.cage_speed))
+    }
 
     /// Of two recordings of the same stretch. `unseen`: root of the share of a run that they do not show.
     pub fn of_recordings(a: &Recording, b: &Recording, unseen: f64) -> Self {

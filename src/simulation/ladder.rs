@@ -189,12 +189,7 @@ struct Check {
 impl Check {
     /// Whether level, and largest load and cage speed where they are asked for, differ by no more than so many decibels.
     fn confirms(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
-        let share = 10_f64.powf(tolerance_db / 20.0) - 1.0;
-        let within = |asked: bool, error: Option<f64>| !asked || error.is_some_and(|error| error <= share);
-        let quantities = self.distance.quantities;
-        self.distance.level_db.is_some_and(|error| error <= tolerance_db)
-            && within(outputs.contacts, quantities.map(|errors| errors.max_load))
-            && within(outputs.cage, quantities.map(|errors| errors.cage_speed))
+        self.distance.within(outputs, tolerance_db)
     }
 
     /// One that could not be made.

@@ -37,6 +37,9 @@ pub struct RunSettings {
     pub method: Method,
     pub rung: Option<Rung>,
     pub relative_tolerance: f64,
+    /// The tolerance that is taken instead, and the run made again, where `model_tolerance_db` or a load or speed that is
+    /// asked for turns out to need it; `None`: the tolerance stands.
+    pub tightened: Option<f64>,
     /// How much a level may change by what is left out by judgement [dB]; 0: identities and conventions only.
     pub model_tolerance_db: f64,
     /// Step without error control [s]; only for methods that take fixed steps.
@@ -143,11 +146,23 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let model = Model::new(scene, &needs);
     let start = start_state(&model)?;
     let setup = Setup { model: &model, needs: &needs, settings, start: &start };
-    let first = setup.attempt(&Stepping::of(settings), (0.0, MAIN_SHARE), control)?;
-    let (attempt, accuracy) = accuracy::judge(&setup, first, control)?;
+    let attempt = |settings: &RunSettings| {
+        let setup = Setup { settings, ..setup };
+        accuracy::judge(&setup, setup.attempt(&Stepping::of(settings), (0.0, MAIN_SHARE), control)?, control)
+    };
+    let (mut made, mut accuracy) = attempt(settings)?;
+    if let Some(tightened) = settings.tightened
+        && made.relative_tolerance == settings.relative_tolerance
+        && !accuracy.within(&settings.outputs, SHARE_OF_INTEGRATION * settings.model_tolerance_db)
+    {
+        (made, accuracy) = attempt(&RunSettings { relative_tolerance: tightened, ..settings.clone() })?;
+    }
     (control.progress)(1.0);
-    Ok(summarise(scene, &setup, &attempt, accuracy, &found, begin))
+    Ok(summarise(scene, &setup, &made, accuracy, &found, begin))
 }
+
+/// Share of `model_tolerance_db` that the integration may use where it may choose its tolerance.
+const SHARE_OF_INTEGRATION: f64 = 0.5;
 
 /// Share of the progress that the main integration stands for; the rest judges its accuracy.
 const MAIN_SHARE: f64 = 0.85;
@@ -166,6 +181,7 @@ pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
 }
 
 /// What is the same in all attempts at a run.
+#[derive(Clone, Copy)]
 pub(super) struct Setup<'a> {
     pub model: &'a Model,
     pub needs: &'a Needs,
@@ -380,11 +396,15 @@ impl RunResult {
     }
 }
 
-/// Why this method, and why a tighter tolerance than the one asked for.
+/// Why this method, and why another tolerance than the one asked for.
 fn reason(settings: &RunSettings, attempt: &Attempt) -> String {
     let method = attempt.integrated.choice.reason.clone().unwrap_or_else(|| "asked for".into());
     let (asked, taken) = (settings.relative_tolerance, attempt.relative_tolerance);
-    if taken == asked {
+    if settings.tightened == Some(taken) {
+        format!("{method}; tolerance {taken:.0e}, for at {asked:.0e} the level was not certain enough")
+    } else if settings.tightened.is_some() && taken == asked {
+        format!("{method}; tolerance {taken:.0e}, for the level needs no tighter one")
+    } else if taken == asked {
         method
     } else {
         format!("{method}; tolerance {taken:.0e} for {asked:.0e}, which left more noise than level")

@@ -19,6 +19,7 @@ pub fn settings() -> RunSettings {
         rung: None,
         relative_tolerance: 1e-5,
         // The dynamics; the ladder below them has tests of its own.
+        tightened: None,
         model_tolerance_db: 0.0,
         fixed_step: None,
         settle: 0.02,

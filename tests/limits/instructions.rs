@@ -69,6 +69,7 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
         method: Method::Auto,
         rung: None,
         relative_tolerance: 1e-7,
+        tightened: None,
         model_tolerance_db: 0.0,
         fixed_step: None,
         settle: 1e-3,

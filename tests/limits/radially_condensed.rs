@@ -17,6 +17,7 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
         method: Method::Auto,
         rung: None,
         relative_tolerance: 1e-7,
+        tightened: None,
         model_tolerance_db: 0.0,
         fixed_step: None,
         settle,

@@ -26,6 +26,7 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
         method: Method::Gear,
         rung: None,
         relative_tolerance: 1e-5,
+        tightened: None,
         model_tolerance_db: 0.0,
         fixed_step: None,
         settle,

@@ -38,6 +38,7 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
         method: Method::Auto,
         rung: Some(Rung::Full),
         relative_tolerance: 1e-5,
+        tightened: None,
         model_tolerance_db: 0.05,
         fixed_step: None,
         settle,
