@@ -24,6 +24,8 @@ pub struct PeriodicOrbit<const N: usize> {
     pub state: [f64; N],
     /// Floquet multipliers (real, imaginary), largest modulus first.
     pub multipliers: Vec<(f64, f64)>,
+    /// ∂(state after a period)/∂(state).
+    pub monodromy: DMatrix<f64>,
     /// Periods integrated to find it.
     pub periods: u64,
 }
@@ -56,13 +58,37 @@ const FARTHEST: f64 = 1e4;
 impl<const N: usize> Search<N> {
     /// The periodic motion near a guess; `period` carries a state over one period.
     pub fn find(&self, guess: [f64; N], period: impl Fn(&[f64; N]) -> [f64; N]) -> Result<PeriodicOrbit<N>, NoOrbit> {
+        self.search(guess, None, period)
+    }
+
+    /// The same motion on a slightly other flow, such as one with finer steps; its multipliers are still those of the other.
+    pub fn refine(
+        &self,
+        orbit: &PeriodicOrbit<N>,
+        period: impl Fn(&[f64; N]) -> [f64; N],
+    ) -> Result<PeriodicOrbit<N>, NoOrbit> {
+        self.search(orbit.state, Some(orbit.monodromy.clone()), period)
+    }
+
+    /// With the multipliers of this flow.
+    pub fn measured(&self, orbit: PeriodicOrbit<N>, period: impl Fn(&[f64; N]) -> [f64; N]) -> PeriodicOrbit<N> {
+        let monodromy = self.monodromy(&orbit.state, &period(&orbit.state), &period);
+        let periods = orbit.periods + 1 + N as u64;
+        PeriodicOrbit { multipliers: multipliers(&monodromy), monodromy, periods, ..orbit }
+    }
+
+    fn search(
+        &self,
+        guess: [f64; N],
+        mut matrix: Option<DMatrix<f64>>,
+        period: impl Fn(&[f64; N]) -> [f64; N],
+    ) -> Result<PeriodicOrbit<N>, NoOrbit> {
         let mut state = guess;
         let mut image = period(&state);
         let mut periods = 1;
         let mut error = self.error(&state, &image)?;
-        let mut matrix: Option<DMatrix<f64>> = None;
         // Whether the matrix has proved right where the state is now.
-        let mut right = false;
+        let mut right = matrix.is_some();
         for _ in 0..self.iterations {
             if error <= self.tolerance && right {
                 break;
@@ -90,10 +116,7 @@ impl<const N: usize> Search<N> {
             return Err(NoOrbit::NotConverged { error, iterations: self.iterations });
         }
         let monodromy = matrix.unwrap_or_else(|| self.monodromy(&state, &image, &period));
-        let mut multipliers: Vec<(f64, f64)> =
-            monodromy.complex_eigenvalues().iter().map(|value| (value.re, value.im)).collect();
-        multipliers.sort_by(|a, b| b.0.hypot(b.1).total_cmp(&a.0.hypot(a.1)));
-        Ok(PeriodicOrbit { state, multipliers, periods })
+        Ok(PeriodicOrbit { state, multipliers: multipliers(&monodromy), monodromy, periods })
     }
 
     fn error(&self, state: &[f64; N], image: &[f64; N]) -> Result<f64, NoOrbit> {
@@ -117,19 +140,26 @@ impl<const N: usize> Search<N> {
     }
 }
 
+/// Eigenvalues, largest modulus first.
+fn multipliers(monodromy: &DMatrix<f64>) -> Vec<(f64, f64)> {
+    let mut all: Vec<(f64, f64)> = monodromy.complex_eigenvalues().iter().map(|value| (value.re, value.im)).collect();
+    all.sort_by(|a, b| b.0.hypot(b.1).total_cmp(&a.0.hypot(a.1)));
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::ode::adams_moulton::{EquationsOfMotion, Motion, runge_kutta};
+    use crate::numerics::ode::adams_moulton::{Motion, runge_kutta};
     use std::f64::consts::TAU;
 
     /// One period of a forced oscillator by Runge–Kutta.
-    fn period(equations: &impl EquationsOfMotion<1>, length: f64, state: &[f64; 2]) -> [f64; 2] {
+    fn period(equations: &impl Fn(f64, &Motion<1>) -> [f64; 1], length: f64, state: &[f64; 2]) -> [f64; 2] {
         let steps = 2000;
         let step = length / f64::from(steps);
         let (q, v) = (0..steps).fold(([state[0]], [state[1]]), |motion, k| {
             let time = f64::from(k) * step;
-            runge_kutta(time, &motion, &equations.acceleration(time, &motion), step, equations)
+            runge_kutta(time, &motion, &equations(time, &motion), step, equations)
         });
         [q[0], v[0]]
     }
@@ -186,6 +216,21 @@ mod tests {
             assert!((orbit.radius() / expected - 1.0).abs() < 5e-3, "{}", orbit.radius());
             assert!(!unstable || orbit.multipliers[0].0 < -1.0);
         }
+    }
+
+    /// From the orbit of a flow to that of one with other steps, with the matrix of the first.
+    #[test]
+    fn an_orbit_is_followed_to_a_finer_flow_with_few_periods() {
+        let equations = |t: f64, (q, v): &Motion<1>| [0.2 * (1.4 * t).cos() - 0.1 * v[0] - q[0] - q[0].powi(3)];
+        let length = TAU / 1.4;
+        let rough = |state: &[f64; 2]| period(&equations, length, state).map(|value| 1.0001 * value);
+        let found = SEARCH.find([0.0; 2], rough).unwrap();
+        let refined = SEARCH.refine(&found, |state| period(&equations, length, state)).unwrap();
+        let direct = SEARCH.find([0.0; 2], |state| period(&equations, length, state)).unwrap();
+        assert!((0..2).all(|i| (refined.state[i] - direct.state[i]).abs() < 1e-9));
+        assert!((found.state[0] - direct.state[0]).abs() > 1e-7 && refined.periods < direct.periods);
+        let measured = SEARCH.measured(refined.clone(), |state| period(&equations, length, state));
+        assert!((measured.radius() / direct.radius() - 1.0).abs() < 1e-5 && measured.radius() != refined.radius());
     }
 
     #[test]

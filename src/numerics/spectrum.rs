@@ -1,5 +1,6 @@
 //! Amplitude and envelope spectra, band limits, and decimation of sampled signals.
 
+use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
 use realfft::RealFftPlanner;
@@ -253,9 +254,24 @@ fn hann_main_lobe(offset: f64) -> f64 {
     sinc(offset) / (1.0 - offset * offset)
 }
 
+thread_local! {
+    /// Plans of the last length: all signals of a run share one, and a plan takes longer than its transform.
+    static PLANS: RefCell<(usize, RealFftPlanner<f64>)> = RefCell::new((0, RealFftPlanner::new()));
+}
+
+/// A plan for signals of a length.
+fn planned<P>(length: usize, plan: impl FnOnce(&mut RealFftPlanner<f64>, usize) -> P) -> P {
+    PLANS.with_borrow_mut(|(last, planner)| {
+        if *last != length {
+            (*last, *planner) = (length, RealFftPlanner::new());
+        }
+        plan(planner, length)
+    })
+}
+
 /// Fourier transform of a signal that is not empty; overwrites it.
 fn forward(signal: &mut [f64]) -> Vec<Complex64> {
-    let transform = RealFftPlanner::new().plan_fft_forward(signal.len());
+    let transform = planned(signal.len(), RealFftPlanner::plan_fft_forward);
     let mut bins = transform.make_output_vec();
     transform.process(signal, &mut bins).expect("buffers have the plan's lengths");
     bins
@@ -268,7 +284,7 @@ fn inverse(bins: &mut [Complex64], n: usize) -> Vec<f64> {
     if n.is_multiple_of(2) {
         bins[n / 2].im = 0.0;
     }
-    let transform = RealFftPlanner::new().plan_fft_inverse(n);
+    let transform = planned(n, RealFftPlanner::plan_fft_inverse);
     let mut signal = transform.make_output_vec();
     transform.process(bins, &mut signal).expect("buffers have the plan's lengths");
     signal.iter_mut().for_each(|x| *x /= n as f64);

@@ -76,14 +76,22 @@ fn the_spindle_alone_has_the_levels_of_the_full_dynamics() {
 
 #[test]
 fn the_steady_orbit_is_where_a_run_in_time_ends() {
-    for (clearance, load, speed) in [(5.0, 200.0, 50_000.0), (2.0, 400.0, 30_000.0), (5.0, 200.0, 10_000.0)] {
+    // In the last two a kink falls badly into the steps of a passage.
+    let scenes = [
+        (5.0, 200.0, 50_000.0),
+        (2.0, 400.0, 30_000.0),
+        (5.0, 200.0, 10_000.0),
+        (2.0, 100.0, 30_000.0),
+        (5.0, 400.0, 40_000.0),
+    ];
+    for (clearance, load, speed) in scenes {
         let (scene, settings) = (article(clearance, load, speed), settings(0.1, 0.1));
         let (in_time, _) =
             simulate(&scene, &RunSettings { fixed_step: Some(3e-6), ..settings.clone() }, &QUIET).unwrap();
         let (periodic, _) = simulate_periodic(&scene, &settings, &QUIET).unwrap();
         assert_eq!(periodic.signals[0].1.len(), in_time.signals[0].1.len());
         let apart = worst_db(&levels(&periodic), &levels(&in_time));
-        assert!(apart < 0.02, "{clearance} µm, {load} N, {speed} r/min: {apart} dB");
+        assert!(apart < 0.01, "{clearance} µm, {load} N, {speed} r/min: {apart} dB");
         let orbit = passage(&scene, &settings).unwrap();
         assert!(orbit.orbit.radius() < 0.95);
         let series = orbit.rms(20_000.0);

@@ -147,15 +147,18 @@ impl CondensedContact {
 /// Value and slope, coefficients by rising powers. Four chains in powers of x⁴: Horner's one would have every term wait
 /// for the last.
 #[inline(always)]
-pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> (f64, f64) {
+fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> (f64, f64) {
     let (square, chains) = (x * x, 4);
     let fourth = square * square;
     let (mut value, mut slope) = ([0.0; 4], [0.0; 4]);
     for k in (0..N.div_ceil(chains)).rev() {
         for (chain, (value, slope)) in value.iter_mut().zip(&mut slope).enumerate() {
-            if k * chains + chain < N {
+            let at = k * chains + chain;
+            if at + chains < N {
                 *slope = *slope * fourth + *value;
-                *value = *value * fourth + coefficients[k * chains + chain];
+                *value = *value * fourth + coefficients[at];
+            } else if at < N {
+                *value = coefficients[at];
             }
         }
     }

@@ -5,9 +5,9 @@
 use std::f64::consts::TAU;
 
 use super::Mechanism;
-use super::condensed_contact::{CondensedContact, Unloaded, polynomial};
-use crate::numerics::lanes::{LANES, larger};
-use crate::numerics::ode::adams_moulton::{EquationsOfMotion, Motion};
+use super::condensed_contact::{CondensedContact, Unloaded};
+use crate::numerics::lanes::{LANES, Lanes, larger};
+use crate::numerics::ode::adams_moulton::{Defect, EquationsOfMotion, Motion, Shares};
 use crate::physics::operation::SpeedProfile;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::unbalance_force;
@@ -52,16 +52,16 @@ pub struct SpindleOnly {
     /// Azimuth from one ball to the next [rad], and its reciprocal.
     spacing: (f64, f64),
     balls: usize,
-    /// Cosine and sine of the balls' start azimuths and 1 for each ball.
-    groups: Vec<Group>,
+    first: Group,
+    others: Vec<Group>,
     contact: CondensedContact,
     unloaded: Unloaded,
     mass_of_ball: f64,
     orbit_radius: f64,
     /// Approach of the centred bearing [m]: −P_d/2.
     centred: f64,
-    /// 1/(2r), r the orbit radius under load [1/m].
-    half_curvature: f64,
+    /// 1/r, r the orbit radius under load [1/m].
+    curvature: f64,
     /// χ [s/m].
     damping: f64,
     mass: f64,
@@ -75,24 +75,20 @@ pub struct SpindleOnly {
     force: [f64; 2],
 }
 
-/// Balls of a group at most. Twice what stands side by side: a loop known to turn at most eight times would be unrolled
-/// by the compiler before it thinks of laying the balls side by side.
-const GROUP: usize = 2 * LANES;
-
+/// Balls side by side; those that fill up the last group have no direction.
 #[derive(Debug, Clone)]
 struct Group {
-    /// Balls, filled up to a multiple of `LANES`.
-    count: usize,
-    cosine: [f64; GROUP],
-    sine: [f64; GROUP],
-    present: [f64; GROUP],
+    cosine: Lanes,
+    sine: Lanes,
 }
 
-/// Sums over the balls: force on the spindle [N] and the masses that move with it [kg].
+/// The spindle's turning at a time: orbit speed [rad/s], direction of the first pocket, and what acts besides balls [N].
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
+struct Driven {
+    orbit: f64,
+    cosine: f64,
+    sine: f64,
     force: [f64; 2],
-    mass: [f64; 3],
 }
 
 impl SpindleOnly {
@@ -106,20 +102,15 @@ impl SpindleOnly {
         let orbit_radius = m.pitch_radius - centred.outer;
         let speed = m.speed.largest();
         let contact = CondensedContact::new(m.raceway.map(|contact| contact.hertz().stiffness));
-        let groups = (0..balls.div_ceil(GROUP))
+        let mut groups: Vec<Group> = (0..balls.div_ceil(LANES))
             .map(|group| {
                 let of = |value: &dyn Fn(usize) -> f64| {
-                    std::array::from_fn(|lane| {
-                        let ball = group * GROUP + lane;
+                    Lanes(std::array::from_fn(|lane| {
+                        let ball = group * LANES + lane;
                         if ball < balls { value(ball) } else { 0.0 }
-                    })
+                    }))
                 };
-                Group {
-                    count: (balls - group * GROUP).min(GROUP).next_multiple_of(LANES),
-                    cosine: of(&|ball| m.start_azimuth(ball).cos()),
-                    sine: of(&|ball| m.start_azimuth(ball).sin()),
-                    present: of(&|_| 1.0),
-                }
+                Group { cosine: of(&|ball| m.start_azimuth(ball).cos()), sine: of(&|ball| m.start_azimuth(ball).sin()) }
             })
             .collect();
         let on = |on: bool, value: f64| if on { value } else { 0.0 };
@@ -127,7 +118,8 @@ impl SpindleOnly {
             constant: m.speed.is_constant().then(|| m.speed.at(0.0).1),
             speed: m.speed.clone(),
             balls,
-            groups,
+            first: groups.remove(0),
+            others: groups,
             unloaded: contact.unloaded(m.ball_mass, orbit_radius, orbit_ratio * speed, 0.0),
             contact,
             mass_of_ball: m.ball_mass,
@@ -135,7 +127,7 @@ impl SpindleOnly {
             orbit_ratio,
             spacing: (TAU / balls as f64, balls as f64 / TAU),
             centred: centred.inner + centred.outer,
-            half_curvature: on(corrections.tilt, 0.5 / orbit_radius),
+            curvature: on(corrections.tilt, 1.0 / orbit_radius),
             damping: on(corrections.damping, damping),
             mass: m.spindle_mass,
             ball_mass: on(corrections.inertia, m.ball_mass),
@@ -170,11 +162,11 @@ impl SpindleOnly {
         for _ in 0..200 {
             let mut force = self.force;
             let mut stiffness = [0.0; 3];
-            for group in &self.groups {
-                for lane in 0..group.count {
+            for group in std::iter::once(&self.first).chain(&self.others) {
+                for lane in 0..LANES {
                     let (c, s) = (group.cosine[lane], group.sine[lane]);
                     let load = self.contact.load(self.centred + place[0] * c + place[1] * s, &self.unloaded);
-                    let (load, k) = (group.present[lane] * load.load, group.present[lane] * load.stiffness);
+                    let (load, k) = (load.load, load.stiffness);
                     force = [force[0] - load * c, force[1] - load * s];
                     stiffness = [stiffness[0] + k * c * c, stiffness[1] + k * c * s, stiffness[2] + k * s * s];
                 }
@@ -199,66 +191,9 @@ impl SpindleOnly {
         self.balls
     }
 
-    /// `orbit`: orbit speed [rad/s], cosine and sine of the first pocket's azimuth.
+    /// The spindle's turning at a time, and the forces that do not come from balls.
     #[inline(always)]
-    fn acceleration_at(&self, orbit: (f64, f64, f64), mut force: [f64; 2], motion: &SpindleMotion) -> [f64; 2] {
-        let mut mass = [self.mass, 0.0, self.mass];
-        for group in &self.groups {
-            let sums = self.group(group, orbit, motion);
-            force = [force[0] + sums.force[0], force[1] + sums.force[1]];
-            mass = [mass[0] + sums.mass[0], mass[1] + sums.mass[1], mass[2] + sums.mass[2]];
-        }
-        let [yy, yz, zz] = mass;
-        let per_determinant = 1.0 / (yy * zz - yz * yz);
-        [(zz * force[0] - yz * force[1]) * per_determinant, (yy * force[1] - yz * force[0]) * per_determinant]
-    }
-
-    #[inline(always)]
-    // Over lanes by number: five results and three columns side by side have no one iterator.
-    #[allow(clippy::needless_range_loop)]
-    fn group(&self, group: &Group, (speed, cosine, sine): (f64, f64, f64), motion: &SpindleMotion) -> Sums {
-        let ([y, z], [vy, vz]) = *motion;
-        let mut of = [[0.0; GROUP]; 5];
-        // A copy, for a store might change what is behind a reference.
-        let (contact, unloaded) = (self.contact, self.unloaded);
-        for lane in 0..group.count.min(GROUP) {
-            let c = group.cosine[lane] * cosine - group.sine[lane] * sine;
-            let s = group.sine[lane] * cosine + group.cosine[lane] * sine;
-            let (radial, tangential) = (y * c + z * s, z * c - y * s);
-            let (radial_velocity, tangential_velocity) = (vy * c + vz * s, vz * c - vy * s);
-            let tilt = 2.0 * self.half_curvature * tangential;
-            let approach = self.centred + radial - 0.5 * tilt * tangential;
-            let rate = radial_velocity + speed * tangential - tilt * (tangential_velocity - speed * radial);
-            let load = contact.load(approach, &unloaded);
-            let normal = load.load + self.damping * load.damped_load * rate;
-            let normal = larger(normal, 0.0);
-            // The ball follows by its outer share: m a_e² D̈, here without the spindle's own acceleration. Half the slope of
-            // a_e² times Ḋ² would belong to it: a thousandth of the load and less.
-            let turning = speed * (2.0 * tangential_velocity - speed * radial);
-            let moved = self.ball_mass * load.outer_share * load.outer_share;
-            let inertia = moved * turning;
-            // Q/(Q + 1 N) by the approach, Q going with its power 3/2: no need to wait for the load.
-            let rolls = group.present[lane] * load.pressed / (load.pressed + self.rolling_approach);
-            let along = self.rolling_mass * rolls;
-            let inwards = -(normal + inertia) * group.present[lane];
-            let sideways =
-                normal * group.present[lane] * tilt * (1.0 - self.rolling * rolls) + along * speed * radial_velocity;
-            of[0][lane] = inwards * c - sideways * s;
-            of[1][lane] = inwards * s + sideways * c;
-            let moved = moved * group.present[lane];
-            of[2][lane] = moved * c * c + along * s * s;
-            of[3][lane] = (moved - along) * c * s;
-            of[4][lane] = moved * s * s + along * c * c;
-        }
-        let [fy, fz, yy, yz, zz] = of.map(|lanes| sum(&lanes));
-        Sums { force: [fy, fz], mass: [yy, yz, zz] }
-    }
-}
-
-impl EquationsOfMotion<2> for SpindleOnly {
-    /// Of the spindle [m/s²], time [s].
-    #[inline(always)]
-    fn acceleration(&self, time: f64, motion: &SpindleMotion) -> [f64; 2] {
+    fn driven(&self, time: f64) -> Driven {
         let (angle, speed, acceleration) = match self.constant {
             Some(speed) => (speed * time, speed, 0.0),
             None => self.speed.at(time),
@@ -267,45 +202,113 @@ impl EquationsOfMotion<2> for SpindleOnly {
         let turned = self.orbit_ratio * angle;
         let nearest = turned - (turned * self.spacing.1).round_ties_even() * self.spacing.0;
         let (sine, cosine) = sine_cosine(nearest);
-        let orbit = (self.orbit_ratio * speed, cosine, sine);
         let mut force = self.force;
         if self.unbalance != 0.0 {
             let unbalance = unbalance_force(self.unbalance, angle, speed, acceleration);
             force = [force[0] + unbalance[1], force[1] + unbalance[2]];
         }
-        self.acceleration_at(orbit, force, motion)
+        Driven { orbit: self.orbit_ratio * speed, cosine, sine, force }
+    }
+
+    /// What the balls of a group add to the defect.
+    #[inline(always)]
+    // Over lanes by number: five results and two columns side by side have no one iterator.
+    #[allow(clippy::needless_range_loop)]
+    fn group(
+        &self,
+        group: &Group,
+        driven: &Driven,
+        ([y, z], [vy, vz]): &SpindleMotion,
+        [ay, az]: [f64; 2],
+        shares: Shares,
+    ) -> Defect {
+        let mut of = [Lanes::<LANES>::default(); 5];
+        // Copies, for a store might change what is behind a reference.
+        let (contact, unloaded, speed) = (self.contact, self.unloaded, driven.orbit);
+        let half_curvature = 0.5 * self.curvature;
+        for lane in 0..LANES {
+            let c = group.cosine[lane] * driven.cosine - group.sine[lane] * driven.sine;
+            let s = group.sine[lane] * driven.cosine + group.cosine[lane] * driven.sine;
+            let (radial, tangential) = (y * c + z * s, z * c - y * s);
+            let (radial_velocity, tangential_velocity) = (vy * c + vz * s, vz * c - vy * s);
+            let tilt = self.curvature * tangential;
+            let approach = (self.centred + radial) - half_curvature * (tangential * tangential);
+            let rate = radial_velocity + speed * tangential - tilt * (tangential_velocity - speed * radial);
+            let load = contact.load(approach, &unloaded);
+            // χ (a_i² Q_i + a_e² Q_e) with Q_e = Q_i + F: what does not wait for the load is made ready.
+            let (inner, outer) = (load.inner_share * load.inner_share, load.outer_share * load.outer_share);
+            let damping = self.damping * rate;
+            let normal =
+                larger(load.load * (1.0 + damping * (inner + outer)) + damping * (outer * unloaded.force), 0.0);
+            // The ball follows by its outer share: m a_e² D̈. Half the slope of a_e² times Ḋ² would belong to it: a thousandth of
+            // the load and less.
+            let turning = speed * (2.0 * tangential_velocity - speed * radial);
+            let moved = self.ball_mass * outer;
+            // Q/(Q + 1 N) by the approach, Q going with its power 3/2: no need to wait for the load.
+            let rolls = load.pressed / (load.pressed + self.rolling_approach);
+            let along = self.rolling_mass * rolls;
+            let lean = tilt * (1.0 - self.rolling * rolls);
+            let (normal_y, normal_z) = (c + s * lean, s - c * lean);
+            let inertia = moved * (turning + (ay * c + az * s));
+            let dragged = along * (speed * radial_velocity - (az * c - ay * s));
+            let slope = moved + (shares.place * load.stiffness + (shares.velocity * self.damping) * load.damped_load);
+            of[0][lane] = -(normal * normal_y) - (inertia * c + dragged * s);
+            of[1][lane] = -(normal * normal_z) - (inertia * s - dragged * c);
+            of[2][lane] = slope * (c * c) + along * (s * s);
+            of[3][lane] = (slope - along) * (c * s);
+            of[4][lane] = slope * (s * s) + along * (c * c);
+        }
+        let [fy, fz, yy, yz, zz] = of.map(|lanes| sum(&lanes));
+        Defect { force: [fy, fz], slope: [yy, yz, zz] }
     }
 }
 
-/// In pairs, so that sixteen lanes need four steps and not fifteen.
+impl EquationsOfMotion for SpindleOnly {
+    /// Of the spindle, time [s]. The slope is that of elastic loads over the approach and of damping over its rate.
+    #[inline(always)]
+    fn defect(&self, time: f64, motion: &SpindleMotion, acceleration: [f64; 2], shares: Shares) -> Defect {
+        let driven = self.driven(time);
+        let [ay, az] = acceleration;
+        let force = [driven.force[0] - self.mass * ay, driven.force[1] - self.mass * az];
+        let slope = [self.mass, 0.0, self.mass];
+        // The first group by itself: in a loop the processor would be made to fill its registers anew with what all lanes share.
+        let mut all = Defect { force, slope }.and(&self.group(&self.first, &driven, motion, acceleration, shares));
+        for group in &self.others {
+            all = all.and(&self.group(group, &driven, motion, acceleration, shares));
+        }
+        all
+    }
+}
+
+/// In pairs, so that eight lanes need three steps and not seven.
 #[inline(always)]
-fn sum(of: &[f64; GROUP]) -> f64 {
-    let l: [f64; LANES] = std::array::from_fn(|lane| of[lane] + of[lane + LANES]);
+fn sum(Lanes(l): &Lanes) -> f64 {
     ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
 }
 
 /// Sine and cosine of an angle up to ±π/2, to 1e-12 there and to rounding below 1: without a call into the platform's
-/// mathematics, and the same bits everywhere. Taylor's series.
+/// mathematics, and the same bits everywhere. Taylor's series, both side by side.
 #[inline(always)]
 fn sine_cosine(angle: f64) -> (f64, f64) {
     let square = angle * angle;
-    (angle * polynomial(&SINE, square).0, polynomial(&COSINE, square).0)
+    let [sine, cosine] = TAYLOR
+        .iter()
+        .rev()
+        .fold([0.0; 2], |[sine, cosine], [in_sine, in_cosine]| [sine * square + in_sine, cosine * square + in_cosine]);
+    (angle * sine, cosine)
 }
 
-const SINE: [f64; 9] = taylor(1.0);
-const COSINE: [f64; 9] = taylor(0.0);
-
-/// (−1)ᵏ first!/(2k + first)!
-const fn taylor(first: f64) -> [f64; 9] {
-    let mut terms = [1.0; 9];
+/// (−1)ᵏ/(2k + 1)! and (−1)ᵏ/(2k)!
+const TAYLOR: [[f64; 2]; 9] = {
+    let mut terms = [[1.0; 2]; 9];
     let mut k = 1;
     while k < 9 {
-        let n = 2.0 * k as f64 + first;
-        terms[k] = -terms[k - 1] / (n * (n - 1.0));
+        let n = 2.0 * k as f64;
+        terms[k] = [-terms[k - 1][0] / (n * (n + 1.0)), -terms[k - 1][1] / (n * (n - 1.0))];
         k += 1;
     }
     terms
-}
+};
 
 #[cfg(test)]
 mod tests {
