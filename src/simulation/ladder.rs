@@ -321,7 +321,7 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
         let needs = Needs::of(scene, &short.outputs, None)?;
         let model = Model::new(scene, &needs);
         let start = run::start_state(&model)?;
-        let tolerance = settings.relative_tolerance.max(CHECK_TOLERANCE);
+        let tolerance = settings.tightest().max(CHECK_TOLERANCE);
         let stepping = Stepping { relative_tolerance: tolerance, ..Stepping::of(&short) };
         let setup = Setup { model: &model, needs: &needs, settings: &short, start: &start };
         (needs.rung, setup.attempt(&stepping, (0.0, 1.0), control)?.recording)
@@ -401,7 +401,7 @@ fn summarise(
         statistics: made.statistics,
         wall_time: begin.elapsed().as_secs_f64(),
         simulated_time: settings.settle + settings.duration,
-        relative_tolerance: settings.relative_tolerance,
+        relative_tolerance: settings.tightest(),
         states: made.states,
         strips: needs.raceway.strips,
     };

@@ -51,6 +51,13 @@ pub struct RunSettings {
     pub outputs: Outputs,
 }
 
+impl RunSettings {
+    /// The tightest relative tolerance that the run may take by itself.
+    pub fn tightest(&self) -> f64 {
+        self.tightened.unwrap_or(self.relative_tolerance)
+    }
+}
+
 /// How a run talks to whoever waits for it.
 pub struct Control<'a> {
     /// Looked at every few hundred steps; true ends the run.

@@ -55,8 +55,24 @@ fn the_article_is_what_its_tables_say() {
     assert_eq!(scene.operation.load, [0.0, 200.0, 0.0]);
     assert!((scene.operating_speed() - 5_235.987_755_98).abs() < 1e-6);
     assert_eq!((job.settings.settle, job.settings.duration), (0.02, 0.1));
-    assert_eq!((job.settings.relative_tolerance, job.settings.model_tolerance_db), (1e-5, 0.05));
+    assert_eq!((job.settings.relative_tolerance, job.settings.tightened), (1e-3, Some(1e-5)));
+    assert_eq!(job.settings.model_tolerance_db, 0.05);
     assert_eq!((job.priority, job.reuse, job.settings.outputs.spectra.len()), (2, true, 2));
+}
+
+/// As loose as the level allows only where the run may choose, and nothing asks for every value.
+#[test]
+fn a_tolerance_left_out_is_chosen_for_levels() {
+    let of = |solver: Value, outputs: Value| {
+        let mut request = article(json!({"speed_rpm": 50000}));
+        (request["solver"], request["outputs"]) = (solver, outputs);
+        let settings = job(&request).settings;
+        (settings.relative_tolerance, settings.tightened)
+    };
+    assert_eq!(of(json!({"rung": "full"}), json!({})), (1e-3, Some(1e-5)));
+    assert_eq!(of(json!({"relative_tolerance": 1e-4}), json!({})), (1e-4, None));
+    assert_eq!(of(json!({"method": "gear"}), json!({})), (1e-5, None));
+    assert_eq!(of(json!({}), json!({"series": ["spindle.y.acceleration"]})), (1e-5, None));
 }
 
 #[test]
