@@ -38,7 +38,10 @@ pub struct Needs {
     pub rung: Rung,
     pub raceway: RacewayTerms,
     pub pocket: PocketTerms,
+    /// Weight of the spindle.
     pub gravity: bool,
+    /// Weight of balls and cage.
+    pub ball_gravity: bool,
     pub drag: bool,
     pub churning: bool,
     pub cage: bool,
@@ -90,17 +93,21 @@ impl Needs {
                 (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into())
             }
         });
+        let gravity =
+            decision.keep(Term::Gravity, true, || (scene.gravity == 0.0).then(|| "gravity_m_s2 is 0".into()));
         let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then(|| "nothing fills the bearing".into());
         let needs = Self {
             rung,
             raceway: RacewayTerms {
                 strips: if conformity || spin { strips(&scene.lubricant.traction) } else { 1 },
+                gauss: false,
                 conformity,
                 spin,
                 hydrodynamics,
             },
             pocket: PocketTerms { film, friction, hydrodynamics: hydrodynamics && cage },
-            gravity: decision.keep(Term::Gravity, true, || (scene.gravity == 0.0).then(|| "gravity_m_s2 is 0".into())),
+            gravity,
+            ball_gravity: gravity,
             drag: decision.keep(Term::Drag, true, no_mixture),
             churning: decision.keep(Term::Churning, true, no_mixture),
             cage,

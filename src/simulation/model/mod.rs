@@ -60,8 +60,10 @@ pub struct Mechanism {
     pub load: Vector,
     /// Mass times eccentricity [kg m].
     pub unbalance: f64,
-    /// [m/s²]
+    /// That the spindle feels [m/s²].
     pub gravity: f64,
+    /// That balls and cage feel [m/s²].
+    pub ball_gravity: f64,
 }
 
 /// Azimuths by column.
@@ -125,6 +127,7 @@ impl Mechanism {
             load: scene.operation.load,
             unbalance: if needs.unbalance { scene.spindle.unbalance_product(operating_speed) } else { 0.0 },
             gravity: if needs.gravity { scene.gravity } else { 0.0 },
+            ball_gravity: if needs.ball_gravity { scene.gravity } else { 0.0 },
         }
     }
 
