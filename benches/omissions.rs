@@ -6,13 +6,12 @@
 
 mod scenes;
 
-use std::time::Instant;
-
 use raceway::numerics::ode::{Method, OdeSystem};
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::judgement::{self, Judge, Omission};
 use raceway::simulation::metrics::channel_metrics;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
+use raceway::simulation::needs::{Grounds, Needs};
 use raceway::simulation::observe::{Observer, RATE};
 use raceway::simulation::run::{Outputs, RunSettings, start_state};
 use raceway::simulation::scene::Scene;
@@ -27,38 +26,59 @@ const CHANNELS: [Channel; 4] = [
     Channel::Spindle(Axis::Z, Motion::Velocity),
 ];
 
-/// A term and how it is left out.
-type Omission = (&'static str, fn(&mut Needs));
-
-fn gauss(needs: &mut Needs, points: usize) {
-    (needs.raceway.gauss, needs.raceway.strips) = (true, points);
+/// Leaves something out; with what is said of it beforehand, where that is bounded.
+struct Case {
+    name: String,
+    needs: Needs,
+    bound: Option<f64>,
 }
 
-const OMISSIONS: [Omission; 12] = [
-    ("ball gravity", |n| n.ball_gravity = false),
-    ("drag", |n| n.drag = false),
-    ("churning", |n| n.churning = false),
-    ("drag+churning", |n| (n.drag, n.churning) = (false, false)),
-    ("spin", |n| n.raceway.spin = false),
-    ("conformity", |n| n.raceway.conformity = false),
-    ("pocket friction", |n| n.pocket.friction = false),
-    ("land", |n| n.land = false),
-    ("6 points", |n| gauss(n, 6)),
-    ("4 points", |n| gauss(n, 4)),
-    ("2 points", |n| gauss(n, 2)),
-    ("4 points, no spin", |n| {
-        gauss(n, 4);
-        n.raceway.spin = false;
-    }),
-];
+/// Every single omission that changes the equations of a scene, and all together that the default tolerance leaves out where
+/// levels alone are asked for.
+fn cases(scene: &Scene, whole: &Needs) -> Vec<Case> {
+    let judge = Judge::new(scene, whole).expect("a scene at rest");
+    let judged = |name: &str, omission: Omission| {
+        let mut needs = whole.clone();
+        omission.leave_out(&mut needs);
+        Case { name: name.into(), needs, bound: judge.as_ref().and_then(|judge| judge.bound(omission)) }
+    };
+    let plain = |name: &str, leave_out: fn(&mut Needs)| {
+        let mut needs = whole.clone();
+        leave_out(&mut needs);
+        Case { name: name.into(), needs, bound: None }
+    };
+    let default = judgement::within(whole.clone(), scene, &outputs(), 0.05);
+    let by_judgement = default.left_out.iter().filter(|left_out| left_out.by == Grounds::Judgement);
+    let bound = by_judgement.filter_map(|left_out| left_out.bound).map(|(bound, _)| bound).sum();
+    let mut cases = vec![
+        judged("6 points", Omission::Strips(6)),
+        judged("4 points", Omission::Strips(4)),
+        judged("2 points", Omission::Strips(2)),
+        judged("drag", Omission::Drag),
+        judged("churning", Omission::Churning),
+        judged("weight of balls and cage", Omission::BallWeight),
+        plain("spin", |n| n.raceway.spin = false),
+        plain("conformity", |n| n.raceway.conformity = false),
+        plain("pocket friction", |n| n.pocket.friction = false),
+        plain("land", |n| n.land = false),
+        Case { name: "within 0.05 dB".into(), needs: default, bound: Some(bound) },
+    ];
+    cases.retain(|case| {
+        Needs { left_out: Vec::new(), ..case.needs.clone() } != Needs { left_out: Vec::new(), ..whole.clone() }
+    });
+    cases
+}
 
 struct Levels {
     /// Level of the mean power, and spread of the windows' levels [dB].
     level: [f64; 4],
     spread: [f64; 4],
-    /// Of one evaluation of dy/dt [s].
-    evaluation: f64,
-    /// Of the run [s].
+    /// Largest contact load [N], cage speed [rad/s], largest slip [m/s] and pocket load [N].
+    quantities: [f64; 4],
+    /// State at the end.
+    state: Vec<f64>,
+    model: Model,
+    /// CPU time of the run [s].
     time: f64,
 }
 
@@ -89,7 +109,7 @@ fn levels(scene: &Scene, needs: &Needs) -> Levels {
     let settings = settings(scene, outputs());
     let model = Model::new(scene, needs);
     let start = start_state(&model).expect("a scene at rest");
-    let begin = Instant::now();
+    let begin = cpu_time();
     let mut observer = Observer::new(&model, needs, &settings);
     let tolerances = model.mechanism().layout.tolerances(TOLERANCE);
     let mut integrator = Method::Auto.start(&model, 0.0, &start, tolerances, None);
@@ -97,11 +117,15 @@ fn levels(scene: &Scene, needs: &Needs) -> Levels {
         integrator.step(observer.end()).expect("a step");
         observer.after(integrator.as_ref());
     }
-    let time = begin.elapsed().as_secs_f64();
+    let time = cpu_time() - begin;
     let state = integrator.state().to_vec();
+    drop(integrator);
     let recording = observer.finish();
     let length = (window(scene) * RATE) as usize;
-    let mut found = Levels { level: [0.0; 4], spread: [0.0; 4], evaluation: evaluation(&model, &state), time };
+    let slip = recording.contacts.inner.max_slip.max(recording.contacts.outer.max_slip);
+    let quantities =
+        [recording.quantities().max_load, recording.quantities().cage_speed, slip, recording.max_pocket_load];
+    let mut found = Levels { level: [0.0; 4], spread: [0.0; 4], quantities, state, model, time };
     for (c, channel) in CHANNELS.into_iter().enumerate() {
         let signal = recording.signal(channel).expect("kept");
         let power: Vec<f64> = signal
@@ -118,18 +142,32 @@ fn levels(scene: &Scene, needs: &Needs) -> Levels {
     found
 }
 
-/// Time of one evaluation of dy/dt, least of several means [s].
-fn evaluation(model: &Model, state: &[f64]) -> f64 {
-    const COUNT: u32 = 200;
-    let mut rate = vec![0.0; state.len()];
-    let mut mean = || {
-        let begin = Instant::now();
-        for _ in 0..COUNT {
-            model.derivative(0.1, std::hint::black_box(state), &mut rate);
+/// Times of one evaluation of dy/dt of two models [s], each at its own state: least of several means, taken in turn.
+fn evaluations(whole: &Levels, lean: &Levels) -> [f64; 2] {
+    const COUNT: u32 = 100;
+    let mut rate = vec![0.0; whole.state.len()];
+    let mut least = [f64::INFINITY; 2];
+    for _ in 0..60 {
+        for (least, of) in least.iter_mut().zip([whole, lean]) {
+            let begin = cpu_time();
+            for _ in 0..COUNT {
+                of.model.derivative(0.1, std::hint::black_box(&of.state), &mut rate);
+            }
+            *least = least.min((cpu_time() - begin) / f64::from(COUNT));
         }
-        begin.elapsed().as_secs_f64() / f64::from(COUNT)
-    };
-    (0..25).map(|_| mean()).fold(f64::INFINITY, f64::min)
+    }
+    least
+}
+
+#[cfg(target_os = "linux")]
+fn cpu_time() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+#[cfg(not(target_os = "linux"))]
+fn cpu_time() -> f64 {
+    std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0.0, |time| time.as_secs_f64())
 }
 
 fn named() -> Vec<(String, Scene)> {
@@ -149,47 +187,98 @@ fn named() -> Vec<(String, Scene)> {
         .collect()
 }
 
+/// What an omission has shown over the scenes.
+#[derive(Default)]
+struct Shown {
+    evaluation: Vec<f64>,
+    run: Vec<f64>,
+    off: [Vec<f64>; 4],
+    bounds: Vec<f64>,
+    used: Vec<f64>,
+    quantities: [Vec<f64>; 4],
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NAN, f64::max)
+}
+
 fn main() {
+    let mut shown: Vec<(String, Shown)> = Vec::new();
+    let mut spreads: [Vec<f64>; 4] = Default::default();
+    let decibels = |values: &[f64]| values.iter().map(|v| format!("{v:.4}")).collect::<Vec<_>>().join(" ");
     for (name, scene) in named() {
         let needs = Needs::of(&scene, &outputs(), None).expect("a scene");
-        let whole = if std::env::var_os("JUDGE").is_some() { Levels { level: [0.0; 4], spread: [0.0; 4], evaluation: 0.0, time: 0.0 } } else { levels(&scene, &needs) };
-        let decibels = |values: &[f64]| values.iter().map(|v| format!("{v:8.4}")).collect::<Vec<_>>().join(" ");
+        let whole = levels(&scene, &needs);
+        let judged = Judge::new(&scene, &needs).expect("a scene at rest").is_some();
         println!(
-            "{name}: {}, {} strips, {:.2} µs, {:.2} s; rms a_y {:.3} a_z {:.3}; spread {}",
+            "{name}: {}, {} strips, {:.2} s, {}; spread {}",
             needs.rung.name(),
             needs.raceway.strips,
-            1e6 * whole.evaluation,
             whole.time,
-            10f64.powf(0.05 * whole.level[0]),
-            10f64.powf(0.05 * whole.level[1]),
+            if judged { "judged" } else { "not judged" },
             decibels(&whole.spread)
         );
-        if let Ok(judge) = raceway::simulation::judgement::Judge::new(&scene, &needs) {
-            let g = |points| judge.traction(raceway::physics::raceway::RacewayTerms { gauss: true, strips: points, ..needs.raceway });
+        spreads.iter_mut().zip(whole.spread).for_each(|(all, one)| all.push(one));
+        for case in cases(&scene, &needs) {
+            let lean = levels(&scene, &case.needs);
+            let off: [f64; 4] = std::array::from_fn(|c| lean.level[c] - whole.level[c]);
+            let worst = off.into_iter().fold(0.0, |worst: f64, off| worst.max(off.abs()));
+            let [before, after] = evaluations(&whole, &lean);
+            let moved: [f64; 4] = std::array::from_fn(|q| (lean.quantities[q] / whole.quantities[q] - 1.0).abs());
             println!(
-                "  JUDGE exc {:?} load {} drag {} churning {} ball_gravity {} six {} four {} two {} conf {} spin {}",
-                judge.excitation, judge.load, judge.drag(), judge.churning(), judge.weight(), g(6), g(4), g(2),
-                judge.traction(raceway::physics::raceway::RacewayTerms { conformity: false, ..needs.raceway }),
-                judge.traction(raceway::physics::raceway::RacewayTerms { spin: false, ..needs.raceway }),
-            );
-        }
-        if std::env::var_os("JUDGE").is_some() {
-            continue;
-        }
-        for (term, omit) in OMISSIONS {
-            let mut without = needs.clone();
-            omit(&mut without);
-            if without == needs {
-                continue;
-            }
-            let lean = levels(&scene, &without);
-            let off: Vec<f64> = (0..4).map(|c| lean.level[c] - whole.level[c]).collect();
-            println!(
-                "    {term:18} {}   {:.3} of the evaluation, {:.3} of the run",
+                "    {:25} {} dB, bound {:.4}, {:.3} of it; load, cage speed, slip, pocket {} %; evaluation {:.3} of {:.0} ns, run {:.3}",
+                case.name,
                 decibels(&off),
-                lean.evaluation / whole.evaluation,
+                case.bound.unwrap_or(f64::NAN),
+                worst / case.bound.unwrap_or(f64::NAN),
+                decibels(&moved.map(|share| 100.0 * share)),
+                after / before,
+                1e9 * before,
                 lean.time / whole.time
             );
+            let at = shown.iter().position(|(of, _)| *of == case.name).unwrap_or_else(|| {
+                shown.push((case.name.clone(), Shown::default()));
+                shown.len() - 1
+            });
+            let all = &mut shown[at].1;
+            all.evaluation.push(after / before);
+            all.run.push(lean.time / whole.time);
+            all.off.iter_mut().zip(off).for_each(|(all, one)| all.push(one.abs()));
+            all.quantities.iter_mut().zip(moved).for_each(|(all, one)| all.push(one));
+            if let Some(bound) = case.bound {
+                all.bounds.push(bound);
+                all.used.push(worst / bound);
+            }
         }
+    }
+    println!(
+        "\nspread, median and largest: {}; {}",
+        decibels(&spreads.each_ref().map(|s| median(s))),
+        decibels(&spreads.each_ref().map(|s| largest(s)))
+    );
+    println!(
+        "\n| left out | scenes | evaluation, median | run, median | a_y, a_z, v_y, v_z, median dB | the same, largest | bound, least and largest dB | effect over bound, median and largest | load, cage speed, slip, pocket, largest % |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for (name, all) in &shown {
+        println!(
+            "| {name} | {} | {:.3} | {:.3} | {} | {} | {:.4} {:.4} | {:.3} {:.3} | {} |",
+            all.evaluation.len(),
+            median(&all.evaluation),
+            median(&all.run),
+            decibels(&all.off.each_ref().map(|s| median(s))),
+            decibels(&all.off.each_ref().map(|s| largest(s))),
+            all.bounds.iter().copied().fold(f64::NAN, f64::min),
+            largest(&all.bounds),
+            median(&all.used),
+            largest(&all.used),
+            decibels(&all.quantities.each_ref().map(|s| 100.0 * largest(s)))
+        );
     }
 }

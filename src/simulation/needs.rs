@@ -93,8 +93,7 @@ impl Needs {
                 (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into())
             }
         });
-        let gravity =
-            decision.keep(Term::Gravity, true, || (scene.gravity == 0.0).then(|| "gravity_m_s2 is 0".into()));
+        let gravity = decision.keep(Term::Gravity, true, || (scene.gravity == 0.0).then(|| "gravity_m_s2 is 0".into()));
         let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then(|| "nothing fills the bearing".into());
         let needs = Self {
             rung,

@@ -399,6 +399,20 @@ mod tests {
         }
     }
 
+    /// ∫ ¾ (1 − t²) t^n dt is 3/((n + 1)(n + 3)) for even n; the points give it up to twice their number less one, and not beyond.
+    #[test]
+    fn gauss_points_are_exact_for_polynomials() {
+        for pairs in 1..=3 {
+            let points = Strips::gauss(pairs);
+            assert_eq!(points.as_slice().len(), 2 * pairs);
+            for n in 0..=4 * pairs {
+                let sum: f64 = points.as_slice().iter().map(|p| p.weight * p.position.powi(n as i32)).sum();
+                let exact = if n % 2 == 0 { 3.0 / ((n + 1) * (n + 3)) as f64 } else { 0.0 };
+                assert_eq!((sum - exact).abs() < 1e-14, n < 4 * pairs, "{pairs} {n}: {sum} {exact}");
+            }
+        }
+    }
+
     /// Definition of the law: μ at rest, maximum with a horizontal tangent at u_m, limit at high slip; 1e-9.
     #[test]
     fn four_parameters_meet_their_conditions() {
