@@ -56,7 +56,6 @@ fn cases(scene: &Scene, whole: &Needs) -> Vec<Case> {
         judged("2 points", Omission::Strips(2)),
         judged("drag", Omission::Drag),
         judged("churning", Omission::Churning),
-        judged("weight of balls and cage", Omission::BallWeight),
         plain("spin", |n| n.raceway.spin = false),
         plain("conformity", |n| n.raceway.conformity = false),
         plain("pocket friction", |n| n.pocket.friction = false),

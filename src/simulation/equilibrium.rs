@@ -39,7 +39,7 @@ pub struct StaticLoads {
 /// Equilibrium of a scene's raceways under its applied loads alone.
 pub fn static_loads(scene: &Scene, needs: &Needs) -> Result<StaticLoads, SimulationError> {
     let mut mechanism = Mechanism::new(scene, needs);
-    (mechanism.gravity, mechanism.ball_gravity) = (0.0, 0.0);
+    mechanism.gravity = 0.0;
     let rest = equilibrium(&mechanism, 0.0)?;
     let pressure = |contact: &RacewayContact, load: f64| contact.hertz().max_pressure(load);
     let max_pressure = rest
@@ -162,7 +162,7 @@ impl<'a> Search<'a> {
     fn body_force(&self, ball: usize, radius: f64) -> (f64, f64) {
         let m = self.mechanism;
         let spring = m.ball_mass * self.orbit_speed * self.orbit_speed;
-        (m.ball_mass * m.ball_gravity * self.azimuths[ball].cosine + spring * radius, spring)
+        (m.ball_mass * m.gravity * self.azimuths[ball].cosine + spring * radius, spring)
     }
 
     fn energy(&self, place: &DVector<f64>) -> f64 {

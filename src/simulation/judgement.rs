@@ -12,23 +12,29 @@ use super::run::{Outputs, SimulationError, start_state};
 use super::scene::{Scene, Term, TermChoice};
 use crate::numerics::ode::OdeSystem;
 use crate::physics::bearing::PerRaceway;
+use crate::physics::contact::traction::TractionLaw;
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 
 /// Decibels of a small relative change of an amplitude.
 const DB_PER_UNIT: f64 = 20.0 / std::f64::consts::LN_10;
-/// How many decibels a relative change of the balls' speed may cost, at most: a resonance with a quality of some 7.
-const DB_PER_SPEED: f64 = 60.0;
+/// How many decibels a relative change of the balls' speed costs at most: twice the worst that was measured.
+const DB_PER_SPEED: f64 = 40.0;
 /// Centrifugal acceleration, in standard gravities, below which balls out of the load zone fall and knock: nothing bounds that.
 const LEAST_CENTRIFUGE: f64 = 50.0;
 const STANDARD_GRAVITY: f64 = 9.81;
 /// Least load of the most loaded ball over the centrifugal force on one: below, the spindle leaves the balls.
 const LEAST_LOAD: f64 = 4.0;
+/// Slip speed, at least, at which a law has its maximum whose strips are judged [m/s]; a tenth of it broke the bound.
+const GENTLE_SLIP: f64 = 1.0;
+/// Most drag on a ball whose strips are judged, over its centrifugal force; five times as much broke the bound.
+const MOST_DRAG: f64 = 0.01;
 /// Azimuths of the balls, over one pitch, at which the spindle's rest is looked for.
 const TURNS: usize = 4;
 /// Slip beside that of ideal rolling at which traction is compared, over what conformity spreads over the contact.
 const SLIPS: [f64; 9] = [-2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0];
 /// Gauss points that may stand for the strips, the fewest first.
-const POINTS: [usize; 3] = [2, 4, 6];
+const POINTS: [usize; 3] = [2, 4, CLOSEST];
+const CLOSEST: usize = 6;
 
 /// Something that may be left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,8 +43,6 @@ pub enum Omission {
     Strips(usize),
     Drag,
     Churning,
-    /// Weight of balls and cage.
-    BallWeight,
 }
 
 impl Omission {
@@ -48,7 +52,6 @@ impl Omission {
             Self::Strips(_) => "strips",
             Self::Drag => Term::Drag.name(),
             Self::Churning => Term::Churning.name(),
-            Self::BallWeight => Term::Gravity.name(),
         }
     }
 
@@ -58,7 +61,6 @@ impl Omission {
             Self::Strips(points) => (needs.raceway.gauss, needs.raceway.strips) = (true, points),
             Self::Drag => needs.drag = false,
             Self::Churning => needs.churning = false,
-            Self::BallWeight => needs.ball_gravity = false,
         }
     }
 
@@ -69,19 +71,15 @@ impl Omission {
             }
             Self::Drag => "small beside the force of varying compliance".into(),
             Self::Churning => "as a force at the balls' surface, small beside that of varying compliance".into(),
-            Self::BallWeight => {
-                "weight of balls and cage, small beside the force of varying compliance; that of the spindle is in"
-                    .into()
-            }
         }
     }
 
-    /// Whether it moves levels alone: the rest changes speeds and pocket loads by more than levels.
+    /// Whether what is asked for is no more than levels, or does not feel it: mixture and strips move slip, cage speed and pocket
+    /// loads by more than levels; but six points are closer to the integral than nine strips are.
     fn serves(self, outputs: &Outputs) -> bool {
         let vibration = |channel: &Channel| matches!(channel, Channel::Spindle(..));
-        let levels_alone =
-            !outputs.contacts && !outputs.cage && outputs.spectra.iter().chain(&outputs.series).all(vibration);
-        matches!(self, Self::Strips(_)) || levels_alone
+        self == Self::Strips(CLOSEST)
+            || !outputs.contacts && !outputs.cage && outputs.spectra.iter().chain(&outputs.series).all(vibration)
     }
 
     /// Whether the request lets the scene decide.
@@ -91,7 +89,6 @@ impl Omission {
             Self::Strips(_) => auto(Term::Spin) && auto(Term::Conformity),
             Self::Drag => auto(Term::Drag),
             Self::Churning => auto(Term::Churning),
-            Self::BallWeight => auto(Term::Gravity),
         }
     }
 }
@@ -121,7 +118,7 @@ pub fn within(whole: Needs, scene: &Scene, outputs: &Outputs, tolerance_db: f64)
         true
     };
     let _fewest = POINTS.into_iter().find(|points| leave_out(Omission::Strips(*points)));
-    for omission in [Omission::Drag, Omission::Churning, Omission::BallWeight] {
+    for omission in [Omission::Drag, Omission::Churning] {
         leave_out(omission);
     }
     needs
@@ -180,7 +177,7 @@ impl<'a> Judge<'a> {
         let speed = m.speed.largest();
         let balls = m.layout.balls as f64;
         match omission {
-            Omission::Strips(points) => (points < self.needs.raceway.strips && !self.needs.raceway.gauss)
+            Omission::Strips(points) => (points < self.needs.raceway.strips && self.slips_gently())
                 .then(|| DB_PER_SPEED * self.slip_without_strips(points)),
             Omission::Drag => {
                 m.drag.and_then(|drag| self.shaking(balls * drag.force(m.pitch_radius * m.orbit_ratio * speed).abs()))
@@ -189,12 +186,18 @@ impl<'a> Judge<'a> {
                 let [moment, ..] = churning.churning_moment([m.spin_ratio * speed, 0.0, 0.0]);
                 self.shaking(balls * moment.abs() / self.ball_radius())
             }),
-            Omission::BallWeight => {
-                let cage = if m.layout.cage { m.cage.mass } else { 0.0 };
-                let weight = (balls * m.ball_mass + cage) * m.ball_gravity.abs();
-                (weight > 0.0).then(|| self.shaking(weight)).flatten()
-            }
         }
+    }
+
+    /// Whether traction grows slowly with slip and the balls are hardly braked: only there the bound of strips holds.
+    fn slips_gently(&self) -> bool {
+        let m = &self.mechanism;
+        let orbit_velocity = m.pitch_radius * m.orbit_ratio * m.speed.largest();
+        let drag = m.drag.map_or(0.0, |drag| drag.force(orbit_velocity).abs());
+        let centrifugal = m.ball_mass * orbit_velocity * orbit_velocity / m.pitch_radius;
+        let law = &self.scene.lubricant.traction;
+        drag <= MOST_DRAG * centrifugal
+            && matches!(law, TractionLaw::FourParameter { at_rest: 0.0, at_slip, .. } if *at_slip >= GENTLE_SLIP)
     }
 
     fn ball_radius(&self) -> f64 {

@@ -38,10 +38,7 @@ pub struct Needs {
     pub rung: Rung,
     pub raceway: RacewayTerms,
     pub pocket: PocketTerms,
-    /// Weight of the spindle.
     pub gravity: bool,
-    /// Weight of balls and cage.
-    pub ball_gravity: bool,
     pub drag: bool,
     pub churning: bool,
     pub cage: bool,
@@ -93,7 +90,6 @@ impl Needs {
                 (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into())
             }
         });
-        let gravity = decision.keep(Term::Gravity, true, || (scene.gravity == 0.0).then(|| "gravity_m_s2 is 0".into()));
         let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then(|| "nothing fills the bearing".into());
         let needs = Self {
             rung,
@@ -105,8 +101,7 @@ impl Needs {
                 hydrodynamics,
             },
             pocket: PocketTerms { film, friction, hydrodynamics: hydrodynamics && cage },
-            gravity,
-            ball_gravity: gravity,
+            gravity: decision.keep(Term::Gravity, true, || (scene.gravity == 0.0).then(|| "gravity_m_s2 is 0".into())),
             drag: decision.keep(Term::Drag, true, no_mixture),
             churning: decision.keep(Term::Churning, true, no_mixture),
             cage,

@@ -100,15 +100,14 @@ fn terms_stay_in_where_nothing_lets_them_go() {
         let all = judged(&needs(&scene(&changed(article(), changes)), outputs, tolerance));
         all.into_iter().map(|(name, _)| name).collect()
     };
-    assert_eq!(names(json!({}), &outputs, 20.0), ["strips", "drag", "churning", "gravity"]);
+    assert_eq!(names(json!({}), &outputs, 20.0), ["strips", "drag", "churning"]);
     assert_eq!(names(json!({}), &outputs, 0.0), [""; 0]);
     assert_eq!(names(json!({}), &settings().outputs, 20.0), ["strips"]);
     for (term, left) in [
-        ("conformity", &["drag", "churning", "gravity"][..]),
-        ("spin", &["drag", "churning", "gravity"]),
-        ("drag", &["strips", "churning", "gravity"]),
-        ("churning", &["strips", "drag", "gravity"]),
-        ("gravity", &["strips", "drag", "churning"]),
+        ("conformity", &["drag", "churning"][..]),
+        ("spin", &["drag", "churning"]),
+        ("drag", &["strips", "churning"]),
+        ("churning", &["strips", "drag"]),
     ] {
         assert_eq!(names(json!({ "terms": { term: "on" } }), &outputs, 20.0), left, "{term}");
     }

@@ -287,7 +287,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             spin_ratio: mechanism.spin_ratio,
             mass: mechanism.ball_mass,
             inertia: mechanism.ball_inertia,
-            weight: mechanism.ball_mass * mechanism.ball_gravity,
+            weight: mechanism.ball_mass * mechanism.gravity,
             axial_offset: mechanism.axial_offset,
             pocket_centre: [mechanism.cage.offset, mechanism.pitch_radius, 0.0],
         };
@@ -544,7 +544,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             force = add(force, land_force);
             moment[0] += braking;
         }
-        let rates = m.cage.acceleration(&pose.motion, force, moment, m.ball_gravity);
+        let rates = m.cage.acceleration(&pose.motion, force, moment, m.gravity);
         let [about_y, about_z] = state.tilt_rate;
         let tilt = &pose.motion.tilt;
         CageState {

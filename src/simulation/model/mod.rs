@@ -60,10 +60,8 @@ pub struct Mechanism {
     pub load: Vector,
     /// Mass times eccentricity [kg m].
     pub unbalance: f64,
-    /// That the spindle feels [m/s²].
+    /// [m/s²]
     pub gravity: f64,
-    /// That balls and cage feel [m/s²].
-    pub ball_gravity: f64,
 }
 
 /// Azimuths by column.
@@ -127,7 +125,6 @@ impl Mechanism {
             load: scene.operation.load,
             unbalance: if needs.unbalance { scene.spindle.unbalance_product(operating_speed) } else { 0.0 },
             gravity: if needs.gravity { scene.gravity } else { 0.0 },
-            ball_gravity: if needs.ball_gravity { scene.gravity } else { 0.0 },
         }
     }
 

@@ -173,7 +173,7 @@ impl RadiallyCondensed {
                 mass: m.ball_mass,
                 inertia: m.ball_inertia,
                 radius: 0.5 * scene.bearing.parameters.ball_diameter,
-                weight: m.ball_mass * m.ball_gravity,
+                weight: m.ball_mass * m.gravity,
                 damping,
                 axis_square: m.raceway.map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2)),
             },

@@ -200,11 +200,8 @@ impl RadiallyCondensed {
             (y, z, moment) = (y + force[1], z + force[2], moment + braking);
         }
         let (per_mass, arm, per_inertia) = (1.0 / m.cage.mass, m.pitch_radius, 1.0 / m.cage.axial_inertia);
-        rates.cage = [
-            y * per_mass + m.ball_gravity,
-            z * per_mass,
-            arm * (moment * per_inertia - m.orbit_ratio * drive.acceleration),
-        ];
+        rates.cage =
+            [y * per_mass + m.gravity, z * per_mass, arm * (moment * per_inertia - m.orbit_ratio * drive.acceleration)];
         let [d_y, d_z, d_arc] = sums.cage_damping;
         rates.cage_damping = [d_y * per_mass, d_z * per_mass, d_arc * (arm * arm * per_inertia)];
     }
