@@ -6,6 +6,7 @@
 
 mod scenes;
 
+use raceway::contract::scene_from_json;
 use raceway::numerics::ode::{Method, OdeSystem};
 use raceway::simulation::channel::{Axis, Channel, Motion};
 use raceway::simulation::judgement::{self, Judge, Omission};
@@ -15,6 +16,7 @@ use raceway::simulation::needs::{Grounds, Needs};
 use raceway::simulation::observe::{Observer, RATE};
 use raceway::simulation::run::{Outputs, RunSettings, start_state};
 use raceway::simulation::scene::Scene;
+use serde_json::{Value, json};
 
 const WINDOW: f64 = 0.1;
 const WINDOWS: usize = 4;
@@ -25,6 +27,76 @@ const CHANNELS: [Channel; 4] = [
     Channel::Spindle(Axis::Y, Motion::Velocity),
     Channel::Spindle(Axis::Z, Motion::Velocity),
 ];
+
+/// What lies outside of the scenes, by name: light, slow, dry, flooded, preloaded, axially loaded and rattling bearings.
+fn extremes() -> Vec<(&'static str, Scene)> {
+    let article = |name, bearing: Value, rest: Value| {
+        let mut json = json!({
+            "bearing": { "preset": "article-integrated" },
+            "operation": { "speed_rpm": 50_000, "radial_load_y_n": 200 }
+        });
+        merge(&mut json["bearing"], bearing);
+        merge(&mut json, rest);
+        (name, json)
+    };
+    let operation = |speed: f64, load: f64| json!({ "operation": { "speed_rpm": speed, "radial_load_y_n": load } });
+    let axial = |load: f64, axial: f64| json!({ "operation": { "speed_rpm": 50_000, "radial_load_y_n": load, "axial_load_n": axial } });
+    let none = || json!({});
+    let catalogue = |name, preset: &str, speed: f64, load: f64| {
+        let json = json!({ "bearing": preset, "operation": { "speed_rpm": speed, "radial_load_y_n": load } });
+        (name, json)
+    };
+    [
+        article("5 N", none(), operation(50_000.0, 5.0)),
+        article("20 N", none(), operation(50_000.0, 20.0)),
+        article("1000 r/min", none(), operation(1000.0, 200.0)),
+        article("3000 r/min, 50 N", none(), operation(3000.0, 50.0)),
+        article("dry, Coulomb", none(), json!({ "lubricant": "dry" })),
+        article("dry, Coulomb, film", json!({ "cage": { "film": "empirical-11" } }), json!({ "lubricant": "dry" })),
+        article("oil", none(), json!({ "lubricant": "oil" })),
+        article("oil, fill 0.5", none(), json!({ "lubricant": { "kind": "oil", "fill": 0.5 } })),
+        article("Eyring oil", none(), json!({ "lubricant": { "kind": "oil", "traction": { "law": "eyring" } } })),
+        article(
+            "traction from 0.1 m/s",
+            none(),
+            json!({ "lubricant": { "traction": { "law": "four_parameter", "at_slip_m_s": 0.1 } } }),
+        ),
+        article("preload −3 µm", json!({ "radial_clearance_um": -3 }), none()),
+        article(
+            "preload, closed seats",
+            json!({ "radial_clearance_um": -3, "cage": { "seat": "closed", "offset_mm": 0 } }),
+            none(),
+        ),
+        article("axial 30 N", none(), axial(50.0, 30.0)),
+        article("axial 100 N", none(), axial(20.0, 100.0)),
+        article("no film", json!({ "cage": { "film": "none" } }), none()),
+        article(
+            "land",
+            json!({ "cage": { "land": { "clearance_mm": 0.2, "diameter_mm": 14.6, "width_mm": 1 } } }),
+            none(),
+        ),
+        catalogue("6205, 500 N, 1797 r/min", "6205", 1797.0, 500.0),
+        catalogue("6205, 2000 N, 6000 r/min", "6205", 6000.0, 2000.0),
+        catalogue("608, 50 N, 20 000 r/min", "608", 20_000.0, 50.0),
+    ]
+    .map(|(name, json)| {
+        let text = json.to_string();
+        (name, scene_from_json(&text).unwrap_or_else(|fault| panic!("{text}: {fault:?}")))
+    })
+    .into()
+}
+
+/// Sets fields of an object, objects within it field by field.
+fn merge(into: &mut Value, changes: Value) {
+    match (into, changes) {
+        (Value::Object(fields), Value::Object(changes)) => {
+            for (name, value) in changes {
+                merge(fields.entry(name).or_insert(Value::Null), value);
+            }
+        }
+        (into, value) => *into = value,
+    }
+}
 
 /// Leaves something out; with what is said of it beforehand, where that is bounded.
 struct Case {
@@ -172,7 +244,7 @@ fn cpu_time() -> f64 {
 fn named() -> Vec<(String, Scene)> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     if arguments.iter().any(|argument| argument == "extremes") {
-        return scenes::extremes().into_iter().map(|(name, scene)| (name.to_owned(), scene)).collect();
+        return extremes().into_iter().map(|(name, scene)| (name.to_owned(), scene)).collect();
     }
     let numbers: Vec<usize> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
     let (first, last) =

@@ -24,7 +24,7 @@ const LEAST_CENTRIFUGE: f64 = 50.0;
 const STANDARD_GRAVITY: f64 = 9.81;
 /// Least load of the most loaded ball over the centrifugal force on one: below, the spindle leaves the balls.
 const LEAST_LOAD: f64 = 4.0;
-/// Slip speed, at least, at which a law has its maximum whose strips are judged [m/s]; a tenth of it broke the bound.
+/// Slip speed, at least, at which a traction law that is judged has its maximum [m/s]; a tenth of it broke the bound of strips.
 const GENTLE_SLIP: f64 = 1.0;
 /// Most drag on a ball whose strips are judged, over its centrifugal force; five times as much broke the bound.
 const MOST_DRAG: f64 = 0.01;
@@ -150,8 +150,8 @@ impl Watch for Motions {
 }
 
 impl<'a> Judge<'a> {
-    /// `None` where nothing bounds what small forces do: the cage rattles, the speed varies or is low, or the spindle may leave
-    /// the balls; and with a load or motion along the axis, or a misaligned spindle, for which no bound was measured.
+    /// `None` where nothing bounds what small forces do: the cage rattles, traction grows steeply, the speed varies or is low, or the
+    /// spindle may leave the balls; and with a load or motion along the axis, or a misaligned spindle, for which no bound was measured.
     pub fn new(scene: &'a Scene, needs: &'a Needs) -> Result<Option<Self>, SimulationError> {
         let model = Model::new(scene, needs);
         let m = model.mechanism();
@@ -159,7 +159,10 @@ impl<'a> Judge<'a> {
         let in_plane = !m.layout.axial_spindle && m.axial_offset == 0.0 && m.misalignment == [0.0; 2];
         let orbit_speed = m.orbit_ratio * m.speed.largest();
         let centrifuge = m.pitch_radius * orbit_speed * orbit_speed;
-        if !damped || !in_plane || !m.speed.is_constant() || centrifuge < LEAST_CENTRIFUGE * STANDARD_GRAVITY {
+        let law = &scene.lubricant.traction;
+        let gentle = matches!(law, TractionLaw::FourParameter { at_rest: 0.0, at_slip, .. } if *at_slip >= GENTLE_SLIP);
+        if !damped || !in_plane || !gentle || !m.speed.is_constant() || centrifuge < LEAST_CENTRIFUGE * STANDARD_GRAVITY
+        {
             return Ok(None);
         }
         let state = start_state(&model)?;
@@ -177,7 +180,7 @@ impl<'a> Judge<'a> {
         let speed = m.speed.largest();
         let balls = m.layout.balls as f64;
         match omission {
-            Omission::Strips(points) => (points < self.needs.raceway.strips && self.slips_gently())
+            Omission::Strips(points) => (points < self.needs.raceway.strips && self.rolls_freely())
                 .then(|| DB_PER_SPEED * self.slip_without_strips(points)),
             Omission::Drag => {
                 m.drag.and_then(|drag| self.shaking(balls * drag.force(m.pitch_radius * m.orbit_ratio * speed).abs()))
@@ -189,15 +192,13 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether traction grows slowly with slip and the balls are hardly braked: only there the bound of strips holds.
-    fn slips_gently(&self) -> bool {
+    /// Whether the balls are hardly braked: only there the bound of strips holds.
+    fn rolls_freely(&self) -> bool {
         let m = &self.mechanism;
         let orbit_velocity = m.pitch_radius * m.orbit_ratio * m.speed.largest();
         let drag = m.drag.map_or(0.0, |drag| drag.force(orbit_velocity).abs());
         let centrifugal = m.ball_mass * orbit_velocity * orbit_velocity / m.pitch_radius;
-        let law = &self.scene.lubricant.traction;
         drag <= MOST_DRAG * centrifugal
-            && matches!(law, TractionLaw::FourParameter { at_rest: 0.0, at_slip, .. } if *at_slip >= GENTLE_SLIP)
     }
 
     fn ball_radius(&self) -> f64 {

@@ -17,7 +17,6 @@ fn scenes() -> Vec<(&'static str, Value)> {
     let bearing =
         |balls: u32, clearance: f64| json!({ "bearing": { "ball_count": balls, "radial_clearance_um": clearance } });
     let closed = json!({ "bearing": { "radial_clearance_um": 3, "cage": { "seat": "closed", "offset_mm": 0 } } });
-    let dry = json!({ "lubricant": "dry", "bearing": { "cage": { "film": { "stiffness_n_per_m": 3000, "damping_n_s_per_m": 3 } } } });
     vec![
         ("article", json!({})),
         ("unbalance", json!({ "spindle": { "balance_grade": 6.3 } })),
@@ -30,7 +29,7 @@ fn scenes() -> Vec<(&'static str, Value)> {
         ("20 000 r/min", speed_and_load(20_000.0, 100.0)),
         ("heavy spindle", json!({ "spindle": { "mass_kg": 0.1 } })),
         ("oil", json!({ "lubricant": "oil" })),
-        ("dry, damped pockets", dry),
+        ("air in place of a mixture", json!({ "lubricant": { "fill": 0 } })),
         ("in the plane", closed),
     ]
 }
@@ -118,6 +117,7 @@ fn terms_stay_in_where_nothing_lets_them_go() {
         json!({ "operation": { "speed_rpm": 1000 } }),
         json!({ "operation": { "radial_load_y_n": 5 } }),
         json!({ "operation": { "axial_load_n": 30 } }),
+        json!({ "lubricant": { "traction": { "law": "four_parameter", "at_slip_m_s": 0.1 } } }),
         json!({ "operation": { "misalignment_mrad": { "y": 1, "z": 0 } } }),
     ] {
         assert_eq!(names(changes.clone(), &outputs, 20.0), [""; 0], "{changes}");
