@@ -5,9 +5,10 @@
 //! spread is the standard deviation of the windows' levels. Run time is that of 0.02 + 0.1 s, CPU time of the thread, least of
 //! several runs. `-- chosen` runs plain jobs on the rung that is chosen beside the full dynamics, at tolerances of 0.05 and 0.2 dB. With `RUNGS_REFERENCE=DIR` the levels of the full dynamics are kept in that folder and read from it.
 
+mod scenes;
+
 use std::path::PathBuf;
 
-use raceway::contract::scene_from_json;
 use raceway::physics::cage::PocketSeat;
 use raceway::simulation::channel::{Axis, Channel, Motion};
 use raceway::simulation::metrics::Summary;
@@ -16,7 +17,7 @@ use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
 use raceway::simulation::observe::{RATE, Recording};
 use raceway::simulation::run::{Control, Method, Outputs, RunSettings, Rung, run};
 use raceway::simulation::scene::Scene;
-use serde_json::{Value, json};
+use scenes::{SCENES, scene};
 
 const WINDOW: f64 = 0.1;
 const WINDOWS: usize = 4;
@@ -28,44 +29,6 @@ const CHANNELS: [Channel; 4] = [
     Channel::Spindle(Axis::Y, Motion::Velocity),
     Channel::Spindle(Axis::Z, Motion::Velocity),
 ];
-
-/// r/min, N, P_d [µm], balls, spindle [g], balance grade [mm/s].
-const SCENES: [(f64, f64, f64, u32, f64, f64); 18] = [
-    (50_000.0, 200.0, 5.0, 7, 50.0, 0.0),
-    (50_000.0, 200.0, 5.0, 7, 50.0, 6.3),
-    (50_000.0, 200.0, 2.0, 7, 50.0, 0.0),
-    (50_000.0, 200.0, 10.0, 7, 50.0, 0.0),
-    (50_000.0, 50.0, 5.0, 7, 50.0, 0.0),
-    (50_000.0, 400.0, 5.0, 7, 50.0, 0.0),
-    (30_000.0, 200.0, 5.0, 7, 50.0, 0.0),
-    (10_000.0, 200.0, 5.0, 7, 50.0, 0.0),
-    (60_000.0, 200.0, 5.0, 7, 50.0, 0.0),
-    (50_000.0, 200.0, 5.0, 6, 50.0, 0.0),
-    (50_000.0, 200.0, 5.0, 8, 50.0, 0.0),
-    (50_000.0, 200.0, 5.0, 9, 50.0, 0.0),
-    (50_000.0, 200.0, 5.0, 7, 100.0, 0.0),
-    (20_000.0, 100.0, 8.0, 8, 70.0, 2.5),
-    (40_000.0, 300.0, 3.0, 9, 80.0, 6.3),
-    (60_000.0, 100.0, 4.0, 6, 60.0, 1.0),
-    (10_000.0, 50.0, 3.0, 9, 100.0, 0.0),
-    (30_000.0, 400.0, 10.0, 8, 50.0, 6.3),
-];
-
-fn scene(number: usize) -> (Scene, String) {
-    let (speed, load, clearance, balls, mass, grade) = SCENES[number];
-    // Nine balls of this size need a larger circle.
-    let pitch = if balls > 8 { 14.0 } else { 13.0 };
-    let json: Value = json!({
-        "bearing": {
-            "preset": "article-integrated", "ball_count": balls, "radial_clearance_um": clearance,
-            "pitch_diameter_mm": pitch, "outer_diameter_mm": pitch + 5.0, "inner_diameter_mm": pitch - 4.5
-        },
-        "spindle": if grade > 0.0 { json!({ "mass_kg": 1e-3 * mass, "balance_grade": grade }) } else { json!({ "mass_kg": 1e-3 * mass }) },
-        "operation": { "speed_rpm": speed, "radial_load_y_n": load }
-    });
-    let text = json.to_string();
-    (scene_from_json(&text).unwrap_or_else(|fault| panic!("{text}: {fault:?}")), text)
-}
 
 fn settings(scene: &Scene, duration: f64) -> RunSettings {
     let cage = 0.43 * scene.operating_speed() / std::f64::consts::TAU;

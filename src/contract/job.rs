@@ -252,7 +252,8 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
     errors.splice(0..0, faults);
     match resolved {
         Some(mut resolved) if errors.is_empty() => {
-            let needs = ladder::needs(&resolved.scene, &settings.outputs, settings.rung).map_err(unmet)?;
+            let needs = ladder::needs(&resolved.scene, &settings.outputs, settings.rung, settings.model_tolerance_db)
+                .map_err(unmet)?;
             let rungs = match &plan {
                 Some(_) => vec![needs.rung],
                 None => ladder::tried(&resolved.scene, &settings).map_err(unmet)?,

@@ -117,7 +117,9 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
     let at_rest = static_loads(job.scene(), &job.needs).ok();
     let plan = job.plan.as_ref();
     let leanest = job.rungs.first().filter(|rung| rung.is_reduced());
-    let leanest = leanest.and_then(|rung| ladder::needs(job.scene(), &job.settings.outputs, Some(*rung)).ok());
+    let tolerance = job.settings.model_tolerance_db;
+    let leanest =
+        leanest.and_then(|rung| ladder::needs(job.scene(), &job.settings.outputs, Some(*rung), tolerance).ok());
     let left_out = leanest.map_or_else(|| job.needs.left_out.clone(), |needs| needs.left_out);
     ResolveAnswer {
         scene: job.scene_json(),

@@ -153,6 +153,11 @@ impl Pocket {
         self.film_stiffness
     }
 
+    /// Whether a film damps the ball in its pocket.
+    pub fn film_is_damped(&self) -> bool {
+        self.film_damping > 0.0
+    }
+
     /// Stiffness of the solid contact [N/m^1.5].
     pub fn solid_stiffness(&self) -> f64 {
         self.solid_stiffness

@@ -25,6 +25,8 @@ use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, lar
 pub struct RacewayTerms {
     /// Strips the ellipse is cut into across the groove.
     pub strips: usize,
+    /// As many points of a Gauss rule (2, 4 or 6) in their place.
+    pub gauss: bool,
     /// Point on the deformed surface depends on its place across the groove.
     pub conformity: bool,
     /// Slip from rotation about the contact normal, and its moment.
@@ -105,7 +107,7 @@ side_by_side!(RacewayLoad { penetration, normal, angle, force, moment, slip });
 struct MirroredStrips {
     middle: Option<Strip>,
     pairs: [Strip; MAX_STRIPS],
-    /// So many pairs are in use that `AT_ONCE` divides them, the last ones without weight.
+    /// So many pairs are in use: fewer than `AT_ONCE`, or as many as it divides, the last ones without weight.
     used: usize,
 }
 
@@ -126,7 +128,7 @@ impl MirroredStrips {
         Self {
             middle: odd.then(|| all[half]),
             pairs: from_fn(|k| if k < half { pair(k) } else { blank }),
-            used: half.next_multiple_of(AT_ONCE),
+            used: if odd || half >= AT_ONCE { half.next_multiple_of(AT_ONCE) } else { half },
         }
     }
 }
@@ -277,6 +279,7 @@ impl RacewayContact {
     ) -> PerRaceway<Self> {
         let p = &bearing.parameters;
         let hertz = raceway_contacts(bearing);
+        let strips = if terms.gauss { Strips::gauss(terms.strips / 2) } else { Strips::new(terms.strips) };
         let one = |hertz: HertzContact, centre_radius: f64, curvature: f64| Self {
             groove: Groove {
                 centre_radius,
@@ -297,8 +300,8 @@ impl RacewayContact {
                 hertz,
             },
             traction: Traction::new(&lubricant.traction, lubricant.viscosity, lubricant.pressure_viscosity),
-            strips: MirroredStrips::new(&Strips::new(terms.strips), 1.0),
-            folded_strips: MirroredStrips::new(&Strips::new(terms.strips), 2.0),
+            strips: MirroredStrips::new(&strips, 1.0),
+            folded_strips: MirroredStrips::new(&strips, 2.0),
             surface: SurfaceProfile::None,
         };
         PerRaceway {
@@ -397,53 +400,75 @@ impl RacewayContact {
         load
     }
 
-    /// Traction over load, summed over the strips.
+    /// Traction over load, summed over the strips. Where nothing spins about the normal, a strip and its image slip alike.
     #[inline(always)]
     fn strip_sums<const PLANAR: bool, const N: usize>(
         &self,
         contact: &Contact<Lanes<N>>,
         motion: &RelativeMotion<Lanes<N>>,
     ) -> StripSums<Lanes<N>> {
-        match self.traction {
-            // The law of most scenes takes several strips at once.
-            Traction::RisingFromZero(law) => self.rising_sums::<PLANAR, N>(&law, contact),
-            Traction::StickingAtRest(law) => {
-                self.sums_by::<PLANAR, N>(contact, motion, |square, _| sticking(&law, square.sqrt(), square))
-            }
-            Traction::SlideRollFromZero(law) => {
-                self.sums_by::<PLANAR, N>(contact, motion, |square, context| rolling(&law, square, context))
-            }
-            Traction::SlideRollAtRest(law) => {
-                self.sums_by::<PLANAR, N>(contact, motion, |square, context| rolling_at_rest(&law, square, context))
-            }
-            Traction::Eyring(law) => {
-                self.sums_by::<PLANAR, N>(contact, motion, |square, context| eyring(&law, square, context))
-            }
-            Traction::Coulomb(law) => self.sums_by::<PLANAR, N>(contact, motion, |square, _| coulomb(&law, square)),
+        if PLANAR || self.groove.spin == 0.0 {
+            self.strip_sums_of::<true, N>(contact, motion)
+        } else {
+            self.strip_sums_of::<false, N>(contact, motion)
         }
     }
 
     #[inline(always)]
-    fn rising_sums<const PLANAR: bool, const N: usize>(
+    fn strip_sums_of<const MIRRORED: bool, const N: usize>(
+        &self,
+        contact: &Contact<Lanes<N>>,
+        motion: &RelativeMotion<Lanes<N>>,
+    ) -> StripSums<Lanes<N>> {
+        match self.traction {
+            // The law of most scenes takes several strips at once.
+            Traction::RisingFromZero(law) => self.rising_sums::<MIRRORED, N>(&law, contact),
+            Traction::StickingAtRest(law) => {
+                self.sums_by::<MIRRORED, N>(contact, motion, |square, _| sticking(&law, square.sqrt(), square))
+            }
+            Traction::SlideRollFromZero(law) => {
+                self.sums_by::<MIRRORED, N>(contact, motion, |square, context| rolling(&law, square, context))
+            }
+            Traction::SlideRollAtRest(law) => {
+                self.sums_by::<MIRRORED, N>(contact, motion, |square, context| rolling_at_rest(&law, square, context))
+            }
+            Traction::Eyring(law) => {
+                self.sums_by::<MIRRORED, N>(contact, motion, |square, context| eyring(&law, square, context))
+            }
+            Traction::Coulomb(law) => self.sums_by::<MIRRORED, N>(contact, motion, |square, _| coulomb(&law, square)),
+        }
+    }
+
+    #[inline(always)]
+    fn rising_sums<const MIRRORED: bool, const N: usize>(
         &self,
         law: &FourParameters,
         contact: &Contact<Lanes<N>>,
     ) -> StripSums<Lanes<N>> {
-        let strips = if PLANAR { &self.folded_strips } else { &self.strips };
+        let strips = if MIRRORED { &self.folded_strips } else { &self.strips };
         let mut sums = StripSums::<Lanes<N>>::default();
         let mut rest = &strips.pairs[..strips.used];
         while let Some((&[a, b, c, d], after)) = rest.split_first_chunk::<AT_ONCE>() {
             rest = after;
             match strips.middle {
-                Some(middle) if rest.is_empty() && PLANAR => {
+                Some(middle) if rest.is_empty() && MIRRORED => {
                     self.add_rising::<N, 5, 5>(law, contact, &[a, b, c, d, middle], &mut sums);
                 }
                 Some(middle) if rest.is_empty() => {
                     self.add_rising::<N, 5, 9>(law, contact, &[a, b, c, d, middle], &mut sums);
                 }
-                _ if PLANAR => self.add_rising::<N, 4, 4>(law, contact, &[a, b, c, d], &mut sums),
+                _ if MIRRORED => self.add_rising::<N, 4, 4>(law, contact, &[a, b, c, d], &mut sums),
                 _ => self.add_rising::<N, 4, 8>(law, contact, &[a, b, c, d], &mut sums),
             }
+        }
+        match (rest, MIRRORED) {
+            (&[a, b, c], true) => self.add_rising::<N, 3, 3>(law, contact, &[a, b, c], &mut sums),
+            (&[a, b, c], false) => self.add_rising::<N, 3, 6>(law, contact, &[a, b, c], &mut sums),
+            (&[a, b], true) => self.add_rising::<N, 2, 2>(law, contact, &[a, b], &mut sums),
+            (&[a, b], false) => self.add_rising::<N, 2, 4>(law, contact, &[a, b], &mut sums),
+            (&[a], true) => self.add_rising::<N, 1, 1>(law, contact, &[a], &mut sums),
+            (&[a], false) => self.add_rising::<N, 1, 2>(law, contact, &[a], &mut sums),
+            _ => {}
         }
         if let (Some(middle), 0) = (strips.middle, strips.used) {
             self.add_rising::<N, 1, 1>(law, contact, &[middle], &mut sums);
@@ -471,7 +496,7 @@ impl RacewayContact {
 
     /// The sums by a law that gives μ/|u| of a squared slip and what else there is, one strip after the other.
     #[inline(always)]
-    fn sums_by<const PLANAR: bool, const N: usize>(
+    fn sums_by<const MIRRORED: bool, const N: usize>(
         &self,
         contact: &Contact<Lanes<N>>,
         motion: &RelativeMotion<Lanes<N>>,
@@ -485,10 +510,10 @@ impl RacewayContact {
                 context.put(lane, groove.context(&contact.at(lane), &motion.at(lane)));
             }
         }
-        let strips = if PLANAR { &self.folded_strips } else { &self.strips };
+        let strips = if MIRRORED { &self.folded_strips } else { &self.strips };
         let mut sums = StripSums::<Lanes<N>>::default();
         for strip in &strips.pairs[..strips.used] {
-            if PLANAR {
+            if MIRRORED {
                 self.add_by::<N, 1>(&law, contact, &context, strip, &mut sums);
             } else {
                 self.add_by::<N, 2>(&law, contact, &context, strip, &mut sums);

@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
         Self {
             mechanism,
             orbit_speed: mechanism.orbit_ratio * speed,
-            azimuths: (0..balls).map(|ball| Azimuth::new(mechanism.start_azimuth(ball))).collect(),
+            azimuths: mechanism.start.angle[..balls].iter().map(|angle| Azimuth::new(*angle)).collect(),
             axis: Tilt::new(about_y, about_z).columns[0],
             free,
             place: DVector::zeros(2 * balls + free.len()),

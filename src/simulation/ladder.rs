@@ -9,6 +9,7 @@ use std::time::Instant;
 use super::accuracy;
 use super::channel::Channel;
 use super::divergence::{self, Parted};
+use super::judgement;
 use super::metrics::{AccuracyReport, MotionKind, SolverReport};
 use super::model::radially_condensed::{self, RadiallyCondensed};
 use super::model::{Mechanism, Model};
@@ -96,9 +97,12 @@ impl Rung {
     }
 }
 
-/// What the equations of a scene hold on a rung asked for by name, or on the dynamics that the scene needs.
-pub fn needs(scene: &Scene, outputs: &Outputs, rung: Option<Rung>) -> Result<Needs, Unmet> {
-    let Some(rung) = rung.filter(|rung| rung.is_reduced()) else { return Needs::of(scene, outputs, rung) };
+/// What the equations of a scene hold on a rung asked for by name, or on the dynamics that the scene needs: these without single
+/// terms that it can do without by judgement. Reduced rungs, which would save nothing by that, have all.
+pub fn needs(scene: &Scene, outputs: &Outputs, rung: Option<Rung>, model_tolerance_db: f64) -> Result<Needs, Unmet> {
+    let Some(rung) = rung.filter(|rung| rung.is_reduced()) else {
+        return Ok(judgement::within(Needs::of(scene, outputs, rung)?, scene, outputs, model_tolerance_db));
+    };
     if let Some(reason) = rung.refusal(scene, &Needs::of(scene, outputs, Some(Rung::Full))?, outputs) {
         return Err(Unmet::Rung { rung, reason });
     }
@@ -379,7 +383,7 @@ fn summarise(
     parted: Option<Parted>,
     begin: Instant,
 ) -> Result<RunResult, SimulationError> {
-    let mut needs = needs(scene, &settings.outputs, Some(rung))?;
+    let mut needs = needs(scene, &settings.outputs, Some(rung), settings.model_tolerance_db)?;
     let bound = check.distance.level_db.map(|error| (error, "dB"));
     for left_out in needs.left_out.iter_mut().filter(|left_out| left_out.by == Grounds::Judgement) {
         left_out.bound = bound;

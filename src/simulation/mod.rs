@@ -5,6 +5,7 @@ pub mod accuracy;
 pub mod channel;
 pub mod divergence;
 pub mod equilibrium;
+pub mod judgement;
 pub mod ladder;
 pub mod lines;
 pub mod metrics;

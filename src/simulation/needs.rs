@@ -95,6 +95,7 @@ impl Needs {
             rung,
             raceway: RacewayTerms {
                 strips: if conformity || spin { strips(&scene.lubricant.traction) } else { 1 },
+                gauss: false,
                 conformity,
                 spin,
                 hydrodynamics,

@@ -10,7 +10,7 @@ use super::ladder;
 pub use super::ladder::Rung;
 use super::metrics::{self, AccuracyReport, SolverReport, Summary};
 use super::model::{Mechanism, Model};
-use super::needs::{LeftOut, Needs, Unmet};
+use super::needs::{Grounds, LeftOut, Needs, Unmet};
 use super::observe::{Observer, Recording};
 use super::scene::Scene;
 use super::state::{BallState, Layout, SpindleState};
@@ -149,7 +149,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
         (control.progress)(1.0);
         return Ok(result);
     }
-    let needs = Needs::of(scene, &settings.outputs, settings.rung)?;
+    let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db)?;
     let model = Model::new(scene, &needs);
     let start = start_state(&model)?;
     let setup = Setup { model: &model, needs: &needs, settings, start: &start };
@@ -357,6 +357,14 @@ fn summarise(
         Rung::Planar => "planar motion: see left_out for why no motion along the axis is needed".to_owned(),
         _ => "the full dynamics: nothing richer to check against".to_owned(),
     };
+    let judged = needs.left_out.iter().filter(|left_out| left_out.by == Grounds::Judgement);
+    let bounds: Vec<f64> = judged.filter_map(|left_out| left_out.bound.map(|(bound, _)| bound)).collect();
+    if !bounds.is_empty() {
+        check = format!(
+            "{check}; terms left out by judgement change levels by no more than {:.4} dB together",
+            bounds.iter().sum::<f64>()
+        );
+    }
     for words in found {
         check = format!("{check}; {words}");
     }

@@ -10,6 +10,7 @@ mod energy;
 mod extremes;
 mod instructions;
 mod jacobian;
+mod judgement;
 mod ladder;
 mod mirror_symmetry;
 mod momentum;

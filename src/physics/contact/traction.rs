@@ -278,6 +278,18 @@ pub const MAX_STRIPS: usize = 33;
 /// Number of strips where nothing else is asked.
 pub const DEFAULT_STRIPS: usize = 9;
 
+/// Places t > 0 and weights of ∫ ¾ (1 − t²) g(t) dt over −1 … 1 (Gauss–Jacobi), for 2, 4 and 6 points; the places are the inner
+/// ones of Lobatto's rule with two points more (Abramowitz & Stegun, table 25.6), whose weights are here times ¾ (1 − t²).
+const GAUSS: [&[(f64, f64)]; 3] = [
+    &[(0.447_213_595_499_958, 0.5)],
+    &[(0.285_231_516_480_645, 0.382_287_565_553_229), (0.765_055_323_929_465, 0.117_712_434_446_770)],
+    &[
+        (0.209_299_217_902_479, 0.295_792_918_221_050),
+        (0.591_700_181_433_142, 0.166_269_399_016_888),
+        (0.871_740_148_509_607, 0.037_937_682_762_061),
+    ],
+];
+
 /// The ellipse of contact in strips of equal width over t = η/a, made once a scene.
 ///
 /// The semi-ellipsoid of pressure, integrated along rolling, leaves ¾ (1 − t²) of the load per unit of t;
@@ -305,6 +317,22 @@ impl Strips {
                 strip.position = -strip.position;
             }
             *slot = strip;
+        }
+        Self { count, strips }
+    }
+
+    /// The Gauss rule of the load with `2 × pairs` points (one to three pairs): exact for polynomials of t up to degree
+    /// 4 `pairs` − 1, where as many strips are for straight lines. A law that bends sharply wants strips.
+    pub fn gauss(pairs: usize) -> Self {
+        let nodes = GAUSS[pairs.clamp(1, GAUSS.len()) - 1];
+        let count = 2 * nodes.len();
+        let mut strips = [Strip::default(); MAX_STRIPS];
+        for (i, &(position, weight)) in nodes.iter().enumerate() {
+            // The mean pressure of a chord of the ellipse.
+            let pressure = std::f64::consts::FRAC_PI_4 * (1.0 - position * position).sqrt();
+            let strip = Strip { position, weight, pressure };
+            strips[nodes.len() + i] = strip;
+            strips[nodes.len() - 1 - i] = Strip { position: -position, ..strip };
         }
         Self { count, strips }
     }
@@ -368,6 +396,20 @@ mod tests {
         let FourParameters { a, b, c, d } = four_parameters(0.0, 0.05, 1.0, 0.036);
         for (value, expected) in [(a, -0.036), (b, 0.101_781), (c, 1.547_272), (d, 0.036)] {
             assert!((value - expected).abs() < 1e-6, "{value} against {expected}");
+        }
+    }
+
+    /// ∫ ¾ (1 − t²) t^n dt is 3/((n + 1)(n + 3)) for even n; the points give it up to twice their number less one, and not beyond.
+    #[test]
+    fn gauss_points_are_exact_for_polynomials() {
+        for pairs in 1..=3 {
+            let points = Strips::gauss(pairs);
+            assert_eq!(points.as_slice().len(), 2 * pairs);
+            for n in 0..=4 * pairs {
+                let sum: f64 = points.as_slice().iter().map(|p| p.weight * p.position.powi(n as i32)).sum();
+                let exact = if n % 2 == 0 { 3.0 / ((n + 1) * (n + 3)) as f64 } else { 0.0 };
+                assert_eq!((sum - exact).abs() < 1e-14, n < 4 * pairs, "{pairs} {n}: {sum} {exact}");
+            }
         }
     }
 
