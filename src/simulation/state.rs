@@ -104,9 +104,6 @@ mod size {
     pub const ARC: f64 = 1e-5;
     /// [m/s]
     pub const VELOCITY: f64 = 1e-2;
-    /// Of a ball between its raceways [m/s]: overdamped under load, it forgets its errors at once. A fifth of this takes a fifth
-    /// more evaluations, and levels err more.
-    pub const BALL_VELOCITY: f64 = 5e-2;
     /// [m/s]
     pub const ARC_VELOCITY: f64 = 1e-1;
     /// [rad/s]
@@ -121,8 +118,8 @@ const BALL_NAMES: [(&str, f64); 9] = [
     ("axial position", size::POSITION),
     ("radial position", size::POSITION),
     ("arc along the orbit", size::ARC),
-    ("axial velocity", size::BALL_VELOCITY),
-    ("radial velocity", size::BALL_VELOCITY),
+    ("axial velocity", size::VELOCITY),
+    ("radial velocity", size::VELOCITY),
     ("orbit velocity", size::ARC_VELOCITY),
     ("spin about x", size::SPIN),
     ("spin about the radius", size::SPIN),
