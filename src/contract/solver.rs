@@ -98,13 +98,16 @@ impl SolverInput {
     pub fn resolve(&mut self, filling: &mut Filling) -> Solver {
         let name = filling.take("/solver/method", &mut self.method, "auto".to_owned());
         let method = method_of(filling, "/solver/method", &name).unwrap_or(Method::Auto);
-        let chooses = self.relative_tolerance.is_none() && method == Method::Auto && self.fixed_step_us.is_none();
+        let (rung, model_tolerance_db) = self.resolve_model(filling);
+        let chooses = self.relative_tolerance.is_none()
+            && method == Method::Auto
+            && self.fixed_step_us.is_none()
+            && model_tolerance_db > 0.0;
         if !chooses {
             filling.take("/solver/relative_tolerance", &mut self.relative_tolerance, TOLERANCE);
         }
         let relative_tolerance = self.relative_tolerance.unwrap_or(LOOSE_TOLERANCE);
         filling.within("/solver/relative_tolerance", relative_tolerance, TOLERANCES.0, TOLERANCES.1, "");
-        let (rung, model_tolerance_db) = self.resolve_model(filling);
         if let Some(step) = self.fixed_step_us {
             filling.within("/solver/fixed_step_us", step, 1e-3, 1e3, "µs");
             if !method.takes_fixed_steps() {

@@ -72,6 +72,7 @@ fn a_tolerance_left_out_is_chosen_for_levels() {
     assert_eq!(of(json!({"rung": "full"}), json!({})), (1e-3, Some(1e-5)));
     assert_eq!(of(json!({"relative_tolerance": 1e-4}), json!({})), (1e-4, None));
     assert_eq!(of(json!({"method": "gear"}), json!({})), (1e-5, None));
+    assert_eq!(of(json!({"model_tolerance_db": 0}), json!({})), (1e-5, None));
     assert_eq!(of(json!({}), json!({"series": ["spindle.y.acceleration"]})), (1e-5, None));
 }
 
