@@ -17,4 +17,5 @@ pub mod run;
 pub mod scene;
 pub mod state;
 pub mod stiffness;
+pub mod windows;
 pub mod work_precision;
