@@ -12,6 +12,10 @@ use crate::numerics::statistics::{self, CentralMoments};
 /// Longest window [s]: a run of the longest default duration is one.
 const LONGEST: f64 = 1.0;
 
+/// Values at either end of one window of several that do not count in the band of levels: the band limit takes a window as
+/// periodic, and overshoots where its ends do not meet. Further in, that is less than a hundredth of the step between them.
+const EDGE: usize = 128;
+
 /// How the kept values of a run are cut: into as few windows of equal length as there can be. What is left over, less than a
 /// value a window, counts in series alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,13 +50,20 @@ pub struct InBand {
 }
 
 impl InBand {
+    /// Of a run of one window.
     pub fn of(signal: &[f64]) -> Self {
+        Self::within(signal, 0)
+    }
+
+    /// Of one window, so many values at either end left out.
+    fn within(signal: &[f64], edge: usize) -> Self {
         let in_band = band_limited(signal, RATE, BAND);
+        let in_band = &in_band[edge..in_band.len() - edge];
         // The band limit takes the mean away, in which windows differ.
         Self {
-            moments: CentralMoments::of(&in_band).shifted(statistics::mean(signal)),
+            moments: CentralMoments::of(in_band).shifted(statistics::mean(signal)),
             largest: signal.iter().fold(0.0, |most, value| f64::max(most, value.abs())),
-            mean_squares: statistics::mean_squares(&in_band, BATCHES),
+            mean_squares: statistics::mean_squares(in_band, BATCHES),
         }
     }
 
@@ -109,7 +120,8 @@ impl Signal {
     fn reduce(&mut self, windows: Windows, index: usize) {
         self.all = self.all.joined(CentralMoments::of(&self.window));
         if matches!(self.channel, Channel::Spindle(..)) {
-            self.in_band.join(InBand::of(&self.window));
+            let edge = if windows.count > 1 { EDGE } else { 0 };
+            self.in_band.join(InBand::within(&self.window, edge));
         }
         if self.asked_for_spectra {
             let spectra = ChannelSpectra::of(self.channel, &self.window);
