@@ -55,7 +55,8 @@ fn the_article_is_what_its_tables_say() {
     assert_eq!(scene.operation.load, [0.0, 200.0, 0.0]);
     assert!((scene.operating_speed() - 5_235.987_755_98).abs() < 1e-6);
     assert_eq!((job.settings.settle, job.settings.duration), (0.02, 0.1));
-    assert_eq!((job.settings.relative_tolerance, job.settings.model_tolerance_db), (1e-5, 0.05));
+    assert_eq!((job.settings.relative_tolerance, job.settings.tightened), (1e-3, Some(1e-5)));
+    assert_eq!(job.settings.model_tolerance_db, 0.05);
     assert_eq!((job.priority, job.reuse, job.settings.outputs.spectra.len()), (2, true, 2));
 }
 
