@@ -58,7 +58,7 @@ impl InBand {
     /// Of one window, so many values at either end left out.
     fn within(signal: &[f64], edge: usize) -> Self {
         let in_band = band_limited(signal, RATE, BAND);
-        let in_band = &in_band[edge..in_band.len() - edge];
+        let in_band = in_band.get(edge..in_band.len().saturating_sub(edge)).unwrap_or_default();
         // The band limit takes the mean away, in which windows differ.
         Self {
             moments: CentralMoments::of(in_band).shifted(statistics::mean(signal)),
@@ -133,7 +133,7 @@ impl Signal {
         if windows.count == 1 {
             self.excerpts.push(std::mem::take(&mut self.window));
         } else if ACCELERATIONS.contains(&self.channel) {
-            self.excerpts.push(self.window[..windows.excerpt(index)].to_vec());
+            self.excerpts.push(self.window.iter().copied().take(windows.excerpt(index)).collect());
         }
         self.window.clear();
     }
