@@ -30,8 +30,8 @@ pub struct JobInput {
     #[schema(nullable = false)]
     pub solver: Option<SolverInput>,
     /// Time simulated and kept, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for
-    /// `accuracy`. With more than 2 channels in `outputs` the longest is 327.6 s over 12 and their number.
-    #[schema(nullable = false, minimum = 1e-6, maximum = 23.4, example = 0.1)]
+    /// `accuracy`. With `outputs.series` the longest is 23.4 s, and 327.6 s over their number where they are more than 14.
+    #[schema(nullable = false, minimum = 1e-6, maximum = 1000, example = 0.1)]
     pub duration_s: Option<f64>,
     /// Time simulated before anything is kept [s]. Default: 3 cage turns, at least 0.02 and at most 1;
     /// 0.02 for `accuracy`.

@@ -18,6 +18,9 @@ pub struct SpectrumAnswer {
     pub unit: String,
     #[schema(example = "hann")]
     pub window: String,
+    /// Windows of the run whose mean power this is the root of: 1 up to a second.
+    #[schema(example = 1)]
+    pub averages: usize,
     /// Distance of the entries [Hz].
     pub resolution_hz: f64,
     /// Mean step of the integrator [s].
@@ -46,6 +49,7 @@ impl SpectrumAnswer {
             kind,
             unit: channel.unit().to_owned(),
             window: spectrum.window.to_owned(),
+            averages: spectrum.averages,
             resolution_hz: spectrum.resolution,
             mean_step_s: mean_step,
             damped_above_hz: if mean_step > 0.0 { 0.5 / (std::f64::consts::PI * mean_step) } else { 0.0 },

@@ -11,15 +11,14 @@ use crate::simulation::scene::Scene;
 const LONGEST_DEFAULT: f64 = 1.0;
 /// Longest settling time [s].
 const LONGEST_SETTLE: f64 = 1000.0;
-/// Channels that metrics and plots keep, whatever was asked for.
-const USUAL_CHANNELS: usize = 12;
-/// The usual channels and the two accelerations whose spectra are kept unless told otherwise.
-const LEAST_CHANNELS: usize = USUAL_CHANNELS + 2;
-/// Shortest and longest time that is kept [s], the latter with up to `LEAST_CHANNELS` channels: their signals take 1 GiB
-/// then, at four doubles a sample for the value itself, its transform and copies on the way. Stands in the schema, too.
+/// Shortest and longest time that is kept [s]. Stand in the schema, too.
 const SHORTEST: f64 = 1e-6;
-const LONGEST: f64 = 23.4;
-const _: () = assert!(LONGEST * RATE * (LEAST_CHANNELS * 4 * 8) as f64 <= 1_073_741_824.0);
+const LONGEST: f64 = 1000.0;
+/// The longest with up to `FEW_SERIES` series: these take 1 GiB then, at four doubles a sample for the value itself, its time
+/// and copies on the way.
+const LONGEST_SERIES: f64 = 23.4;
+const FEW_SERIES: usize = 14;
+const _: () = assert!(LONGEST_SERIES * RATE * (FEW_SERIES * 4 * 8) as f64 <= 1_073_741_824.0);
 
 /// Default time before anything is kept [s]: 3 cage turns, at least 0.02 s.
 pub fn default_settle(scene: Option<&Scene>) -> f64 {
@@ -41,22 +40,23 @@ pub fn settle(field: &mut Option<f64>, default: f64, filling: &mut Filling) -> f
 /// Time that is kept [s].
 pub fn duration(field: &mut Option<f64>, default: f64, outputs: &Outputs, filling: &mut Filling) -> f64 {
     let duration = filling.take("/duration_s", field, default);
-    let asked = outputs.spectra.iter().chain(&outputs.series).collect::<std::collections::BTreeSet<_>>().len();
-    let channels = (USUAL_CHANNELS + asked).max(LEAST_CHANNELS);
-    let longest = longest_kept(channels);
+    let longest = longest_kept(outputs.series.len());
     if !(SHORTEST..=longest).contains(&duration) {
         let mut detail = units::out_of_range(duration, SHORTEST, longest, false, "s");
-        if duration > longest {
-            detail += &format!(": the signals of {channels} channels would take more than 1 GiB");
+        if duration > longest && longest < LONGEST {
+            detail += ": /outputs/series would take more than 1 GiB";
         }
         filling.refuse("/duration_s", detail);
     }
     duration
 }
 
-/// Longest time that is kept of so many channels [s], in whole milliseconds, so that it is what messages say.
-fn longest_kept(channels: usize) -> f64 {
-    let longest = LONGEST * LEAST_CHANNELS as f64 / channels as f64;
+/// Longest time that is kept with so many series [s], in whole milliseconds, so that it is what messages say.
+fn longest_kept(series: usize) -> f64 {
+    if series == 0 {
+        return LONGEST;
+    }
+    let longest = LONGEST_SERIES * FEW_SERIES as f64 / series.max(FEW_SERIES) as f64;
     // Rounding must not take a millisecond from a whole number of them.
     (longest * 1e3 + 1e-6).floor() / 1e3
 }
@@ -80,8 +80,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_longest_time_is_one_number_for_all_usual_jobs() {
-        assert_eq!(longest_kept(LEAST_CHANNELS), LONGEST);
+    fn only_series_bound_the_longest_time() {
+        assert_eq!((longest_kept(0), longest_kept(1), longest_kept(14)), (1000.0, 23.4, 23.4));
         assert_eq!((longest_kept(15), longest_kept(28)), (21.84, 11.7));
     }
 }

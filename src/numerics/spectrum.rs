@@ -17,6 +17,18 @@ pub struct Spectrum {
     pub amplitude: Vec<f64>,
     /// Name of the window.
     pub window: &'static str,
+    /// Spectra whose mean power this is the root of.
+    pub averages: usize,
+}
+
+impl Spectrum {
+    /// Root of the mean power of all the spectra that both are made of, which are of signals of one length and rate.
+    pub fn joined(self, other: &Self) -> Self {
+        let averages = self.averages + other.averages;
+        let [own, others] = [self.averages, other.averages].map(|part| (part as f64 / averages as f64).sqrt());
+        let amplitude = self.amplitude.iter().zip(&other.amplitude).map(|(a, b)| (own * a).hypot(others * b)).collect();
+        Self { amplitude, averages, ..self }
+    }
 }
 
 /// Amplitude spectrum of a signal sampled at `rate` [Hz], mean removed, under a periodic Hann window.
@@ -26,7 +38,7 @@ pub struct Spectrum {
 pub fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
     let n = signal.len();
     if n == 0 {
-        return Spectrum { resolution: 0.0, amplitude: Vec::new(), window: "hann" };
+        return Spectrum { resolution: 0.0, amplitude: Vec::new(), window: "hann", averages: 1 };
     }
     let mean = mean(signal);
     let window = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos();
@@ -39,7 +51,7 @@ pub fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
     if n.is_multiple_of(2) {
         amplitude[n / 2] *= 0.5;
     }
-    Spectrum { resolution: rate / n as f64, amplitude, window: "hann" }
+    Spectrum { resolution: rate / n as f64, amplitude, window: "hann", averages: 1 }
 }
 
 /// Amplitude spectrum of the envelope: the signal passes the band (from, to) [Hz], and the magnitude of its analytic
@@ -317,6 +329,14 @@ mod tests {
             assert!((spectrum.amplitude[10] - 1.0).abs() < 1e-10, "n = {n}: {}", spectrum.amplitude[10]);
             assert!(spectrum.amplitude[0] < 1e-10 && spectrum.amplitude[14] < 1e-10);
         }
+    }
+
+    #[test]
+    fn joined_spectra_show_the_mean_power_of_all() {
+        let of = |amplitude: f64| amplitude_spectrum(&tone(1000, 1024.0, amplitude, 0.2), RATE);
+        let joined = of(3.0).joined(&of(1.0)).joined(&of(2.0));
+        assert_eq!((joined.averages, joined.resolution, joined.amplitude.len()), (3, 102.4, 501));
+        assert!((joined.amplitude[10] - (14.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{}", joined.amplitude[10]);
     }
 
     #[test]

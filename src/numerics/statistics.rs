@@ -25,38 +25,114 @@ pub fn peak(signal: &[f64]) -> f64 {
     signal.iter().fold(0.0, |largest, x| f64::max(largest, (x - mean).abs()))
 }
 
-/// peak / rms (√2 for a sine); `None` for a signal that stands still.
-pub fn crest_factor(signal: &[f64]) -> Option<f64> {
-    let rms = rms(signal);
-    (rms > 0.0).then(|| peak(signal) / rms)
+/// Mean, central moments and extremes of a sample. Those of two samples give those of both together.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CentralMoments {
+    count: f64,
+    mean: f64,
+    second: f64,
+    third: f64,
+    fourth: f64,
+    /// Largest distances from the mean, up and down.
+    above: f64,
+    below: f64,
 }
 
-/// Fourth central moment over squared variance (1.5 for a sine, 3 for Gaussian noise); `None` for a signal that
-/// stands still.
-pub fn kurtosis(signal: &[f64]) -> Option<f64> {
-    let variance = central_moment(signal, 2);
-    (variance * variance > 0.0).then(|| central_moment(signal, 4) / (variance * variance))
+impl CentralMoments {
+    pub fn of(signal: &[f64]) -> Self {
+        let mean = mean(signal);
+        Self {
+            count: signal.len() as f64,
+            mean,
+            second: central_moment(signal, 2),
+            third: central_moment(signal, 3),
+            fourth: central_moment(signal, 4),
+            above: signal.iter().fold(0.0, |largest, x| f64::max(largest, x - mean)),
+            below: signal.iter().fold(0.0, |largest, x| f64::max(largest, mean - x)),
+        }
+    }
+
+    /// Of the same values, all larger by `offset`.
+    pub fn shifted(self, offset: f64) -> Self {
+        Self { mean: self.mean + offset, ..self }
+    }
+
+    /// Of both samples together (Pébay 2008, SAND2008-6212, for moments per value).
+    pub fn joined(self, other: Self) -> Self {
+        if self.count == 0.0 || other.count == 0.0 {
+            return if self.count == 0.0 { other } else { self };
+        }
+        let count = self.count + other.count;
+        let (p, q, d) = (self.count / count, other.count / count, other.mean - self.mean);
+        let mean = self.mean + q * d;
+        Self {
+            count,
+            mean,
+            second: p * self.second + q * other.second + p * q * d.powi(2),
+            third: p * self.third
+                + q * other.third
+                + p * q * d * (3.0 * (other.second - self.second) + (p - q) * d.powi(2)),
+            fourth: p * self.fourth
+                + q * other.fourth
+                + p * q
+                    * d
+                    * (4.0 * (other.third - self.third)
+                        + 6.0 * d * (p * other.second + q * self.second)
+                        + (p * p - p * q + q * q) * d.powi(3)),
+            above: f64::max(self.above + (self.mean - mean), other.above + (other.mean - mean)),
+            below: f64::max(self.below + (mean - self.mean), other.below + (mean - other.mean)),
+        }
+    }
+
+    /// Root mean square about the mean.
+    pub fn rms(&self) -> f64 {
+        self.second.sqrt()
+    }
+
+    /// Largest distance from the mean.
+    pub fn peak(&self) -> f64 {
+        self.above.max(self.below)
+    }
+
+    /// peak / rms (√2 for a sine); `None` for a signal that stands still.
+    pub fn crest_factor(&self) -> Option<f64> {
+        let rms = self.rms();
+        (rms > 0.0).then(|| self.peak() / rms)
+    }
+
+    /// Fourth central moment over squared variance (1.5 for a sine, 3 for Gaussian noise); `None` for a signal that
+    /// stands still.
+    pub fn kurtosis(&self) -> Option<f64> {
+        let square = self.second * self.second;
+        (square > 0.0).then(|| self.fourth / square)
+    }
 }
 
-/// Standard error of the level 20 lg rms(signal) [dB] by batch means: the signal is cut into `batches` contiguous
-/// pieces of equal length (a rest at the end is left out) and the scatter of their mean squares about the common
-/// mean gives the error of the whole, first order in that scatter.
-///
-/// Holds when a batch is longer than the signal's memory. `None` with fewer than two batches, fewer values than
-/// batches, or a signal that stands still.
-pub fn level_standard_error_db(signal: &[f64], batches: usize) -> Option<f64> {
-    if batches < 2 || signal.len() < batches {
-        return None;
+/// Mean squares about the common mean of so many contiguous batches of equal length; a rest at the end is left out. None of
+/// fewer values than batches.
+pub fn mean_squares(signal: &[f64], batches: usize) -> Vec<f64> {
+    if batches == 0 || signal.len() < batches {
+        return Vec::new();
     }
     let mean_of_all = mean(signal);
-    let squares: Vec<f64> = signal
+    signal
         .chunks_exact(signal.len() / batches)
         .take(batches)
         .map(|batch| batch.iter().map(|x| (x - mean_of_all).powi(2)).sum::<f64>() / batch.len() as f64)
-        .collect();
-    let power = mean(&squares);
-    let n = batches as f64;
-    let standard_error = rms(&squares) / (n - 1.0).sqrt();
+        .collect()
+}
+
+/// Standard error of the level 20 lg rms [dB] by batch means: the scatter of the batches' mean squares gives the error of the
+/// whole, first order in that scatter.
+///
+/// Holds when a batch is longer than the signal's memory. `None` with fewer than two batches, or of a signal that stands still.
+pub fn level_standard_error_db(mean_squares: &[f64]) -> Option<f64> {
+    if mean_squares.len() < 2 {
+        return None;
+    }
+    let power = mean(mean_squares);
+    let n = mean_squares.len() as f64;
+    let standard_error = rms(mean_squares) / (n - 1.0).sqrt();
     (power > 0.0).then(|| 10.0 / std::f64::consts::LN_10 * standard_error / power)
 }
 
@@ -139,8 +215,10 @@ mod tests {
         assert!((mean(&signal) - 7.0).abs() < 1e-12);
         assert!((rms(&signal) - 2f64.sqrt()).abs() < 1e-12);
         assert!((peak(&signal) - 2.0).abs() < 1e-12);
-        assert!((crest_factor(&signal).unwrap() - 2f64.sqrt()).abs() < 1e-12);
-        assert!((kurtosis(&signal).unwrap() - 1.5).abs() < 1e-12);
+        let moments = CentralMoments::of(&signal);
+        assert_eq!((moments.mean, moments.rms(), moments.peak()), (mean(&signal), rms(&signal), peak(&signal)));
+        assert!((moments.crest_factor().unwrap() - 2f64.sqrt()).abs() < 1e-12);
+        assert!((moments.kurtosis().unwrap() - 1.5).abs() < 1e-12);
     }
 
     #[test]
@@ -151,25 +229,44 @@ mod tests {
 
     #[test]
     fn uniform_noise_has_kurtosis_nine_fifths() {
-        assert!((kurtosis(&noise(100_000)).unwrap() - 1.8).abs() < 0.02);
+        assert!((CentralMoments::of(&noise(100_000)).kurtosis().unwrap() - 1.8).abs() < 0.02);
+    }
+
+    #[test]
+    fn moments_of_parts_joined_are_those_of_the_whole() {
+        // Lopsided, drifting, and in parts of different lengths and means.
+        let signal: Vec<f64> =
+            noise(9000).iter().enumerate().map(|(i, x)| (1.0 + x).powi(3) + 2e-4 * i as f64).collect();
+        let whole = CentralMoments::of(&signal);
+        let parts = [&signal[..1000], &[], &signal[1000..1001], &signal[1001..6000], &signal[6000..]];
+        let joined = parts.iter().fold(CentralMoments::default(), |all, part| all.joined(CentralMoments::of(part)));
+        let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} against {b}");
+        near(joined.mean, whole.mean);
+        near(joined.rms(), whole.rms());
+        near(joined.third, whole.third);
+        near(joined.peak(), whole.peak());
+        near(joined.kurtosis().unwrap(), whole.kurtosis().unwrap());
+        assert_eq!(joined.count, 9000.0);
+        assert_eq!(CentralMoments::default().joined(whole), whole);
     }
 
     #[test]
     fn still_and_empty_signals_have_no_ratios() {
         for signal in [&[][..], &[3.0], &[3.0, 3.0]] {
             assert_eq!((rms(signal), peak(signal)), (0.0, 0.0));
-            assert_eq!((crest_factor(signal), kurtosis(signal)), (None, None));
-            assert_eq!(level_standard_error_db(signal, 2), None);
+            let moments = CentralMoments::of(signal);
+            assert_eq!((moments.crest_factor(), moments.kurtosis()), (None, None));
+            assert_eq!(level_standard_error_db(&mean_squares(signal, 2)), None);
         }
     }
 
     #[test]
     fn standard_error_is_zero_for_a_steady_tone_and_matches_theory_for_noise() {
-        assert!(level_standard_error_db(&sine(4000, 40.0), 10).unwrap() < 1e-12);
+        assert!(level_standard_error_db(&mean_squares(&sine(4000, 40.0), 10)).unwrap() < 1e-12);
         // Mean square of n uniform values: relative standard error √((1.8 − 1)/n).
         let n = 100_000;
         let expected = 10.0 / std::f64::consts::LN_10 * (0.8 / n as f64).sqrt();
-        let found = level_standard_error_db(&noise(n), 50).unwrap();
+        let found = level_standard_error_db(&mean_squares(&noise(n), 50)).unwrap();
         assert!((found / expected - 1.0).abs() < 0.3, "{found} against {expected}");
     }
 

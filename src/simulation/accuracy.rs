@@ -5,9 +5,10 @@ use super::divergence::{divergence_rate, judged_stretch, judging};
 use super::metrics::{AccuracyReport, BAND, MotionKind, QuantityErrors};
 use super::observe::{self, Quantities, RATE, Recording};
 use super::run::{Attempt, Control, Outputs, RunSettings, Setup, SimulationError, Stepping};
+use super::windows::Signal;
 use crate::numerics::ode::Method;
 use crate::numerics::spectrum::band_limited;
-use crate::numerics::statistics::{level_standard_error_db, rms};
+use crate::numerics::statistics::{level_standard_error_db, mean, rms};
 
 /// What a level is made of.
 pub(super) const ACCELERATIONS: [Channel; 2] =
@@ -21,7 +22,7 @@ pub const FAINT: f64 = 60.0;
 
 /// Stretch that is repeated at a tighter tolerance [s], where disturbances die out and nothing else than at its beginning
 /// is to come; else all of the run.
-const REPEATED: f64 = 0.01;
+pub(super) const REPEATED: f64 = 0.01;
 /// How much tighter the repetition is.
 const TIGHTER: f64 = 10.0;
 /// Parts of the repeated stretch whose levels are compared one by one.
@@ -225,58 +226,94 @@ fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
 
 /// What another run of the same length would scatter by if the motion is chaotic, worst of some channels [dB].
 pub(super) fn sampling_error(recording: &Recording, channels: &[Channel]) -> Option<f64> {
-    let signals = channels.iter().filter_map(|&channel| recording.signal(channel));
-    signals.filter_map(|signal| level_standard_error_db(&band_limited(signal, RATE, BAND), BATCHES)).reduce(f64::max)
+    let signals = channels.iter().filter_map(|&channel| recording.of(channel));
+    let error = |signal: &Signal| level_standard_error_db(&in_parts(&signal.in_band.mean_squares, BATCHES));
+    signals.filter_map(error).reduce(f64::max)
 }
 
-/// 20 lg(rms a / rms b) [dB], silence counted as `SILENCE`; `None` where both are silent.
-fn level_difference(a: &[f64], b: &[f64]) -> Option<f64> {
-    let (a, b) = (rms(a), rms(b));
+/// Mean squares of so many equal parts of a run, from those of the batches of its windows.
+fn in_parts(mean_squares: &[f64], parts: usize) -> Vec<f64> {
+    mean_squares.chunks(mean_squares.len().div_ceil(parts).max(1)).map(mean).collect()
+}
+
+/// 20 lg(a / b) [dB] of root mean squares, silence counted as `SILENCE`; `None` where both are silent.
+fn level_difference((a, b): (f64, f64)) -> Option<f64> {
     (a.max(b) > SILENCE).then(|| 20.0 * (a.max(SILENCE) / b.max(SILENCE)).log10())
 }
 
-/// A signal as it was recorded first and again, in the band of levels.
+/// Root mean squares [m/s²] of a signal that was recorded twice, first and again, in the band of levels.
 struct Twice {
-    first: Vec<f64>,
-    again: Vec<f64>,
-    /// Root mean square of all that was recorded first [m/s²].
+    /// Of all that was recorded again.
+    stretch: (f64, f64),
+    /// Of its parts.
+    parts: Vec<(f64, f64)>,
+    /// Of the difference of the two.
+    difference: f64,
+    /// Of all that was recorded first.
     whole: f64,
 }
 
 impl Twice {
+    /// From the values of the stretch that was recorded again.
+    fn of_values(first: &[f64], again: &[f64], whole: f64) -> Self {
+        let [first, again] = [first, again].map(|values| band_limited(values, RATE, BAND));
+        let part = first.len().div_ceil(PARTS).max(1);
+        let difference: Vec<f64> = first.iter().zip(&again).map(|(a, b)| a - b).collect();
+        Self {
+            stretch: (rms(&first), rms(&again)),
+            parts: first.chunks(part).zip(again.chunks(part)).map(|(a, b)| (rms(a), rms(b))).collect(),
+            difference: rms(&difference),
+            whole,
+        }
+    }
+
+    /// Of two runs of the same windows.
+    fn of_windows(first: &Signal, again: &Signal) -> Self {
+        let parts = |signal: &Signal| in_parts(&signal.in_band.mean_squares, PARTS);
+        let both = parts(first).into_iter().zip(parts(again));
+        let excerpts = first.excerpts.iter().zip(&again.excerpts);
+        let squares: Vec<f64> = excerpts.map(|(a, b)| Self::of_values(a, b, 0.0).difference.powi(2)).collect();
+        let (whole, of_again) = (first.in_band.moments.rms(), again.in_band.moments.rms());
+        Self {
+            stretch: (whole, of_again),
+            parts: both.map(|(a, b)| (a.sqrt(), b.sqrt())).collect(),
+            difference: mean(&squares).sqrt(),
+            whole,
+        }
+    }
+
+    fn level_difference(&self) -> Option<f64> {
+        level_difference(self.stretch)
+    }
+
     /// What the levels of the whole run may differ by [dB]. `unseen`: root of the share of it that was not recorded again.
     fn error_db(&self, unseen: f64) -> Option<f64> {
-        let whole = level_difference(&self.first, &self.again)?;
+        let whole = self.level_difference()?;
         // Differences of either sign can cancel, here by luck, and their scatter tells by how much the rest may differ.
-        let part = self.first.len().div_ceil(PARTS);
-        let parts = self.first.chunks(part).zip(self.again.chunks(part));
-        let parts: Vec<f64> = parts.filter_map(|(a, b)| level_difference(a, b)).collect();
+        let parts: Vec<f64> = self.parts.iter().copied().filter_map(level_difference).collect();
         Some(whole.abs().max(mean_or_luck(&parts)).hypot(unseen * standard_error(&parts)))
     }
-}
 
-/// Root mean square of a signal in the band of levels.
-fn band_rms(signal: &[f64]) -> f64 {
-    rms(&band_limited(signal, RATE, BAND))
+    fn noise(&self) -> f64 {
+        self.difference / self.whole.max(SILENCE)
+    }
 }
 
 /// The accelerations that are judged: those that are not faint.
 fn judged(recording: &Recording) -> Vec<Channel> {
-    let level = |channel: &Channel| recording.signal(*channel).map_or(0.0, band_rms);
+    let level = |channel: &Channel| recording.of(*channel).map_or(0.0, |signal| signal.in_band.moments.rms());
     let strongest = ACCELERATIONS.iter().map(level).fold(0.0, f64::max);
     let faint = 10_f64.powf(-FAINT / 20.0) * strongest;
     ACCELERATIONS.into_iter().filter(|channel| level(channel) >= faint).collect()
 }
 
-/// Accelerations of a stretch of a recording, and what was recorded there again.
-fn twice(first: &Recording, again: &Recording, (from, to): (usize, usize)) -> Vec<Twice> {
+/// Accelerations of a recording, and what was recorded again of all of it or of its first window.
+fn twice(first: &Recording, again: &Recording) -> Vec<Twice> {
     let both = |channel: Channel| {
-        let recorded = first.signal(channel)?;
-        Some(Twice {
-            first: band_limited(recorded.get(from..to)?, RATE, BAND),
-            again: band_limited(again.signal(channel)?, RATE, BAND),
-            whole: band_rms(recorded),
-        })
+        let (first, again) = (first.of(channel)?, again.of(channel)?);
+        let Some(repeated) = again.values() else { return Some(Twice::of_windows(first, again)) };
+        let stretch = first.excerpts.first()?.get(..repeated.len())?;
+        Some(Twice::of_values(stretch, repeated, first.in_band.moments.rms()))
     };
     judged(again).into_iter().filter_map(both).collect()
 }
@@ -304,8 +341,7 @@ impl Distance {
 
     /// Of two recordings of the same stretch. `unseen`: root of the share of a run that they do not show.
     pub fn of_recordings(a: &Recording, b: &Recording, unseen: f64) -> Self {
-        let values = a.signal(ACCELERATIONS[0]).map_or(0, <[f64]>::len);
-        let levels = twice(a, b, (0, values));
+        let levels = twice(a, b);
         Self {
             level_db: levels.iter().filter_map(|twice| twice.error_db(unseen)).reduce(f64::max),
             quantities: Some(quantity_errors(&[a.quantities()], &[b.quantities()])),
@@ -314,11 +350,9 @@ impl Distance {
 
     /// Of two whole runs.
     fn of_runs(a: &Recording, b: &Recording) -> Self {
-        let values = a.signal(ACCELERATIONS[0]).map_or(0, <[f64]>::len);
-        let levels = twice(a, b, (0, values));
-        let levels = levels.iter().filter_map(|twice| level_difference(&twice.first, &twice.again));
+        let levels = twice(a, b);
         Self {
-            level_db: levels.map(f64::abs).reduce(f64::max),
+            level_db: levels.iter().filter_map(Twice::level_difference).map(f64::abs).reduce(f64::max),
             quantities: Some(quantity_errors(&[a.quantities()], &[b.quantities()])),
         }
     }
@@ -390,17 +424,13 @@ fn repeat(
         most_evaluations: Some(most_evaluations),
     };
     let again = Setup { settings: &again, ..*setup }.attempt(&stepping, (0.88, 0.95), control)?.recording;
-    let signals = twice(&run.recording, &again, (0, values));
+    let signals = twice(&run.recording, &again);
     let unseen = (1.0 - time / settings.duration).max(0.0).sqrt();
-    let noise = |twice: &Twice| {
-        let difference: Vec<f64> = twice.first.iter().zip(&twice.again).map(|(a, b)| a - b).collect();
-        rms(&difference) / twice.whole.max(SILENCE)
-    };
     let distance = Distance {
         level_db: signals.iter().filter_map(|twice| twice.error_db(unseen)).reduce(f64::max),
         quantities: Some(quantity_errors(&run.recording.parts, &again.parts)),
     };
-    Ok(Some(Repeated { distance, noise: signals.iter().map(noise).fold(0.0, f64::max) }))
+    Ok(Some(Repeated { distance, noise: signals.iter().map(Twice::noise).fold(0.0, f64::max) }))
 }
 
 /// Standard error of the mean of a few values.

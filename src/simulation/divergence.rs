@@ -56,23 +56,32 @@ impl Parted {
     }
 }
 
+/// A signal of two motions: what was kept of each, stretch by stretch.
+pub(super) type Pairs<'a> = (&'a [Vec<f64>], &'a [Vec<f64>]);
+
 /// How two motions part that started `disturbance` apart, in sizes of their signals, from what was recorded of them after a
-/// time to settle [s] at a rate [Hz].
-pub(super) fn of_signals(pairs: &[(&[f64], &[f64])], disturbance: f64, settle: f64, rate: f64) -> Parted {
-    let values = pairs.iter().map(|(one, _)| one.len()).min().unwrap_or(0);
-    let window = (values / SAMPLES).max(1);
-    let distance = |from: usize| {
-        let relative = |(one, other): &(&[f64], &[f64])| {
-            let differences: Vec<f64> =
-                one[from..from + window].iter().zip(&other[from..]).map(|(a, b)| a - b).collect();
-            let size = rms(one).max(f64::MIN_POSITIVE);
-            differences.iter().map(|x| x * x).sum::<f64>().sqrt() / (window as f64).sqrt() / size
-        };
-        pairs.iter().map(relative).fold(ROUNDING, f64::max)
+/// time to settle [s] at a rate [Hz]: of every `spacing` values the first few.
+pub(super) fn of_signals(pairs: &[Pairs<'_>], spacing: usize, disturbance: f64, settle: f64, rate: f64) -> Parted {
+    let stretches = pairs.iter().map(|(one, other)| one.len().min(other.len())).min().unwrap_or(0);
+    let length = |stretch: usize| {
+        pairs.iter().map(|(one, other)| one[stretch].len().min(other[stretch].len())).min().unwrap_or(0)
     };
-    let starts: Vec<usize> = (0..values.saturating_sub(window - 1)).step_by(window).collect();
-    let times: Vec<f64> = starts.iter().map(|start| settle + *start as f64 / rate).collect();
-    let logarithms: Vec<f64> = starts.iter().map(|start| distance(*start).ln()).collect();
+    let kept: usize = (0..stretches).map(length).sum();
+    let sizes: Vec<f64> = pairs.iter().map(|(one, _)| rms(&one.concat()).max(f64::MIN_POSITIVE)).collect();
+    let (mut times, mut logarithms) = (Vec::new(), Vec::new());
+    for stretch in 0..stretches {
+        let window = (kept / SAMPLES).clamp(1, length(stretch).max(1));
+        for from in (0..length(stretch).saturating_sub(window - 1)).step_by(window) {
+            let relative = |((one, other), size): (&Pairs<'_>, &f64)| {
+                let (one, other) = (&one[stretch][from..from + window], &other[stretch][from..]);
+                let squares: f64 = one.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum();
+                squares.sqrt() / (window as f64).sqrt() / size
+            };
+            times.push(settle + (stretch * spacing + from) as f64 / rate);
+            logarithms.push(pairs.iter().zip(&sizes).map(relative).fold(ROUNDING, f64::max).ln());
+        }
+    }
+    let values = stretches * spacing;
     let late = late_slope(&times, &logarithms);
     match logarithms.iter().copied().reduce(f64::max) {
         Some(largest) if largest > SATURATED.ln() => {
@@ -134,15 +143,19 @@ pub(super) fn divergence_rate(
                     pair.take(1, &state, &mut disturbed);
                     let squares: f64 = (0..n).map(|i| ((disturbed[i] - straight[i]) / sizes[i]).powi(2)).sum();
                     let distance = (squares / n as f64).sqrt();
-                    let late = late_slope(&times, &logarithms);
                     if distance > SATURATED {
                         // However it came about, on the whole or lately.
                         let mean = (distance / DISTURBANCE).ln() / (time - begin);
                         let growth = (distance / DISTURBANCE).ln();
-                        return Ok(Parted { rate: late.max(mean), over: time.max(begin + stretch) - begin, growth });
+                        return Ok(Parted {
+                            rate: late_slope(&times, &logarithms).max(mean),
+                            over: time.max(begin + stretch) - begin,
+                            growth,
+                        });
                     }
                     if distance == 0.0 {
-                        return Ok(Parted { rate: late, over: stretch, growth: f64::MIN });
+                        let rate = late_slope(&times, &logarithms);
+                        return Ok(Parted { rate, over: stretch, growth: f64::MIN });
                     }
                     times.push(time);
                     logarithms.push(distance.ln());

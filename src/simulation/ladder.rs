@@ -8,16 +8,17 @@ use std::time::Instant;
 
 use super::accuracy;
 use super::channel::Channel;
-use super::divergence::{self, Parted};
+use super::divergence::{self, Pairs, Parted};
 use super::judgement;
 use super::metrics::{AccuracyReport, MotionKind, SolverReport};
 use super::model::radially_condensed::{self, RadiallyCondensed};
 use super::model::{Mechanism, Model};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
-use super::observe::{RATE, Recording};
+use super::observe::{RATE, Recording, kept_values};
 use super::reduced;
 use super::run::{self, Control, Method, Outputs, RunResult, RunSettings, Setup, SimulationError, Stepping};
 use super::scene::{Scene, Term, TermChoice};
+use super::windows::Windows;
 use crate::numerics::ode::Statistics;
 use crate::physics::kinematics;
 
@@ -363,9 +364,10 @@ fn parted(
         radially_condensed::simulate_beside(scene, displacement, settings, &quiet).map(|(recording, _)| recording)
     };
     let of = |one: &Recording, other: &Recording, settings: &RunSettings| {
-        let both = |channel: &Channel| Some((one.signal(*channel)?, other.signal(*channel)?));
-        let pairs: Vec<(&[f64], &[f64])> = accuracy::ACCELERATIONS.iter().filter_map(both).collect();
-        divergence::of_signals(&pairs, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE)
+        let both = |channel: &Channel| Some((&*one.of(*channel)?.excerpts, &*other.of(*channel)?.excerpts));
+        let pairs: Vec<Pairs<'_>> = accuracy::ACCELERATIONS.iter().filter_map(both).collect();
+        let spacing = Windows::of(kept_values(settings.duration)).length;
+        divergence::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE)
     };
     if rung == Rung::RadiallyCondensed {
         return Ok(of(&made.recording, &beside([DISPLACEMENT; 2], settings)?, settings));

@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn silent_and_short_spectra_have_no_lines() {
         for entries in [0, 1, 2, 3, 5, 100] {
-            let spectrum = Spectrum { resolution: 10.0, amplitude: vec![0.0; entries], window: "hann" };
+            let spectrum = Spectrum { resolution: 10.0, amplitude: vec![0.0; entries], window: "hann", averages: 1 };
             assert!(find_lines(&spectrum, &seven_balls(), 20_000.0).is_empty());
         }
     }

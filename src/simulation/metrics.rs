@@ -6,8 +6,8 @@ use super::model::Mechanism;
 use super::observe::{ContactExtremes, RATE, Recording};
 use super::run::{ChannelSpectra, RunSettings, Series};
 use super::scene::Scene;
-use crate::numerics::spectrum::{amplitude_spectrum, band_limited, envelope_spectrum};
-use crate::numerics::statistics;
+use super::windows::InBand;
+use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
 
@@ -136,7 +136,7 @@ pub const BAND: f64 = 20_000.0;
 /// Reference of the acceleration level, equation (15) [m/s²].
 pub const REFERENCE_ACCELERATION: f64 = 9.81e-3;
 /// Band whose envelope is analysed [Hz]: above the shaft and ball-pass lines, where impacts ring.
-const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
+pub(super) const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
 
 /// Level of an acceleration rms [m/s²], L = 20 lg(rms / 9.81e-3) [dB], equation (15); `None` for 0.
 pub fn level_db(rms: f64) -> Option<f64> {
@@ -146,21 +146,23 @@ pub fn level_db(rms: f64) -> Option<f64> {
 /// Spread below which a signal stands still but for rounding, as a share of the size of its values.
 const STANDSTILL: f64 = 1e-12;
 
-/// Metrics of one channel, from its kept values and its variance before the filter (SI).
+/// Metrics of one channel, from its values taken as one window, and its variance before the filter (SI).
 pub fn channel_metrics(channel: Channel, signal: &[f64], total_variance: f64) -> ChannelMetrics {
-    let mut in_band = band_limited(signal, RATE, BAND);
-    let largest = signal.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
-    if statistics::peak(&in_band) <= STANDSTILL * largest {
-        in_band.fill(0.0);
-    }
-    let rms = statistics::rms(&in_band);
+    in_band_metrics(channel, &InBand::of(signal), total_variance)
+}
+
+/// The same from the signal's statistics.
+pub(super) fn in_band_metrics(channel: Channel, in_band: &InBand, total_variance: f64) -> ChannelMetrics {
+    let still = in_band.moments.peak() <= STANDSTILL * in_band.largest;
+    let moments = if still { CentralMoments::default() } else { in_band.moments };
+    let rms = moments.rms();
     let above = if total_variance > 0.0 && rms > 0.0 { 1.0 - rms * rms / total_variance } else { 0.0 };
     let acceleration = matches!(channel, Channel::Spindle(_, Motion::Acceleration));
     ChannelMetrics {
         rms: channel.scale() * rms,
-        peak: channel.scale() * statistics::peak(&in_band),
-        crest_factor: statistics::crest_factor(&in_band),
-        kurtosis: statistics::kurtosis(&in_band),
+        peak: channel.scale() * moments.peak(),
+        crest_factor: moments.crest_factor(),
+        kurtosis: moments.kurtosis(),
         level_db: if acceleration { level_db(rms) } else { None },
         above_band: above.clamp(0.0, 1.0),
     }
@@ -169,7 +171,7 @@ pub fn channel_metrics(channel: Channel, signal: &[f64], total_variance: f64) ->
 /// Metrics of the spindle's channels.
 pub fn vibration(recording: &Recording) -> Vec<(Channel, ChannelMetrics)> {
     let one = |(channel, variance): &(Channel, f64)| {
-        recording.signal(*channel).map(|signal| (*channel, channel_metrics(*channel, signal, *variance)))
+        recording.of(*channel).map(|signal| (*channel, in_band_metrics(*channel, &signal.in_band, *variance)))
     };
     recording.total_variance.iter().filter_map(one).collect()
 }
@@ -198,27 +200,18 @@ pub fn contacts(mechanism: &Mechanism, recording: &Recording) -> ContactMetrics 
 
 /// Metrics of the cage; `None` where the model has none.
 pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
-    let y = recording.signal(Channel::CageDisplacement(Axis::Y))?;
-    let z = recording.signal(Channel::CageDisplacement(Axis::Z))?;
+    let y = &recording.of(Channel::CageDisplacement(Axis::Y))?.all;
+    let z = &recording.of(Channel::CageDisplacement(Axis::Z))?.all;
     let ideal = recording.shaft_speed * kinematics::ideal_orbit_ratio(&scene.bearing);
     let turns = |speed: f64| speed / std::f64::consts::TAU;
     Some(CageMetrics {
         speed: turns(recording.cage_speed),
         slip: (ideal > 0.0).then(|| 1.0 - recording.cage_speed / ideal),
         ball_spin: turns(recording.ball_spin),
-        orbit_radius: 1e6 * statistics::rms(y).hypot(statistics::rms(z)),
-        whirl_ratio: (ideal > 0.0).then(|| recording.direction * whirl_rate(y, z) / recording.cage_speed),
+        orbit_radius: 1e6 * y.rms().hypot(z.rms()),
+        whirl_ratio: (ideal > 0.0).then(|| recording.direction * recording.whirl.rate() / recording.cage_speed),
         max_pocket_load: recording.max_pocket_load,
     })
-}
-
-/// Mean rate at which (y, z) turns about its mean [rad/s], from +Y towards +Z.
-fn whirl_rate(y: &[f64], z: &[f64]) -> f64 {
-    let (mean_y, mean_z) = (statistics::mean(y), statistics::mean(z));
-    let centred = || y.iter().zip(z).map(|(y, z)| (y - mean_y, z - mean_z));
-    let turned: f64 =
-        centred().zip(centred().skip(1)).map(|((y0, z0), (y1, z1))| (y0 * z1 - z0 * y1).atan2(y0 * y1 + z0 * z1)).sum();
-    if y.len() > 1 { turned * RATE / (y.len() - 1) as f64 } else { 0.0 }
 }
 
 /// Frequencies of the bearing from the speeds that were seen [Hz].
@@ -234,14 +227,7 @@ pub fn frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFreque
 
 /// Spectra of the asked-for channels, in their units.
 pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpectra> {
-    let one = |channel: &Channel| {
-        let signal: Vec<f64> = recording.signal(*channel)?.iter().map(|value| channel.scale() * value).collect();
-        Some(ChannelSpectra {
-            channel: *channel,
-            amplitude: amplitude_spectrum(&signal, RATE),
-            envelope: envelope_spectrum(&signal, RATE, ENVELOPE_BAND),
-        })
-    };
+    let one = |channel: &Channel| recording.of(*channel)?.spectra.clone();
     settings.outputs.spectra.iter().filter_map(one).collect()
 }
 
@@ -282,13 +268,5 @@ mod tests {
     fn one_metre_per_second_squared_is_40_17_db() {
         assert!((level_db(1.0).unwrap() - 40.17).abs() < 0.005);
         assert_eq!(level_db(0.0), None);
-    }
-
-    #[test]
-    fn a_centre_on_a_circle_whirls_at_its_rate() {
-        let angles = (0..2048).map(|k| 300.0 * f64::from(k) / RATE);
-        let (y, z): (Vec<f64>, Vec<f64>) = angles.map(|a| (3.0 + a.cos(), a.sin() - 1.0)).unzip();
-        assert!((whirl_rate(&y, &z) / 300.0 - 1.0).abs() < 0.05);
-        assert_eq!(whirl_rate(&y[..1], &z[..1]), 0.0);
     }
 }

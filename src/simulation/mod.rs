@@ -18,4 +18,5 @@ pub mod run;
 pub mod scene;
 pub mod state;
 pub mod stiffness;
+pub mod windows;
 pub mod work_precision;

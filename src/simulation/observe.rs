@@ -2,12 +2,13 @@
 //!
 //! The motion is looked at 409 600 times a second, by interpolation within the steps. The spindle's signals pass a
 //! low-pass filter on their way to 102 400 values a second (contact resonances lie above the band of interest and must not
-//! fold into it); all others are kept as they stand at those times. Extremes see every look.
+//! fold into it); all others are kept as they stand at those times, window by window (`windows.rs`). Extremes see every look.
 
 use super::channel::{Axis, BallContact, Channel, Motion};
 use super::model::{Model, Watch};
 use super::needs::Needs;
 use super::run::{Outputs, RunSettings};
+use super::windows::{Recorder, Signal, Whirl};
 use crate::numerics::ode::Integrator;
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
@@ -49,7 +50,9 @@ pub struct Quantities {
 pub struct Recording {
     /// Time of the first kept value [s]; the others follow at `RATE`.
     pub start: f64,
-    pub signals: Vec<(Channel, Vec<f64>)>,
+    pub signals: Vec<Signal>,
+    /// Of the cage's centre, where it was looked at.
+    pub whirl: Whirl,
     /// Variance of the spindle's signals before the filter.
     pub total_variance: Vec<(Channel, f64)>,
     pub contacts: PerRaceway<ContactExtremes>,
@@ -66,9 +69,14 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// The kept values of a channel [SI].
+    /// What is known of a channel.
+    pub fn of(&self, channel: Channel) -> Option<&Signal> {
+        self.signals.iter().find(|signal| signal.channel == channel)
+    }
+
+    /// Every kept value of a channel [SI], in a run of one window or where the series is asked for.
     pub fn signal(&self, channel: Channel) -> Option<&[f64]> {
-        self.signals.iter().find(|(kept, _)| *kept == channel).map(|(_, values)| values.as_slice())
+        self.of(channel)?.values()
     }
 
     /// Over all that was kept.
@@ -188,18 +196,22 @@ pub struct Observer<'m> {
     /// Looks before the first kept value.
     lead: usize,
     decimator: Decimator,
-    filtered: Vec<(Channel, Vec<f64>)>,
+    filtered: Recorder,
+    spindle: Vec<Channel>,
     moments: Vec<Moments>,
-    picked: Vec<(Channel, Vec<f64>)>,
+    picked: Recorder,
+    channels: Vec<Channel>,
     frame: Vec<f64>,
+    pick: Vec<f64>,
     state: Vec<f64>,
     derivative: Vec<f64>,
     snapshot: Snapshot,
     shaft: Moments,
     cage: Moments,
     spin: Moments,
-    /// What was seen of each stretch of `PART` kept values.
-    parts: Vec<Part>,
+    /// What was seen of each stretch of `PART` kept values, and of the one on the way.
+    parts: Vec<Quantities>,
+    part: Part,
 }
 
 /// Largest load [N] and speed of the cage [rad/s] over a part of a run.
@@ -215,16 +227,16 @@ impl<'m> Observer<'m> {
         let layout = model.mechanism().layout;
         let axes = if layout.axial_spindle { &[Axis::X, Axis::Y, Axis::Z][..] } else { &[Axis::Y, Axis::Z] };
         let values = kept_values(settings.duration);
-        let filtered: Vec<(Channel, Vec<f64>)> = axes
+        let spindle: Vec<Channel> = axes
             .iter()
             .flat_map(|&axis| {
                 [Motion::Displacement, Motion::Velocity, Motion::Acceleration]
                     .map(|motion| Channel::Spindle(axis, motion))
             })
-            .map(|channel| (channel, Vec::with_capacity(values)))
             .collect();
-        let picked = picked_channels(&settings.outputs, layout.cage);
-        let decimator = Decimator::new(OVERSAMPLING, filtered.len());
+        let channels = picked_channels(&settings.outputs, layout.cage);
+        let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), &settings.outputs, values);
+        let decimator = Decimator::new(OVERSAMPLING, spindle.len());
         let delay = decimator.delay();
         // A run without time to settle has no past for the filter: it starts from a standstill then.
         let lead = if settings.settle * LOOK_RATE >= delay as f64 { delay } else { 0 };
@@ -237,10 +249,13 @@ impl<'m> Observer<'m> {
             all_looks: lead + (values - 1) * OVERSAMPLING + delay + 1,
             lead,
             decimator,
-            moments: vec![Moments::default(); filtered.len()],
-            frame: vec![0.0; filtered.len()],
-            filtered,
-            picked: picked.into_iter().map(|channel| (channel, Vec::with_capacity(values))).collect(),
+            moments: vec![Moments::default(); spindle.len()],
+            frame: vec![0.0; spindle.len()],
+            pick: vec![0.0; channels.len()],
+            filtered: recorder(&spindle),
+            spindle,
+            picked: recorder(&channels),
+            channels,
             state: vec![0.0; layout.dimension()],
             derivative: vec![0.0; layout.dimension()],
             snapshot: Snapshot {
@@ -255,7 +270,8 @@ impl<'m> Observer<'m> {
             shaft: Moments::default(),
             cage: Moments::default(),
             spin: Moments::default(),
-            parts: vec![Part::default(); values.div_ceil(PART)],
+            parts: Vec::with_capacity(values.div_ceil(PART)),
+            part: Part::default(),
         }
     }
 
@@ -297,21 +313,18 @@ impl<'m> Observer<'m> {
                 moments.add(*value);
             }
             let cage_speed = self.gather_speeds(time);
-            if let Some(part) = self.parts.get_mut(place / (PART * OVERSAMPLING)) {
-                let loads = self.snapshot.inner.iter().chain(&self.snapshot.outer);
-                part.max_load = loads.copied().fold(part.max_load, f64::max);
-                part.cage.add(cage_speed);
+            if place > 0 && place % (PART * OVERSAMPLING) == 0 {
+                self.parts.push(std::mem::take(&mut self.part).quantities());
             }
+            let loads = self.snapshot.inner.iter().chain(&self.snapshot.outer);
+            self.part.max_load = loads.copied().fold(self.part.max_load, f64::max);
+            self.part.cage.add(cage_speed);
             if place % OVERSAMPLING == 0 {
                 self.pick(time);
             }
         }
         if let Some(frame) = self.decimator.push(&self.frame) {
-            for ((_, signal), value) in self.filtered.iter_mut().zip(frame) {
-                if signal.len() < self.values {
-                    signal.push(*value);
-                }
-            }
+            self.filtered.push(frame);
         }
         self.looks += 1;
     }
@@ -319,7 +332,7 @@ impl<'m> Observer<'m> {
     fn gather_spindle(&mut self) {
         let layout = self.model.mechanism().layout;
         let (now, rate) = (layout.spindle(&self.state), layout.spindle(&self.derivative));
-        for (value, (channel, _)) in self.frame.iter_mut().zip(&self.filtered) {
+        for (value, channel) in self.frame.iter_mut().zip(&self.spindle) {
             if let Channel::Spindle(axis, motion) = *channel {
                 let vector = match motion {
                     Motion::Displacement => now.position,
@@ -355,8 +368,8 @@ impl<'m> Observer<'m> {
         let m = self.model.mechanism();
         let (_, speed, _) = m.speed.at(time);
         let cage = m.layout.cage(&self.state);
-        for (channel, signal) in &mut self.picked {
-            signal.push(match *channel {
+        for (value, channel) in self.pick.iter_mut().zip(&self.channels) {
+            *value = match *channel {
                 Channel::CageDisplacement(axis) => cage.centre[axis as usize],
                 Channel::CageSpeed => m.orbit_ratio * speed + cage.arc_velocity / m.pitch_radius,
                 Channel::BallSpin(ball) => {
@@ -368,16 +381,21 @@ impl<'m> Observer<'m> {
                 Channel::BallLoad(ball, BallContact::Outer) => self.snapshot.outer[ball],
                 Channel::BallLoad(ball, BallContact::Pocket) => self.snapshot.pocket[ball],
                 Channel::Spindle(..) => 0.0,
-            });
+            };
         }
+        self.picked.push(&self.pick);
     }
 
     /// What was seen.
-    pub fn finish(self) -> Recording {
-        let total_variance = self.filtered.iter().zip(&self.moments).map(|((c, _), m)| (*c, m.variance())).collect();
+    pub fn finish(mut self) -> Recording {
+        self.parts.push(self.part.quantities());
+        let total_variance = self.spindle.iter().zip(&self.moments).map(|(c, m)| (*c, m.variance())).collect();
+        let (spindle, _) = self.filtered.finish();
+        let (picked, whirl) = self.picked.finish();
         Recording {
             start: self.start,
-            signals: self.filtered.into_iter().chain(self.picked).collect(),
+            signals: spindle.into_iter().chain(picked).collect(),
+            whirl,
             total_variance,
             contacts: PerRaceway {
                 inner: self.snapshot.met.inner.extremes(),
@@ -388,7 +406,7 @@ impl<'m> Observer<'m> {
             shaft_speed: self.shaft.mean.abs(),
             cage_speed: self.cage.mean.abs(),
             ball_spin: self.spin.mean.abs(),
-            parts: self.parts.iter().map(Part::quantities).collect(),
+            parts: self.parts,
         }
     }
 }

@@ -12,6 +12,7 @@ use super::needs::Needs;
 use super::observe::{ContactExtremes, RATE, Recording, kept_values};
 use super::run::{Control, Outputs, RunSettings, Rung, SimulationError};
 use super::scene::Scene;
+use super::windows::Recorder;
 use crate::numerics::lanes::{InstructionSet, Task};
 use crate::numerics::ode::adams_moulton::{AdamsMoulton, EquationsOfMotion};
 use crate::numerics::ode::{IntegrationError, Statistics};
@@ -140,7 +141,9 @@ pub fn simulate(
     // The grid of steps meets the first kept value; the run begins up to a step after time 0.
     let begin = settings.settle - before as f64 * step;
     let mut method = AdamsMoulton::new(begin, (rest, [0.0; 2]), step);
-    let mut signals: Signals = std::array::from_fn(|_| Vec::with_capacity(values));
+    let mut recorder = Recorder::new(spindle_channels(), &settings.outputs, values);
+    // Of the steps on the way.
+    let mut signals = Signals::default();
     let all = before + (values - 1) * per_value + 1;
     let set = InstructionSet::best();
     let mut fitted = model.speed(begin).0;
@@ -154,6 +157,10 @@ pub fn simulate(
         }
         let keep = Keep { from, to, first: before, every: per_value };
         set.run(Advance { model: &model, method: &mut method, keep, signals: &mut signals });
+        for value in 0..signals[0].len() {
+            recorder.push(&signals.each_ref().map(|signal| signal[value]));
+        }
+        signals.iter_mut().for_each(Vec::clear);
         let time = method.time();
         if let Some(component) = not_finite(method.motion()) {
             let source = IntegrationError::NotFinite { time, step, component };
@@ -168,7 +175,7 @@ pub fn simulate(
     }
     let statistics = statistics(all as u64 - 1, method.evaluations(), step);
     let start = begin + before as f64 * step;
-    Ok((recording(&model, &mechanism, start, settings.duration, signals, None), statistics))
+    Ok((recording(&model, &mechanism, start, settings.duration, recorder, None), statistics))
 }
 
 fn not_finite((place, velocity): &SpindleMotion) -> Option<usize> {
@@ -223,8 +230,8 @@ impl Task for Advance<'_> {
     }
 }
 
-fn variance(signal: &[f64]) -> f64 {
-    rms(signal).powi(2)
+fn spindle_channels() -> [Channel; 6] {
+    SIGNALS.map(|(axis, motion)| Channel::Spindle(axis, motion))
 }
 
 fn recording(
@@ -232,11 +239,11 @@ fn recording(
     mechanism: &Mechanism,
     start: f64,
     duration: f64,
-    signals: Signals,
+    recorder: Recorder,
     total_variance: Option<[f64; 6]>,
 ) -> Recording {
-    let channels = SIGNALS.map(|(axis, motion)| Channel::Spindle(axis, motion));
-    let total = total_variance.unwrap_or_else(|| std::array::from_fn(|i| variance(&signals[i])));
+    let (signals, whirl) = recorder.finish();
+    let total = total_variance.unwrap_or_else(|| std::array::from_fn(|i| signals[i].all.rms().powi(2)));
     let balls = mechanism.layout.balls;
     let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
     let turned = |time: f64| mechanism.speed.at(time).0;
@@ -244,8 +251,9 @@ fn recording(
     let mean = if duration > 0.0 { (turned(start + duration) - turned(start)) / duration } else { begin };
     Recording {
         start,
-        signals: channels.into_iter().zip(signals).collect(),
-        total_variance: channels.into_iter().zip(total).collect(),
+        signals,
+        whirl,
+        total_variance: spindle_channels().into_iter().zip(total).collect(),
         contacts: PerRaceway { inner: none.clone(), outer: none },
         max_pocket_load: 0.0,
         direction: if mean < 0.0 { -1.0 } else { 1.0 },
@@ -419,14 +427,13 @@ impl Passage {
         })
     }
 
-    /// The motion at `RATE`, repeated over a time [s]; `start`: time of the first value.
-    fn repeated(&self, start: f64, values: usize) -> Signals {
+    /// Keeps so many values of the motion at `RATE`; `start`: time of the first one [s].
+    fn repeated(&self, start: f64, values: usize, mut keep: impl FnMut(&[f64; 6])) {
         let fine = self.finer();
         let n = fine[0].len();
         let per_value = n as f64 / (RATE * self.length);
         let first = start / self.length * n as f64;
         // Places and weights are the same for all signals: cubic polynomials through four of the fine points.
-        let mut signals: Signals = std::array::from_fn(|_| Vec::with_capacity(values));
         let mut place = first.rem_euclid(n as f64);
         for _ in 0..values {
             let whole = place as usize;
@@ -435,15 +442,12 @@ impl Passage {
             let weights =
                 [-x * above * over / 6.0, 0.5 * below * above * over, 0.5 * x * below * over, -x * below * above / 6.0];
             let at = [whole + n - 1, whole, whole + 1, whole + 2].map(|i| i % n);
-            for (signal, fine) in signals.iter_mut().zip(&fine) {
-                signal.push((0..4).map(|k| weights[k] * fine[at[k]]).sum());
-            }
+            keep(&fine.each_ref().map(|fine| (0..4).map(|k| weights[k] * fine[at[k]]).sum()));
             place += per_value;
             if place >= n as f64 {
                 place -= n as f64;
             }
         }
-        signals
     }
 
     /// Every signal at more points, by its Fourier series.
@@ -479,8 +483,10 @@ pub fn simulate_periodic(
         return Err(SimulationError::Stopped { time: 0.0 });
     }
     let passage = steady(&model)?;
-    let signals = passage.repeated(settings.settle, kept_values(settings.duration));
-    let total = std::array::from_fn(|i| variance(&passage.signals[i]));
-    let recording = recording(&model, &mechanism, settings.settle, settings.duration, signals, Some(total));
+    let values = kept_values(settings.duration);
+    let mut recorder = Recorder::new(spindle_channels(), &settings.outputs, values);
+    passage.repeated(settings.settle, values, |frame| recorder.push(frame));
+    let total = std::array::from_fn(|i| rms(&passage.signals[i]).powi(2));
+    let recording = recording(&model, &mechanism, settings.settle, settings.duration, recorder, Some(total));
     Ok((recording, passage.statistics))
 }

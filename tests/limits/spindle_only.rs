@@ -89,7 +89,7 @@ fn the_steady_orbit_is_where_a_run_in_time_ends() {
         let (in_time, _) =
             simulate(&scene, &RunSettings { fixed_step: Some(3e-6), ..settings.clone() }, &QUIET).unwrap();
         let (periodic, _) = simulate_periodic(&scene, &settings, &QUIET).unwrap();
-        assert_eq!(periodic.signals[0].1.len(), in_time.signals[0].1.len());
+        assert_eq!(periodic.signals[0].values().unwrap().len(), in_time.signals[0].values().unwrap().len());
         let apart = worst_db(&levels(&periodic), &levels(&in_time));
         assert!(apart < 0.01, "{clearance} µm, {load} N, {speed} r/min: {apart} dB");
         let orbit = passage(&scene, &settings).unwrap();

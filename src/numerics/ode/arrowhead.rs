@@ -265,8 +265,8 @@ impl<T: Number> ArrowheadFactors<T> {
                     *value = Group::of(right);
                 }
             }
-            for k in m..M {
-                matrix[k][k] = Group([T::one(); LANES]);
+            for (k, row) in matrix.iter_mut().enumerate().skip(m) {
+                row[k] = Group([T::one(); LANES]);
             }
             invert_group(&mut matrix)?;
             for (row, inverse_row) in matrix.iter().enumerate() {
@@ -482,8 +482,8 @@ fn product<T: Number, const M: usize>(weights: &[Group<T>; M], matrix: &[Group<T
 #[inline(always)]
 fn exchanged<T: Number>(first: Group<T>, second: Group<T>) -> [bool; LANES] {
     let mut larger = [false; LANES];
-    for lane in 0..LANES {
-        larger[lane] = second.0[lane].norm1() > first.0[lane].norm1();
+    for (larger, (first, second)) in larger.iter_mut().zip(first.0.into_iter().zip(second.0)) {
+        *larger = second.norm1() > first.norm1();
     }
     larger
 }
@@ -492,10 +492,10 @@ fn exchanged<T: Number>(first: Group<T>, second: Group<T>) -> [bool; LANES] {
 #[inline(always)]
 fn exchange<T: Number>(first: &mut [Group<T>], second: &mut [Group<T>], lanes: [bool; LANES]) {
     for (a, b) in first.iter_mut().zip(second) {
-        for lane in 0..LANES {
-            let (above, below) = (a.0[lane], b.0[lane]);
-            a.0[lane] = if lanes[lane] { below } else { above };
-            b.0[lane] = if lanes[lane] { above } else { below };
+        for ((above, below), here) in a.0.iter_mut().zip(&mut b.0).zip(lanes) {
+            let (one, other) = (*above, *below);
+            *above = if here { other } else { one };
+            *below = if here { one } else { other };
         }
     }
 }

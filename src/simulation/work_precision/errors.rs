@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn a_line_is_found_again_where_it_has_moved_to() {
         let amplitude = vec![0.0, 0.0, 0.1, 1.0, 0.5, 0.0, 9.0];
-        let spectrum = Spectrum { resolution: 10.0, amplitude, window: "hann" };
+        let spectrum = Spectrum { resolution: 10.0, amplitude, window: "hann", averages: 1 };
         let (frequency, amplitude) = peak_near(&spectrum, 29.0).unwrap();
         assert!((30.0..35.0).contains(&frequency) && amplitude >= 1.0, "{frequency} {amplitude}");
         assert_eq!(peak_near(&spectrum, 1e6), None);

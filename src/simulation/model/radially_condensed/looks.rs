@@ -7,7 +7,8 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::simulation::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::observe::{ContactExtremes, Recording, picked_channels};
-use crate::simulation::run::RunSettings;
+use crate::simulation::run::Outputs;
+use crate::simulation::windows::Recorder;
 
 use super::recording::Schedule;
 
@@ -21,8 +22,11 @@ pub(super) struct Looks<'a> {
     decimator: Decimator,
     /// The first frame stands for what was before: the run has none.
     primed: bool,
-    filtered: [Vec<f64>; SIGNALS],
-    picked: Vec<(Channel, Vec<f64>)>,
+    filtered: Recorder,
+    picked: Recorder,
+    channels: Vec<Channel>,
+    /// Of those at the last look and at this one.
+    pick: [Vec<f64>; 2],
     /// Of the spindle's signals, from the first one on, and what they are counted from.
     sums: [[f64; 2]; SIGNALS],
     origin: [f64; SIGNALS],
@@ -61,9 +65,9 @@ impl Extremes {
 }
 
 impl<'a> Looks<'a> {
-    pub fn new(model: &'a RadiallyCondensed, settings: &RunSettings, schedule: Schedule, primed: bool) -> Self {
-        let outputs = &settings.outputs;
-        let values = || Vec::with_capacity(schedule.values);
+    pub fn new(model: &'a RadiallyCondensed, outputs: &Outputs, schedule: Schedule, primed: bool) -> Self {
+        let channels = picked_channels(outputs, model.mechanism().layout.cage);
+        let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), outputs, schedule.values);
         let extremes = Extremes {
             load: vec![PerRaceway::default(); model.groups()],
             slip: PerRaceway::default(),
@@ -74,11 +78,10 @@ impl<'a> Looks<'a> {
             schedule,
             decimator: Decimator::new(schedule.pace.steps, SIGNALS),
             primed,
-            filtered: std::array::from_fn(|_| values()),
-            picked: picked_channels(outputs, model.mechanism().layout.cage)
-                .into_iter()
-                .map(|channel| (channel, values()))
-                .collect(),
+            filtered: recorder(&spindle_channels()),
+            picked: recorder(&channels),
+            pick: [vec![0.0; channels.len()], vec![0.0; channels.len()]],
+            channels,
             sums: [[0.0; 2]; SIGNALS],
             origin: [0.0; SIGNALS],
             shaft: 0.0,
@@ -129,24 +132,17 @@ impl<'a> Looks<'a> {
     /// Through the filter where steps are shorter than the interval of the kept values; with one value between two steps where
     /// they are longer.
     fn keep_spindle(&mut self, stepper: &Stepper<'_>, frame: [f64; SIGNALS]) {
-        let Schedule { pace, first, values, .. } = self.schedule;
-        let mut keep = |frame: &[f64]| {
-            if self.filtered[0].len() < values {
-                for (signal, value) in self.filtered.iter_mut().zip(frame) {
-                    signal.push(*value);
-                }
-            }
-        };
+        let Schedule { pace, first, .. } = self.schedule;
         if pace.steps > 1 {
             if let Some(frame) = self.decimator.push(&frame) {
-                keep(frame);
+                self.filtered.push(frame);
             }
             return;
         }
         if pace.values == 2 && stepper.steps() > first {
-            keep(&halfway(stepper, frame, pace.step()));
+            self.filtered.push(&halfway(stepper, frame, pace.step()));
         }
-        keep(&frame);
+        self.filtered.push(&frame);
     }
 
     /// Speeds and all channels besides the spindle's, as they stand.
@@ -166,19 +162,19 @@ impl<'a> Looks<'a> {
         self.shaft += speed;
         self.cage += m.orbit_ratio * speed + cage_velocity / m.pitch_radius;
         self.spin += (m.spin_ratio - m.orbit_ratio) * speed + own - arc_velocity / m.pitch_radius;
-        self.kept += 1.0;
-        let values = self.schedule.values;
-        for (channel, signal) in &mut self.picked {
-            let value = value(model, *channel, stepper, speed);
-            if self.schedule.pace.values == 2
-                && let Some(last) = signal.last()
-            {
-                signal.push(0.5 * (last + value));
-            }
-            if signal.len() < values {
-                signal.push(value);
-            }
+        let [last, now] = &mut self.pick;
+        for (channel, now) in self.channels.iter().zip(now.iter_mut()) {
+            *now = value(model, *channel, stepper, speed);
         }
+        if self.schedule.pace.values == 2 && self.kept > 0.0 {
+            for (last, now) in last.iter_mut().zip(now.iter()) {
+                *last = 0.5 * (*last + now);
+            }
+            self.picked.push(last);
+        }
+        self.picked.push(now);
+        std::mem::swap(last, now);
+        self.kept += 1.0;
         if let Some(least) = &mut self.least_film {
             films(model, stepper, speed, least);
         }
@@ -186,19 +182,19 @@ impl<'a> Looks<'a> {
 
     /// What was seen.
     pub fn finish(self, start: f64) -> Recording {
-        let axes = [Axis::Y, Axis::Z];
-        let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
-        let channels = axes.into_iter().flat_map(|axis| motions.map(|motion| Channel::Spindle(axis, motion)));
-        let channels: Vec<Channel> = channels.collect();
         let count = (self.schedule.last - self.schedule.first + 1) as f64;
         let variance = |[sum, squares]: [f64; 2]| ((squares - sum * sum / count) / count).max(0.0);
         let shaft = self.shaft / self.kept;
+        let contacts = self.contacts();
+        let (spindle, _) = self.filtered.finish();
+        let (picked, whirl) = self.picked.finish();
         Recording {
             start,
-            total_variance: channels.iter().copied().zip(self.sums.map(variance)).collect(),
-            contacts: self.contacts(),
+            total_variance: spindle_channels().into_iter().zip(self.sums.map(variance)).collect(),
+            contacts,
             max_pocket_load: self.extremes.map_or(0.0, |seen| seen.pocket.0.into_iter().fold(0.0, f64::max)),
-            signals: channels.into_iter().zip(self.filtered).chain(self.picked).collect(),
+            signals: spindle.into_iter().chain(picked).collect(),
+            whirl,
             direction: if shaft < 0.0 { -1.0 } else { 1.0 },
             shaft_speed: shaft.abs(),
             cage_speed: (self.cage / self.kept).abs(),
@@ -228,6 +224,11 @@ impl<'a> Looks<'a> {
             outer: one(&|load| load.outer, &extremes.slip.outer, self.least_film.map(|least| least.outer)),
         }
     }
+}
+
+fn spindle_channels() -> Vec<Channel> {
+    let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
+    [Axis::Y, Axis::Z].into_iter().flat_map(|axis| motions.map(|motion| Channel::Spindle(axis, motion))).collect()
 }
 
 /// The spindle's signals at a look.

@@ -8,7 +8,7 @@ use super::{RadiallyCondensed, Stepper};
 use crate::numerics::ode::{IntegrationError, Statistics};
 use crate::numerics::spectrum::Decimator;
 use crate::simulation::observe::{RATE, Recording, kept_values};
-use crate::simulation::run::{Control, RunSettings, SimulationError};
+use crate::simulation::run::{Control, Outputs, RunSettings, SimulationError};
 use crate::simulation::scene::Scene;
 
 /// Steps between two looks at `Control`.
@@ -74,10 +74,11 @@ pub fn simulate(
     settings: &RunSettings,
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
-    simulate_beside(scene, [0.0; 2], settings, control)
+    run(&RadiallyCondensed::new(scene, &settings.outputs)?, settings, control)
 }
 
-/// The same with the spindle starting a little beside its equilibrium (y, z) [m].
+/// The same with the spindle starting a little beside its equilibrium (y, z) [m], and nothing kept that is asked for as a
+/// spectrum or a series.
 pub fn simulate_beside(
     scene: &Scene,
     displacement: [f64; 2],
@@ -85,6 +86,15 @@ pub fn simulate_beside(
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
     let model = RadiallyCondensed::new(scene, &settings.outputs)?.displaced(displacement);
+    let outputs = Outputs { spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() };
+    run(&model, &RunSettings { outputs, ..settings.clone() }, control)
+}
+
+fn run(
+    model: &RadiallyCondensed,
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<(Recording, Statistics), SimulationError> {
     let pace = settings.fixed_step.map_or(model.pace(), Pace::of);
     if pace.steps > MOST_STEPS {
         let reason = format!("spindle or traction are too quick for it: they need steps of {:.1e} s", pace.step());
@@ -125,7 +135,7 @@ impl RadiallyCondensed {
         let schedule = Schedule { pace, first, last, values, delay };
         // A run without time to settle has no past for the filter: it starts from a standstill then.
         let primed = first < stepper.steps() + delay as u64;
-        let mut looks = Looks::new(self, settings, schedule, primed);
+        let mut looks = Looks::new(self, &settings.outputs, schedule, primed);
         let all = last + delay as u64 + 1;
         while stepper.steps() < all {
             if (control.stop)() {
