@@ -3,6 +3,9 @@
 //! `cargo bench --bench work_precision` runs all of `benches/scenes`; `-- a b` those named; `--repetitions N` times each run N
 //! times (default 5); `--plots DIR` writes `DIR/work-precision-NAME.svg`. Prints a table a scene, and a last one: for plain
 //! runs of the scenes, the level error that a result states beside the true one.
+//!
+//! `-- models` compares models instead, from the whole dynamics to the periodic orbit, on the 18 scenes of `benches/scenes`: error of
+//! model and integrator together against the time that a user waits, checks and judgements included (about two minutes).
 
 use std::path::PathBuf;
 
@@ -11,6 +14,9 @@ use raceway::contract::{self, Metrics, Outcome, WorkPrecisionAnswer, execute};
 use raceway::render;
 use raceway::simulation::run::Control;
 use serde_json::{Value, json};
+
+#[path = "scenes/mod.rs"]
+mod scenes;
 
 const SCENES: [&str; 5] = ["a", "b", "c-no-film", "c-no-damping", "d"];
 const CONTROL: Control<'static> = Control { stop: &|| false, progress: &|_| {} };
@@ -22,6 +28,10 @@ struct Options {
 }
 
 fn main() {
+    if std::env::args().any(|argument| argument == "models") {
+        models();
+        return;
+    }
     let options = options();
     for name in &options.scenes {
         println!("## Scene {name}\n");
@@ -117,6 +127,89 @@ fn estimates(name: &str) {
             stated / error,
             accuracy.motion.map_or("unknown".into(), |motion| format!("{motion:?}").to_lowercase()),
             accuracy.divergence_rate_per_s.unwrap_or(f64::NAN)
+        );
+    }
+}
+
+/// Name, solver, and whether all metrics are asked for: the spindle's levels alone let more go.
+const MODELS: [(&str, &str, bool); 8] = [
+    ("full, every term, 1e-5", r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-5}"#, true),
+    ("full, every term, 1e-3", r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-3}"#, true),
+    ("full as it chooses", r#"{"rung":"full"}"#, true),
+    ("full as it chooses, levels only", r#"{"rung":"full"}"#, false),
+    ("planar", r#"{"rung":"planar"}"#, true),
+    ("radially_condensed", r#"{"rung":"radially_condensed"}"#, true),
+    ("spindle_only", r#"{"rung":"spindle_only"}"#, false),
+    ("periodic", r#"{"rung":"periodic"}"#, false),
+];
+/// What the others are compared with.
+const WHOLE: &str = r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-9,"method":"gear"}"#;
+const LEVELS: [&str; 4] =
+    ["spindle.y.acceleration", "spindle.z.acceleration", "spindle.y.velocity", "spindle.z.velocity"];
+
+/// Levels of a scene by a model [dB], the level error that it states [dB], and how long it took with all its checks [s];
+/// `Err`: why it does not serve.
+fn by_model(scene: &str, solver: &str, all: bool) -> Result<([f64; 4], f64, f64), String> {
+    let metrics = if all { r#"["vibration","contacts","cage"]"# } else { r#"["vibration"]"# };
+    let request = format!(
+        r#"{{"kind":"simulation","scene":{scene},"settle_s":0.02,"duration_s":0.1,"solver":{solver},"outputs":{{"metrics":{metrics}}}}}"#
+    );
+    let job = contract::parse_job(request.as_bytes()).map_err(|refusal| format!("{refusal:?}"))?;
+    let begin = std::time::Instant::now();
+    let metrics = match execute(&job, &CONTROL) {
+        Ok(Outcome::Simulation(simulated)) => simulated.metrics,
+        Ok(Outcome::Accuracy(_)) => unreachable!("a simulation has a simulation's result"),
+        Err(failure) => return Err(failure.to_string()),
+    };
+    let took = begin.elapsed().as_secs_f64();
+    let channels = metrics.channels.as_ref().expect("vibration was asked for");
+    let levels = LEVELS.map(|channel| channels[channel].level_db.expect("the scenes vibrate"));
+    Ok((levels, metrics.accuracy.level_error_db.unwrap_or(f64::NAN), took))
+}
+
+fn models() {
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    let mut errors: [Vec<[f64; 4]>; MODELS.len()] = Default::default();
+    let mut times: [Vec<f64>; MODELS.len()] = Default::default();
+    println!("| scene | model | ms | a_y, a_z, v_y, v_z off by [dB] | stated [dB] |");
+    println!("|---|---|---|---|---|");
+    for (number, (speed, load, clearance, balls, mass, grade)) in scenes::SCENES.into_iter().enumerate() {
+        let scene = scenes::scene(number).1;
+        let (truth, _, _) = by_model(&scene, WHOLE, true).expect("the whole dynamics serve every scene");
+        let name = format!("{speed} r/min, {load} N, {clearance} µm, {balls} balls, {mass} g, G {grade}");
+        for (index, (model, solver, all)) in MODELS.into_iter().enumerate() {
+            match by_model(&scene, solver, all) {
+                Ok((levels, stated, took)) => {
+                    let off: [f64; 4] = std::array::from_fn(|k| levels[k] - truth[k]);
+                    let [ay, az, vy, vz] = off;
+                    println!(
+                        "| {name} | {model} | {:.1} | {ay:.4} {az:.4} {vy:.4} {vz:.4} | {stated:.4} |",
+                        1e3 * took
+                    );
+                    errors[index].push(off);
+                    times[index].push(1e3 * took);
+                }
+                Err(words) => println!("| {name} | {model} | – | {words} | – |"),
+            }
+        }
+    }
+    println!(
+        "\n| model | scenes | median ms | × real time | worst a_y, a_z, v_y, v_z [dB] | median of the worst [dB] |"
+    );
+    println!("|---|---|---|---|---|---|");
+    for (index, (model, _, _)) in MODELS.into_iter().enumerate() {
+        let worst: [f64; 4] = std::array::from_fn(|k| errors[index].iter().map(|off| off[k].abs()).fold(0.0, f64::max));
+        let [ay, az, vy, vz] = worst;
+        let each = errors[index].iter().map(|off| off.iter().fold(0.0, |most: f64, x| most.max(x.abs()))).collect();
+        let time = median(times[index].clone());
+        println!(
+            "| {model} | {} | {time:.1} | {:.2} | {ay:.3} {az:.3} {vy:.3} {vz:.3} | {:.4} |",
+            errors[index].len(),
+            120.0 / time,
+            median(each)
         );
     }
 }
