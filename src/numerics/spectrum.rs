@@ -23,11 +23,13 @@ pub struct Spectrum {
 
 impl Spectrum {
     /// Root of the mean power of all the spectra that both are made of, which are of signals of one length and rate.
-    pub fn joined(self, other: &Self) -> Self {
+    pub fn join(&mut self, other: &Self) {
         let averages = self.averages + other.averages;
         let [own, others] = [self.averages, other.averages].map(|part| (part as f64 / averages as f64).sqrt());
-        let amplitude = self.amplitude.iter().zip(&other.amplitude).map(|(a, b)| (own * a).hypot(others * b)).collect();
-        Self { amplitude, averages, ..self }
+        for (own_amplitude, amplitude) in self.amplitude.iter_mut().zip(&other.amplitude) {
+            *own_amplitude = (own * *own_amplitude).hypot(others * amplitude);
+        }
+        self.averages = averages;
     }
 }
 
@@ -334,7 +336,9 @@ mod tests {
     #[test]
     fn joined_spectra_show_the_mean_power_of_all() {
         let of = |amplitude: f64| amplitude_spectrum(&tone(1000, 1024.0, amplitude, 0.2), RATE);
-        let joined = of(3.0).joined(&of(1.0)).joined(&of(2.0));
+        let mut joined = of(3.0);
+        joined.join(&of(1.0));
+        joined.join(&of(2.0));
         assert_eq!((joined.averages, joined.resolution, joined.amplitude.len()), (3, 102.4, 501));
         assert!((joined.amplitude[10] - (14.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{}", joined.amplitude[10]);
     }

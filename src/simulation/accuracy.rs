@@ -227,7 +227,7 @@ fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
 /// What another run of the same length would scatter by if the motion is chaotic, worst of some channels [dB].
 pub(super) fn sampling_error(recording: &Recording, channels: &[Channel]) -> Option<f64> {
     let signals = channels.iter().filter_map(|&channel| recording.of(channel));
-    let error = |signal: &Signal| level_standard_error_db(&in_parts(&signal.in_band.mean_squares, BATCHES));
+    let error = |signal: &Signal| level_standard_error_db(&in_parts(&signal.in_band().mean_squares, BATCHES));
     signals.filter_map(error).reduce(f64::max)
 }
 
@@ -269,11 +269,11 @@ impl Twice {
 
     /// Of two runs of the same windows.
     fn of_windows(first: &Signal, again: &Signal) -> Self {
-        let parts = |signal: &Signal| in_parts(&signal.in_band.mean_squares, PARTS);
+        let parts = |signal: &Signal| in_parts(&signal.in_band().mean_squares, PARTS);
         let both = parts(first).into_iter().zip(parts(again));
         let excerpts = first.excerpts.iter().zip(&again.excerpts);
         let squares: Vec<f64> = excerpts.map(|(a, b)| Self::of_values(a, b, 0.0).difference.powi(2)).collect();
-        let (whole, of_again) = (first.in_band.moments.rms(), again.in_band.moments.rms());
+        let (whole, of_again) = (first.in_band().moments.rms(), again.in_band().moments.rms());
         Self {
             stretch: (whole, of_again),
             parts: both.map(|(a, b)| (a.sqrt(), b.sqrt())).collect(),
@@ -301,7 +301,7 @@ impl Twice {
 
 /// The accelerations that are judged: those that are not faint.
 fn judged(recording: &Recording) -> Vec<Channel> {
-    let level = |channel: &Channel| recording.of(*channel).map_or(0.0, |signal| signal.in_band.moments.rms());
+    let level = |channel: &Channel| recording.of(*channel).map_or(0.0, |signal| signal.in_band().moments.rms());
     let strongest = ACCELERATIONS.iter().map(level).fold(0.0, f64::max);
     let faint = 10_f64.powf(-FAINT / 20.0) * strongest;
     ACCELERATIONS.into_iter().filter(|channel| level(channel) >= faint).collect()
@@ -313,7 +313,7 @@ fn twice(first: &Recording, again: &Recording) -> Vec<Twice> {
         let (first, again) = (first.of(channel)?, again.of(channel)?);
         let Some(repeated) = again.values() else { return Some(Twice::of_windows(first, again)) };
         let stretch = first.excerpts.first()?.get(..repeated.len())?;
-        Some(Twice::of_values(stretch, repeated, first.in_band.moments.rms()))
+        Some(Twice::of_values(stretch, repeated, first.in_band().moments.rms()))
     };
     judged(again).into_iter().filter_map(both).collect()
 }

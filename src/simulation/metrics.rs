@@ -170,10 +170,9 @@ pub(super) fn in_band_metrics(channel: Channel, in_band: &InBand, total_variance
 
 /// Metrics of the spindle's channels.
 pub fn vibration(recording: &Recording) -> Vec<(Channel, ChannelMetrics)> {
-    let one = |(channel, variance): &(Channel, f64)| {
-        recording.of(*channel).map(|signal| (*channel, in_band_metrics(*channel, &signal.in_band, *variance)))
-    };
-    recording.total_variance.iter().filter_map(one).collect()
+    let of_spindle = recording.signals.iter().filter(|signal| matches!(signal.channel, Channel::Spindle(..)));
+    let one = |channel: Channel, in_band: &InBand| in_band_metrics(channel, in_band, recording.total_variance(channel));
+    of_spindle.map(|signal| (signal.channel, one(signal.channel, signal.in_band()))).collect()
 }
 
 /// Metrics of the raceway contacts.
@@ -200,8 +199,8 @@ pub fn contacts(mechanism: &Mechanism, recording: &Recording) -> ContactMetrics 
 
 /// Metrics of the cage; `None` where the model has none.
 pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
-    let y = &recording.of(Channel::CageDisplacement(Axis::Y))?.all;
-    let z = &recording.of(Channel::CageDisplacement(Axis::Z))?.all;
+    let y = recording.of(Channel::CageDisplacement(Axis::Y))?.all();
+    let z = recording.of(Channel::CageDisplacement(Axis::Z))?.all();
     let ideal = recording.shaft_speed * kinematics::ideal_orbit_ratio(&scene.bearing);
     let turns = |speed: f64| speed / std::f64::consts::TAU;
     Some(CageMetrics {
@@ -209,7 +208,10 @@ pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
         slip: (ideal > 0.0).then(|| 1.0 - recording.cage_speed / ideal),
         ball_spin: turns(recording.ball_spin),
         orbit_radius: 1e6 * y.rms().hypot(z.rms()),
-        whirl_ratio: (ideal > 0.0).then(|| recording.direction * recording.whirl.rate() / recording.cage_speed),
+        whirl_ratio: recording
+            .whirl()
+            .filter(|_| ideal > 0.0)
+            .map(|whirl| recording.direction * whirl.rate() / recording.cage_speed),
         max_pocket_load: recording.max_pocket_load,
     })
 }
@@ -227,7 +229,7 @@ pub fn frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFreque
 
 /// Spectra of the asked-for channels, in their units.
 pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpectra> {
-    let one = |channel: &Channel| recording.of(*channel)?.spectra.clone();
+    let one = |channel: &Channel| recording.of(*channel)?.spectra().cloned();
     settings.outputs.spectra.iter().filter_map(one).collect()
 }
 

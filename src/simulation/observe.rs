@@ -51,9 +51,9 @@ pub struct Recording {
     /// Time of the first kept value [s]; the others follow at `RATE`.
     pub start: f64,
     pub signals: Vec<Signal>,
-    /// Of the cage's centre, where it was looked at.
-    pub whirl: Whirl,
-    /// Variance of the spindle's signals before the filter.
+    /// Of the cage's centre over several windows.
+    pub whirl: Option<Whirl>,
+    /// Variance of the spindle's signals before the filter, where they passed one.
     pub total_variance: Vec<(Channel, f64)>,
     pub contacts: PerRaceway<ContactExtremes>,
     pub max_pocket_load: f64,
@@ -77,6 +77,19 @@ impl Recording {
     /// Every kept value of a channel [SI], in a run of one window or where the series is asked for.
     pub fn signal(&self, channel: Channel) -> Option<&[f64]> {
         self.of(channel)?.values()
+    }
+
+    /// How the cage's centre turned; `None` where it was not looked at.
+    pub fn whirl(&self) -> Option<Whirl> {
+        let place = |axis| self.signal(Channel::CageDisplacement(axis));
+        self.whirl.or_else(|| Some(Whirl::of(place(Axis::Y)?, place(Axis::Z)?)))
+    }
+
+    /// Variance of a signal before any filter.
+    pub fn total_variance(&self, channel: Channel) -> f64 {
+        let before = self.total_variance.iter().find(|(of, _)| *of == channel);
+        let unfiltered = || self.of(channel).map_or(0.0, |signal| signal.all().rms().powi(2));
+        before.map_or_else(unfiltered, |(_, variance)| *variance)
     }
 
     /// Over all that was kept.

@@ -243,7 +243,6 @@ fn recording(
     total_variance: Option<[f64; 6]>,
 ) -> Recording {
     let (signals, whirl) = recorder.finish();
-    let total = total_variance.unwrap_or_else(|| std::array::from_fn(|i| signals[i].all.rms().powi(2)));
     let balls = mechanism.layout.balls;
     let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
     let turned = |time: f64| mechanism.speed.at(time).0;
@@ -253,7 +252,7 @@ fn recording(
         start,
         signals,
         whirl,
-        total_variance: spindle_channels().into_iter().zip(total).collect(),
+        total_variance: spindle_channels().into_iter().zip(total_variance.into_iter().flatten()).collect(),
         contacts: PerRaceway { inner: none.clone(), outer: none },
         max_pocket_load: 0.0,
         direction: if mean < 0.0 { -1.0 } else { 1.0 },

@@ -1,5 +1,8 @@
 //! Signals of a run, taken window by window: a window that is full adds its moments and spectra to those of the run, and its
-//! values are dropped. So the memory of a run does not grow with its duration, but for the series that are asked for.
+//! values are dropped. So the memory of a run does not grow with its duration, but for the series that are asked for. A run of one
+//! window keeps its values, and is reduced to what is asked of it, when it is asked.
+
+use std::sync::OnceLock;
 
 use super::accuracy::{ACCELERATIONS, BATCHES, REPEATED};
 use super::channel::{Axis, Channel};
@@ -88,11 +91,9 @@ pub struct Signal {
     series: Option<Vec<f64>>,
     /// The first values of each window, of accelerations; all values in a run of one window.
     pub excerpts: Vec<Vec<f64>>,
-    pub all: CentralMoments,
-    /// Of the spindle's motion.
-    pub in_band: InBand,
-    /// In the channel's unit, where they are asked for.
-    pub spectra: Option<ChannelSpectra>,
+    all: OnceLock<CentralMoments>,
+    in_band: OnceLock<InBand>,
+    spectra: OnceLock<ChannelSpectra>,
     asked_for_spectra: bool,
 }
 
@@ -105,9 +106,9 @@ impl Signal {
             window: Vec::with_capacity(windows.length),
             series: whole.then(|| Vec::with_capacity(values)),
             excerpts: Vec::new(),
-            all: CentralMoments::default(),
-            in_band: InBand::default(),
-            spectra: None,
+            all: OnceLock::new(),
+            in_band: OnceLock::new(),
+            spectra: OnceLock::new(),
             asked_for_spectra: outputs.spectra.contains(&channel),
         }
     }
@@ -120,26 +121,49 @@ impl Signal {
         }
     }
 
+    /// Moments of all windows, nothing filtered.
+    pub fn all(&self) -> &CentralMoments {
+        self.all.get_or_init(|| self.values().map(CentralMoments::of).unwrap_or_default())
+    }
+
+    /// Of the spindle's motion, in the band of levels.
+    pub fn in_band(&self) -> &InBand {
+        self.in_band.get_or_init(|| self.values().map(InBand::of).unwrap_or_default())
+    }
+
+    /// In the channel's unit; `None` where they are not asked for.
+    pub fn spectra(&self) -> Option<&ChannelSpectra> {
+        let values = self.values().unwrap_or_default();
+        self.asked_for_spectra.then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values)))
+    }
+
     /// Adds the window to what is known of all, and empties it.
     fn reduce(&mut self, windows: Windows, index: usize) {
-        self.all = self.all.joined(CentralMoments::of(&self.window));
+        if windows.count == 1 {
+            self.excerpts.push(std::mem::take(&mut self.window));
+            return;
+        }
+        let moments = CentralMoments::of(&self.window);
+        join(&mut self.all, moments, |all, window| *all = all.joined(window));
         if matches!(self.channel, Channel::Spindle(..)) {
-            let edge = if windows.count > 1 { EDGE } else { 0 };
-            self.in_band.join(InBand::within(&self.window, edge));
+            join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
         }
         if self.asked_for_spectra {
             let spectra = ChannelSpectra::of(self.channel, &self.window);
-            self.spectra = Some(match self.spectra.take() {
-                Some(before) => before.joined(&spectra),
-                None => spectra,
-            });
+            join(&mut self.spectra, spectra, |all, window| all.join(&window));
         }
-        if windows.count == 1 {
-            self.excerpts.push(std::mem::take(&mut self.window));
-        } else if ACCELERATIONS.contains(&self.channel) {
+        if ACCELERATIONS.contains(&self.channel) {
             self.excerpts.push(self.window.iter().copied().take(windows.excerpt(index)).collect());
         }
         self.window.clear();
+    }
+}
+
+/// Adds what is known of a window to what is known of those before.
+fn join<T>(before: &mut OnceLock<T>, window: T, add: impl FnOnce(&mut T, T)) {
+    match before.get_mut() {
+        Some(all) => add(all, window),
+        None => *before = OnceLock::from(window),
     }
 }
 
@@ -154,9 +178,9 @@ impl ChannelSpectra {
         }
     }
 
-    fn joined(self, other: &Self) -> Self {
-        let (amplitude, envelope) = (self.amplitude.joined(&other.amplitude), self.envelope.joined(&other.envelope));
-        Self { amplitude, envelope, ..self }
+    fn join(&mut self, other: &Self) {
+        self.amplitude.join(&other.amplitude);
+        self.envelope.join(&other.envelope);
     }
 }
 
@@ -197,7 +221,8 @@ pub struct Recorder {
     /// Windows that are done.
     done: usize,
     signals: Vec<Signal>,
-    whirl: Whirl,
+    /// Of several windows.
+    whirl: Option<Whirl>,
 }
 
 impl Recorder {
@@ -208,7 +233,7 @@ impl Recorder {
             taken: 0,
             done: 0,
             signals: channels.into_iter().map(|channel| Signal::new(channel, outputs, values)).collect(),
-            whirl: Whirl::default(),
+            whirl: None,
         }
     }
 
@@ -233,10 +258,12 @@ impl Recorder {
     }
 
     fn reduce(&mut self) {
-        let window = |channel: Channel| self.signals.iter().find(|s| s.channel == channel).map(|s| &s.window);
-        let orbit = [Axis::Y, Axis::Z].map(Channel::CageDisplacement).map(window);
-        if let [Some(y), Some(z)] = orbit {
-            self.whirl = self.whirl.joined(Whirl::of(y, z));
+        if self.windows.count > 1 {
+            let window = |channel: Channel| self.signals.iter().find(|s| s.channel == channel).map(|s| &s.window);
+            let orbit = [Axis::Y, Axis::Z].map(Channel::CageDisplacement).map(window);
+            if let [Some(y), Some(z)] = orbit {
+                self.whirl = Some(self.whirl.unwrap_or_default().joined(Whirl::of(y, z)));
+            }
         }
         for signal in &mut self.signals {
             signal.reduce(self.windows, self.done);
@@ -244,9 +271,8 @@ impl Recorder {
         self.done += 1;
     }
 
-    /// What is known of each channel, and how the cage's centre has turned.
-    pub fn finish(mut self) -> (Vec<Signal>, Whirl) {
-        // Not before: the last window of a run is no part of the time that it takes.
+    /// What is known of each channel, and how the cage's centre has turned over several windows.
+    pub fn finish(mut self) -> (Vec<Signal>, Option<Whirl>) {
         if self.done < self.windows.count {
             self.reduce();
         }
@@ -287,16 +313,16 @@ mod tests {
         whole.iter().chain([&9.0, &9.0]).for_each(|value| recorder.push(&[*value]));
         let (signals, whirl) = recorder.finish();
         let seen = &signals[0];
-        assert_eq!((seen.values(), seen.excerpts.len(), seen.in_band.mean_squares.len()), (None, 3, 30));
+        assert_eq!((seen.values(), seen.excerpts.len(), seen.in_band().mean_squares.len()), (None, 3, 30));
         assert_eq!(seen.excerpts[2][..10], whole[2 * 85_312..2 * 85_312 + 10]);
-        assert_eq!(whirl.rate(), 0.0);
+        assert_eq!(whirl, None);
         let alone = InBand::of(&whole).moments;
-        let decibels = 20.0 * (seen.in_band.moments.rms() / alone.rms()).log10();
+        let decibels = 20.0 * (seen.in_band().moments.rms() / alone.rms()).log10();
         assert!(decibels.abs() < 1e-3, "{decibels} dB");
         let kurtosis = |moments: &CentralMoments| moments.kurtosis().unwrap();
-        assert!((kurtosis(&seen.in_band.moments) / kurtosis(&alone) - 1.0).abs() < 1e-3);
-        assert!((seen.all.rms() / statistics::rms(&whole[..3 * 85_312]) - 1.0).abs() < 1e-12);
-        let (spectra, at_once) = (seen.spectra.as_ref().unwrap(), ChannelSpectra::of(channel, &whole));
+        assert!((kurtosis(&seen.in_band().moments) / kurtosis(&alone) - 1.0).abs() < 1e-3);
+        assert!((seen.all().rms() / statistics::rms(&whole[..3 * 85_312]) - 1.0).abs() < 1e-12);
+        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole));
         assert_eq!((spectra.amplitude.averages, at_once.amplitude.averages), (3, 1));
         let line = |spectrum: &crate::numerics::spectrum::Spectrum, frequency: f64| {
             let bin = (frequency / spectrum.resolution).round() as usize;

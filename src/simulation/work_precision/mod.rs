@@ -326,8 +326,8 @@ pub fn level_floor(own_error_db: Option<f64>, sampling_error_db: Option<f64>) ->
 fn levels(run: &Finished) -> Vec<(Channel, Option<f64>)> {
     let level = |channel: Channel| {
         let recording = &run.recording;
-        let variance = recording.total_variance.iter().find(|(of, _)| *of == channel).map_or(0.0, |(_, v)| *v);
-        recording.of(channel).and_then(|signal| metrics::in_band_metrics(channel, &signal.in_band, variance).level_db)
+        let variance = recording.total_variance(channel);
+        recording.of(channel).and_then(|signal| metrics::in_band_metrics(channel, signal.in_band(), variance).level_db)
     };
     accuracy::ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
 }
