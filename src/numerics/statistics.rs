@@ -1,5 +1,7 @@
 //! Statistics of sampled signals.
 
+use super::lanes::{LANES, Lanes, larger};
+
 /// Arithmetic mean; 0 of an empty slice.
 pub fn mean(signal: &[f64]) -> f64 {
     if signal.is_empty() { 0.0 } else { signal.iter().sum::<f64>() / signal.len() as f64 }
@@ -16,7 +18,7 @@ pub fn median(values: &[f64]) -> Option<f64> {
 
 /// Root mean square about the mean; 0 of an empty slice.
 pub fn rms(signal: &[f64]) -> f64 {
-    central_moment(signal, 2).sqrt()
+    CentralMoments::of(signal).rms()
 }
 
 /// Largest distance from the mean; 0 of an empty slice.
@@ -40,15 +42,34 @@ pub struct CentralMoments {
 
 impl CentralMoments {
     pub fn of(signal: &[f64]) -> Self {
+        // Eight sums side by side: one would wait for itself with each value.
         let mean = mean(signal);
+        let [mut second, mut third, mut fourth, mut above, mut below] = [Lanes::<LANES>::default(); 5];
+        for values in signal.chunks(LANES) {
+            let off = match <[f64; LANES]>::try_from(values) {
+                Ok(values) => values.map(|x| x - mean),
+                Err(_) => std::array::from_fn(|lane| values.get(lane).map_or(0.0, |x| x - mean)),
+            };
+            for lane in 0..LANES {
+                let (d, square) = (off[lane], off[lane] * off[lane]);
+                second[lane] += square;
+                third[lane] += square * d;
+                fourth[lane] += square * square;
+                above[lane] = larger(d, above[lane]);
+                below[lane] = larger(-d, below[lane]);
+            }
+        }
+        let count = signal.len() as f64;
+        let mean_of = |sums: Lanes| if count > 0.0 { sums.0.iter().sum::<f64>() / count } else { 0.0 };
+        let largest = |lanes: Lanes| lanes.0.into_iter().fold(0.0, f64::max);
         Self {
-            count: signal.len() as f64,
+            count,
             mean,
-            second: central_moment(signal, 2),
-            third: central_moment(signal, 3),
-            fourth: central_moment(signal, 4),
-            above: signal.iter().fold(0.0, |largest, x| f64::max(largest, x - mean)),
-            below: signal.iter().fold(0.0, |largest, x| f64::max(largest, mean - x)),
+            second: mean_of(second),
+            third: mean_of(third),
+            fourth: mean_of(fourth),
+            above: largest(above),
+            below: largest(below),
         }
     }
 
@@ -179,14 +200,6 @@ pub fn thin(values: &[f64], max_points: usize) -> Vec<usize> {
     }
     kept.push(n - 1);
     kept
-}
-
-fn central_moment(signal: &[f64], order: i32) -> f64 {
-    if signal.is_empty() {
-        return 0.0;
-    }
-    let mean = mean(signal);
-    signal.iter().map(|x| (x - mean).powi(order)).sum::<f64>() / signal.len() as f64
 }
 
 #[cfg(test)]

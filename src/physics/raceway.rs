@@ -546,12 +546,7 @@ impl RacewayContact {
         }
     }
 
-    /// Minimum film thickness of a loaded contact [m]; 0 without a film.
-    pub fn minimum_film(&self, motion: &RelativeMotion, load: &RacewayLoad) -> f64 {
-        self.groove.film.minimum(self.rolling_speed(motion), load.normal)
-    }
-
-    /// Meets that film.
+    /// Meets the minimum film of a loaded contact.
     pub fn meet_film(&self, motion: &RelativeMotion, load: &RacewayLoad, thinnest: &mut ThinnestFilm) {
         thinnest.meet(&self.groove.film, self.rolling_speed(motion), load.normal);
     }

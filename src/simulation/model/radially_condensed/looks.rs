@@ -4,6 +4,7 @@ use super::{RadiallyCondensed, Seen, Stepper};
 use crate::numerics::lanes::{LANES, Lanes, larger};
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
+use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::simulation::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::observe::{ContactExtremes, Recording, picked_channels};
@@ -36,7 +37,7 @@ pub(super) struct Looks<'a> {
     spin: f64,
     kept: f64,
     extremes: Option<Extremes>,
-    least_film: Option<PerRaceway<f64>>,
+    thinnest: Option<PerRaceway<ThinnestFilm>>,
 }
 
 /// Largest values so far, group by group.
@@ -89,10 +90,10 @@ impl<'a> Looks<'a> {
             spin: 0.0,
             kept: 0.0,
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
-            least_film: model
+            thinnest: model
                 .needs()
                 .film_thickness
-                .then_some(PerRaceway { inner: f64::INFINITY, outer: f64::INFINITY }),
+                .then_some(PerRaceway { inner: ThinnestFilm::NONE, outer: ThinnestFilm::NONE }),
         }
     }
 
@@ -175,8 +176,8 @@ impl<'a> Looks<'a> {
         self.picked.push(now);
         std::mem::swap(last, now);
         self.kept += 1.0;
-        if let Some(least) = &mut self.least_film {
-            films(model, stepper, speed, least);
+        if let Some(thinnest) = &mut self.thinnest {
+            meet_films(model, stepper, speed, thinnest);
         }
     }
 
@@ -209,19 +210,19 @@ impl<'a> Looks<'a> {
         let Some(extremes) = &self.extremes else {
             return PerRaceway { inner: none.clone(), outer: none };
         };
-        let one = |load: &dyn Fn(&PerRaceway<Lanes>) -> Lanes, slip: &Lanes, film: Option<f64>| {
+        let one = |load: &dyn Fn(&PerRaceway<Lanes>) -> Lanes, slip: &Lanes, film: Option<ThinnestFilm>| {
             let max_load: Vec<f64> = (0..balls).map(|ball| load(&extremes.load[ball / LANES])[ball % LANES]).collect();
             let touched = max_load.iter().any(|load| *load > 0.0);
             ContactExtremes {
                 max_load,
                 angle: touched.then_some((0.0, 0.0)),
                 max_slip: slip.0.into_iter().fold(0.0, f64::max),
-                least_film: film.filter(|film| film.is_finite()),
+                least_film: film.map(|film| film.thickness).filter(|film| film.is_finite()),
             }
         };
         PerRaceway {
-            inner: one(&|load| load.inner, &extremes.slip.inner, self.least_film.map(|least| least.inner)),
-            outer: one(&|load| load.outer, &extremes.slip.outer, self.least_film.map(|least| least.outer)),
+            inner: one(&|load| load.inner, &extremes.slip.inner, self.thinnest.map(|films| films.inner)),
+            outer: one(&|load| load.outer, &extremes.slip.outer, self.thinnest.map(|films| films.outer)),
         }
     }
 }
@@ -278,14 +279,17 @@ fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, spe
     }
 }
 
-/// Least minimum film thickness under load, looked for at the kept values.
-fn films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, least: &mut PerRaceway<f64>) {
+/// Meets the films under load, at the kept values.
+fn meet_films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, thinnest: &mut PerRaceway<ThinnestFilm>) {
     let m = model.mechanism();
     for ball in 0..m.layout.balls {
         let (balls, lane) = (&stepper.balls()[ball / LANES], ball % LANES);
         let seen = &stepper.seen()[ball / LANES];
         let orbit = m.orbit_ratio * speed + balls.arc_velocity[lane] / m.pitch_radius;
-        let film = |contact: &RacewayContact, raceway_speed: f64, normal: f64| {
+        let meet = |contact: &RacewayContact, raceway_speed: f64, normal: f64, thinnest: &mut ThinnestFilm| {
+            if normal <= 0.0 {
+                return;
+            }
             let motion = RelativeMotion {
                 axial: 0.0,
                 radius: m.pitch_radius,
@@ -295,10 +299,9 @@ fn films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, least: &m
                 orbit_speed: orbit,
                 azimuth: 0.0,
             };
-            let load = RacewayLoad { normal, ..RacewayLoad::default() };
-            if normal > 0.0 { contact.minimum_film(&motion, &load) } else { f64::INFINITY }
+            contact.meet_film(&motion, &RacewayLoad { normal, ..RacewayLoad::default() }, thinnest);
         };
-        least.inner = least.inner.min(film(&m.raceway.inner, speed, seen.load.inner[lane]));
-        least.outer = least.outer.min(film(&m.raceway.outer, 0.0, seen.load.outer[lane]));
+        meet(&m.raceway.inner, speed, seen.load.inner[lane], &mut thinnest.inner);
+        meet(&m.raceway.outer, 0.0, seen.load.outer[lane], &mut thinnest.outer);
     }
 }
