@@ -30,6 +30,8 @@ pub enum Command {
     Simulate(SimulateOptions),
     /// Run a scene by several methods and tolerances: error against run time, as table, JSON and SVG
     Accuracy(AccuracyOptions),
+    /// Run a study: a scene over a grid of values, as table, CSV and plots
+    Study(StudyOptions),
     /// Print the OpenAPI document
     Openapi,
     /// Ask a running service whether it takes jobs; the exit status tells
@@ -70,6 +72,22 @@ pub struct AccuracyOptions {
     /// Timed runs of each method at each tolerance, where the job does not say [default: 1]
     #[arg(long, env = "RACEWAY_REPETITIONS", value_parser = clap::value_parser!(u32).range(1..=9))]
     pub repetitions: Option<u32>,
+    /// Neither estimate nor progress on stderr
+    #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct StudyOptions {
+    /// JSON with a job of kind study; - reads stdin
+    #[arg(value_name = "FILE.json|-")]
+    pub study: PathBuf,
+    /// Directory for table.json, table.csv, trend.svg (one axis) or map.svg (two)
+    #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
+    pub output: PathBuf,
+    /// Points at a time [default: number of cores]
+    #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub workers: Option<u16>,
     /// Neither estimate nor progress on stderr
     #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
     pub quiet: bool,

@@ -23,3 +23,5 @@ pub mod plots;
 pub mod render;
 /// The motion: scene, model, equilibrium, run, observation.
 pub mod simulation;
+/// Many runs: the points of a grid, and what their results say together.
+pub mod study;

@@ -2,10 +2,12 @@
 
 use std::fmt::Write;
 
+use crate::contract::table::AxisAnswer;
 use crate::contract::work_precision::{PointAnswer, floors};
-use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer, WorkPrecisionAnswer};
+use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer, TableAnswer, WorkPrecisionAnswer};
 use crate::plots::{
-    FailedRun, SeriesCurve, SpectrumCurve, WorkPoint, WorkPrecisionCurve, series_svg, spectrum_svg, work_precision_svg,
+    AxisPlaces, FailedRun, MapPanel, SeriesCurve, SpectrumCurve, TrendCurve, TrendPanel, VariedAxis, WorkPoint,
+    WorkPrecisionCurve, map_svg, series_svg, spectrum_svg, trend_svg, work_precision_svg,
 };
 use crate::simulation::lines::Line;
 
@@ -85,6 +87,113 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     // Reports of older versions do not name their scene.
     let title = if compared.scene.is_empty() { "Error against run time" } else { &compared.scene };
     work_precision_svg(title, &subtitle, &curves, [level, trajectory])
+}
+
+/// Panels of a trend from which on no further quantity is shown.
+const MOST_PANELS: usize = 4;
+
+/// What pictures of a study show: quantity with its unit, and the metrics of it with their short names. The first that are there
+/// are drawn, at most two quantities.
+const SHOWN: [(&str, &[(&str, &str)]); 4] = [
+    (
+        "velocity, rms, in mm/s",
+        &[("spindle Y", "/channels/spindle.y.velocity/rms"), ("spindle Z", "/channels/spindle.z.velocity/rms")],
+    ),
+    (
+        "acceleration level in dB",
+        &[
+            ("spindle Y", "/channels/spindle.y.acceleration/level_db"),
+            ("spindle Z", "/channels/spindle.z.acceleration/level_db"),
+        ],
+    ),
+    (
+        "largest load in N",
+        &[("inner raceway", "/contacts/inner/max_load_n"), ("outer raceway", "/contacts/outer/max_load_n")],
+    ),
+    ("orbit of the cage in µm", &[("cage", "/cage/orbit_radius_um")]),
+];
+
+fn places(axis: &AxisAnswer) -> AxisPlaces {
+    let numbers: Option<Vec<f64>> = axis.values.iter().map(serde_json::Value::as_f64).collect();
+    let word = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    numbers.map_or_else(|| AxisPlaces::Words(axis.values.iter().map(word).collect()), AxisPlaces::Numbers)
+}
+
+fn counted(table: &TableAnswer) -> String {
+    let failed = table.ended - table.succeeded;
+    let failed = if failed > 0 { format!(", {failed} of them failed") } else { String::new() };
+    format!("{} of {} points{failed}", table.ended, table.points)
+}
+
+/// A study over its one axis; `None` of several axes.
+pub fn trend(table: &TableAnswer) -> Option<String> {
+    let [axis] = &table.axes[..] else { return None };
+    let mut panels = Vec::new();
+    for (quantity, metrics) in SHOWN {
+        let curves = metrics.iter().map(|(name, pointer)| TrendCurve { name, values: table.column(pointer) });
+        let curves = curves.filter(|curve| curve.values.iter().any(Option::is_some));
+        // A panel each: on one scale the larger would hide how the smaller one changes.
+        let of_quantity = curves.map(|curve| TrendPanel { quantity, curves: vec![curve] });
+        if panels.len() < MOST_PANELS {
+            panels.extend(of_quantity);
+        }
+    }
+    let varied = VariedAxis { name: &axis.axis, values: places(axis) };
+    Some(trend_svg(&format!("Trend over {}", axis.axis), &counted(table), &varied, &panels))
+}
+
+/// A study over its two axes; `None` of another number.
+pub fn map(table: &TableAnswer) -> Option<String> {
+    let [right, up] = &table.axes[..] else { return None };
+    let mut panels = Vec::new();
+    let names: Vec<(String, &str)> = SHOWN[1..]
+        .iter()
+        .flat_map(|(quantity, metrics)| metrics.iter().map(move |(name, at)| (format!("{name}: {quantity}"), *at)))
+        .collect();
+    for (name, pointer) in &names {
+        let values: Vec<Option<f64>> = table.column(pointer).into_iter().map(|value| value.map(|v| v.0)).collect();
+        if panels.len() < 2 && values.iter().any(Option::is_some) {
+            let best =
+                table.best.get(*pointer).and_then(|best| table.rows.iter().position(|row| row.point == best.point));
+            panels.push(MapPanel { name, values, best });
+        }
+    }
+    let [right, up] = [right, up].map(|axis| VariedAxis { name: &axis.axis, values: places(axis) });
+    Some(map_svg(&format!("{} and {}", right.name, up.name), &counted(table), [&right, &up], &panels))
+}
+
+/// A study as CSV: axes, status, then every number of the metrics under its pointer.
+pub fn table_csv(table: &TableAnswer) -> String {
+    let columns = table.columns();
+    let quoted = |text: &str| {
+        if text.contains([',', '"', '\n', '\r']) {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        } else {
+            text.to_owned()
+        }
+    };
+    let heads = table.axes.iter().map(|axis| quoted(&axis.axis));
+    let mut lines = vec![
+        heads
+            .chain(["status".to_owned(), "error".to_owned()])
+            .chain(columns.iter().map(|column| quoted(column)))
+            .collect::<Vec<_>>()
+            .join(","),
+    ];
+    for row in &table.rows {
+        let word = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), quoted);
+        let values = table.axes.iter().map(|axis| row.point.get(&axis.axis).map_or(String::new(), word));
+        let error = row.error.as_ref().map_or(String::new(), |error| quoted(&error.detail));
+        let status = serde_json::to_value(row.status).ok().and_then(|status| status.as_str().map(str::to_owned));
+        let metric = |column: &String| {
+            let value = row.metrics.as_ref().and_then(|metrics| metrics.pointer(column));
+            value.map_or(String::new(), ToString::to_string)
+        };
+        let cells = values.chain([status.unwrap_or_default(), error]).chain(columns.iter().map(metric));
+        lines.push(cells.collect::<Vec<_>>().join(","));
+    }
+    lines.push(String::new());
+    lines.join("\n")
 }
 
 /// Whether a channel is the spindle's velocity, acceleration or displacement.

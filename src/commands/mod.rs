@@ -11,6 +11,7 @@ mod local;
 mod progress;
 pub mod serve;
 pub mod simulate;
+pub mod study;
 /// Results as text for people.
 pub mod table;
 
@@ -47,6 +48,7 @@ pub fn run(cli: Cli) -> Ended {
         Command::Serve(options) => on_runtime(serve::run(options)),
         Command::Simulate(options) => simulate::run(&options),
         Command::Accuracy(options) => accuracy::run(&options),
+        Command::Study(options) => study::run(&options),
         Command::Openapi => {
             print!("{}", crate::api::document_text());
             Ended::Well

@@ -45,6 +45,12 @@ pub fn shown<T>(job: &Job, quiet: bool, work: impl FnOnce(&dyn Fn(f64)) -> T) ->
 /// What will be done, and about how long that takes.
 fn announcement(job: &Job) -> String {
     let simulated = format!("{} s after {} s", job.settings.duration, job.settings.settle);
+    let points = job.study.as_ref().map_or(1, |study| study.points);
+    if points > 1 {
+        let each = contract::estimated_wall_time(job)
+            .map_or("no estimate".to_owned(), |time| format!("estimated {} each at most", duration(time)));
+        return format!("{}: {points} points of {simulated}; {each}", job.kind.name());
+    }
     let runs = job.plan.as_ref().map_or(String::new(), |plan| {
         let runs = plan.methods.len() * plan.relative_tolerances.len();
         format!(", {runs} runs{} and their references", times(plan.repetitions))

@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use crate::contract::WorkPrecisionAnswer;
 use crate::contract::recommended::WANTED_DB;
 use crate::contract::report::MotionName;
 use crate::contract::work_precision::{MeasuredAnswer, PointAnswer};
+use crate::contract::{PointStatus, TableAnswer, WorkPrecisionAnswer};
 
 /// What the table shows: name, pointer into the metrics, unit, digits.
 const ROWS: [(&str, &str, &str, usize); 16] = [
@@ -71,6 +71,78 @@ pub fn lines(name: &str, job: &Value) -> String {
         let off = if deviation.abs() < 0.05 { String::new() } else { format!(" ({deviation:+.1} Hz)") };
         let _ = writeln!(text, "  {channel:<24}{frequency:>10.1} Hz {amplitude:>12.4e} m/s²   {label}{off}");
     }
+    text
+}
+
+/// A number without the `.0` of whole ones.
+fn short(value: &Value) -> String {
+    value.as_f64().map_or_else(|| value.to_string(), |number| number.to_string())
+}
+
+/// Rows of a study that are printed; the rest is in its files.
+const MOST_ROWS: usize = 60;
+
+/// A study: a row a point, the best points, and what the trends are worth.
+pub fn study(table: &TableAnswer) -> String {
+    const SHOWN: [usize; 9] = [0, 1, 4, 5, 6, 7, 10, 12, 13];
+    let mut text = String::new();
+    let shown = SHOWN.map(|row| ROWS[row]).into_iter();
+    let shown: Vec<_> = shown.filter(|row| table.column(row.1).iter().any(Option::is_some)).collect();
+    for (number, axis) in table.axes.iter().enumerate() {
+        let _ = writeln!(text, "[{}] {}", number + 1, axis.axis);
+    }
+    for (letter, (name, _, unit, _)) in ('a'..).zip(&shown) {
+        let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
+        let _ = writeln!(text, "({letter}) {name}{unit}");
+    }
+    text.push('\n');
+    for number in 1..=table.axes.len() {
+        let _ = write!(text, "{:>14}", format!("[{number}]"));
+    }
+    for (letter, _) in ('a'..).zip(&shown) {
+        let _ = write!(text, "{:>12}", format!("({letter})"));
+    }
+    text.push('\n');
+    for row in table.rows.iter().take(MOST_ROWS) {
+        for value in table.axes.iter().filter_map(|axis| row.point.get(&axis.axis)) {
+            let value = value.as_str().map_or_else(|| short(value), str::to_owned);
+            let _ = write!(text, "{value:>14}");
+        }
+        match (&row.metrics, &row.error) {
+            (Some(metrics), _) => {
+                for (_, pointer, _, digits) in &shown {
+                    let value = metrics.pointer(pointer).and_then(Value::as_f64);
+                    let value = value.map_or("–".to_owned(), |value| format!("{value:.digits$}"));
+                    let _ = write!(text, "{value:>12}");
+                }
+            }
+            (None, Some(error)) => {
+                let _ = write!(text, "  failed: {}: {}", error.cause, error.detail);
+            }
+            (None, None) if row.status == PointStatus::Running => text.push_str("  running"),
+            (None, None) => text.push_str("  queued"),
+        }
+        text.push('\n');
+    }
+    if table.rows.len() > MOST_ROWS {
+        let _ = writeln!(text, "… {} more", table.rows.len() - MOST_ROWS);
+    }
+    for (name, pointer, unit, digits) in shown {
+        let Some(best) = table.best.get(pointer) else { continue };
+        let at = table.axes.iter().filter_map(|axis| Some((&axis.axis, best.point.get(&axis.axis)?)));
+        let at: Vec<String> = at.map(|(axis, value)| format!("{axis} = {}", short(value))).collect();
+        let error = best.error.map_or(String::new(), |error| format!(" ± {error:.1e}"));
+        let _ = write!(text, "\nbest {name}: {:.digits$}{error} {unit} at {}", best.value, at.join(", "));
+        if best.as_good > 1 {
+            let _ = write!(text, "; {} points may be as good", best.as_good);
+        }
+        match table.trends.get(pointer).and_then(|trend| trend.resolved) {
+            Some(true) => {}
+            Some(false) => text.push_str("; the trend is not resolved beyond its error"),
+            None => {}
+        }
+    }
+    text.push('\n');
     text
 }
 

@@ -3,9 +3,11 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::job::Job;
+use super::job::{Job, JobKind};
 use super::metrics::Metrics;
 use super::signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
+use super::study::Study;
+use super::table::PointEnd;
 use super::work_precision::WorkPrecisionAnswer;
 use crate::numerics::ode::IntegrationError;
 use crate::simulation::run::{self, Control, RunResult, SimulationError};
@@ -45,6 +47,9 @@ pub const INTERNAL: &str = "internal";
 
 /// Does what the job asks for. Every number of the outcome is finite.
 pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
+    if job.kind == JobKind::Study {
+        return Err(RunFailure::Failed { cause: INTERNAL, detail: "a study is run point by point".into() });
+    }
     let outcome = match &job.plan {
         None => Outcome::Simulation(Box::new(simulated(job, &run::run(job.scene(), &job.settings, control)?))),
         Some(plan) => {
@@ -60,6 +65,26 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
         None => Ok(outcome),
         Some(what) => Err(RunFailure::Failed { cause: NUMERICAL_BLOWUP, detail: format!("{what} is not finite") }),
     }
+}
+
+/// Does one point of a study with what simulates jobs; `None`: told to stop.
+pub fn execute_point(
+    study: &Study,
+    point: usize,
+    simulate: &dyn Fn(&Job) -> Result<Outcome, RunFailure>,
+) -> Option<PointEnd> {
+    let outcome = match study.point(point) {
+        Ok(job) => simulate(&job),
+        Err(refusal) => return Some(PointEnd::Failed(refusal.into())),
+    };
+    Some(match outcome {
+        Ok(Outcome::Simulation(simulated)) => PointEnd::of(&simulated.metrics),
+        Ok(Outcome::Accuracy(_)) => {
+            PointEnd::Failed(RunFailure::Failed { cause: INTERNAL, detail: "a point is a simulation".into() }.into())
+        }
+        Err(RunFailure::Cancelled) => return None,
+        Err(failure) => PointEnd::Failed(failure.into()),
+    })
 }
 
 fn simulated(job: &Job, result: &RunResult) -> Simulated {

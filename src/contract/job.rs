@@ -10,6 +10,7 @@ use super::problem::{FieldError, Refusal, listed};
 use super::scene::{ResolvedScene, SceneInput};
 use super::solver::{MethodName, Solver, SolverInput};
 use super::strict::{self, object, optional_object};
+use super::study::{self, StrictAxis, Study};
 use super::{accuracy, given_fields, times};
 use crate::simulation::ladder::{self, Rung};
 use crate::simulation::needs::{Needs, Unmet};
@@ -17,7 +18,7 @@ use crate::simulation::run::RunSettings;
 use crate::simulation::scene::Scene;
 use crate::simulation::work_precision::{Plan, SETTLING};
 
-/// A request: one simulation, or the error of several methods against their run time.
+/// A request: one simulation, a study of many, or the error of several methods against their run time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobInput {
@@ -29,6 +30,9 @@ pub struct JobInput {
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub solver: Option<SolverInput>,
+    /// Only for `study`: what is varied. Several axes span a grid of at most 10 000 points.
+    #[schema(nullable = false, value_type = Option<Vec<study::AxisInput>>, min_items = 1, max_items = 4)]
+    pub axes: Option<Vec<StrictAxis>>,
     /// Time simulated and kept, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for
     /// `accuracy`. With `outputs.series` the longest is 23.4 s, and 327.6 s over their number where they are more than 14.
     #[schema(nullable = false, minimum = 1e-6, maximum = 1000, example = 0.1)]
@@ -65,11 +69,12 @@ pub struct JobInput {
     pub keep_for_s: Option<f64>,
 }
 
-/// `simulation`: one run. `accuracy`: error against run time, by several methods and tolerances.
+/// `simulation`: one run. `study`: a run for each point of a grid. `accuracy`: error against run time, by several methods and tolerances.
 #[derive(ToSchema)]
 #[schema(rename_all = "snake_case")]
 pub enum JobKindName {
     Simulation,
+    Study,
     Accuracy,
 }
 
@@ -77,13 +82,14 @@ pub enum JobKindName {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JobKind {
     Simulation,
+    Study,
     Accuracy,
 }
 
 /// Kinds by name; those without a kind are not available yet.
 const KINDS: [(&str, Option<JobKind>); 4] = [
     ("simulation", Some(JobKind::Simulation)),
-    ("study", None),
+    ("study", Some(JobKind::Study)),
     ("optimum", None),
     ("accuracy", Some(JobKind::Accuracy)),
 ];
@@ -99,6 +105,8 @@ pub struct Job {
     pub settings: RunSettings,
     /// What an accuracy job compares; `None` for all others.
     pub plan: Option<Plan>,
+    /// What a study varies; `None` for all others.
+    pub study: Option<Study>,
     /// What the model contains.
     /// Rungs that are tried, the leanest first.
     pub rungs: Vec<Rung>,
@@ -119,6 +127,7 @@ impl JobKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Simulation => "simulation",
+            Self::Study => "study",
             Self::Accuracy => "accuracy",
         }
     }
@@ -131,7 +140,10 @@ impl Job {
 
     /// All that determines the result, as text: equal for equal work, whatever was left to a default.
     pub fn canonical(&self) -> String {
-        self.complete().to_string()
+        match &self.study {
+            Some(study) => study.canonical().to_string(),
+            None => self.complete().to_string(),
+        }
     }
 
     /// The job with every default filled in, without what only the service needs to know.
@@ -189,6 +201,18 @@ pub fn parse_accuracy_request(body: &[u8], repetitions: Option<u32>) -> Result<J
     })
 }
 
+/// Reads a study, with or without its kind.
+pub fn parse_study_request(body: &[u8]) -> Result<Job, Refusal> {
+    let mut request = strict::read(body)?;
+    if let Value::Object(fields) = &mut request {
+        fields.entry("kind").or_insert_with(|| JobKind::Study.name().into());
+    }
+    match kind_of(&request)? {
+        JobKind::Study => job_of(request),
+        kind => Err(FieldError::new("/kind", format!("must be `study`, not `{}`", kind.name())).into()),
+    }
+}
+
 /// Checks what has been read by `job`, a scene alone as one of `{ "scene": … }`. Told apart by their fields; pointers
 /// of errors are those of what was read.
 pub fn job_or_scene(request: Value, job: impl FnOnce(Value) -> Result<Job, Refusal>) -> Result<Job, Refusal> {
@@ -233,8 +257,17 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
         }
     };
     let scene = resolved.as_ref().map(|resolved| &resolved.scene);
+    if kind != JobKind::Study {
+        study::refuse_in(kind, &input, &mut filling);
+    }
+    let mut varied = None;
     let (settings, plan) = match kind {
-        JobKind::Simulation => (simulation(&mut input, scene, &mut filling), None),
+        JobKind::Simulation => (simulation(kind, &mut input, scene, &mut filling), None),
+        JobKind::Study => {
+            study::refuse_foreign(&input, &mut filling);
+            varied = Some(study::axes(&mut input, &mut filling));
+            (simulation(kind, &mut input, scene, &mut filling), None)
+        }
         JobKind::Accuracy => {
             let plan = accuracy::plan(&mut input, &mut filling);
             (compared(&mut input, &mut filling), Some(plan))
@@ -259,19 +292,22 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
                 None => ladder::tried(&resolved.scene, &settings).map_err(unmet)?,
             };
             resolved.defaults.append(&mut filling.defaults);
+            let complete = || given_fields(&resolved.input);
+            let study = varied.map(|(axes, points)| Study::new(axes, points, &request, complete())).transpose()?;
             Ok(Job {
                 kind,
                 request,
                 resolved,
                 settings,
                 plan,
+                study,
                 rungs,
                 needs,
                 solver: input.solver.unwrap_or_default(),
                 outputs: input.outputs.unwrap_or_default(),
                 labels,
                 priority: u8::try_from(priority).unwrap_or(2),
-                reuse: kind == JobKind::Simulation && input.reuse.unwrap_or(true),
+                reuse: kind != JobKind::Accuracy && input.reuse.unwrap_or(true),
                 keep_for_s: input.keep_for_s,
             })
         }
@@ -280,8 +316,8 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
 }
 
 /// How to run a simulation.
-fn simulation(input: &mut JobInput, scene: Option<&Scene>, filling: &mut Filling) -> RunSettings {
-    accuracy::refuse_in(JobKind::Simulation, input, filling);
+fn simulation(kind: JobKind, input: &mut JobInput, scene: Option<&Scene>, filling: &mut Filling) -> RunSettings {
+    accuracy::refuse_in(kind, input, filling);
     let solver = input.solver.get_or_insert_default().resolve(filling);
     let outputs = input.outputs.get_or_insert_default().resolve(filling, scene);
     let settle = times::settle(&mut input.settle_s, times::default_settle(scene), filling);

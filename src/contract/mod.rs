@@ -16,6 +16,7 @@ pub mod presets;
 pub mod scene;
 pub mod solver;
 pub mod spindle;
+pub mod study;
 pub mod terms;
 
 pub mod execute;
@@ -25,6 +26,7 @@ pub mod recommended;
 pub mod report;
 pub mod resolve;
 pub mod signals;
+pub mod table;
 pub mod work_precision;
 
 mod accuracy;
@@ -37,14 +39,18 @@ mod units;
 mod words;
 
 pub use cost::estimated_wall_time;
-pub use execute::{Outcome, RunFailure, Simulated, execute};
-pub use job::{Job, JobKind, parse_accuracy_request, parse_job, parse_job_or_scene, parse_scene_request};
+pub use execute::{Outcome, RunFailure, Simulated, execute, execute_point};
+pub use job::{
+    Job, JobKind, parse_accuracy_request, parse_job, parse_job_or_scene, parse_scene_request, parse_study_request,
+};
 pub use metrics::Metrics;
 pub use presets::presets_answer;
 pub use problem::{FieldError, Refusal};
 pub use resolve::{ResolveAnswer, resolve_answer};
 pub use signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
 pub use strict::NameOr;
+pub use study::Study;
+pub use table::{PointEnd, PointStatus, Row, TableAnswer};
 pub use work_precision::WorkPrecisionAnswer;
 
 use serde::Serialize;

@@ -75,6 +75,22 @@ impl Drawing {
         ));
     }
 
+    /// A field in a colour of its own, given as `#rrggbb`.
+    pub fn filled(&mut self, colour: &str, x: f64, y: f64, width: f64, height: f64) {
+        self.element(format_args!(
+            "<rect fill=\"{colour}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>"
+        ));
+    }
+
+    /// A ring that shows on every colour.
+    pub fn mark(&mut self, x: f64, y: f64) {
+        for (colour, width) in [("#000", 3.5), ("#fff", 1.5)] {
+            self.element(format_args!(
+                "<circle fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"6\"/>"
+            ));
+        }
+    }
+
     pub fn line(&mut self, class: &str, from: (f64, f64), to: (f64, f64)) {
         self.element(format_args!(
             "<line class=\"{class}\" x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\"/>",

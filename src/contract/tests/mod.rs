@@ -2,3 +2,4 @@ mod accepted;
 mod refused;
 mod results;
 mod schema;
+mod study;

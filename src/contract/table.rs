@@ -1,0 +1,301 @@
+//! The table of a study: a row a point, the best points, and how each metric changes along the axis.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use utoipa::ToSchema;
+
+use super::execute::RunFailure;
+use super::metrics::Metrics;
+use super::problem::{FieldError, Refusal, escape};
+use super::study::{AxisValue, Study};
+use crate::study::{self, Goal};
+
+/// Parts of the metrics that are no numbers of the point: a table of them all would be large.
+const LEFT_AWAY: [&str; 2] = ["lines", "left_out"];
+
+/// The answer of `GET …/table`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TableAnswer {
+    pub axes: Vec<AxisAnswer>,
+    /// Points of the grid, and how many of them have ended and succeeded.
+    pub points: u64,
+    pub ended: u64,
+    pub succeeded: u64,
+    /// A row a point, the last axis changing fastest.
+    pub rows: Vec<Row>,
+    /// The best point by each metric that has a better end, by the metric's pointer.
+    pub best: BTreeMap<String, BestAnswer>,
+    /// How each of these metrics changes along the axis; empty where there are several axes.
+    pub trends: BTreeMap<String, TrendAnswer>,
+}
+
+/// An axis of the table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct AxisAnswer {
+    /// Path into the scene, or quantity.
+    #[schema(example = "/bearing/inner_groove_curvature")]
+    pub axis: String,
+    #[schema(value_type = Vec<AxisValue>)]
+    pub values: Vec<Value>,
+}
+
+/// A point and what became of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Row {
+    /// Value by axis.
+    #[schema(value_type = BTreeMap<String, AxisValue>)]
+    pub point: Map<String, Value>,
+    pub status: PointStatus,
+    /// Whether the result of identical finished work answered the point.
+    #[serde(default)]
+    pub reused: bool,
+    /// The metrics of the simulation, without lines and what was left out; present once it has succeeded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<Object>)]
+    pub metrics: Option<Value>,
+    /// Why it has no metrics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub error: Option<PointError>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PointStatus {
+    Queued,
+    Running,
+    Succeeded,
+    Failed,
+}
+
+/// Why a point has no metrics.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PointError {
+    /// One word for programs: that of a failed job, or `invalid` where the scene cannot be built.
+    #[schema(example = "numerical-blowup")]
+    pub cause: String,
+    pub detail: String,
+    /// The wrong fields of a scene that cannot be built.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub errors: Vec<FieldError>,
+}
+
+/// The best point by a metric.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BestAnswer {
+    #[schema(value_type = BTreeMap<String, AxisValue>)]
+    pub point: Map<String, Value>,
+    pub value: f64,
+    /// Whether the least or the largest value is the best.
+    #[schema(example = "minimum")]
+    pub goal: String,
+    /// Estimated error of the value; absent where nobody knows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub error: Option<f64>,
+    /// Number of points that may be as good, the best among them: they differ from it by no more than both errors together.
+    pub as_good: u64,
+    /// Where these lie, by axis: values from … to, in the order of the axis.
+    #[schema(value_type = BTreeMap<String, Vec<AxisValue>>)]
+    pub within: Map<String, Value>,
+}
+
+/// How a metric changes along an axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TrendAnswer {
+    /// Largest value less the least one.
+    pub span: f64,
+    /// Largest estimated error of a point; absent where nobody knows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub error: Option<f64>,
+    /// Whether no point is wrong by more than a tenth of the span; absent where the errors are not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub resolved: Option<bool>,
+    /// Rank correlation with the axis: 1 where the metric only rises, −1 where it only falls.
+    pub monotony: f64,
+}
+
+/// What became of a point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PointEnd {
+    Succeeded(Value),
+    Failed(PointError),
+}
+
+impl PointEnd {
+    /// Of a simulation.
+    pub fn of(metrics: &Metrics) -> Self {
+        let mut metrics = serde_json::to_value(metrics).unwrap_or_default();
+        if let Value::Object(fields) = &mut metrics {
+            LEFT_AWAY.iter().for_each(|part| drop(fields.remove(*part)));
+        }
+        Self::Succeeded(metrics)
+    }
+}
+
+impl From<RunFailure> for PointError {
+    fn from(failure: RunFailure) -> Self {
+        let (cause, detail) = match failure {
+            RunFailure::Cancelled => ("cancelled", "the run was told to stop".to_owned()),
+            RunFailure::Failed { cause, detail } => (cause, detail),
+        };
+        Self { cause: cause.to_owned(), detail, errors: Vec::new() }
+    }
+}
+
+impl From<Refusal> for PointError {
+    fn from(refusal: Refusal) -> Self {
+        let detail = refusal.to_string();
+        let errors = if let Refusal::Invalid { errors } = refusal { errors } else { Vec::new() };
+        Self { cause: "invalid".to_owned(), detail, errors }
+    }
+}
+
+impl Row {
+    /// A point of a study, not begun.
+    pub fn queued(study: &Study, point: usize) -> Self {
+        Self { point: named(study, point), status: PointStatus::Queued, reused: false, metrics: None, error: None }
+    }
+
+    /// The same with its end.
+    pub fn ended(self, end: PointEnd) -> Self {
+        match end {
+            PointEnd::Succeeded(metrics) => Self { status: PointStatus::Succeeded, metrics: Some(metrics), ..self },
+            PointEnd::Failed(error) => Self { status: PointStatus::Failed, error: Some(error), ..self },
+        }
+    }
+}
+
+fn named(study: &Study, point: usize) -> Map<String, Value> {
+    study.axes.iter().zip(study.values(point)).map(|(axis, value)| (axis.name.clone(), value.clone())).collect()
+}
+
+impl TableAnswer {
+    /// Of the rows of all points, in their order.
+    pub fn of(study: &Study, rows: Vec<Row>) -> Self {
+        let count = |wanted: &[PointStatus]| rows.iter().filter(|row| wanted.contains(&row.status)).count() as u64;
+        let mut best = BTreeMap::new();
+        let mut trends = BTreeMap::new();
+        for (pointer, goal) in wished_for(&rows) {
+            let values: Vec<_> = rows.iter().map(|row| value_of(row, &pointer)).collect();
+            if let Some(found) = study::best(&values, goal) {
+                best.insert(pointer.clone(), best_answer(study, &found, &values, goal));
+            }
+            if let ([_], Some(trend)) = (&study.axes[..], study::trend(&values)) {
+                let (span, error, resolved) = (trend.span, trend.error, trend.is_resolved());
+                trends.insert(pointer, TrendAnswer { span, error, resolved, monotony: trend.monotony });
+            }
+        }
+        Self {
+            axes: study
+                .axes
+                .iter()
+                .map(|axis| AxisAnswer { axis: axis.name.clone(), values: axis.values.clone() })
+                .collect(),
+            points: rows.len() as u64,
+            ended: count(&[PointStatus::Succeeded, PointStatus::Failed]),
+            succeeded: count(&[PointStatus::Succeeded]),
+            rows,
+            best,
+            trends,
+        }
+    }
+
+    /// A metric of every point, where it is known, with its estimated error.
+    pub fn column(&self, pointer: &str) -> Vec<Option<(f64, Option<f64>)>> {
+        self.rows.iter().map(|row| value_of(row, pointer)).collect()
+    }
+
+    /// Pointers to all numbers of the metrics, in the order of the metrics.
+    pub fn columns(&self) -> Vec<String> {
+        let mut columns = Vec::new();
+        for metrics in self.rows.iter().filter_map(|row| row.metrics.as_ref()) {
+            numbers(metrics, String::new(), &mut |pointer, _| {
+                if !columns.contains(&pointer) {
+                    columns.push(pointer);
+                }
+            });
+        }
+        columns
+    }
+}
+
+fn best_answer(study: &Study, found: &study::Best, values: &[Option<study::Uncertain>], goal: Goal) -> BestAnswer {
+    let mut within = Map::new();
+    for (number, axis) in study.axes.iter().enumerate() {
+        let places = || found.as_good.iter().map(|point| study.grid.places(*point)[number]);
+        let ends = [places().min(), places().max()].map(|place| axis.values[place.unwrap_or(0)].clone());
+        within.insert(axis.name.clone(), ends.to_vec().into());
+    }
+    BestAnswer {
+        point: named(study, found.point),
+        value: found.value,
+        goal: if goal == Goal::Least { "minimum" } else { "maximum" }.to_owned(),
+        error: values[found.point].and_then(|(_, error)| error),
+        as_good: found.as_good.len() as u64,
+        within,
+    }
+}
+
+/// Metrics that have a better end, by pointer.
+fn wished_for(rows: &[Row]) -> Vec<(String, Goal)> {
+    const LEAST: [&str; 10] = [
+        "rms",
+        "peak",
+        "crest_factor",
+        "kurtosis",
+        "level_db",
+        "max_load_n",
+        "max_pressure_mpa",
+        "max_slip_m_s",
+        "orbit_radius_um",
+        "cage_slip",
+    ];
+    let mut wished: Vec<(String, Goal)> = Vec::new();
+    for metrics in rows.iter().filter_map(|row| row.metrics.as_ref()) {
+        numbers(metrics, String::new(), &mut |pointer, _| {
+            let name = pointer.rsplit('/').next().unwrap_or_default();
+            let goal = match name {
+                "min_film_thickness_um" => Goal::Largest,
+                name if LEAST.contains(&name) => Goal::Least,
+                _ => return,
+            };
+            if !wished.iter().any(|(known, _)| *known == pointer) {
+                wished.push((pointer, goal));
+            }
+        });
+    }
+    wished
+}
+
+/// A metric of a row with its error: that of the level for all that follows from the vibration, those of the largest load and of
+/// the cage speed for these.
+fn value_of(row: &Row, pointer: &str) -> Option<study::Uncertain> {
+    let metrics = row.metrics.as_ref()?;
+    let value = metrics.pointer(pointer)?.as_f64()?;
+    let accuracy = |field: &str| metrics.pointer(&format!("/accuracy/{field}")).and_then(Value::as_f64);
+    let name = pointer.rsplit('/').next().unwrap_or_default();
+    let error = match name {
+        "level_db" => accuracy("level_error_db"),
+        "rms" => accuracy("level_error_db").map(|db| value * (10_f64.powf(db / 20.0) - 1.0)),
+        "max_load_n" if !pointer.contains("pocket") => accuracy("max_load_error").map(|share| share * value),
+        "cage_speed_hz" => accuracy("cage_speed_error").map(|share| share * value),
+        _ => None,
+    };
+    Some((value, error))
+}
+
+/// Calls with each number and its pointer.
+fn numbers(value: &Value, pointer: String, found: &mut impl FnMut(String, f64)) {
+    match value {
+        Value::Object(fields) => {
+            fields.iter().for_each(|(key, field)| numbers(field, format!("{pointer}/{}", escape(key)), found));
+        }
+        Value::Number(number) => found(pointer, number.as_f64().unwrap_or(f64::NAN)),
+        _ => {}
+    }
+}

@@ -1,0 +1,164 @@
+//! Studies: axes, points, and what their results say together.
+
+use serde_json::{Value, json};
+
+use crate::contract::{PointEnd, Row, Study, TableAnswer, parse_job};
+
+fn request(axes: Value) -> Value {
+    json!({ "kind": "study", "scene": { "bearing": "article-integrated", "operation": { "speed_rpm": 50000 } }, "axes": axes })
+}
+
+fn study(axes: Value) -> Study {
+    let request = request(axes);
+    let job = parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{request}: {refusal}"));
+    job.study.expect("of a study")
+}
+
+fn refused(request: &Value) -> String {
+    parse_job(request.to_string().as_bytes()).map(|_| ()).expect_err("refused").to_string()
+}
+
+#[test]
+fn values_are_listed_or_spaced() {
+    let study = study(json!([
+        { "path": "/operation/speed_rpm", "values": [10000, 30000] },
+        { "path": "/spindle/mass_kg", "from": 0.02, "to": 0.2, "count": 3, "scale": "log" },
+        { "path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 0.54, "count": 4 },
+    ]));
+    assert_eq!(study.points, 24);
+    assert_eq!(study.axes[1].values, [0.02, 0.0632455532, 0.2].map(Value::from));
+    assert_eq!(study.axes[2].values, [0.51, 0.52, 0.53, 0.54].map(Value::from));
+    assert_eq!(study.values(23), [&json!(30000), &json!(0.2), &json!(0.54)]);
+}
+
+/// A point is the simulation that the request with its values would be: what follows from a value follows.
+#[test]
+fn a_point_is_the_request_with_its_values() {
+    let both = study(json!([
+        { "path": "/operation/axial_load_n", "values": [0, 12] },
+        { "path": "/bearing/cage/pocket_clearance_mm", "values": [0.04] },
+        { "path": "/lubricant/viscosity_pa_s", "values": [0.05] },
+        { "path": "/bearing/materials/ball/elastic_modulus_gpa", "values": [310] },
+    ]));
+    let (unloaded, loaded) = (both.point(0).unwrap(), both.point(1).unwrap());
+    let complete = loaded.scene_json();
+    assert_eq!(unloaded.scene_json()["spindle"]["axial"], "fixed");
+    assert_eq!(complete["spindle"]["axial"], "free");
+    assert_eq!(complete["bearing"]["cage"]["pocket_clearance_mm"], 0.04);
+    assert_eq!(complete["lubricant"]["viscosity_pa_s"], 0.05);
+    assert_eq!(complete["bearing"]["materials"]["ball"]["elastic_modulus_gpa"], 310.0);
+    // All else is that of the preset.
+    let mut base = parse_job(
+        json!({ "kind": "simulation", "scene": { "bearing": "article-integrated",
+            "operation": { "speed_rpm": 50000, "axial_load_n": 12 } } })
+        .to_string()
+        .as_bytes(),
+    )
+    .unwrap()
+    .scene_json();
+    base["bearing"]["cage"]["pocket_clearance_mm"] = json!(0.04);
+    base["lubricant"]["viscosity_pa_s"] = json!(0.05);
+    base["bearing"]["materials"]["ball"]["elastic_modulus_gpa"] = json!(310.0);
+    let materials = |scene: &mut Value| scene["bearing"].as_object_mut().unwrap().remove("materials");
+    let (mut of_point, mut of_base) = (complete, base);
+    assert_eq!(
+        materials(&mut of_point).unwrap()["ball"]["poisson_ratio"],
+        materials(&mut of_base).unwrap()["ball"]["poisson_ratio"]
+    );
+    assert_eq!(of_point, of_base);
+}
+
+#[test]
+fn an_axial_load_can_be_a_share_of_the_rating() {
+    let study = study(json!([
+        { "quantity": "axial_load_over_rating", "values": [0.005] },
+        { "path": "/bearing/ball_count", "values": [7, 6] },
+    ]));
+    let load = |point: usize| study.point(point).unwrap().scene().operation.load[0];
+    assert!((load(0) / (0.005 * 1786.0) - 1.0).abs() < 3e-3, "{}", load(0));
+    assert!((load(1) / load(0) - (6.0_f64 / 7.0).powf(2.0 / 3.0)).abs() < 1e-3);
+}
+
+#[test]
+fn wrong_axes_are_refused_with_their_place() {
+    let path = "/spindle/mass_kg";
+    for (axes, told) in [
+        (json!([]), "/axes: 0 axes: must be from 1 to 4"),
+        (json!([{ "values": [1] }]), "/axes/0: takes either `path` or `quantity`"),
+        (json!([{ "path": "spindle", "values": [1] }]), "/axes/0/path: must be a JSON pointer"),
+        (json!([{ "path": path }]), "/axes/0: takes either `values` or all of"),
+        (json!([{ "path": path, "values": [] }]), "/axes/0/values: 0 values"),
+        (json!([{ "path": path, "values": [1, 2, 1] }]), "/axes/0/values/2: given more than once"),
+        (json!([{ "path": path, "values": [[1]] }]), "/axes/0/values/0: must be a number or a word"),
+        (json!([{ "path": path, "from": -1, "to": 1, "count": 3, "scale": "log" }]), "/axes/0/scale: `log` needs"),
+        (json!([{ "path": path, "from": 1, "to": 1, "count": 3 }]), "/axes/0/to: the same as `from`"),
+        (json!([{ "path": path, "from": 1, "to": 2, "count": 1 }]), "/axes/0/count: 1: must be from 2"),
+        (json!([{ "path": path, "from": 1, "to": 2, "count": 3, "scale": "cubic" }]), "no scale is called `cubic`"),
+        (json!([{ "quantity": "luck", "values": [1] }]), "/axes/0/quantity: no quantity is called `luck`"),
+        (json!([{ "quantity": "axial_load_over_rating", "values": ["much"] }]), "takes numbers"),
+        (
+            json!([{ "path": path, "values": [1] }, { "path": path, "values": [2] }]),
+            "/axes/1: `/spindle/mass_kg` is varied",
+        ),
+        (
+            json!([{ "path": path, "from": 1, "to": 2, "count": 101 }, { "path": "/operation/speed_rpm", "from": 1, "to": 2, "count": 100 }]),
+            "/axes: a grid of 10100 points: at most 10000",
+        ),
+        (
+            json!([{ "path": "/spindle/colour", "values": [1, 2] }]),
+            "/scene/spindle/colour: at the first point: unknown field",
+        ),
+        (
+            json!([{ "path": "/nothing/here", "values": [1] }]),
+            "/scene/nothing/here: at the first point: the scene has no `/nothing`",
+        ),
+        (json!([[]]), "/axes/0"),
+    ] {
+        let found = refused(&request(axes.clone()));
+        assert!(found.contains(told), "{axes}: {found}");
+    }
+    let mut with_signals = request(json!([{ "path": path, "values": [0.1] }]));
+    with_signals["outputs"] = json!({ "series": ["cage.speed"] });
+    assert!(refused(&with_signals).contains("/outputs/series: a job of kind `study` keeps no signals"));
+    let mut simulation = request(json!([{ "path": path, "values": [0.1] }]));
+    simulation["kind"] = json!("simulation");
+    assert!(refused(&simulation).contains("/axes: goes with the kind `study`"));
+}
+
+/// A scene that cannot be built is a row; only where none can, it is the axes.
+#[test]
+fn a_point_that_cannot_be_built_says_why() {
+    let study = study(json!([{ "path": "/operation/speed_rpm", "values": [1e9, 1000] }]));
+    assert!(study.point(0).is_err() && study.point(1).is_ok());
+    let row = Row::queued(&study, 0).ended(PointEnd::Failed(study.point(0).unwrap_err().into()));
+    let error = row.error.expect("an error");
+    assert_eq!((error.cause.as_str(), error.errors[0].pointer.as_str()), ("invalid", "/scene/operation/speed_rpm"));
+}
+
+#[test]
+fn the_table_tells_the_best_point_and_what_may_be_as_good() {
+    let study = study(json!([{ "path": "/spindle/mass_kg", "values": [0.02, 0.05, 0.1, 0.2] }]));
+    let row = |point: usize, level: f64, error: f64| {
+        let metrics = json!({
+            "channels": { "spindle.y.acceleration": { "level_db": level, "rms": 1.0 } },
+            "accuracy": { "level_error_db": error }
+        });
+        Row::queued(&study, point).ended(PointEnd::Succeeded(metrics))
+    };
+    let failed = PointEnd::Failed(crate::contract::RunFailure::Cancelled.into());
+    let rows = vec![row(0, 63.0, 0.1), row(1, 60.0, 0.1), row(2, 60.15, 0.1), Row::queued(&study, 3).ended(failed)];
+    let table = TableAnswer::of(&study, rows);
+    assert_eq!((table.points, table.ended, table.succeeded), (4, 4, 3));
+    let level = "/channels/spindle.y.acceleration/level_db";
+    let best = &table.best[level];
+    assert_eq!((&best.point["/spindle/mass_kg"], best.value, best.as_good), (&json!(0.05), 60.0, 2));
+    assert_eq!(best.within["/spindle/mass_kg"], json!([0.05, 0.1]));
+    assert_eq!((best.goal.as_str(), best.error), ("minimum", Some(0.1)));
+    let trend = &table.trends[level];
+    assert_eq!((trend.span, trend.resolved), (3.0, Some(true)));
+    assert_eq!(table.columns(), ["/accuracy/level_error_db", level, "/channels/spindle.y.acceleration/rms"]);
+    let csv = crate::render::table_csv(&table);
+    assert_eq!(csv.lines().count(), 5);
+    assert!(csv.lines().nth(2).unwrap().starts_with("0.05,succeeded,,0.1,60.0,1.0"), "{csv}");
+    assert!(csv.lines().nth(4).unwrap().starts_with("0.2,failed,the run was told to stop,,,"), "{csv}");
+}

@@ -1,0 +1,114 @@
+//! What the values of a metric over a grid say, given what each may be wrong by.
+
+/// Which end of a metric is wished for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Goal {
+    Least,
+    Largest,
+}
+
+/// A value that may be wrong by an error; the error `None` where nobody knows it.
+pub type Uncertain = (f64, Option<f64>);
+
+/// The best of several points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Best {
+    pub point: usize,
+    pub value: f64,
+    /// Points, the best among them, that may be as good: their values differ from the best by no more than both errors together.
+    /// Where an error is unknown, the best alone.
+    pub as_good: Vec<usize>,
+}
+
+/// The best point; points without a value do not compete, of equal ones the first wins.
+pub fn best(values: &[Option<Uncertain>], goal: Goal) -> Option<Best> {
+    let sign = if goal == Goal::Least { 1.0 } else { -1.0 };
+    let known = || values.iter().enumerate().filter_map(|(point, value)| value.map(|value| (point, value)));
+    let (point, (value, error)) = known().reduce(|a, b| if sign * b.1.0 < sign * a.1.0 { b } else { a })?;
+    let as_good = |&(other, (its, its_error)): &(usize, Uncertain)| match (error, its_error) {
+        (Some(error), Some(its_error)) => sign * (its - value) <= error + its_error,
+        _ => other == point,
+    };
+    Some(Best { point, value, as_good: known().filter(as_good).map(|(other, _)| other).collect() })
+}
+
+/// How a metric changes over the points of one axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trend {
+    /// Largest value less the least one.
+    pub span: f64,
+    /// Largest error of a point; `None` where one is unknown.
+    pub error: Option<f64>,
+    /// Correlation of the ranks of axis and metric (Spearman): 1 where it only rises, −1 where it only falls.
+    pub monotony: f64,
+}
+
+/// A trend counts as resolved where no point is wrong by more than this share of its span.
+pub const RESOLVED: f64 = 0.1;
+
+impl Trend {
+    /// Whether the change is well beyond the errors of the points; `None` where these are unknown.
+    pub fn is_resolved(&self) -> Option<bool> {
+        self.error.map(|error| error < RESOLVED * self.span)
+    }
+}
+
+/// The trend of values over an axis in the order of the axis; `None` of fewer than two values.
+pub fn trend(values: &[Option<Uncertain>]) -> Option<Trend> {
+    let known: Vec<Uncertain> = values.iter().copied().flatten().collect();
+    if known.len() < 2 {
+        return None;
+    }
+    let (least, largest) =
+        known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (value, _)| (a.min(*value), b.max(*value)));
+    let error = known.iter().map(|(_, error)| *error).reduce(|a, b| Some(a?.max(b?))).flatten();
+    Some(Trend { span: largest - least, error, monotony: rank_correlation(&known) })
+}
+
+/// Of the values with their order; ties share a rank. 0 where all are equal.
+fn rank_correlation(values: &[Uncertain]) -> f64 {
+    let rank = |value: f64| {
+        let below = values.iter().filter(|other| other.0 < value).count() as f64;
+        let equal = values.iter().filter(|other| other.0 == value).count() as f64;
+        below + 0.5 * (equal - 1.0)
+    };
+    let middle = 0.5 * (values.len() as f64 - 1.0);
+    let off: Vec<(f64, f64)> =
+        values.iter().enumerate().map(|(place, value)| (place as f64 - middle, rank(value.0) - middle)).collect();
+    let sum = |f: fn(&(f64, f64)) -> f64| off.iter().map(f).sum::<f64>();
+    let scale = (sum(|o| o.0 * o.0) * sum(|o| o.1 * o.1)).sqrt();
+    if scale > 0.0 { sum(|o| o.0 * o.1) / scale } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(values: &[f64], error: f64) -> Vec<Option<Uncertain>> {
+        values.iter().map(|value| Some((*value, Some(error)))).collect()
+    }
+
+    #[test]
+    fn the_best_point_and_those_that_may_be_as_good() {
+        let values = of(&[3.0, 1.0, 1.15, 1.3, 5.0], 0.1);
+        let least = best(&values, Goal::Least).unwrap();
+        assert_eq!((least.point, least.value, least.as_good), (1, 1.0, vec![1, 2]));
+        assert_eq!(best(&values, Goal::Largest).unwrap().point, 4);
+        let unknown = [None, Some((2.0, None)), Some((2.0, Some(0.1)))];
+        assert_eq!(best(&unknown, Goal::Least), Some(Best { point: 1, value: 2.0, as_good: vec![1] }));
+        assert_eq!(best(&[None], Goal::Least), None);
+    }
+
+    #[test]
+    fn a_trend_is_resolved_beyond_ten_times_its_error() {
+        let rising = trend(&of(&[1.0, 2.0, 2.5, 4.0], 0.2)).unwrap();
+        assert_eq!((rising.span, rising.error, rising.is_resolved()), (3.0, Some(0.2), Some(true)));
+        assert!((rising.monotony - 1.0).abs() < 1e-12);
+        let falling = trend(&of(&[4.0, 3.0, 1.0], 0.4)).unwrap();
+        assert!((falling.monotony + 1.0).abs() < 1e-12);
+        assert_eq!(falling.is_resolved(), Some(false));
+        assert_eq!(trend(&of(&[1.0, 1.0], 0.0)).unwrap().monotony, 0.0);
+        assert_eq!(trend(&[Some((1.0, None)), Some((2.0, Some(0.1)))]).unwrap().is_resolved(), None);
+        assert_eq!(trend(&of(&[1.0], 0.1)), None);
+    }
+}
