@@ -75,7 +75,7 @@ impl TermsInput {
             let choice = filling.take(pointer.clone(), field, TermChoiceName::Auto);
             let needed = matches!(term, Term::BallRadialDynamics | Term::BallSpinDynamics);
             if needed && choice == TermChoiceName::Off {
-                filling.refuse(pointer, "every model of this version has this term; it cannot be switched off");
+                filling.refuse(pointer, "cannot be switched off by itself: the reduced rungs do without it (/solver/rung, such as `radially_condensed`)");
             }
             terms.set(
                 term,

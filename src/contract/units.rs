@@ -151,6 +151,12 @@ pub fn field_error(error: &InvalidParameter) -> FieldError {
 /// Value, unit and the allowed range in words.
 pub fn out_of_range(value: f64, lowest: f64, highest: f64, exclusive: bool, unit: &str) -> String {
     let space = if unit.is_empty() { "" } else { " " };
+    // Told to the last digit where rounding would hide what is wrong.
+    let told = if [lowest, highest].iter().any(|limit| short(*limit) == short(value)) {
+        value.to_string()
+    } else {
+        short(value)
+    };
     let quantity = |number: f64| format!("{}{space}{unit}", short(number));
     let bounded = |limit: f64| limit.is_finite() && limit.abs() < 1e300;
     let range = match (bounded(lowest), bounded(highest)) {
@@ -160,7 +166,7 @@ pub fn out_of_range(value: f64, lowest: f64, highest: f64, exclusive: bool, unit
         (true, false) => format!("at least {}", quantity(lowest)),
         _ => format!("at most {}", quantity(highest)),
     };
-    format!("{}: must be {range}", quantity(value))
+    format!("{told}{space}{unit}: must be {range}")
 }
 
 /// A number in at most nine significant digits, free of rounding dust.

@@ -3,6 +3,7 @@
 use super::channel::{Axis, Channel, Motion};
 use super::divergence::{divergence_rate, judged_stretch, judging};
 use super::metrics::{AccuracyReport, BAND, MotionKind, QuantityErrors};
+use super::model::Model;
 use super::observe::{self, Quantities, RATE, Recording};
 use super::run::{Attempt, Control, Outputs, RunSettings, Setup, SimulationError, Stepping};
 use super::windows::Signal;
@@ -69,7 +70,7 @@ pub(super) fn judge(
     let divergence_rate = parted.map_or(0.0, |parted| parted.rate);
     let motion = parted.and_then(|parted| parted.motion());
     let constant_speed = setup.model.mechanism().speed.is_constant();
-    let mut part = if constant_speed && parted.is_some_and(|parted| parted.growth < 0.0) {
+    let mut part = if constant_speed && !is_tossed(setup.model) && parted.is_some_and(|parted| parted.growth < 0.0) {
         settings.duration.min(REPEATED)
     } else {
         settings.duration
@@ -89,7 +90,8 @@ pub(super) fn judge(
         let Distance { level_db: level_error_db, quantities: quantity_errors } = distance;
         let by_chance = motion == Some(MotionKind::Diverging);
         let doubts = doubts(level_error_db, quantity_errors.filter(|_| !by_chance));
-        let warning = attempt.integrated.unstable.clone().or(failure.clone()).or(doubts);
+        let settling = still_settling(&attempt.recording, constant_speed && !by_chance);
+        let warning = attempt.integrated.unstable.clone().or(failure.clone()).or(doubts).or(settling);
         (attempt, AccuracyReport { level_error_db, quantity_errors, how, motion, divergence_rate, warning })
     };
     let of_repetition = repeated.as_ref().map_or(Distance::UNKNOWN, |repeated| repeated.distance);
@@ -98,6 +100,7 @@ pub(super) fn judge(
         method if method == settings.method => "a tenth of the relative tolerance".to_owned(),
         other => format!("a tenth of the relative tolerance by {}", other.name()),
     };
+    let at = if setup.whole.is_some() { format!("{at}, with the terms that judgement has left out") } else { at };
     let over = if part < settings.duration {
         format!("the first {:.3} of {:.3} ms repeated at {at}", 1e3 * part, 1e3 * settings.duration)
     } else {
@@ -134,6 +137,47 @@ pub(super) fn judge(
             Ok(report(of_repetition, how.into(), first))
         }
     }
+}
+
+/// Whether the unbalance outweighs what holds the spindle in the load zone: then a motion that comes back to itself on the whole
+/// may part from itself for a while at any time.
+fn is_tossed(model: &Model) -> bool {
+    let m = model.mechanism();
+    let speed = m.speed.largest();
+    let held = (m.load[1] + m.spindle_mass * m.gravity).hypot(m.load[2]);
+    m.unbalance != 0.0 && m.unbalance * speed * speed > held
+}
+
+/// Batches at either end of the kept time whose levels are compared, least difference that counts [dB], and largest scatter of the
+/// batches about their straight line, as a share of that.
+const ENDS: usize = 3;
+const SETTLING: f64 = 0.5;
+const SCATTER: f64 = 0.25;
+
+/// What a result says where its level rises or falls throughout the kept time, although nothing drives it to: then what settling
+/// leaves behind is in it. `steady`: whether it should stand still.
+pub(super) fn still_settling(recording: &Recording, steady: bool) -> Option<String> {
+    let change = judged(recording)
+        .into_iter()
+        .filter_map(|channel| level_change(&in_parts(&recording.of(channel)?.in_band().mean_squares, BATCHES)))
+        .filter(|_| steady)
+        .max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    Some(format!(
+        "still settling: the level changes by {change:+.1} dB from the beginning to the end of the kept time. Try a longer settle_s"
+    ))
+}
+
+/// Change of the level along equal parts of a run [dB], where it is one.
+fn level_change(mean_squares: &[f64]) -> Option<f64> {
+    if mean_squares.len() < BATCHES || mean_squares.iter().any(|square| *square <= 0.0) {
+        return None;
+    }
+    let levels: Vec<f64> = mean_squares.iter().map(|square| 10.0 * square.log10()).collect();
+    let change = mean(&levels[BATCHES - ENDS..]) - mean(&levels[..ENDS]);
+    let slope = change / (BATCHES - ENDS) as f64;
+    let middle = 0.5 * (BATCHES - 1) as f64;
+    let off: Vec<f64> = levels.iter().enumerate().map(|(i, level)| level - slope * (i as f64 - middle)).collect();
+    (change.abs() > SETTLING && rms(&off) < SCATTER * change.abs()).then_some(change)
 }
 
 /// A result, or why there is none in words: a run is not lost because it could not be judged. Only a stop is passed on.
@@ -192,10 +236,12 @@ fn resolve(
 
 impl AccuracyReport {
     /// Whether a tighter tolerance would tell nothing that was asked for any better: what is stated is within so many decibels,
-    /// or the motion is chaotic and the error is that of any sample of it.
+    /// or the motion is chaotic and the error, a small one, is that of any sample of it.
     pub(super) fn within(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
         let stated = Distance { level_db: self.level_error_db, quantities: self.quantity_errors };
-        self.motion == Some(MotionKind::Diverging) || stated.within(outputs, tolerance_db)
+        let by_chance =
+            self.motion == Some(MotionKind::Diverging) && self.level_error_db.is_some_and(|e| e <= DOUBTFUL);
+        by_chance || stated.within(outputs, tolerance_db)
     }
 }
 
@@ -423,7 +469,8 @@ fn repeat(
         fixed_step: settings.fixed_step.map(|step| 0.5 * step),
         most_evaluations: Some(most_evaluations),
     };
-    let again = Setup { settings: &again, ..*setup }.attempt(&stepping, (0.88, 0.95), control)?.recording;
+    let (model, needs) = setup.whole.unwrap_or((setup.model, setup.needs));
+    let again = Setup { model, needs, settings: &again, ..*setup }.attempt(&stepping, (0.88, 0.95), control)?.recording;
     let signals = twice(&run.recording, &again);
     let unseen = (1.0 - time / settings.duration).max(0.0).sqrt();
     let distance = Distance {

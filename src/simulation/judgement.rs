@@ -87,8 +87,9 @@ impl Omission {
         let auto = |term: Term| scene.terms.get(term) == TermChoice::Auto;
         match self {
             Self::Strips(_) => auto(Term::Spin) && auto(Term::Conformity),
-            Self::Drag => auto(Term::Drag),
-            Self::Churning => auto(Term::Churning),
+            // Without a cage they decide where the balls go.
+            Self::Drag => auto(Term::Drag) && scene.terms.get(Term::Cage) != TermChoice::Off,
+            Self::Churning => auto(Term::Churning) && scene.terms.get(Term::Cage) != TermChoice::Off,
         }
     }
 }

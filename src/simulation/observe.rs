@@ -66,6 +66,8 @@ pub struct Recording {
     pub ball_spin: f64,
     /// Over each stretch of `PART` kept values.
     pub parts: Vec<Quantities>,
+    /// Largest distance along the orbit of a ball from the middle of its pocket [m]; `None` where nobody looked.
+    pub wander: Option<f64>,
 }
 
 impl Recording {
@@ -420,6 +422,7 @@ impl<'m> Observer<'m> {
             cage_speed: self.cage.mean.abs(),
             ball_spin: self.spin.mean.abs(),
             parts: self.parts,
+            wander: None,
         }
     }
 }

@@ -37,6 +37,8 @@ const RESTART: u64 = 10;
 const MOST_STEPS_A_PASSAGE: usize = 100_000;
 /// Steps between two looks at `Control`, and at the speed.
 const STEPS_PER_LOOK: usize = 64;
+/// Values of an extended motion between two looks at `Control`.
+const VALUES_PER_LOOK: usize = 1 << 14;
 /// Relative change of speed after which the centrifugal force is taken anew.
 const SPEED_CHANGE: f64 = 1e-3;
 /// Ball passages in time before a periodic motion is sought, again after ever more of them.
@@ -260,6 +262,7 @@ fn recording(
         cage_speed: (model.orbit_ratio() * mean).abs(),
         ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
         parts: Vec::new(),
+        wander: None,
     }
 }
 
@@ -427,14 +430,26 @@ impl Passage {
     }
 
     /// Keeps so many values of the motion at `RATE`; `start`: time of the first one [s].
-    fn repeated(&self, start: f64, values: usize, mut keep: impl FnMut(&[f64; 6])) {
+    fn repeated(
+        &self,
+        start: f64,
+        values: usize,
+        control: &Control<'_>,
+        mut keep: impl FnMut(&[f64; 6]),
+    ) -> Result<(), SimulationError> {
         let fine = self.finer();
         let n = fine[0].len();
         let per_value = n as f64 / (RATE * self.length);
         let first = start / self.length * n as f64;
         // Places and weights are the same for all signals: cubic polynomials through four of the fine points.
         let mut place = first.rem_euclid(n as f64);
-        for _ in 0..values {
+        for value in 0..values {
+            if value.is_multiple_of(VALUES_PER_LOOK) {
+                if (control.stop)() {
+                    return Err(SimulationError::Stopped { time: start + value as f64 / RATE });
+                }
+                (control.progress)(value as f64 / values as f64);
+            }
             let whole = place as usize;
             let x = place - whole as f64;
             let (below, above, over) = (x + 1.0, 1.0 - x, 2.0 - x);
@@ -447,6 +462,7 @@ impl Passage {
                 place -= n as f64;
             }
         }
+        Ok(())
     }
 
     /// Every signal at more points, by its Fourier series.
@@ -484,7 +500,7 @@ pub fn simulate_periodic(
     let passage = steady(&model)?;
     let values = kept_values(settings.duration);
     let mut recorder = Recorder::new(spindle_channels(), &settings.outputs, values);
-    passage.repeated(settings.settle, values, |frame| recorder.push(frame));
+    passage.repeated(settings.settle, values, control, |frame| recorder.push(frame))?;
     let total = std::array::from_fn(|i| rms(&passage.signals[i]).powi(2));
     let recording = recording(&model, &mechanism, settings.settle, settings.duration, recorder, Some(total));
     Ok((recording, passage.statistics))

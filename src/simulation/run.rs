@@ -152,24 +152,33 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db)?;
     let model = Model::new(scene, &needs);
     let start = start_state(&model)?;
-    let setup = Setup { model: &model, needs: &needs, settings, start: &start };
-    let attempt = |settings: &RunSettings| {
-        let setup = Setup { settings, ..setup };
-        accuracy::judge(&setup, setup.attempt(&Stepping::of(settings), (0.0, MAIN_SHARE), control)?, control)
+    // With all that judgement has left out.
+    let whole_needs = ladder::needs(scene, &settings.outputs, settings.rung, 0.0)?;
+    let whole_model = (whole_needs != needs).then(|| Model::new(scene, &whole_needs));
+    let whole = whole_model.as_ref().map(|model| (model, &whole_needs));
+    let attempt = |setup: &Setup<'_>| {
+        let first = setup.attempt(&Stepping::of(setup.settings), (0.0, MAIN_SHARE), control)?;
+        accuracy::judge(setup, first, control)
     };
-    let (mut made, mut accuracy) = attempt(settings)?;
-    if let Some(tightened) = settings.tightened
-        && made.relative_tolerance == settings.relative_tolerance
-        && !accuracy.within(&settings.outputs, SHARE_OF_INTEGRATION * settings.model_tolerance_db)
+    let mut setup = Setup { model: &model, needs: &needs, settings, start: &start, whole };
+    let (mut made, mut accuracy) = attempt(&setup)?;
+    let tightened = settings.tightened.filter(|_| made.relative_tolerance == settings.relative_tolerance);
+    let again =
+        RunSettings { relative_tolerance: tightened.unwrap_or(settings.relative_tolerance), ..settings.clone() };
+    if (tightened.is_some() || whole.is_some())
+        && !accuracy.within(&settings.outputs, SHARE_OF_ERROR * settings.model_tolerance_db)
     {
-        (made, accuracy) = attempt(&RunSettings { relative_tolerance: tightened, ..settings.clone() })?;
+        let (model, needs) = whole.unwrap_or((&model, &needs));
+        setup = Setup { model, needs, settings: &again, whole: None, ..setup };
+        (made, accuracy) = attempt(&setup)?;
     }
     (control.progress)(1.0);
-    Ok(summarise(scene, &setup, &made, accuracy, &found, begin))
+    Ok(summarise(scene, &Setup { settings, ..setup }, &made, accuracy, &found, begin))
 }
 
-/// Share of `model_tolerance_db` that the integration may use where it may choose its tolerance.
-const SHARE_OF_INTEGRATION: f64 = 0.5;
+/// Share of `model_tolerance_db` that the error which a run states may be, before it is made again with all terms, and at a
+/// tighter tolerance where it may choose that: the estimate may be off by as much.
+const SHARE_OF_ERROR: f64 = 0.5;
 
 /// Share of the progress that the main integration stands for; the rest judges its accuracy.
 const MAIN_SHARE: f64 = 0.85;
@@ -194,6 +203,8 @@ pub(super) struct Setup<'a> {
     pub needs: &'a Needs,
     pub settings: &'a RunSettings,
     pub start: &'a [f64],
+    /// The equations with all that judgement has left out of `model`; `None`: nothing.
+    pub whole: Option<(&'a Model, &'a Needs)>,
 }
 
 /// The whole run at one tolerance.
@@ -357,13 +368,15 @@ fn summarise(
         Rung::Planar => "planar motion: see left_out for why no motion along the axis is needed".to_owned(),
         _ => "the full dynamics: nothing richer to check against".to_owned(),
     };
-    let judged = needs.left_out.iter().filter(|left_out| left_out.by == Grounds::Judgement);
-    let bounds: Vec<f64> = judged.filter_map(|left_out| left_out.bound.map(|(bound, _)| bound)).collect();
-    if !bounds.is_empty() {
-        check = format!(
-            "{check}; terms left out by judgement change levels by no more than {:.4} dB together",
-            bounds.iter().sum::<f64>()
-        );
+    let mut left_out = needs.left_out.clone();
+    // What the repetition with all terms has shown, of all of them and the integration together, if it is more than was foreseen.
+    for (bound, _) in
+        left_out.iter_mut().filter(|one| one.by == Grounds::Judgement).filter_map(|one| one.bound.as_mut())
+    {
+        *bound = bound.max(accuracy.level_error_db.unwrap_or(0.0));
+    }
+    if setup.whole.is_some() {
+        check = format!("{check}; what judgement has left out is in the repetition that tells the error of the level");
     }
     for words in found {
         check = format!("{check}; {words}");
@@ -381,7 +394,7 @@ fn summarise(
         relative_tolerance: attempt.relative_tolerance,
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
-    RunResult::new(scene, settings, mechanism, recording, solver, accuracy, needs.left_out.clone())
+    RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out)
 }
 
 impl RunResult {

@@ -104,6 +104,8 @@ pub fn unable(scene: &Scene, outputs: &Outputs) -> Option<&'static str> {
         Some("the spindle is held off its centre along X")
     } else if scene.operation.misalignment != [0.0; 2] {
         Some("the spindle is misaligned")
+    } else if scene.cage.film == PocketFilm::Empirical11 && scene.terms.get(Term::Cage) != TermChoice::Off {
+        Some("the pocket film empirical-11 is stiff and has no damping, which its fixed steps do not bear")
     } else if term_on(Term::CageTilt) {
         Some("terms.cage_tilt is on")
     } else if term_on(Term::Axial) {

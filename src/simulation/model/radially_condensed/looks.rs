@@ -36,6 +36,8 @@ pub(super) struct Looks<'a> {
     cage: f64,
     spin: f64,
     kept: f64,
+    /// Largest distance of a ball from the middle of its pocket, along the orbit [m].
+    wander: f64,
     extremes: Option<Extremes>,
     thinnest: Option<PerRaceway<ThinnestFilm>>,
 }
@@ -89,6 +91,7 @@ impl<'a> Looks<'a> {
             cage: 0.0,
             spin: 0.0,
             kept: 0.0,
+            wander: 0.0,
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
             thinnest: model
                 .needs()
@@ -155,6 +158,7 @@ impl<'a> Looks<'a> {
         let (mut arc_velocity, mut own) = (0.0, 0.0);
         for ball in 0..balls {
             let group = &stepper.balls()[ball / LANES];
+            self.wander = larger(self.wander, (group.arc[ball % LANES] - stepper.border().cage_arc).abs());
             arc_velocity += group.arc_velocity[ball % LANES] / balls as f64;
             own += group.spin[ball % LANES] / balls as f64;
         }
@@ -201,6 +205,7 @@ impl<'a> Looks<'a> {
             cage_speed: (self.cage / self.kept).abs(),
             ball_spin: (self.spin / self.kept).abs(),
             parts: Vec::new(),
+            wander: self.model.mechanism().layout.cage.then_some(self.wander),
         }
     }
 
