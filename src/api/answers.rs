@@ -112,6 +112,14 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum_svg: Option<String>,
+    /// Of a study.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub table: Option<String>,
+    /// Of a study that can go on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub resume: Option<String>,
     /// Of an accuracy job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -181,6 +189,11 @@ impl Links {
             spectrum: below("spectrum", simulated),
             series: below("series", simulated),
             spectrum_svg: below("plots/spectrum.svg", simulated),
+            table: below("table", kind == JobKind::Study.name()),
+            resume: below(
+                "resume",
+                kind == JobKind::Study.name() && matches!(status, Status::Cancelled | Status::Failed),
+            ),
             accuracy: below("accuracy", compared),
             work_precision_svg: below("plots/work-precision.svg", compared),
             this,

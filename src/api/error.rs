@@ -232,10 +232,23 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
         JobError::OtherKind { kind } => {
             let has = match kind.as_str() {
                 "accuracy" => "…/accuracy and …/plots/work-precision.svg",
+                "study" => "…/table, …/plots/trend.svg and …/plots/map.svg",
                 _ => "…/metrics, …/spectrum, …/series and …/plots/spectrum.svg",
             };
             let detail = format!("a job of kind `{kind}` never has this; its results are at {has}");
             of(S::CONFLICT, "no-result", "Jobs of this kind have no such result", detail)
+        }
+        JobError::NoStudy { kind } => {
+            let detail = format!("only studies can be resumed; the job is of kind `{kind}`");
+            of(S::CONFLICT, "conflict", "The job is no study", detail)
+        }
+        JobError::CannotResume(status) => {
+            let detail = if status.is_final() {
+                format!("the study has {}, and none of its points could end otherwise", ended(*status))
+            } else {
+                "the study has not ended".to_owned()
+            };
+            of(S::CONFLICT, "conflict", "The study cannot be resumed", detail)
         }
         JobError::Conflict(status) => {
             let detail = format!("the job has {} already", ended(*status));

@@ -39,6 +39,7 @@ const LONGEST_WAIT_S: u64 = 60;
     request_body(content = JobInput, content_type = "application/json", examples(
         ("article" = (summary = "The article's integrated bearing", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}}))),
         ("unbalanced" = (summary = "The same on an unbalanced spindle", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}, "spindle": {"balance_grade": 6.3}}}))),
+        ("study" = (summary = "Its level over the curvature of the inner groove", value = json!({"kind": "study", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}, "axes": [{"path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 0.54, "count": 7}]}))),
         ("accuracy" = (summary = "Error against run time of the first", value = json!({"kind": "accuracy", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}, "repetitions": 5})))
     )),
     responses(

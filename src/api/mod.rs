@@ -16,6 +16,7 @@ mod request;
 mod results;
 mod scenes;
 mod server;
+mod studies;
 
 use std::sync::Arc;
 
@@ -63,6 +64,8 @@ fn routes() -> OpenApiRouter<App> {
         .routes(routes!(results::spectrum))
         .routes(routes!(results::series))
         .routes(routes!(results::accuracy))
+        .routes(routes!(studies::table))
+        .routes(routes!(studies::resume))
         .routes(routes!(plots::plot))
         .routes(routes!(scenes::resolve))
         .routes(routes!(scenes::presets))

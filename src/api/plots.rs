@@ -11,25 +11,28 @@ use super::describe::{Anywhere, BadQuery, NoJob, NoResult, NotAccepted};
 use super::error::ApiError;
 use super::request::{JobId, Nothing, PlotFile, Query, negotiated};
 use super::results::{read, shaped, signal_of};
+use super::studies::table_of;
 use super::{App, describe};
-use crate::contract::{JobKind, Metrics, SeriesAnswer, SpectrumAnswer, WorkPrecisionAnswer};
+use crate::contract::{JobKind, Metrics, SeriesAnswer, SpectrumAnswer, TableAnswer, WorkPrecisionAnswer};
 use crate::jobs::Signal;
 use crate::render;
 
 const SVG: &str = "image/svg+xml";
 const OF_SIMULATION: &[&str] = &["spectrum.svg", "velocity.svg", "acceleration.svg"];
 const OF_ACCURACY: &[&str] = &["work-precision.svg"];
+const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
 
 /// Get a plot
 ///
 /// `spectrum.svg`: the amplitude spectra that are kept, with labelled lines. `velocity.svg`,
 /// `acceleration.svg`: the spindle's, where the request asked for these series. `work-precision.svg`: of an accuracy
-/// job, error against run time, a curve a method.
+/// job, error against run time, a curve a method. `trend.svg`, `map.svg`: of a study over one axis or two, with what has been
+/// computed so far.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/plots/{file}", tag = describe::RESULTS, operation_id = "getPlot",
     params(
         ("id" = Uuid, Path, description = "The job"),
-        ("file" = String, Path, description = "`spectrum.svg`, `velocity.svg`, `acceleration.svg` or `work-precision.svg`", example = "spectrum.svg")
+        ("file" = String, Path, description = "`spectrum.svg`, `velocity.svg`, `acceleration.svg`, `work-precision.svg`, `trend.svg` or `map.svg`", example = "spectrum.svg")
     ),
     responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
@@ -47,10 +50,19 @@ pub async fn plot(
         "velocity.svg" => series(&app, &owner, id, "velocity").await,
         "acceleration.svg" => series(&app, &owner, id, "acceleration").await,
         "work-precision.svg" => work_precision(&app, &owner, id).await,
+        "trend.svg" => of_study(&app, &owner, id, render::trend).await,
+        "map.svg" => of_study(&app, &owner, id, render::map).await,
         _ => {
             // Whether the job is there comes first.
             let record = app.jobs.get(&owner, id).await?;
-            let known = if record.kind == JobKind::Accuracy.name() { OF_ACCURACY } else { OF_SIMULATION };
+            let is = |kind: JobKind| record.kind == kind.name();
+            let known = if is(JobKind::Accuracy) {
+                OF_ACCURACY
+            } else if is(JobKind::Study) {
+                OF_STUDY
+            } else {
+                OF_SIMULATION
+            };
             Err(ApiError::UnknownPlot { known })
         }
     }
@@ -93,6 +105,17 @@ async fn series(app: &App, owner: &str, id: Uuid, quantity: &str) -> Result<Resp
 async fn work_precision(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
     let stored = app.jobs.accuracy(owner, id).await?;
     shaped(move || Ok(drawn(render::work_precision(&read::<WorkPrecisionAnswer>(&stored)?)))).await
+}
+
+/// A picture of a study, which may have another number of axes.
+async fn of_study(
+    app: &App,
+    owner: &str,
+    id: Uuid,
+    draw: fn(&TableAnswer) -> Option<String>,
+) -> Result<Response, ApiError> {
+    let (request, points) = app.jobs.points(owner, id).await?;
+    shaped(move || draw(&table_of(&request, points)?).map(drawn).ok_or(ApiError::UnknownPlot { known: OF_STUDY })).await
 }
 
 fn drawn(svg: String) -> Response {

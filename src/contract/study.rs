@@ -101,6 +101,8 @@ pub struct Study {
     pub grid: Grid,
     /// Number of points.
     pub points: usize,
+    /// Whether the results of identical finished work may answer points.
+    reuse: bool,
     /// The request without what belongs to the study alone.
     base: Value,
     /// The scene of the request with every default.
@@ -271,7 +273,8 @@ impl Study {
             outputs["spectra"] = json!([]);
         }
         let grid = Grid::new(axes.iter().map(|axis| axis.values.len()).collect());
-        let study = Self { axes, grid, points, base, complete };
+        let reuse = request.get("reuse").and_then(Value::as_bool).unwrap_or(true);
+        let study = Self { axes, grid, points, reuse, base, complete };
         study.probe()?;
         Ok(study)
     }
@@ -296,6 +299,11 @@ impl Study {
             Some(other) => Err(other),
             None => Ok(()),
         }
+    }
+
+    /// Whether the results of identical finished work may answer points.
+    pub fn reuses(&self) -> bool {
+        self.reuse
     }
 
     /// Values of a point, axis by axis.

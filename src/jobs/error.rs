@@ -19,6 +19,12 @@ pub enum JobError {
     /// Jobs of this kind never have such a result.
     #[error("the job is of kind {kind}")]
     OtherKind { kind: String },
+    /// Only studies can be resumed.
+    #[error("the job is of kind {kind}")]
+    NoStudy { kind: String },
+    /// A study that waits, runs, or has nothing left to do.
+    #[error("the job is {}", .0.name())]
+    CannotResume(Status),
     /// The job's status forbids it.
     #[error("the job is {}", .0.name())]
     Conflict(Status),

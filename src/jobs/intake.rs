@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot};
 
 use super::queue::{Queue, Tx};
-use super::store::{Store, submissions};
+use super::store::{PRIORITY_OF_STRANDS, Store, submissions};
 use super::{JobError, JobRecord, NewJob};
 
 /// Submissions that one transaction takes at most.
@@ -26,6 +26,8 @@ pub struct Intake {
 pub struct IntakeLimits {
     /// Jobs that may wait.
     pub queue: u64,
+    /// Strands of a study.
+    pub strands: usize,
     /// How long jobs are kept that say nothing about it [s].
     pub keep_s: f64,
 }
@@ -85,13 +87,18 @@ async fn write_all(
         plans.push(plan(&mut tx, job, &mut places).await?);
     }
     let queued = jobs.iter().zip(&plans).filter(|(_, plan)| matches!(plan, Plan::Queue));
-    let queued: Vec<_> = queued.map(|(job, _)| (job.id, job.priority)).collect();
+    let queued: Vec<_> = queued.flat_map(|(job, _)| deliveries_of(job, limits.strands)).collect();
     let mut deliveries = queue.enqueue(&mut tx, &queued).await?.into_iter();
     let mut answers = Vec::with_capacity(jobs.len());
     for (job, plan) in jobs.iter().zip(plans) {
         answers.push(match plan {
             Plan::Answer(found) => Ok(submissions::insert_answered(&mut tx, job, found, limits.keep_s).await?),
             Plan::Refuse => Err(JobError::QueueFull { limit: limits.queue }),
+            Plan::Queue if job.points.is_some() => {
+                let points = job.points.unwrap_or(0);
+                let strands: Vec<i64> = deliveries.by_ref().take(strands_of(points, limits.strands)).collect();
+                Ok(submissions::insert_study(&mut tx, job, points, &strands).await?)
+            }
             Plan::Queue => {
                 let delivery = deliveries.next().ok_or_else(|| JobError::Corrupt("a delivery is missing".into()))?;
                 Ok(submissions::insert(&mut tx, job, delivery).await?)
@@ -101,6 +108,18 @@ async fn write_all(
     tx.commit().await?;
     queue.wake();
     Ok(answers)
+}
+
+/// Strands of a study of so many points, where there are so many workers.
+pub fn strands_of(points: usize, workers: usize) -> usize {
+    points.min(workers).max(1)
+}
+
+fn deliveries_of(job: &NewJob, workers: usize) -> Vec<(uuid::Uuid, u8)> {
+    match job.points {
+        Some(points) => vec![(job.id, PRIORITY_OF_STRANDS); strands_of(points, workers)],
+        None => vec![(job.id, job.priority)],
+    }
 }
 
 /// What happens to a submission.

@@ -98,6 +98,8 @@ pub struct NewJob {
     pub reuse: bool,
     pub content_hash: Vec<u8>,
     pub created_at: Timestamp,
+    /// Points of a study; `None` of any other job.
+    pub points: Option<usize>,
 }
 
 impl NewJob {
@@ -110,7 +112,9 @@ impl NewJob {
             labels: job.labels.clone(),
             priority: job.priority,
             keep_for_s: job.keep_for_s,
-            reuse: job.reuse,
+            // Points of a study are answered one by one.
+            reuse: job.reuse && job.study.is_none(),
+            points: job.study.as_ref().map(|study| study.points),
             content_hash: content_hash(job),
             created_at: now(),
         }
@@ -144,7 +148,7 @@ fn now() -> Timestamp {
 }
 
 /// Digest of all that determines the result; the version belongs to it, because results move with it.
-fn content_hash(job: &Job) -> Vec<u8> {
+pub fn content_hash(job: &Job) -> Vec<u8> {
     let mut digest = Sha256::new();
     digest.update(env!("CARGO_PKG_VERSION"));
     digest.update([0]);

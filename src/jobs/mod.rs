@@ -19,6 +19,8 @@ mod queue;
 mod running;
 /// Every SQL statement.
 mod store;
+/// One strand of a study.
+mod strand;
 /// Brings back what was lost, removes what has expired.
 mod sweep;
 /// One delivered job from claim to result.
@@ -27,4 +29,6 @@ mod worker;
 pub use error::JobError;
 pub use job::{Failure, JobRecord, NewJob, Status};
 pub use service::{Cancelled, Jobs, Settings, Simulator};
+pub use store::results::decompressed;
+pub use store::studies::StoredPoint;
 pub use store::{Filter, Signal};

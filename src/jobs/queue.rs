@@ -36,6 +36,8 @@ pub enum Delivered {
     Done,
     /// The process stops; deliver again.
     HandedBack,
+    /// More is left to do; deliver again behind those that wait.
+    Later,
     /// The database refused; deliver again after a while.
     Again(JobError),
 }
@@ -185,6 +187,7 @@ fn workers_for(handler: Handler) -> Result<Workers, JobError> {
                 Delivered::Done => Ok(WorkOutcome::Complete),
                 // Gives the row back without using up an attempt.
                 Delivered::HandedBack => Err(BoxError::from(WorkCancelled)),
+                Delivered::Later => Ok(WorkOutcome::Snooze(Duration::ZERO)),
                 Delivered::Again(error) => {
                     tracing::warn!(%error, "a job could not be taken from the queue");
                     Ok(WorkOutcome::Snooze(Duration::from_secs(1)))

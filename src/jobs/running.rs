@@ -58,7 +58,8 @@ impl Run {
 /// The runs of this process.
 #[derive(Debug, Default)]
 pub struct Running {
-    runs: Mutex<HashMap<Uuid, Arc<Run>>>,
+    /// With the number of those who hold the run.
+    runs: Mutex<HashMap<Uuid, (Arc<Run>, usize)>>,
     waiting: Mutex<HashMap<Uuid, Arc<Notify>>>,
 }
 
@@ -66,12 +67,29 @@ impl Running {
     /// Adds a run; it leaves when the guard is dropped.
     pub fn enter(self: &Arc<Self>, id: Uuid) -> RunGuard {
         let run = Arc::new(Run::default());
-        locked(&self.runs).insert(id, Arc::clone(&run));
+        locked(&self.runs).insert(id, (Arc::clone(&run), 1));
+        RunGuard { running: Arc::clone(self), id, run }
+    }
+
+    /// Joins a run, or begins one: strands of a study share theirs, until it is told to stop.
+    pub fn join(self: &Arc<Self>, id: Uuid) -> RunGuard {
+        let mut runs = locked(&self.runs);
+        let run = match runs.get_mut(&id).filter(|(run, _)| run.stopped().is_none()) {
+            Some((run, holders)) => {
+                *holders += 1;
+                Arc::clone(run)
+            }
+            None => {
+                let run = Arc::new(Run::default());
+                runs.insert(id, (Arc::clone(&run), 1));
+                run
+            }
+        };
         RunGuard { running: Arc::clone(self), id, run }
     }
 
     pub fn get(&self, id: Uuid) -> Option<Arc<Run>> {
-        locked(&self.runs).get(&id).cloned()
+        locked(&self.runs).get(&id).map(|(run, _)| Arc::clone(run))
     }
 
     pub fn ids(&self) -> Vec<Uuid> {
@@ -80,7 +98,7 @@ impl Running {
 
     /// Asks every run to stop.
     pub fn stop_all(&self, reason: StopReason) {
-        locked(&self.runs).values().for_each(|run| run.stop(reason));
+        locked(&self.runs).values().for_each(|(run, _)| run.stop(reason));
     }
 
     /// A bell that rings once the job has ended; to be taken before the job is looked at.
@@ -111,8 +129,11 @@ impl Drop for RunGuard {
     fn drop(&mut self) {
         let mut runs = locked(&self.running.runs);
         // A later run of the same job may have taken the place.
-        if runs.get(&self.id).is_some_and(|run| Arc::ptr_eq(run, &self.run)) {
-            runs.remove(&self.id);
+        if let Some((_, holders)) = runs.get_mut(&self.id).filter(|(run, _)| Arc::ptr_eq(run, &self.run)) {
+            *holders -= 1;
+            if *holders == 0 {
+                runs.remove(&self.id);
+            }
         }
     }
 }

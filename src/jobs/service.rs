@@ -12,7 +12,8 @@ use super::intake::{Intake, IntakeLimits};
 use super::lock::DatabaseLock;
 use super::queue::{Handler, Queue, QueueStats};
 use super::running::{Running, StopReason};
-use super::store::{Filter, Signal, Store, records};
+use super::store::studies::StoredPoint;
+use super::store::{Filter, PRIORITY_OF_STRANDS, Signal, Store, records, studies};
 use super::worker::Worker;
 use super::{JobError, JobRecord, NewJob, Status, sweep};
 use crate::contract::{Job, JobKind, Outcome, RunFailure};
@@ -122,7 +123,7 @@ impl Jobs {
         let rescue_after = settings.time_limit + Duration::from_secs(30);
         let queue = Queue::new(store.writer().clone(), settings.workers, rescue_after, handler)?;
         let queue = Arc::new(queue);
-        let limits = IntakeLimits { queue: settings.queue_limit, keep_s: settings.keep_s };
+        let limits = IntakeLimits { queue: settings.queue_limit, strands: settings.workers, keep_s: settings.keep_s };
         let intake = Intake::start(store.clone(), Arc::clone(&queue), limits);
         let stopping = AtomicBool::new(false);
         let disk_full = AtomicBool::new(false);
@@ -153,7 +154,9 @@ impl Jobs {
     }
 
     fn live(&self, mut record: JobRecord) -> JobRecord {
+        // Strands of a study write theirs with every point.
         if record.status == Status::Running
+            && record.kind != JobKind::Study.name()
             && let Some(run) = self.inner.running.get(record.id)
         {
             record.progress = run.progress();
@@ -183,8 +186,20 @@ impl Jobs {
 
     async fn try_cancel(&self, owner: &str, id: Uuid) -> Result<Cancelled, JobError> {
         let mut tx = self.inner.store.begin().await?;
-        let (status, delivery) = records::standing(&mut tx, owner, id).await?;
+        let (mut status, delivery, kind) = records::standing(&mut tx, owner, id).await?;
+        let is_study = kind == JobKind::Study.name();
         match status {
+            Status::Queued | Status::Running if is_study => {
+                records::request_cancel(&mut tx, id).await?;
+                match self.inner.running.get(id) {
+                    // Its strands end it.
+                    Some(run) => run.stop(StopReason::Cancelled),
+                    None => {
+                        studies::cancel(&mut tx, id, self.inner.settings.keep_s).await?;
+                        status = Status::Queued;
+                    }
+                }
+            }
             Status::Queued => {
                 records::cancel_queued(&mut tx, id, self.inner.settings.keep_s).await?;
                 if let Some(delivery) = delivery {
@@ -209,10 +224,40 @@ impl Jobs {
         Ok(if status == Status::Running { Cancelled::Soon(record) } else { Cancelled::Now(record) })
     }
 
+    /// Lets a study go on that was cancelled or has failed; points that have ended are kept.
+    pub async fn resume(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
+        self.inner.note(self.try_resume(owner, id).await)
+    }
+
+    async fn try_resume(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
+        if self.inner.is_stopping() {
+            return Err(JobError::Stopping);
+        }
+        let mut tx = self.inner.store.begin().await?;
+        let (status, _, kind) = records::standing(&mut tx, owner, id).await?;
+        if kind != JobKind::Study.name() {
+            return Err(JobError::NoStudy { kind });
+        }
+        if !matches!(status, Status::Cancelled | Status::Failed) || !studies::resume(&mut tx, id).await? {
+            return Err(JobError::CannotResume(status));
+        }
+        let strands = vec![(id, PRIORITY_OF_STRANDS); self.inner.settings.workers];
+        let deliveries = self.inner.queue.enqueue(&mut tx, &strands).await?;
+        studies::add_strands(&mut tx, id, &deliveries).await?;
+        tx.commit().await?;
+        self.inner.queue.wake();
+        self.get(owner, id).await
+    }
+
+    /// The request of a study and its points.
+    pub async fn points(&self, owner: &str, id: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
+        self.inner.store.points(owner, id).await
+    }
+
     /// Removes a job that has ended, with its result.
     pub async fn delete(&self, owner: &str, id: Uuid) -> Result<(), JobError> {
         let mut tx = self.inner.store.begin().await?;
-        let (status, _) = records::standing(&mut tx, owner, id).await?;
+        let (status, _, _) = records::standing(&mut tx, owner, id).await?;
         if !status.is_final() {
             return Err(JobError::Conflict(status));
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::JobError;
 use super::service::Inner;
-use super::store::upkeep;
+use super::store::{PRIORITY_OF_STRANDS, studies, upkeep};
 
 /// Sweeps now and then until the service is dropped.
 pub fn start(inner: &Arc<Inner>) {
@@ -43,14 +43,20 @@ async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
     let mut tx = inner.store.begin().await?;
     let lost_after = inner.settings.lost_after.try_into().unwrap_or(jiff::SignedDuration::MAX);
     let stranded = upkeep::stranded(&mut tx, lost_after, &inner.running.ids()).await?;
-    if stranded.is_empty() {
+    let studies = studies::stranded(&mut tx).await?;
+    if stranded.is_empty() && studies.is_empty() {
         return Ok(0);
     }
     let deliveries = inner.queue.enqueue(&mut tx, &stranded).await?;
     for ((job, _), delivery) in stranded.iter().zip(deliveries) {
         upkeep::redeliver(&mut tx, *job, delivery).await?;
     }
+    for study in &studies {
+        let strands = vec![(*study, PRIORITY_OF_STRANDS); inner.settings.workers];
+        let deliveries = inner.queue.enqueue(&mut tx, &strands).await?;
+        studies::add_strands(&mut tx, *study, &deliveries).await?;
+    }
     tx.commit().await?;
     inner.queue.wake();
-    Ok(stranded.len())
+    Ok(stranded.len() + studies.len())
 }

@@ -10,7 +10,7 @@ use super::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
 use super::queue::{Delivered, Ticket};
 use super::running::{Run, Running, StopReason};
 use super::service::{Settings, Simulator};
-use super::store::claims::{self, Outlook, Pulse};
+use super::store::claims::{self, Pulse};
 use super::store::{Claim, End, Store, StoredResult};
 use super::{Failure, JobError};
 use crate::contract::{self, JobKind, RunFailure};
@@ -47,8 +47,12 @@ impl Worker {
     }
 
     async fn attempt(&self, ticket: &Ticket) -> Result<Delivered, JobError> {
+        if let Some(strand) = self.store.strand(ticket.delivery).await? {
+            return self.strand(ticket, strand).await;
+        }
         let Some(outlook) = self.store.outlook(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
-        let Some(_slot) = self.slot(&outlook, ticket).await else { return Ok(Delivered::HandedBack) };
+        let measures = outlook.kind == JobKind::Accuracy.name();
+        let Some(_slot) = self.slots(outlook.losses, measures, ticket).await else { return Ok(Delivered::HandedBack) };
         let Some(claim) = self.store.claim(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
         let guard = self.running.enter(claim.job);
         let outcome = match self.without_running(&claim) {
@@ -60,8 +64,8 @@ impl Worker {
 
     /// One slot, or all of them for a job that may have taken its process down and for one that measures time; none
     /// once the service stops.
-    async fn slot(&self, outlook: &Outlook, ticket: &Ticket) -> Option<OwnedSemaphorePermit> {
-        let alone = outlook.losses >= LOSSES_TO_RUN_ALONE || outlook.kind == JobKind::Accuracy.name();
+    pub(super) async fn slots(&self, losses: u32, measures: bool, ticket: &Ticket) -> Option<OwnedSemaphorePermit> {
+        let alone = losses >= LOSSES_TO_RUN_ALONE || measures;
         let slots = if alone { self.settings.workers } else { 1 };
         let slots = u32::try_from(slots).unwrap_or(1);
         tokio::select! {
@@ -103,16 +107,22 @@ impl Worker {
         }
     }
 
-    /// Simulates away from the threads that serve HTTP. A panic ends the thread, not the service: the
-    /// channel closes without an answer.
     fn solver_thread(&self, claim: &Claim, run: &Arc<Run>) -> oneshot::Receiver<Result<StoredResult, RunFailure>> {
-        let (sender, receiver) = oneshot::channel();
         let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
         let (request, time_limit) = (claim.request.clone(), self.settings.time_limit);
+        self.on_solver_thread(move || solve(&simulator, &request, &run, time_limit))
+    }
+
+    /// Does work away from the threads that serve HTTP. A panic ends the thread, not the service: the channel closes without an
+    /// answer.
+    pub(super) fn on_solver_thread<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> oneshot::Receiver<T> {
+        let (sender, receiver) = oneshot::channel();
         let work = move || {
             yield_to_readers();
-            let solve = || solve(&simulator, &request, &run, time_limit);
-            if let Ok(result) = catch_unwind(AssertUnwindSafe(solve)) {
+            if let Ok(result) = catch_unwind(AssertUnwindSafe(work)) {
                 // Nobody waits any more: the service stops.
                 drop(sender.send(result));
             }
@@ -180,15 +190,17 @@ fn ended(solved: Solved, run: &Run, time_limit: Duration) -> Outcome {
         Ok(Err(RunFailure::Cancelled)) => match run.stopped() {
             Some(StopReason::HandedBack) => return Outcome::HandedBack,
             Some(StopReason::ClaimLost) => return Outcome::ClaimLost,
-            Some(StopReason::TimeLimit) => {
-                let detail = format!("the run took longer than {} s of wall time", time_limit.as_secs_f64());
-                End::Failed(Failure::new(TIME_LIMIT, detail))
-            }
+            Some(StopReason::TimeLimit) => End::Failed(Failure::new(TIME_LIMIT, stop_after(time_limit))),
             Some(StopReason::Cancelled) | None => End::Cancelled,
         },
         // The thread panicked; what it said is in the log, not for the user.
         Err(_) => End::Failed(Failure::new(INTERNAL, "the simulation broke off by an error in the service")),
     })
+}
+
+/// Why a run was ended.
+pub(super) fn stop_after(limit: Duration) -> String {
+    format!("the run took longer than {} s of wall time", limit.as_secs_f64())
 }
 
 /// Solvers burn whole cores; whoever only wants to look at a result goes first.

@@ -481,8 +481,8 @@ fn summarise(
         by_chance.then(|| "the motion is chaotic, and no check from the start tells of its statistics".to_owned());
     let steady = scene.operation.speed.is_constant() && !by_chance;
     let warning = warning
-        .or(chaotic)
         .or(gone_on.map(|what| format!("{what}: the error of the level is not known")))
+        .or(chaotic)
         .or_else(|| accuracy::still_settling(&made.recording, steady));
     let (mut level_error_db, mut how) = (check.distance.level_db, check.how());
     if by_chance {

@@ -14,3 +14,4 @@ mod openapi;
 mod refusals;
 mod results;
 mod scenes;
+mod studies;

@@ -108,3 +108,57 @@ fn two_servers_do_not_share_a_database() {
     assert!(second.stdout.is_empty());
     assert_eq!(first.get("/health/ready").status, 200);
 }
+
+/// Without what a clock has measured.
+fn timeless(mut table: serde_json::Value) -> serde_json::Value {
+    for row in table["rows"].as_array_mut().expect("rows") {
+        row["reused"] = json!(false);
+        for field in ["wall_time_s", "real_time_factor"] {
+            row["metrics"]["solver"][field] = json!(0);
+        }
+    }
+    table
+}
+
+/// Cancelled in the middle, resumed, killed three times: the same table as undisturbed.
+#[test]
+fn a_study_survives_kills_with_the_same_table() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = place.path().join("raceway.db");
+    let options = ["--workers", "2", "--max-lost-runs", "100"];
+    let study = json!({
+        "kind": "study", "reuse": false, "settle_s": 0.0, "duration_s": 0.001,
+        "scene": { "bearing": "608", "operation": { "speed_rpm": 3000 } },
+        "outputs": { "metrics": ["vibration"] },
+        "axes": [
+            { "path": "/operation/speed_rpm", "from": 3000, "to": 9000, "count": 20 },
+            { "path": "/bearing/radial_clearance_um", "from": 2, "to": 12, "count": 20 },
+        ],
+    });
+    let table = |server: &Process, path: &str| server.get(&format!("{path}/table")).json();
+    let mut server = Process::serve(&database, &options);
+    let path = server.submit(&study);
+    let reach = |server: &Process, ended: u64| {
+        let begin = Instant::now();
+        while table(server, &path)["ended"].as_u64() < Some(ended) {
+            assert!(begin.elapsed() < Duration::from_secs(60));
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    };
+    reach(&server, 30);
+    server.post(&format!("{path}/cancel"), &json!({}));
+    server.wait_for(&path, &["cancelled"]);
+    assert_eq!(server.post(&format!("{path}/resume"), &json!({})).status, 202);
+    for ended in [60, 120, 200] {
+        reach(&server, ended);
+        server.kill();
+        server = Process::serve(&database, &options);
+        assert!(table(&server, &path)["ended"].as_u64() >= Some(ended));
+    }
+    assert_eq!(server.wait_for(&path, &["succeeded", "failed", "cancelled"])["status"], "succeeded");
+    let undisturbed = server.submit(&study);
+    server.wait_for(&undisturbed, &["succeeded"]);
+    let (disturbed, undisturbed) = (timeless(table(&server, &path)), timeless(table(&server, &undisturbed)));
+    assert_eq!(disturbed["succeeded"], 400);
+    assert_eq!(disturbed, undisturbed);
+}

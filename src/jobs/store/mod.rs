@@ -7,6 +7,8 @@ pub mod claims;
 pub mod records;
 /// Results written and read.
 pub mod results;
+/// Studies and their points.
+pub mod studies;
 /// Submissions.
 pub mod submissions;
 /// What was lost, what has expired, and whether the disk takes writes.
@@ -26,6 +28,9 @@ use super::queue::{Queue, Tx};
 pub use claims::{Claim, End};
 pub use records::Filter;
 pub use results::{Signal, StoredResult};
+
+/// Rank of strands in the queue: behind single jobs that say nothing of their own.
+pub const PRIORITY_OF_STRANDS: u8 = 4;
 
 /// The database.
 #[derive(Debug, Clone)]
@@ -98,9 +103,10 @@ fn is_outside_transactions(connection: &SqliteConnection) -> bool {
 }
 
 /// Our migrations, in order; never edited once released.
-const MIGRATIONS: [(i64, &str, &str); 2] = [
+const MIGRATIONS: [(i64, &str, &str); 3] = [
     (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
     (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
+    (3, "studies", include_str!("../../../migrations/sqlite/0003_studies.sql")),
 ];
 
 async fn migrate(writer: &SqlitePool) -> Result<(), JobError> {

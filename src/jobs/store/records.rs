@@ -103,13 +103,14 @@ impl Store {
     }
 }
 
-/// A job's status and delivery, in a transaction that may change them.
-pub async fn standing(tx: &mut Tx, owner: &str, id: Uuid) -> Result<(Status, Option<i64>), JobError> {
-    let sql = "SELECT status, delivery FROM jobs WHERE id = $1 AND owner = $2";
-    let row: Option<(String, Option<i64>)> = sqlx::query_as(sql).bind(id).bind(owner).fetch_optional(&mut **tx).await?;
-    let (status, delivery) = row.ok_or(JobError::NotFound)?;
+/// A job's status, delivery and kind, in a transaction that may change them.
+pub async fn standing(tx: &mut Tx, owner: &str, id: Uuid) -> Result<(Status, Option<i64>, String), JobError> {
+    let sql = "SELECT status, delivery, kind FROM jobs WHERE id = $1 AND owner = $2";
+    let row: Option<(String, Option<i64>, String)> =
+        sqlx::query_as(sql).bind(id).bind(owner).fetch_optional(&mut **tx).await?;
+    let (status, delivery, kind) = row.ok_or(JobError::NotFound)?;
     let status = Status::parse(&status).ok_or_else(|| JobError::Corrupt(format!("status of job {id}")))?;
-    Ok((status, delivery))
+    Ok((status, delivery, kind))
 }
 
 /// Ends a job that has not begun.

@@ -65,7 +65,7 @@ impl StoredResult {
     }
 }
 
-fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
+pub(super) fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
     serde_json::to_writer(&mut encoder, answer).map_err(|error| JobError::Corrupt(error.to_string()))?;
     encoder.flush()?;
@@ -89,6 +89,13 @@ pub(super) async fn insert(tx: &mut Tx, result: &StoredResult) -> Result<Uuid, J
         let sql = "INSERT INTO reports (result_id, answer) VALUES ($1, $2)";
         sqlx::query(sql).bind(id).bind(answer).execute(&mut **tx).await?;
     }
+    Ok(id)
+}
+
+/// Adds the result of a job that keeps its results elsewhere.
+pub(super) async fn insert_empty(tx: &mut Tx) -> Result<Uuid, JobError> {
+    let id = Uuid::now_v7();
+    sqlx::query("INSERT INTO results (id, metrics) VALUES ($1, '')").bind(id).execute(&mut **tx).await?;
     Ok(id)
 }
 
@@ -161,7 +168,7 @@ impl Store {
     }
 }
 
-fn decompressed(answer: &[u8]) -> Result<Vec<u8>, JobError> {
+pub fn decompressed(answer: &[u8]) -> Result<Vec<u8>, JobError> {
     let mut text = Vec::with_capacity(4 * answer.len());
     ZlibDecoder::new(answer).read_to_end(&mut text)?;
     Ok(text)

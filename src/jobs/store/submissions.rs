@@ -3,7 +3,7 @@
 use uuid::Uuid;
 
 use super::super::{JobError, JobRecord, NewJob, Status};
-use super::stored;
+use super::{stored, studies};
 use crate::jobs::queue::Tx;
 
 /// A finished result of identical work.
@@ -31,6 +31,14 @@ pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, Job
 pub async fn insert(tx: &mut Tx, job: &NewJob, delivery: i64) -> Result<JobRecord, JobError> {
     let record = job.record();
     insert_row(tx, job, &record, Some(delivery), None).await?;
+    Ok(record)
+}
+
+/// Adds a study with its points and strands.
+pub async fn insert_study(tx: &mut Tx, job: &NewJob, points: usize, strands: &[i64]) -> Result<JobRecord, JobError> {
+    let record = job.record();
+    insert_row(tx, job, &record, None, None).await?;
+    studies::insert(tx, job.id, points, strands).await?;
     Ok(record)
 }
 

@@ -14,7 +14,7 @@ const ROUND: i64 = 500;
 /// no sign of life for `lost_after`. `alive` are the runs of this process, which need no sign.
 pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<(Uuid, u8)>, JobError> {
     let sql = "SELECT jobs.id, jobs.priority FROM jobs LEFT JOIN river_job ON river_job.id = jobs.delivery \
-               WHERE jobs.status IN ('queued', 'running') AND (river_job.id IS NULL \
+               WHERE jobs.kind <> 'study' AND jobs.status IN ('queued', 'running') AND (river_job.id IS NULL \
                OR river_job.state IN ('completed', 'cancelled', 'discarded') \
                OR (jobs.status = 'running' AND jobs.heartbeat_at < $1)) LIMIT $2";
     let silent_since = Timestamp::now().saturating_sub(lost_after).unwrap_or(Timestamp::MIN);

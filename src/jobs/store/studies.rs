@@ -1,0 +1,328 @@
+//! Studies: their points, claimed one by one and fenced like jobs, and the strands that run them.
+
+use jiff::Timestamp;
+use uuid::Uuid;
+
+use super::{Store, claims, results, stored};
+use crate::contract::table::PointError;
+use crate::contract::{JobKind, PointEnd, PointStatus};
+use crate::jobs::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
+use crate::jobs::queue::Tx;
+use crate::jobs::{Failure, JobError, Status};
+
+/// A strand and its study.
+#[derive(Debug, Clone)]
+pub struct Strand {
+    pub job: Uuid,
+    pub delivery: i64,
+    pub owner: String,
+    pub request: String,
+    pub keep_for_s: Option<f64>,
+    /// Most losses of a point that was running here when its process ended.
+    pub losses: u32,
+}
+
+/// A point in the hands of a strand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PointClaim {
+    pub number: usize,
+    claim: i64,
+}
+
+/// What a point left behind.
+#[derive(Debug, Clone)]
+pub struct PointResult {
+    pub end: PointEnd,
+    pub reused: bool,
+    pub content_hash: Option<Vec<u8>>,
+}
+
+/// What a strand does next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Next {
+    Point(PointClaim),
+    /// Nothing waits; others may still run.
+    Nothing,
+    /// The study has ended.
+    Ended,
+    /// Someone wants it to end.
+    Cancelled,
+}
+
+/// A stored point.
+#[derive(Debug, Clone)]
+pub struct StoredPoint {
+    pub number: usize,
+    pub status: PointStatus,
+    pub reused: bool,
+    /// As JSON.
+    pub answer: Option<Vec<u8>>,
+}
+
+/// Adds the points of a study and its strands.
+pub async fn insert(tx: &mut Tx, job: Uuid, points: usize, deliveries: &[i64]) -> Result<(), JobError> {
+    let points = i64::try_from(points).unwrap_or(i64::MAX);
+    let sql = "INSERT INTO studies (job, points) VALUES ($1, $2)";
+    sqlx::query(sql).bind(job).bind(points).execute(&mut **tx).await?;
+    let sql = "WITH RECURSIVE n (i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i + 1 < $2) \
+               INSERT INTO points (job, number) SELECT $1, i FROM n";
+    sqlx::query(sql).bind(job).bind(points).execute(&mut **tx).await?;
+    add_strands(tx, job, deliveries).await
+}
+
+/// Adds strands.
+pub async fn add_strands(tx: &mut Tx, job: Uuid, deliveries: &[i64]) -> Result<(), JobError> {
+    for delivery in deliveries {
+        let sql = "INSERT INTO strands (delivery, job) VALUES ($1, $2)";
+        sqlx::query(sql).bind(delivery).bind(job).execute(&mut **tx).await?;
+    }
+    Ok(())
+}
+
+async fn remove_strands(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
+    sqlx::query("DELETE FROM strands WHERE job = $1").bind(job).execute(&mut **tx).await?;
+    Ok(())
+}
+
+impl Store {
+    /// The study of a delivery; `None`: it has ended, or other strands have replaced this one.
+    pub async fn strand(&self, delivery: i64) -> Result<Option<Strand>, JobError> {
+        let sql = "SELECT jobs.id, jobs.owner, jobs.request, jobs.keep_for_s, \
+                   (SELECT coalesce(max(lost) + 1, 0) FROM points WHERE strand = $1 AND status = 'running') \
+                   FROM strands JOIN jobs ON jobs.id = strands.job \
+                   WHERE strands.delivery = $1 AND jobs.status IN ('queued', 'running')";
+        // Read where it is written, as for single jobs.
+        let row: Option<(Uuid, String, String, Option<f64>, i64)> =
+            sqlx::query_as(sql).bind(delivery).fetch_optional(&self.writer).await?;
+        Ok(row.map(|(job, owner, request, keep_for_s, losses)| {
+            let losses = u32::try_from(losses).unwrap_or(u32::MAX);
+            Strand { job, delivery, owner, request, keep_for_s, losses }
+        }))
+    }
+
+    /// Begins a strand: points that were running here were lost with their process, and wait again, or fail once that has happened
+    /// too often.
+    pub async fn begin_strand(&self, strand: &Strand, max_lost_runs: u32) -> Result<(), JobError> {
+        let mut tx = self.begin().await?;
+        let sql = "UPDATE jobs SET status = 'running', started_at = coalesce(started_at, $2) \
+                   WHERE id = $1 AND status IN ('queued', 'running')";
+        sqlx::query(sql).bind(strand.job).bind(stored(Timestamp::now())).execute(&mut *tx).await?;
+        let sql = "UPDATE points SET status = 'queued', lost = lost + 1 WHERE strand = $1 AND status = 'running' \
+                   RETURNING number, claim, lost";
+        let lost: Vec<(i64, i64, i64)> = sqlx::query_as(sql).bind(strand.delivery).fetch_all(&mut *tx).await?;
+        for (number, claim, lost) in lost {
+            if u32::try_from(lost).unwrap_or(u32::MAX) >= max_lost_runs {
+                let detail = format!("the process that ran the point ended {lost} times during the run");
+                let error = PointError { cause: WORKER_LOST.to_owned(), detail, errors: Vec::new() };
+                let sql = "UPDATE points SET status = 'running' WHERE job = $1 AND number = $2";
+                sqlx::query(sql).bind(strand.job).bind(number).execute(&mut *tx).await?;
+                let point = PointClaim { number: usize::try_from(number).unwrap_or(0), claim };
+                let result = PointResult { end: PointEnd::Failed(error), reused: false, content_hash: None };
+                write_end(&mut tx, strand.job, point, &result).await?;
+            }
+        }
+        Ok(tx.commit().await?)
+    }
+
+    /// Writes the end of a point, if there is one, and takes the next, in one transaction.
+    pub async fn advance(
+        &self,
+        strand: &Strand,
+        ended: Option<(PointClaim, &PointResult)>,
+        keep_s: f64,
+    ) -> Result<Next, JobError> {
+        let mut tx = self.begin().await?;
+        if let Some((point, result)) = ended {
+            write_end(&mut tx, strand.job, point, result).await?;
+        }
+        let next = next(&mut tx, strand, keep_s).await?;
+        tx.commit().await?;
+        Ok(next)
+    }
+
+    /// Gives a point back that was not finished.
+    pub async fn give_back(&self, strand: &Strand, point: PointClaim) -> Result<(), JobError> {
+        let sql =
+            "UPDATE points SET status = 'queued' WHERE job = $1 AND number = $2 AND claim = $3 AND status = 'running'";
+        let number = i64::try_from(point.number).unwrap_or(i64::MAX);
+        sqlx::query(sql).bind(strand.job).bind(number).bind(point.claim).execute(&self.writer).await?;
+        Ok(())
+    }
+
+    /// Whether other deliveries wait: such as go before studies, and any.
+    pub async fn others_wait(&self) -> Result<(bool, bool), JobError> {
+        let sql = "SELECT coalesce(max(priority < $1), 0), count(*) > 0 FROM river_job WHERE state = 'available'";
+        let row: (bool, bool) =
+            sqlx::query_as(sql).bind(i64::from(super::PRIORITY_OF_STRANDS)).fetch_one(&self.writer).await?;
+        Ok(row)
+    }
+
+    /// The metrics of identical finished work of the same owner, as JSON: of a point or of a simulation.
+    pub async fn known(&self, owner: &str, content_hash: &[u8]) -> Result<Option<serde_json::Value>, JobError> {
+        let sql = "SELECT points.answer FROM points JOIN jobs ON jobs.id = points.job \
+                   WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
+        let answer: Option<Vec<u8>> =
+            sqlx::query_scalar(sql).bind(content_hash).bind(owner).fetch_optional(&self.readers).await?;
+        let text = match answer {
+            Some(answer) => Some(results::decompressed(&answer)?),
+            None => None,
+        };
+        text.map(|text| serde_json::from_slice(&text).map_err(|error| JobError::Corrupt(error.to_string()))).transpose()
+    }
+
+    /// The request of a study, and its points in order.
+    pub async fn points(&self, owner: &str, job: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
+        let sql = "SELECT kind, request FROM jobs WHERE id = $1 AND owner = $2";
+        let row: Option<(String, String)> =
+            sqlx::query_as(sql).bind(job).bind(owner).fetch_optional(&self.readers).await?;
+        let (kind, request) = row.ok_or(JobError::NotFound)?;
+        if kind != JobKind::Study.name() {
+            return Err(JobError::OtherKind { kind });
+        }
+        let sql = "SELECT number, status, reused, answer FROM points WHERE job = $1 ORDER BY number";
+        let rows: Vec<(i64, String, bool, Option<Vec<u8>>)> =
+            sqlx::query_as(sql).bind(job).fetch_all(&self.readers).await?;
+        let points = rows.into_iter().map(|(number, status, reused, answer)| {
+            let status = match status.as_str() {
+                "running" => PointStatus::Running,
+                "succeeded" => PointStatus::Succeeded,
+                "failed" => PointStatus::Failed,
+                _ => PointStatus::Queued,
+            };
+            Ok(StoredPoint { number: usize::try_from(number).unwrap_or(usize::MAX), status, reused, answer })
+        });
+        Ok((request, points.collect::<Result<_, JobError>>()?))
+    }
+}
+
+/// Writes the end of a point and counts it; nothing where the claim is lost.
+async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResult) -> Result<(), JobError> {
+    let (status, cause, answer) = match &result.end {
+        PointEnd::Succeeded(metrics) => ("succeeded", None, results::compressed(metrics)?),
+        PointEnd::Failed(error) => ("failed", Some(&error.cause), results::compressed(error)?),
+    };
+    let sql = "UPDATE points SET status = $4, cause = $5, answer = $6, reused = $7, content_hash = $8 \
+               WHERE job = $1 AND number = $2 AND claim = $3 AND status = 'running'";
+    let written = sqlx::query(sql)
+        .bind(job)
+        .bind(i64::try_from(point.number).unwrap_or(i64::MAX))
+        .bind(point.claim)
+        .bind(status)
+        .bind(cause)
+        .bind(answer)
+        .bind(result.reused)
+        .bind(result.content_hash.as_deref().filter(|_| status == "succeeded"))
+        .execute(&mut **tx)
+        .await?;
+    if written.rows_affected() == 0 {
+        return Ok(());
+    }
+    let sql = "UPDATE studies SET ended = ended + 1, succeeded = succeeded + $2 WHERE job = $1";
+    sqlx::query(sql).bind(job).bind(i64::from(status == "succeeded")).execute(&mut **tx).await?;
+    let sql = "UPDATE jobs SET heartbeat_at = $2, \
+               progress = (SELECT CAST(ended AS REAL) / points FROM studies WHERE job = $1) WHERE id = $1";
+    sqlx::query(sql).bind(job).bind(stored(Timestamp::now())).execute(&mut **tx).await?;
+    Ok(())
+}
+
+async fn next(tx: &mut Tx, strand: &Strand, keep_s: f64) -> Result<Next, JobError> {
+    let sql = "SELECT jobs.cancel_requested_at IS NOT NULL, studies.points, studies.ended, studies.succeeded \
+               FROM jobs JOIN studies ON studies.job = jobs.id WHERE jobs.id = $1 AND jobs.status = 'running'";
+    let standing: Option<(bool, i64, i64, i64)> =
+        sqlx::query_as(sql).bind(strand.job).fetch_optional(&mut **tx).await?;
+    let Some((cancel_requested, points, ended, succeeded)) = standing else { return Ok(Next::Ended) };
+    if ended == points {
+        end(tx, strand.job, succeeded > 0, strand.keep_for_s.unwrap_or(keep_s)).await?;
+        return Ok(Next::Ended);
+    }
+    if cancel_requested {
+        cancel(tx, strand.job, strand.keep_for_s.unwrap_or(keep_s)).await?;
+        return Ok(Next::Cancelled);
+    }
+    let sql = "UPDATE points SET status = 'running', claim = claim + 1, strand = $2 WHERE job = $1 \
+               AND number = (SELECT min(number) FROM points WHERE job = $1 AND status = 'queued') \
+               AND EXISTS (SELECT 1 FROM strands WHERE delivery = $2) RETURNING number, claim";
+    let claimed: Option<(i64, i64)> =
+        sqlx::query_as(sql).bind(strand.job).bind(strand.delivery).fetch_optional(&mut **tx).await?;
+    Ok(match claimed {
+        Some((number, claim)) => {
+            Next::Point(PointClaim { number: usize::try_from(number).unwrap_or(usize::MAX), claim })
+        }
+        None => Next::Nothing,
+    })
+}
+
+/// Ends a study whose points have all ended.
+async fn end(tx: &mut Tx, job: Uuid, succeeded: bool, keep_s: f64) -> Result<(), JobError> {
+    let (status, result, failure) = if succeeded {
+        (Status::Succeeded, Some(results::insert_empty(tx).await?), None)
+    } else {
+        let sql =
+            "SELECT cause FROM points WHERE job = $1 AND cause IS NOT NULL ORDER BY cause = 'invalid', number LIMIT 1";
+        let cause: Option<String> = sqlx::query_scalar(sql).bind(job).fetch_optional(&mut **tx).await?;
+        let failure =
+            Failure::new(cause.as_deref().unwrap_or(INTERNAL), "no point of the study succeeded: its table tells why");
+        (Status::Failed, None, Some(failure))
+    };
+    let now = Timestamp::now();
+    let sql = "UPDATE jobs SET status = $2, result_id = $3, error_cause = $4, error_detail = $5, finished_at = $6, \
+               expires_at = $7, progress = 1 WHERE id = $1";
+    sqlx::query(sql)
+        .bind(job)
+        .bind(status.name())
+        .bind(result)
+        .bind(failure.as_ref().map(|failure| &failure.cause))
+        .bind(failure.as_ref().map(|failure| &failure.detail))
+        .bind(stored(now))
+        .bind(stored(claims::expiry(now, keep_s)))
+        .execute(&mut **tx)
+        .await?;
+    remove_strands(tx, job).await
+}
+
+/// Ends a study that someone wants to end: what has been computed stays, what runs waits.
+pub async fn cancel(tx: &mut Tx, job: Uuid, keep_s: f64) -> Result<(), JobError> {
+    let now = Timestamp::now();
+    let sql = "UPDATE jobs SET status = 'cancelled', cancel_requested_at = coalesce(cancel_requested_at, $2), \
+               finished_at = $2, expires_at = $3 WHERE id = $1 AND status IN ('queued', 'running')";
+    let expires = stored(claims::expiry(now, keep_s));
+    sqlx::query(sql).bind(job).bind(stored(now)).bind(expires).execute(&mut **tx).await?;
+    let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
+    sqlx::query(sql).bind(job).execute(&mut **tx).await?;
+    remove_strands(tx, job).await
+}
+
+/// Lets a study go on that was cancelled, or that failed by what may pass: such points wait again. False: nothing is left to do.
+pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
+    let sql = "UPDATE points SET status = 'queued', cause = NULL, answer = NULL, lost = 0 \
+               WHERE job = $1 AND status = 'failed' AND cause IN ($2, $3, $4)";
+    let again = sqlx::query(sql).bind(job).bind(TIME_LIMIT).bind(WORKER_LOST).bind(INTERNAL).execute(&mut **tx).await?;
+    let sql = "UPDATE studies SET ended = ended - $2 WHERE job = $1 RETURNING points > ended";
+    let again = i64::try_from(again.rows_affected()).unwrap_or(0);
+    let left: Option<bool> = sqlx::query_scalar(sql).bind(job).bind(again).fetch_optional(&mut **tx).await?;
+    if left != Some(true) {
+        return Ok(false);
+    }
+    let sql = "UPDATE jobs SET status = 'queued', started_at = NULL, finished_at = NULL, expires_at = NULL, \
+               cancel_requested_at = NULL, error_cause = NULL, error_detail = NULL, \
+               progress = (SELECT CAST(ended AS REAL) / points FROM studies WHERE job = $1) WHERE id = $1";
+    sqlx::query(sql).bind(job).execute(&mut **tx).await?;
+    Ok(true)
+}
+
+/// Unfinished studies that no strand runs any more; points that were running wait again.
+pub async fn stranded(tx: &mut Tx) -> Result<Vec<Uuid>, JobError> {
+    const ALIVE: &str = "SELECT strands.delivery FROM strands JOIN river_job ON river_job.id = strands.delivery \
+                         WHERE river_job.state NOT IN ('completed', 'cancelled', 'discarded')";
+    let sql = sqlx::AssertSqlSafe(format!(
+        "SELECT id FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running') \
+         AND NOT EXISTS (SELECT 1 FROM strands WHERE strands.job = jobs.id AND delivery IN ({ALIVE}))"
+    ));
+    let studies: Vec<Uuid> = sqlx::query_scalar(sql).fetch_all(&mut **tx).await?;
+    for study in &studies {
+        let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
+        sqlx::query(sql).bind(study).execute(&mut **tx).await?;
+        remove_strands(tx, *study).await?;
+    }
+    Ok(studies)
+}

@@ -1,0 +1,162 @@
+//! One strand of a study: point after point, until none waits, the study ends, or others have waited long enough.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use tokio::sync::oneshot;
+
+use super::JobError;
+use super::job::{INTERNAL, TIME_LIMIT, content_hash};
+use super::queue::{Delivered, Ticket};
+use super::running::{Run, StopReason};
+use super::store::studies::{Next, PointClaim, PointResult, Strand};
+use super::worker::{Worker, stop_after};
+use crate::contract::table::PointError;
+use crate::contract::{self, Job, PointEnd, Study, execute_point};
+use crate::simulation::run::Control;
+
+/// How long a strand keeps its place while others of its kind wait.
+const SLICE: Duration = Duration::from_secs(1);
+
+/// What became of a point.
+enum Computed {
+    Ended(PointResult),
+    /// The run was told to stop.
+    Stopped,
+}
+
+impl Worker {
+    /// Works a strand for a while.
+    pub(super) async fn strand(&self, ticket: &Ticket, strand: Strand) -> Result<Delivered, JobError> {
+        let Some(_slot) = self.slots(strand.losses, false, ticket).await else { return Ok(Delivered::HandedBack) };
+        let Some(study) = contract::parse_job(strand.request.as_bytes()).ok().and_then(|job| job.study) else {
+            return Err(JobError::Corrupt(format!("the request of study {}", strand.job)));
+        };
+        let study = Arc::new(study);
+        self.store.begin_strand(&strand, self.settings.max_lost_runs).await?;
+        let guard = self.running.join(strand.job);
+        let begin = Instant::now();
+        let mut ended: Option<(PointClaim, PointResult)> = None;
+        loop {
+            let next = self.advance(&strand, ended.as_ref(), ticket).await?;
+            let point = match next {
+                Some(Next::Point(point)) => point,
+                Some(Next::Nothing) => return Ok(Delivered::Done),
+                Some(Next::Ended | Next::Cancelled) => {
+                    self.running.ended(strand.job);
+                    return Ok(Delivered::Done);
+                }
+                // The process stops while the database refuses: the point is computed again.
+                None => return Ok(Delivered::HandedBack),
+            };
+            match self.point(&strand, &study, point, &guard.run, ticket).await? {
+                Computed::Ended(result) => ended = Some((point, result)),
+                Computed::Stopped => {
+                    self.store.give_back(&strand, point).await?;
+                    if guard.run.stopped() != Some(StopReason::Cancelled) {
+                        return Ok(Delivered::HandedBack);
+                    }
+                    // The next step finds the request to cancel, and ends the study.
+                    ended = None;
+                }
+            }
+            if let Some(end) = &ended
+                && self.gives_way(begin).await?
+            {
+                let mut next = self.advance(&strand, Some(end), ticket).await?;
+                if let Some(Next::Point(point)) = next {
+                    self.store.give_back(&strand, point).await?;
+                    next = None;
+                }
+                if matches!(next, Some(Next::Ended | Next::Cancelled)) {
+                    self.running.ended(strand.job);
+                }
+                return Ok(if next.is_some() { Delivered::Done } else { Delivered::Later });
+            }
+        }
+    }
+
+    /// Whether jobs wait that go before studies, or others of the same rank for long enough.
+    async fn gives_way(&self, begin: Instant) -> Result<bool, JobError> {
+        let (before, any) = self.store.others_wait().await?;
+        Ok(before || any && begin.elapsed() > SLICE)
+    }
+
+    /// Writes an end and takes the next point, again and again while the database refuses; `None` once the process stops.
+    async fn advance(
+        &self,
+        strand: &Strand,
+        ended: Option<&(PointClaim, PointResult)>,
+        ticket: &Ticket,
+    ) -> Result<Option<Next>, JobError> {
+        let mut pause = Duration::from_millis(100);
+        loop {
+            let ended = ended.map(|(point, result)| (*point, result));
+            match self.store.advance(strand, ended, self.settings.keep_s).await {
+                Ok(next) => return Ok(Some(next)),
+                Err(error) => tracing::error!(%error, job = %strand.job, "a point could not be written; trying again"),
+            }
+            tokio::select! {
+                () = tokio::time::sleep(pause) => {}
+                () = ticket.stopping() => return Ok(None),
+            }
+            pause = (2 * pause).min(Duration::from_secs(5));
+        }
+    }
+
+    async fn point(
+        &self,
+        strand: &Strand,
+        study: &Arc<Study>,
+        point: PointClaim,
+        run: &Arc<Run>,
+        ticket: &Ticket,
+    ) -> Result<Computed, JobError> {
+        let job = study.point(point.number);
+        let hash = job.as_ref().ok().map(content_hash);
+        if study.reuses()
+            && let Some(hash) = &hash
+            && let Some(metrics) = self.store.known(&strand.owner, hash).await?
+        {
+            let end = PointEnd::Succeeded(metrics);
+            return Ok(Computed::Ended(PointResult { end, reused: true, content_hash: Some(hash.clone()) }));
+        }
+        let mut solved = self.point_thread(Arc::clone(study), point.number, Arc::clone(run));
+        let end = loop {
+            tokio::select! {
+                end = &mut solved => break end,
+                () = ticket.stopping(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
+            }
+        };
+        Ok(match end {
+            Ok(Some(end)) => Computed::Ended(PointResult { end, reused: false, content_hash: hash }),
+            Ok(None) => Computed::Stopped,
+            // The thread panicked; what it said is in the log.
+            Err(_) => {
+                let detail = "the simulation broke off by an error in the service".to_owned();
+                let error = PointError { cause: INTERNAL.to_owned(), detail, errors: Vec::new() };
+                Computed::Ended(PointResult { end: PointEnd::Failed(error), reused: false, content_hash: None })
+            }
+        })
+    }
+
+    /// Simulates a point on a thread of its own; `None`: told to stop.
+    fn point_thread(&self, study: Arc<Study>, point: usize, run: Arc<Run>) -> oneshot::Receiver<Option<PointEnd>> {
+        let (simulator, limit) = (Arc::clone(&self.simulator), self.settings.time_limit);
+        self.on_solver_thread(move || {
+            let begin = Instant::now();
+            let over = || begin.elapsed() > limit;
+            let stop = || over() || run.stopped().is_some();
+            let simulate = |job: &Job| simulator(job, &Control { stop: &stop, progress: &|_| () });
+            let end = execute_point(&study, point, &simulate);
+            if end.is_none() && run.stopped().is_none() && over() {
+                return Some(PointEnd::Failed(PointError {
+                    cause: TIME_LIMIT.to_owned(),
+                    detail: stop_after(limit),
+                    errors: Vec::new(),
+                }));
+            }
+            end
+        })
+    }
+}
