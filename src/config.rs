@@ -32,6 +32,8 @@ pub enum Command {
     Accuracy(AccuracyOptions),
     /// Run a study: a scene over a grid of values, as table, CSV and plots
     Study(StudyOptions),
+    /// Make the article's figures again, each beside what the article says of it, and judge them
+    Article(ArticleOptions),
     /// Print the OpenAPI document
     Openapi,
     /// Ask a running service whether it takes jobs; the exit status tells
@@ -89,6 +91,19 @@ pub struct StudyOptions {
     #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub workers: Option<u16>,
     /// Neither estimate nor progress on stderr
+    #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ArticleOptions {
+    /// This figure alone, 5 to 16
+    #[arg(long, value_name = "N")]
+    pub figure: Option<u32>,
+    /// Directory for ARTICLE.md and plots/article
+    #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
+    pub output: PathBuf,
+    /// No progress on stderr
     #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
     pub quiet: bool,
 }

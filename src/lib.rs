@@ -5,6 +5,8 @@
 
 /// The HTTP service.
 pub mod api;
+/// The figures of the article whose system this is, made again and judged.
+pub mod article;
 /// What the program does when it is called: serve, simulate, demonstrate.
 pub mod commands;
 /// Settings from command line and environment.

@@ -1,6 +1,7 @@
 //! What the program does when it is called, one command a file. Above all other rooms.
 
 pub mod accuracy;
+pub mod article;
 /// Asks a service over HTTP.
 mod client;
 pub mod demo;
@@ -49,6 +50,7 @@ pub fn run(cli: Cli) -> Ended {
         Command::Simulate(options) => simulate::run(&options),
         Command::Accuracy(options) => accuracy::run(&options),
         Command::Study(options) => study::run(&options),
+        Command::Article(options) => article::run(&options),
         Command::Openapi => {
             print!("{}", crate::api::document_text());
             Ended::Well

@@ -6,12 +6,16 @@ use std::path::Path;
 use super::local::{self, Directory, badly, json};
 use super::{Ended, accuracy};
 use crate::config::SimulateOptions;
-use crate::contract::{self, Outcome, Simulated, SpectrumKind};
+use crate::contract::{self, JobKind, Outcome, Simulated, SpectrumKind};
 use crate::render;
 
 /// Runs the job and prints its metrics.
 pub fn run(options: &SimulateOptions) -> Ended {
     local::read(&options.job, contract::parse_job_or_scene)
+        .and_then(|job| match job.kind {
+            JobKind::Study => Err(local::refused("a job of kind `study`: run it with `raceway study`")),
+            _ => Ok(job),
+        })
         .and_then(|job| local::execute(&job, options.quiet))
         .map_or_else(|ended| ended, |outcome| finish(&outcome, options.output.as_deref()))
 }

@@ -19,8 +19,7 @@ pub fn run(options: &StudyOptions) -> Ended {
         Err(ended) => return ended,
     };
     let Some(study) = &job.study else { return badly("the job was no study") };
-    let workers =
-        options.workers.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let workers = options.workers.map_or_else(cores, usize::from);
     let answer = table_of(&job, study, workers, options.quiet);
     let mut stdout = std::io::stdout().lock();
     if let Err(error) = write!(stdout, "{}", table::study(&answer)) {
@@ -31,6 +30,11 @@ pub fn run(options: &StudyOptions) -> Ended {
         Ok(()) if answer.succeeded == 0 => badly("no point succeeded"),
         Ok(()) => Ended::Well,
     }
+}
+
+/// Points at a time where nobody says.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Runs all points, so many at a time.

@@ -43,7 +43,7 @@ pub use execute::{Outcome, RunFailure, Simulated, execute, execute_point};
 pub use job::{
     Job, JobKind, parse_accuracy_request, parse_job, parse_job_or_scene, parse_scene_request, parse_study_request,
 };
-pub use metrics::Metrics;
+pub use metrics::{LineAnswer, Metrics};
 pub use presets::presets_answer;
 pub use problem::{FieldError, Refusal};
 pub use resolve::{ResolveAnswer, resolve_answer};

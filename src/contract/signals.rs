@@ -42,6 +42,10 @@ pub enum SpectrumKind {
 }
 
 impl SpectrumAnswer {
+    pub fn is_amplitude(&self) -> bool {
+        self.kind == SpectrumKind::Amplitude
+    }
+
     pub fn of(channel: Channel, kind: SpectrumKind, spectrum: &Spectrum, solver: &SolverReport) -> Self {
         let mean_step = solver.statistics.advanced / solver.statistics.steps.max(1) as f64;
         Self {

@@ -1,0 +1,184 @@
+//! Statements about a trend, and whether a table shows them.
+
+use serde_json::Value;
+
+use crate::contract::TableAnswer;
+use crate::study::{Goal, best, trend};
+
+/// What is said of a metric over the varied quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Claim {
+    /// Falls, then rises, and is least between two values.
+    LeastWithin(f64, f64),
+    /// Rises all along.
+    Rises,
+}
+
+/// How much of a statement was seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    NotShown,
+    InPart,
+    Shown,
+}
+
+impl Verdict {
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Shown => "shown",
+            Self::InPart => "shown in part",
+            Self::NotShown => "not shown",
+        }
+    }
+
+    /// Of several statements together.
+    pub fn of_all(all: &[Self]) -> Self {
+        match (all.iter().min(), all.iter().max()) {
+            (Some(Self::Shown), _) => Self::Shown,
+            (_, Some(Self::NotShown)) | (None, _) => Self::NotShown,
+            _ => Self::InPart,
+        }
+    }
+}
+
+/// A verdict with what was seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    pub name: &'static str,
+    pub verdict: Verdict,
+    pub seen: String,
+}
+
+/// Metrics that the article shows: name, pointer, unit, digits.
+pub const SHOWN: [(&str, &str, &str, usize); 4] = [
+    ("velocity, rms, Y", "/channels/spindle.y.velocity/rms", "mm/s", 3),
+    ("velocity, rms, Z", "/channels/spindle.z.velocity/rms", "mm/s", 3),
+    ("acceleration level, Y", "/channels/spindle.y.acceleration/level_db", "dB", 2),
+    ("acceleration level, Z", "/channels/spindle.z.acceleration/level_db", "dB", 2),
+];
+
+/// Rank correlation from which on a metric counts as rising all along, and as mostly rising.
+const RISES: f64 = 0.98;
+const MOSTLY: f64 = 0.7;
+
+/// What the table of a study over one axis says of a statement, metric by metric.
+pub fn judged(table: &TableAnswer, claim: Claim) -> Vec<Finding> {
+    SHOWN.iter().map(|&(name, pointer, unit, digits)| judged_metric(table, claim, name, pointer, unit, digits)).collect()
+}
+
+fn judged_metric(
+    table: &TableAnswer,
+    claim: Claim,
+    name: &'static str,
+    pointer: &str,
+    unit: &str,
+    digits: usize,
+) -> Finding {
+    let column = table.column(pointer);
+    let axis: Vec<f64> = table.axes.first().map(|axis| axis.values.iter().filter_map(Value::as_f64).collect()).unwrap_or_default();
+    let (Some(least), Some(seen)) = (best(&column, Goal::Least), trend(&column)) else {
+        return Finding { name, verdict: Verdict::NotShown, seen: "too few points succeeded".into() };
+    };
+    let value = |point: usize| column.get(point).copied().flatten().map_or(f64::NAN, |value| value.0);
+    let known: Vec<usize> = (0..column.len()).filter(|point| column[*point].is_some()).collect();
+    let (first, last) = (known[0], known[known.len() - 1]);
+    let ends = format!("{:.digits$} {unit} at {} to {:.digits$} at {}", value(first), axis[first], value(last), axis[last]);
+    let error = seen.error.map_or("of unknown error".to_owned(), |error| format!("± {error:.1e}"));
+    let unresolved = seen.is_resolved() == Some(false);
+    let (verdict, words) = match claim {
+        Claim::Rises => {
+            let words = format!("rank correlation {:+.2}", seen.monotony);
+            let verdict = match seen.monotony {
+                RISES.. => Verdict::Shown,
+                MOSTLY.. => Verdict::InPart,
+                _ => Verdict::NotShown,
+            };
+            (verdict, words)
+        }
+        Claim::LeastWithin(from, to) => {
+            let part = |points: &[usize]| trend(&points.iter().map(|point| column[*point]).collect::<Vec<_>>());
+            let (before, after): (Vec<usize>, Vec<usize>) = known.iter().partition(|point| **point <= least.point);
+            let after: Vec<usize> = std::iter::once(least.point).chain(after).collect();
+            let falls = part(&before).is_some_and(|trend| trend.monotony < -MOSTLY);
+            let rises = part(&after).is_some_and(|trend| trend.monotony > MOSTLY);
+            let as_good: Vec<f64> = least.as_good.iter().map(|point| axis[*point]).collect();
+            let (low, high) = (as_good.iter().copied().fold(f64::INFINITY, f64::min), as_good.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+            let within = as_good.iter().any(|value| (from..=to).contains(value));
+            let place = if low < high { format!("{low} … {high}") } else { format!("{low}") };
+            let shape = match (falls, rises) {
+                (true, true) => "falls, then rises",
+                (true, false) => "falls",
+                (false, true) => "rises",
+                (false, false) => "neither falls nor rises throughout",
+            };
+            let verdict = match (falls && rises, within) {
+                (true, true) => Verdict::Shown,
+                (false, false) => Verdict::NotShown,
+                _ => Verdict::InPart,
+            };
+            (verdict, format!("{shape}; least at {place}"))
+        }
+    };
+    let resolved = if unresolved { "; the trend is not resolved beyond its error" } else { "" };
+    Finding {
+        name,
+        verdict: if unresolved { Verdict::NotShown } else { verdict },
+        seen: format!("{ends}; {words}; span {:.digits$} {unit} {error}{resolved}", seen.span),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::contract::{PointEnd, Row, parse_job};
+
+    /// A study of the spindle's mass with these levels, each with its error.
+    fn table(levels: &[f64], error: f64) -> TableAnswer {
+        let masses: Vec<f64> = (0..levels.len()).map(|i| 0.05 + 0.01 * i as f64).collect();
+        let request = json!({
+            "kind": "study", "axes": [{ "path": "/spindle/mass_kg", "values": masses }],
+            "scene": { "bearing": "608", "operation": { "speed_rpm": 3000 } },
+        });
+        let study = parse_job(request.to_string().as_bytes()).unwrap().study.unwrap();
+        let row = |(point, level): (usize, &f64)| {
+            let metrics = json!({
+                "channels": { "spindle.y.acceleration": { "level_db": level } },
+                "accuracy": { "level_error_db": error }
+            });
+            Row::queued(&study, point).ended(PointEnd::Succeeded(metrics))
+        };
+        TableAnswer::of(&study, levels.iter().enumerate().map(row).collect())
+    }
+
+    fn verdict(levels: &[f64], error: f64, claim: Claim) -> Verdict {
+        judged(&table(levels, error), claim)[2].verdict
+    }
+
+    #[test]
+    fn a_valley_is_told_by_its_shape_and_its_place() {
+        let valley = [64.0, 62.0, 60.0, 61.0, 63.0];
+        assert_eq!(verdict(&valley, 0.1, Claim::LeastWithin(0.065, 0.075)), Verdict::Shown);
+        assert_eq!(verdict(&valley, 0.1, Claim::LeastWithin(0.055, 0.061)), Verdict::InPart);
+        assert_eq!(verdict(&[60.0, 61.0, 62.0, 63.0], 0.1, Claim::LeastWithin(0.065, 0.075)), Verdict::NotShown);
+        // No better known than a tenth of the valley.
+        assert_eq!(verdict(&valley, 0.5, Claim::LeastWithin(0.065, 0.075)), Verdict::NotShown);
+    }
+
+    #[test]
+    fn a_rise_is_told_by_its_ranks() {
+        assert_eq!(verdict(&[60.0, 61.0, 62.0, 63.0], 0.1, Claim::Rises), Verdict::Shown);
+        assert_eq!(verdict(&[60.0, 62.0, 61.0, 63.0, 64.0], 0.1, Claim::Rises), Verdict::InPart);
+        assert_eq!(verdict(&[63.0, 62.0, 61.0], 0.1, Claim::Rises), Verdict::NotShown);
+    }
+
+    #[test]
+    fn several_verdicts_make_one() {
+        use Verdict::{InPart, NotShown, Shown};
+        assert_eq!(Verdict::of_all(&[Shown, Shown]), Shown);
+        assert_eq!(Verdict::of_all(&[Shown, NotShown]), InPart);
+        assert_eq!(Verdict::of_all(&[NotShown, NotShown]), NotShown);
+        assert_eq!(Verdict::of_all(&[]), NotShown);
+    }
+}

@@ -1,0 +1,10 @@
+//! The article's figures made again, each beside what the article says of it, and judged by what an honest run shows. Knows what to
+//! run and how to read it; runs nothing itself.
+
+mod claims;
+mod figures;
+mod report;
+
+pub use claims::{Claim, Finding, Verdict};
+pub use figures::{Compared, Figure, Lines, Subject, figures};
+pub use report::{Evidence, document, pictures};

@@ -1,0 +1,153 @@
+//! The report: each figure with its plot, its statement, what was seen and the verdict.
+
+use std::fmt::Write;
+
+use super::claims::{Finding, SHOWN, Verdict, judged};
+use super::figures::{Compared, Figure, Lines, Subject};
+use crate::contract::{LineAnswer, Metrics, Simulated, TableAnswer};
+use crate::render;
+
+/// What the runs of a figure have left.
+pub enum Evidence {
+    Run(Box<Simulated>),
+    Runs(Box<[Simulated; 2]>),
+    Study(Box<TableAnswer>),
+    Studies(Box<[TableAnswer; 2]>),
+}
+
+/// Names and texts of the plots of a figure.
+pub fn pictures(figure: &Figure, evidence: &Evidence) -> Vec<(String, String)> {
+    let name = |part: &str| format!("figure-{}{part}.svg", figure.number);
+    match evidence {
+        Evidence::Run(run) => vec![(name(""), render::series(&run.series))],
+        Evidence::Runs(runs) => {
+            let spectrum = |run: &Simulated| {
+                let amplitudes: Vec<_> = run.spectra.iter().filter(|s| s.is_amplitude()).cloned().collect();
+                render::spectra(&run.metrics, &amplitudes)
+            };
+            vec![(name(""), spectrum(&runs[0])), (name("-unbalanced"), spectrum(&runs[1]))]
+        }
+        Evidence::Study(table) => render::trend(table).map(|svg| (name(""), svg)).into_iter().collect(),
+        Evidence::Studies(tables) => {
+            let titles = ["-integrated", "-deep-groove"];
+            tables.iter().zip(titles).filter_map(|(table, part)| Some((name(part), render::trend(table)?))).collect()
+        }
+    }
+}
+
+/// The whole report, in Markdown; plots in a folder beside it.
+pub fn document(all: &[(Figure, Evidence)], folder: &str) -> String {
+    let mut text = HEAD.to_owned();
+    let mut rows = String::new();
+    let mut sections = String::new();
+    for (figure, evidence) in all {
+        let (verdict, findings) = findings(figure, evidence);
+        let word = verdict.map_or("to look at", Verdict::words);
+        let _ = writeln!(rows, "| {} | {} | **{word}** |", figure.title, figure.says);
+        let _ = write!(sections, "\n## {}\n\n*The article:* {}\n\n", figure.title, figure.says);
+        for (file, _) in pictures(figure, evidence) {
+            let _ = writeln!(sections, "![{}]({folder}/{file})\n", figure.title);
+        }
+        for finding in findings {
+            let _ = writeln!(sections, "- {}: {} – {}", finding.name, finding.seen, finding.verdict.words());
+        }
+        let _ = writeln!(sections, "\n*Verdict:* **{word}**. {}", figure.remark);
+    }
+    let _ = write!(text, "| figure | the article | seen here |\n|---|---|---|\n{rows}{sections}");
+    text
+}
+
+const HEAD: &str = "\
+# The article, made again and judged
+
+Figures and Table 4 of Zhi, Zhai, Wen and Li, *Appl. Sci.* 2025, 15(1), 98, from runs of this program; each beside what the article says of it. Written by `raceway article --output docs`: no number is put in by hand, \
+and nothing was tuned until a statement appeared. What the article does not give (spindle mass 50 g, clearance 5 µm, damping, traction, lubricant, cage mass) is that of the preset `article-integrated` ([PARAMETERS.md](PARAMETERS.md#presets)); other values can give other trends. \
+Each value comes with its estimated error. A trend counts as resolved where no point is wrong by more than a tenth of its span; one that is not resolved is not shown. *Rises* and *falls* are told by the correlation of ranks: 0.98 and more all along, 0.7 and more mostly. Figures 17 and 18 (finite elements) and the robustness of each statement against what is not given are not in this version.
+
+";
+
+/// Verdict and findings; no verdict where the article says nothing that could be seen.
+fn findings(figure: &Figure, evidence: &Evidence) -> (Option<Verdict>, Vec<Finding>) {
+    let findings = match (&figure.subject, evidence) {
+        (Subject::Trend { claim, .. }, Evidence::Study(table)) => judged(table, *claim),
+        (Subject::Spectrum(lines), Evidence::Runs(runs)) => spectrum(lines, &runs[0].metrics, &runs[1].metrics),
+        (Subject::Comparison(Compared { .. }), Evidence::Studies(tables)) => comparison(&tables[0], &tables[1]),
+        _ => Vec::new(),
+    };
+    let verdicts: Vec<Verdict> = findings.iter().map(|finding| finding.verdict).collect();
+    ((!findings.is_empty()).then(|| Verdict::of_all(&verdicts)), findings)
+}
+
+/// How near a line has to be to the frequency that is said, as a share of it.
+const NEAR: f64 = 0.01;
+
+/// The strongest line near a frequency.
+fn nearest(metrics: &Metrics, frequency: f64) -> Option<&LineAnswer> {
+    let near = |line: &&LineAnswer| (line.frequency_hz / frequency - 1.0).abs() < NEAR;
+    metrics.lines.iter().flatten().filter(near).max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
+}
+
+fn spectrum(lines: &Lines, balanced: &Metrics, unbalanced: &Metrics) -> Vec<Finding> {
+    let told = |line: Option<&LineAnswer>| {
+        line.map_or("no line".to_owned(), |line| {
+            let label = if line.label.is_empty() { "unnamed" } else { &line.label };
+            format!("{:.1} Hz, {:.3} m/s² ({label}, {})", line.frequency_hz, line.amplitude, line.channel)
+        })
+    };
+    let one = |&(frequency, name): &(f64, &'static str)| {
+        let (here, there) = (nearest(balanced, frequency), nearest(unbalanced, frequency));
+        let verdict = match (here, there) {
+            (Some(_), _) => Verdict::Shown,
+            (None, Some(_)) => Verdict::InPart,
+            (None, None) => Verdict::NotShown,
+        };
+        Finding { name, verdict, seen: format!("{frequency:.0} Hz: {}; with G 6.3: {}", told(here), told(there)) }
+    };
+    let strongest = |metrics: &Metrics| {
+        let mut all: Vec<&LineAnswer> = metrics.lines.iter().flatten().collect();
+        all.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+        all.iter().take(4).map(|line| told(Some(line))).collect::<Vec<_>>().join("; ")
+    };
+    let mut findings: Vec<Finding> = lines.said.iter().map(one).collect();
+    if let Some(last) = findings.last_mut() {
+        last.seen += &format!(". The strongest lines here: {}", strongest(balanced));
+    }
+    findings
+}
+
+/// Correlation of two curves from which on they go the same way.
+const ALIKE: f64 = 0.9;
+
+fn comparison(integrated: &TableAnswer, deep_groove: &TableAnswer) -> Vec<Finding> {
+    let one = |&(name, pointer, unit, digits): &(&'static str, &str, &str, usize)| {
+        let both: Vec<(f64, f64)> = integrated
+            .column(pointer)
+            .into_iter()
+            .zip(deep_groove.column(pointer))
+            .filter_map(|(a, b)| Some((a?.0, b?.0)))
+            .collect();
+        let lower = both.iter().filter(|(a, b)| a < b).count();
+        let mean = both.iter().map(|(a, b)| b - a).sum::<f64>() / both.len().max(1) as f64;
+        let alike = correlation(&both);
+        let verdict = match (alike > ALIKE, 2 * lower > both.len()) {
+            (true, true) if lower == both.len() => Verdict::Shown,
+            (false, false) => Verdict::NotShown,
+            _ => Verdict::InPart,
+        };
+        let seen = format!(
+            "correlation over the speeds {alike:.2}; the integrated one is lower at {lower} of {} speeds, by {mean:.digits$} {unit} in the mean",
+            both.len()
+        );
+        Finding { name, verdict, seen }
+    };
+    SHOWN.iter().map(one).collect()
+}
+
+/// Pearson's, of pairs; 0 where one stands still.
+fn correlation(pairs: &[(f64, f64)]) -> f64 {
+    let n = pairs.len().max(1) as f64;
+    let (x, y) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
+    let sum = |f: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|p| f(p.0 - x, p.1 - y)).sum::<f64>();
+    let scale = (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt();
+    if scale > 0.0 { sum(&|a, b| a * b) / scale } else { 0.0 }
+}
