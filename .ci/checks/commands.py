@@ -30,6 +30,20 @@ refused = raceway("simulate", "-", stdin=json.dumps(short | {"duration_s": -1}))
 check(refused.returncode == 2 and refused.stdout == "", "a refused job ends with 2 and an empty stdout")
 check(json.loads(refused.stderr)["errors"][0]["pointer"] == "/duration_s", "the problem names the field")
 check(raceway("simulate", "no-such-file.json").returncode == 2, "a missing file ends with 2")
+varied = ARTICLE | {"kind": "study", "settle_s": 0.01, "duration_s": 0.05,
+                    "axes": [{"path": "/spindle/mass_kg", "values": [0.05, 0.1, -1]}]}
+with tempfile.TemporaryDirectory() as directory:
+    done = raceway("study", "-", "--output", directory, stdin=json.dumps(varied))
+    check(done.returncode == 0 and "best acceleration level, Y" in done.stdout, "study prints a table with the best points")
+    check("failed: invalid: /scene/spindle/mass_kg" in done.stdout, "and why a point has none")
+    check({"table.json", "table.csv", "trend.svg"} == set(os.listdir(directory)), "and writes its files")
+check(raceway("simulate", "-", stdin=json.dumps(varied)).returncode == 2, "simulate does not take a study")
+with tempfile.TemporaryDirectory() as directory:
+    done = raceway("article", "--figure", "14", "--quiet", "--output", directory)
+    check(done.returncode == 0 and done.stdout == "" and done.stderr == "", "a figure of the article is made again")
+    with open(os.path.join(directory, "ARTICLE.md"), encoding="utf-8") as report:
+        check("radial load" in report.read(), "its report is written")
+    check(os.listdir(os.path.join(directory, "plots", "article")) == ["figure-14.svg"], "and its plot")
 study = {"scene": ARTICLE["scene"], "settle_s": 0.001, "duration_s": 0.002, "methods": ["dormand_prince"],
          "relative_tolerances": [1e-3, 1e-5]}
 with tempfile.TemporaryDirectory() as directory:

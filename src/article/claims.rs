@@ -63,7 +63,10 @@ const MOSTLY: f64 = 0.7;
 
 /// What the table of a study over one axis says of a statement, metric by metric.
 pub fn judged(table: &TableAnswer, claim: Claim) -> Vec<Finding> {
-    SHOWN.iter().map(|&(name, pointer, unit, digits)| judged_metric(table, claim, name, pointer, unit, digits)).collect()
+    SHOWN
+        .iter()
+        .map(|&(name, pointer, unit, digits)| judged_metric(table, claim, name, pointer, unit, digits))
+        .collect()
 }
 
 fn judged_metric(
@@ -75,14 +78,16 @@ fn judged_metric(
     digits: usize,
 ) -> Finding {
     let column = table.column(pointer);
-    let axis: Vec<f64> = table.axes.first().map(|axis| axis.values.iter().filter_map(Value::as_f64).collect()).unwrap_or_default();
+    let axis: Vec<f64> =
+        table.axes.first().map(|axis| axis.values.iter().filter_map(Value::as_f64).collect()).unwrap_or_default();
     let (Some(least), Some(seen)) = (best(&column, Goal::Least), trend(&column)) else {
         return Finding { name, verdict: Verdict::NotShown, seen: "too few points succeeded".into() };
     };
     let value = |point: usize| column.get(point).copied().flatten().map_or(f64::NAN, |value| value.0);
     let known: Vec<usize> = (0..column.len()).filter(|point| column[*point].is_some()).collect();
     let (first, last) = (known[0], known[known.len() - 1]);
-    let ends = format!("{:.digits$} {unit} at {} to {:.digits$} at {}", value(first), axis[first], value(last), axis[last]);
+    let ends =
+        format!("{:.digits$} {unit} at {} to {:.digits$} at {}", value(first), axis[first], value(last), axis[last]);
     let error = seen.error.map_or("of unknown error".to_owned(), |error| format!("± {error:.1e}"));
     let unresolved = seen.is_resolved() == Some(false);
     let (verdict, words) = match claim {
@@ -102,14 +107,21 @@ fn judged_metric(
             let falls = part(&before).is_some_and(|trend| trend.monotony < -MOSTLY);
             let rises = part(&after).is_some_and(|trend| trend.monotony > MOSTLY);
             let as_good: Vec<f64> = least.as_good.iter().map(|point| axis[*point]).collect();
-            let (low, high) = (as_good.iter().copied().fold(f64::INFINITY, f64::min), as_good.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+            let (low, high) = (
+                as_good.iter().copied().fold(f64::INFINITY, f64::min),
+                as_good.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            );
             let within = as_good.iter().any(|value| (from..=to).contains(value));
             let place = if low < high { format!("{low} … {high}") } else { format!("{low}") };
-            let shape = match (falls, rises) {
-                (true, true) => "falls, then rises",
-                (true, false) => "falls",
-                (false, true) => "rises",
-                (false, false) => "neither falls nor rises throughout",
+            let shape = match (least.point == first, least.point == last) {
+                (true, _) if rises => "rises from the first point on",
+                (true, _) => "no valley",
+                (_, true) if falls => "falls to the last point",
+                (_, true) => "no valley",
+                _ if falls && rises => "falls, then rises",
+                _ if falls => "falls to the least value, and does not steadily rise after it",
+                _ if rises => "does not steadily fall to the least value, and rises after it",
+                _ => "neither steadily falls to the least value nor rises after it",
             };
             let verdict = match (falls && rises, within) {
                 (true, true) => Verdict::Shown,
