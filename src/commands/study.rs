@@ -58,7 +58,7 @@ fn run_all(study: &Study, workers: usize, progress: &dyn Fn(f64)) -> Vec<Row> {
                         return;
                     }
                     let simulate = |job: &Job| contract::execute(job, &Control { stop: &|| false, progress: &|_| () });
-                    let end = contract::execute_point(study, point, &simulate);
+                    let end = contract::execute_point(study.point(point), &simulate);
                     let mut rows = rows.lock().unwrap_or_else(PoisonError::into_inner);
                     if let (Some(end), Some(row)) = (end, rows.get_mut(point)) {
                         *row = row.clone().ended(end);

@@ -5,8 +5,8 @@ use serde_json::Value;
 
 use super::job::{Job, JobKind};
 use super::metrics::Metrics;
+use super::problem::Refusal;
 use super::signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
-use super::study::Study;
 use super::table::PointEnd;
 use super::work_precision::WorkPrecisionAnswer;
 use crate::numerics::ode::IntegrationError;
@@ -67,13 +67,12 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
     }
 }
 
-/// Does one point of a study with what simulates jobs; `None`: told to stop.
+/// Does one point of a study, from `Study::point`, with what simulates jobs; `None`: told to stop.
 pub fn execute_point(
-    study: &Study,
-    point: usize,
+    job: Result<Job, Refusal>,
     simulate: &dyn Fn(&Job) -> Result<Outcome, RunFailure>,
 ) -> Option<PointEnd> {
-    let outcome = match study.point(point) {
+    let outcome = match job {
         Ok(job) => simulate(&job),
         Err(refusal) => return Some(PointEnd::Failed(refusal.into())),
     };

@@ -45,6 +45,10 @@ pub struct ResolveAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub repetitions: Option<u32>,
+    /// Of a study: points of its grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub points: Option<u64>,
     /// Pointers, from the root of a job, to the fields that were left to their default.
     #[schema(example = json!(["/scene/spindle/mass_kg"]))]
     pub defaults: Vec<String>,
@@ -102,14 +106,18 @@ pub struct StaticAnswer {
 pub struct CostAnswer {
     /// Number of first-order states on the last of `rungs`.
     pub states: u64,
-    /// Order of magnitude, on one core [s]: in ordinary scenes within a factor of ten, mostly of three; of the first of `rungs`: where
-    /// its check fails, the dynamics take up to a hundred times as long. What happens later in
+    /// Order of magnitude, on one core [s]: in ordinary scenes within a factor of ten, mostly of three; of the first of `rungs`; of
+    /// one point of a study. What happens later in
     /// the run is not foreseen: chaos and impacts may double it, and slip that saturates early (`coulomb` over 1e-5 m/s)
     /// takes ten to a hundred times as long, `radau` and `fine_abm` at loose tolerances most. Absent where the run has
     /// no equilibrium to start from.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub estimated_wall_time_s: Option<f64>,
+    /// The same where no reduced rung is confirmed, and the last of `rungs` makes the result [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub most_wall_time_s: Option<f64>,
 }
 
 /// Resolves a checked job.
@@ -130,6 +138,7 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
         methods: plan.map(|plan| plan.methods.iter().map(|method| method.name().to_owned()).collect()),
         relative_tolerances: plan.map(|plan| plan.relative_tolerances.clone()),
         repetitions: plan.map(|plan| plan.repetitions),
+        points: job.study.as_ref().map(|study| study.points as u64),
         defaults: job.resolved.defaults.clone(),
         rungs: job.rungs.iter().map(|rung| rung.name().to_owned()).collect(),
         left_out: left_out.iter().map(LeftOutAnswer::from).collect(),

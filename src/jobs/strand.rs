@@ -12,7 +12,7 @@ use super::running::{Run, StopReason};
 use super::store::studies::{Next, PointClaim, PointResult, Strand};
 use super::worker::{Worker, stop_after};
 use crate::contract::table::PointError;
-use crate::contract::{self, Job, PointEnd, Study, execute_point};
+use crate::contract::{self, Job, PointEnd, Refusal, Study, execute_point};
 use crate::simulation::run::Control;
 
 /// How long a strand keeps its place while others of its kind wait.
@@ -32,7 +32,6 @@ impl Worker {
         let Some(study) = contract::parse_job(strand.request.as_bytes()).ok().and_then(|job| job.study) else {
             return Err(JobError::Corrupt(format!("the request of study {}", strand.job)));
         };
-        let study = Arc::new(study);
         self.store.begin_strand(&strand, self.settings.max_lost_runs).await?;
         let guard = self.running.join(strand.job);
         let begin = Instant::now();
@@ -107,7 +106,7 @@ impl Worker {
     async fn point(
         &self,
         strand: &Strand,
-        study: &Arc<Study>,
+        study: &Study,
         point: PointClaim,
         run: &Arc<Run>,
         ticket: &Ticket,
@@ -121,7 +120,7 @@ impl Worker {
             let end = PointEnd::Succeeded(metrics);
             return Ok(Computed::Ended(PointResult { end, reused: true, content_hash: Some(hash.clone()) }));
         }
-        let mut solved = self.point_thread(Arc::clone(study), point.number, Arc::clone(run));
+        let mut solved = self.point_thread(job, Arc::clone(run));
         let end = loop {
             tokio::select! {
                 end = &mut solved => break end,
@@ -141,14 +140,14 @@ impl Worker {
     }
 
     /// Simulates a point on a thread of its own; `None`: told to stop.
-    fn point_thread(&self, study: Arc<Study>, point: usize, run: Arc<Run>) -> oneshot::Receiver<Option<PointEnd>> {
+    fn point_thread(&self, job: Result<Job, Refusal>, run: Arc<Run>) -> oneshot::Receiver<Option<PointEnd>> {
         let (simulator, limit) = (Arc::clone(&self.simulator), self.settings.time_limit);
         self.on_solver_thread(move || {
             let begin = Instant::now();
             let over = || begin.elapsed() > limit;
             let stop = || over() || run.stopped().is_some();
             let simulate = |job: &Job| simulator(job, &Control { stop: &stop, progress: &|_| () });
-            let end = execute_point(&study, point, &simulate);
+            let end = execute_point(job, &simulate);
             if end.is_none() && run.stopped().is_none() && over() {
                 return Some(PointEnd::Failed(PointError {
                     cause: TIME_LIMIT.to_owned(),
