@@ -50,17 +50,19 @@ impl Worker {
             };
             match self.point(&strand, &study, point, &guard.run, ticket).await? {
                 Computed::Ended(result) => ended = Some((point, result)),
+                Computed::Stopped if guard.run.stopped() == Some(StopReason::Cancelled) => {
+                    // Here and not by what stands in the record: a full disk may have refused the note of it.
+                    self.store.cancel_study(&strand, self.settings.keep_s).await?;
+                    self.running.ended(strand.job);
+                    return Ok(Delivered::Done);
+                }
                 Computed::Stopped => {
                     self.store.give_back(&strand, point).await?;
-                    if guard.run.stopped() != Some(StopReason::Cancelled) {
-                        return Ok(Delivered::HandedBack);
-                    }
-                    // The next step finds the request to cancel, and ends the study.
-                    ended = None;
+                    return Ok(Delivered::HandedBack);
                 }
             }
             if let Some(end) = &ended
-                && self.gives_way(begin).await?
+                && self.gives_way(begin).await
             {
                 let mut next = self.advance(&strand, Some(end), ticket).await?;
                 if let Some(Next::Point(point)) = next {
@@ -76,9 +78,10 @@ impl Worker {
     }
 
     /// Whether jobs wait that go before studies, or others of the same rank for long enough.
-    async fn gives_way(&self, begin: Instant) -> Result<bool, JobError> {
-        let (before, any) = self.store.others_wait().await?;
-        Ok(before || any && begin.elapsed() > SLICE)
+    async fn gives_way(&self, begin: Instant) -> bool {
+        // Who waits is no reason to lose what has been computed.
+        let (before, any) = self.store.others_wait().await.unwrap_or_default();
+        before || any && begin.elapsed() > SLICE
     }
 
     /// Writes an end and takes the next point, again and again while the database refuses; `None` once the process stops.

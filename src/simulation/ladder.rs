@@ -47,6 +47,7 @@ const CHECK_SHARE: f64 = 0.1;
 const LONGER: f64 = 4.0;
 /// Largest share of a run that its check may be; a shorter run is simulated on the richer rung at once.
 const WORTH_IT: f64 = 0.3;
+/// Share of the tolerance that a rung may use whose check is by a reduced one, which uses the rest [-].
 const SHARE_OF_LEAN: f64 = 0.7;
 /// Change of the cage's speed after a check, and of the balls' places in their pockets as a share of their spacing, from which on the
 /// check tells nothing of the run: levels were off by decibels at twenty and three per cent, by a twentieth at one and a half.

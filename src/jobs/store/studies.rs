@@ -140,6 +140,17 @@ impl Store {
         Ok(next)
     }
 
+    /// Ends the study of a strand that someone wants to end; nothing where another strand has done so, and the study may go on with
+    /// new ones.
+    pub async fn cancel_study(&self, strand: &Strand, keep_s: f64) -> Result<(), JobError> {
+        let mut tx = self.begin().await?;
+        let sql = "SELECT EXISTS (SELECT 1 FROM strands WHERE delivery = $1)";
+        if sqlx::query_scalar(sql).bind(strand.delivery).fetch_one(&mut *tx).await? {
+            cancel(&mut tx, strand.job, strand.keep_for_s.unwrap_or(keep_s)).await?;
+        }
+        Ok(tx.commit().await?)
+    }
+
     /// Gives a point back that was not finished.
     pub async fn give_back(&self, strand: &Strand, point: PointClaim) -> Result<(), JobError> {
         let sql =
