@@ -30,6 +30,8 @@ pub enum Command {
     Simulate(SimulateOptions),
     /// Run a scene by several methods and tolerances: error against run time, as table, JSON and SVG
     Accuracy(AccuracyOptions),
+    /// Find the point of one range or two that is best by a metric
+    Optimum(OptimumOptions),
     /// Run a study: a scene over a grid of values, as table, CSV and plots
     Study(StudyOptions),
     /// Make the article's figures again, each beside what the article says of it, and judge them
@@ -90,6 +92,19 @@ pub struct StudyOptions {
     /// Points at a time [default: number of cores]
     #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub workers: Option<u16>,
+    /// Neither estimate nor progress on stderr
+    #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct OptimumOptions {
+    /// JSON with a job of kind optimum; - reads stdin
+    #[arg(value_name = "FILE.json|-")]
+    pub job: PathBuf,
+    /// Directory for optimum.json and optimum.svg
+    #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
+    pub output: PathBuf,
     /// Neither estimate nor progress on stderr
     #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
     pub quiet: bool,

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
+use crate::contract::optimum::{GoalName, PurposeName, RangeAnswer, RunAnswer};
 use crate::contract::table::AxisAnswer;
 use crate::contract::work_precision::{PointAnswer, floors};
-use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer, TableAnswer, WorkPrecisionAnswer};
+use crate::contract::{Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, TableAnswer, WorkPrecisionAnswer};
 use crate::plots::{
     AxisPlaces, FailedRun, MapPanel, SeriesCurve, SpectrumCurve, TrendCurve, TrendPanel, VariedAxis, WorkPoint,
     WorkPrecisionCurve, map_svg, series_svg, spectrum_svg, trend_svg, work_precision_svg,
@@ -133,7 +134,7 @@ pub fn trend(table: &TableAnswer) -> Option<String> {
         let curves = metrics.iter().map(|(name, pointer)| TrendCurve { name, values: table.column(pointer) });
         let curves = curves.filter(|curve| curve.values.iter().any(Option::is_some));
         // A panel each: on one scale the larger would hide how the smaller one changes.
-        let of_quantity = curves.map(|curve| TrendPanel { quantity, curves: vec![curve] });
+        let of_quantity = curves.map(|curve| TrendPanel { quantity, curves: vec![curve], best: None });
         if panels.len() < MOST_PANELS {
             panels.extend(of_quantity);
         }
@@ -160,6 +161,66 @@ pub fn map(table: &TableAnswer) -> Option<String> {
     }
     let [right, up] = [right, up].map(|axis| VariedAxis { name: &axis.axis, values: places(axis) });
     Some(map_svg(&format!("{} and {}", right.name, up.name), &counted(table), [&right, &up], &panels))
+}
+
+/// The runs of an optimum job and the best of them: over the one axis, or over both by the scan alone, where the cell that is
+/// nearest to the best point is marked.
+pub fn optimum(answer: &OptimumAnswer) -> String {
+    let at = |run: &RunAnswer, axis: &str| run.point.get(axis).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+    let best = |axis: &str| answer.point.get(axis).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+    let name = |axis: &RangeAnswer| axis.axis.clone();
+    let place = |axis: &RangeAnswer| {
+        let within = answer.within.as_ref().and_then(|within| within.get(&axis.axis));
+        let within = within.map_or(String::new(), |[low, high]| format!(" ({low} … {high})"));
+        format!("{}{within}", best(&axis.axis))
+    };
+    let places: Vec<String> = answer.axes.iter().map(place).collect();
+    let error = answer.error.map_or(String::new(), |error| format!(" ± {error:.1e}"));
+    let title =
+        format!("{} of {}", if answer.goal == GoalName::Minimum { "Minimum" } else { "Maximum" }, answer.metric);
+    let subtitle = format!("{:.4}{error} at {}; {} runs", answer.value, places.join(", "), answer.runs);
+    match &answer.axes[..] {
+        [right, up] => {
+            let scan: Vec<&RunAnswer> =
+                answer.evaluations.iter().filter(|run| run.purpose == PurposeName::Scan).collect();
+            let axis = |axis: &RangeAnswer| {
+                let mut values: Vec<f64> = scan.iter().map(|run| at(run, &axis.axis)).collect();
+                values.sort_by(|a, b| if axis.from < axis.to { a.total_cmp(b) } else { b.total_cmp(a) });
+                values.dedup();
+                values
+            };
+            let both = [axis(right), axis(up)];
+            let nearest = |values: &[f64], best: f64| {
+                (0..values.len())
+                    .min_by(|a, b| (values[*a] - best).abs().total_cmp(&(values[*b] - best).abs()))
+                    .unwrap_or(0)
+            };
+            let marked = nearest(&both[0], best(&right.axis)) * both[1].len() + nearest(&both[1], best(&up.axis));
+            let panel = MapPanel {
+                name: &answer.metric,
+                values: scan.iter().map(|run| run.value).collect(),
+                best: Some(marked),
+            };
+            let (names, [a, b]) = ([name(right), name(up)], both.map(AxisPlaces::Numbers));
+            let axes = [VariedAxis { name: &names[0], values: a }, VariedAxis { name: &names[1], values: b }];
+            map_svg(&title, &subtitle, [&axes[0], &axes[1]], &[panel])
+        }
+        axes => {
+            let name = axes.first().map(name).unwrap_or_default();
+            let mut runs: Vec<&RunAnswer> = answer.evaluations.iter().collect();
+            runs.sort_by(|a, b| at(a, &name).total_cmp(&at(b, &name)));
+            let values = runs.iter().map(|run| run.value.map(|value| (value, run.error))).collect();
+            let marked = runs.iter().position(|run| run.point == answer.point);
+            let curves = vec![TrendCurve { name: "every run", values }];
+            let panel =
+                TrendPanel { quantity: answer.metric.rsplit('/').next().unwrap_or_default(), curves, best: marked };
+            let axis = VariedAxis {
+                name: &name,
+                values: AxisPlaces::Numbers(runs.iter().map(|run| at(run, &name)).collect()),
+            };
+            trend_svg(&title, &subtitle, &axis, &[panel])
+        }
+    }
 }
 
 /// A study as CSV: axes, status, then every number of the metrics under its pointer.

@@ -10,6 +10,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from service import ARTICLE, Service, check  # noqa: E402
 
 
+LEVEL = "/channels/spindle.y.acceleration/level_db"
+
+
 def study(count):
     return ARTICLE | {
         "kind": "study", "reuse": False, "settle_s": 0.02, "duration_s": 0.05, "outputs": {"metrics": ["vibration"]},
@@ -56,6 +59,25 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         check(timeless(table(service, again)) == disturbed, "with the same table")
         picture = service.request("GET", f"{path}/plots/map.svg")
         check(picture[0] == 200 and b"</svg>" in picture[2], "drawn as a map")
+    finally:
+        service.stop()
+
+with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
+    service = Service(directory)
+    try:
+        # The optimum of one parameter against a study fine enough to show where it must lie.
+        wish = ARTICLE | {"kind": "optimum", "settle_s": 0.02, "duration_s": 0.05, "metric": LEVEL, "solver": {"rung": "radially_condensed"},
+                          "axes": [{"path": "/bearing/radial_clearance_um", "from": 2, "to": 8}]}
+        path, _ = service.submit(wish)
+        check(service.ended(path)["status"] == "succeeded", "an optimum is found")
+        found = service.request("GET", f"{path}/optimum")[2]
+        grid = wish | {"kind": "study", "axes": [wish["axes"][0] | {"count": 121}], "outputs": {"metrics": ["vibration"]}}
+        del grid["metric"]
+        path, _ = service.submit(grid)
+        service.ended(path)
+        best = table(service, path)["best"][LEVEL]
+        print(f"optimum {found['value']:.4f} dB at {found['point']} in {found['runs']} runs; best of 121 points {best['value']:.4f} dB at {best['point']}")
+        check(found["value"] <= best["value"] + found["error"] + best["error"], "no point of a fine grid is better")
     finally:
         service.stop()
 

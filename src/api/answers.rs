@@ -120,6 +120,14 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub resume: Option<String>,
+    /// Of an optimum job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub optimum: Option<String>,
+    /// Of an optimum job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub optimum_svg: Option<String>,
     /// Of an accuracy job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -194,6 +202,8 @@ impl Links {
                 "resume",
                 kind == JobKind::Study.name() && matches!(status, Status::Cancelled | Status::Failed),
             ),
+            optimum: below("optimum", succeeded(JobKind::Optimum)),
+            optimum_svg: below("plots/optimum.svg", succeeded(JobKind::Optimum)),
             accuracy: below("accuracy", compared),
             work_precision_svg: below("plots/work-precision.svg", compared),
             this,

@@ -232,6 +232,7 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
         JobError::OtherKind { kind } => {
             let has = match kind.as_str() {
                 "accuracy" => "…/accuracy and …/plots/work-precision.svg",
+                "optimum" => "…/optimum and …/plots/optimum.svg",
                 "study" => "…/table, …/plots/trend.svg and …/plots/map.svg",
                 _ => "…/metrics, …/spectrum, …/series and …/plots/spectrum.svg",
             };

@@ -40,6 +40,7 @@ const LONGEST_WAIT_S: u64 = 60;
         ("article" = (summary = "The article's integrated bearing", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}}))),
         ("unbalanced" = (summary = "The same on an unbalanced spindle", value = json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}, "spindle": {"balance_grade": 6.3}}}))),
         ("study" = (summary = "Its level over the curvature of the inner groove", value = json!({"kind": "study", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}, "axes": [{"path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 0.54, "count": 7}]}))),
+        ("optimum" = (summary = "The curvature of least level", value = json!({"kind": "optimum", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}, "axes": [{"path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 0.54}], "metric": "/channels/spindle.y.acceleration/level_db"}))),
         ("accuracy" = (summary = "Error against run time of the first", value = json!({"kind": "accuracy", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}, "repetitions": 5})))
     )),
     responses(

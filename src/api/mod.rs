@@ -64,6 +64,7 @@ fn routes() -> OpenApiRouter<App> {
         .routes(routes!(results::spectrum))
         .routes(routes!(results::series))
         .routes(routes!(results::accuracy))
+        .routes(routes!(results::optimum))
         .routes(routes!(studies::table))
         .routes(routes!(studies::resume))
         .routes(routes!(plots::plot))

@@ -13,26 +13,29 @@ use super::request::{JobId, Nothing, PlotFile, Query, negotiated};
 use super::results::{read, shaped, signal_of};
 use super::studies::table_of;
 use super::{App, describe};
-use crate::contract::{JobKind, Metrics, SeriesAnswer, SpectrumAnswer, TableAnswer, WorkPrecisionAnswer};
+use crate::contract::{
+    JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, TableAnswer, WorkPrecisionAnswer,
+};
 use crate::jobs::Signal;
 use crate::render;
 
 const SVG: &str = "image/svg+xml";
 const OF_SIMULATION: &[&str] = &["spectrum.svg", "velocity.svg", "acceleration.svg"];
 const OF_ACCURACY: &[&str] = &["work-precision.svg"];
+const OF_OPTIMUM: &[&str] = &["optimum.svg"];
 const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
 
 /// Get a plot
 ///
 /// `spectrum.svg`: the amplitude spectra that are kept, with labelled lines. `velocity.svg`,
 /// `acceleration.svg`: the spindle's, where the request asked for these series. `work-precision.svg`: of an accuracy
-/// job, error against run time, a curve a method. `trend.svg`, `map.svg`: of a study over one axis or two, with what has been
+/// job, error against run time, a curve a method. `optimum.svg`: of an optimum job, its runs and the best of them. `trend.svg`, `map.svg`: of a study over one axis or two, with what has been
 /// computed so far.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/plots/{file}", tag = describe::RESULTS, operation_id = "getPlot",
     params(
         ("id" = Uuid, Path, description = "The job"),
-        ("file" = String, Path, description = "`spectrum.svg`, `velocity.svg`, `acceleration.svg`, `work-precision.svg`, `trend.svg` or `map.svg`", example = "spectrum.svg")
+        ("file" = String, Path, description = "`spectrum.svg`, `velocity.svg`, `acceleration.svg`, `work-precision.svg`, `optimum.svg`, `trend.svg` or `map.svg`", example = "spectrum.svg")
     ),
     responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
@@ -50,6 +53,7 @@ pub async fn plot(
         "velocity.svg" => series(&app, &owner, id, "velocity").await,
         "acceleration.svg" => series(&app, &owner, id, "acceleration").await,
         "work-precision.svg" => work_precision(&app, &owner, id).await,
+        "optimum.svg" => optimum(&app, &owner, id).await,
         "trend.svg" => of_study(&app, &owner, id, render::trend).await,
         "map.svg" => of_study(&app, &owner, id, render::map).await,
         _ => {
@@ -58,6 +62,8 @@ pub async fn plot(
             let is = |kind: JobKind| record.kind == kind.name();
             let known = if is(JobKind::Accuracy) {
                 OF_ACCURACY
+            } else if is(JobKind::Optimum) {
+                OF_OPTIMUM
             } else if is(JobKind::Study) {
                 OF_STUDY
             } else {
@@ -103,8 +109,13 @@ async fn series(app: &App, owner: &str, id: Uuid, quantity: &str) -> Result<Resp
 }
 
 async fn work_precision(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
-    let stored = app.jobs.accuracy(owner, id).await?;
+    let stored = app.jobs.report(owner, id, JobKind::Accuracy).await?;
     shaped(move || Ok(drawn(render::work_precision(&read::<WorkPrecisionAnswer>(&stored)?)))).await
+}
+
+async fn optimum(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
+    let stored = app.jobs.report(owner, id, JobKind::Optimum).await?;
+    shaped(move || Ok(drawn(render::optimum(&read::<OptimumAnswer>(&stored)?)))).await
 }
 
 /// A picture of a study, which may have another number of axes.

@@ -14,7 +14,9 @@ use super::describe::{Anywhere, BadQuery, NoChannel, NoJob, NoResult, NotAccepte
 use super::error::ApiError;
 use super::request::{JobId, Nothing, Query, negotiated};
 use super::{App, describe};
-use crate::contract::{Metrics, SeriesAnswer, SpectrumAnswer, SpectrumKind, WorkPrecisionAnswer};
+use crate::contract::{
+    JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind, WorkPrecisionAnswer,
+};
 use crate::jobs::{JobError, Signal};
 use crate::render;
 
@@ -138,7 +140,26 @@ pub async fn accuracy(
     _: Query<Nothing>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
-    Ok(([(CONTENT_TYPE, JSON)], app.jobs.accuracy(&owner, id).await?).into_response())
+    Ok(([(CONTENT_TYPE, JSON)], app.jobs.report(&owner, id, JobKind::Accuracy).await?).into_response())
+}
+
+/// Get the optimum
+///
+/// Of an optimum job: the best point that was run, how well it is known, where others may be as good, and every run of the search.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/optimum", tag = describe::RESULTS, operation_id = "getOptimum",
+    params(("id" = Uuid, Path, description = "The job, of kind `optimum`")),
+    responses((status = 200, description = "The optimum", body = OptimumAnswer), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
+)]
+pub async fn optimum(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    _: Query<Nothing>,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    Ok(([(CONTENT_TYPE, JSON)], app.jobs.report(&owner, id, JobKind::Optimum).await?).into_response())
 }
 
 #[derive(Debug, Deserialize, IntoParams)]

@@ -14,7 +14,7 @@ pub fn run(options: &AccuracyOptions) -> Ended {
     let parse = |body: &[u8]| contract::parse_accuracy_request(body, options.repetitions);
     match local::read(&options.scene, parse).and_then(|job| local::execute(&job, options.quiet)) {
         Ok(Outcome::Accuracy(answer)) => finish(&answer, &options.output),
-        Ok(Outcome::Simulation(_)) => badly("the job was no accuracy job"),
+        Ok(_) => badly("the job was no accuracy job"),
         Err(ended) => ended,
     }
 }

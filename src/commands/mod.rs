@@ -8,6 +8,7 @@ pub mod demo;
 pub mod health;
 /// A job in this process.
 mod local;
+pub mod optimum;
 /// What stderr tells of a run.
 mod progress;
 pub mod serve;
@@ -49,6 +50,7 @@ pub fn run(cli: Cli) -> Ended {
         Command::Serve(options) => on_runtime(serve::run(options)),
         Command::Simulate(options) => simulate::run(&options),
         Command::Accuracy(options) => accuracy::run(&options),
+        Command::Optimum(options) => optimum::run(&options),
         Command::Study(options) => study::run(&options),
         Command::Article(options) => article::run(&options),
         Command::Openapi => {

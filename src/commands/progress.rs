@@ -51,6 +51,11 @@ fn announcement(job: &Job) -> String {
             .map_or("no estimate".to_owned(), |time| format!("estimated {} each at most", duration(time)));
         return format!("{}: {points} points of {simulated}; {each}", job.kind.name());
     }
+    if let Some(sought) = &job.sought {
+        let each = contract::estimated_wall_time(job)
+            .map_or("no estimate".to_owned(), |time| format!("estimated {} each at most", duration(time)));
+        return format!("{}: up to about {} runs of {simulated}; {each}", job.kind.name(), sought.most_runs());
+    }
     let runs = job.plan.as_ref().map_or(String::new(), |plan| {
         let runs = plan.methods.len() * plan.relative_tolerances.len();
         format!(", {runs} runs{} and their references", times(plan.repetitions))

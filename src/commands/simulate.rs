@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::local::{self, Directory, badly, json};
-use super::{Ended, accuracy};
+use super::{Ended, accuracy, optimum};
 use crate::config::SimulateOptions;
 use crate::contract::{self, JobKind, Outcome, Simulated, SpectrumKind};
 use crate::render;
@@ -24,6 +24,7 @@ fn finish(outcome: &Outcome, output: Option<&Path>) -> Ended {
     let text = match outcome {
         Outcome::Simulation(simulated) => json(&simulated.metrics),
         Outcome::Accuracy(answer) => json(answer),
+        Outcome::Optimum(answer) => json(answer),
     };
     let mut stdout = std::io::stdout().lock();
     if let Err(error) = writeln!(stdout, "{text}") {
@@ -32,6 +33,7 @@ fn finish(outcome: &Outcome, output: Option<&Path>) -> Ended {
     let written = output.map(|directory| match outcome {
         Outcome::Simulation(simulated) => write(simulated, directory),
         Outcome::Accuracy(answer) => accuracy::write(answer, directory),
+        Outcome::Optimum(answer) => optimum::write(answer, directory),
     });
     match written {
         Some(Err(error)) => badly(&error),

@@ -4,10 +4,11 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
+use crate::contract::optimum::GoalName;
 use crate::contract::recommended::WANTED_DB;
 use crate::contract::report::MotionName;
 use crate::contract::work_precision::{MeasuredAnswer, PointAnswer};
-use crate::contract::{PointStatus, TableAnswer, WorkPrecisionAnswer};
+use crate::contract::{OptimumAnswer, PointStatus, TableAnswer, WorkPrecisionAnswer};
 
 /// What the table shows: name, pointer into the metrics, unit, digits.
 const ROWS: [(&str, &str, &str, usize); 16] = [
@@ -143,6 +144,40 @@ pub fn study(table: &TableAnswer) -> String {
         }
     }
     text.push('\n');
+    text
+}
+
+/// Runs that may be as good as the optimum and are printed; the rest is in its file.
+const MOST_RIVALS: usize = 5;
+
+/// An optimum: where it lies, how well that is known, and what may be as good.
+pub fn optimum(answer: &OptimumAnswer) -> String {
+    let error = answer.error.map_or(String::new(), |error| format!(" ± {error:.1e}"));
+    let goal = if answer.goal == GoalName::Minimum { "minimum" } else { "maximum" };
+    let mut text = format!("{goal} of {}: {:.5}{error}\n", answer.metric, answer.value);
+    for axis in &answer.axes {
+        let at = answer.point.get(&axis.axis).map(short).unwrap_or_default();
+        let _ = write!(text, "  at {} = {at}", axis.axis);
+        match answer.within.as_ref().and_then(|within| within.get(&axis.axis)) {
+            Some([low, high]) => {
+                let _ = write!(text, ", known to lie within {low} … {high} of {} … {}", axis.from, axis.to);
+            }
+            None => text.push_str("; how well it is known cannot be told: the error of this metric is not estimated"),
+        }
+        if answer.at_end_of_range.contains(&axis.axis) {
+            text.push_str("; at the end of the range: beyond it there may be better");
+        }
+        text.push('\n');
+    }
+    for rival in answer.rivals.iter().take(MOST_RIVALS) {
+        let at: Vec<String> = rival.point.iter().map(|(axis, value)| format!("{axis} = {}", short(value))).collect();
+        let _ = writeln!(text, "  as good it may be at {}: {:.5}", at.join(", "), rival.value.unwrap_or(f64::NAN));
+    }
+    if answer.rivals.len() > MOST_RIVALS {
+        let _ = writeln!(text, "  … and {} more", answer.rivals.len() - MOST_RIVALS);
+    }
+    let failed = if answer.failed > 0 { format!(", {} of them failed", answer.failed) } else { String::new() };
+    let _ = writeln!(text, "{} runs{failed}", answer.runs);
     text
 }
 

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::job::{Job, JobKind};
 use super::metrics::Metrics;
+use super::optimum::OptimumAnswer;
 use super::problem::Refusal;
 use super::signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
 use super::table::PointEnd;
@@ -18,6 +19,7 @@ use crate::simulation::work_precision;
 pub enum Outcome {
     Simulation(Box<Simulated>),
     Accuracy(Box<WorkPrecisionAnswer>),
+    Optimum(Box<OptimumAnswer>),
 }
 
 /// The results of a simulation.
@@ -50,9 +52,14 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
     if job.kind == JobKind::Study {
         return Err(RunFailure::Failed { cause: INTERNAL, detail: "a study is run point by point".into() });
     }
-    let outcome = match &job.plan {
-        None => Outcome::Simulation(Box::new(simulated(job, &run::run(job.scene(), &job.settings, control)?))),
-        Some(plan) => {
+    let outcome = match (&job.plan, &job.sought) {
+        (None, Some(sought)) => {
+            // Progress is counted in runs; what a single one says of itself would only make it jump.
+            let one = Control { stop: control.stop, progress: &|_| () };
+            Outcome::Optimum(Box::new(sought.search(&|job| execute(job, &one), control)?))
+        }
+        (None, None) => Outcome::Simulation(Box::new(simulated(job, &run::run(job.scene(), &job.settings, control)?))),
+        (Some(plan), _) => {
             let study = work_precision::study(job.scene(), &job.settings, plan, control)?;
             Outcome::Accuracy(Box::new(WorkPrecisionAnswer::of(job, plan, &study)))
         }
@@ -60,6 +67,7 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
     let wrong = match &outcome {
         Outcome::Simulation(simulated) => not_finite(simulated),
         Outcome::Accuracy(answer) => null_of(answer).map(|pointer| format!("accuracy {pointer}")),
+        Outcome::Optimum(answer) => null_of(answer).map(|pointer| format!("optimum {pointer}")),
     };
     match wrong {
         None => Ok(outcome),
@@ -78,7 +86,7 @@ pub fn execute_point(
     };
     Some(match outcome {
         Ok(Outcome::Simulation(simulated)) => PointEnd::of(&simulated.metrics),
-        Ok(Outcome::Accuracy(_)) => {
+        Ok(Outcome::Accuracy(_) | Outcome::Optimum(_)) => {
             PointEnd::Failed(RunFailure::Failed { cause: INTERNAL, detail: "a point is a simulation".into() }.into())
         }
         Err(RunFailure::Cancelled) => return None,

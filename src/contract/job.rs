@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::filling::Filling;
+use super::optimum::{self, GoalName, Sought};
 use super::outputs::OutputsInput;
 use super::problem::{FieldError, Refusal, listed};
 use super::scene::{ResolvedScene, SceneInput};
@@ -30,9 +31,16 @@ pub struct JobInput {
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub solver: Option<SolverInput>,
-    /// Only for `study`: what is varied. Several axes span a grid of at most 10 000 points.
+    /// Only for `study`: what is varied; several axes span a grid of at most 10 000 points. Only for `optimum`: one range or two,
+    /// each by `from` and `to`.
     #[schema(nullable = false, value_type = Option<Vec<study::AxisInput>>, min_items = 1, max_items = 4)]
     pub axes: Option<Vec<StrictAxis>>,
+    /// Only for `optimum`: JSON pointer to the number in the metrics whose best value is sought.
+    #[schema(nullable = false, max_length = 200, example = "/channels/spindle.y.acceleration/level_db")]
+    pub metric: Option<String>,
+    /// Only for `optimum`: which end of the metric is the best. Default `minimum`.
+    #[schema(nullable = false)]
+    pub goal: Option<GoalName>,
     /// Time simulated and kept, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for
     /// `accuracy`. With `outputs.series` the longest is 23.4 s, and 327.6 s over their number where they are more than 14.
     #[schema(nullable = false, minimum = 1e-6, maximum = 1000, example = 0.1)]
@@ -69,12 +77,13 @@ pub struct JobInput {
     pub keep_for_s: Option<f64>,
 }
 
-/// `simulation`: one run. `study`: a run for each point of a grid. `accuracy`: error against run time, by several methods and tolerances.
+/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one range or two that is best by a metric. `accuracy`: error against run time, by several methods and tolerances.
 #[derive(ToSchema)]
 #[schema(rename_all = "snake_case")]
 pub enum JobKindName {
     Simulation,
     Study,
+    Optimum,
     Accuracy,
 }
 
@@ -83,16 +92,11 @@ pub enum JobKindName {
 pub enum JobKind {
     Simulation,
     Study,
+    Optimum,
     Accuracy,
 }
 
-/// Kinds by name; those without a kind are not available yet.
-const KINDS: [(&str, Option<JobKind>); 4] = [
-    ("simulation", Some(JobKind::Simulation)),
-    ("study", Some(JobKind::Study)),
-    ("optimum", None),
-    ("accuracy", Some(JobKind::Accuracy)),
-];
+const KINDS: [JobKind; 4] = [JobKind::Simulation, JobKind::Study, JobKind::Optimum, JobKind::Accuracy];
 
 /// A checked job.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,6 +111,8 @@ pub struct Job {
     pub plan: Option<Plan>,
     /// What a study varies; `None` for all others.
     pub study: Option<Study>,
+    /// What an optimum job seeks; `None` for all others.
+    pub sought: Option<Sought>,
     /// What the model contains.
     /// Rungs that are tried, the leanest first.
     pub rungs: Vec<Rung>,
@@ -128,6 +134,7 @@ impl JobKind {
         match self {
             Self::Simulation => "simulation",
             Self::Study => "study",
+            Self::Optimum => "optimum",
             Self::Accuracy => "accuracy",
         }
     }
@@ -140,9 +147,10 @@ impl Job {
 
     /// All that determines the result, as text: equal for equal work, whatever was left to a default.
     pub fn canonical(&self) -> String {
-        match &self.study {
-            Some(study) => study.canonical().to_string(),
-            None => self.complete().to_string(),
+        match (&self.study, &self.sought) {
+            (Some(study), _) => study.canonical().to_string(),
+            (_, Some(sought)) => sought.canonical().to_string(),
+            _ => self.complete().to_string(),
         }
     }
 
@@ -188,28 +196,31 @@ pub fn parse_job_or_scene(body: &[u8]) -> Result<Job, Refusal> {
 /// Reads an accuracy job, `{ "scene": … }` for one, or the scene alone; `repetitions` is for those that say nothing about it.
 pub fn parse_accuracy_request(body: &[u8], repetitions: Option<u32>) -> Result<Job, Refusal> {
     job_or_scene(strict::read(body)?, |mut request| {
-        if let Value::Object(fields) = &mut request {
-            fields.entry("kind").or_insert_with(|| "accuracy".into());
-            if let Some(repetitions) = repetitions {
-                fields.entry("repetitions").or_insert_with(|| repetitions.into());
-            }
+        if let (Value::Object(fields), Some(repetitions)) = (&mut request, repetitions) {
+            fields.entry("repetitions").or_insert_with(|| repetitions.into());
         }
-        match kind_of(&request)? {
-            JobKind::Accuracy => job_of(request),
-            kind => Err(FieldError::new("/kind", format!("must be `accuracy`, not `{}`", kind.name())).into()),
-        }
+        of_kind(JobKind::Accuracy, request)
     })
 }
 
 /// Reads a study, with or without its kind.
 pub fn parse_study_request(body: &[u8]) -> Result<Job, Refusal> {
-    let mut request = strict::read(body)?;
+    of_kind(JobKind::Study, strict::read(body)?)
+}
+
+/// Reads an optimum job, with or without its kind.
+pub fn parse_optimum_request(body: &[u8]) -> Result<Job, Refusal> {
+    of_kind(JobKind::Optimum, strict::read(body)?)
+}
+
+/// Checks a job of a kind, which it need not say.
+fn of_kind(wanted: JobKind, mut request: Value) -> Result<Job, Refusal> {
     if let Value::Object(fields) = &mut request {
-        fields.entry("kind").or_insert_with(|| JobKind::Study.name().into());
+        fields.entry("kind").or_insert_with(|| wanted.name().into());
     }
     match kind_of(&request)? {
-        JobKind::Study => job_of(request),
-        kind => Err(FieldError::new("/kind", format!("must be `study`, not `{}`", kind.name())).into()),
+        kind if kind == wanted => job_of(request),
+        kind => Err(FieldError::new("/kind", format!("must be `{}`, not `{}`", wanted.name(), kind.name())).into()),
     }
 }
 
@@ -257,15 +268,22 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
         }
     };
     let scene = resolved.as_ref().map(|resolved| &resolved.scene);
-    if kind != JobKind::Study {
+    if !matches!(kind, JobKind::Study | JobKind::Optimum) {
         study::refuse_in(kind, &input, &mut filling);
     }
-    let mut varied = None;
+    if kind != JobKind::Optimum {
+        optimum::refuse_in(kind, &input, &mut filling);
+    }
+    let (mut varied, mut wish) = (None, None);
     let (settings, plan) = match kind {
         JobKind::Simulation => (simulation(kind, &mut input, scene, &mut filling), None),
         JobKind::Study => {
-            study::refuse_foreign(&input, &mut filling);
+            study::refuse_signals(kind, &input, &mut filling);
             varied = Some(study::axes(&mut input, &mut filling));
+            (simulation(kind, &mut input, scene, &mut filling), None)
+        }
+        JobKind::Optimum => {
+            wish = Some(optimum::wish(&mut input, &mut filling));
             (simulation(kind, &mut input, scene, &mut filling), None)
         }
         JobKind::Accuracy => {
@@ -294,6 +312,7 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
             resolved.defaults.append(&mut filling.defaults);
             let complete = || given_fields(&resolved.input);
             let study = varied.map(|(axes, points)| Study::new(axes, points, &request, complete())).transpose()?;
+            let sought = wish.map(|wish| Sought::new(wish, &request, complete())).transpose()?;
             Ok(Job {
                 kind,
                 request,
@@ -301,6 +320,7 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
                 settings,
                 plan,
                 study,
+                sought,
                 rungs,
                 needs,
                 solver: input.solver.unwrap_or_default(),
@@ -368,12 +388,11 @@ fn kind_of(request: &Value) -> Result<JobKind, FieldError> {
     let Some(fields) = request.as_object() else {
         return Err(FieldError::new("", "must be an object"));
     };
-    let known = listed(KINDS.iter().map(|kind| kind.0));
+    let known = listed(KINDS.map(JobKind::name));
     match fields.get("kind") {
         None => refuse(format!("required, but missing; kinds are {known}")),
-        Some(Value::String(name)) => match KINDS.iter().find(|kind| kind.0 == name) {
-            Some((_, Some(kind))) => Ok(*kind),
-            Some(_) => refuse(format!("`{name}` is not available in this version")),
+        Some(Value::String(name)) => match KINDS.iter().find(|kind| kind.name() == name) {
+            Some(kind) => Ok(*kind),
             None => {
                 refuse(format!("no kind is called `{}`; kinds are {known}", name.chars().take(100).collect::<String>()))
             }

@@ -11,6 +11,7 @@ pub mod job;
 pub mod lubricant;
 pub mod material;
 pub mod operation;
+pub mod optimum;
 pub mod outputs;
 pub mod presets;
 pub mod scene;
@@ -36,14 +37,17 @@ mod scaling;
 mod strict;
 mod times;
 mod units;
+mod variation;
 mod words;
 
 pub use cost::estimated_wall_time;
 pub use execute::{Outcome, RunFailure, Simulated, execute, execute_point};
 pub use job::{
-    Job, JobKind, parse_accuracy_request, parse_job, parse_job_or_scene, parse_scene_request, parse_study_request,
+    Job, JobKind, parse_accuracy_request, parse_job, parse_job_or_scene, parse_optimum_request, parse_scene_request,
+    parse_study_request,
 };
 pub use metrics::{LineAnswer, Metrics};
+pub use optimum::OptimumAnswer;
 pub use presets::presets_answer;
 pub use problem::{FieldError, Refusal};
 pub use resolve::{ResolveAnswer, resolve_answer};

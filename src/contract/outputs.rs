@@ -36,6 +36,16 @@ pub enum MetricsPart {
     Cage,
 }
 
+impl MetricsPart {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vibration => "vibration",
+            Self::Contacts => "contacts",
+            Self::Cage => "cage",
+        }
+    }
+}
+
 const MOST_CHANNELS: usize = 64;
 const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
 

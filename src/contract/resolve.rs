@@ -107,7 +107,7 @@ pub struct CostAnswer {
     /// Number of first-order states on the last of `rungs`.
     pub states: u64,
     /// Order of magnitude, on one core [s]: in ordinary scenes within a factor of ten, mostly of three; of the first of `rungs`; of
-    /// one point of a study. What happens later in
+    /// one point of a study, of one run of an optimum job. What happens later in
     /// the run is not foreseen: chaos and impacts may double it, and slip that saturates early (`coulomb` over 1e-5 m/s)
     /// takes ten to a hundred times as long, `radau` and `fine_abm` at loose tolerances most. Absent where the run has
     /// no equilibrium to start from.

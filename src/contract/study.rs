@@ -2,20 +2,18 @@
 //! as if it had said the point's values.
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::filling::Filling;
-use super::job::{Job, JobInput, JobKind, simulation_of};
-use super::problem::{FieldError, Refusal, escape, listed};
+use super::job::{Job, JobInput, JobKind};
+use super::problem::{FieldError, Refusal};
 use super::strict::{self, object};
-use crate::physics::rating::dynamic_load_rating;
+use super::variation::{Range, Variation, Varied};
 use crate::study::Grid;
 
 const MOST_AXES: usize = 4;
 const MOST_POINTS: usize = 10_000;
-/// Significant digits of values that are computed: what rounding adds is nobody's wish.
-const DIGITS: usize = 9;
 
 /// What is varied: a field of the scene, or a quantity made of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -77,20 +75,10 @@ pub enum AxisValue {
     Word(String),
 }
 
-/// What an axis sets.
-#[derive(Debug, Clone, PartialEq)]
-enum Target {
-    /// A field of the scene, by reference tokens.
-    Field(Vec<String>),
-    AxialLoadOverRating,
-}
-
 /// An axis, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// Pointer or quantity, as in the request.
-    pub name: String,
-    target: Target,
+    pub varied: Varied,
     pub values: Vec<Value>,
 }
 
@@ -103,13 +91,8 @@ pub struct Study {
     pub points: usize,
     /// Whether the results of identical finished work may answer points.
     reuse: bool,
-    /// The request without what belongs to the study alone.
-    base: Value,
-    /// The scene of the request with every default.
-    complete: Value,
+    variation: Variation,
 }
-
-const AXIAL_LOAD_OVER_RATING: &str = "axial_load_over_rating";
 
 /// The axes of a request and their number of points.
 pub fn axes(input: &mut JobInput, filling: &mut Filling) -> (Vec<Axis>, usize) {
@@ -122,8 +105,8 @@ pub fn axes(input: &mut JobInput, filling: &mut Filling) -> (Vec<Axis>, usize) {
     for (number, axis) in given.into_iter().enumerate() {
         let pointer = format!("/axes/{number}");
         let Some(axis) = axis_of(axis.0, &pointer, filling) else { continue };
-        if axes.iter().any(|other| other.name == axis.name) {
-            filling.refuse(pointer, format!("`{}` is varied by another axis already", axis.name));
+        if axes.iter().any(|other| other.varied == axis.varied) {
+            filling.refuse(pointer, format!("`{}` is varied by another axis already", axis.varied.name));
         } else {
             axes.push(axis);
         }
@@ -141,28 +124,7 @@ pub fn axes(input: &mut JobInput, filling: &mut Filling) -> (Vec<Axis>, usize) {
 
 fn axis_of(axis: AxisInput, pointer: &str, filling: &mut Filling) -> Option<Axis> {
     let at = |field: &str| format!("{pointer}/{field}");
-    let (name, target) = match (axis.path, axis.quantity) {
-        (Some(path), None) => match tokens(&path) {
-            Some(tokens) => (path, Target::Field(tokens)),
-            None => {
-                filling.refuse(at("path"), "must be a JSON pointer into the scene, such as `/spindle/mass_kg`");
-                return None;
-            }
-        },
-        (None, Some(quantity)) if quantity == AXIAL_LOAD_OVER_RATING => (quantity, Target::AxialLoadOverRating),
-        (None, Some(quantity)) => {
-            let quantity: String = quantity.chars().take(100).collect();
-            filling.refuse(
-                at("quantity"),
-                format!("no quantity is called `{quantity}`; there is `{AXIAL_LOAD_OVER_RATING}`"),
-            );
-            return None;
-        }
-        _ => {
-            filling.refuse(pointer, "takes either `path` or `quantity`");
-            return None;
-        }
-    };
+    let varied = Varied::of(axis.path, axis.quantity, pointer, filling)?;
     let values = match (axis.values, axis.from, axis.to, axis.count) {
         (Some(values), None, None, None) => {
             if axis.scale.is_some() {
@@ -171,25 +133,18 @@ fn axis_of(axis: AxisInput, pointer: &str, filling: &mut Filling) -> Option<Axis
             listed_values(values, &at("values"), filling)?
         }
         (None, Some(from), Some(to), Some(count)) => {
-            spaced(from, to, count, axis.scale.as_deref().unwrap_or("linear"), pointer, filling)?
+            spaced(&Range::of(from, to, axis.scale.as_deref(), pointer, filling)?, count, pointer, filling)?
         }
         _ => {
             filling.refuse(pointer, "takes either `values` or all of `from`, `to` and `count`");
             return None;
         }
     };
-    if target != Target::AxialLoadOverRating || values.iter().all(Value::is_number) {
-        return Some(Axis { name, target, values });
+    if varied.takes_words() || values.iter().all(Value::is_number) {
+        return Some(Axis { varied, values });
     }
-    filling.refuse(at("values"), format!("`{name}` takes numbers"));
+    filling.refuse(at("values"), format!("`{}` takes numbers", varied.name));
     None
-}
-
-/// Reference tokens of a pointer to a field; `None` of no such pointer.
-fn tokens(path: &str) -> Option<Vec<String>> {
-    let tokens: Vec<String> =
-        path.strip_prefix('/')?.split('/').map(|t| t.replace("~1", "/").replace("~0", "~")).collect();
-    tokens.iter().all(|token| !token.is_empty()).then_some(tokens)
 }
 
 fn listed_values(values: Vec<Value>, pointer: &str, filling: &mut Filling) -> Option<Vec<Value>> {
@@ -210,51 +165,30 @@ fn listed_values(values: Vec<Value>, pointer: &str, filling: &mut Filling) -> Op
     Some(values)
 }
 
-fn spaced(from: f64, to: f64, count: u32, scale: &str, pointer: &str, filling: &mut Filling) -> Option<Vec<Value>> {
-    let mut refuse = |field: &str, detail: String| filling.refuse(format!("{pointer}/{field}"), detail);
+fn spaced(range: &Range, count: u32, pointer: &str, filling: &mut Filling) -> Option<Vec<Value>> {
     if !(2..=MOST_POINTS as u32).contains(&count) {
-        refuse("count", format!("{count}: must be from 2 to {MOST_POINTS}"));
+        filling.refuse(format!("{pointer}/count"), format!("{count}: must be from 2 to {MOST_POINTS}"));
         return None;
     }
-    if from == to {
-        refuse("to", "the same as `from`".to_owned());
-        return None;
-    }
-    let share = |k: u32| f64::from(k) / f64::from(count - 1);
-    let value: Box<dyn Fn(u32) -> f64> = match scale {
-        "linear" => Box::new(move |k| from + share(k) * (to - from)),
-        "log" if from > 0.0 && to > 0.0 => Box::new(move |k| from * (to / from).powf(share(k))),
-        "log" => {
-            refuse("scale", "`log` needs `from` and `to` above 0".to_owned());
-            return None;
-        }
-        other => {
-            let other: String = other.chars().take(100).collect();
-            refuse("scale", format!("no scale is called `{other}`; scales are {}", listed(["linear", "log"])));
-            return None;
-        }
-    };
-    let rounded = |k: u32| match k {
-        0 => from,
-        k if k == count - 1 => to,
-        k => super::units::significant(value(k), DIGITS),
-    };
-    Some((0..count).map(|k| Value::from(rounded(k))).collect())
+    Some((0..count).map(|k| range.at(f64::from(k) / f64::from(count - 1)).into()).collect())
 }
 
-/// Fields that only a study takes.
+/// Refuses, in a job of another kind, what is varied.
 pub fn refuse_in(kind: JobKind, input: &JobInput, filling: &mut Filling) {
     if input.axes.is_some() {
-        filling.refuse("/axes", format!("goes with the kind `study`, not with `{}`", kind.name()));
+        filling.refuse("/axes", format!("goes with the kinds `study` and `optimum`, not with `{}`", kind.name()));
     }
 }
 
-/// Fields that a study does not take.
-pub fn refuse_foreign(input: &JobInput, filling: &mut Filling) {
+/// Refuses, in a job of many simulations, to keep the signals of each.
+pub fn refuse_signals(kind: JobKind, input: &JobInput, filling: &mut Filling) {
     let outputs = input.outputs.clone().unwrap_or_default();
     for (pointer, given) in [("/outputs/spectra", outputs.spectra), ("/outputs/series", outputs.series)] {
         if given.is_some_and(|channels| !channels.is_empty()) {
-            filling.refuse(pointer, "a job of kind `study` keeps no signals: run the point as a simulation");
+            filling.refuse(
+                pointer,
+                format!("a job of kind `{}` keeps no signals: run the point as a simulation", kind.name()),
+            );
         }
     }
 }
@@ -263,18 +197,10 @@ impl Study {
     /// A study whose axes are checked, of a request whose scene with every default is `complete`. Refused where none of the points
     /// next to the first can be built: then it is the axes that are wrong.
     pub fn new(axes: Vec<Axis>, points: usize, request: &Value, complete: Value) -> Result<Self, Refusal> {
-        let mut base = request.clone();
-        if let Value::Object(fields) = &mut base {
-            for field in ["axes", "labels", "priority", "reuse", "keep_for_s"] {
-                fields.remove(field);
-            }
-            fields.insert("kind".into(), JobKind::Simulation.name().into());
-            let outputs = fields.entry("outputs").or_insert_with(|| Value::Object(Map::new()));
-            outputs["spectra"] = json!([]);
-        }
         let grid = Grid::new(axes.iter().map(|axis| axis.values.len()).collect());
         let reuse = request.get("reuse").and_then(Value::as_bool).unwrap_or(true);
-        let study = Self { axes, grid, points, reuse, base, complete };
+        let variation = Variation::new(request, complete);
+        let study = Self { axes, grid, points, reuse, variation };
         study.probe()?;
         Ok(study)
     }
@@ -313,70 +239,13 @@ impl Study {
 
     /// The simulation of a point.
     pub fn point(&self, point: usize) -> Result<Job, Refusal> {
-        let mut request = self.base.clone();
-        let mut load_over_rating = None;
-        for (axis, value) in self.axes.iter().zip(self.values(point)) {
-            match &axis.target {
-                Target::Field(tokens) => set(&mut request["scene"], &self.complete, tokens, value.clone())
-                    .map_err(|detail| FieldError::new(format!("/scene{}", axis.name), detail))?,
-                Target::AxialLoadOverRating => load_over_rating = value.as_f64(),
-            }
-        }
-        if let Some(share) = load_over_rating {
-            // The rating follows from what the other axes have made of the bearing.
-            let rating = dynamic_load_rating(&simulation_of(request.clone())?.scene().bearing);
-            request["scene"]["operation"]["axial_load_n"] = (share * rating).into();
-        }
-        simulation_of(request)
+        self.variation.job(self.axes.iter().map(|axis| &axis.varied).zip(self.values(point).into_iter().cloned()))
     }
 
     /// What decides over the results, as JSON.
     pub fn canonical(&self) -> Value {
-        let axes = self.axes.iter().map(|axis| json!({"axis": axis.name, "values": axis.values}));
-        json!({ "base": self.base, "axes": axes.collect::<Vec<_>>() })
-    }
-}
-
-/// Parts of a scene that fill themselves in around a field.
-const OPEN_PARTS: [&str; 3] = ["operation", "spindle", "terms"];
-
-/// Sets a field of a scene. Where the way to it leads through a name, or through nothing, the part stands there with its defaults,
-/// as `complete` has it; of a bearing by name, and of the parts that stand open, only the field is given, so that what follows
-/// from it still follows.
-fn set(scene: &mut Value, complete: &Value, tokens: &[String], value: Value) -> Result<(), String> {
-    let Some((field, way)) = tokens.split_last() else { return Err("no field".to_owned()) };
-    let (mut at, mut filled, mut path) = (scene, Some(complete), String::new());
-    for (depth, token) in way.iter().enumerate() {
-        path += &format!("/{}", escape(token));
-        filled = filled.and_then(|part| part.get(token));
-        let Value::Object(fields) = at else { return Err(format!("`{path}` is no object")) };
-        let next = fields.entry(token.as_str()).or_insert(Value::Null);
-        if let Value::String(name) = next
-            && depth == 0
-            && token == "bearing"
-        {
-            *next = json!({ "preset": name });
-        } else if next.is_null() && depth == 0 && OPEN_PARTS.contains(&token.as_str()) {
-            *next = json!({});
-        } else if !next.is_object() && !next.is_array() {
-            *next =
-                filled.filter(|part| part.is_object()).cloned().ok_or_else(|| format!("the scene has no `{path}`"))?;
-        }
-        at = next;
-    }
-    match at {
-        Value::Object(fields) => {
-            fields.insert(field.clone(), value);
-            Ok(())
-        }
-        Value::Array(items) => match field.parse::<usize>().ok().and_then(|index| items.get_mut(index)) {
-            Some(item) => {
-                *item = value;
-                Ok(())
-            }
-            None => Err(format!("`{path}` has no item {field}")),
-        },
-        _ => Err(format!("`{path}` is no object")),
+        let axes = self.axes.iter().map(|axis| json!({"axis": axis.varied.name, "values": axis.values}));
+        json!({ "base": self.variation.base(), "axes": axes.collect::<Vec<_>>() })
     }
 }
 

@@ -171,7 +171,7 @@ impl Row {
 }
 
 fn named(study: &Study, point: usize) -> Map<String, Value> {
-    study.axes.iter().zip(study.values(point)).map(|(axis, value)| (axis.name.clone(), value.clone())).collect()
+    study.axes.iter().zip(study.values(point)).map(|(axis, value)| (axis.varied.name.clone(), value.clone())).collect()
 }
 
 impl TableAnswer {
@@ -181,7 +181,7 @@ impl TableAnswer {
         let mut best = BTreeMap::new();
         let mut trends = BTreeMap::new();
         for (pointer, goal) in wished_for(&rows) {
-            let values: Vec<_> = rows.iter().map(|row| value_of(row, &pointer)).collect();
+            let values: Vec<_> = rows.iter().map(|row| uncertain(row.metrics.as_ref()?, &pointer)).collect();
             if let Some(found) = study::best(&values, goal) {
                 best.insert(pointer.clone(), best_answer(study, &found, &values, goal));
             }
@@ -194,7 +194,7 @@ impl TableAnswer {
             axes: study
                 .axes
                 .iter()
-                .map(|axis| AxisAnswer { axis: axis.name.clone(), values: axis.values.clone() })
+                .map(|axis| AxisAnswer { axis: axis.varied.name.clone(), values: axis.values.clone() })
                 .collect(),
             points: rows.len() as u64,
             ended: count(&[PointStatus::Succeeded, PointStatus::Failed]),
@@ -207,7 +207,7 @@ impl TableAnswer {
 
     /// A metric of every point, where it is known, with its estimated error.
     pub fn column(&self, pointer: &str) -> Vec<Option<(f64, Option<f64>)>> {
-        self.rows.iter().map(|row| value_of(row, pointer)).collect()
+        self.rows.iter().map(|row| uncertain(row.metrics.as_ref()?, pointer)).collect()
     }
 
     /// Pointers to all numbers of the metrics, in the order of the metrics.
@@ -229,7 +229,7 @@ fn best_answer(study: &Study, found: &study::Best, values: &[Option<study::Uncer
     for (number, axis) in study.axes.iter().enumerate() {
         let places = || found.as_good.iter().map(|point| study.grid.places(*point)[number]);
         let ends = [places().min(), places().max()].map(|place| axis.values[place.unwrap_or(0)].clone());
-        within.insert(axis.name.clone(), ends.to_vec().into());
+        within.insert(axis.varied.name.clone(), ends.to_vec().into());
     }
     BestAnswer {
         point: named(study, found.point),
@@ -272,10 +272,9 @@ fn wished_for(rows: &[Row]) -> Vec<(String, Goal)> {
     wished
 }
 
-/// A metric of a row with its error: that of the level for all that follows from the vibration, those of the largest load and of
+/// A metric with its error: that of the level for all that follows from the vibration, those of the largest load and of
 /// the cage speed for these.
-fn value_of(row: &Row, pointer: &str) -> Option<study::Uncertain> {
-    let metrics = row.metrics.as_ref()?;
+pub fn uncertain(metrics: &Value, pointer: &str) -> Option<study::Uncertain> {
     let value = metrics.pointer(pointer)?.as_f64()?;
     let accuracy = |field: &str| metrics.pointer(&format!("/accuracy/{field}")).and_then(Value::as_f64);
     let name = pointer.rsplit('/').next().unwrap_or_default();

@@ -280,9 +280,9 @@ impl Jobs {
         self.inner.store.channels(owner, id, signal).await
     }
 
-    /// The report of a succeeded accuracy job, as JSON text.
-    pub async fn accuracy(&self, owner: &str, id: Uuid) -> Result<Vec<u8>, JobError> {
-        self.inner.store.report(owner, id, JobKind::Accuracy).await
+    /// The report of a succeeded job of a kind that leaves one, as JSON text.
+    pub async fn report(&self, owner: &str, id: Uuid, kind: JobKind) -> Result<Vec<u8>, JobError> {
+        self.inner.store.report(owner, id, kind).await
     }
 
     /// Whether jobs can be taken now.

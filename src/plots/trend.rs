@@ -15,6 +15,8 @@ pub struct TrendPanel<'a> {
     /// Quantity with its unit.
     pub quantity: &'a str,
     pub curves: Vec<TrendCurve<'a>>,
+    /// The best value of the first curve.
+    pub best: Option<usize>,
 }
 
 /// The varied quantity: its name and its values; words stand at equal distances.
@@ -174,6 +176,12 @@ fn draw_panel(drawing: &mut Drawing, panel: &TrendPanel<'_>, places: &Places, (b
             drawing.dot(colour, at, y.at(value));
         }
     }
+    let value = |place: usize| panel.curves.first()?.values.get(place).copied().flatten();
+    if let Some((place, (value, _))) = panel.best.and_then(|place| Some((place, value(place)?)))
+        && let Some(at) = places.at.get(place)
+    {
+        drawing.mark(*at, y.at(value));
+    }
 }
 
 #[cfg(test)]
@@ -182,7 +190,7 @@ mod tests {
     use crate::plots::svg::assert_well_formed;
 
     fn panel(values: Vec<Option<(f64, Option<f64>)>>) -> [TrendPanel<'static>; 1] {
-        [TrendPanel { quantity: "level in dB", curves: vec![TrendCurve { name: "y <&>", values }] }]
+        [TrendPanel { quantity: "level in dB", curves: vec![TrendCurve { name: "y <&>", values }], best: None }]
     }
 
     #[test]

@@ -2,7 +2,9 @@
 //! no JSON, and not what a metric is.
 
 mod grid;
+mod optimum;
 mod trend;
 
 pub use grid::Grid;
+pub use optimum::{Evaluation, Optimum, Purpose, SCANNED, most_runs, optimum};
 pub use trend::{Best, Goal, Trend, Uncertain, best, trend};

@@ -7,6 +7,16 @@ pub enum Goal {
     Largest,
 }
 
+impl Goal {
+    /// The value with the sign that makes less better.
+    pub fn cost(self, value: f64) -> f64 {
+        match self {
+            Self::Least => value,
+            Self::Largest => -value,
+        }
+    }
+}
+
 /// A value that may be wrong by an error; the error `None` where nobody knows it.
 pub type Uncertain = (f64, Option<f64>);
 
@@ -22,11 +32,10 @@ pub struct Best {
 
 /// The best point; points without a value do not compete, of equal ones the first wins.
 pub fn best(values: &[Option<Uncertain>], goal: Goal) -> Option<Best> {
-    let sign = if goal == Goal::Least { 1.0 } else { -1.0 };
     let known = || values.iter().enumerate().filter_map(|(point, value)| value.map(|value| (point, value)));
-    let (point, (value, error)) = known().reduce(|a, b| if sign * b.1.0 < sign * a.1.0 { b } else { a })?;
+    let (point, (value, error)) = known().reduce(|a, b| if goal.cost(b.1.0) < goal.cost(a.1.0) { b } else { a })?;
     let as_good = |&(other, (its, its_error)): &(usize, Uncertain)| match (error, its_error) {
-        (Some(error), Some(its_error)) => sign * (its - value) <= error + its_error,
+        (Some(error), Some(its_error)) => goal.cost(its) - goal.cost(value) <= error + its_error,
         _ => other == point,
     };
     Some(Best { point, value, as_good: known().filter(as_good).map(|(other, _)| other).collect() })

@@ -11,6 +11,7 @@ mod jobs;
 mod jobs_cancel;
 mod jobs_list;
 mod openapi;
+mod optimum;
 mod refusals;
 mod results;
 mod scenes;

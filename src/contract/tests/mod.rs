@@ -1,4 +1,5 @@
 mod accepted;
+mod optimum;
 mod refused;
 mod results;
 mod schema;

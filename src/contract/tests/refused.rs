@@ -210,7 +210,6 @@ fn impossible_jobs_are_refused() {
             "/outputs/series",
             "at most 64",
         ),
-        (r#"{"kind":"optimum"}"#.into(), "/kind", "not available in this version"),
         (r#"{"kind":"guess"}"#.into(), "/kind", "kinds are `simulation`, `study`"),
         (r#"{"kind":7}"#.into(), "/kind", "must be a string"),
         (r#"{"scene":{}}"#.into(), "/kind", "required"),

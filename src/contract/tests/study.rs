@@ -122,7 +122,7 @@ fn wrong_axes_are_refused_with_their_place() {
     assert!(refused(&with_signals).contains("/outputs/series: a job of kind `study` keeps no signals"));
     let mut simulation = request(json!([{ "path": path, "values": [0.1] }]));
     simulation["kind"] = json!("simulation");
-    assert!(refused(&simulation).contains("/axes: goes with the kind `study`"));
+    assert!(refused(&simulation).contains("/axes: goes with the kinds `study` and `optimum`"));
 }
 
 /// A scene that cannot be built is a row; only where none can, it is the axes.

@@ -45,6 +45,7 @@ impl StoredResult {
         match outcome {
             Outcome::Simulation(simulated) => Self::of_simulation(simulated),
             Outcome::Accuracy(answer) => Ok(Self::Report(compressed(answer)?)),
+            Outcome::Optimum(answer) => Ok(Self::Report(compressed(answer)?)),
         }
     }
 

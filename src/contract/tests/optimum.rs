@@ -1,0 +1,162 @@
+//! Optimum jobs: what may be sought, and what is found.
+
+use std::collections::BTreeSet;
+
+use serde_json::{Value, json};
+
+use crate::contract::optimum::{GoalName, PurposeName, wish};
+use crate::contract::{Job, OptimumAnswer, Outcome, PointEnd, execute, parse_job};
+use crate::simulation::run::Control;
+
+const LEVEL: &str = "/channels/spindle.y.acceleration/level_db";
+
+fn request(axes: Value) -> Value {
+    json!({ "kind": "optimum", "scene": { "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 } },
+        "axes": axes, "metric": LEVEL })
+}
+
+fn parsed(request: &Value) -> Job {
+    parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{request}: {refusal}"))
+}
+
+fn refused(request: &Value) -> String {
+    parse_job(request.to_string().as_bytes()).map(|_| ()).expect_err("refused").to_string()
+}
+
+fn with(field: &str, value: Value) -> Value {
+    let mut request = request(json!([{ "path": "/spindle/mass_kg", "from": 0.02, "to": 0.2 }]));
+    request[field] = value;
+    request
+}
+
+const QUIET: Control<'_> = Control { stop: &|| false, progress: &|_| () };
+
+fn found(request: &Value) -> OptimumAnswer {
+    match execute(&parsed(request), &QUIET) {
+        Ok(Outcome::Optimum(answer)) => *answer,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn wrong_wishes_are_refused_with_their_place() {
+    let axis = |axis: Value| request(json!([axis]));
+    let path = "/spindle/mass_kg";
+    for (request, told) in [
+        (request(json!([])), "/axes: 0 axes: must be from 1 to 2"),
+        (axis(json!({ "path": path, "values": [0.1, 0.2] })), "/axes/0: takes `from` and `to`"),
+        (axis(json!({ "path": path, "from": 0.1, "to": 0.2, "count": 5 })), "/axes/0: takes `from` and `to`"),
+        (axis(json!({ "path": path, "from": 0.1, "to": 0.1 })), "/axes/0/to: the same as `from`"),
+        (axis(json!({ "path": path, "from": 0.0, "to": 0.1, "scale": "log" })), "/axes/0/scale: `log` needs"),
+        (axis(json!({ "path": "/bearing/ball_count", "from": 6, "to": 9 })), "inside of the ranges"),
+        (axis(json!({ "path": "/spindle/colour", "from": 6, "to": 9 })), "/scene/spindle/colour: inside of the ranges"),
+        (with("metric", json!("/channels/spindle.y.acceleration/colour")), "/metric: no metric is called"),
+        (with("metric", json!("/channels/spindle.y.velocity/level_db")), "/metric: no metric is called"),
+        (with("metric", json!(5)), "/metric"),
+        (with("goal", json!("least")), "/goal"),
+        (with("outputs", json!({ "metrics": ["cage"] })), "/outputs/metrics: must contain `vibration`"),
+        (with("outputs", json!({ "series": ["cage.speed"] })), "/outputs/series: a job of kind `optimum` keeps no"),
+        (with("kind", json!("simulation")), "/metric: goes with the kind `optimum`"),
+    ] {
+        let found = refused(&request);
+        assert!(found.contains(told), "{request}: {found}");
+    }
+    let mut without = with("goal", json!("maximum"));
+    without.as_object_mut().unwrap().remove("metric");
+    assert!(refused(&without).contains("/metric: required"));
+}
+
+/// The names that are accepted are those of the numbers that a run has.
+#[test]
+fn every_number_of_the_metrics_can_be_sought() {
+    let mut job = request(json!(null));
+    for (field, value) in [("kind", json!("simulation")), ("settle_s", json!(0.002)), ("duration_s", json!(0.004))] {
+        job[field] = value;
+    }
+    job["scene"]["operation"]["axial_load_n"] = json!(12);
+    job["scene"]["lubricant"] = json!({ "kind": "oil" });
+    for field in ["axes", "metric"] {
+        job.as_object_mut().unwrap().remove(field);
+    }
+    let Ok(Outcome::Simulation(simulated)) = execute(&parsed(&job), &QUIET) else { panic!("{job}") };
+    let PointEnd::Succeeded(metrics) = PointEnd::of(&simulated.metrics) else { panic!() };
+    let mut names = BTreeSet::new();
+    collect(&metrics, String::new(), &mut names);
+    let is_result = |name: &String| {
+        ["/channels/", "/contacts/", "/kinematics/", "/cage/"].iter().any(|group| name.starts_with(group))
+    };
+    names.retain(is_result);
+    assert!(names.len() > 60, "{names:?}");
+    for name in names {
+        let mut input = serde_json::from_value(with("metric", json!(name))).unwrap();
+        let mut filling = crate::contract::filling::Filling::default();
+        wish(&mut input, &mut filling);
+        assert!(filling.errors.is_empty(), "{name}: {:?}", filling.errors);
+    }
+}
+
+fn collect(value: &Value, at: String, names: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(fields) => fields.iter().for_each(|(key, field)| collect(field, format!("{at}/{key}"), names)),
+        Value::Number(_) => drop(names.insert(at)),
+        _ => {}
+    }
+}
+
+/// The level of a spindle by the periodic rung over its mass: heavier is calmer, so that the best lies at the end.
+#[test]
+fn the_optimum_is_the_best_run_and_tells_how_well_it_is_known() {
+    let mut request = with("solver", json!({ "rung": "periodic" }));
+    request["scene"]["operation"] = json!({ "speed_rpm": 30000, "radial_load_y_n": 100 });
+    let mut shares = std::sync::Mutex::new(Vec::new());
+    let progress = |share: f64| shares.lock().unwrap().push(share);
+    let outcome = execute(&parsed(&request), &Control { stop: &|| false, progress: &progress });
+    let Ok(Outcome::Optimum(answer)) = outcome else { panic!("{outcome:?}") };
+    let values: Vec<f64> = answer.evaluations.iter().filter_map(|run| run.value).collect();
+    assert_eq!(answer.value, values.iter().copied().fold(f64::INFINITY, f64::min));
+    // Where the periodic motion is unstable there is no answer.
+    let refused = answer.evaluations.iter().filter(|run| run.failure.is_some()).count() as u64;
+    assert_eq!((answer.runs, answer.failed), (answer.evaluations.len() as u64, refused));
+    assert_eq!(answer.metrics.pointer(LEVEL).and_then(Value::as_f64), Some(answer.value));
+    assert_eq!(answer.evaluations.iter().filter(|run| run.purpose == PurposeName::Scan).count(), 17);
+    let mass = answer.point["/spindle/mass_kg"].as_f64().unwrap();
+    let [low, high] = answer.within.as_ref().unwrap()["/spindle/mass_kg"];
+    assert!(low <= mass && mass <= high && high - low < 0.18, "{low} {mass} {high}");
+    let shares = shares.get_mut().unwrap();
+    assert!(shares.windows(2).all(|pair| pair[0] < pair[1]) && shares.iter().all(|share| *share <= 1.0));
+    let again = found(&request);
+    let timeless = |answer: &OptimumAnswer| (answer.point.clone(), answer.value, answer.within.clone(), answer.runs);
+    assert_eq!(timeless(&answer), timeless(&again));
+    let picture = crate::render::optimum(&answer);
+    assert!(picture.contains("Minimum of") && picture.contains("/spindle/mass_kg"));
+}
+
+/// A maximum over two axes, of a metric whose error nobody estimates.
+#[test]
+fn without_an_error_no_band_is_told() {
+    let mut request = request(json!([
+        { "path": "/operation/radial_load_y_n", "from": 50, "to": 100 },
+        { "path": "/spindle/mass_kg", "from": 0.05, "to": 0.2, "scale": "log" },
+    ]));
+    request["metric"] = json!("/channels/spindle.y.displacement/peak");
+    request["goal"] = json!("maximum");
+    request["solver"] = json!({ "rung": "periodic" });
+    let answer = found(&request);
+    assert_eq!((answer.goal, &answer.within, answer.error), (GoalName::Maximum, &None, None));
+    assert!(answer.rivals.is_empty() && answer.axes.len() == 2);
+    assert!(crate::render::optimum(&answer).contains("/operation/radial_load_y_n"));
+}
+
+#[test]
+fn where_no_run_succeeds_the_job_fails_and_a_stop_ends_it() {
+    let mut hopeless = with("metric", json!("/channels/spindle.x.velocity/rms"));
+    hopeless["settle_s"] = json!(0.001);
+    hopeless["duration_s"] = json!(0.001);
+    let failure = execute(&parsed(&hopeless), &QUIET).map(|_| ()).unwrap_err().to_string();
+    assert!(
+        failure.contains("no-metric: none of 17 runs has the metric /channels/spindle.x.velocity/rms"),
+        "{failure}"
+    );
+    let stopped = execute(&parsed(&with("goal", json!("minimum"))), &Control { stop: &|| true, progress: &|_| () });
+    assert_eq!(stopped.map(|_| ()).unwrap_err().to_string(), "cancelled");
+}

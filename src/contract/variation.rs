@@ -1,0 +1,213 @@
+//! What is varied in a scene, and the simulation with other values in its place.
+
+use serde_json::{Map, Value, json};
+
+use super::filling::Filling;
+use super::job::{Job, JobKind, simulation_of};
+use super::problem::{FieldError, Refusal, escape, listed};
+use super::units::significant;
+use crate::physics::rating::dynamic_load_rating;
+
+const AXIAL_LOAD_OVER_RATING: &str = "axial_load_over_rating";
+
+/// A field of the scene, or a quantity made of several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Varied {
+    /// Pointer or quantity, as in the request.
+    pub name: String,
+    target: Target,
+}
+
+/// What a value sets.
+#[derive(Debug, Clone, PartialEq)]
+enum Target {
+    /// A field of the scene, by reference tokens.
+    Field(Vec<String>),
+    AxialLoadOverRating,
+}
+
+impl Varied {
+    /// By the path or the quantity of an axis at `pointer` of the request.
+    pub fn of(path: Option<String>, quantity: Option<String>, pointer: &str, filling: &mut Filling) -> Option<Self> {
+        match (path, quantity) {
+            (Some(path), None) => match tokens(&path) {
+                Some(tokens) => return Some(Self { name: path, target: Target::Field(tokens) }),
+                None => filling.refuse(
+                    format!("{pointer}/path"),
+                    "must be a JSON pointer into the scene, such as `/spindle/mass_kg`",
+                ),
+            },
+            (None, Some(quantity)) if quantity == AXIAL_LOAD_OVER_RATING => {
+                return Some(Self { name: quantity, target: Target::AxialLoadOverRating });
+            }
+            (None, Some(quantity)) => {
+                let quantity: String = quantity.chars().take(100).collect();
+                filling.refuse(
+                    format!("{pointer}/quantity"),
+                    format!("no quantity is called `{quantity}`; there is `{AXIAL_LOAD_OVER_RATING}`"),
+                );
+            }
+            _ => filling.refuse(pointer, "takes either `path` or `quantity`"),
+        }
+        None
+    }
+
+    /// Whether other values than numbers can have a meaning.
+    pub fn takes_words(&self) -> bool {
+        self.target != Target::AxialLoadOverRating
+    }
+}
+
+/// Reference tokens of a pointer to a field; `None` of no such pointer.
+fn tokens(path: &str) -> Option<Vec<String>> {
+    let tokens: Vec<String> =
+        path.strip_prefix('/')?.split('/').map(|t| t.replace("~1", "/").replace("~0", "~")).collect();
+    tokens.iter().all(|token| !token.is_empty()).then_some(tokens)
+}
+
+/// Values between two ends, which belong to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    pub from: f64,
+    pub to: f64,
+    pub scale: Scale,
+}
+
+/// How values between two ends are spaced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    Linear,
+    Log,
+}
+
+/// Significant digits of values that are computed: what rounding adds is nobody's wish.
+const DIGITS: usize = 9;
+
+impl Range {
+    /// Of an axis at `pointer` of the request, linear where it does not say.
+    pub fn of(from: f64, to: f64, scale: Option<&str>, pointer: &str, filling: &mut Filling) -> Option<Self> {
+        let mut refuse = |field: &str, detail: String| {
+            filling.refuse(format!("{pointer}/{field}"), detail);
+            None
+        };
+        if from == to {
+            return refuse("to", "the same as `from`".to_owned());
+        }
+        match scale.unwrap_or("linear") {
+            "linear" => Some(Self { from, to, scale: Scale::Linear }),
+            "log" if from > 0.0 && to > 0.0 => Some(Self { from, to, scale: Scale::Log }),
+            "log" => refuse("scale", "`log` needs `from` and `to` above 0".to_owned()),
+            other => {
+                let other: String = other.chars().take(100).collect();
+                refuse("scale", format!("no scale is called `{other}`; scales are {}", listed(["linear", "log"])))
+            }
+        }
+    }
+
+    /// The value at a share of the way, 0–1.
+    pub fn at(&self, share: f64) -> f64 {
+        if share == 0.0 || share == 1.0 {
+            return if share == 0.0 { self.from } else { self.to };
+        }
+        let value = match self.scale {
+            Scale::Linear => self.from + share * (self.to - self.from),
+            Scale::Log => self.from * (self.to / self.from).powf(share),
+        };
+        significant(value, DIGITS)
+    }
+}
+
+/// A request for simulations that differ in what is varied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variation {
+    /// The request without what belongs to the study alone.
+    base: Value,
+    /// The scene of the request with every default.
+    complete: Value,
+}
+
+/// Fields of a request that its simulations do not have.
+const OF_THE_WHOLE: [&str; 7] = ["axes", "metric", "goal", "labels", "priority", "reuse", "keep_for_s"];
+
+impl Variation {
+    /// Of a request whose scene with every default is `complete`.
+    pub fn new(request: &Value, complete: Value) -> Self {
+        let mut base = request.clone();
+        if let Value::Object(fields) = &mut base {
+            for field in OF_THE_WHOLE {
+                fields.remove(field);
+            }
+            fields.insert("kind".into(), JobKind::Simulation.name().into());
+            let outputs = fields.entry("outputs").or_insert_with(|| Value::Object(Map::new()));
+            outputs["spectra"] = json!([]);
+        }
+        Self { base, complete }
+    }
+
+    /// What all simulations have in common.
+    pub fn base(&self) -> &Value {
+        &self.base
+    }
+
+    /// The simulation with these values.
+    pub fn job<'a>(&self, values: impl Iterator<Item = (&'a Varied, Value)>) -> Result<Job, Refusal> {
+        let mut request = self.base.clone();
+        let mut load_over_rating = None;
+        for (varied, value) in values {
+            match &varied.target {
+                Target::Field(tokens) => set(&mut request["scene"], &self.complete, tokens, value)
+                    .map_err(|detail| FieldError::new(format!("/scene{}", varied.name), detail))?,
+                Target::AxialLoadOverRating => load_over_rating = value.as_f64(),
+            }
+        }
+        if let Some(share) = load_over_rating {
+            // The rating follows from what the other axes have made of the bearing.
+            let rating = dynamic_load_rating(&simulation_of(request.clone())?.scene().bearing);
+            request["scene"]["operation"]["axial_load_n"] = (share * rating).into();
+        }
+        simulation_of(request)
+    }
+}
+
+/// Parts of a scene that fill themselves in around a field.
+const OPEN_PARTS: [&str; 3] = ["operation", "spindle", "terms"];
+
+/// Sets a field of a scene. Where the way to it leads through a name, or through nothing, the part stands there with its defaults,
+/// as `complete` has it; of a bearing by name, and of the parts that stand open, only the field is given, so that what follows
+/// from it still follows.
+fn set(scene: &mut Value, complete: &Value, tokens: &[String], value: Value) -> Result<(), String> {
+    let Some((field, way)) = tokens.split_last() else { return Err("no field".to_owned()) };
+    let (mut at, mut filled, mut path) = (scene, Some(complete), String::new());
+    for (depth, token) in way.iter().enumerate() {
+        path += &format!("/{}", escape(token));
+        filled = filled.and_then(|part| part.get(token));
+        let Value::Object(fields) = at else { return Err(format!("`{path}` is no object")) };
+        let next = fields.entry(token.as_str()).or_insert(Value::Null);
+        if let Value::String(name) = next
+            && depth == 0
+            && token == "bearing"
+        {
+            *next = json!({ "preset": name });
+        } else if next.is_null() && depth == 0 && OPEN_PARTS.contains(&token.as_str()) {
+            *next = json!({});
+        } else if !next.is_object() && !next.is_array() {
+            *next =
+                filled.filter(|part| part.is_object()).cloned().ok_or_else(|| format!("the scene has no `{path}`"))?;
+        }
+        at = next;
+    }
+    match at {
+        Value::Object(fields) => {
+            fields.insert(field.clone(), value);
+            Ok(())
+        }
+        Value::Array(items) => match field.parse::<usize>().ok().and_then(|index| items.get_mut(index)) {
+            Some(item) => {
+                *item = value;
+                Ok(())
+            }
+            None => Err(format!("`{path}` has no item {field}")),
+        },
+        _ => Err(format!("`{path}` is no object")),
+    }
+}
