@@ -115,6 +115,16 @@ pub struct ArticleOptions {
     /// This figure alone, 5 to 16
     #[arg(long, value_name = "N")]
     pub figure: Option<u32>,
+    /// Whether the statements hold for other values of what the article does not give, over sampled sets of them; writes
+    /// ROBUSTNESS.md and robustness.csv
+    #[arg(long, conflicts_with = "figure")]
+    pub robustness: bool,
+    /// Number of these sets
+    #[arg(long, value_name = "N", default_value_t = 200, requires = "robustness", value_parser = clap::value_parser!(u32).range(3..=10_000))]
+    pub sets: u32,
+    /// What the sets are drawn from
+    #[arg(long, value_name = "N", default_value_t = 2025, requires = "robustness")]
+    pub seed: u64,
     /// Directory for ARTICLE.md and plots/article
     #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
     pub output: PathBuf,

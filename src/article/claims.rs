@@ -47,6 +47,8 @@ pub struct Finding {
     pub name: &'static str,
     pub verdict: Verdict,
     pub seen: String,
+    /// Whether the trend is smaller than ten times its error: then nothing is shown.
+    pub unresolved: bool,
 }
 
 /// Metrics that the article shows: name, pointer, unit, digits.
@@ -81,7 +83,8 @@ fn judged_metric(
     let axis: Vec<f64> =
         table.axes.first().map(|axis| axis.values.iter().filter_map(Value::as_f64).collect()).unwrap_or_default();
     let (Some(least), Some(seen)) = (best(&column, Goal::Least), trend(&column)) else {
-        return Finding { name, verdict: Verdict::NotShown, seen: "too few points succeeded".into() };
+        let seen = "too few points succeeded".into();
+        return Finding { name, verdict: Verdict::NotShown, seen, unresolved: true };
     };
     let value = |point: usize| column.get(point).copied().flatten().map_or(f64::NAN, |value| value.0);
     let known: Vec<usize> = (0..column.len()).filter(|point| column[*point].is_some()).collect();
@@ -135,8 +138,47 @@ fn judged_metric(
     Finding {
         name,
         verdict: if unresolved { Verdict::NotShown } else { verdict },
+        unresolved,
         seen: format!("{ends}; {words}; span {:.digits$} {unit} {error}{resolved}", seen.span),
     }
+}
+
+/// Correlation of two curves from which on they go the same way.
+const ALIKE: f64 = 0.9;
+
+/// What is seen of two bearings over the same speeds, metric by metric: that they go the same way, the first slightly lower.
+pub fn compared(integrated: &TableAnswer, deep_groove: &TableAnswer) -> Vec<Finding> {
+    let one = |&(name, pointer, unit, digits): &(&'static str, &str, &str, usize)| {
+        let both: Vec<(f64, f64)> = integrated
+            .column(pointer)
+            .into_iter()
+            .zip(deep_groove.column(pointer))
+            .filter_map(|(a, b)| Some((a?.0, b?.0)))
+            .collect();
+        let lower = both.iter().filter(|(a, b)| a < b).count();
+        let mean = both.iter().map(|(a, b)| b - a).sum::<f64>() / both.len().max(1) as f64;
+        let alike = correlation(&both);
+        let verdict = match (alike > ALIKE, 2 * lower > both.len()) {
+            (true, true) if lower == both.len() => Verdict::Shown,
+            (false, false) => Verdict::NotShown,
+            _ => Verdict::InPart,
+        };
+        let seen = format!(
+            "correlation over the speeds {alike:.2}; the integrated one is lower at {lower} of {} speeds, by {mean:.digits$} {unit} in the mean",
+            both.len()
+        );
+        Finding { name, verdict, seen, unresolved: false }
+    };
+    SHOWN.iter().map(one).collect()
+}
+
+/// Pearson's, of pairs; 0 where one stands still.
+fn correlation(pairs: &[(f64, f64)]) -> f64 {
+    let n = pairs.len().max(1) as f64;
+    let (x, y) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
+    let sum = |f: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|p| f(p.0 - x, p.1 - y)).sum::<f64>();
+    let scale = (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt();
+    if scale > 0.0 { sum(&|a, b| a * b) / scale } else { 0.0 }
 }
 
 #[cfg(test)]

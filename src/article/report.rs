@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use super::claims::{Finding, SHOWN, Verdict, judged};
+use super::claims::{Finding, Verdict, compared, judged};
 use super::figures::{Compared, Figure, Lines, Subject};
-use crate::contract::{LineAnswer, Metrics, Simulated, TableAnswer};
+use crate::contract::{LineAnswer, Metrics, OptimumAnswer, Simulated, TableAnswer};
 use crate::render;
 
 /// What the runs of a figure have left.
@@ -13,6 +13,7 @@ pub enum Evidence {
     Runs(Box<[Simulated; 2]>),
     Study(Box<TableAnswer>),
     Studies(Box<[TableAnswer; 2]>),
+    Optima(Vec<OptimumAnswer>),
 }
 
 /// Names and texts of the plots of a figure.
@@ -27,6 +28,11 @@ pub fn pictures(figure: &Figure, evidence: &Evidence) -> Vec<(String, String)> {
             };
             vec![(name(""), spectrum(&runs[0])), (name("-unbalanced"), spectrum(&runs[1]))]
         }
+        Evidence::Optima(answers) => answers
+            .iter()
+            .enumerate()
+            .map(|(k, answer)| (name(&format!("-optimum-{}", k + 1)), render::optimum(answer)))
+            .collect(),
         Evidence::Study(table) => render::trend(table).map(|svg| (name(""), svg)).into_iter().collect(),
         Evidence::Studies(tables) => {
             let titles = ["-integrated", "-deep-groove"];
@@ -62,7 +68,7 @@ const HEAD: &str = "\
 
 Figures and Table 4 of Zhi, Zhai, Wen and Li, *Appl. Sci.* 2025, 15(1), 98, from runs of this program; each beside what the article says of it. Written by `raceway article --output docs`: no number is put in by hand, \
 and nothing was tuned until a statement appeared. What the article does not give (spindle mass 50 g, clearance 5 µm, damping, traction, lubricant, cage mass) is that of the preset `article-integrated` ([PARAMETERS.md](PARAMETERS.md#presets)); other values can give other trends. \
-Each value comes with its estimated error. A trend counts as resolved where no point is wrong by more than a tenth of its span; one that is not resolved is not shown. *Rises* and *falls* are told by the correlation of ranks: 0.98 and more all along, 0.7 and more mostly. Figures 17 and 18 (finite elements) and the robustness of each statement against what is not given are not in this version.
+Each value comes with its estimated error. A trend counts as resolved where no point is wrong by more than a tenth of its span; one that is not resolved is not shown. *Rises* and *falls* are told by the correlation of ranks: 0.98 and more all along, 0.7 and more mostly. Whether the statements hold for other values of what is not given is in [ROBUSTNESS.md](ROBUSTNESS.md). Figures 17 and 18 (finite elements) are not in this version.
 
 ";
 
@@ -71,11 +77,44 @@ fn findings(figure: &Figure, evidence: &Evidence) -> (Option<Verdict>, Vec<Findi
     let findings = match (&figure.subject, evidence) {
         (Subject::Trend { claim, .. }, Evidence::Study(table)) => judged(table, *claim),
         (Subject::Spectrum(lines), Evidence::Runs(runs)) => spectrum(lines, &runs[0].metrics, &runs[1].metrics),
-        (Subject::Comparison(Compared { .. }), Evidence::Studies(tables)) => comparison(&tables[0], &tables[1]),
+        (Subject::Optimum { jobs, within }, Evidence::Optima(answers)) => {
+            jobs.iter().zip(answers).map(|(job, answer)| optimum(job.0, answer, *within)).collect()
+        }
+        (Subject::Comparison(Compared { .. }), Evidence::Studies(tables)) => compared(&tables[0], &tables[1]),
         _ => Vec::new(),
     };
     let verdicts: Vec<Verdict> = findings.iter().map(|finding| finding.verdict).collect();
     ((!findings.is_empty()).then(|| Verdict::of_all(&verdicts)), findings)
+}
+
+/// Whether the best point of one axis lies where it is said, and is known well enough to tell.
+fn optimum(name: &'static str, answer: &OptimumAnswer, (from, to): (f64, f64)) -> Finding {
+    let value = |of: &serde_json::Map<String, serde_json::Value>| of.values().find_map(serde_json::Value::as_f64);
+    let at = value(&answer.point).unwrap_or(f64::NAN);
+    let band = answer.within.as_ref().and_then(|within| within.values().next().copied()).unwrap_or([f64::NAN; 2]);
+    let rivals: Vec<f64> = answer.rivals.iter().filter_map(|rival| value(&rival.point)).collect();
+    let is_inside = |at: &f64| (from..=to).contains(at);
+    let all = || band.iter().chain(&rivals);
+    let verdict = match (is_inside(&at), all().all(is_inside)) {
+        (true, true) => Verdict::Shown,
+        (true, false) => Verdict::InPart,
+        (false, _) if all().any(is_inside) => Verdict::InPart,
+        _ => Verdict::NotShown,
+    };
+    let error = answer.error.map_or(String::new(), |error| format!(" ± {error:.1e}"));
+    let end = if answer.at_end_of_range.is_empty() { "" } else { ", the end of the range" };
+    let others = match &rivals[..] {
+        [] => String::new(),
+        some => format!(
+            "; as good it may be at {}",
+            some.iter().map(|at| format!("{at:.5}")).collect::<Vec<_>>().join(", ")
+        ),
+    };
+    let seen = format!(
+        "{:.3}{error} dB at {at:.5}{end}, known to lie within {:.5} … {:.5}{others}; {} runs",
+        answer.value, band[0], band[1], answer.runs
+    );
+    Finding { name, verdict, seen, unresolved: false }
 }
 
 /// How near a line has to be to the frequency that is said, as a share of it.
@@ -101,7 +140,12 @@ fn spectrum(lines: &Lines, balanced: &Metrics, unbalanced: &Metrics) -> Vec<Find
             (None, Some(_)) => Verdict::InPart,
             (None, None) => Verdict::NotShown,
         };
-        Finding { name, verdict, seen: format!("{frequency:.0} Hz: {}; with G 6.3: {}", told(here), told(there)) }
+        Finding {
+            name,
+            verdict,
+            unresolved: false,
+            seen: format!("{frequency:.0} Hz: {}; with G 6.3: {}", told(here), told(there)),
+        }
     };
     let strongest = |metrics: &Metrics| {
         let mut all: Vec<&LineAnswer> = metrics.lines.iter().flatten().collect();
@@ -113,41 +157,4 @@ fn spectrum(lines: &Lines, balanced: &Metrics, unbalanced: &Metrics) -> Vec<Find
         last.seen += &format!(". The strongest lines here: {}", strongest(balanced));
     }
     findings
-}
-
-/// Correlation of two curves from which on they go the same way.
-const ALIKE: f64 = 0.9;
-
-fn comparison(integrated: &TableAnswer, deep_groove: &TableAnswer) -> Vec<Finding> {
-    let one = |&(name, pointer, unit, digits): &(&'static str, &str, &str, usize)| {
-        let both: Vec<(f64, f64)> = integrated
-            .column(pointer)
-            .into_iter()
-            .zip(deep_groove.column(pointer))
-            .filter_map(|(a, b)| Some((a?.0, b?.0)))
-            .collect();
-        let lower = both.iter().filter(|(a, b)| a < b).count();
-        let mean = both.iter().map(|(a, b)| b - a).sum::<f64>() / both.len().max(1) as f64;
-        let alike = correlation(&both);
-        let verdict = match (alike > ALIKE, 2 * lower > both.len()) {
-            (true, true) if lower == both.len() => Verdict::Shown,
-            (false, false) => Verdict::NotShown,
-            _ => Verdict::InPart,
-        };
-        let seen = format!(
-            "correlation over the speeds {alike:.2}; the integrated one is lower at {lower} of {} speeds, by {mean:.digits$} {unit} in the mean",
-            both.len()
-        );
-        Finding { name, verdict, seen }
-    };
-    SHOWN.iter().map(one).collect()
-}
-
-/// Pearson's, of pairs; 0 where one stands still.
-fn correlation(pairs: &[(f64, f64)]) -> f64 {
-    let n = pairs.len().max(1) as f64;
-    let (x, y) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
-    let sum = |f: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|p| f(p.0 - x, p.1 - y)).sum::<f64>();
-    let scale = (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt();
-    if scale > 0.0 { sum(&|a, b| a * b) / scale } else { 0.0 }
 }

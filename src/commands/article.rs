@@ -3,17 +3,23 @@
 use serde_json::Value;
 
 use super::local::{Directory, badly};
-use super::{Ended, study};
-use crate::article::{Evidence, Figure, Subject, document, figures, pictures};
+use super::{Ended, parallel, progress, study};
+use crate::article::{
+    Evidence, Figure, Judged, Subject, document, figures, pictures, robustness_csv, robustness_document, sampled,
+    studies,
+};
 use crate::config::ArticleOptions;
-use crate::contract::{self, Outcome, Simulated, TableAnswer};
+use crate::contract::{self, Job, OptimumAnswer, Outcome, Simulated, Study, TableAnswer};
 use crate::simulation::run::Control;
 
 /// Folder of the plots beside the report.
 const PLOTS: &str = "plots/article";
 
-/// Runs the figures, one or all, and writes `ARTICLE.md` with its plots.
+/// Runs the figures, one or all, and writes `ARTICLE.md` with its plots; or the sampled sets, and writes `ROBUSTNESS.md`.
 pub fn run(options: &ArticleOptions) -> Ended {
+    if options.robustness {
+        return robustness(options);
+    }
     let wanted = |figure: &Figure| options.figure.is_none_or(|number| shows(figure, number));
     let chosen: Vec<Figure> = figures().into_iter().filter(wanted).collect();
     if chosen.is_empty() {
@@ -48,6 +54,7 @@ fn evidence(figure: &Figure, quiet: bool) -> Result<Evidence, String> {
     Ok(match &figure.subject {
         Subject::Series { job, .. } => Evidence::Run(Box::new(simulated(job)?)),
         Subject::Spectrum(lines) => Evidence::Runs(Box::new([simulated(&lines.job)?, simulated(&lines.unbalanced)?])),
+        Subject::Optimum { jobs, .. } => Evidence::Optima(optima(jobs)?),
         Subject::Trend { study, .. } => Evidence::Study(Box::new(table(study, quiet)?)),
         Subject::Comparison(both) => {
             Evidence::Studies(Box::new([table(&both.integrated, quiet)?, table(&both.deep_groove, quiet)?]))
@@ -55,17 +62,60 @@ fn evidence(figure: &Figure, quiet: bool) -> Result<Evidence, String> {
     })
 }
 
-fn simulated(job: &Value) -> Result<Simulated, String> {
-    let job = contract::parse_job(job.to_string().as_bytes()).map_err(|refusal| refusal.to_string())?;
-    match contract::execute(&job, &Control { stop: &|| false, progress: &|_| () }) {
-        Ok(Outcome::Simulation(simulated)) => Ok(*simulated),
-        Ok(_) => Err("no simulation".to_owned()),
-        Err(failure) => Err(failure.to_string()),
+fn parsed(request: &Value) -> Result<Job, String> {
+    contract::parse_job(request.to_string().as_bytes()).map_err(|refusal| refusal.to_string())
+}
+
+fn outcome(request: &Value) -> Result<Outcome, String> {
+    let control = Control { stop: &|| false, progress: &|_| () };
+    contract::execute(&parsed(request)?, &control).map_err(|failure| failure.to_string())
+}
+
+fn simulated(request: &Value) -> Result<Simulated, String> {
+    match outcome(request)? {
+        Outcome::Simulation(simulated) => Ok(*simulated),
+        _ => Err("no simulation".to_owned()),
     }
 }
 
+/// A search is one run after the other: several go side by side.
+fn optima(jobs: &[(&str, Value)]) -> Result<Vec<OptimumAnswer>, String> {
+    let answers = parallel::map(jobs.len(), parallel::cores(), &|_| (), |number| match outcome(&jobs[number].1)? {
+        Outcome::Optimum(answer) => Ok(*answer),
+        _ => Err("no optimum".to_owned()),
+    });
+    answers.into_iter().collect()
+}
+
 fn table(request: &Value, quiet: bool) -> Result<TableAnswer, String> {
-    let job = contract::parse_job(request.to_string().as_bytes()).map_err(|refusal| refusal.to_string())?;
+    let job = parsed(request)?;
     let varied = job.study.as_ref().ok_or("no study")?;
-    Ok(study::table_of(&job, varied, study::cores(), quiet))
+    Ok(study::table_of(&job, varied, parallel::cores(), quiet))
+}
+
+/// All points of all studies of all sets.
+fn robustness(options: &ArticleOptions) -> Ended {
+    let sets = sampled(options.sets as usize, options.seed);
+    let of_set = |set| studies(set).iter().map(|request| parsed(request)?.study.ok_or("no study".to_owned())).collect();
+    let varied: Vec<Vec<Study>> = match sets.iter().map(of_set).collect::<Result<_, _>>() {
+        Ok(varied) => varied,
+        Err(why) => return badly(&why),
+    };
+    let all: Vec<(&Study, usize)> =
+        varied.iter().flatten().flat_map(|study| (0..study.points).map(move |point| (study, point))).collect();
+    let announcement = || format!("{} sets, {} runs of tens to hundreds of milliseconds each", sets.len(), all.len());
+    let rows = progress::announced(announcement, options.quiet, |progress| {
+        parallel::map(all.len(), parallel::cores(), progress, |number| study::row_of(all[number].0, all[number].1))
+    });
+    let mut rows = rows.into_iter();
+    let judged = sets.iter().zip(&varied).map(|(set, studies)| {
+        let table = |study: &Study| TableAnswer::of(study, rows.by_ref().take(study.points).collect());
+        Judged::of(*set, &studies.iter().map(table).collect::<Vec<_>>())
+    });
+    let judged: Vec<Judged> = judged.collect();
+    let written = Directory::at(&options.output).and_then(|directory| {
+        directory.write("ROBUSTNESS.md", &robustness_document(&judged, options.seed))?;
+        directory.write("robustness.csv", &robustness_csv(&judged))
+    });
+    written.map_or_else(|error| badly(&error), |()| Ended::Well)
 }

@@ -9,6 +9,8 @@ pub mod health;
 /// A job in this process.
 mod local;
 pub mod optimum;
+/// Many runs, some at a time.
+mod parallel;
 /// What stderr tells of a run.
 mod progress;
 pub mod serve;

@@ -16,11 +16,16 @@ const LEAST_SHARE: f64 = 0.02;
 /// Runs `work`, which tells its progress, 0–1, to what it is given; quietly, or with an estimate and the progress on stderr. A
 /// thread of its own looks at the progress, so that writing takes no time from the run.
 pub fn shown<T>(job: &Job, quiet: bool, work: impl FnOnce(&dyn Fn(f64)) -> T) -> T {
+    announced(|| announcement(job), quiet, work)
+}
+
+/// The same with an announcement of its own.
+pub fn announced<T>(announcement: impl FnOnce() -> String, quiet: bool, work: impl FnOnce(&dyn Fn(f64)) -> T) -> T {
     if quiet {
         return work(&|_| ());
     }
     let terminal = std::io::stderr().is_terminal();
-    say(&format!("{}\n", announcement(job)));
+    say(&format!("{}\n", announcement()));
     let share = AtomicU64::new(0);
     let begin = Instant::now();
     let (ended, end) = channel::<()>();

@@ -2,11 +2,9 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError, mpsc};
 
 use super::local::{self, Directory, badly, json};
-use super::{Ended, progress, table};
+use super::{Ended, parallel, progress, table};
 use crate::config::StudyOptions;
 use crate::contract::{self, Job, Row, Study, TableAnswer};
 use crate::render;
@@ -19,7 +17,7 @@ pub fn run(options: &StudyOptions) -> Ended {
         Err(ended) => return ended,
     };
     let Some(study) = &job.study else { return badly("the job was no study") };
-    let workers = options.workers.map_or_else(cores, usize::from);
+    let workers = options.workers.map_or_else(parallel::cores, usize::from);
     let answer = table_of(&job, study, workers, options.quiet);
     let mut stdout = std::io::stdout().lock();
     if let Err(error) = write!(stdout, "{}", table::study(&answer)) {
@@ -32,51 +30,22 @@ pub fn run(options: &StudyOptions) -> Ended {
     }
 }
 
-/// Points at a time where nobody says.
-pub fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
-}
-
 /// Runs all points, so many at a time.
 pub fn table_of(job: &Job, study: &Study, workers: usize, quiet: bool) -> TableAnswer {
-    let rows = progress::shown(job, quiet, |progress| run_all(study, workers, progress));
+    let rows = progress::shown(job, quiet, |progress| {
+        parallel::map(study.points, workers, progress, |point| row_of(study, point))
+    });
     TableAnswer::of(study, rows)
 }
 
-fn run_all(study: &Study, workers: usize, progress: &dyn Fn(f64)) -> Vec<Row> {
-    let rows = Mutex::new((0..study.points).map(|point| Row::queued(study, point)).collect::<Vec<_>>());
-    let next = AtomicUsize::new(0);
-    let (done, ended) = mpsc::channel();
-    std::thread::scope(|scope| {
-        for _ in 0..workers.min(study.points) {
-            let done = done.clone();
-            let (next, rows) = (&next, &rows);
-            scope.spawn(move || {
-                loop {
-                    let point = next.fetch_add(1, Ordering::Relaxed);
-                    if point >= study.points {
-                        return;
-                    }
-                    let simulate = |job: &Job| contract::execute(job, &Control { stop: &|| false, progress: &|_| () });
-                    let end = contract::execute_point(study.point(point), &simulate);
-                    let mut rows = rows.lock().unwrap_or_else(PoisonError::into_inner);
-                    if let (Some(end), Some(row)) = (end, rows.get_mut(point)) {
-                        *row = row.clone().ended(end);
-                    }
-                    drop(rows);
-                    let _ = done.send(());
-                }
-            });
-        }
-        drop(done);
-        for count in 1..=study.points {
-            if ended.recv().is_err() {
-                break;
-            }
-            progress(count as f64 / study.points as f64);
-        }
-    });
-    rows.into_inner().unwrap_or_else(PoisonError::into_inner)
+/// A point of a study with its end.
+pub fn row_of(study: &Study, point: usize) -> Row {
+    let simulate = |job: &Job| contract::execute(job, &Control { stop: &|| false, progress: &|_| () });
+    let row = Row::queued(study, point);
+    match contract::execute_point(study.point(point), &simulate) {
+        Some(end) => row.ended(end),
+        None => row,
+    }
 }
 
 /// The table and its plots, as files.
