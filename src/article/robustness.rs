@@ -176,7 +176,8 @@ pub const QUESTIONS: [Question; 7] = [
         figure: 13,
         title: "axial preload: falls, then rises, best at 0.5 to 0.8 % of the rating",
         asked: Asked::Trend(
-            || json!({ "quantity": "axial_load_over_rating", "from": 0.0, "to": 0.02, "count": 9 }),
+            // These runs cost ten times the others: more of them where the best is said to be.
+            || json!({ "quantity": "axial_load_over_rating", "values": [0.0, 0.0025, 0.005, 0.0065, 0.008, 0.0125, 0.02] }),
             Claim::LeastWithin(0.005, 0.008),
         ),
     },
