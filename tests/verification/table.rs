@@ -56,7 +56,9 @@ fn compare(row: &Row, expected: &[f64], ours: &[f64]) {
     assert_eq!(expected.len(), ours.len(), "`{}`", row.case);
     let apart = |(ours, expected): (&f64, &f64)| 100.0 * (ours / expected - 1.0);
     let largest = ours.iter().zip(expected).map(apart).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-    let difference = format!("{largest:+.*} %", decimals(row.difference)).replace('-', "−");
+    let difference = format!("{largest:+.*}", decimals(row.difference)).replace('-', "−");
+    let zero = !difference.contains(|digit: char| ('1'..='9').contains(&digit));
+    let difference = format!("{} %", if zero { difference.trim_start_matches(['+', '−']) } else { &difference });
     let cells = (like(row.ours, ours), difference);
     assert_eq!((row.ours, row.difference), (&*cells.0, &*cells.1), "`{}` is {ours:?}, {largest} % apart", row.case);
     let allowed = numbers(row.allowed)[0];
