@@ -83,8 +83,9 @@ fn series_stiffness(scene: &Scene) -> f64 {
     (stiffness.inner + stiffness.outer).powf(-1.5)
 }
 
-/// The classical theory lets no contact lean: Q_j = K (δ_r cos φ_j − P_d/2)^1.5, Σ Q_j cos φ_j = F.
-fn classical_loads(scene: &Scene) -> Vec<f64> {
+/// Displacement [m] and ball loads of the classical theory, which lets no contact lean: Q_j = K (δ_r cos φ_j − P_d/2)^1.5,
+/// Σ Q_j cos φ_j = F.
+fn classical(scene: &Scene) -> (f64, Vec<f64>) {
     let stiffness = series_stiffness(scene);
     let balls = scene.bearing.parameters.ball_count;
     let cosine = |ball: usize| (TAU * ball as f64 / balls as f64).cos();
@@ -93,10 +94,11 @@ fn classical_loads(scene: &Scene) -> Vec<f64> {
         (0..balls).map(|ball| stiffness * penetration(ball).powf(1.5)).collect()
     };
     let carried = |sunk: f64| loads(sunk).iter().enumerate().map(|(ball, load)| load * cosine(ball)).sum::<f64>();
-    loads(bracketed_root(|sunk| carried(sunk) - scene.operation.load[1], 0.0, 1e-3))
+    let sunk = bracketed_root(|sunk| carried(sunk) - scene.operation.load[1], 0.0, 1e-3);
+    (sunk, loads(sunk))
 }
 
-/// 8900 N on the 209; its contacts lean with the spindle's displacement of 66 µm on a radius of 32.5 mm.
+/// 8900 N on the 209; its contacts lean with the spindle's displacement of 61 µm on a radius of 32.5 mm.
 #[test]
 fn bearing_209() {
     let steel = json!({ "elastic_modulus_gpa": 206.9, "poisson_ratio": 0.3, "density_kg_m3": 7800 });
@@ -109,7 +111,9 @@ fn bearing_209() {
         },
         "operation": { "speed_rpm": 1800, "radial_load_y_n": 8900 }
     }));
-    let (loads, classical) = (at_rest(&scene).ball_loads, classical_loads(&scene));
+    let StaticLoads { ball_loads: loads, radial_displacement, .. } = at_rest(&scene);
+    let (sunk, classical) = classical(&scene);
+    check_computed("209-displacement", &[sunk * 1e6], &[radial_displacement * 1e6]);
     check("209-0-40", &loads[..2]);
     check("209-80", &loads[2..3]);
     check_computed("209-0-40-classical", &classical[..2], &loads[..2]);
