@@ -174,21 +174,6 @@ mod tests {
         assert!((value / expected - 1.0).abs() <= relative, "{value} against {expected}");
     }
 
-    /// Harris & Kotzalas, dimensionless contact parameters: a*, b*, δ* over F(ρ), printed to four figures; the table is
-    /// interpolated by hand there, so 0.1 %.
-    #[test]
-    fn ellipse_matches_the_table_of_harris() {
-        for (difference, a, b, delta) in
-            [(0.7948, 2.265, 0.5480, 0.7961), (0.957_38, 4.395, 0.3830, 0.5551), (0.1075, 1.0760, 0.9318, 0.9974)]
-        {
-            let ellipse = ContactEllipse::new(1.0 + difference, 1.0 - difference);
-            let (k, first, second) = (ellipse.ellipticity, ellipse.elliptic_first, ellipse.elliptic_second);
-            assert_close((2.0 * k * k * second / PI).cbrt(), a, 1e-3);
-            assert_close((2.0 * second / (PI * k)).cbrt(), b, 1e-3);
-            assert_close(2.0 * first / PI * (PI / (2.0 * k * k * second)).cbrt(), delta, 1e-3);
-        }
-    }
-
     /// The equation as Harris & Kotzalas print it holds for the root found in another form, 1e-9.
     #[test]
     fn ellipticity_solves_the_printed_equation() {
@@ -200,20 +185,15 @@ mod tests {
         }
     }
 
-    /// k = 1, 𝓕 = 𝓔 = π/2, R = r/2 give K = ⅔ E' √r; Johnson's case r 10 mm, E* 115.385 GPa, 50 N:
-    /// a 148.12 µm, p₀ 1088.1 MPa, δ 2.194 µm, printed to four figures.
+    /// k = 1, 𝓕 = 𝓔 = π/2, R = r/2 give a circle and K = ⅔ E' √r.
     #[test]
     fn sphere_on_plane_recovers_hertz() {
-        let (radius, modulus, load) = (10e-3, 115.385e9, 50.0);
+        let (radius, modulus) = (10e-3, 115.385e9);
         let ellipse = ContactEllipse::new(1.0 / radius, 1.0 / radius);
         assert_eq!(ellipse.ellipticity, 1.0);
-        let stiffness = load_deflection_factor(&ellipse, 2.0 * modulus);
-        assert_close(stiffness, sphere_stiffness(modulus, radius), 1e-14);
-        let (a, b) = semi_axes(&ellipse, 2.0 * modulus, load);
+        assert_close(load_deflection_factor(&ellipse, 2.0 * modulus), sphere_stiffness(modulus, radius), 1e-14);
+        let (a, b) = semi_axes(&ellipse, 2.0 * modulus, 50.0);
         assert_eq!(a, b);
-        assert_close(a, 148.12e-6, 1e-4);
-        assert_close(max_pressure(&ellipse, 2.0 * modulus, load), 1088.1e6, 1e-4);
-        assert_close((load / stiffness).powf(2.0 / 3.0), 2.194e-6, 3e-4);
     }
 
     /// Stiffness and ellipse pass through the circle without a step: K over ratio 1 ± ε differs by order ε.
@@ -260,26 +240,5 @@ mod tests {
             assert!(contact.semi_minor_coefficient > 0.0 && contact.semi_major_coefficient.is_finite());
             previous = contact.stiffness;
         }
-    }
-
-    /// Elastic impact lasts T = 2.9432 (5 m / 4 K)^(2/5) v^(−1/5) (Johnson eq. 11.24), integrated by
-    /// leapfrog steps of T/20 000; the constant is printed to five figures.
-    #[test]
-    fn elastic_impact_lasts_as_hertz_says() {
-        let (mass, stiffness, speed) = (8.789e-5_f64, 1.399e10, 0.1);
-        let expected = 2.9432 * (5.0 * mass / (4.0 * stiffness)).powf(0.4) * f64::powf(speed, -0.2);
-        let step = expected / 20_000.0;
-        let (mut depth, mut rate, mut time) = (0.0_f64, speed, 0.0);
-        let mut last = 0.0;
-        while depth >= 0.0 {
-            last = depth;
-            rate -= 0.5 * step * stiffness * depth * depth.sqrt() / mass;
-            depth += step * rate;
-            rate -= 0.5 * step * stiffness * depth.max(0.0).powf(1.5) / mass;
-            time += step;
-        }
-        time -= step * depth / (depth - last);
-        assert_close(time, expected, 5e-5);
-        assert_close(rate, -speed, 1e-5);
     }
 }

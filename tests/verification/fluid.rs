@@ -1,0 +1,62 @@
+//! Drag and churning of balls, and the film of a guiding land.
+
+use std::f64::consts::{PI, TAU};
+
+use raceway::physics::cage::GuidingLand;
+use raceway::physics::contact::traction::TractionLaw;
+use raceway::physics::drag::{churning_coefficient, drag_coefficient};
+use raceway::physics::land::Land;
+use raceway::physics::lubricant::{Lubricant, LubricantKind};
+
+use crate::table::{check, check_computed};
+
+/// Clift & Gauvin 1971, the standard drag curve up to Re 2e5.
+fn standard_drag(reynolds: f64) -> f64 {
+    24.0 / reynolds * (1.0 + 0.15 * reynolds.powf(0.687)) + 0.42 / (1.0 + 4.25e4 * reynolds.powf(-1.16))
+}
+
+#[test]
+fn drag_of_a_sphere() {
+    for (case, reynolds) in [
+        ("drag-0.1", 0.1),
+        ("drag-1", 1.0),
+        ("drag-10", 10.0),
+        ("drag-30", 30.0),
+        ("drag-100", 100.0),
+        ("drag-1e3", 1e3),
+        ("drag-3e3", 3e3),
+        ("drag-1e4", 1e4),
+        ("drag-1e5", 1e5),
+    ] {
+        check_computed(case, &[standard_drag(reynolds)], &[drag_coefficient(reynolds)]);
+    }
+}
+
+#[test]
+fn torque_of_a_spinning_sphere() {
+    check_computed("churning-1", &[16.0 * PI], &[churning_coefficient(1.0)]);
+    check("churning-100", &[churning_coefficient(100.0)]);
+}
+
+/// Load number η N L D/W (R/C)² (L/D)², N in turns a second, and attitude angle: of the force of a land between load and
+/// displacement.
+#[test]
+fn short_bearing() {
+    let oil = Lubricant {
+        kind: LubricantKind::Oil,
+        viscosity: 0.02,
+        pressure_viscosity: 2e-8,
+        fill: 0.05,
+        inlet_distance: None,
+        traction: TractionLaw::Coulomb { coefficient: 0.05, regularisation: 0.1 },
+    };
+    let (clearance, diameter, width, speed) = (100e-6, 15e-3, 1e-3, 2000.0);
+    let land = Land::new(&GuidingLand { clearance, diameter, width }, &oil);
+    for (case, ratio) in [("ocvirk-0.2", 0.2), ("ocvirk-0.5", 0.5), ("ocvirk-0.8", 0.8)] {
+        let (force, _) = land.load([0.0, ratio * 0.5 * clearance, 0.0], speed);
+        let load = force[1].hypot(force[2]);
+        let sommerfeld = oil.viscosity * speed / TAU * width * diameter / load * (diameter / clearance).powi(2);
+        let attitude = force[2].abs().atan2(-force[1]).to_degrees();
+        check(case, &[sommerfeld * (width / diameter).powi(2), attitude]);
+    }
+}
