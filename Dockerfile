@@ -11,6 +11,7 @@ WORKDIR /source
 COPY Cargo.toml Cargo.lock build.rs ./
 COPY src src
 COPY migrations migrations
+COPY verification verification
 # Not built, but Cargo.toml names them.
 COPY benches benches
 RUN cargo build --release --locked --bin raceway

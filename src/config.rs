@@ -112,7 +112,7 @@ pub struct OptimumOptions {
 
 #[derive(Debug, Args)]
 pub struct ArticleOptions {
-    /// This figure alone, 5 to 16
+    /// This figure alone, 5 to 18
     #[arg(long, value_name = "N")]
     pub figure: Option<u32>,
     /// Whether the statements hold for other values of what the article does not give, over sampled sets of them; writes

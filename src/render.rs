@@ -223,6 +223,17 @@ pub fn optimum(answer: &OptimumAnswer) -> String {
     }
 }
 
+/// Force over penetration: finite elements, the law, and Hertz's contact alone.
+pub fn forces(forces: &[[f64; 4]]) -> String {
+    let curve =
+        |name, place: usize| TrendCurve { name, values: forces.iter().map(|of| Some((of[place], None))).collect() };
+    let curves = vec![curve("finite elements", 1), curve("law", 2), curve("Hertz alone", 3)];
+    let panel = TrendPanel { quantity: "force in N", curves, best: None };
+    let axis =
+        VariedAxis { name: "penetration in µm", values: AxisPlaces::Numbers(forces.iter().map(|of| of[0]).collect()) };
+    trend_svg("Ball in its pocket", "CalculiX, converged, against the law of the model", &axis, &[panel])
+}
+
 /// A study as CSV: axes, status, then every number of the metrics under its pointer.
 pub fn table_csv(table: &TableAnswer) -> String {
     let columns = table.columns();

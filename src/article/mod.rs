@@ -3,12 +3,14 @@
 
 mod claims;
 mod figures;
+mod pocket;
 mod report;
 mod robustness;
 mod robustness_report;
 
 pub use claims::{Claim, Finding, Verdict};
 pub use figures::{Compared, Figure, Lines, Subject, figures};
+pub use pocket::forces;
 pub use report::{Evidence, document, pictures};
 pub use robustness::{Judged, sampled, studies};
 pub use robustness_report::{robustness_csv, robustness_document};

@@ -5,8 +5,8 @@ use serde_json::Value;
 use super::local::{Directory, badly};
 use super::{Ended, parallel, progress, study};
 use crate::article::{
-    Evidence, Figure, Judged, Subject, document, figures, pictures, robustness_csv, robustness_document, sampled,
-    studies,
+    Evidence, Figure, Judged, Subject, document, figures, forces, pictures, robustness_csv, robustness_document,
+    sampled, studies,
 };
 use crate::config::ArticleOptions;
 use crate::contract::{self, Job, OptimumAnswer, Outcome, Simulated, Study, TableAnswer};
@@ -23,7 +23,7 @@ pub fn run(options: &ArticleOptions) -> Ended {
     let wanted = |figure: &Figure| options.figure.is_none_or(|number| shows(figure, number));
     let chosen: Vec<Figure> = figures().into_iter().filter(wanted).collect();
     if chosen.is_empty() {
-        return badly("no run shows this figure: 5 to 16 are there");
+        return badly("no run shows this figure: 5 to 18 are there");
     }
     let mut all = Vec::new();
     for figure in chosen {
@@ -45,9 +45,10 @@ pub fn run(options: &ArticleOptions) -> Ended {
     written.map_or_else(|error| badly(&error), |()| Ended::Well)
 }
 
-/// Figures 5 and 6, 7 and 8 are one run each.
+/// Figures 5 and 6, 7 and 8 are one run each, 17 and 18 one comparison.
 fn shows(figure: &Figure, number: u32) -> bool {
-    figure.number == number || matches!(figure.subject, Subject::Series { .. }) && figure.number + 1 == number
+    let two = matches!(figure.subject, Subject::Series { .. } | Subject::Pocket { .. });
+    figure.number == number || two && figure.number + 1 == number
 }
 
 fn evidence(figure: &Figure, quiet: bool) -> Result<Evidence, String> {
@@ -55,6 +56,7 @@ fn evidence(figure: &Figure, quiet: bool) -> Result<Evidence, String> {
         Subject::Series { job, .. } => Evidence::Run(Box::new(simulated(job)?)),
         Subject::Spectrum(lines) => Evidence::Runs(Box::new([simulated(&lines.job)?, simulated(&lines.unbalanced)?])),
         Subject::Optimum { jobs, .. } => Evidence::Optima(optima(jobs)?),
+        Subject::Pocket { scene, case } => Evidence::Forces(forces(scene, case)?),
         Subject::Trend { study, .. } => Evidence::Study(Box::new(table(study, quiet)?)),
         Subject::Comparison(both) => {
             Evidence::Studies(Box::new([table(&both.integrated, quiet)?, table(&both.deep_groove, quiet)?]))

@@ -2,6 +2,7 @@
 //! is the integrator's error and falls with its tolerance.
 
 use raceway::physics::frames::{Azimuth, dot};
+use raceway::physics::pocket::Pocket;
 use raceway::simulation::model::Model;
 use serde_json::{Value, json};
 
@@ -56,18 +57,44 @@ fn energy(model: &Model, time: f64, state: &[f64]) -> f64 {
     sum
 }
 
-/// Elastic energy of a pocket from its normal load: a linear film up to the clearance, then Hertz on top of the film's
-/// largest force.
+/// Elastic energy of a pocket from its normal load: a linear film up to the clearance, then the solid contact on top of the
+/// film's largest force.
 fn pocket_energy(model: &Model, normal: f64) -> f64 {
     let pocket = &model.mechanism().pocket;
-    let (film, solid) = (pocket.film_stiffness(), pocket.solid_stiffness());
+    let film = pocket.film_stiffness();
     let clearance = 0.5 * model.mechanism().cage.pocket_clearance;
     let edge = film * clearance;
     if normal <= edge {
         return if film > 0.0 { 0.5 * normal * normal / film } else { 0.0 };
     }
-    let penetration = ((normal - edge) / solid).powf(2.0 / 3.0);
-    0.5 * edge * clearance + edge * penetration + 0.4 * (normal - edge) * penetration
+    let penetration = penetration_at(pocket, normal - edge);
+    0.5 * edge * clearance + edge * penetration + solid_energy(pocket, penetration)
+}
+
+/// Where the solid contact bears a load, by bisection in the logarithm.
+fn penetration_at(pocket: &Pocket, load: f64) -> f64 {
+    let (mut low, mut high) = (1e-15_f64, 1e-2_f64);
+    for _ in 0..60 {
+        let middle = (low * high).sqrt();
+        if pocket.solid_load(middle) < load { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// ∫ Q dδ from touch, by Simpson's rule in √δ, in which the integrand is smooth.
+fn solid_energy(pocket: &Pocket, penetration: f64) -> f64 {
+    const PARTS: usize = 64;
+    let step = penetration.sqrt() / PARTS as f64;
+    let integrand = |k: usize| {
+        let root = k as f64 * step;
+        2.0 * root * pocket.solid_load(root * root)
+    };
+    let weight = |k: usize| match k {
+        0 | PARTS => 1.0,
+        k if k % 2 == 1 => 4.0,
+        _ => 2.0,
+    };
+    (0..=PARTS).map(|k| weight(k) * integrand(k)).sum::<f64>() * step / 3.0
 }
 
 /// Largest change of the energy over `duration` [J].

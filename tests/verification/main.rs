@@ -9,5 +9,6 @@ mod distribution;
 mod dynamics;
 mod fluid;
 mod kinematics;
+mod pocket;
 mod rating;
 mod table;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 /// A file of this repository.
-fn read(file: &str) -> String {
+pub fn read(file: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
