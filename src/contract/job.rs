@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 
 use super::filling::Filling;
 use super::optimum::{self, GoalName, Sought};
-use super::outputs::OutputsInput;
+use super::outputs::{OutputsInput, USUAL_SPECTRA};
 use super::problem::{FieldError, Refusal, listed};
 use super::scene::{ResolvedScene, SceneInput};
 use super::solver::{MethodName, Solver, SolverInput};
@@ -152,6 +152,13 @@ impl Job {
             (_, Some(sought)) => sought.canonical().to_string(),
             _ => self.complete().to_string(),
         }
+    }
+
+    /// The same of the simulation that differs in nothing but that it keeps the usual spectra; its metrics are the same.
+    pub fn canonical_with_usual_spectra(&self) -> String {
+        let mut job = self.complete();
+        job["outputs"]["spectra"] = json!(USUAL_SPECTRA);
+        job.to_string()
     }
 
     /// The job with every default filled in, without what only the service needs to know.

@@ -46,6 +46,8 @@ impl MetricsPart {
     }
 }
 
+/// Channels whose spectra are kept where nobody says.
+pub const USUAL_SPECTRA: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
 const MOST_CHANNELS: usize = 64;
 const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
 
@@ -53,7 +55,7 @@ impl OutputsInput {
     /// Channels are checked against the scene; without one, only their number is.
     pub fn resolve(&mut self, filling: &mut Filling, scene: Option<&Scene>) -> Outputs {
         let outputs = self.resolve_metrics(filling);
-        let usual = ["spindle.y.acceleration", "spindle.z.acceleration"].map(str::to_owned).to_vec();
+        let usual = USUAL_SPECTRA.map(str::to_owned).to_vec();
         let spectra = filling.take("/outputs/spectra", &mut self.spectra, usual);
         let series = filling.take("/outputs/series", &mut self.series, Vec::new());
         Outputs {

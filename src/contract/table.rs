@@ -129,7 +129,11 @@ pub enum PointEnd {
 impl PointEnd {
     /// Of a simulation.
     pub fn of(metrics: &Metrics) -> Self {
-        let mut metrics = serde_json::to_value(metrics).unwrap_or_default();
+        Self::of_stored(serde_json::to_value(metrics).unwrap_or_default())
+    }
+
+    /// Of the metrics of a simulation as they are stored.
+    pub fn of_stored(mut metrics: Value) -> Self {
         if let Value::Object(fields) = &mut metrics {
             LEFT_AWAY.iter().for_each(|part| drop(fields.remove(*part)));
         }

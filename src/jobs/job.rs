@@ -149,9 +149,18 @@ fn now() -> Timestamp {
 
 /// Digest of all that determines the result; the version belongs to it, because results move with it.
 pub fn content_hash(job: &Job) -> Vec<u8> {
+    digest_of(&job.canonical())
+}
+
+/// Digests of the work whose metrics are those of a point: of the point, and of the simulation that keeps the usual spectra besides.
+pub fn point_hashes(job: &Job) -> [Vec<u8>; 2] {
+    [content_hash(job), digest_of(&job.canonical_with_usual_spectra())]
+}
+
+fn digest_of(canonical: &str) -> Vec<u8> {
     let mut digest = Sha256::new();
     digest.update(env!("CARGO_PKG_VERSION"));
     digest.update([0]);
-    digest.update(job.canonical());
+    digest.update(canonical);
     digest.finalize().to_vec()
 }

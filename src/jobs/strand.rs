@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use tokio::sync::oneshot;
 
 use super::JobError;
-use super::job::{INTERNAL, TIME_LIMIT, content_hash};
+use super::job::{INTERNAL, TIME_LIMIT, point_hashes};
 use super::queue::{Delivered, Ticket};
 use super::running::{Run, StopReason};
 use super::store::studies::{Next, PointClaim, PointResult, Strand};
@@ -115,14 +115,14 @@ impl Worker {
         ticket: &Ticket,
     ) -> Result<Computed, JobError> {
         let job = study.point(point.number);
-        let hash = job.as_ref().ok().map(content_hash);
+        let hashes = job.as_ref().ok().map(point_hashes);
         if study.reuses()
-            && let Some(hash) = &hash
-            && let Some(metrics) = self.store.known(&strand.owner, hash).await?
+            && let Some(hashes) = &hashes
+            && let Some(end) = self.store.known(&strand.owner, hashes).await?
         {
-            let end = PointEnd::Succeeded(metrics);
-            return Ok(Computed::Ended(PointResult { end, reused: true, content_hash: Some(hash.clone()) }));
+            return Ok(Computed::Ended(PointResult { end, reused: true, content_hash: Some(hashes[0].clone()) }));
         }
+        let hash = hashes.map(|[hash, _]| hash);
         let mut solved = self.point_thread(job, Arc::clone(run));
         let end = loop {
             tokio::select! {

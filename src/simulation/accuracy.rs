@@ -118,6 +118,11 @@ pub(super) fn judge(
         return Ok(report(Distance { level_db, ..of_repetition }, how, first));
     }
     match repeated {
+        // Steps or terms left out: the run is made again with all of them, and judged then.
+        Some(repeated) if !fixed && repeated.is_unresolved() && setup.whole.is_some() => {
+            let level_db = larger(of_repetition.level_db, Some(UNRESOLVED));
+            Ok(report(Distance { level_db, ..of_repetition }, format!("level over {over}, worst of y and z"), first))
+        }
         Some(repeated) if !fixed && repeated.is_unresolved() => {
             let (attempt, distance, tightest) = resolve(setup, first, of_repetition, control)?;
             let how = match distance.level_db {

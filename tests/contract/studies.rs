@@ -129,6 +129,34 @@ fn points_are_answered_by_identical_finished_work() {
     assert!(rows(&afresh).as_array().unwrap().iter().all(|row| row["reused"] == false));
 }
 
+/// Of a simulation that has run alone, as somebody who looks closer at a point does.
+#[test]
+fn a_point_is_answered_by_the_simulation_of_the_same_work() {
+    let server = start();
+    let timed = |fields: Value| {
+        let mut job = job_with(fields);
+        (job["settle_s"], job["duration_s"]) = (json!(0.0), json!(0.001));
+        job
+    };
+    let alone = server.submit(&timed(json!({})));
+    server.wait_for(&alone, &["succeeded"]);
+    let mut study = timed(json!({}));
+    let speed = study["scene"]["operation"]["speed_rpm"].clone();
+    study["kind"] = json!("study");
+    study["axes"] = json!([{ "path": "/operation/speed_rpm", "values": [speed, 4321] }]);
+    let rows = |path: &str| {
+        server.wait_for(path, &["succeeded"]);
+        server.get(&format!("{path}/table")).json()["rows"].clone()
+    };
+    let found = rows(&server.submit(&study));
+    assert_eq!((&found[0]["reused"], &found[1]["reused"]), (&json!(true), &json!(false)));
+    study["reuse"] = json!(false);
+    let afresh = rows(&server.submit(&study));
+    for part in ["channels", "contacts", "kinematics", "cage", "accuracy", "lines"] {
+        assert_eq!(found[0]["metrics"][part], afresh[0]["metrics"][part], "{part}");
+    }
+}
+
 #[test]
 fn only_studies_resume_and_only_queued_ones_wait() {
     let server = start_with(Wishes { workers: 1, ..Wishes::default() });

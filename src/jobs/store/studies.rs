@@ -168,17 +168,22 @@ impl Store {
         Ok(row)
     }
 
-    /// The metrics of identical finished work of the same owner, as JSON: of a point or of a simulation.
-    pub async fn known(&self, owner: &str, content_hash: &[u8]) -> Result<Option<serde_json::Value>, JobError> {
+    /// How identical finished work of the same owner ended, a point or a simulation, by `point_hashes`.
+    pub async fn known(&self, owner: &str, hashes: &[Vec<u8>; 2]) -> Result<Option<PointEnd>, JobError> {
+        let parsed = |text: &[u8]| serde_json::from_slice(text).map_err(|error| JobError::Corrupt(error.to_string()));
         let sql = "SELECT points.answer FROM points JOIN jobs ON jobs.id = points.job \
                    WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
         let answer: Option<Vec<u8>> =
-            sqlx::query_scalar(sql).bind(content_hash).bind(owner).fetch_optional(&self.readers).await?;
-        let text = match answer {
-            Some(answer) => Some(results::decompressed(&answer)?),
-            None => None,
-        };
-        text.map(|text| serde_json::from_slice(&text).map_err(|error| JobError::Corrupt(error.to_string()))).transpose()
+            sqlx::query_scalar(sql).bind(&hashes[0]).bind(owner).fetch_optional(&self.readers).await?;
+        if let Some(answer) = answer {
+            return Ok(Some(PointEnd::Succeeded(parsed(&results::decompressed(&answer)?)?)));
+        }
+        let sql = "SELECT results.metrics FROM jobs JOIN results ON results.id = jobs.result_id \
+                   WHERE jobs.content_hash IN ($1, $2) AND jobs.status = 'succeeded' AND jobs.owner = $3 LIMIT 1";
+        let [first, second] = hashes;
+        let metrics: Option<String> =
+            sqlx::query_scalar(sql).bind(first).bind(second).bind(owner).fetch_optional(&self.readers).await?;
+        metrics.map(|metrics| Ok(PointEnd::of_stored(parsed(metrics.as_bytes())?))).transpose()
     }
 
     /// The request of a study, and its points in order.

@@ -253,6 +253,14 @@ impl RadiallyCondensed {
         self.film.damping > 0.0
     }
 
+    /// Fastest frequency of balls and cage against each other on the film [rad/s]: the cage turns, or it moves in its plane.
+    fn film_frequency(&self) -> f64 {
+        let (m, balls) = (&self.mechanism, self.mechanism.layout.balls as f64);
+        let turning = balls * m.pitch_radius * m.pitch_radius / m.cage.axial_inertia;
+        let moving = 0.5 * balls / m.cage.mass;
+        (self.film.stiffness * (turning.max(moving) + 1.0 / self.one.mass)).sqrt()
+    }
+
     /// First-order states of the scene on this rung.
     pub fn states(&self) -> usize {
         3 * self.mechanism.layout.balls + if self.mechanism.layout.cage { 6 } else { 0 } + 4

@@ -19,6 +19,9 @@ const LARGEST_TURN: f64 = 0.4;
 /// Largest product of the step with the rate at which traction holds a ball: beyond, what its slope changes by from step to step
 /// is too much for rates that are extrapolated.
 const LARGEST_HOLD: f64 = 100.0;
+/// Largest product of the step with the frequency of the cage on its film. Motion grows without bound from 1 on; from 0.9 on it is
+/// wrong by more than else.
+const LARGEST_FILM_TURN: f64 = 0.75;
 /// A spindle or cage beyond this is lost [m, m/s].
 const FARTHEST: f64 = 1.0;
 
@@ -97,7 +100,8 @@ fn run(
 ) -> Result<(Recording, Statistics), SimulationError> {
     let pace = settings.fixed_step.map_or(model.pace(), Pace::of);
     if pace.steps > MOST_STEPS {
-        let reason = format!("spindle or traction are too quick for it: they need steps of {:.1e} s", pace.step());
+        let reason =
+            format!("spindle, cage or traction are too quick for it: they need steps of {:.1e} s", pace.step());
         return Err(SimulationError::Unable { rung: "radially_condensed", reason });
     }
     model.run(settings, pace, control)
@@ -105,11 +109,14 @@ fn run(
 
 impl RadiallyCondensed {
     /// Longest steps that serve: a film holds the balls in their pockets gently, walls do not; the spindle on its loaded
-    /// contacts and steep traction bound them.
+    /// contacts, the cage on a stiff film and steep traction bound them.
     pub fn pace(&self) -> Pace {
-        let gentle = !self.mechanism().layout.cage || self.pockets_are_damped();
+        let caged = self.mechanism().layout.cage;
+        let gentle = !caged || self.pockets_are_damped();
+        let on_film = if caged { self.film_frequency() } else { 0.0 };
         let fastest = (self.spindle_rates[0] / LARGEST_DECAY)
             .max(self.spindle_rates[1] / LARGEST_TURN)
+            .max(on_film / LARGEST_FILM_TURN)
             .max(self.traction_rate / LARGEST_HOLD);
         let stable = (fastest / RATE).ceil().max(1.0) as usize;
         Pace::of_steps(stable.max(if gentle { 1 } else { 4 }))
