@@ -84,7 +84,7 @@ fn study(name: &str, repetitions: u32) -> Box<WorkPrecisionAnswer> {
     let job = contract::parse_accuracy_request(request.as_bytes(), Some(repetitions)).expect("scenes are jobs");
     match execute(&job, &CONTROL) {
         Ok(Outcome::Accuracy(answer)) => answer,
-        Ok(Outcome::Simulation(_)) => unreachable!("an accuracy job has an accuracy result"),
+        Ok(_) => unreachable!("an accuracy job has an accuracy result"),
         Err(failure) => panic!("scene {name}: {failure}"),
     }
 }
@@ -101,7 +101,7 @@ fn plain(name: &str, method: &str, tolerance: f64) -> Metrics {
     let job = contract::parse_job(request.to_string().as_bytes()).expect("scenes are jobs");
     match execute(&job, &CONTROL) {
         Ok(Outcome::Simulation(simulated)) => simulated.metrics,
-        Ok(Outcome::Accuracy(_)) => unreachable!("a simulation has a simulation's result"),
+        Ok(_) => unreachable!("a simulation has a simulation's result"),
         Err(failure) => panic!("scene {name}: {failure}"),
     }
 }
@@ -158,7 +158,7 @@ fn by_model(scene: &str, solver: &str, all: bool) -> Result<([f64; 4], f64, f64)
     let begin = std::time::Instant::now();
     let metrics = match execute(&job, &CONTROL) {
         Ok(Outcome::Simulation(simulated)) => simulated.metrics,
-        Ok(Outcome::Accuracy(_)) => unreachable!("a simulation has a simulation's result"),
+        Ok(_) => unreachable!("a simulation has a simulation's result"),
         Err(failure) => return Err(failure.to_string()),
     };
     let took = begin.elapsed().as_secs_f64();

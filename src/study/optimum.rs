@@ -75,12 +75,11 @@ pub fn most_runs(axes: usize) -> usize {
     }
 }
 
-/// Searches one or two axes. `run` gives the value at a point, `None` where it fails; its own error ends the search.
-pub fn optimum<E>(
-    axes: usize,
-    goal: Goal,
-    run: &mut dyn FnMut(&[f64]) -> Result<Option<Uncertain>, E>,
-) -> Result<Optimum, E> {
+/// What gives the value at a point, `None` where it fails; its own error ends the search.
+pub type Run<'a, E> = dyn FnMut(&[f64]) -> Result<Option<Uncertain>, E> + 'a;
+
+/// Searches one or two axes.
+pub fn optimum<E>(axes: usize, goal: Goal, run: &mut Run<'_, E>) -> Result<Optimum, E> {
     let mut course = Course { goal, run, evaluations: Vec::new(), ended: None };
     let band = course.go(axes)?;
     Ok(Optimum { best: course.best(), band, evaluations: course.evaluations })
@@ -88,7 +87,7 @@ pub fn optimum<E>(
 
 struct Course<'a, E> {
     goal: Goal,
-    run: &'a mut dyn FnMut(&[f64]) -> Result<Option<Uncertain>, E>,
+    run: &'a mut Run<'a, E>,
     evaluations: Vec<Evaluation>,
     /// The error of `run` that ended an optimiser, which has errors of its own.
     ended: Option<E>,
