@@ -5,12 +5,14 @@
 //! runs of the scenes, the level error that a result states beside the true one.
 //!
 //! `-- models` compares models instead, from the whole dynamics to the periodic orbit, on the 18 scenes of `benches/scenes`: error of
-//! model and integrator together against the time that a user waits, checks and judgements included (about two minutes).
+//! model and integrator together against the time that a user waits, checks and judgements included (about two minutes). With
+//! `--plots DIR` it writes a diagram a scene, `DIR/models-NUMBER.svg`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use raceway::commands::table;
 use raceway::contract::{self, Metrics, Outcome, WorkPrecisionAnswer, execute};
+use raceway::plots::{ErrorPanel, WorkPoint, WorkPrecisionCurve, work_precision_svg};
 use raceway::render;
 use raceway::simulation::run::Control;
 use serde_json::{Value, json};
@@ -29,7 +31,8 @@ struct Options {
 
 fn main() {
     if std::env::args().any(|argument| argument == "models") {
-        models();
+        let directory = std::env::args().skip_while(|argument| argument != "--plots").nth(1);
+        models(directory.map(PathBuf::from).as_deref());
         return;
     }
     let options = options();
@@ -132,9 +135,10 @@ fn estimates(name: &str) {
 }
 
 /// Name, solver, and whether all metrics are asked for: the spindle's levels alone let more go.
-const MODELS: [(&str, &str, bool); 8] = [
-    ("full, every term, 1e-5", r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-5}"#, true),
+const MODELS: [(&str, &str, bool); 9] = [
     ("full, every term, 1e-3", r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-3}"#, true),
+    ("full, every term, 1e-4", r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-4}"#, true),
+    ("full, every term, 1e-5", r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-5}"#, true),
     ("full as it chooses", r#"{"rung":"full"}"#, true),
     ("full as it chooses, levels only", r#"{"rung":"full"}"#, false),
     ("planar", r#"{"rung":"planar"}"#, true),
@@ -146,6 +150,19 @@ const MODELS: [(&str, &str, bool); 8] = [
 const WHOLE: &str = r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-9,"method":"gear"}"#;
 const LEVELS: [&str; 4] =
     ["spindle.y.acceleration", "spindle.z.acceleration", "spindle.y.velocity", "spindle.z.velocity"];
+
+/// Curves of the diagrams: the first models are one over their tolerances, each other is a point.
+const CURVES: [(&str, std::ops::Range<usize>); 7] = [
+    ("full, every term", 0..3),
+    ("full as it chooses", 3..4),
+    ("the same, levels only", 4..5),
+    ("planar", 5..6),
+    ("radially_condensed", 6..7),
+    ("spindle_only", 7..8),
+    ("periodic", 8..9),
+];
+/// Relative tolerances of the first models; the others tell none.
+const TOLERANCES: [f64; 3] = [1e-3, 1e-4, 1e-5];
 
 /// Levels of a scene by a model [dB], the level error that it states [dB], and how long it took with all its checks [s];
 /// `Err`: why it does not serve.
@@ -169,7 +186,35 @@ fn by_model(scene: &str, solver: &str, all: bool) -> Result<([f64; 4], f64, f64)
     Ok((levels, metrics.accuracy.level_error_db.unwrap_or(f64::NAN), took))
 }
 
-fn models() {
+/// The diagram of a scene, from time [s] and errors [dB] of each model that serves it.
+fn diagram(scene: &str, found: &[Option<(f64, [f64; 4])>]) -> String {
+    let point = |index: usize| {
+        let (time_s, [ay, az, vy, vz]) = found[index]?;
+        let worst = |a: f64, b: f64| Some((a.abs().max(b.abs()).max(1e-12), true));
+        let relative_tolerance = TOLERANCES.get(index).copied();
+        Some(WorkPoint { relative_tolerance, time_s, errors: [worst(ay, az), worst(vy, vz)] })
+    };
+    let curves: Vec<_> = CURVES
+        .iter()
+        .map(|(name, of)| WorkPrecisionCurve {
+            name,
+            points: of.clone().filter_map(point).collect(),
+            failures: Vec::new(),
+        })
+        .filter(|curve| !curve.points.is_empty())
+        .collect();
+    let panel = |name| ErrorPanel { name, unit: "dB", floor: None };
+    let panels =
+        [panel("Level of the acceleration, worst of y and z"), panel("Level of the velocity, worst of y and z")];
+    work_precision_svg(
+        scene,
+        "Error against the full dynamics at 1e-9; time with all checks, 0.1 s after 0.02 s",
+        &curves,
+        panels,
+    )
+}
+
+fn models(plots: Option<&Path>) {
     let median = |mut values: Vec<f64>| {
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
@@ -182,6 +227,7 @@ fn models() {
         let scene = scenes::scene(number).1;
         let (truth, _, _) = by_model(&scene, WHOLE, true).expect("the whole dynamics serve every scene");
         let name = format!("{speed} r/min, {load} N, {clearance} µm, {balls} balls, {mass} g, G {grade}");
+        let mut found = [None; MODELS.len()];
         for (index, (model, solver, all)) in MODELS.into_iter().enumerate() {
             match by_model(&scene, solver, all) {
                 Ok((levels, stated, took)) => {
@@ -193,9 +239,14 @@ fn models() {
                     );
                     errors[index].push(off);
                     times[index].push(1e3 * took);
+                    found[index] = Some((took, off));
                 }
                 Err(words) => println!("| {name} | {model} | – | {words} | – |"),
             }
+        }
+        if let Some(directory) = plots {
+            let file = directory.join(format!("models-{:02}.svg", number + 1));
+            std::fs::write(&file, diagram(&name, &found)).expect("the plot's directory can be written to");
         }
     }
     println!(

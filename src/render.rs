@@ -7,8 +7,8 @@ use crate::contract::table::AxisAnswer;
 use crate::contract::work_precision::{PointAnswer, floors};
 use crate::contract::{Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, TableAnswer, WorkPrecisionAnswer};
 use crate::plots::{
-    AxisPlaces, FailedRun, MapPanel, SeriesCurve, SpectrumCurve, TrendCurve, TrendPanel, VariedAxis, WorkPoint,
-    WorkPrecisionCurve, map_svg, series_svg, spectrum_svg, trend_svg, work_precision_svg,
+    AxisPlaces, ErrorPanel, FailedRun, MapPanel, SeriesCurve, SpectrumCurve, TrendCurve, TrendPanel, VariedAxis,
+    WorkPoint, WorkPrecisionCurve, map_svg, series_svg, spectrum_svg, trend_svg, work_precision_svg,
 };
 use crate::simulation::lines::Line;
 
@@ -67,7 +67,7 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
         let Some(curve) = curves.last_mut() else { continue };
         match point {
             PointAnswer::Succeeded(point) => curve.points.push(WorkPoint {
-                relative_tolerance: point.relative_tolerance,
+                relative_tolerance: Some(point.relative_tolerance),
                 time_s: point.wall_time_s,
                 errors: [
                     point.level_error_db.map(|error| (error, !point.level_below_reference)),
@@ -87,7 +87,11 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     let (trajectory, level) = floors(reference);
     // Reports of older versions do not name their scene.
     let title = if compared.scene.is_empty() { "Error against run time" } else { &compared.scene };
-    work_precision_svg(title, &subtitle, &curves, [level, trajectory])
+    let panels = [
+        ErrorPanel { name: "Error of the level, worst of y and z", unit: "dB", floor: level },
+        ErrorPanel { name: "Error of the trajectory", unit: "rms, in standard deviations", floor: trajectory },
+    ];
+    work_precision_svg(title, &subtitle, &curves, panels)
 }
 
 /// Panels of a trend from which on no further quantity is shown.

@@ -17,4 +17,4 @@ pub use orbit::{OrbitCurve, orbit_svg};
 pub use series::{SeriesCurve, series_svg};
 pub use spectrum::{SpectrumCurve, spectrum_svg};
 pub use trend::{AxisPlaces, TrendCurve, TrendPanel, VariedAxis, trend_svg};
-pub use work_precision::{FailedRun, WorkPoint, WorkPrecisionCurve, work_precision_svg};
+pub use work_precision::{ErrorPanel, FailedRun, WorkPoint, WorkPrecisionCurve, work_precision_svg};

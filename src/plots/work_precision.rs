@@ -15,7 +15,8 @@ pub struct WorkPrecisionCurve<'a> {
 /// A run that has ended well.
 #[derive(Debug, Clone, Copy)]
 pub struct WorkPoint {
-    pub relative_tolerance: f64,
+    /// Written beside the ends of a curve; `None` where the point has none.
+    pub relative_tolerance: Option<f64>,
     pub time_s: f64,
     /// In the order of the panels: value, and whether it stands clear of the reference's own error.
     pub errors: [Option<(f64, bool)>; 2],
@@ -59,16 +60,21 @@ const MOST_DECADES: f64 = 12.0;
 const MARGIN: (f64, f64) = (0.1, 0.3);
 /// A floor further below all errors than this [decades] is not shown: nothing comes near it.
 const FAR_BELOW: f64 = 1.0;
-const PANELS: [(&str, &str); 2] =
-    [("Error of the level, worst of y and z", "dB"), ("Error of the trajectory", "rms, in standard deviations")];
+/// An error that is shown.
+#[derive(Debug, Clone, Copy)]
+pub struct ErrorPanel {
+    pub name: &'static str,
+    pub unit: &'static str,
+    /// Below it the reference says nothing.
+    pub floor: Option<f64>,
+}
 
-/// Two panels above each other; `floors` are the errors below which the reference says nothing, in the order of the
-/// panels.
+/// Two panels above each other, one for each error of the points.
 pub fn work_precision_svg(
     title: &str,
     subtitle: &str,
     curves: &[WorkPrecisionCurve<'_>],
-    floors: [Option<f64>; 2],
+    panels: [ErrorPanel; 2],
 ) -> String {
     let failed: Vec<_> = curves.iter().enumerate().filter(|(_, curve)| !curve.failures.is_empty()).collect();
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
@@ -83,9 +89,9 @@ pub fn work_precision_svg(
         drawing.text("", Anchor::Start, x + 9.0, y, name);
     }
     let x = Scale { values: time_range(curves), positions: (LEFT, WIDTH - RIGHT) };
-    for (index, (name, unit)) in PANELS.into_iter().enumerate() {
+    for (index, ErrorPanel { name, unit, floor }) in panels.into_iter().enumerate() {
         let top = top + index as f64 * PITCH;
-        let (range, floor) = error_range(curves, index, floors[index]);
+        let (range, floor) = error_range(curves, index, floor);
         let y = Scale { values: range, positions: (top + PANEL, top + STRIP) };
         drawing.text("name", Anchor::Start, LEFT, top - 9.0, name);
         frame(&mut drawing, top, &x, &y, unit);
@@ -181,7 +187,8 @@ fn draw_curves(
     let segments: Vec<_> = places.iter().flat_map(|places| places.windows(2).map(|two| (two[0].0, two[1].0))).collect();
     for places in &places {
         let ends = [places.first(), places.last().filter(|_| places.len() > 1)];
-        for &((at_x, at_y), _, tolerance) in ends.into_iter().flatten() {
+        let labelled = ends.into_iter().flatten().filter_map(|&(at, _, tolerance)| Some((at, tolerance?)));
+        for ((at_x, at_y), tolerance) in labelled {
             let text = format!("{tolerance:e}").replace('-', "−");
             let width = SMALL_LETTER * text.chars().count() as f64;
             let inside: Frame = (LEFT, top + STRIP - SMALL_HEIGHT, WIDTH - RIGHT, top + PANEL);
@@ -327,11 +334,20 @@ fn within(value: f64, (from, to): (f64, f64)) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn panels(floors: [Option<f64>; 2]) -> [ErrorPanel; 2] {
+        [("level", "dB", floors[0]), ("trajectory", "-", floors[1])].map(|(name, unit, floor)| ErrorPanel {
+            name,
+            unit,
+            floor,
+        })
+    }
+
     use crate::plots::svg::assert_well_formed;
 
     fn curve(name: &str, slope: f64) -> WorkPrecisionCurve<'_> {
         let point = |k: i32| WorkPoint {
-            relative_tolerance: 10f64.powi(-k),
+            relative_tolerance: Some(10f64.powi(-k)),
             time_s: 0.1 * slope.powi(k),
             errors: [Some((10f64.powi(-k), k < 6)), (k > 3).then(|| (10f64.powi(1 - k), true))],
         };
@@ -345,7 +361,7 @@ mod tests {
             FailedRun { relative_tolerance: 1e-3, time_s: Some(7.0) },
             FailedRun { relative_tolerance: 1e-4, time_s: None },
         ];
-        let svg = work_precision_svg("t", "s", &[curve("gear", 1.5), failing], [Some(1e-6), None]);
+        let svg = work_precision_svg("t", "s", &[curve("gear", 1.5), failing], panels([Some(1e-6), None]));
         assert_well_formed(&svg);
         for text in ["gear", "radau failed at 1e-3; not tried: 1e-4", "1e−3", "says nothing", "dB", "class=\"ring"] {
             assert!(svg.contains(text), "{text}");
@@ -355,10 +371,10 @@ mod tests {
 
     #[test]
     fn nothing_zeros_and_a_single_point_are_drawn_too() {
-        assert_well_formed(&work_precision_svg("t", "s", &[], [None, None]));
-        let still = WorkPoint { relative_tolerance: 1e-3, time_s: 0.0, errors: [Some((0.0, false)), None] };
+        assert_well_formed(&work_precision_svg("t", "s", &[], panels([None, None])));
+        let still = WorkPoint { relative_tolerance: Some(1e-3), time_s: 0.0, errors: [Some((0.0, false)), None] };
         let curve = WorkPrecisionCurve { name: "gear", points: vec![still], failures: Vec::new() };
-        assert_well_formed(&work_precision_svg("t", "s", &[curve], [Some(0.0), Some(1e-300)]));
+        assert_well_formed(&work_precision_svg("t", "s", &[curve], panels([Some(0.0), Some(1e-300)])));
     }
 
     #[test]
