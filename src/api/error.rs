@@ -52,6 +52,7 @@ impl Problem {
             "numerical-blowup" => "The simulation blew up",
             "time-limit" => "The run took too long",
             "memory-limit" => "The run needed too much memory",
+            "no-metric" => "No run has the metric that was asked for",
             "worker-lost" => "The run was lost with its process, again and again",
             _ => "The service made an error",
         };

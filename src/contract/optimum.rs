@@ -11,7 +11,7 @@ use super::filling::Filling;
 use super::job::{Job, JobInput, JobKind};
 use super::outputs::MetricsPart;
 use super::problem::{FieldError, Refusal, listed};
-use super::study::{AxisInput, refuse_signals};
+use super::study::{AxisInput, already_varied, refuse_signals};
 use super::table::{PointEnd, PointError, uncertain};
 use super::variation::{Range, Scale, Variation, Varied};
 use crate::simulation::run::Control;
@@ -60,8 +60,8 @@ pub fn wish(input: &mut JobInput, filling: &mut Filling) -> Wish {
     for (number, axis) in given.into_iter().take(MOST_AXES).enumerate() {
         let pointer = format!("/axes/{number}");
         let Some(axis) = axis_of(axis.0, &pointer, filling) else { continue };
-        if axes.iter().any(|other| other.0 == axis.0) {
-            filling.refuse(pointer, format!("`{}` is varied by another axis already", axis.0.name));
+        if let Some(other) = axes.iter().find(|other| other.0.overlaps(&axis.0)) {
+            filling.refuse(pointer, already_varied(&axis.0, &other.0));
         } else {
             axes.push(axis);
         }
@@ -276,7 +276,9 @@ impl Sought {
             let band = found.band.iter().flatten();
             run.at.iter().zip(band).all(|(x, ends)| (ends[0]..=ends[1]).contains(x))
         };
-        let at_bound = self.axes.iter().zip(&found.evaluations[best].at).filter(|(_, x)| **x == 0.0 || **x == 1.0);
+        let at_edge = |axis: &usize| found.edges.as_ref().is_some_and(|edges| edges[*axis]);
+        let at_end = |axis: &usize| [0.0, 1.0].contains(&found.evaluations[best].at[*axis]) || at_edge(axis);
+        let at_end: Vec<usize> = (0..self.axes.len()).filter(at_end).collect();
         let row = |(run, error): (&study::Evaluation, &Option<PointError>)| RunAnswer {
             point: self.named(&run.at),
             purpose: run.purpose.into(),
@@ -302,7 +304,7 @@ impl Sought {
             value: value.0,
             error: value.1,
             within,
-            at_end_of_range: at_bound.map(|((varied, _), _)| varied.name.clone()).collect(),
+            at_end_of_range: at_end.into_iter().map(|axis| self.axes[axis].0.name.clone()).collect(),
             rivals: rivals.map(row).collect(),
             runs: found.evaluations.len() as u64,
             failed: errors.iter().flatten().count() as u64,
@@ -330,12 +332,12 @@ pub struct OptimumAnswer {
     #[schema(nullable = false)]
     pub error: Option<f64>,
     /// How well the point is known, by axis: from … to, with the other axis at its best value. The ends are the nearest points that are
-    /// certainly worse, beyond both errors together, or the ends of the range; between them the errors leave no order. Absent
+    /// certainly worse, beyond both errors together, the last ones before runs fail, or the ends of the range; between them the errors leave no order. Absent
     /// where the error of the metric is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub within: Option<BTreeMap<String, [f64; 2]>>,
-    /// Axes at an end of whose range the best point lies: beyond it there may be better ones.
+    /// Axes at an end of whose range the best point lies, or beside whose band runs fail: beyond it there may be better ones.
     pub at_end_of_range: Vec<String>,
     /// Runs elsewhere that may be as good.
     pub rivals: Vec<RunAnswer>,

@@ -9,7 +9,7 @@ use super::filling::Filling;
 use super::job::{Job, JobInput, JobKind};
 use super::problem::{FieldError, Refusal};
 use super::strict::{self, object};
-use super::variation::{Range, Variation, Varied};
+use super::variation::{LONGEST_NAME, Range, Variation, Varied};
 use crate::study::Grid;
 
 const MOST_AXES: usize = 4;
@@ -105,8 +105,8 @@ pub fn axes(input: &mut JobInput, filling: &mut Filling) -> (Vec<Axis>, usize) {
     for (number, axis) in given.into_iter().enumerate() {
         let pointer = format!("/axes/{number}");
         let Some(axis) = axis_of(axis.0, &pointer, filling) else { continue };
-        if axes.iter().any(|other| other.varied == axis.varied) {
-            filling.refuse(pointer, format!("`{}` is varied by another axis already", axis.varied.name));
+        if let Some(other) = axes.iter().find(|other| other.varied.overlaps(&axis.varied)) {
+            filling.refuse(pointer, already_varied(&axis.varied, &other.varied));
         } else {
             axes.push(axis);
         }
@@ -119,6 +119,15 @@ pub fn axes(input: &mut JobInput, filling: &mut Filling) -> (Vec<Axis>, usize) {
             filling.refuse("/axes", format!("a grid of {product} points: at most {MOST_POINTS}"));
             (axes, 0)
         }
+    }
+}
+
+/// Why an axis cannot stand beside another.
+pub fn already_varied(varied: &Varied, other: &Varied) -> String {
+    if varied.name == other.name {
+        format!("`{}` is varied by another axis already", varied.name)
+    } else {
+        format!("`{}` sets what the axis `{}` sets, or a part of it", varied.name, other.name)
     }
 }
 
@@ -153,11 +162,17 @@ fn listed_values(values: Vec<Value>, pointer: &str, filling: &mut Filling) -> Op
         return None;
     }
     for (place, value) in values.iter().enumerate() {
+        if value.as_str().is_some_and(|word| word.chars().count() > LONGEST_NAME) {
+            filling.refuse(format!("{pointer}/{place}"), format!("more than {LONGEST_NAME} characters"));
+            return None;
+        }
         if !(value.is_number() || value.is_string()) {
             filling.refuse(format!("{pointer}/{place}"), "must be a number or a word");
             return None;
         }
-        if values[..place].contains(value) {
+        let same =
+            |other: &Value| other == value || other.as_f64().is_some_and(|number| value.as_f64() == Some(number));
+        if values[..place].iter().any(same) {
             filling.refuse(format!("{pointer}/{place}"), "given more than once");
             return None;
         }
@@ -170,7 +185,12 @@ fn spaced(range: &Range, count: u32, pointer: &str, filling: &mut Filling) -> Op
         filling.refuse(format!("{pointer}/count"), format!("{count}: must be from 2 to {MOST_POINTS}"));
         return None;
     }
-    Some((0..count).map(|k| range.at(f64::from(k) / f64::from(count - 1)).into()).collect())
+    let values: Vec<f64> = (0..count).map(|k| range.at(f64::from(k) / f64::from(count - 1))).collect();
+    if values.windows(2).any(|pair| pair[0] == pair[1]) {
+        filling.refuse(format!("{pointer}/to"), format!("too near to `from` for {count} values of nine digits"));
+        return None;
+    }
+    Some(values.into_iter().map(Value::from).collect())
 }
 
 /// Refuses, in a job of another kind, what is varied.

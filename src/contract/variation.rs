@@ -8,6 +8,8 @@ use super::problem::{FieldError, Refusal, escape, listed};
 use super::units::significant;
 use crate::physics::rating::dynamic_load_rating;
 
+/// Longest path and longest word among the values [characters]: each row of a table repeats them.
+pub const LONGEST_NAME: usize = 200;
 const AXIAL_LOAD_OVER_RATING: &str = "axial_load_over_rating";
 
 /// A field of the scene, or a quantity made of several.
@@ -29,6 +31,11 @@ enum Target {
 impl Varied {
     /// By the path or the quantity of an axis at `pointer` of the request.
     pub fn of(path: Option<String>, quantity: Option<String>, pointer: &str, filling: &mut Filling) -> Option<Self> {
+        if let Some(path) = path.as_ref().filter(|path| path.chars().count() > LONGEST_NAME) {
+            let long = path.chars().count();
+            filling.refuse(format!("{pointer}/path"), format!("{long} characters: at most {LONGEST_NAME}"));
+            return None;
+        }
         match (path, quantity) {
             (Some(path), None) => match tokens(&path) {
                 Some(tokens) => return Some(Self { name: path, target: Target::Field(tokens) }),
@@ -50,6 +57,16 @@ impl Varied {
             _ => filling.refuse(pointer, "takes either `path` or `quantity`"),
         }
         None
+    }
+
+    /// Whether setting this and that one sets the same field, or one a part of the other: the second would undo the first.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let way = |target: &Target| match target {
+            Target::Field(tokens) => tokens.clone(),
+            Target::AxialLoadOverRating => ["operation", "axial_load_n"].map(str::to_owned).to_vec(),
+        };
+        let (a, b) = (way(&self.target), way(&other.target));
+        a.iter().zip(&b).all(|(a, b)| a == b)
     }
 
     /// Whether other values than numbers can have a meaning.
@@ -92,6 +109,9 @@ impl Range {
         };
         if from == to {
             return refuse("to", "the same as `from`".to_owned());
+        }
+        if !(to - from).is_finite() || scale == Some("log") && from != 0.0 && !(to / from).is_finite() {
+            return refuse("to", format!("too far from `from`, {from:e}, for a computer to divide"));
         }
         match scale.unwrap_or("linear") {
             "linear" => Some(Self { from, to, scale: Scale::Linear }),

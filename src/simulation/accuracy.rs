@@ -33,7 +33,7 @@ const LEAST_VALUES: usize = 200;
 
 /// Change of a level under a tighter tolerance from which the tighter run may be no better: both may be the noise of
 /// their steps [dB].
-const UNRESOLVED: f64 = 0.5;
+pub(super) const UNRESOLVED: f64 = 0.5;
 /// The same of the difference of the signals, over the level of the whole run [-].
 const NOISY: f64 = 0.3;
 /// How much tighter the whole run is repeated then, until its level stands still.

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::time::Instant;
 
-use super::accuracy;
+use super::accuracy::{self, UNRESOLVED};
 use super::channel::Channel;
 use super::equilibrium::equilibrium;
 use super::ladder;
@@ -162,14 +162,24 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     };
     let mut setup = Setup { model: &model, needs: &needs, settings, start: &start, whole };
     let (mut made, mut accuracy) = attempt(&setup)?;
-    let tightened = settings.tightened.filter(|_| made.relative_tolerance == settings.relative_tolerance);
-    let again =
-        RunSettings { relative_tolerance: tightened.unwrap_or(settings.relative_tolerance), ..settings.clone() };
-    if (tightened.is_some() || whole.is_some())
-        && !accuracy.within(&settings.outputs, SHARE_OF_ERROR * settings.model_tolerance_db)
+    let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
+    // A run that has been tightened for the noise of its steps is not run at a looser tolerance again.
+    let looser = |made: &Attempt| tighter.as_ref().filter(|_| made.relative_tolerance == settings.relative_tolerance);
+    let serves =
+        |accuracy: &AccuracyReport| accuracy.within(&settings.outputs, SHARE_OF_ERROR * settings.model_tolerance_db);
+    if let Some((model, needs)) = whole
+        && !serves(&accuracy)
     {
-        let (model, needs) = whole.unwrap_or((&model, &needs));
-        setup = Setup { model, needs, settings: &again, whole: None, ..setup };
+        // Nobody knows then whether terms or steps are to blame: steps are judged anew, with all terms.
+        let unresolved = accuracy.level_error_db.is_some_and(|error| error >= UNRESOLVED);
+        let settings = looser(&made).filter(|_| !unresolved).unwrap_or(settings);
+        setup = Setup { model, needs, settings, whole: None, ..setup };
+        (made, accuracy) = attempt(&setup)?;
+    }
+    if let Some(tighter) = looser(&made)
+        && !serves(&accuracy)
+    {
+        setup = Setup { settings: tighter, whole: None, ..setup };
         (made, accuracy) = attempt(&setup)?;
     }
     (control.progress)(1.0);

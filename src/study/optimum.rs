@@ -41,8 +41,10 @@ pub struct Optimum {
     /// The best of them; `None` where all failed.
     pub best: Option<usize>,
     /// Along each axis, from the best point with the other axis held: the nearest points on either side that are certainly worse,
-    /// or the end of the range. `None` where the error of the best value is not known.
+    /// the last ones before runs fail, or the end of the range. `None` where the error of the best value is not known.
     pub band: Option<Vec<[f64; 2]>>,
+    /// Whether the band of an axis ends where runs fail.
+    pub edges: Option<Vec<bool>>,
 }
 
 impl Optimum {
@@ -81,8 +83,25 @@ pub type Run<'a, E> = dyn FnMut(&[f64]) -> Result<Option<Uncertain>, E> + 'a;
 /// Searches one or two axes.
 pub fn optimum<E>(axes: usize, goal: Goal, run: &mut Run<'_, E>) -> Result<Optimum, E> {
     let mut course = Course { goal, run, evaluations: Vec::new(), ended: None };
-    let band = course.go(axes)?;
-    Ok(Optimum { best: course.best(), band, evaluations: course.evaluations })
+    let ends = course.go(axes)?;
+    let edges = ends.as_ref().map(|ends| ends.iter().map(|[low, high]| low.fails || high.fails).collect());
+    let band = ends.map(|ends| ends.into_iter().map(|ends| ends.map(|end| end.at)).collect());
+    Ok(Optimum { best: course.best(), band, edges, evaluations: course.evaluations })
+}
+
+/// An end of the band, and whether runs fail beyond it.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    at: f64,
+    fails: bool,
+}
+
+/// What a point beside the best one is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Beside {
+    Good,
+    Worse,
+    Fails,
 }
 
 struct Course<'a, E> {
@@ -94,7 +113,7 @@ struct Course<'a, E> {
 }
 
 impl<E> Course<'_, E> {
-    fn go(&mut self, axes: usize) -> Result<Option<Vec<[f64; 2]>>, E> {
+    fn go(&mut self, axes: usize) -> Result<Option<Vec<[End; 2]>>, E> {
         let count = SCANNED[axes.clamp(1, 2) - 1];
         let grid = Grid::new(vec![count; axes]);
         let share = |place: usize| place as f64 / (count - 1) as f64;
@@ -196,7 +215,7 @@ impl<E> Course<'_, E> {
         })
     }
 
-    fn band(&mut self) -> Result<Option<Vec<[f64; 2]>>, E> {
+    fn band(&mut self) -> Result<Option<Vec<[End; 2]>>, E> {
         let Some(best) = self.best() else { return Ok(None) };
         let Evaluation { at, value: Some((value, Some(error))), .. } = self.evaluations[best].clone() else {
             return Ok(None);
@@ -209,30 +228,37 @@ impl<E> Course<'_, E> {
         Ok(Some(band))
     }
 
-    /// Where points along an axis, from one towards an end of the range, become certainly worse than the best.
-    fn end(&mut self, from: &[f64], axis: usize, bound: f64, best: Uncertain) -> Result<f64, E> {
+    /// Where points along an axis, from one towards an end of the range, become certainly worse than the best, or fail.
+    fn end(&mut self, from: &[f64], axis: usize, bound: f64, best: Uncertain) -> Result<End, E> {
         let (mut good, mut step) = (from[axis], FIRST_STEP);
-        let is_good = |course: &mut Self, x: f64| {
+        let beside = |course: &mut Self, x: f64| {
             let mut at = from.to_vec();
             at[axis] = x;
-            let value = course.value(&at, Purpose::Band)?;
-            Ok(value.is_some_and(|value| may_be_as_good(best, value, course.goal)))
+            Ok(match course.value(&at, Purpose::Band)? {
+                Some(value) if may_be_as_good(best, value, course.goal) => Beside::Good,
+                Some(_) => Beside::Worse,
+                None => Beside::Fails,
+            })
         };
-        let mut worse = loop {
+        let (mut worse, mut what) = loop {
             if good == bound {
-                return Ok(bound);
+                return Ok(End { at: bound, fails: false });
             }
             let next = if bound > good { (good + step).min(bound) } else { (good - step).max(bound) };
-            if !is_good(self, next)? {
-                break next;
+            match beside(self, next)? {
+                Beside::Good => (good, step) = (next, 2.0 * step),
+                other => break (next, other),
             }
-            (good, step) = (next, 2.0 * step);
         };
         for _ in 0..HALVINGS {
             let middle = 0.5 * (good + worse);
-            if is_good(self, middle)? { good = middle } else { worse = middle }
+            match beside(self, middle)? {
+                Beside::Good => good = middle,
+                other => (worse, what) = (middle, other),
+            }
         }
-        Ok(worse)
+        let fails = what == Beside::Fails;
+        Ok(End { at: if fails { good } else { worse }, fails })
     }
 }
 
@@ -331,6 +357,17 @@ mod tests {
         assert_eq!(found.band, None);
         let none = searched(2, Goal::Least, |_| None);
         assert_eq!((none.best, none.band), (None, None));
+    }
+
+    /// Beyond the edge nobody knows what there is: it is no worse point.
+    #[test]
+    fn a_band_ends_where_runs_fail() {
+        let found = searched(1, Goal::Largest, |at| (at[0] < 0.7).then_some((at[0], Some(0.01))));
+        let [low, high] = found.band.as_ref().unwrap()[0];
+        assert!(low < 0.69 && high < 0.7 && high > 0.69, "{low} {high}");
+        assert_eq!(found.edges, Some(vec![true]));
+        let inside = searched(1, Goal::Least, |at| Some(((at[0] - 0.5).powi(2), Some(1e-4))));
+        assert_eq!(inside.edges, Some(vec![false]));
     }
 
     #[test]

@@ -76,9 +76,11 @@ pub fn trend(values: &[Option<Uncertain>]) -> Option<Trend> {
 
 /// Of the values with their order; ties share a rank. 0 where all are equal.
 fn rank_correlation(values: &[Uncertain]) -> f64 {
+    let mut sorted: Vec<f64> = values.iter().map(|value| value.0).collect();
+    sorted.sort_by(f64::total_cmp);
     let rank = |value: f64| {
-        let below = values.iter().filter(|other| other.0 < value).count() as f64;
-        let equal = values.iter().filter(|other| other.0 == value).count() as f64;
+        let below = sorted.partition_point(|other| *other < value) as f64;
+        let equal = sorted.partition_point(|other| *other <= value) as f64 - below;
         below + 0.5 * (equal - 1.0)
     };
     let middle = 0.5 * (values.len() as f64 - 1.0);

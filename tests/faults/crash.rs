@@ -9,7 +9,10 @@ use crate::common::{Process, Server, job_with};
 
 /// A run that takes some seconds.
 fn long_job() -> serde_json::Value {
-    job_with(json!({ "settle_s": 0.0, "duration_s": 0.1, "reuse": false }))
+    let mut job = job_with(json!({ "settle_s": 0.0, "duration_s": 0.1, "reuse": false }));
+    // Without a load balls knock, and a level from the first instant on is repeated again and again.
+    job["scene"]["operation"]["radial_load_y_n"] = json!(100);
+    job
 }
 
 /// A run that takes a moment.

@@ -113,6 +113,20 @@ fn wrong_axes_are_refused_with_their_place() {
             "/scene/nothing/here: at the first point: the scene has no `/nothing`",
         ),
         (json!([[]]), "/axes/0"),
+        (json!([{ "path": path, "values": [1, 1.0] }]), "/axes/0/values/1: given more than once"),
+        (json!([{ "path": path, "values": ["x".repeat(201)] }]), "/axes/0/values/0: more than 200 characters"),
+        (json!([{ "path": format!("/{}", "x".repeat(200)), "values": [1] }]), "/axes/0/path: 201 characters"),
+        (json!([{ "path": path, "from": -1e308, "to": 1e308, "count": 3 }]), "/axes/0/to: too far from"),
+        (json!([{ "path": path, "from": 1e-300, "to": 1e300, "count": 3, "scale": "log" }]), "/axes/0/to: too far"),
+        (json!([{ "path": path, "from": 500, "to": 500.0000001, "count": 4 }]), "/axes/0/to: too near to `from`"),
+        (
+            json!([{ "path": "/lubricant", "values": ["grease", "oil"] }, { "path": "/lubricant/fill", "values": [0.1] }]),
+            "/axes/1: `/lubricant/fill` sets what the axis `/lubricant` sets, or a part of it",
+        ),
+        (
+            json!([{ "path": "/operation/axial_load_n", "values": [1] }, { "quantity": "axial_load_over_rating", "values": [0.01] }]),
+            "/axes/1: `axial_load_over_rating` sets what the axis `/operation/axial_load_n` sets",
+        ),
     ] {
         let found = refused(&request(axes.clone()));
         assert!(found.contains(told), "{axes}: {found}");
