@@ -8,13 +8,13 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from service import RACEWAY, check  # noqa: E402
+from service import binary, check  # noqa: E402
 
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs"
 
 
 def article(directory, *arguments):
-    done = subprocess.run([RACEWAY, "article", "--quiet", "--output", directory, *arguments], text=True, capture_output=True, timeout=600)
+    done = subprocess.run([binary(), "article", "--quiet", "--output", directory, *arguments], text=True, capture_output=True, timeout=600)
     if done.returncode:
         sys.exit(done.stderr)
 
