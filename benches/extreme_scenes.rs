@@ -217,7 +217,7 @@ fn simulate(case: &Case, scene: &Scene, method: Method, tolerance: f64, budget: 
         looks.set(looks.get() + 1);
         looks.get() > budget
     };
-    let control = Control { stop: &stop, progress: &|_| {} };
+    let control = Control::until(&stop);
     let result = catch_unwind(AssertUnwindSafe(|| run(scene, &settings(case, method, tolerance), &control)));
     match result {
         Err(_) => End::Broken("panicked".into()),

@@ -61,7 +61,7 @@ fn main() {
         duration: 0.3,
         outputs: Outputs { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() },
     };
-    let control = Control { stop: &|| false, progress: &|_| () };
+    let control = Control::until(&|| false);
     println!("krpm, µm, N: radius, worst of the levels of y and z, acceleration and velocity, against rung 3 in time");
     let (mut refused, mut right, mut wrong, mut worst) = (0, 0, 0, 0.0_f64);
     let mut times: Vec<(f64, f64)> = Vec::new();

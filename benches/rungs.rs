@@ -51,7 +51,7 @@ fn settings(scene: &Scene, duration: f64) -> RunSettings {
     }
 }
 
-const CONTROL: Control<'static> = Control { stop: &|| false, progress: &|_| {} };
+const CONTROL: Control<'static> = Control::until(&|| false);
 
 /// Rms of each window of each channel [SI].
 type Levels = [[f64; WINDOWS]; 4];

@@ -114,7 +114,7 @@ fn reference(file: &str) {
     }
 }
 
-const QUIET: Control<'static> = Control { stop: &|| false, progress: &|_| () };
+const QUIET: Control<'static> = Control::until(&|| false);
 const RUNS: usize = 5;
 /// 20 lg(a/b) [dB]
 fn db(a: f64, b: f64) -> f64 {

@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 mod scenes;
 
 const SCENES: [&str; 5] = ["a", "b", "c-no-film", "c-no-damping", "d"];
-const CONTROL: Control<'static> = Control { stop: &|| false, progress: &|_| {} };
+const CONTROL: Control<'static> = Control::until(&|| false);
 
 struct Options {
     scenes: Vec<String>,

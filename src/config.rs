@@ -5,10 +5,12 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 
+use axum::http::HeaderValue;
 use clap::builder::BoolishValueParser;
 use clap::{Args, Parser, Subcommand};
 
 use crate::api::auth::Tokens;
+use crate::api::origins::origin;
 use crate::jobs::Settings;
 
 /// Predicts the vibration of rolling bearings.
@@ -119,13 +121,13 @@ pub struct ArticleOptions {
     /// ROBUSTNESS.md and robustness.csv
     #[arg(long, conflicts_with = "figure")]
     pub robustness: bool,
-    /// Number of these sets
-    #[arg(long, value_name = "N", default_value_t = 200, requires = "robustness", value_parser = clap::value_parser!(u32).range(3..=10_000))]
-    pub sets: u32,
-    /// What the sets are drawn from
-    #[arg(long, value_name = "N", default_value_t = 2025, requires = "robustness")]
-    pub seed: u64,
-    /// Directory for ARTICLE.md and plots/article
+    /// With --robustness: number of these sets [default: 200]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=10_000))]
+    pub sets: Option<u32>,
+    /// With --robustness: what the sets are drawn from [default: 2025]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Directory for ARTICLE.md, or FIGURE-N.md of one figure, and plots/article
     #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
     pub output: PathBuf,
     /// No progress on stderr
@@ -163,6 +165,9 @@ pub struct ServeOptions {
     /// How long ended jobs are kept that say nothing about it, in seconds
     #[arg(long, env = "RACEWAY_KEEP_FOR_S", default_value_t = 30 * 86_400, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep_for_s: u32,
+    /// Web pages from elsewhere that may use the API: their origins, such as `https://portal.example`, separated by commas
+    #[arg(long, env = "RACEWAY_ALLOWED_ORIGINS", value_name = "ORIGIN,…", value_delimiter = ',', value_parser = origin)]
+    pub allowed_origins: Vec<HeaderValue>,
     /// Serve beyond loopback without tokens: everyone who reaches the port may do everything
     #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH", value_parser = BoolishValueParser::new())]
     pub insecure_no_auth: bool,

@@ -2,13 +2,18 @@
 
 use std::fmt::Write;
 
+use serde_json::{Map, Value};
+
+use crate::contract::in_words::{field_in_words, metric_in_words};
 use crate::contract::optimum::{GoalName, PurposeName, RangeAnswer, RunAnswer};
 use crate::contract::table::AxisAnswer;
+use crate::contract::views::{LoadsView, OrbitView};
 use crate::contract::work_precision::{PointAnswer, floors};
 use crate::contract::{Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, TableAnswer, WorkPrecisionAnswer};
 use crate::plots::{
-    AxisPlaces, ErrorPanel, FailedRun, MapPanel, SeriesCurve, SpectrumCurve, TrendCurve, TrendPanel, VariedAxis,
-    WorkPoint, WorkPrecisionCurve, map_svg, series_svg, spectrum_svg, trend_svg, work_precision_svg,
+    AxisPlaces, ErrorPanel, FailedRun, LoadCurve, MapPanel, OrbitCurve, SeriesCurve, SpectrumCurve, TrendCurve,
+    TrendPanel, VariedAxis, WorkPoint, WorkPrecisionCurve, loads_svg, map_svg, orbit_svg, series_svg, spectrum_svg,
+    trend_svg, work_precision_svg,
 };
 use crate::simulation::lines::Line;
 
@@ -44,6 +49,23 @@ fn lines_of(metrics: &Metrics, channel: &str) -> Vec<Line> {
             deviation: line.deviation_hz,
         })
         .collect()
+}
+
+/// Paths of the spindle's and the cage's centre.
+pub fn orbits(orbits: &[OrbitView]) -> String {
+    let curves = orbits.iter().map(|orbit| OrbitCurve { name: &orbit.body, unit: "µm", y: &orbit.y, z: &orbit.z });
+    orbit_svg(
+        "Orbits",
+        "paths of the centres over the last turns; y points downwards, as the load acts",
+        &curves.collect::<Vec<_>>(),
+    )
+}
+
+/// Loads of ball 1 along its way.
+pub fn loads(loads: &LoadsView) -> String {
+    let curve = |name, load| LoadCurve { name, azimuth: &loads.azimuth_deg, load };
+    let curves = [curve("inner raceway", &loads.inner_n), curve("outer raceway", &loads.outer_n)];
+    loads_svg("Loads of a ball along its way", "ball 1, turn over turn", &curves)
 }
 
 /// Time series above each other.
@@ -119,8 +141,8 @@ const SHOWN: [(&str, &[(&str, &str)]); 4] = [
 ];
 
 fn places(axis: &AxisAnswer) -> AxisPlaces {
-    let numbers: Option<Vec<f64>> = axis.values.iter().map(serde_json::Value::as_f64).collect();
-    let word = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let numbers: Option<Vec<f64>> = axis.values.iter().map(Value::as_f64).collect();
+    let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     numbers.map_or_else(|| AxisPlaces::Words(axis.values.iter().map(word).collect()), AxisPlaces::Numbers)
 }
 
@@ -138,13 +160,14 @@ pub fn trend(table: &TableAnswer) -> Option<String> {
         let curves = metrics.iter().map(|(name, pointer)| TrendCurve { name, values: table.column(pointer) });
         let curves = curves.filter(|curve| curve.values.iter().any(Option::is_some));
         // A panel each: on one scale the larger would hide how the smaller one changes.
-        let of_quantity = curves.map(|curve| TrendPanel { quantity, curves: vec![curve], best: None });
+        let of_quantity = curves.map(|curve| TrendPanel { quantity, curves: vec![curve], best: None, band: None });
         if panels.len() < MOST_PANELS {
             panels.extend(of_quantity);
         }
     }
-    let varied = VariedAxis { name: &axis.axis, values: places(axis) };
-    Some(trend_svg(&format!("Trend over {}", axis.axis), &counted(table), &varied, &panels))
+    let name = field_in_words(&axis.axis);
+    let varied = VariedAxis { name: &name, values: places(axis) };
+    Some(trend_svg(&format!("Trend over {name}"), &counted(table), &varied, &panels))
 }
 
 /// A study over its two axes; `None` of another number.
@@ -160,82 +183,106 @@ pub fn map(table: &TableAnswer) -> Option<String> {
         if panels.len() < 2 && values.iter().any(Option::is_some) {
             let best =
                 table.best.get(*pointer).and_then(|best| table.rows.iter().position(|row| row.point == best.point));
-            panels.push(MapPanel { name, values, best });
+            let rows = up.values.len().max(1);
+            let best = best.map(|point| [(point / rows) as f64, (point % rows) as f64]);
+            panels.push(MapPanel { name, values, best, runs: Vec::new() });
         }
     }
-    let [right, up] = [right, up].map(|axis| VariedAxis { name: &axis.axis, values: places(axis) });
-    Some(map_svg(&format!("{} and {}", right.name, up.name), &counted(table), [&right, &up], &panels))
+    let names = [right, up].map(|axis| field_in_words(&axis.axis));
+    let axes =
+        [VariedAxis { name: &names[0], values: places(right) }, VariedAxis { name: &names[1], values: places(up) }];
+    Some(map_svg(&format!("{} and {}", names[0], names[1]), &counted(table), [&axes[0], &axes[1]], &panels))
 }
 
-/// The runs of an optimum job and the best of them: over the one axis, or over both by the scan alone, where the cell that is
-/// nearest to the best point is marked.
+/// Values and errors of the runs of an optimum job, and the best of them: over the one axis with the band that it may lie in, or over
+/// both, the scan as fields and every other run as a dot.
 pub fn optimum(answer: &OptimumAnswer) -> String {
-    let at = |run: &RunAnswer, axis: &str| run.point.get(axis).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
-    let best = |axis: &str| answer.point.get(axis).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
-    let name = |axis: &RangeAnswer| axis.axis.clone();
+    let metric = metric_in_words(&answer.metric);
+    let title = format!("{} of {metric}", if answer.goal == GoalName::Minimum { "Minimum" } else { "Maximum" });
     let place = |axis: &RangeAnswer| {
         let within = answer.within.as_ref().and_then(|within| within.get(&axis.axis));
         let within = within.map_or(String::new(), |[low, high]| format!(" ({low} … {high})"));
-        format!("{}{within}", best(&axis.axis))
+        format!("{}{within}", along(&answer.point, &axis.axis))
     };
     let places: Vec<String> = answer.axes.iter().map(place).collect();
     let error = answer.error.map_or(String::new(), |error| format!(" ± {error:.1e}"));
-    let title =
-        format!("{} of {}", if answer.goal == GoalName::Minimum { "Minimum" } else { "Maximum" }, answer.metric);
     let subtitle = format!("{:.4}{error} at {}; {} runs", answer.value, places.join(", "), answer.runs);
     match &answer.axes[..] {
-        [right, up] => {
-            let scan: Vec<&RunAnswer> =
-                answer.evaluations.iter().filter(|run| run.purpose == PurposeName::Scan).collect();
-            let axis = |axis: &RangeAnswer| {
-                let mut values: Vec<f64> = scan.iter().map(|run| at(run, &axis.axis)).collect();
-                values.sort_by(|a, b| if axis.from < axis.to { a.total_cmp(b) } else { b.total_cmp(a) });
-                values.dedup();
-                values
-            };
-            let both = [axis(right), axis(up)];
-            let nearest = |values: &[f64], best: f64| {
-                (0..values.len())
-                    .min_by(|a, b| (values[*a] - best).abs().total_cmp(&(values[*b] - best).abs()))
-                    .unwrap_or(0)
-            };
-            let marked = nearest(&both[0], best(&right.axis)) * both[1].len() + nearest(&both[1], best(&up.axis));
-            let panel = MapPanel {
-                name: &answer.metric,
-                values: scan.iter().map(|run| run.value).collect(),
-                best: Some(marked),
-            };
-            let (names, [a, b]) = ([name(right), name(up)], both.map(AxisPlaces::Numbers));
-            let axes = [VariedAxis { name: &names[0], values: a }, VariedAxis { name: &names[1], values: b }];
-            map_svg(&title, &subtitle, [&axes[0], &axes[1]], &[panel])
-        }
-        axes => {
-            let name = axes.first().map(name).unwrap_or_default();
-            let mut runs: Vec<&RunAnswer> = answer.evaluations.iter().collect();
-            runs.sort_by(|a, b| at(a, &name).total_cmp(&at(b, &name)));
-            let values = runs.iter().map(|run| run.value.map(|value| (value, run.error))).collect();
-            let marked = runs.iter().position(|run| run.point == answer.point);
-            let curves = vec![TrendCurve { name: "every run", values }];
-            let panel =
-                TrendPanel { quantity: answer.metric.rsplit('/').next().unwrap_or_default(), curves, best: marked };
-            let axis = VariedAxis {
-                name: &name,
-                values: AxisPlaces::Numbers(runs.iter().map(|run| at(run, &name)).collect()),
-            };
-            trend_svg(&title, &subtitle, &axis, &[panel])
-        }
+        [right, up] => optimum_map(answer, (&title, &subtitle, &metric), [right, up]),
+        [axis] => optimum_trend(answer, (&title, &subtitle, &metric), axis),
+        _ => String::new(),
     }
 }
 
-/// Force over penetration: finite elements, the law, and Hertz's contact alone.
+/// The number that a point has along an axis.
+fn along(point: &Map<String, Value>, axis: &str) -> f64 {
+    point.get(axis).and_then(Value::as_f64).unwrap_or(f64::NAN)
+}
+
+fn optimum_trend(answer: &OptimumAnswer, (title, subtitle, metric): (&str, &str, &str), range: &RangeAnswer) -> String {
+    let at = |run: &RunAnswer| along(&run.point, &range.axis);
+    let mut runs: Vec<&RunAnswer> = answer.evaluations.iter().collect();
+    runs.sort_by(|a, b| at(a).total_cmp(&at(b)));
+    let values = runs.iter().map(|run| run.value.map(|value| (value, run.error))).collect();
+    let panel = TrendPanel {
+        // The title has the whole.
+        quantity: metric.rsplit(": ").next().unwrap_or(metric),
+        curves: vec![TrendCurve { name: "every run", values }],
+        best: runs.iter().position(|run| run.point == answer.point),
+        band: answer.within.as_ref().and_then(|within| within.get(&range.axis).copied()),
+    };
+    let places = AxisPlaces::Numbers(runs.iter().map(|run| at(run)).collect());
+    let axis = VariedAxis { name: &field_in_words(&range.axis), values: places };
+    trend_svg(title, subtitle, &axis, &[panel])
+}
+
+fn optimum_map(
+    answer: &OptimumAnswer,
+    (title, subtitle, metric): (&str, &str, &str),
+    ranges: [&RangeAnswer; 2],
+) -> String {
+    let (scan, others): (Vec<&RunAnswer>, Vec<&RunAnswer>) =
+        answer.evaluations.iter().partition(|run| run.purpose == PurposeName::Scan);
+    let both = ranges.map(|range| {
+        let mut values: Vec<f64> = scan.iter().map(|run| along(&run.point, &range.axis)).collect();
+        values.sort_by(|a, b| if range.from < range.to { a.total_cmp(b) } else { b.total_cmp(a) });
+        values.dedup();
+        values
+    });
+    let place = |point: &Map<String, Value>| {
+        let at = |axis: usize| fields_along(&both[axis], along(point, &ranges[axis].axis));
+        [at(0), at(1)]
+    };
+    let panel = MapPanel {
+        name: metric,
+        values: scan.iter().map(|run| run.value).collect(),
+        best: Some(place(&answer.point)),
+        runs: others.iter().map(|run| place(&run.point)).collect(),
+    };
+    let names = ranges.map(|range| field_in_words(&range.axis));
+    let [right, up] = both.map(AxisPlaces::Numbers);
+    let axes = [VariedAxis { name: &names[0], values: right }, VariedAxis { name: &names[1], values: up }];
+    map_svg(title, subtitle, [&axes[0], &axes[1]], &[panel])
+}
+
+/// How many fields a value lies beyond the first of ordered ones.
+fn fields_along(values: &[f64], value: f64) -> f64 {
+    let between = |pair: &[f64]| (value - pair[0]) * (value - pair[1]) <= 0.0;
+    let found = values.windows(2).position(between);
+    found.map_or(0.0, |place| place as f64 + (value - values[place]) / (values[place + 1] - values[place]))
+}
+
+/// The law's force and that of Hertz's contact alone, over that of the finite elements.
 pub fn forces(forces: &[[f64; 4]]) -> String {
-    let curve =
-        |name, place: usize| TrendCurve { name, values: forces.iter().map(|of| Some((of[place], None))).collect() };
-    let curves = vec![curve("finite elements", 1), curve("law", 2), curve("Hertz alone", 3)];
-    let panel = TrendPanel { quantity: "force in N", curves, best: None };
+    let curve = |name, place: usize| TrendCurve {
+        name,
+        values: forces.iter().map(|of| Some((of[place] / of[1], None))).collect(),
+    };
+    let curves = vec![curve("law of the model", 2), curve("Hertz alone", 3)];
+    let panel = TrendPanel { quantity: "force over that of finite elements", curves, best: None, band: None };
     let axis =
         VariedAxis { name: "penetration in µm", values: AxisPlaces::Numbers(forces.iter().map(|of| of[0]).collect()) };
-    trend_svg("Ball in its pocket", "CalculiX, converged, against the law of the model", &axis, &[panel])
+    trend_svg("Ball in its pocket", "forces over those of CalculiX, converged", &axis, &[panel])
 }
 
 /// A study as CSV: axes, status, then every number of the metrics under its pointer.
@@ -257,7 +304,7 @@ pub fn table_csv(table: &TableAnswer) -> String {
             .join(","),
     ];
     for row in &table.rows {
-        let word = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), quoted);
+        let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), quoted);
         let values = table.axes.iter().map(|axis| row.point.get(&axis.axis).map_or(String::new(), word));
         let error = row.error.as_ref().map_or(String::new(), |error| quoted(&error.detail));
         let status = serde_json::to_value(row.status).ok().and_then(|status| status.as_str().map(str::to_owned));
@@ -293,6 +340,23 @@ fn csv(head: &str, first: &[f64], second: &[f64]) -> String {
 /// A spectrum as CSV.
 pub fn spectrum_csv(spectrum: &SpectrumAnswer) -> String {
     csv("frequency_hz,amplitude", &spectrum.frequency_hz, &spectrum.amplitude)
+}
+
+/// A series as NumPy's array file, version 1.0: records of `time_s` and `value`.
+pub fn series_npy(series: &SeriesAnswer) -> Vec<u8> {
+    let count = series.time_s.len().min(series.value.len());
+    let head =
+        format!("{{'descr': [('time_s', '<f8'), ('value', '<f8')], 'fortran_order': False, 'shape': ({count},), }}");
+    // Magic, version and length of the head take ten bytes; the whole is a multiple of 64, and the head ends in a line feed.
+    let padded = (10 + head.len() + 1).next_multiple_of(64) - 10;
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((padded as u16).to_le_bytes());
+    bytes.extend(format!("{head:<0$}\n", padded - 1).into_bytes());
+    for (time, value) in series.time_s.iter().zip(&series.value) {
+        bytes.extend(time.to_le_bytes());
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes
 }
 
 /// A series as CSV.

@@ -41,7 +41,7 @@ check(raceway("simulate", "-", stdin=json.dumps(varied)).returncode == 2, "simul
 with tempfile.TemporaryDirectory() as directory:
     done = raceway("article", "--figure", "14", "--quiet", "--output", directory)
     check(done.returncode == 0 and done.stdout == "" and done.stderr == "", "a figure of the article is made again")
-    with open(os.path.join(directory, "ARTICLE.md"), encoding="utf-8") as report:
+    with open(os.path.join(directory, "FIGURE-14.md"), encoding="utf-8") as report:
         check("radial load" in report.read(), "its report is written")
     check(os.listdir(os.path.join(directory, "plots", "article")) == ["figure-14.svg"], "and its plot")
 study = {"scene": ARTICLE["scene"], "settle_s": 0.001, "duration_s": 0.002, "methods": ["dormand_prince"],

@@ -43,10 +43,14 @@ with tempfile.TemporaryDirectory(prefix="raceway-context-") as context:
         for name in (target["name"] for target in manifest.get(kind, [])):
             there = [os.path.join(context, folder, end) for end in (f"{name}.rs", f"{name}/main.rs")]
             check(any(map(os.path.exists, there)), f"the {kind} {name}, which Cargo.toml names, is copied")
-    for file in re.findall(r'include_str!\("((?:\.\./)*)([^"]+)"\)', "".join(
-            open(os.path.join(place, name), encoding="utf-8").read()
-            for place, _, names in os.walk(os.path.join(context, "src")) for name in names if name.endswith(".rs"))):
-        check(os.path.exists(os.path.join(context, file[1])), f"{file[1]}, which the code includes, is copied")
+    for place, _, names in os.walk(os.path.join(context, "src")):
+        for name in names:
+            if not name.endswith(".rs"):
+                continue
+            with open(os.path.join(place, name), encoding="utf-8") as source:
+                included = re.findall(r'include_(?:str|bytes)!\("([^"]+)"\)', source.read())
+            for file in included:
+                check(os.path.exists(os.path.join(place, file)), f"{file}, which the code includes, is copied")
 
 libraries = subprocess.run(["ldd", binary()], capture_output=True, text=True, check=True).stdout
 needed = {os.path.basename(line.split()[0]).split(".so")[0] for line in libraries.splitlines() if ".so" in line}

@@ -30,7 +30,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     published = sections(DOCS / "ARTICLE.md")
     for figure in ("9", "14"):
         article(directory, "--figure", figure)
-        for title, text in sections(written / "ARTICLE.md").items():
+        for title, text in sections(written / f"FIGURE-{figure}.md").items():
             check(text.strip() == published[title].strip(), f"docs/ARTICLE.md is what the program writes: {title}")
     for picture in (written / "plots" / "article").iterdir():
         check(picture.read_text() == (DOCS / "plots" / "article" / picture.name).read_text(), f"so is {picture.name}")

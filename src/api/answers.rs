@@ -1,18 +1,19 @@
 //! Jobs as JSON.
 
 use jiff::Timestamp;
-use serde::Serialize;
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::error::{ApiError, Problem};
-use crate::contract::job::JobInput;
+use crate::contract::job::{JobInput, JobKindName};
 use crate::contract::{JobKind, Metrics};
 use crate::jobs::{JobError, JobRecord, Status};
 
 /// Where a job stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, serde::Deserialize, ToSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StatusName {
     Queued,
@@ -51,29 +52,34 @@ impl From<StatusName> for Status {
 pub struct JobAnswer {
     /// UUIDv7: later jobs have greater ids.
     pub id: Uuid,
-    #[schema(example = "simulation")]
+    /// What was to be done.
+    #[schema(value_type = JobKindName)]
     pub kind: String,
+    /// Where the job stands.
     pub status: StatusName,
     /// Finished share.
     #[schema(minimum = 0, maximum = 1, example = 1.0)]
     pub progress: f64,
-    /// RFC 3339.
+    /// When it was accepted (RFC 3339, UTC).
     #[schema(value_type = String, format = DateTime)]
     pub created_at: Timestamp,
     /// Begin of the run; of the last one, if a run was lost or interrupted.
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub started_at: Option<Timestamp>,
+    /// When it ended, in whatever way.
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub finished_at: Option<Timestamp>,
     /// When the job and its result are removed; set once it has ended.
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub expires_at: Option<Timestamp>,
+    /// When it was asked to stop.
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub cancel_requested_at: Option<Timestamp>,
     /// Why the job failed: its `type` ends in `did-not-converge`, `numerical-blowup`, `time-limit`,
     /// `memory-limit`, `worker-lost` or `internal`.
     #[schema(required = true)]
     pub error: Option<Problem>,
+    /// Words to find the job by.
     pub labels: Vec<String>,
     /// 1 (first) to 4 (last).
     #[schema(minimum = 1, maximum = 4)]
@@ -83,6 +89,7 @@ pub struct JobAnswer {
     /// The request as it was sent.
     #[schema(value_type = JobInput)]
     pub request: Box<RawValue>,
+    /// Paths that make sense for the job now.
     pub links: Links,
     /// With `include=metrics` or `Prefer: wait`, once a simulation has succeeded.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,22 +100,32 @@ pub struct JobAnswer {
 /// Paths that make sense for the job now.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Links {
+    /// The job itself.
     #[serde(rename = "self")]
     pub this: String,
+    /// Server-sent events.
+    pub events: String,
+    /// Cancels the job; a `POST`. While it has not ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cancel: Option<String>,
+    /// Of a simulation that has succeeded.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub metrics: Option<String>,
-    /// Takes a channel.
+    /// Which spectra and series are kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub channels: Option<String>,
+    /// Of a simulation that has succeeded; takes a channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum: Option<String>,
-    /// Takes a channel.
+    /// Of a simulation that has succeeded; takes a channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub series: Option<String>,
+    /// Of a simulation that has succeeded.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum_svg: Option<String>,
@@ -116,7 +133,19 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub table: Option<String>,
-    /// Of a study that can go on.
+    /// Paths of the centres of spindle and cage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub orbit_svg: Option<String>,
+    /// Of a study over one axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub trend_svg: Option<String>,
+    /// Of a study over two axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub map_svg: Option<String>,
+    /// Goes on with a study that was cancelled or failed; a `POST`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub resume: Option<String>,
@@ -156,7 +185,7 @@ pub fn path_of(id: Uuid) -> String {
 impl JobAnswer {
     pub fn of(record: JobRecord) -> Result<Self, ApiError> {
         Ok(Self {
-            links: Links::of(record.id, record.status, &record.kind),
+            links: Links::of(&record),
             id: record.id,
             kind: record.kind,
             status: record.status.into(),
@@ -185,19 +214,51 @@ fn raw(json: String) -> Result<Box<RawValue>, ApiError> {
     RawValue::from_string(json).map_err(|error| ApiError::Job(JobError::Corrupt(error.to_string())))
 }
 
+/// What in a request decides over links.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Asked {
+    axes: Vec<IgnoredAny>,
+    outputs: AskedOutputs,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct AskedOutputs {
+    /// The usual ones where it does not say.
+    spectra: Option<Vec<IgnoredAny>>,
+    series: Vec<IgnoredAny>,
+}
+
+impl Asked {
+    fn of(request: &str) -> Self {
+        serde_json::from_str(request).unwrap_or_default()
+    }
+}
+
 impl Links {
-    fn of(id: Uuid, status: Status, kind: &str) -> Self {
-        let this = path_of(id);
+    fn of(record: &JobRecord) -> Self {
+        let (status, kind) = (record.status, &*record.kind);
+        let this = path_of(record.id);
+        let asked = Asked::of(&record.request);
+        let spectra = asked.outputs.spectra.as_ref().is_none_or(|spectra| !spectra.is_empty());
+        let series = !asked.outputs.series.is_empty();
+        let axes = if kind == JobKind::Study.name() { asked.axes.len() } else { 0 };
         let below = |name: &str, when: bool| when.then(|| format!("{this}/{name}"));
         let succeeded = |of: JobKind| status == Status::Succeeded && kind == of.name();
         let (simulated, compared) = (succeeded(JobKind::Simulation), succeeded(JobKind::Accuracy));
         Self {
+            events: format!("{this}/events"),
             cancel: below("cancel", !status.is_final()),
             metrics: below("metrics", simulated),
-            spectrum: below("spectrum", simulated),
-            series: below("series", simulated),
-            spectrum_svg: below("plots/spectrum.svg", simulated),
+            spectrum: below("spectrum", simulated && spectra),
+            channels: below("channels", simulated),
+            series: below("series", simulated && series),
+            spectrum_svg: below("plots/spectrum.svg", simulated && spectra),
+            orbit_svg: below("plots/orbit.svg", simulated && (spectra || series)),
             table: below("table", kind == JobKind::Study.name()),
+            trend_svg: below("plots/trend.svg", axes == 1),
+            map_svg: below("plots/map.svg", axes == 2),
             resume: below(
                 "resume",
                 kind == JobKind::Study.name() && matches!(status, Status::Cancelled | Status::Failed),

@@ -72,7 +72,8 @@ pub async fn guard(State(app): State<App>, mut request: Request, next: Next) -> 
 
 /// Paths that show nothing of anybody's work.
 fn is_open(path: &str) -> bool {
-    matches!(path, "/" | "/docs" | "/openapi.json") || path.starts_with("/health/") || path.starts_with("/docs/")
+    let folders = ["/health/", "/docs/", "/portal/"];
+    matches!(path, "/" | "/docs" | "/openapi.json") || folders.iter().any(|folder| path.starts_with(folder))
 }
 
 fn bearer(headers: &HeaderMap) -> Option<&str> {

@@ -3,16 +3,26 @@
 
 use std::collections::BTreeMap;
 
+use axum::http::header::{ACCEPT, HeaderName, HeaderValue, RETRY_AFTER, WWW_AUTHENTICATE};
+use serde_json::Value;
+use utoipa::openapi::example::Example;
+use utoipa::openapi::header::{Header, HeaderBuilder};
+use utoipa::openapi::link::Link;
+use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityScheme};
 use utoipa::openapi::{ContentBuilder, OpenApi as Document, Ref, RefOr, Response, ResponseBuilder};
 use utoipa::{IntoResponses, Modify, OpenApi};
 
-use super::error::{PROBLEM_JSON, Problem};
+use super::error::{ApiError, PROBLEM_JSON, Problem};
+use super::request::BODY_LIMIT;
+use crate::contract::{FieldError, Refusal};
+use crate::jobs::{JobError, Status};
 
 pub const JOBS: &str = "jobs";
 pub const RESULTS: &str = "results";
 pub const SCENES: &str = "scenes";
 pub const HEALTH: &str = "health";
+pub const DOCUMENT: &str = "document";
 
 /// The document without its operations, which bring themselves.
 #[derive(OpenApi)]
@@ -30,7 +40,8 @@ pub const HEALTH: &str = "health";
         (name = "jobs", description = "Submit, follow, cancel and delete simulations"),
         (name = "results", description = "Metrics, spectra, series and plots of succeeded jobs"),
         (name = "scenes", description = "What a scene means before it runs"),
-        (name = "health", description = "Probes")
+        (name = "health", description = "Probes"),
+        (name = "document", description = "This description; as a page at `/docs/`")
     ),
     security(("token" = [])),
     components(schemas(Problem)),
@@ -48,46 +59,183 @@ impl Modify for Tokens {
     }
 }
 
-/// Types that stand for errors with their descriptions.
+/// Types that stand for errors: status, name in the document, when it comes, and what is answered then.
 macro_rules! problems {
-    ($($(#[$doc:meta])* $name:ident { $($status:literal: $description:literal),+ $(,)? })+) => {$(
-        $(#[$doc])*
-        pub struct $name;
+    ($($(#[$doc:meta])* $group:ident {
+        $($status:literal $name:ident: $description:literal => [$($error:expr),+ $(,)?]),+ $(,)?
+    })+) => {
+        $(
+            $(#[$doc])*
+            pub struct $group;
 
-        impl IntoResponses for $name {
-            fn responses() -> BTreeMap<String, RefOr<Response>> {
-                BTreeMap::from([$(($status.to_owned(), problem($description))),+])
+            impl IntoResponses for $group {
+                fn responses() -> BTreeMap<String, RefOr<Response>> {
+                    let named = |name| RefOr::Ref(Ref::from_response_name(name));
+                    BTreeMap::from([$(($status.to_owned(), named(stringify!($name)))),+])
+                }
             }
+        )+
+
+        fn problems() -> Vec<(&'static str, Response)> {
+            use ApiError::*;
+            vec![$($((stringify!($name), problem($description, &[$($error),+]))),+),+]
         }
-    )+};
+    };
+}
+
+/// Results of succeeded jobs, which never change.
+pub struct Unchanged;
+
+impl IntoResponses for Unchanged {
+    fn responses() -> BTreeMap<String, RefOr<Response>> {
+        let text =
+            "The result that `If-None-Match` names, which never changes; each answer of a succeeded job has an `ETag`";
+        BTreeMap::from([("304".to_owned(), ResponseBuilder::new().description(text).build().into())])
+    }
 }
 
 problems! {
     /// Every operation that needs a token.
     Anywhere {
-        "401": "No token, or an unknown one",
-        "421": "Without tokens: a `Host` that is neither an address nor localhost",
-        "500": "An error of the service; its cause is in the log",
-        "503": "The service is stopping, or its database is away",
+        "401" Unauthorized: "No token, or an unknown one" => [Unauthorized],
+        "421" ForeignHost: "Without tokens: a `Host` that is neither an address nor localhost" => [ForeignHost("raceway.example".into())],
+        "500" InternalError: "An error of the service; its cause is in the log" => [Internal],
+        "503" Unavailable: "The service is stopping, or its database is away" => [Job(JobError::Stopping), Job(JobError::Database(sqlx::Error::PoolTimedOut))],
     }
+    /// Operations that are open to everybody.
+    OnlyLocal { "421" ForeignHost: "Without tokens: a `Host` that is neither an address nor localhost" => [ForeignHost("raceway.example".into())] }
+    /// Operations with a body.
     BadBody {
-        "400": "The body is not JSON, or a header or the query is wrong",
-        "408": "The body did not arrive in time",
-        "413": "The body is larger than 1 MiB",
-        "415": "The body is not `application/json`",
-        "422": "The body is JSON, but not valid; `errors` names the fields",
+        "400" BadRequest: "The body is not JSON, or a header or the query is wrong" => [
+            Refused(Refusal::NotJson { detail: "expected `,` or `}` at line 3 column 5".into() }),
+            BadRequest("Prefer: wait takes a whole number of seconds".into()),
+        ],
+        "408" SlowBody: "The body did not arrive in time" => [SlowBody],
+        "413" TooLarge: "The body is larger than 1 MiB" => [TooLarge { limit: BODY_LIMIT }],
+        "415" UnsupportedMediaType: "The body is not `application/json`" => [UnsupportedMediaType("send Content-Type: application/json".into())],
+        "422" InvalidRequest: "The body is JSON, but not valid; `errors` names the fields" => [Refused(wrong_diameter())],
     }
-    BadQuery { "400": "The query is wrong" }
-    NoJob { "404": "There is no such job, or it belongs to another token" }
-    NoChannel { "404": "There is no such job, or the channel is not kept; `detail` names the kept ones" }
-    NoResult { "409": "`result-not-ready`: the job has not ended, try again; `no-result`: it failed or was cancelled, or is of a kind that has no such result" }
-    NotAccepted { "406": "The answer is not available in a format that `Accept` names" }
-    QueueFull { "429": "The queue is full; `Retry-After` tells when to try again" }
-    NoSpace { "507": "No space is left for the database; nothing was written" }
+    BadQuery { "400" BadQuery: "The query is wrong" => [BadRequest("query: limit 0: must be 1 to 200".into())] }
+    NoJob { "404" UnknownJob: "There is no such job, or it belongs to another token" => [UnknownJob] }
+    NoChannel {
+        "404" UnknownChannel: "There is no such job, or the channel is not kept; `detail` names the kept ones" => [
+            UnknownJob,
+            UnknownChannel { channel: "cage.speed".into(), kept: vec!["spindle.y.acceleration".into()] },
+        ],
+    }
+    NoPlot {
+        "404" UnknownPlot: "There is no such job, or it has no such plot; `detail` names those it has" => [
+            UnknownJob,
+            UnknownPlot { known: &["spectrum.svg", "velocity.svg", "acceleration.svg"] },
+        ],
+    }
+    NoResult {
+        "409" NoResult: "`result-not-ready`: the job has not ended, try again; `no-result`: it failed or was cancelled, or is of a kind that has no such result" => [
+            Job(JobError::NotReady(Status::Running)),
+            Job(JobError::NoResult(Status::Failed)),
+        ],
+    }
+    HasEnded { "409" HasEnded: "The job has succeeded or failed" => [Job(JobError::Conflict(Status::Succeeded))] }
+    HasNotEnded { "409" HasNotEnded: "The job waits or runs" => [Job(JobError::Conflict(Status::Running))] }
+    CannotResume {
+        "409" CannotResume: "The job is no study, it waits or runs, or nothing is left to do" => [Job(JobError::CannotResume(Status::Running))],
+    }
+    NotAccepted { "406" NotAcceptable: "The answer is not available in a format that `Accept` names" => [NotAcceptable { offered: &["application/json"] }] }
+    QueueFull { "429" QueueFull: "The queue is full; `Retry-After` tells when to try again" => [Job(JobError::QueueFull { limit: 10_000 })] }
+    NoSpace { "507" NoSpace: "No space is left for the database; nothing was written" => [Job(JobError::DiskFull)] }
+    TakesNoJobs { "503" TakesNoJobs: "The service takes no jobs now" => [NotReady(JobError::Stopping)] }
 }
 
-fn problem(description: &str) -> RefOr<Response> {
+fn wrong_diameter() -> Refusal {
+    FieldError::new("/scene/bearing/ball_diameter_mm", "-1 mm: must be above 0 and at most 500 mm").into()
+}
+
+/// A response with what is answered in each case, by the kind of problem.
+fn problem(description: &str, errors: &[ApiError]) -> Response {
     let schema = Ref::from_schema_name("Problem");
-    let content = ContentBuilder::new().schema(Some(schema)).build();
-    ResponseBuilder::new().description(description).content(PROBLEM_JSON, content).build().into()
+    let problems = errors.iter().map(|error| error.problem().1);
+    let examples = problems.map(|problem| {
+        let name = problem.kind.rsplit(':').next().unwrap_or_default().to_owned();
+        (name, Example::builder().summary(&problem.title).value(serde_json::to_value(&problem).ok()).build())
+    });
+    let content = ContentBuilder::new().schema(Some(schema)).examples_from_iter(examples).build();
+    let response = ResponseBuilder::new().description(description).content(PROBLEM_JSON, content);
+    let headers: BTreeMap<&str, Header> =
+        errors.iter().flat_map(|error| error.headers()).filter_map(documented).collect();
+    headers.into_iter().fold(response, |response, (name, header)| response.header(name, header)).build()
+}
+
+/// A header of an error.
+fn documented((name, value): (Option<HeaderName>, HeaderValue)) -> Option<(&'static str, Header)> {
+    let (name, kind, description) = match name? {
+        RETRY_AFTER => ("Retry-After", Type::Integer, "Seconds after which to try again"),
+        WWW_AUTHENTICATE => ("WWW-Authenticate", Type::String, "How to send a token"),
+        ACCEPT => ("Accept", Type::String, "What a body may be"),
+        _ => return None,
+    };
+    let value = value.to_str().ok()?;
+    let example = value.parse::<u64>().map_or_else(|_| value.into(), Value::from);
+    let schema = ObjectBuilder::new().schema_type(kind).examples([example]);
+    Some((name, HeaderBuilder::new().schema(Some(schema)).description(Some(description)).build()))
+}
+
+/// Answers of a run of the service, by operation and status.
+const EXAMPLES: &str = include_str!("examples.json");
+
+/// The document with what its operations share: problems by name, examples of answers, and where a job leads.
+pub fn completed(mut document: Document) -> Document {
+    let examples: Value = serde_json::from_str(EXAMPLES).unwrap_or_default();
+    let components = document.components.get_or_insert_default();
+    components.responses.extend(problems().into_iter().map(|(name, response)| (name.to_owned(), response.into())));
+    components.links.extend(links_of_job().map(|(name, link)| (name.to_owned(), link.into())));
+    for item in document.paths.paths.values_mut() {
+        let operations = [&mut item.get, &mut item.post, &mut item.delete];
+        for operation in operations.into_iter().flatten() {
+            let examples = &examples[operation.operation_id.as_deref().unwrap_or_default()];
+            for (status, response) in &mut operation.responses.responses {
+                let RefOr::T(response) = response else { continue };
+                complete(response, &examples[status.as_str()]);
+            }
+        }
+    }
+    document
+}
+
+fn complete(response: &mut Response, example: &Value) {
+    let Some(RefOr::T(content)) = response.content.get_mut("application/json") else { return };
+    if !example.is_null() {
+        content.example = Some(example.clone());
+    }
+    if matches!(&content.schema, Some(RefOr::Ref(schema)) if schema.ref_location.ends_with("/JobAnswer")) {
+        let named =
+            |(name, _): (&str, _)| (name.to_owned(), RefOr::Ref(Ref::new(format!("#/components/links/{name}"))));
+        response.links = links_of_job().map(named).collect();
+    }
+}
+
+/// Operations on a job that an answer has told of.
+fn links_of_job() -> impl Iterator<Item = (&'static str, Link)> {
+    const ALWAYS: &str = "The job";
+    const OF_SIMULATION: &str = "Of a simulation that has succeeded";
+    let links = [
+        ("showJob", ALWAYS, None),
+        ("followJob", ALWAYS, None),
+        ("getChannels", OF_SIMULATION, None),
+        ("cancelJob", "While it has not ended", None),
+        ("deleteJob", "Once it has ended", None),
+        ("resumeStudy", "Of a study that was cancelled or failed", None),
+        ("getMetrics", OF_SIMULATION, None),
+        ("getSpectrum", OF_SIMULATION, Some(("channel", "spindle.y.acceleration"))),
+        ("getSeries", "Of a simulation that was asked for it", Some(("channel", "spindle.y.displacement"))),
+        ("getPlot", OF_SIMULATION, Some(("file", "spectrum.svg"))),
+        ("getTable", "Of a study", None),
+        ("getOptimum", "Of an optimum job that has succeeded", None),
+        ("getAccuracy", "Of an accuracy job that has succeeded", None),
+    ];
+    links.into_iter().map(|(operation, description, more)| {
+        let link =
+            Link::builder().operation_id(operation).description(description).parameter("id", "$response.body#/id");
+        let link = more.into_iter().fold(link, |link, (name, value)| link.parameter(name, value));
+        (operation, link.build())
+    })
 }

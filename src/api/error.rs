@@ -148,7 +148,12 @@ impl ApiError {
                 of(S::NOT_FOUND, "unknown-job", "There is no such job", detail)
             }
             Self::UnknownPlot { known } => {
-                let detail = format!("plots of this job are {}", listed(known.iter().copied()));
+                let detail = match known {
+                    [] => {
+                        "this job has none: a study over more than two axes, or a simulation without signals".to_owned()
+                    }
+                    known => format!("plots of this job: {}", listed(known.iter().copied())),
+                };
                 of(S::NOT_FOUND, "unknown-plot", "There is no such plot", detail)
             }
             Self::UnknownChannel { channel, kept } => {
@@ -193,7 +198,8 @@ impl ApiError {
         }
     }
 
-    fn headers(&self) -> HeaderMap {
+    /// Headers of the answer that stand for this error alone.
+    pub fn headers(&self) -> HeaderMap {
         let mut headers = HeaderMap::new();
         let mut set = |name, value| headers.insert(name, HeaderValue::from_static(value));
         match self {
@@ -225,6 +231,10 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
         }
         JobError::NotReady(_) => {
             of(S::CONFLICT, "result-not-ready", "The result is not there yet", "the job is running".into())
+        }
+        JobError::KeyReused => {
+            let detail = "this Idempotency-Key has come with another body before: a new request needs a new key".into();
+            of(S::UNPROCESSABLE_ENTITY, "idempotency-key-reused", "The key belongs to another request", detail)
         }
         JobError::NoResult(status) => {
             let detail = format!("the job has {}; its `error` tells why, if it failed", ended(*status));

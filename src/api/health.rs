@@ -5,14 +5,17 @@ use axum::extract::State;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::error::{ApiError, Problem};
+use super::describe::{OnlyLocal, TakesNoJobs};
+use super::error::ApiError;
 use super::{App, describe};
 
 /// How the service is.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Health {
+    /// Always `ok`: what is not is answered with a problem.
     #[schema(example = "ok")]
     status: &'static str,
+    /// Version of the service.
     #[schema(example = "0.1.0")]
     version: &'static str,
 }
@@ -24,7 +27,7 @@ const OK: Health = Health { status: "ok", version: env!("CARGO_PKG_VERSION") };
 /// Answers as long as the process serves HTTP; restart it when it does not.
 #[utoipa::path(
     get, path = "/health/live", tag = describe::HEALTH, operation_id = "isAlive", security(()),
-    responses((status = 200, description = "The service is alive", body = Health))
+    responses((status = 200, description = "The service is alive", body = Health), OnlyLocal)
 )]
 pub async fn live() -> Json<Health> {
     Json(OK)
@@ -37,7 +40,7 @@ pub async fn live() -> Json<Health> {
     get, path = "/health/ready", tag = describe::HEALTH, operation_id = "isReady", security(()),
     responses(
         (status = 200, description = "The service takes jobs", body = Health),
-        (status = 503, description = "The service takes no jobs now", body = Problem, content_type = "application/problem+json")
+        TakesNoJobs, OnlyLocal
     )
 )]
 pub async fn ready(State(app): State<App>) -> Result<Json<Health>, ApiError> {

@@ -13,17 +13,19 @@ use uuid::Uuid;
 
 use super::answers::{JobAnswer, JobList, StatusName, path_of};
 use super::auth::Owner;
-use super::describe::{Anywhere, BadBody, BadQuery, NoJob, NoSpace, NotAccepted, QueueFull};
-use super::error::{ApiError, Problem};
+use super::describe::{Anywhere, BadBody, BadQuery, HasEnded, HasNotEnded, NoJob, NoSpace, NotAccepted, QueueFull};
+use super::error::ApiError;
 use super::request::{JobId, JsonBody, Nothing, Query, header, negotiated};
-use super::{App, describe};
+use super::{App, conditional, describe};
 use crate::contract;
 use crate::contract::JobKind;
-use crate::contract::job::JobInput;
-use crate::jobs::{Cancelled, Filter, JobRecord, Status};
+use crate::contract::job::{JobInput, JobKindName};
+use crate::jobs::{Cancelled, Filter, IdempotencyKey, JobError, JobRecord, Status, Submitted};
 
 const JSON: &[&str] = &["application/json"];
 const PREFER: HeaderName = HeaderName::from_static("prefer");
+const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
+pub const IDEMPOTENT_REPLAYED: HeaderName = HeaderName::from_static("idempotent-replayed");
 const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-applied");
 
 /// Longest time that an answer waits for the end of a job [s].
@@ -45,7 +47,7 @@ const LONGEST_WAIT_S: u64 = 60;
     )),
     responses(
         (status = 202, description = "The job is in the queue, or identical finished work answered it (`reused`)", body = JobAnswer,
-            headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which another look is worth while"))),
+            headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which another look is worth while; absent once the job has ended"), ("Preference-Applied" = String, description = "The wait that was granted, where one was asked for"), ("Idempotent-Replayed" = String, description = "`true` where the `Idempotency-Key` had made this job before"))),
         (status = 200, description = "The job ended within the time of `Prefer: wait`; with its metrics", body = JobAnswer,
             headers(("Location" = String, description = "Path of the job"), ("Preference-Applied" = String, description = "The wait that was granted"))),
         BadBody, NotAccepted, QueueFull, NoSpace, Anywhere
@@ -60,18 +62,27 @@ pub async fn submit(
 ) -> Result<Response, ApiError> {
     negotiated(&headers, JSON)?;
     let wait = preferred_wait(&headers)?;
+    let key = idempotency_key(&headers)?;
     let job = contract::parse_job(&body)?;
-    let record = app.jobs.submit(&job, &owner).await?;
-    let location = [(LOCATION, text(path_of(record.id)))];
+    let key = key.map(|key| IdempotencyKey::new(key, &job));
+    let Submitted { record, replayed } = app.jobs.submit(&job, &owner, key).await?;
+    let replayed = replayed.then_some((IDEMPOTENT_REPLAYED, HeaderValue::from_static("true")));
+    let made: HeaderMap = replayed.into_iter().chain([(LOCATION, text(path_of(record.id)))]).collect();
     let Some(wait) = wait else {
-        return Ok((StatusCode::ACCEPTED, location, waiting(&record), Json(JobAnswer::of(record)?)).into_response());
+        return Ok((StatusCode::ACCEPTED, made, waiting(&record), Json(JobAnswer::of(record)?)).into_response());
     };
     let applied = [(PREFERENCE_APPLIED, text(format!("wait={wait}")))];
-    let record = app.jobs.wait(&owner, record.id, Duration::from_secs(wait)).await?;
+    let record = match app.jobs.wait(&owner, record.id, Duration::from_secs(wait)).await {
+        // What a key has made may be gone: it is not made again, and nobody waits for it.
+        Err(JobError::NotFound) => {
+            return Ok((StatusCode::ACCEPTED, made, Json(JobAnswer::of(record)?)).into_response());
+        }
+        now => now?,
+    };
     let status = if record.status.is_final() { StatusCode::OK } else { StatusCode::ACCEPTED };
     let look_again = waiting(&record);
     let answer = with_metrics(&app, &owner, record).await?;
-    Ok((status, location, applied, look_again, Json(answer)).into_response())
+    Ok((status, made, applied, look_again, Json(answer)).into_response())
 }
 
 /// List jobs
@@ -107,7 +118,8 @@ pub async fn list(
     params(("id" = Uuid, Path, description = "The job"), ShowQuery),
     responses(
         (status = 200, description = "The job", body = JobAnswer,
-            headers(("Retry-After" = u32, description = "Seconds after which another look is worth while; absent once the job has ended"))),
+            headers(("Retry-After" = u32, description = "Seconds after which another look is worth while; absent once the job has ended"), ("ETag" = String, description = "Weak; `If-None-Match` with it is answered by 304 while nothing has changed"))),
+        (status = 304, description = "Nothing has changed since the answer that `If-None-Match` names"),
         BadQuery, NoJob, NotAccepted, Anywhere
     )
 )]
@@ -125,7 +137,8 @@ pub async fn show(
         Some(Include::Metrics) => with_metrics(&app, &owner, record).await?,
         None => JobAnswer::of(record)?,
     };
-    Ok((look_again, Json(answer)).into_response())
+    let json = serde_json::to_vec(&answer).map_err(|_| ApiError::Internal)?;
+    Ok((look_again, conditional::standing(&headers, json)).into_response())
 }
 
 /// Cancel a job
@@ -137,9 +150,9 @@ pub async fn show(
     params(("id" = Uuid, Path, description = "The job")),
     responses(
         (status = 200, description = "The job is cancelled", body = JobAnswer),
-        (status = 202, description = "The job is running and has been told to stop", body = JobAnswer),
-        (status = 409, description = "The job has succeeded or failed", body = Problem, content_type = "application/problem+json"),
-        BadQuery, NoJob, NotAccepted, NoSpace, Anywhere
+        (status = 202, description = "The job is running and has been told to stop", body = JobAnswer,
+            headers(("Retry-After" = u32, description = "Seconds after which another look is worth while"))),
+        HasEnded, BadQuery, NoJob, NotAccepted, NoSpace, Anywhere
     )
 )]
 pub async fn cancel(
@@ -165,8 +178,7 @@ pub async fn cancel(
     params(("id" = Uuid, Path, description = "The job")),
     responses(
         (status = 204, description = "The job is gone"),
-        (status = 409, description = "The job waits or runs", body = Problem, content_type = "application/problem+json"),
-        BadQuery, NoJob, NoSpace, Anywhere
+        HasNotEnded, BadQuery, NoJob, NoSpace, Anywhere
     )
 )]
 pub async fn delete(
@@ -182,11 +194,16 @@ pub async fn delete(
 /// Headers of a submission.
 #[derive(IntoParams)]
 #[into_params(parameter_in = Header)]
-#[allow(dead_code, reason = "only describes the header; `preferred_wait` reads it")]
+#[allow(dead_code, reason = "only describes the headers; `preferred_wait` and `idempotency_key` read them")]
 struct SubmitHeaders {
     /// `wait=N`: answer once the job has ended, after N seconds at the latest (at most 60).
-    #[param(rename = "Prefer", example = "wait=10")]
+    #[param(rename = "Prefer", nullable = false, example = "wait=10")]
     prefer: Option<String>,
+    /// A name of the client's for this submission, 1 to 255 visible ASCII characters: sent again with the same body, the job is not made
+    /// again, and the first answer comes back with `Idempotent-Replayed: true`; with another body it is refused (422). Kept as
+    /// long as the job, and a day at least.
+    #[param(rename = "Idempotency-Key", min_length = 1, max_length = 255, example = "4f2c7a1e-line-3")]
+    idempotency_key: Option<String>,
 }
 
 /// Which jobs a list shows.
@@ -198,14 +215,15 @@ pub struct ListQuery {
     #[param(inline = false)]
     status: Option<StatusName>,
     /// Only jobs of this kind.
-    #[param(example = "simulation")]
-    kind: Option<String>,
+    #[param(inline = false)]
+    kind: Option<JobKindName>,
     /// Only jobs with this label.
     label: Option<String>,
     /// Jobs a page has at most; 50 unless told.
     #[param(minimum = 1, maximum = 200)]
     limit: Option<u32>,
     /// Where the page begins, from `next` of the page before.
+    #[param(format = Uuid)]
     cursor: Option<String>,
 }
 
@@ -218,7 +236,7 @@ impl ListQuery {
         let cursor = self.cursor.as_ref().map(|cursor| cursor.parse::<Uuid>()).transpose();
         Ok(Filter {
             status: self.status.map(Status::from),
-            kind: self.kind.clone(),
+            kind: self.kind.map(|kind| JobKind::from(kind).name().to_owned()),
             label: self.label.clone(),
             before: cursor.map_err(|_| ApiError::BadRequest("query: cursor: not one of this service".into()))?,
             limit,
@@ -229,7 +247,8 @@ impl ListQuery {
     fn page_after(&self, last: Uuid) -> String {
         let mut path = format!("/v1/jobs?limit={}&cursor={last}", self.limit.unwrap_or(50));
         let status = self.status.map(|status| Status::from(status).name().to_owned());
-        for (name, value) in [("status", &status), ("kind", &self.kind), ("label", &self.label)] {
+        let kind = self.kind.map(|kind| JobKind::from(kind).name().to_owned());
+        for (name, value) in [("status", &status), ("kind", &kind), ("label", &self.label)] {
             if let Some(value) = value {
                 path.push_str(&format!("&{name}={}", percent_encoded(value)));
             }
@@ -284,6 +303,19 @@ fn preferred_wait(headers: &HeaderMap) -> Result<Option<u64>, ApiError> {
         Ok(seconds) => Ok(Some(seconds.min(LONGEST_WAIT_S))),
         Err(_) => Err(ApiError::BadRequest("Prefer: wait takes a whole number of seconds".into())),
     }
+}
+
+/// The name that a client gives its submission.
+pub fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, ApiError> {
+    let mut keys = headers.get_all(IDEMPOTENCY_KEY).iter();
+    let Some(key) = keys.next() else { return Ok(None) };
+    if keys.next().is_some() {
+        return Err(ApiError::BadRequest("Idempotency-Key stands there twice".into()));
+    }
+    let is_visible = |key: &&[u8]| (1..=255).contains(&key.len()) && key.iter().all(u8::is_ascii_graphic);
+    let key = Some(key.as_bytes()).filter(is_visible).and_then(|key| std::str::from_utf8(key).ok());
+    let refused = || ApiError::BadRequest("Idempotency-Key takes 1 to 255 visible ASCII characters".into());
+    Ok(Some(key.ok_or_else(refused)?.to_owned()))
 }
 
 /// Paths and numbers are visible ASCII, so that this always is the value.

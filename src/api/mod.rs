@@ -2,15 +2,20 @@
 //! contract and jobs; nothing is computed here.
 
 pub mod auth;
+pub mod origins;
 pub mod service;
 
 mod answers;
+mod batch;
+mod conditional;
 mod describe;
 mod error;
+mod events;
 mod health;
 mod jobs;
 mod patience;
 mod plots;
+mod portal;
 mod refusals;
 mod request;
 mod results;
@@ -18,13 +23,14 @@ mod scenes;
 mod server;
 mod studies;
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
+use axum::http::HeaderValue;
 use axum::http::header::CONTENT_TYPE;
 use axum::middleware;
-use axum::response::Redirect;
+use axum::response::IntoResponse;
 use axum::routing::get;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
@@ -52,31 +58,59 @@ pub struct Access {
     pub tokens: auth::Tokens,
     /// Answer only requests whose Host is an address or localhost.
     pub only_local_hosts: bool,
+    /// Origins of web pages from elsewhere that may use the API.
+    pub origins: Vec<HeaderValue>,
 }
 
 /// Every described route.
-fn routes() -> OpenApiRouter<App> {
+fn routes(app: &Option<App>) -> OpenApiRouter<App> {
     OpenApiRouter::with_openapi(describe::Description::openapi())
         .routes(routes!(jobs::submit, jobs::list))
+        .routes(routes!(batch::submit))
         .routes(routes!(jobs::show, jobs::delete))
         .routes(routes!(jobs::cancel))
+        .routes(routes!(studies::resume))
+        .routes(routes!(events::events))
+        .merge(results_of_jobs(app))
+        .routes(routes!(scenes::resolve))
+        .routes(routes!(scenes::presets))
+        .routes(routes!(health::live))
+        .routes(routes!(health::ready))
+        .routes(routes!(send_document))
+}
+
+/// Get this document
+///
+/// OpenAPI 3.1: every operation with its fields, units and ranges.
+#[utoipa::path(
+    get, path = "/openapi.json", tag = describe::DOCUMENT, operation_id = "getDocument", security(()),
+    responses((status = 200, description = "The document", body = BTreeMap<String, serde_json::Value>), describe::OnlyLocal)
+)]
+async fn send_document() -> impl IntoResponse {
+    static TEXT: LazyLock<String> = LazyLock::new(|| serde_json::to_string(&document()).unwrap_or_default());
+    ([(CONTENT_TYPE, "application/json")], TEXT.as_str())
+}
+
+/// What a job leaves; tagged, where there is a service behind it.
+fn results_of_jobs(app: &Option<App>) -> OpenApiRouter<App> {
+    let routes = OpenApiRouter::new()
         .routes(routes!(results::metrics))
+        .routes(routes!(results::channels))
         .routes(routes!(results::spectrum))
         .routes(routes!(results::series))
         .routes(routes!(results::accuracy))
         .routes(routes!(results::optimum))
         .routes(routes!(studies::table))
-        .routes(routes!(studies::resume))
-        .routes(routes!(plots::plot))
-        .routes(routes!(scenes::resolve))
-        .routes(routes!(scenes::presets))
-        .routes(routes!(health::live))
-        .routes(routes!(health::ready))
+        .routes(routes!(plots::plot));
+    match app {
+        Some(app) => routes.layer(middleware::from_fn_with_state(app.clone(), conditional::results)),
+        None => routes,
+    }
 }
 
 /// The OpenAPI document.
 pub fn document() -> Document {
-    routes().into_openapi()
+    describe::completed(routes(&None).into_openapi())
 }
 
 /// The OpenAPI document as it is printed and checked in.
@@ -88,14 +122,18 @@ pub fn document_text() -> String {
 
 /// The whole service.
 pub fn router(app: App) -> Router {
-    let (described, document) = routes().split_for_parts();
-    let document = serde_json::to_string(&document).unwrap_or_default();
-    let send_document = || async move { ([(CONTENT_TYPE, "application/json")], document) };
-    described
-        .route("/", get(|| async { Redirect::temporary("/docs/") }))
-        .route("/openapi.json", get(send_document))
+    let (described, _) = routes(&Some(app.clone())).split_for_parts();
+    let guarded = described
+        .route("/", get(portal::page))
+        .route("/portal/{*file}", get(portal::file))
         .merge(SwaggerUi::new("/docs").config(Config::from("/openapi.json")))
-        .layer(middleware::from_fn_with_state(app.clone(), auth::guard))
+        .layer(middleware::from_fn_with_state(app.clone(), auth::guard));
+    // Browsers ask before they send a token.
+    let shared = match app.access.origins.as_slice() {
+        [] => guarded,
+        origins => guarded.layer(origins::allowed(origins)),
+    };
+    shared
         .layer(middleware::from_fn(refusals::as_problems))
         .layer(CatchPanicLayer::custom(refusals::of_panic))
         .layer(CompressionLayer::new())

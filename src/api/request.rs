@@ -73,7 +73,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
         match axum::extract::Query::from_request_parts(parts, state).await {
             Ok(axum::extract::Query(query)) => Ok(Self(query)),
-            Err(rejection) => Err(ApiError::BadRequest(format!("query: {}", innermost(&rejection)))),
+            Err(rejection) => Err(ApiError::BadRequest(format!("query: {}", of_query(&innermost(&rejection))))),
         }
     }
 }
@@ -82,6 +82,19 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Nothing {}
+
+/// What is wrong with a query, in words of queries.
+fn of_query(fault: &str) -> String {
+    const WORDS: [(&str, &str); 6] = [
+        ("invalid digit found in string", "must be a whole number"),
+        ("invalid float literal", "must be a number"),
+        ("there are no fields", "there are none here"),
+        ("unknown field", "unknown parameter"),
+        ("unknown variant", "unknown value"),
+        ("missing field", "missing parameter"),
+    ];
+    WORDS.iter().fold(fault.to_owned(), |fault, (of_serde, of_ours)| fault.replace(of_serde, of_ours))
+}
 
 fn innermost(error: &dyn std::error::Error) -> String {
     let mut error = error;

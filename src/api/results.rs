@@ -1,16 +1,17 @@
 //! Metrics, spectra, series and error against run time of a succeeded job.
 
+use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::http::header::{CONTENT_TYPE, VARY};
 use axum::response::{IntoResponse, Response};
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use utoipa::IntoParams;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
 use super::auth::Owner;
-use super::describe::{Anywhere, BadQuery, NoChannel, NoJob, NoResult, NotAccepted};
+use super::describe::{Anywhere, BadQuery, NoChannel, NoJob, NoResult, NotAccepted, Unchanged};
 use super::error::ApiError;
 use super::request::{JobId, Nothing, Query, negotiated};
 use super::{App, describe};
@@ -22,6 +23,7 @@ use crate::render;
 
 const JSON: &str = "application/json";
 const CSV: &str = "text/csv";
+const NPY: &str = "application/x-npy";
 
 /// Get the metrics
 ///
@@ -30,7 +32,7 @@ const CSV: &str = "text/csv";
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/metrics", tag = describe::RESULTS, operation_id = "getMetrics",
     params(("id" = Uuid, Path, description = "The job")),
-    responses((status = 200, description = "The metrics", body = Metrics), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
+    responses((status = 200, description = "The metrics", body = Metrics), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
 pub async fn metrics(
     State(app): State<App>,
@@ -43,6 +45,42 @@ pub async fn metrics(
     Ok(([(CONTENT_TYPE, JSON)], app.jobs.metrics(&owner, id).await?).into_response())
 }
 
+/// List the channels
+///
+/// Of which spectra and series are kept: what `…/spectrum` and `…/series` take.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/channels", tag = describe::RESULTS, operation_id = "getChannels",
+    params(("id" = Uuid, Path, description = "The job")),
+    responses((status = 200, description = "The channels by what is kept of them", body = ChannelsAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
+)]
+pub async fn channels(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    _: Query<Nothing>,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    let kept = |signal| app.jobs.channels(&owner, id, signal);
+    let (spectra, envelopes, series) =
+        (kept(Signal::Amplitude).await?, kept(Signal::Envelope).await?, kept(Signal::Series).await?);
+    Ok(Json(ChannelsAnswer { spectra, envelopes, series }).into_response())
+}
+
+/// What is kept of a job, by channel.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ChannelsAnswer {
+    /// With an amplitude spectrum.
+    #[schema(example = json!(["spindle.y.acceleration", "spindle.z.acceleration"]))]
+    pub spectra: Vec<String>,
+    /// With an envelope spectrum.
+    #[schema(example = json!(["spindle.y.acceleration", "spindle.z.acceleration"]))]
+    pub envelopes: Vec<String>,
+    /// With a whole time series.
+    #[schema(example = json!([]))]
+    pub series: Vec<String>,
+}
+
 /// Get a spectrum
 ///
 /// One-sided amplitude spectrum of a channel that the request asked for: a sine of amplitude 1 reads 1. As
@@ -52,7 +90,7 @@ pub async fn metrics(
     params(("id" = Uuid, Path, description = "The job"), SpectrumQuery),
     responses(
         (status = 200, description = "The spectrum", content((SpectrumAnswer = "application/json"), (String = "text/csv", example = json!("frequency_hz,amplitude\n0,0\n8,0.0123\n")))),
-        BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
+        Unchanged, BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
     )
 )]
 pub async fn spectrum(
@@ -70,11 +108,8 @@ pub async fn spectrum(
         Some(SpectrumKind::Envelope) => Signal::Envelope,
     };
     let stored = signal_of(&app, &owner, id, signal, &query.channel).await?;
-    if format == JSON && highest.is_none() {
-        return Ok(sent(JSON, stored));
-    }
     shaped(move || {
-        let spectrum = read::<SpectrumAnswer>(&stored)?.up_to(highest.unwrap_or(f64::INFINITY));
+        let spectrum = read::<SpectrumAnswer>(&stored)?.with_frequencies().up_to(highest.unwrap_or(f64::INFINITY));
         Ok(match format {
             CSV => sent(CSV, render::spectrum_csv(&spectrum)),
             _ => sent(JSON, written(&spectrum)?),
@@ -86,13 +121,14 @@ pub async fn spectrum(
 /// Get a time series
 ///
 /// A channel whose series the request asked for, thinned to `max_points` in such a way that peaks survive.
-/// As JSON, or as CSV with the header `Accept: text/csv`.
+/// As JSON; as CSV with the header `Accept: text/csv`; as NPY, for NumPy's `load`, with `Accept: application/x-npy`: an array of records with the
+/// fields `time_s` and `value`, doubles.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/series", tag = describe::RESULTS, operation_id = "getSeries",
     params(("id" = Uuid, Path, description = "The job"), SeriesQuery),
     responses(
-        (status = 200, description = "The series", content((SeriesAnswer = "application/json"), (String = "text/csv", example = json!("time_s,value\n0.02,0.31\n")))),
-        BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
+        (status = 200, description = "The series", content((SeriesAnswer = "application/json"), (String = "text/csv", example = json!("time_s,value\n0.02,0.31\n")), (String = "application/x-npy", example = json!("(bytes) NUMPY {'descr': [('time_s', '<f8'), ('value', '<f8')], …")))),
+        Unchanged, BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
     )
 )]
 pub async fn series(
@@ -102,7 +138,7 @@ pub async fn series(
     JobId(id): JobId,
     query: Result<Query<SeriesQuery>, ApiError>,
 ) -> Result<Response, ApiError> {
-    let format = negotiated(&headers, &[JSON, CSV])?;
+    let format = negotiated(&headers, &[JSON, CSV, NPY])?;
     let query = unless_of_other_kind(&app, &owner, id, query.and_then(SeriesQuery::checked)).await?;
     let stored = signal_of(&app, &owner, id, Signal::Series, &query.channel).await?;
     if format == JSON && query.from_s.is_none() && query.to_s.is_none() && query.max_points.is_none() {
@@ -117,6 +153,7 @@ pub async fn series(
         };
         Ok(match format {
             CSV => sent(CSV, render::series_csv(&series)),
+            NPY => sent(NPY, render::series_npy(&series)),
             _ => sent(JSON, written(&series)?),
         })
     })
@@ -130,7 +167,7 @@ pub async fn series(
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/accuracy", tag = describe::RESULTS, operation_id = "getAccuracy",
     params(("id" = Uuid, Path, description = "The job, of kind `accuracy`")),
-    responses((status = 200, description = "Error against run time", body = WorkPrecisionAnswer), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
+    responses((status = 200, description = "Error against run time", body = WorkPrecisionAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
 pub async fn accuracy(
     State(app): State<App>,
@@ -149,7 +186,7 @@ pub async fn accuracy(
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/optimum", tag = describe::RESULTS, operation_id = "getOptimum",
     params(("id" = Uuid, Path, description = "The job, of kind `optimum`")),
-    responses((status = 200, description = "The optimum", body = OptimumAnswer), BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
+    responses((status = 200, description = "The optimum", body = OptimumAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
 pub async fn optimum(
     State(app): State<App>,
@@ -195,8 +232,8 @@ pub struct SeriesQuery {
 
 impl SpectrumQuery {
     fn checked(Query(query): Query<Self>) -> Result<Self, ApiError> {
-        if query.max_frequency_hz.is_some_and(|highest| highest.is_nan() || highest < 0.0) {
-            return Err(ApiError::BadRequest("query: max_frequency_hz: must be 0 or more".into()));
+        if query.max_frequency_hz.is_some_and(|highest| !highest.is_finite() || highest < 0.0) {
+            return Err(ApiError::BadRequest("query: max_frequency_hz: must be a number, 0 or more".into()));
         }
         Ok(query)
     }

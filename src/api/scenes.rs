@@ -17,6 +17,7 @@ use crate::contract::{parse_scene_request, presets_answer};
 #[derive(ToSchema)]
 #[allow(dead_code, reason = "only describes the body; the contract reads it")]
 pub struct SceneRequest {
+    /// The scene; all other fields of a job may stand beside it.
     scene: SceneInput,
 }
 

@@ -8,8 +8,8 @@ use axum::response::{IntoResponse, Response};
 
 use super::answers::{JobAnswer, path_of};
 use super::auth::Owner;
-use super::describe::{Anywhere, BadQuery, NoJob, NoResult, NoSpace, NotAccepted};
-use super::error::{ApiError, Problem};
+use super::describe::{Anywhere, BadQuery, CannotResume, NoJob, NoResult, NoSpace, NotAccepted, Unchanged};
+use super::error::ApiError;
 use super::request::{JobId, Nothing, Query, negotiated};
 use super::results::{read, shaped};
 use super::{App, describe};
@@ -29,7 +29,7 @@ const CSV: &str = "text/csv";
     params(("id" = Uuid, Path, description = "The job, of kind `study`")),
     responses(
         (status = 200, description = "The table", content((TableAnswer = "application/json"), (String = "text/csv", example = json!("/spindle/mass_kg,status,error,/channels/spindle.y.acceleration/level_db\n0.05,succeeded,,66.9\n")))),
-        BadQuery, NoJob, NoResult, NotAccepted, Anywhere
+        Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere
     )
 )]
 pub async fn table(
@@ -61,8 +61,7 @@ pub async fn table(
     params(("id" = Uuid, Path, description = "The job, of kind `study`")),
     responses(
         (status = 202, description = "The study is in the queue again", body = JobAnswer, headers(("Location" = String, description = "Path of the job"))),
-        (status = 409, description = "The job is no study, it waits or runs, or nothing is left to do", body = Problem, content_type = "application/problem+json"),
-        BadQuery, NoJob, NotAccepted, NoSpace, Anywhere
+        CannotResume, BadQuery, NoJob, NotAccepted, NoSpace, Anywhere
     )
 )]
 pub async fn resume(

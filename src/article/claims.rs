@@ -95,7 +95,7 @@ fn judged_metric(
     let unresolved = seen.is_resolved() == Some(false);
     let (verdict, words) = match claim {
         Claim::Rises => {
-            let words = format!("rank correlation {:+.2}", seen.monotony);
+            let words = format!("rank correlation {:+.2}", seen.monotony).replace('-', "−");
             let verdict = match seen.monotony {
                 RISES.. => Verdict::Shown,
                 MOSTLY.. => Verdict::InPart,

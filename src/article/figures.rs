@@ -53,10 +53,12 @@ pub fn operation() -> Value {
     json!({ "speed_rpm": 50_000, "radial_load_y_n": 200, "radial_load_z_n": 0, "axial_load_n": 0 })
 }
 
+/// By the full dynamics with every term: trends of some hundredths of a decibel are to be told.
 fn job(bearing: &str, extra: Value) -> Value {
     let mut job = json!({
         "kind": "simulation", "settle_s": 0.05, "duration_s": 0.2,
         "scene": { "bearing": bearing, "operation": operation() },
+        "solver": { "rung": "full", "model_tolerance_db": 0 },
         "outputs": { "metrics": ["vibration"] },
     });
     if let (Value::Object(job), Value::Object(extra)) = (&mut job, extra) {
@@ -65,12 +67,11 @@ fn job(bearing: &str, extra: Value) -> Value {
     job
 }
 
-/// By the full dynamics with every term: trends of some hundredths of a decibel are to be told.
 fn study(bearing: &str, axis: Value) -> Value {
-    job(bearing, json!({ "kind": "study", "axes": [axis], "solver": { "rung": "full", "model_tolerance_db": 0 } }))
+    job(bearing, json!({ "kind": "study", "axes": [axis] }))
 }
 
-/// The curvature of the inner groove of least level in one direction, by the full dynamics.
+/// The curvature of the inner groove of least level in one direction.
 fn optimum(direction: &str) -> Value {
     let axis = json!({ "path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 0.55 });
     let mut sought = study(INTEGRATED, axis);

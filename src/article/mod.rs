@@ -11,6 +11,6 @@ mod robustness_report;
 pub use claims::{Claim, Finding, Verdict};
 pub use figures::{Compared, Figure, Lines, Subject, figures};
 pub use pocket::forces;
-pub use report::{Evidence, document, pictures};
+pub use report::{Evidence, document, document_of_one, pictures};
 pub use robustness::{Judged, sampled, studies};
-pub use robustness_report::{robustness_csv, robustness_document};
+pub use robustness_report::{Chosen, SEED, SETS, robustness_csv, robustness_document};

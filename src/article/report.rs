@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use serde_json::Value;
+
 use super::claims::{Finding, Verdict, compared, judged};
 use super::figures::{Compared, Figure, Lines, Subject};
 use crate::contract::{LineAnswer, Metrics, OptimumAnswer, Simulated, TableAnswer};
@@ -46,24 +48,68 @@ pub fn pictures(figure: &Figure, evidence: &Evidence) -> Vec<(String, String)> {
 
 /// The whole report, in Markdown; plots in a folder beside it.
 pub fn document(all: &[(Figure, Evidence)], folder: &str) -> String {
-    let mut text = HEAD.to_owned();
-    let mut rows = String::new();
-    let mut sections = String::new();
-    for (figure, evidence) in all {
-        let (verdict, findings) = findings(figure, evidence);
-        let word = verdict.map_or("to look at", Verdict::words);
-        let _ = writeln!(rows, "| {} | {} | **{word}** |", figure.title, figure.says);
-        let _ = write!(sections, "\n## {}\n\n*The article:* {}\n\n", figure.title, figure.says);
-        for (file, _) in pictures(figure, evidence) {
-            let _ = writeln!(sections, "![{}]({folder}/{file})\n", figure.title);
-        }
-        for finding in findings {
-            let _ = writeln!(sections, "- {}: {} – {}", finding.name, finding.seen, finding.verdict.words());
-        }
-        let _ = writeln!(sections, "\n*Verdict:* **{word}**. {}", figure.remark);
+    let rows: String = all
+        .iter()
+        .map(|(figure, evidence)| {
+            let verdict = findings(figure, evidence).0;
+            format!("| {} | {} | **{}** |\n", figure.title, figure.says, in_a_word(verdict))
+        })
+        .collect();
+    let sections: String = all.iter().map(|(figure, evidence)| section(figure, evidence, folder)).collect();
+    format!("{HEAD}| figure | the article | seen here |\n|---|---|---|\n{rows}{sections}")
+}
+
+/// What the report says of what shows one figure.
+pub fn document_of_one(all: &[(Figure, Evidence)], number: u32, folder: &str) -> String {
+    let sections: String = all.iter().map(|(figure, evidence)| section(figure, evidence, folder)).collect();
+    format!(
+        "# Figure {number} of the article, made again and judged\n\nWritten by `raceway article --figure {number}`; how it is judged stands in the report on all figures, which `raceway article` writes.\n{sections}"
+    )
+}
+
+fn in_a_word(verdict: Option<Verdict>) -> &'static str {
+    verdict.map_or("to look at", Verdict::words)
+}
+
+fn section(figure: &Figure, evidence: &Evidence, folder: &str) -> String {
+    let (verdict, findings) = findings(figure, evidence);
+    let mut text = format!("\n## {}\n\n*The article:* {}\n\n", figure.title, figure.says);
+    for (file, _) in pictures(figure, evidence) {
+        let _ = writeln!(text, "![{}]({folder}/{file})\n", figure.title);
     }
-    let _ = write!(text, "| figure | the article | seen here |\n|---|---|---|\n{rows}{sections}");
+    for finding in findings {
+        let _ = writeln!(text, "- {}: {} – {}", finding.name, finding.seen, finding.verdict.words());
+    }
+    if let Some(runs) = runs(&figure.subject, evidence) {
+        let _ = writeln!(text, "\n*Runs:* {runs}.");
+    }
+    let _ = writeln!(text, "\n*Verdict:* **{}**. {}", in_a_word(verdict), figure.remark);
     text
+}
+
+/// What was run: how many runs, how long, and by which equations; `None` where nothing was.
+fn runs(subject: &Subject, evidence: &Evidence) -> Option<String> {
+    let of = |request: &Value, count: String| {
+        let seconds = |field: &str| request[field].as_f64().map_or(String::new(), |seconds| seconds.to_string());
+        let rung = request["solver"]["rung"].as_str().unwrap_or("auto");
+        let terms = if request["solver"]["model_tolerance_db"] == 0 { ", with every term" } else { "" };
+        let (kept, settled) = (seconds("duration_s"), seconds("settle_s"));
+        format!("{count}{kept} s kept after {settled} s of settling; rung `{rung}`{terms}")
+    };
+    let points = |points: usize| format!("{points} points, each ");
+    Some(match (subject, evidence) {
+        (Subject::Series { job, .. }, _) => of(job, String::new()),
+        (Subject::Spectrum(lines), _) => of(&lines.job, "two, each ".into()),
+        (Subject::Optimum { jobs, .. }, Evidence::Optima(answers)) => {
+            let runs: u64 = answers.iter().map(|answer| answer.runs).sum();
+            of(&jobs.first()?.1, points(runs as usize))
+        }
+        (Subject::Trend { study, .. }, Evidence::Study(table)) => of(study, points(table.rows.len())),
+        (Subject::Comparison(both), Evidence::Studies(tables)) => {
+            of(&both.integrated, points(tables.iter().map(|table| table.rows.len()).sum()))
+        }
+        _ => return None,
+    })
 }
 
 const HEAD: &str = "\
@@ -71,7 +117,8 @@ const HEAD: &str = "\
 
 Figures and Table 4 of Zhi, Zhai, Wen and Li, *Appl. Sci.* 2025, 15(1), 98, from runs of this program; each beside what the article says of it. Written by `raceway article --output docs`: no number is put in by hand, \
 and nothing was tuned until a statement appeared. What the article does not give (spindle mass 50 g, clearance 5 µm, damping, traction, lubricant, cage mass) is that of the preset `article-integrated` ([PARAMETERS.md](PARAMETERS.md#presets)); other values can give other trends. \
-Each value comes with its estimated error. A trend counts as resolved where no point is wrong by more than a tenth of its span; one that is not resolved is not shown. *Rises* and *falls* are told by the correlation of ranks: 0.98 and more all along, 0.7 and more mostly. Whether the statements hold for other values of what is not given is in [ROBUSTNESS.md](ROBUSTNESS.md).
+Each value comes with its estimated error. A trend counts as resolved where no point is wrong by more than a tenth of its span; one that is not resolved is not shown. *Rises* and *falls* are told by the correlation of ranks: 0.98 and more all along, 0.7 and more mostly. \
+*In part*: a rise that is there mostly; a valley without its best value where it is said, or the best value there without a valley; two bearings of which the one is lower at most speeds only, or that go different ways; a line that needs unbalance. A figure with several statements is shown where all are, not shown where none is even in part, and else shown in part. Whether the statements hold for other values of what is not given is in [ROBUSTNESS.md](ROBUSTNESS.md).
 
 ";
 
@@ -93,7 +140,7 @@ fn findings(figure: &Figure, evidence: &Evidence) -> (Option<Verdict>, Vec<Findi
 
 /// Whether the best point of one axis lies where it is said, and is known well enough to tell.
 fn optimum(name: &'static str, answer: &OptimumAnswer, (from, to): (f64, f64)) -> Finding {
-    let value = |of: &serde_json::Map<String, serde_json::Value>| of.values().find_map(serde_json::Value::as_f64);
+    let value = |of: &serde_json::Map<String, Value>| of.values().find_map(Value::as_f64);
     let at = value(&answer.point).unwrap_or(f64::NAN);
     let band = answer.within.as_ref().and_then(|within| within.values().next().copied()).unwrap_or([f64::NAN; 2]);
     let rivals: Vec<f64> = answer.rivals.iter().filter_map(|rival| value(&rival.point)).collect();
@@ -121,6 +168,11 @@ fn optimum(name: &'static str, answer: &OptimumAnswer, (from, to): (f64, f64)) -
     Finding { name, verdict, seen, unresolved: false }
 }
 
+/// With its sign, and a minus that is as wide as a plus.
+fn signed(percent: f64) -> String {
+    format!("{percent:+.1}").replace('-', "−")
+}
+
 /// How far the article's two forces are apart.
 const AGREED: f64 = 0.13;
 
@@ -137,10 +189,10 @@ fn pocket(forces: &[[f64; 4]]) -> Vec<Finding> {
             name: "forces within 13 % of each other",
             verdict: if hertz.abs().max(law.abs()) <= AGREED { Verdict::Shown } else { Verdict::NotShown },
             seen: format!(
-                "{} penetrations, {from:.2} to {to:.1} N; Hertz's contact, which nobody has fitted, is {:+.1} % off at worst, the law, which is fitted, {:+.1} %",
+                "{} penetrations, {from:.2} to {to:.1} N; Hertz's contact, which nobody has fitted, is {} % off at worst, the law, which is fitted, {} %",
                 forces.len(),
-                100.0 * hertz,
-                100.0 * law
+                signed(100.0 * hertz),
+                signed(100.0 * law)
             ),
             unresolved: false,
         },

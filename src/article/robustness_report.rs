@@ -10,9 +10,31 @@ const DECIDES: f64 = 4.0;
 /// Where the article has the best curvature.
 const BEST_CURVATURE: (f64, f64) = (0.52, 0.53);
 
+/// Which sets were drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Chosen {
+    pub sets: u32,
+    pub seed: u64,
+}
+
+/// Those of docs/ROBUSTNESS.md.
+pub const SETS: u32 = 200;
+pub const SEED: u64 = 2025;
+
+impl Chosen {
+    /// The command that draws them.
+    fn command(&self) -> String {
+        let other = |name: &str, value: u64, usual: u64| {
+            if value == usual { String::new() } else { format!(" --{name} {value}") }
+        };
+        let (sets, seed) = (other("sets", self.sets.into(), SETS.into()), other("seed", self.seed, SEED));
+        format!("raceway article --robustness{sets}{seed} --output docs")
+    }
+}
+
 /// The whole report, in Markdown.
-pub fn robustness_document(sets: &[Judged], seed: u64) -> String {
-    let mut text = head(sets, seed);
+pub fn robustness_document(sets: &[Judged], chosen: &Chosen) -> String {
+    let mut text = head(sets, chosen);
     overview(&mut text, sets);
     for (number, question) in QUESTIONS.iter().enumerate() {
         let _ = writeln!(text, "\n## Figure {}, {}\n", question.figure, question.title);
@@ -27,13 +49,14 @@ pub fn robustness_document(sets: &[Judged], seed: u64) -> String {
     text
 }
 
-fn head(sets: &[Judged], seed: u64) -> String {
+fn head(sets: &[Judged], chosen: &Chosen) -> String {
+    let (seed, command) = (chosen.seed, chosen.command());
     let failed: u64 = sets.iter().map(|set| set.failed).sum();
     let mut text = format!(
         "# Do the article's statements hold for what it does not give?\n\n\
          The article names its bearing, its load and its speed, but not the mass of the spindle, the clearance, the damping, the traction, the lubricant, the unbalance or the mass of the cage. \
          [ARTICLE.md](ARTICLE.md) judges its statements with one value for each of these. Here they are put to {} sets of such values: a Latin hypercube over the ranges below, seed {seed}. \
-         Written by `raceway article --robustness --output docs`; all values and verdicts are in [robustness.csv](robustness.csv).\n\n\
+         Written by `{command}`; all values and verdicts are in [robustness.csv](robustness.csv).\n\n\
          | not given | sampled from … to | why |\n|---|---|---|\n",
         sets.len()
     );
@@ -153,7 +176,7 @@ fn curvature(text: &mut String, sets: &[Judged]) {
     let inside = [0, 1].map(|direction| share(sets, |set| is_inside(set.best_curvature[direction])));
     let _ = writeln!(
         text,
-        "\nIt lies in {} to {} for {} of the sets in Y and {} in Z; 4 of the 13 curvatures that were run lie there, so that chance alone would put 31 % there. By thirds of each parameter (share of the sets whose least level in Y lies there):\n",
+        "\nIt lies in {} to {} for {} of the sets in Y and {} in Z; 4 of the 13 curvatures that were run lie there, which would be 31 % if the least level were equally likely at each. By thirds of each parameter (share of the sets whose least level in Y lies there):\n",
         BEST_CURVATURE.0,
         BEST_CURVATURE.1,
         percent(inside[0]),

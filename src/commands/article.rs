@@ -5,8 +5,8 @@ use serde_json::Value;
 use super::local::{Directory, badly};
 use super::{Ended, parallel, progress, study};
 use crate::article::{
-    Evidence, Figure, Judged, Subject, document, figures, forces, pictures, robustness_csv, robustness_document,
-    sampled, studies,
+    Chosen, Evidence, Figure, Judged, SEED, SETS, Subject, document, document_of_one, figures, forces, pictures,
+    robustness_csv, robustness_document, sampled, studies,
 };
 use crate::config::ArticleOptions;
 use crate::contract::{self, Job, OptimumAnswer, Outcome, Simulated, Study, TableAnswer};
@@ -15,10 +15,13 @@ use crate::simulation::run::Control;
 /// Folder of the plots beside the report.
 const PLOTS: &str = "plots/article";
 
-/// Runs the figures, one or all, and writes `ARTICLE.md` with its plots; or the sampled sets, and writes `ROBUSTNESS.md`.
+/// Runs the figures and writes `ARTICLE.md`, or one and writes `FIGURE-N.md`, with plots; or the sampled sets, and writes `ROBUSTNESS.md`.
 pub fn run(options: &ArticleOptions) -> Ended {
     if options.robustness {
         return robustness(options);
+    }
+    if options.sets.is_some() || options.seed.is_some() {
+        return badly("--sets and --seed go with --robustness");
     }
     let wanted = |figure: &Figure| options.figure.is_none_or(|number| shows(figure, number));
     let chosen: Vec<Figure> = figures().into_iter().filter(wanted).collect();
@@ -35,8 +38,12 @@ pub fn run(options: &ArticleOptions) -> Ended {
             Err(why) => return badly(&format!("{}: {why}", figure.title)),
         }
     }
+    let (file, text) = match options.figure {
+        None => ("ARTICLE.md".to_owned(), document(&all, PLOTS)),
+        Some(number) => (format!("FIGURE-{number}.md"), document_of_one(&all, number, PLOTS)),
+    };
     let written = Directory::at(&options.output)
-        .and_then(|directory| directory.write("ARTICLE.md", &document(&all, PLOTS)))
+        .and_then(|directory| directory.write(&file, &text))
         .and_then(|()| Directory::at(&options.output.join(PLOTS)))
         .and_then(|plots| {
             let mut pictures = all.iter().flat_map(|(figure, evidence)| pictures(figure, evidence));
@@ -69,7 +76,7 @@ fn parsed(request: &Value) -> Result<Job, String> {
 }
 
 fn outcome(request: &Value) -> Result<Outcome, String> {
-    let control = Control { stop: &|| false, progress: &|_| () };
+    let control = Control::until(&|| false);
     contract::execute(&parsed(request)?, &control).map_err(|failure| failure.to_string())
 }
 
@@ -97,7 +104,8 @@ fn table(request: &Value, quiet: bool) -> Result<TableAnswer, String> {
 
 /// All points of all studies of all sets.
 fn robustness(options: &ArticleOptions) -> Ended {
-    let sets = sampled(options.sets as usize, options.seed);
+    let chosen = Chosen { sets: options.sets.unwrap_or(SETS), seed: options.seed.unwrap_or(SEED) };
+    let sets = sampled(chosen.sets as usize, chosen.seed);
     let of_set = |set| studies(set).iter().map(|request| parsed(request)?.study.ok_or("no study".to_owned())).collect();
     let varied: Vec<Vec<Study>> = match sets.iter().map(of_set).collect::<Result<_, _>>() {
         Ok(varied) => varied,
@@ -116,7 +124,7 @@ fn robustness(options: &ArticleOptions) -> Ended {
     });
     let judged: Vec<Judged> = judged.collect();
     let written = Directory::at(&options.output).and_then(|directory| {
-        directory.write("ROBUSTNESS.md", &robustness_document(&judged, options.seed))?;
+        directory.write("ROBUSTNESS.md", &robustness_document(&judged, &chosen))?;
         directory.write("robustness.csv", &robustness_csv(&judged))
     });
     written.map_or_else(|error| badly(&error), |()| Ended::Well)

@@ -29,8 +29,9 @@ fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
 
 /// Runs the job, with an estimate and its progress on stderr unless that is to be quiet; tells why it failed.
 pub fn execute(job: &Job, quiet: bool) -> Result<Outcome, Ended> {
-    let outcome =
-        progress::shown(job, quiet, |progress| contract::execute(job, &Control { stop: &|| false, progress }));
+    let outcome = progress::shown(job, quiet, |progress| {
+        contract::execute(job, &Control { progress, ..Control::until(&|| false) })
+    });
     outcome.map_err(|failure| match failure {
         RunFailure::Cancelled => badly("cancelled"),
         RunFailure::Failed { cause, detail } => badly(&json(&Problem::of_run(&Failure::new(cause, detail)))),

@@ -42,7 +42,7 @@ async fn start(options: &ServeOptions) -> Result<(Service, Signals), Box<dyn std
     if tokens.is_empty() && !only_local_hosts {
         tracing::warn!(listen = %options.listen, "there are no tokens: whoever reaches the port may do everything");
     }
-    let access = Access { tokens, only_local_hosts };
+    let access = Access { tokens, only_local_hosts, origins: options.allowed_origins.clone() };
     Ok((Service::start(options.listen, settings, access, simulator()).await?, signals))
 }
 

@@ -40,7 +40,7 @@ pub fn table_of(job: &Job, study: &Study, workers: usize, quiet: bool) -> TableA
 
 /// A point of a study with its end.
 pub fn row_of(study: &Study, point: usize) -> Row {
-    let simulate = |job: &Job| contract::execute(job, &Control { stop: &|| false, progress: &|_| () });
+    let simulate = |job: &Job| contract::execute(job, &Control::until(&|| false));
     let row = Row::queued(study, point);
     match contract::execute_point(study.point(point), &simulate) {
         Some(end) => row.ended(end),

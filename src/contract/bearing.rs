@@ -20,7 +20,7 @@ use crate::physics::material::Material;
 #[serde(deny_unknown_fields)]
 pub struct BearingInput {
     /// Name of a preset of `GET /v1/presets` to start from.
-    #[schema(nullable = false, example = "article-integrated")]
+    #[schema(nullable = false, value_type = Option<presets::BearingName>, example = "article-integrated")]
     pub preset: Option<String>,
     /// Default `deep_groove`.
     #[serde(rename = "type")]
@@ -58,12 +58,23 @@ pub struct BearingInput {
     /// Free contact angle [°]. Either this or `radial_clearance_um`.
     #[schema(nullable = false, minimum = 0, maximum = 60)]
     pub contact_angle_deg: Option<f64>,
+    /// Materials of balls, raceways and cage.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub materials: Option<MaterialsInput>,
+    /// The cage.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub cage: Option<CageInput>,
+}
+
+/// Name of a preset of `GET /v1/presets`, a bearing by its dimensions, or a preset with changes.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum BearingChoice {
+    /// Name of a preset.
+    Name(presets::BearingName),
+    Fields(Box<BearingInput>),
 }
 
 /// `integrated`: the inner raceway is ground on the spindle.

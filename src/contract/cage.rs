@@ -41,7 +41,7 @@ pub struct CageInput {
     #[schema(nullable = false, exclusive_minimum = 0, maximum = 1000, example = 1.0)]
     pub seat_half_width_mm: Option<f64>,
     /// Lubricant film in the pockets. Default: `none` when dry, else `wedge`.
-    #[schema(nullable = false)]
+    #[schema(nullable = false, value_type = Option<FilmChoice>)]
     pub film: Option<NameOr<FilmName, FilmInput>>,
     /// Coefficient of dry friction in the pockets [-]. Default 0.08.
     #[schema(nullable = false, minimum = 0, maximum = 2, example = 0.08)]
@@ -75,6 +75,14 @@ pub enum FilmName {
     Wedge,
     #[serde(rename = "empirical-11")]
     Empirical11,
+}
+
+/// A film by name, or by its constants.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum FilmChoice {
+    Name(FilmName),
+    Fields(FilmInput),
 }
 
 /// A film of given stiffness and damping.

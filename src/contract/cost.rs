@@ -59,7 +59,9 @@ pub fn estimate(job: &Job) -> CostAnswer {
         [estimate, most].map(|time| significant(time.min(LONGEST), 2))
     });
     let (estimated_wall_time_s, most_wall_time_s) = (times.map(|t| t[0]), times.map(|t| t[1]));
-    CostAnswer { states, estimated_wall_time_s, most_wall_time_s }
+    let of_all = |simulations| Some(significant(estimated_wall_time_s? * simulations as f64, 2).min(LONGEST));
+    let all_wall_time_s = job.simulations().and_then(of_all);
+    CostAnswer { states, estimated_wall_time_s, most_wall_time_s, all_wall_time_s }
 }
 
 /// Evaluations of the equations for a second of motion.

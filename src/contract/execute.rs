@@ -9,6 +9,7 @@ use super::optimum::OptimumAnswer;
 use super::problem::Refusal;
 use super::signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
 use super::table::PointEnd;
+use super::views::ViewsAnswer;
 use super::work_precision::WorkPrecisionAnswer;
 use crate::numerics::ode::IntegrationError;
 use crate::simulation::run::{self, Control, RunResult, SimulationError};
@@ -29,6 +30,8 @@ pub struct Simulated {
     /// Amplitude and envelope spectrum of each channel asked for.
     pub spectra: Vec<SpectrumAnswer>,
     pub series: Vec<SeriesAnswer>,
+    /// For pictures.
+    pub views: ViewsAnswer,
 }
 
 /// Why a job has no results.
@@ -55,7 +58,7 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
     let outcome = match (&job.plan, &job.sought) {
         (None, Some(sought)) => {
             // Progress is counted in runs; what a single one says of itself would only make it jump.
-            let one = Control { stop: control.stop, progress: &|_| () };
+            let one = Control::until(control.stop);
             Outcome::Optimum(Box::new(sought.search(&|job| execute(job, &one), control)?))
         }
         (None, None) => Outcome::Simulation(Box::new(simulated(job, &run::run(job.scene(), &job.settings, control)?))),
@@ -104,6 +107,7 @@ fn simulated(job: &Job, result: &RunResult) -> Simulated {
         metrics: Metrics::of(result, &job.settings.outputs),
         spectra: spectra.collect(),
         series: result.series.iter().map(SeriesAnswer::of).collect(),
+        views: ViewsAnswer::of(&result.views),
     }
 }
 

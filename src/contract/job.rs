@@ -1,6 +1,7 @@
 //! A job: a scene, how to simulate it, what to keep, and how the service treats it.
 
 use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
 use serde_json::{Value, json};
 use utoipa::ToSchema;
 
@@ -19,15 +20,18 @@ use crate::simulation::run::RunSettings;
 use crate::simulation::scene::Scene;
 use crate::simulation::work_precision::{Plan, SETTLING};
 
-/// A request: one simulation, a study of many, or the error of several methods against their run time.
+/// A request: one simulation, a study of many, the optimum of a metric over one or two ranges, or the error of several methods against
+/// their run time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobInput {
     /// What to do.
     #[schema(value_type = JobKindName)]
     pub kind: String,
+    /// What to simulate.
     #[serde(deserialize_with = "object")]
     pub scene: SceneInput,
+    /// How to simulate it. Default: the run chooses.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub solver: Option<SolverInput>,
@@ -59,6 +63,7 @@ pub struct JobInput {
     #[serde(default, deserialize_with = "strict::whole_number::<_, 1, { accuracy::MOST_REPETITIONS }>")]
     #[schema(nullable = false, minimum = 1, maximum = 9, example = 5)]
     pub repetitions: Option<u32>,
+    /// What to keep of it.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub outputs: Option<OutputsInput>,
@@ -78,13 +83,24 @@ pub struct JobInput {
 }
 
 /// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one range or two that is best by a metric. `accuracy`: error against run time, by several methods and tolerances.
-#[derive(ToSchema)]
-#[schema(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum JobKindName {
     Simulation,
     Study,
     Optimum,
     Accuracy,
+}
+
+impl From<JobKindName> for JobKind {
+    fn from(kind: JobKindName) -> Self {
+        match kind {
+            JobKindName::Simulation => Self::Simulation,
+            JobKindName::Study => Self::Study,
+            JobKindName::Optimum => Self::Optimum,
+            JobKindName::Accuracy => Self::Accuracy,
+        }
+    }
 }
 
 /// Kinds of jobs that can be run.
@@ -113,7 +129,6 @@ pub struct Job {
     pub study: Option<Study>,
     /// What an optimum job seeks; `None` for all others.
     pub sought: Option<Sought>,
-    /// What the model contains.
     /// Rungs that are tried, the leanest first.
     pub rungs: Vec<Rung>,
     /// What the equations hold on the last of them.
@@ -143,6 +158,12 @@ impl JobKind {
 impl Job {
     pub fn scene(&self) -> &crate::simulation::scene::Scene {
         &self.resolved.scene
+    }
+
+    /// Simulations of a study, or of an optimum job at most, about; `None`: the job is of another kind.
+    pub fn simulations(&self) -> Option<usize> {
+        let points = self.study.as_ref().map(|study| study.points);
+        points.or_else(|| Some(self.sought.as_ref()?.most_runs()))
     }
 
     /// All that determines the result, as text: equal for equal work, whatever was left to a default.
@@ -188,6 +209,34 @@ impl Job {
 /// Reads a job.
 pub fn parse_job(body: &[u8]) -> Result<Job, Refusal> {
     job_of(strict::read(body)?)
+}
+
+/// Jobs of a batch at most.
+const MOST_JOBS: usize = 1000;
+
+/// Reads `{ "jobs": … }`: each is accepted or refused for itself, by pointers from its own root.
+pub fn parse_batch(body: &[u8]) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Batch<'a> {
+        #[serde(borrow)]
+        jobs: Vec<&'a RawValue>,
+    }
+    let jobs = match serde_json::from_slice::<Batch<'_>>(body) {
+        Ok(batch) => batch.jobs,
+        // What is wrong with it, and where.
+        Err(error) => {
+            strict::read(body)?;
+            let detail = error.to_string();
+            let detail = detail.split(" at line").next().unwrap_or_default();
+            return Err(FieldError::new("", format!("must be `{{\"jobs\": […]}}`: {detail}")).into());
+        }
+    };
+    if jobs.is_empty() || jobs.len() > MOST_JOBS {
+        let detail = format!("{} jobs: must be from 1 to {MOST_JOBS}", jobs.len());
+        return Err(FieldError::new("/jobs", detail).into());
+    }
+    Ok(jobs.into_iter().map(|job| parse_job(job.get().as_bytes())).collect())
 }
 
 /// Reads a job, or `{ "scene": … }` for a simulation of it.
@@ -238,10 +287,7 @@ pub fn job_or_scene(request: Value, job: impl FnOnce(Value) -> Result<Job, Refus
     if has("kind") || has("scene") || !(has("bearing") || has("operation")) {
         return job(request);
     }
-    job(json!({ "scene": request })).map_err(|refusal| match refusal {
-        Refusal::Invalid { errors } => Refusal::Invalid { errors: errors.into_iter().map(without_scene).collect() },
-        other => other,
-    })
+    job(json!({ "scene": request })).map_err(|refusal| refusal.each(without_scene))
 }
 
 fn without_scene(error: FieldError) -> FieldError {

@@ -30,11 +30,22 @@ pub struct LubricantInput {
     /// Distance of the inlet meniscus from the contact [mm]. Default: a quarter of the ball diameter.
     #[schema(nullable = false, exclusive_minimum = 0, maximum = 1000)]
     pub inlet_distance_mm: Option<f64>,
+    /// Traction coefficient over slip speed. Default: the law of the lubricant's preset.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub traction: Option<TractionInput>,
 }
 
+/// Name of a preset of `GET /v1/presets`, or a lubricant by its constants.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum LubricantChoice {
+    /// Name of a preset.
+    Name(presets::LubricantName),
+    Fields(Box<LubricantInput>),
+}
+
+/// `grease`: hydrodynamic forces are left out by convention. `oil`: they are in. `dry`: no film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LubricantKindName {
@@ -62,18 +73,6 @@ pub struct TractionInput {
     /// `four_parameter`: coefficient at high slip [-], default 0.036. `eyring`: largest shear stress over pressure [-], default 0.08.
     #[schema(nullable = false, minimum = 0, maximum = 2)]
     pub limit: Option<f64>,
-    /// `slide_roll`: A in (A + B s) e^(−C s) + D over the slide/roll ratio s [-]. Required, as are B, C, D.
-    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
-    pub a: Option<f64>,
-    /// `slide_roll`: B [-].
-    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
-    pub b: Option<f64>,
-    /// `slide_roll`: C [-].
-    #[schema(nullable = false, minimum = 0, maximum = 1000000)]
-    pub c: Option<f64>,
-    /// `slide_roll`: D [-].
-    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
-    pub d: Option<f64>,
     /// `eyring`: Eyring stress [Pa]. Default 5e6.
     #[schema(nullable = false, exclusive_minimum = 0, maximum = 1e9)]
     pub stress_pa: Option<f64>,
@@ -83,8 +82,23 @@ pub struct TractionInput {
     /// `coulomb`: slip speed over which friction builds up [m/s]. Default 0.05.
     #[schema(nullable = false, minimum = 0.00001, maximum = 100)]
     pub regularisation_m_s: Option<f64>,
+    /// `slide_roll`: A in (A + B s) e^(−C s) + D over the slide/roll ratio s [-]. Required, as are B, C, D.
+    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
+    pub a: Option<f64>,
+    /// `slide_roll`: B [-].
+    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
+    pub b: Option<f64>,
+    /// `slide_roll`: C [-].
+    #[schema(nullable = false, minimum = 0, maximum = 1000000)]
+    pub c: Option<f64>,
+    // Last: clients of openapi-python-client lose the fields that follow one called `d`.
+    /// `slide_roll`: D [-].
+    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
+    pub d: Option<f64>,
 }
 
+/// `four_parameter`: rises to a maximum and falls to a limit. `slide_roll`: an exponential of the slide/roll ratio. `eyring`: a
+/// shear stress that saturates. `coulomb`: a constant coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TractionLawName {

@@ -6,17 +6,20 @@ use utoipa::ToSchema;
 /// The machine that ran, and the program with the flags it was built with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MachineAnswer {
-    /// Empty where the system does not tell.
+    /// Name of the processor; empty where the system does not tell.
     #[schema(example = "AMD EPYC 7B13")]
     pub processor: String,
     /// Cores that the process may use; each run uses one.
     pub cores: u64,
+    /// What the program was compiled for.
     #[schema(example = "x86_64-unknown-linux-gnu")]
     pub target: String,
     /// Of raceway.
     pub version: String,
+    /// What compiled it.
     #[schema(example = "rustc 1.95.0")]
     pub compiler: String,
+    /// Profile it was built with.
     #[schema(example = "release")]
     pub profile: String,
     /// Level of optimisation.

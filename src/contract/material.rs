@@ -25,18 +25,31 @@ pub struct MaterialInput {
     pub density_kg_m3: f64,
 }
 
+/// Name of a preset of `GET /v1/presets`, or a material by its constants.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum MaterialChoice {
+    /// Name of a preset.
+    Name(presets::MaterialName),
+    Fields(MaterialInput),
+}
+
 /// Materials of a bearing, each a preset name or its constants. Default: that of the bearing's
 /// preset; `gcr15` and a cage of `pa46` for a bearing without one.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialsInput {
-    #[schema(nullable = false)]
+    /// Of the balls.
+    #[schema(nullable = false, value_type = Option<MaterialChoice>)]
     pub ball: Option<NameOr<String, MaterialInput>>,
-    #[schema(nullable = false)]
+    /// Of the inner raceway.
+    #[schema(nullable = false, value_type = Option<MaterialChoice>)]
     pub inner_raceway: Option<NameOr<String, MaterialInput>>,
-    #[schema(nullable = false)]
+    /// Of the outer raceway.
+    #[schema(nullable = false, value_type = Option<MaterialChoice>)]
     pub outer_raceway: Option<NameOr<String, MaterialInput>>,
-    #[schema(nullable = false)]
+    /// Of the cage.
+    #[schema(nullable = false, value_type = Option<MaterialChoice>)]
     pub cage: Option<NameOr<String, MaterialInput>>,
 }
 

@@ -17,6 +17,7 @@ pub struct Metrics {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub channels: Option<BTreeMap<String, ChannelAnswer>>,
+    /// Loads, pressures and slip of the balls' contacts (`contacts`, and `cage` for the pockets).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub contacts: Option<ContactsAnswer>,
@@ -28,36 +29,46 @@ pub struct Metrics {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cage: Option<CageAnswer>,
+    /// Of ideal rolling at the operating speed.
     pub frequencies_hz: FrequenciesAnswer,
     /// Strongest lines of the spectra (`vibration`), strongest first within a channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub lines: Option<Vec<LineAnswer>>,
+    /// What ran, and its work.
     pub solver: SolverAnswer,
+    /// How far the result can be trusted.
     pub accuracy: AccuracyAnswer,
+    /// What is not in the equations, and why.
     pub left_out: Vec<LeftOutAnswer>,
 }
 
 /// One channel over the kept time, mean removed, 0–20 kHz, in the channel's unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ChannelAnswer {
+    /// Of `rms` and `peak`.
     #[schema(example = "m/s²")]
     pub unit: String,
+    /// Root mean square, in `unit`.
+    #[schema(minimum = 0)]
     pub rms: f64,
+    /// Largest magnitude, in `unit`.
+    #[schema(minimum = 0)]
     pub peak: f64,
     /// peak / rms [-]; absent where nothing moves.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub crest_factor: Option<f64>,
     /// Fourth moment over squared variance [-]; absent where nothing moves.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub kurtosis: Option<f64>,
     /// 20 lg(rms / 9.81e-3 m/s²) [dB]; accelerations only.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub level_db: Option<f64>,
     /// Share of the power above 20 kHz [-].
+    #[schema(minimum = 0, maximum = 1)]
     pub above_band: f64,
 }
 
@@ -81,43 +92,49 @@ pub struct ContactsAnswer {
 /// Contacts on one raceway: extremes over all balls and the kept time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RacewayAnswer {
-    /// [N]
+    /// Largest normal load of a ball [N].
+    #[schema(minimum = 0)]
     pub max_load_n: f64,
-    /// [MPa]
+    /// Largest pressure in a contact [MPa].
+    #[schema(minimum = 0)]
     pub max_pressure_mpa: f64,
-    /// Contact angles under load [°]; absent when never in contact.
+    /// Least contact angle under load [°]; absent when never in contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub min_contact_angle_deg: Option<f64>,
+    /// Largest contact angle under load [°]; absent when never in contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub max_contact_angle_deg: Option<f64>,
     /// Slip speed at the contact's centre [m/s].
+    #[schema(minimum = 0)]
     pub max_slip_m_s: f64,
     /// Least minimum film thickness [µm]; absent without a film.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub min_film_thickness_um: Option<f64>,
     /// Largest load of each ball [N], ball 1 first.
     pub max_load_per_ball_n: Vec<f64>,
 }
 
+/// Contacts of the balls with the cage's pockets.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PocketAnswer {
     /// Largest load of a ball on the cage, film included [N].
+    #[schema(minimum = 0)]
     pub max_load_n: f64,
 }
 
 /// Mean speeds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct KinematicsAnswer {
-    /// [Hz]
+    /// Speed of the cage about the bearing's axis [Hz].
     pub cage_speed_hz: f64,
     /// 1 − cage speed / ideal cage speed [-]; absent at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cage_slip: Option<f64>,
-    /// [Hz]
+    /// Spin of the balls about their own axes [Hz].
     pub ball_spin_hz: f64,
 }
 
@@ -125,6 +142,7 @@ pub struct KinematicsAnswer {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CageAnswer {
     /// Rms distance from its mean position [µm].
+    #[schema(minimum = 0)]
     pub orbit_radius_um: f64,
     /// Orbit rate over cage speed [-]; absent at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -135,10 +153,13 @@ pub struct CageAnswer {
 /// A line of a spectrum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LineAnswer {
+    /// The channel whose spectrum has the line.
     pub channel: String,
-    /// [Hz]
+    /// Where it stands [Hz].
+    #[schema(minimum = 0)]
     pub frequency_hz: f64,
     /// In the channel's unit; a sine of amplitude 1 reads 1.
+    #[schema(minimum = 0)]
     pub amplitude: f64,
     /// Nearest simple combination of the bearing's frequencies; empty when none is near.
     #[schema(example = "2·BPFO")]

@@ -21,6 +21,7 @@ pub mod study;
 pub mod terms;
 
 pub mod execute;
+pub mod in_words;
 pub mod machine;
 pub mod metrics;
 pub mod recommended;
@@ -28,6 +29,7 @@ pub mod report;
 pub mod resolve;
 pub mod signals;
 pub mod table;
+pub mod views;
 pub mod work_precision;
 
 mod accuracy;
@@ -43,8 +45,8 @@ mod words;
 pub use cost::estimated_wall_time;
 pub use execute::{Outcome, RunFailure, Simulated, execute, execute_point};
 pub use job::{
-    Job, JobKind, parse_accuracy_request, parse_job, parse_job_or_scene, parse_optimum_request, parse_scene_request,
-    parse_study_request,
+    Job, JobKind, parse_accuracy_request, parse_batch, parse_job, parse_job_or_scene, parse_optimum_request,
+    parse_scene_request, parse_study_request,
 };
 pub use metrics::{LineAnswer, Metrics};
 pub use optimum::OptimumAnswer;
@@ -55,6 +57,7 @@ pub use signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
 pub use strict::NameOr;
 pub use study::Study;
 pub use table::{PointEnd, PointStatus, Row, TableAnswer};
+pub use views::ViewsAnswer;
 pub use work_precision::WorkPrecisionAnswer;
 
 use serde::Serialize;

@@ -58,8 +58,10 @@ pub struct SpeedPointInput {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MisalignmentInput {
+    /// About Y [mrad]. Default 0.
     #[schema(nullable = false, minimum = -20, maximum = 20)]
     pub y: Option<f64>,
+    /// About Z [mrad]. Default 0.
     #[schema(nullable = false, minimum = -20, maximum = 20)]
     pub z: Option<f64>,
 }

@@ -9,12 +9,13 @@ use utoipa::ToSchema;
 use super::execute::{Outcome, RunFailure, execute_point};
 use super::filling::Filling;
 use super::job::{Job, JobInput, JobKind};
-use super::outputs::MetricsPart;
+use super::outputs::{MetricsPart, channel};
 use super::problem::{FieldError, Refusal, listed};
 use super::study::{AxisInput, already_varied, refuse_signals};
 use super::table::{PointEnd, PointError, uncertain};
 use super::variation::{Range, Scale, Variation, Varied};
 use crate::simulation::run::Control;
+use crate::simulation::scene::{Scene, Term, TermChoice};
 use crate::study::{self, Goal, Purpose, Uncertain};
 
 const MOST_AXES: usize = 2;
@@ -146,8 +147,25 @@ fn part_of(metric: &str) -> Option<MetricsPart> {
     }
 }
 
+fn in_the_range(error: FieldError) -> FieldError {
+    FieldError::new(error.pointer, format!("inside of the ranges, which all values must fit: {}", error.detail))
+}
+
+/// Why a scene never has the metric; `None`: it may have it.
+fn unavailable(metric: &str, scene: &Scene) -> Option<String> {
+    let parts: Vec<&str> = metric.split('/').skip(1).collect();
+    match parts[..] {
+        ["channels", name, _] => channel(name, scene).err(),
+        ["contacts", "pocket", _] | ["cage", _] if scene.terms.get(Term::Cage) == TermChoice::Off => {
+            Some(format!("`{metric}` exists only with a cage (/scene/terms/cage is off)"))
+        }
+        _ => None,
+    }
+}
+
 impl Sought {
-    /// Of a request whose scene with every default is `complete`. Refused where the scene cannot be built inside of the ranges.
+    /// Of a request whose scene with every default is `complete`. Refused where the scene cannot be built inside of the
+    /// ranges or at their ends, or never has the metric.
     pub fn new(wish: Wish, request: &Value, complete: Value) -> Result<Self, Refusal> {
         let Wish { axes, metric, goal } = wish;
         let mut request = request.clone();
@@ -159,19 +177,27 @@ impl Sought {
         }
         let sought = Self { axes, metric, goal, variation: Variation::new(&request, complete) };
         let inside = vec![NO_ROUND_SHARE; sought.axes.len()];
-        sought.job(&inside).map_err(|refusal| match refusal {
-            Refusal::Invalid { errors } => {
-                let inside = |error: FieldError| {
-                    FieldError::new(
-                        error.pointer,
-                        format!("inside of the ranges, which all values must fit: {}", error.detail),
-                    )
-                };
-                Refusal::Invalid { errors: errors.into_iter().map(inside).collect() }
-            }
-            other => other,
-        })?;
-        Ok(sought)
+        for axis in 0..sought.axes.len() {
+            sought.check_ends(axis, &inside)?;
+        }
+        let job = sought.job(&inside).map_err(|refusal| refusal.each(in_the_range))?;
+        unavailable(&sought.metric, job.scene())
+            .map_or(Ok(sought), |detail| Err(FieldError::new("/metric", detail).into()))
+    }
+
+    /// Refused where the scene cannot be built at one end of an axis; where it cannot at both, it is not for their values.
+    fn check_ends(&self, axis: usize, inside: &[f64]) -> Result<(), Refusal> {
+        let refusal = |share: f64| {
+            let mut at = inside.to_vec();
+            at[axis] = share;
+            self.job(&at).err()
+        };
+        let (end, refusal) = match (refusal(0.0), refusal(1.0)) {
+            (Some(refusal), None) => ("from", refusal),
+            (None, Some(refusal)) => ("to", refusal),
+            _ => return Ok(()),
+        };
+        Err(refusal.each(|error| FieldError::new(format!("/axes/{axis}/{end}"), error.detail)))
     }
 
     fn values(&self, at: &[f64]) -> Vec<f64> {
@@ -320,7 +346,9 @@ pub struct OptimumAnswer {
     /// Pointer to the metric.
     #[schema(example = "/channels/spindle.y.acceleration/level_db")]
     pub metric: String,
+    /// Which end of the metric is sought.
     pub goal: GoalName,
+    /// What is varied, and from where to where.
     pub axes: Vec<RangeAnswer>,
     /// The best point that was run: value by axis.
     #[schema(value_type = BTreeMap<String, f64>)]
@@ -329,7 +357,7 @@ pub struct OptimumAnswer {
     pub value: f64,
     /// Estimated error of the value; absent where nobody knows it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub error: Option<f64>,
     /// How well the point is known, by axis: from … to, with the other axis at its best value. The ends are the nearest points that are
     /// certainly worse, beyond both errors together, the last ones before runs fail, or the ends of the range; between them the errors leave no order. Absent
@@ -341,13 +369,14 @@ pub struct OptimumAnswer {
     pub at_end_of_range: Vec<String>,
     /// Runs elsewhere that may be as good.
     pub rivals: Vec<RunAnswer>,
-    /// Number of simulations, and how many of them failed.
+    /// Number of simulations.
     pub runs: u64,
+    /// How many of them failed.
     pub failed: u64,
     /// All of them, in their order.
     pub evaluations: Vec<RunAnswer>,
     /// The metrics at the best point, without lines and what was left out.
-    #[schema(value_type = Object)]
+    #[schema(value_type = BTreeMap<String, Value>)]
     pub metrics: Value,
 }
 
@@ -357,7 +386,9 @@ pub struct RangeAnswer {
     /// Path into the scene, or quantity.
     #[schema(example = "/bearing/inner_groove_curvature")]
     pub axis: String,
+    /// Begin of the range.
     pub from: f64,
+    /// End of the range.
     pub to: f64,
 }
 
@@ -367,6 +398,7 @@ pub struct RunAnswer {
     /// Value by axis.
     #[schema(value_type = BTreeMap<String, f64>)]
     pub point: Map<String, Value>,
+    /// Why the point was run.
     pub purpose: PurposeName,
     /// The metric; absent where the run failed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -374,7 +406,7 @@ pub struct RunAnswer {
     pub value: Option<f64>,
     /// Its estimated error; absent where nobody knows it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub error: Option<f64>,
     /// Why the run has no value.
     #[serde(skip_serializing_if = "Option::is_none")]

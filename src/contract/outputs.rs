@@ -102,7 +102,7 @@ fn channels(filling: &mut Filling, pointer: &str, names: &[String], scene: Optio
 }
 
 /// The channel of that name in this scene, or why there is none.
-fn channel(name: &str, scene: &Scene) -> Result<Channel, String> {
+pub fn channel(name: &str, scene: &Scene) -> Result<Channel, String> {
     let balls = scene.bearing.parameters.ball_count;
     let channel = Channel::parse(name, balls).ok_or_else(|| {
         let name: String = name.chars().take(100).collect();

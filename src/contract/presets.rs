@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use utoipa::ToSchema;
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
+use utoipa::{PartialSchema, ToSchema};
 
 use super::bearing::{BearingInput, BearingType};
 use super::cage::{CageInput, FilmName};
@@ -16,6 +18,30 @@ use super::strict::NameOr;
 /// The usual materials of balls and raceways, and of cages.
 pub const STEEL: &str = "gcr15";
 pub const POLYAMIDE: &str = "pa46";
+
+/// Types that stand for the names of presets in the API's description.
+macro_rules! names {
+    ($($description:literal $name:ident: $known:expr;)+) => {$(
+        #[doc = $description]
+        #[derive(Serialize)]
+        pub struct $name;
+
+        impl PartialSchema for $name {
+            fn schema() -> RefOr<Schema> {
+                let names = ObjectBuilder::new().schema_type(Type::String).enum_values(Some($known));
+                names.description(Some($description)).into()
+            }
+        }
+
+        impl ToSchema for $name {}
+    )+};
+}
+
+names! {
+    "Name of a bearing of `GET /v1/presets`." BearingName: bearing_names();
+    "Name of a material of `GET /v1/presets`." MaterialName: MATERIALS.map(|material| material.0);
+    "Name of a lubricant of `GET /v1/presets`." LubricantName: LUBRICANTS.map(|lubricant| lubricant.name);
+}
 
 const fn solid(elastic_modulus_gpa: f64, poisson_ratio: f64, density_kg_m3: f64) -> MaterialInput {
     MaterialInput { elastic_modulus_gpa, poisson_ratio, density_kg_m3 }
@@ -180,19 +206,24 @@ pub fn lubricant_of(kind: LubricantKindName) -> &'static LubricantPreset {
 /// All presets by name, each with every default that it sets.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct PresetsAnswer {
+    /// Bearings by name.
     pub bearings: BTreeMap<String, BearingPresetAnswer>,
+    /// Materials by name.
     pub materials: BTreeMap<String, MaterialPresetAnswer>,
+    /// Lubricants by name.
     pub lubricants: BTreeMap<String, LubricantPresetAnswer>,
 }
 
 /// A bearing and the defaults that come with it.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct BearingPresetAnswer {
+    /// What it is, in words.
     pub description: String,
     /// Every field of the bearing.
     #[schema(value_type = BearingInput)]
     pub bearing: serde_json::Value,
     /// Default mass of the spindle [kg].
+    #[schema(minimum = 0)]
     pub spindle_mass_kg: f64,
     /// Name of the default lubricant.
     pub lubricant: String,
@@ -201,15 +232,23 @@ pub struct BearingPresetAnswer {
 /// A material.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct MaterialPresetAnswer {
+    /// What it is, and where its values come from.
     pub description: &'static str,
+    /// Young's modulus [GPa].
+    #[schema(minimum = 0)]
     pub elastic_modulus_gpa: f64,
+    /// Poisson's ratio [-].
+    #[schema(minimum = 0, maximum = 0.5)]
     pub poisson_ratio: f64,
+    /// Density [kg/m³].
+    #[schema(minimum = 0)]
     pub density_kg_m3: f64,
 }
 
 /// A lubricant.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct LubricantPresetAnswer {
+    /// What it is, in words.
     pub description: &'static str,
     /// Every field of the lubricant; the inlet distance follows from the ball.
     #[schema(value_type = LubricantInput)]

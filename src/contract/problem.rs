@@ -43,6 +43,16 @@ impl std::fmt::Display for FieldError {
     }
 }
 
+impl Refusal {
+    /// With every wrong field told otherwise.
+    pub fn each(self, told: impl FnMut(FieldError) -> FieldError) -> Self {
+        match self {
+            Self::Invalid { errors } => Self::Invalid { errors: errors.into_iter().map(told).collect() },
+            other => other,
+        }
+    }
+}
+
 impl From<FieldError> for Refusal {
     fn from(error: FieldError) -> Self {
         Self::Invalid { errors: vec![error] }

@@ -12,19 +12,23 @@ pub const WANTED_DB: [f64; 3] = [0.1, 0.01, 0.001];
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RecommendedAnswer {
     /// How far the level may be from the reference's [dB].
-    #[schema(example = 0.01)]
+    #[schema(example = 0.01, minimum = 0)]
     pub within_db: f64,
+    /// Name of the method.
     #[schema(example = "gear")]
     pub method: String,
-    #[schema(example = 1e-3)]
+    /// Its relative tolerance [-].
+    #[schema(example = 1e-3, minimum = 0)]
     pub relative_tolerance: f64,
     /// As in the point [s].
+    #[schema(minimum = 0)]
     pub wall_time_s: f64,
     /// As in the point [s].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub processor_time_s: Option<f64>,
     /// As in the point [dB].
+    #[schema(minimum = 0)]
     pub level_error_db: f64,
 }
 

@@ -11,39 +11,62 @@ use crate::simulation::needs::{Grounds, LeftOut};
 /// Characteristic frequencies [Hz].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct FrequenciesAnswer {
+    /// Turns of the shaft, f_r [Hz].
     pub shaft: f64,
+    /// Turns of the cage, FTF [Hz].
     pub cage: f64,
+    /// Passes of balls over a place on the outer raceway, BPFO [Hz].
     pub ball_pass_outer: f64,
+    /// Passes of balls over a place on the inner raceway, BPFI [Hz].
     pub ball_pass_inner: f64,
+    /// Spin of a ball about its own axis, BSF [Hz].
     pub ball_spin: f64,
 }
 
 /// What ran, and its work.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SolverAnswer {
+    /// The integrator that ran; `auto` and the reduced rungs choose.
+    #[schema(example = "gear")]
     pub method: String,
+    /// Why that one, in words.
     pub method_reason: String,
+    /// The rung of the ladder of models that made the result.
+    #[schema(example = "full")]
     pub rung: String,
+    /// How the rung was checked against the next richer one, in words.
     pub check: String,
     /// The tolerance that was taken [-]; tighter than asked for where `auto` found more noise than level.
+    #[schema(minimum = 0)]
     pub relative_tolerance: f64,
+    /// Accepted steps.
     pub steps: u64,
+    /// Steps that were tried again with a smaller size.
     pub rejected_steps: u64,
+    /// Evaluations of the equations of motion.
     pub rhs_evaluations: u64,
+    /// Evaluations of their Jacobian.
     pub jacobian_evaluations: u64,
+    /// Factorizations of the matrix of the implicit methods.
     pub factorizations: u64,
-    /// [s]
+    /// Time that the run took [s].
+    #[schema(minimum = 0)]
     pub wall_time_s: f64,
-    /// [s]
+    /// Time simulated, settling included [s].
+    #[schema(minimum = 0)]
     pub simulated_time_s: f64,
     /// Simulated time over wall time [-].
+    #[schema(minimum = 0)]
     pub real_time_factor: f64,
+    /// Number of first-order states.
     pub states: u64,
     /// Strips a raceway contact is cut into for traction.
     pub strips: u64,
-    /// [s]
+    /// Mean step of the integrator [s].
+    #[schema(minimum = 0)]
     pub mean_step_s: f64,
-    /// [s]
+    /// Smallest step of the integrator [s].
+    #[schema(minimum = 0)]
     pub least_step_s: f64,
 }
 
@@ -52,17 +75,19 @@ pub struct SolverAnswer {
 pub struct AccuracyAnswer {
     /// Estimated error of the worst acceleration level [dB]; absent where there is no level.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub level_error_db: Option<f64>,
     /// Estimated error of the largest contact load, as a share of it [-]; absent where nothing could be repeated.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub max_load_error: Option<f64>,
     /// Estimated error of the cage speed (without a cage, of the balls' mean orbit speed), as a share of it [-].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub cage_speed_error: Option<f64>,
+    /// How these errors were estimated, in words.
     pub how: String,
+    /// `decaying`: neighbouring runs meet, the motion is regular. `diverging`: they part, it is chaotic.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub motion: Option<MotionName>,
@@ -78,6 +103,7 @@ pub struct AccuracyAnswer {
     pub warning: Option<String>,
 }
 
+/// `decaying`: neighbouring runs meet. `diverging`: they part, the motion is chaotic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MotionName {
@@ -88,14 +114,18 @@ pub enum MotionName {
 /// A term that is not in the equations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LeftOutAnswer {
+    /// Name of the term, as in `scene.terms`.
     #[schema(example = "hydrodynamics")]
     pub term: String,
+    /// Why it is not there, in words.
     pub reason: String,
+    /// On what grounds.
     pub by: GroundsName,
     /// Size of the effect, in `unit`; absent where it is none or unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub bound: Option<f64>,
+    /// Of `bound`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub unit: Option<String>,

@@ -25,23 +25,27 @@ pub struct ResolveAnswer {
     /// The scene with every default filled in; posted again, it gives the same scene.
     #[schema(value_type = SceneInput)]
     pub scene: Value,
+    /// The solver with every default filled in.
     #[schema(value_type = SolverInput)]
     pub solver: Value,
+    /// What is kept, with every default filled in.
     #[schema(value_type = OutputsInput)]
     pub outputs: Value,
-    /// [s]
+    /// Time simulated before anything is kept [s].
+    #[schema(minimum = 0)]
     pub settle_s: f64,
-    /// [s]
+    /// Time simulated and kept after that [s].
+    #[schema(minimum = 0)]
     pub duration_s: f64,
     /// Of an accuracy job: the methods that it compares.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub methods: Option<Vec<String>>,
-    /// Of an accuracy job.
+    /// Of an accuracy job: the relative tolerances that each method runs at [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub relative_tolerances: Option<Vec<f64>>,
-    /// Of an accuracy job.
+    /// Of an accuracy job: timed runs of each method at each tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub repetitions: Option<u32>,
@@ -49,15 +53,21 @@ pub struct ResolveAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub points: Option<u64>,
+    /// Of an optimum job: simulations that its search makes at most, about.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub most_runs: Option<u64>,
     /// Pointers, from the root of a job, to the fields that were left to their default.
     #[schema(example = json!(["/scene/spindle/mass_kg"]))]
     pub defaults: Vec<String>,
+    /// Quantities that follow from the scene.
     pub derived: DerivedAnswer,
     /// Rungs of the ladder of models that are tried, the leanest first: a reduced one makes the result where its check holds.
     #[schema(example = json!(["radially_condensed", "full"]))]
     pub rungs: Vec<String>,
     /// What will not be in the equations of the first of them, and why; where its check fails, more is in them.
     pub left_out: Vec<LeftOutAnswer>,
+    /// What the run will cost.
     pub cost: CostAnswer,
 }
 
@@ -69,14 +79,18 @@ pub struct DerivedAnswer {
     /// Load–deflection factor of a ball on the outer raceway [N/m^1.5].
     pub outer_stiffness_n_per_m1_5: f64,
     /// Basic dynamic load rating by the table of f_c of ISO 281 [N].
+    #[schema(minimum = 0)]
     pub dynamic_load_rating_n: f64,
     /// The same by the full formula for f_c, which knows the groove curvatures [N].
+    #[schema(minimum = 0)]
     pub dynamic_load_rating_full_formula_n: f64,
     /// Size of the axial load over `dynamic_load_rating_n` [-].
+    #[schema(minimum = 0)]
     pub axial_load_over_rating: f64,
-    /// [°]
+    /// Contact angle without load [°].
+    #[schema(minimum = 0)]
     pub free_contact_angle_deg: f64,
-    /// Diametral [µm].
+    /// Diametral radial clearance [µm]; negative: a radial preload.
     pub radial_clearance_um: f64,
     /// Of ideal rolling at the operating speed.
     pub frequencies_hz: FrequenciesAnswer,
@@ -93,11 +107,13 @@ pub struct StaticAnswer {
     pub radial_displacement_um: f64,
     /// Along the axial load [µm].
     pub axial_displacement_um: f64,
-    /// [N]
+    /// Largest load of a ball on the inner raceway [N].
+    #[schema(minimum = 0)]
     pub max_ball_load_n: f64,
     /// Load of each ball on the inner raceway [N], ball 1 first.
     pub ball_loads_n: Vec<f64>,
-    /// Over both raceways [MPa].
+    /// Largest pressure over both raceways [MPa].
+    #[schema(minimum = 0)]
     pub max_pressure_mpa: f64,
 }
 
@@ -112,12 +128,17 @@ pub struct CostAnswer {
     /// takes ten to a hundred times as long, `radau` and `fine_abm` at loose tolerances most. Absent where the run has
     /// no equilibrium to start from.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub estimated_wall_time_s: Option<f64>,
     /// The same where no reduced rung is confirmed, and the last of `rungs` makes the result [s].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub most_wall_time_s: Option<f64>,
+    /// `estimated_wall_time_s` of all points of a study, or of `most_runs` of an optimum job [s]; as many cores share it as there are workers
+    /// for a study, one has it for an optimum job. Absent of other kinds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub all_wall_time_s: Option<f64>,
 }
 
 /// Resolves a checked job.
@@ -132,19 +153,29 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
     ResolveAnswer {
         scene: job.scene_json(),
         solver: given_fields(&job.solver),
-        outputs: given_fields(&job.outputs),
+        outputs: outputs(job),
         settle_s: job.settings.settle,
         duration_s: job.settings.duration,
         methods: plan.map(|plan| plan.methods.iter().map(|method| method.name().to_owned()).collect()),
         relative_tolerances: plan.map(|plan| plan.relative_tolerances.clone()),
         repetitions: plan.map(|plan| plan.repetitions),
         points: job.study.as_ref().map(|study| study.points as u64),
+        most_runs: job.sought.as_ref().map(|sought| sought.most_runs() as u64),
         defaults: job.resolved.defaults.clone(),
         rungs: job.rungs.iter().map(|rung| rung.name().to_owned()).collect(),
         left_out: left_out.iter().map(LeftOutAnswer::from).collect(),
         cost: cost::estimate(job),
         derived: derived(job, at_rest.as_ref()),
     }
+}
+
+fn outputs(job: &Job) -> Value {
+    let mut outputs = given_fields(&job.outputs);
+    if job.simulations().is_some() {
+        // Their runs keep metrics alone.
+        outputs["spectra"] = Value::Array(Vec::new());
+    }
+    outputs
 }
 
 fn derived(job: &Job, at_rest: Option<&StaticLoads>) -> DerivedAnswer {

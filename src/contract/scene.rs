@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::bearing::{self, BearingInput};
+use super::bearing::{self, BearingChoice, BearingInput};
 use super::damping::DampingInput;
 use super::filling::Filling;
-use super::lubricant::{self, LubricantInput};
+use super::lubricant::{self, LubricantChoice, LubricantInput};
 use super::operation::OperationInput;
 use super::problem::FieldError;
 use super::spindle::SpindleInput;
@@ -23,18 +23,23 @@ use crate::simulation::scene::{Scene, SceneParameters};
 #[schema(example = json!({"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}))]
 pub struct SceneInput {
     /// A preset name, a bearing, or a preset with changes.
+    #[schema(value_type = BearingChoice)]
     pub bearing: NameOr<String, BearingInput>,
+    /// Speed, loads and misalignment.
     #[serde(deserialize_with = "object")]
     pub operation: OperationInput,
+    /// The spindle. Default: rigid and balanced.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub spindle: Option<SpindleInput>,
     /// A preset name or a lubricant. Default: that of the bearing's preset, else `grease`.
-    #[schema(nullable = false)]
+    #[schema(nullable = false, value_type = Option<LubricantChoice>)]
     pub lubricant: Option<NameOr<String, LubricantInput>>,
+    /// Damping of the contacts.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub damping: Option<DampingInput>,
+    /// Terms of the equations to switch on or off.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub terms: Option<TermsInput>,

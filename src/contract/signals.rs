@@ -3,33 +3,46 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::units::rounded;
 use crate::numerics::spectrum::Spectrum;
 use crate::simulation::channel::Channel;
 use crate::simulation::metrics::SolverReport;
 use crate::simulation::run::Series;
 
+/// Frequency up to which spectra are kept [Hz]: levels end at 20 kHz.
+const HIGHEST: f64 = 25_600.0;
+/// Significant digits of an amplitude: rounding adds 0.004 dB at worst.
+const DIGITS: i32 = 4;
+
 /// A one-sided amplitude spectrum: a sine of amplitude 1 reads 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SpectrumAnswer {
+    /// The channel that was asked for.
     #[schema(example = "spindle.y.acceleration")]
     pub channel: String,
+    /// Which spectrum of the channel this is.
     pub kind: SpectrumKind,
+    /// Of `amplitude`.
     #[schema(example = "m/s²")]
     pub unit: String,
+    /// Window that the signal was weighted with.
     #[schema(example = "hann")]
     pub window: String,
     /// Windows of the run whose mean power this is the root of: 1 up to a second.
     #[schema(example = 1)]
     pub averages: usize,
     /// Distance of the entries [Hz].
+    #[schema(minimum = 0)]
     pub resolution_hz: f64,
     /// Mean step of the integrator [s].
+    #[schema(minimum = 0)]
     pub mean_step_s: f64,
     /// Above this frequency [Hz] the integrator no longer resolves an oscillation: less than one step a radian.
+    #[schema(minimum = 0)]
     pub damped_above_hz: f64,
-    /// [Hz]
+    /// Frequencies, in rising order, up to 25.6 kHz [Hz].
     pub frequency_hz: Vec<f64>,
-    /// In `unit`.
+    /// One for each frequency, in `unit`, to four digits.
     pub amplitude: Vec<f64>,
 }
 
@@ -57,9 +70,26 @@ impl SpectrumAnswer {
             resolution_hz: spectrum.resolution,
             mean_step_s: mean_step,
             damped_above_hz: if mean_step > 0.0 { 0.5 / (std::f64::consts::PI * mean_step) } else { 0.0 },
-            frequency_hz: (0..spectrum.amplitude.len()).map(|bin| bin as f64 * spectrum.resolution).collect(),
-            amplitude: spectrum.amplitude.clone(),
+            frequency_hz: Vec::new(),
+            amplitude: spectrum
+                .amplitude
+                .iter()
+                .take((HIGHEST / spectrum.resolution) as usize + 1)
+                .map(|amplitude| rounded(*amplitude, DIGITS))
+                .collect(),
         }
+        .with_frequencies()
+    }
+
+    /// The same with the frequencies that its resolution says.
+    pub fn with_frequencies(mut self) -> Self {
+        self.frequency_hz = (0..self.amplitude.len()).map(|bin| bin as f64 * self.resolution_hz).collect();
+        self
+    }
+
+    /// The same without them, as it is stored.
+    pub fn without_frequencies(&self) -> Self {
+        Self { frequency_hz: Vec::new(), ..self.clone() }
     }
 
     /// The part up to this frequency [Hz].
@@ -78,13 +108,15 @@ impl SpectrumAnswer {
 /// A signal over time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SeriesAnswer {
+    /// The channel that was asked for.
     #[schema(example = "cage.y.displacement")]
     pub channel: String,
+    /// Of `value`.
     #[schema(example = "µm")]
     pub unit: String,
     /// Time since the start of the run, settling included [s].
     pub time_s: Vec<f64>,
-    /// In `unit`.
+    /// One for each time, in `unit`.
     pub value: Vec<f64>,
 }
 

@@ -93,7 +93,7 @@ fn remove_field(value: &mut Value, pointer: &str) -> bool {
 }
 
 /// Either a word or an object, told apart by its JSON type.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, utoipa::ToSchema)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(untagged)]
 pub enum NameOr<N, T> {
     Name(N),

@@ -32,9 +32,11 @@ pub struct AxisInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Option<Vec<AxisValue>>, min_items = 1, max_items = 10000)]
     pub values: Option<Vec<Value>>,
+    /// First value; with `to` and, in a study, `count`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = 0.51)]
     pub from: Option<f64>,
+    /// Last value.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = 0.54)]
     pub to: Option<f64>,

@@ -18,10 +18,13 @@ const LEFT_AWAY: [&str; 2] = ["lines", "left_out"];
 /// The answer of `GET …/table`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TableAnswer {
+    /// What is varied, with the values of each axis.
     pub axes: Vec<AxisAnswer>,
-    /// Points of the grid, and how many of them have ended and succeeded.
+    /// Points of the grid.
     pub points: u64,
+    /// Points that have ended, in whatever way.
     pub ended: u64,
+    /// Points that have succeeded.
     pub succeeded: u64,
     /// A row a point, the last axis changing fastest.
     pub rows: Vec<Row>,
@@ -37,6 +40,7 @@ pub struct AxisAnswer {
     /// Path into the scene, or quantity.
     #[schema(example = "/bearing/inner_groove_curvature")]
     pub axis: String,
+    /// The values along it, numbers or words.
     #[schema(value_type = Vec<AxisValue>)]
     pub values: Vec<Value>,
 }
@@ -47,13 +51,14 @@ pub struct Row {
     /// Value by axis.
     #[schema(value_type = BTreeMap<String, AxisValue>)]
     pub point: Map<String, Value>,
+    /// Where the point stands.
     pub status: PointStatus,
     /// Whether the result of identical finished work answered the point.
     #[serde(default)]
     pub reused: bool,
     /// The metrics of the simulation, without lines and what was left out; present once it has succeeded.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, value_type = Option<Object>)]
+    #[schema(nullable = false, value_type = Option<BTreeMap<String, Value>>)]
     pub metrics: Option<Value>,
     /// Why it has no metrics.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -61,6 +66,7 @@ pub struct Row {
     pub error: Option<PointError>,
 }
 
+/// Where a point stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PointStatus {
@@ -76,6 +82,7 @@ pub struct PointError {
     /// One word for programs: that of a failed job, or `invalid` where the scene cannot be built.
     #[schema(example = "numerical-blowup")]
     pub cause: String,
+    /// What happened, in words.
     pub detail: String,
     /// The wrong fields of a scene that cannot be built.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -85,15 +92,17 @@ pub struct PointError {
 /// The best point by a metric.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BestAnswer {
+    /// Value by axis.
     #[schema(value_type = BTreeMap<String, AxisValue>)]
     pub point: Map<String, Value>,
+    /// The metric there, in its own unit.
     pub value: f64,
     /// Whether the least or the largest value is the best.
     #[schema(example = "minimum")]
     pub goal: String,
     /// Estimated error of the value; absent where nobody knows it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub error: Option<f64>,
     /// Number of points that may be as good, the best among them: they differ from it by no more than both errors together.
     pub as_good: u64,
@@ -106,16 +115,18 @@ pub struct BestAnswer {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TrendAnswer {
     /// Largest value less the least one.
+    #[schema(minimum = 0)]
     pub span: f64,
     /// Largest estimated error of a point; absent where nobody knows it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub error: Option<f64>,
     /// Whether no point is wrong by more than a tenth of the span; absent where the errors are not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub resolved: Option<bool>,
     /// Rank correlation with the axis: 1 where the metric only rises, −1 where it only falls.
+    #[schema(minimum = -1, maximum = 1)]
     pub monotony: f64,
 }
 

@@ -176,6 +176,22 @@ pub fn short(number: f64) -> String {
     if size == 0.0 || (1e-4..1e9).contains(&size) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
+/// The number nearest to one of so many significant digits; quick, for many.
+pub fn rounded(number: f64, digits: i32) -> f64 {
+    if number == 0.0 || !number.is_finite() {
+        return number;
+    }
+    // Powers of ten are exact where the factor is a whole number, so that the quotient is the nearest double.
+    let places = digits - 1 - number.abs().log10().floor() as i32;
+    if places >= 0 {
+        let factor = 10_f64.powi(places.min(300));
+        (number * factor).round() / factor
+    } else {
+        let factor = 10_f64.powi(-places);
+        (number / factor).round() * factor
+    }
+}
+
 /// The number rounded to so many significant digits.
 pub fn significant(number: f64, digits: usize) -> f64 {
     format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number)

@@ -21,6 +21,7 @@ use crate::simulation::work_precision::{
 /// Methods and tolerances of one scene: what each costs and how far it is from the reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct WorkPrecisionAnswer {
+    /// What every run is compared with.
     pub reference: ReferenceAnswer,
     /// In the order of the methods, loosest tolerance first.
     pub points: Vec<PointAnswer>,
@@ -29,9 +30,13 @@ pub struct WorkPrecisionAnswer {
     /// uncertain to tell, is missing.
     #[serde(default)]
     pub recommended: Vec<RecommendedAnswer>,
+    /// What is compared, over which time.
     pub compared: ComparedAnswer,
+    /// What is timed.
     pub timing: TimingAnswer,
+    /// Where it was timed.
     pub machine: MachineAnswer,
+    /// How to measure the same again.
     pub repeat: RepeatAnswer,
     /// What is not in the equations, whoever solves them.
     pub left_out: Vec<LeftOutAnswer>,
@@ -40,48 +45,58 @@ pub struct WorkPrecisionAnswer {
 /// What every run is compared with, and its own error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ReferenceAnswer {
+    /// Method of the reference.
     #[schema(example = "radau")]
     pub method: String,
+    /// Its relative tolerance [-].
+    #[schema(minimum = 0)]
     pub relative_tolerance: f64,
     /// Difference of the levels of two references, as `level_error_db` of a point [dB]; absent where nothing moves, where
     /// the time is too short for a level, or where no second reference finished.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub own_error_db: Option<f64>,
     /// Difference of the trajectories of two references, as `trajectory_error` [-]. Absent in a chaotic motion: each
     /// point is compared over a time of its own (`compared_s`), and has it for that as `reference_trajectory_error`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub own_trajectory_error: Option<f64>,
     /// The second reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub check_method: Option<String>,
+    /// Relative tolerance of the second reference [-].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub check_relative_tolerance: Option<f64>,
     /// Chaotic motion only: standard error of the level by ten batch means, worst of y and z as in `level_error_db` [dB].
     /// Smaller level errors say nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub sampling_error_db: Option<f64>,
     /// Levels of the spindle's accelerations by channel [dB]; what stands still has none.
     pub levels_db: BTreeMap<String, f64>,
     /// The lines that are compared: the three strongest of each channel that is no more than 60 dB below the stronger.
     pub lines: Vec<ComparedLine>,
+    /// Accepted steps.
     pub steps: u64,
+    /// Evaluations of the equations of motion.
     pub rhs_evaluations: u64,
-    /// [s]
+    /// Time that the reference took [s].
+    #[schema(minimum = 0)]
     pub wall_time_s: f64,
 }
 
 /// A line of the reference's spectra.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ComparedLine {
+    /// The channel whose spectrum has the line.
     pub channel: String,
-    /// [Hz]
+    /// Where it stands [Hz].
+    #[schema(minimum = 0)]
     pub frequency_hz: f64,
-    /// [m/s²]
+    /// One-sided amplitude [m/s²].
+    #[schema(minimum = 0)]
     pub amplitude: f64,
     /// Empty where no combination of the bearing's frequencies is near.
     pub label: String,
@@ -89,39 +104,63 @@ pub struct ComparedLine {
 
 /// One method at one tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(tag = "status", rename_all = "snake_case")]
+#[serde(untagged)]
 pub enum PointAnswer {
     Succeeded(Box<MeasuredAnswer>),
     Failed(FailedAnswer),
 }
 
+/// The status of a run that has reached its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SucceededName {
+    Succeeded,
+}
+
+/// The status of a run that has not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FailedName {
+    Failed,
+}
+
 /// A run that has not reached its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct FailedAnswer {
+    /// Always `failed`.
+    pub status: FailedName,
+    /// The method asked for.
     #[schema(example = "dormand_prince")]
     pub method: String,
+    /// Its relative tolerance [-].
+    #[schema(minimum = 0)]
     pub relative_tolerance: f64,
     /// Why, in words.
     pub reason: String,
     /// Until it failed [s]; absent where it was not tried.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub wall_time_s: Option<f64>,
 }
 
 /// What a finished run has shown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MeasuredAnswer {
+    /// Always `succeeded`.
+    pub status: SucceededName,
     /// The method asked for.
     #[schema(example = "gear")]
     pub method: String,
+    /// Its relative tolerance [-].
+    #[schema(minimum = 0)]
     pub relative_tolerance: f64,
     /// Median over the repetitions [s].
+    #[schema(minimum = 0)]
     pub wall_time_s: f64,
     /// What of it the processor gave to the run, median over the repetitions [s]: on a busy machine the fairer of the
     /// two; absent where the system does not tell.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub processor_time_s: Option<f64>,
     /// Shortest and longest of the repetitions [s].
     #[schema(min_items = 2, max_items = 2)]
@@ -135,27 +174,27 @@ pub struct MeasuredAnswer {
     /// Root mean square over components and output grid of the distance from the reference over the component's scale
     /// [-]; absent where a chaotic motion parts from the reference at once.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub trajectory_error: Option<f64>,
     /// Largest over components and output grid [-].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub largest_error: Option<f64>,
     /// Root mean square over the components at the last point compared [-].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub end_error: Option<f64>,
     /// Time over which the trajectories are compared, from `compared.begin_s` [s].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub compared_s: Option<f64>,
     /// `trajectory_error` over `relative_tolerance` [-].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub error_over_tolerance: Option<f64>,
     /// The reference's own trajectory error over the same time [-]; absent where it is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub reference_trajectory_error: Option<f64>,
     /// The trajectory's error is below ten times that, and says nothing.
     pub below_reference: bool,
@@ -163,28 +202,36 @@ pub struct MeasuredAnswer {
     /// other: such a level is made of rounding and tolerances, and every run makes its own. Absent where nothing moves
     /// or the time is too short for a level.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub level_error_db: Option<f64>,
     /// The level's error is below ten times the reference's own, in chaotic motion below the sampling error or the reference's own, and says
     /// nothing.
     pub level_below_reference: bool,
     /// Worst of `reference.lines` [Hz].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub line_frequency_error_hz: Option<f64>,
     /// Relative, worst of `reference.lines` [-].
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(nullable = false, minimum = 0)]
     pub line_amplitude_error: Option<f64>,
+    /// Accepted steps.
     pub steps: u64,
+    /// Steps that were tried again with a smaller size.
     pub rejected_steps: u64,
+    /// Newton iterations of implicit methods that did not converge.
     pub newton_failures: u64,
+    /// Evaluations of the equations of motion.
     pub rhs_evaluations: u64,
+    /// Evaluations of their Jacobian.
     pub jacobian_evaluations: u64,
+    /// Factorizations of the matrix of the implicit methods.
     pub factorizations: u64,
-    /// [s]
+    /// Mean step [s].
+    #[schema(minimum = 0)]
     pub mean_step_s: f64,
-    /// [s]
+    /// Smallest step [s].
+    #[schema(minimum = 0)]
     pub least_step_s: f64,
 }
 
@@ -198,20 +245,26 @@ pub struct ComparedAnswer {
     /// How errors are made from states, in words.
     pub quantity: String,
     /// Every run starts at this time [s] from the same state.
+    #[schema(minimum = 0)]
     pub begin_s: f64,
     /// How that state came about.
     pub start: String,
     /// Levels and lines are of `duration_s` after this time [s].
+    #[schema(minimum = 0)]
     pub settle_s: f64,
-    /// [s]
+    /// Time simulated and kept after settling [s].
+    #[schema(minimum = 0)]
     pub duration_s: f64,
+    /// Points of the output grid.
     pub grid_points: u64,
     /// Distance of the points of the output grid [s].
+    #[schema(minimum = 0)]
     pub grid_step_s: f64,
     /// Number of first-order states.
     pub states: u64,
+    /// The rung of the ladder of models that every run solves.
     pub rung: String,
-    /// Absent where the run is too short to tell.
+    /// `decaying` or `diverging`; absent where the run is too short to tell.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub motion: Option<MotionName>,
@@ -226,9 +279,13 @@ pub struct ComparedAnswer {
 pub struct TimingAnswer {
     /// Timed runs of each point.
     pub repetitions: u64,
+    /// Threads of a run.
     pub threads: u64,
+    /// What the times contain, in words.
     pub inside: String,
+    /// What they do not contain, in words.
     pub outside: String,
+    /// What runs before it is timed, in words.
     pub warm_up: String,
     /// Evaluations of the equations after which a run is given up.
     pub most_evaluations: u64,
@@ -334,6 +391,7 @@ impl From<&Point> for PointAnswer {
         match &point.measured {
             Ok(measured) => Self::Succeeded(Box::new(measured_answer(point, measured))),
             Err(reason) => Self::Failed(FailedAnswer {
+                status: FailedName::Failed,
                 method: point.method.name().to_owned(),
                 relative_tolerance: point.relative_tolerance,
                 reason: reason.clone(),
@@ -380,6 +438,7 @@ fn measured_answer(point: &Point, measured: &Measured) -> MeasuredAnswer {
     let most = wall_times.iter().copied().fold(0.0, f64::max);
     let processor_times: Vec<f64> = point.taken.iter().filter_map(|taken| taken.processor).collect();
     MeasuredAnswer {
+        status: SucceededName::Succeeded,
         method: point.method.name().to_owned(),
         relative_tolerance: point.relative_tolerance,
         wall_time_s: median(&wall_times).unwrap_or(0.0),

@@ -31,6 +31,9 @@ pub enum JobError {
     /// Nothing is kept under that channel; these are.
     #[error("nothing is kept for that channel")]
     UnknownChannel { kept: Vec<String> },
+    /// The key of a submission has come with another body before.
+    #[error("the idempotency key belongs to another request")]
+    KeyReused,
     #[error("{limit} jobs are waiting")]
     QueueFull { limit: u64 },
     #[error("the service is stopping")]

@@ -6,14 +6,23 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot};
 
 use super::queue::{Queue, Tx};
-use super::store::{PRIORITY_OF_STRANDS, Store, submissions};
+use super::store::{PRIORITY_OF_STRANDS, Store, keys, submissions};
 use super::{JobError, JobRecord, NewJob};
 
 /// Submissions that one transaction takes at most.
 const BATCH: usize = 64;
 
-type Answer = Result<JobRecord, JobError>;
+type Answer = Result<Submitted, JobError>;
 type Waiting = (NewJob, oneshot::Sender<Answer>);
+
+/// A job that was handed in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Submitted {
+    /// As it was answered first.
+    pub record: JobRecord,
+    /// Whether its idempotency key had made it before.
+    pub replayed: bool,
+}
 
 /// Where submissions are handed in.
 #[derive(Debug, Clone)]
@@ -84,14 +93,18 @@ async fn write_all(
     let mut places = limits.queue.saturating_sub(submissions::waiting(&mut tx).await?);
     let mut plans = Vec::with_capacity(jobs.len());
     for job in jobs {
-        plans.push(plan(&mut tx, job, &mut places).await?);
+        plans.push(plan(&mut tx, job, &mut places, limits.keep_s).await?);
     }
     let queued = jobs.iter().zip(&plans).filter(|(_, plan)| matches!(plan, Plan::Queue));
     let queued: Vec<_> = queued.flat_map(|(job, _)| deliveries_of(job, limits.strands)).collect();
     let mut deliveries = queue.enqueue(&mut tx, &queued).await?.into_iter();
     let mut answers = Vec::with_capacity(jobs.len());
     for (job, plan) in jobs.iter().zip(plans) {
-        answers.push(match plan {
+        let record = match plan {
+            Plan::Made(first) => {
+                answers.push(first.map(|record| Submitted { record, replayed: true }));
+                continue;
+            }
             Plan::Answer(found) => Ok(submissions::insert_answered(&mut tx, job, found, limits.keep_s).await?),
             Plan::Refuse => Err(JobError::QueueFull { limit: limits.queue }),
             Plan::Queue if job.points.is_some() => {
@@ -103,7 +116,8 @@ async fn write_all(
                 let delivery = deliveries.next().ok_or_else(|| JobError::Corrupt("a delivery is missing".into()))?;
                 Ok(submissions::insert(&mut tx, job, delivery).await?)
             }
-        });
+        };
+        answers.push(record.map(|record| Submitted { record, replayed: false }));
     }
     tx.commit().await?;
     queue.wake();
@@ -124,20 +138,31 @@ fn deliveries_of(job: &NewJob, workers: usize) -> Vec<(uuid::Uuid, u8)> {
 
 /// What happens to a submission.
 enum Plan {
+    /// Its key has made a job before, or is refused.
+    Made(Box<Result<JobRecord, JobError>>),
     Queue,
     Answer(submissions::Reusable),
     Refuse,
 }
 
-async fn plan(tx: &mut Tx, job: &NewJob, places: &mut u64) -> Result<Plan, JobError> {
-    if job.reuse
-        && let Some(found) = submissions::reusable(tx, job).await?
+/// Notes the key of a submission that will be made at once: the same key may stand once more in the same batch.
+async fn plan(tx: &mut Tx, job: &NewJob, places: &mut u64, keep_s: f64) -> Result<Plan, JobError> {
+    if let Some(key) = &job.key
+        && let Some(made) = keys::made(tx, &job.owner, key).await?
     {
-        return Ok(Plan::Answer(found));
+        return Ok(Plan::Made(Box::new(made.first_answer(job, key))));
     }
-    if *places == 0 {
-        return Ok(Plan::Refuse);
+    let found = if job.reuse { submissions::reusable(tx, job).await? } else { None };
+    let (plan, expires) = match found {
+        Some(found) => (Plan::Answer(found), Some(submissions::expiry(job, keep_s))),
+        None if *places == 0 => return Ok(Plan::Refuse),
+        None => {
+            *places -= 1;
+            (Plan::Queue, None)
+        }
+    };
+    if let Some(key) = &job.key {
+        keys::note(tx, job, key, expires).await?;
     }
-    *places -= 1;
-    Ok(Plan::Queue)
+    Ok(plan)
 }

@@ -100,11 +100,40 @@ pub struct NewJob {
     pub created_at: Timestamp,
     /// Points of a study; `None` of any other job.
     pub points: Option<usize>,
+    /// What makes the submission one that is made once.
+    pub key: Option<IdempotencyKey>,
+}
+
+/// A client's name for a submission, with a digest of the body that came with it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct IdempotencyKey {
+    pub key: String,
+    pub fingerprint: Vec<u8>,
+}
+
+impl IdempotencyKey {
+    /// Of a key and the request that came with it; fields in any order are the same request.
+    pub fn new(key: impl Into<String>, job: &Job) -> Self {
+        let mut request = job.request.clone();
+        request.sort_all_objects();
+        Self { key: key.into(), fingerprint: Sha256::digest(request.to_string()).to_vec() }
+    }
+
+    /// Of a batch, by the key and the body that came with it.
+    pub fn of_batch(key: String, body: &[u8]) -> Self {
+        Self { key, fingerprint: Sha256::digest(body).to_vec() }
+    }
+
+    /// Of the job at a place of this batch. No client can send such a key for a single job.
+    pub fn of_item(&self, place: &str) -> Self {
+        Self { key: format!("{}\n{place}", self.key), fingerprint: self.fingerprint.clone() }
+    }
 }
 
 impl NewJob {
-    pub fn new(job: &Job, owner: &str) -> Self {
+    pub fn new(job: &Job, owner: &str, key: Option<IdempotencyKey>) -> Self {
         Self {
+            key,
             id: Uuid::now_v7(),
             owner: owner.to_owned(),
             kind: job.kind.name(),

@@ -27,7 +27,9 @@ mod sweep;
 mod worker;
 
 pub use error::JobError;
-pub use job::{Failure, JobRecord, NewJob, Status};
+pub use intake::Submitted;
+pub use job::{Failure, IdempotencyKey, JobRecord, NewJob, Status};
+pub use running::View;
 pub use service::{Cancelled, Jobs, Settings, Simulator};
 pub use store::results::decompressed;
 pub use store::studies::StoredPoint;

@@ -3,9 +3,12 @@
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use tokio::sync::Notify;
 use uuid::Uuid;
+
+use crate::simulation::run::{Live, Phase};
 
 /// Why a run is asked to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +29,21 @@ pub enum StopReason {
 pub struct Run {
     stop: AtomicU8,
     progress: AtomicU64,
+    view: Mutex<View>,
 }
+
+/// How a run goes, for those who watch it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct View {
+    /// `None`: it has not said.
+    pub phase: Option<Phase>,
+    /// rms of the spindle's accelerations in y and z so far [m/s²].
+    pub accelerations: Option<[f64; 2]>,
+    taken: Option<Instant>,
+}
+
+/// Least time between two estimates of what is being recorded: each goes through all that is there.
+const BETWEEN_ESTIMATES: Duration = Duration::from_millis(100);
 
 impl Run {
     /// Asks the run to stop; the first reason counts.
@@ -47,6 +64,23 @@ impl Run {
 
     pub fn set_progress(&self, share: f64) {
         self.progress.store(share.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+    }
+
+    /// Takes a look at the run, from the solver's thread.
+    pub fn show(&self, live: &Live<'_>) {
+        let mut view = locked(&self.view);
+        if view.phase != Some(live.phase) {
+            view.phase = Some(live.phase);
+            view.taken = None;
+        }
+        if view.taken.is_none_or(|taken| taken.elapsed() > BETWEEN_ESTIMATES) {
+            view.accelerations = (live.accelerations)().or(view.accelerations);
+            view.taken = Some(Instant::now());
+        }
+    }
+
+    pub fn view(&self) -> View {
+        *locked(&self.view)
     }
 
     /// Finished share, 0–1.

@@ -6,16 +6,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use tokio::sync::Notify;
+use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
-use super::intake::{Intake, IntakeLimits};
+use super::intake::{Intake, IntakeLimits, Submitted};
 use super::lock::DatabaseLock;
 use super::queue::{Handler, Queue, QueueStats};
-use super::running::{Running, StopReason};
+use super::running::{Running, StopReason, View};
 use super::store::studies::StoredPoint;
 use super::store::{Filter, PRIORITY_OF_STRANDS, Signal, Store, records, studies};
 use super::worker::Worker;
-use super::{JobError, JobRecord, NewJob, Status, sweep};
+use super::{IdempotencyKey, JobError, JobRecord, NewJob, Status, sweep};
 use crate::contract::{Job, JobKind, Outcome, RunFailure};
 use crate::simulation::run::Control;
 
@@ -82,14 +84,14 @@ pub(super) struct Inner {
     pub queue: Arc<Queue>,
     pub running: Arc<Running>,
     intake: Intake,
-    stopping: AtomicBool,
+    stopping: CancellationToken,
     disk_full: AtomicBool,
     _lock: DatabaseLock,
 }
 
 impl Inner {
     pub fn is_stopping(&self) -> bool {
-        self.stopping.load(Ordering::Acquire)
+        self.stopping.is_cancelled()
     }
 
     pub fn disk_is_full(&self) -> bool {
@@ -125,7 +127,7 @@ impl Jobs {
         let queue = Arc::new(queue);
         let limits = IntakeLimits { queue: settings.queue_limit, strands: settings.workers, keep_s: settings.keep_s };
         let intake = Intake::start(store.clone(), Arc::clone(&queue), limits);
-        let stopping = AtomicBool::new(false);
+        let stopping = CancellationToken::new();
         let disk_full = AtomicBool::new(false);
         let inner = Inner { settings, store, queue, running, intake, stopping, disk_full, _lock: lock };
         let inner = Arc::new(inner);
@@ -134,12 +136,12 @@ impl Jobs {
         Ok(Self { inner })
     }
 
-    /// Hands in a job; it is safe on the disk when this returns.
-    pub async fn submit(&self, job: &Job, owner: &str) -> Result<JobRecord, JobError> {
+    /// Hands in a job; it is safe on the disk when this returns. With a key, once: the same key answers again as it did first.
+    pub async fn submit(&self, job: &Job, owner: &str, key: Option<IdempotencyKey>) -> Result<Submitted, JobError> {
         if self.inner.is_stopping() {
             return Err(JobError::Stopping);
         }
-        self.inner.note(self.inner.intake.submit(NewJob::new(job, owner)).await)
+        self.inner.note(self.inner.intake.submit(NewJob::new(job, owner, key)).await)
     }
 
     /// A job, with the progress of this moment.
@@ -164,6 +166,21 @@ impl Jobs {
         record
     }
 
+    /// How a run of this process goes; `None` where there is none.
+    pub fn view(&self, id: Uuid) -> Option<View> {
+        self.inner.running.get(id).map(|run| run.view())
+    }
+
+    /// What rings once the job has ended; to be taken before the job is looked at.
+    pub fn bell(&self, id: Uuid) -> Arc<Notify> {
+        self.inner.running.bell(id)
+    }
+
+    /// Whether the service takes no more jobs.
+    pub fn is_stopping(&self) -> bool {
+        self.inner.is_stopping()
+    }
+
     /// The job once it has ended, or as it is when the time is over.
     pub async fn wait(&self, owner: &str, id: Uuid, at_most: Duration) -> Result<JobRecord, JobError> {
         let bell = self.inner.running.bell(id);
@@ -175,7 +192,12 @@ impl Jobs {
         if record.status.is_final() {
             return Ok(record);
         }
-        drop(tokio::time::timeout(at_most, rings).await);
+        tokio::select! {
+            () = rings => {}
+            () = tokio::time::sleep(at_most) => {}
+            // The job goes on after the next start; whoever waits gets its id before this one ends.
+            () = self.inner.stopping.cancelled() => {}
+        }
         self.get(owner, id).await
     }
 
@@ -280,6 +302,16 @@ impl Jobs {
         self.inner.store.channels(owner, id, signal).await
     }
 
+    /// Digest of all that determines the result of a succeeded job; `None` of any other.
+    pub async fn fingerprint(&self, owner: &str, id: Uuid) -> Result<Option<Vec<u8>>, JobError> {
+        self.inner.store.fingerprint(owner, id).await
+    }
+
+    /// What pictures of a succeeded simulation show, as JSON text; `None` where nothing was kept for them.
+    pub async fn views(&self, owner: &str, id: Uuid) -> Result<Option<Vec<u8>>, JobError> {
+        self.inner.store.views(owner, id).await
+    }
+
     /// The report of a succeeded job of a kind that leaves one, as JSON text.
     pub async fn report(&self, owner: &str, id: Uuid, kind: JobKind) -> Result<Vec<u8>, JobError> {
         self.inner.store.report(owner, id, kind).await
@@ -303,7 +335,7 @@ impl Jobs {
 
     /// Takes no more jobs; those that run go on.
     pub fn refuse_new(&self) {
-        self.inner.stopping.store(true, Ordering::Release);
+        self.inner.stopping.cancel();
     }
 
     /// Hands running jobs back, so that they run again at the next start, and closes the database.

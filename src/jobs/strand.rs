@@ -149,7 +149,7 @@ impl Worker {
             let begin = Instant::now();
             let over = || begin.elapsed() > limit;
             let stop = || over() || run.stopped().is_some();
-            let simulate = |job: &Job| simulator(job, &Control { stop: &stop, progress: &|_| () });
+            let simulate = |job: &Job| simulator(job, &Control::until(&stop));
             let end = execute_point(job, &simulate);
             if end.is_none() && run.stopped().is_none() && over() {
                 return Some(PointEnd::Failed(PointError {

@@ -36,6 +36,7 @@ pub async fn sweep(inner: &Inner) -> Result<(), JobError> {
     if !expired.is_empty() {
         inner.store.remove(&expired).await?;
     }
+    inner.store.forget_keys().await?;
     Ok(())
 }
 

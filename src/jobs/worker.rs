@@ -14,7 +14,7 @@ use super::store::claims::{self, Pulse};
 use super::store::{Claim, End, Store, StoredResult};
 use super::{Failure, JobError};
 use crate::contract::{self, JobKind, RunFailure};
-use crate::simulation::run::Control;
+use crate::simulation::run::{Control, Live};
 
 /// Runs delivered jobs.
 pub struct Worker {
@@ -177,7 +177,8 @@ fn solve(simulator: &Simulator, request: &str, run: &Run, time_limit: Duration) 
         }
         run.stopped().is_some()
     };
-    let outcome = simulator(&job, &Control { stop: &stop, progress: &|share| run.set_progress(share) })?;
+    let (progress, live) = (|share| run.set_progress(share), |live: &Live<'_>| run.show(live));
+    let outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
     StoredResult::of(&outcome).map_err(|error| internal(error.to_string()))
 }
 

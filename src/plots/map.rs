@@ -9,8 +9,10 @@ pub struct MapPanel<'a> {
     /// Metric with its unit.
     pub name: &'a str,
     pub values: Vec<Option<f64>>,
-    /// The best point.
-    pub best: Option<usize>,
+    /// The best point, in fields to the right and up from the middle of the first one.
+    pub best: Option<[f64; 2]>,
+    /// Further points that were run, likewise.
+    pub runs: Vec<[f64; 2]>,
 }
 
 const WIDTH: f64 = 640.0;
@@ -57,9 +59,14 @@ fn draw(drawing: &mut Drawing, axes: [&VariedAxis<'_>; 2], panel: &MapPanel<'_>,
         // A little larger, or paper would shine through between neighbours.
         drawing.filled(&shade(share), x, y, width + 0.4, height + 0.4);
     }
+    let middle = |[column, row]: [f64; 2]| (LEFT + (column + 0.5) * width, bottom - (row + 0.5) * height);
+    for run in &panel.runs {
+        let (x, y) = middle(*run);
+        drawing.run(x, y);
+    }
     if let Some(best) = panel.best {
-        let (x, y) = corner(best);
-        drawing.mark(x + 0.5 * width, y + 0.5 * height);
+        let (x, y) = middle(best);
+        drawing.mark(x, y);
     }
     label(drawing, &axes[0].values, |place, text, drawing| {
         drawing.text("", Anchor::Middle, LEFT + (place as f64 + 0.5) * width, bottom + 17.0, text);
@@ -119,14 +126,19 @@ mod tests {
         let speed = VariedAxis { name: "speed", values: AxisPlaces::Numbers(vec![1e4, 2e4, 3e4]) };
         let kind = VariedAxis { name: "kind", values: AxisPlaces::Words(vec!["a<b".into(), "c".into()]) };
         let values = vec![Some(1.0), Some(2.0), None, Some(3.0), Some(4.0), Some(f64::NAN)];
-        let svg = map_svg("Map", "s", [&speed, &kind], &[MapPanel { name: "level in dB", values, best: Some(0) }]);
+        let svg = map_svg(
+            "Map",
+            "s",
+            [&speed, &kind],
+            &[MapPanel { name: "level in dB", values, best: Some([0.0, 1.0]), runs: vec![[0.5, 0.5]] }],
+        );
         assert_well_formed(&svg);
         assert_eq!(svg.matches("fill=\"#").count(), 4 + SHADES);
         for text in ["level in dB", ">speed<", ">kind<", "a&lt;b", ">20000<"] {
             assert!(svg.contains(text), "{text}");
         }
-        let empty = MapPanel { name: "n", values: vec![None; 6], best: None };
-        let flat = MapPanel { name: "n", values: vec![Some(2.0); 6], best: Some(5) };
+        let empty = MapPanel { name: "n", values: vec![None; 6], best: None, runs: Vec::new() };
+        let flat = MapPanel { name: "n", values: vec![Some(2.0); 6], best: Some([2.0, 1.0]), runs: Vec::new() };
         assert_well_formed(&map_svg("t", "s", [&speed, &kind], &[empty, flat]));
         assert_eq!((shade(0.0), shade(-1.0)), ("#440154".into(), "#440154".into()));
     }

@@ -2,6 +2,7 @@
 //! every axis, colours that follow the viewer's light or dark setting. Takes plain numbers and labelled lines; knows
 //! no HTTP, no file, and not where a result comes from.
 
+mod loads;
 mod map;
 mod orbit;
 mod series;
@@ -12,6 +13,7 @@ mod work_precision;
 mod axis;
 mod svg;
 
+pub use loads::{LoadCurve, loads_svg};
 pub use map::{MapPanel, map_svg};
 pub use orbit::{OrbitCurve, orbit_svg};
 pub use series::{SeriesCurve, series_svg};

@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 /// Colours and type for every picture. Selectors are scoped, for a picture may stand inside a page; no variables,
-/// which not every renderer knows.
+/// which not every renderer knows; sizes of a page stand where only browsers look.
 const STYLE: &str = "\
-.raceway-plot{font-family:system-ui,'Segoe UI',Helvetica,Arial,sans-serif;font-size:13px;max-width:100%;height:auto}\
+.raceway-plot{font-family:system-ui,'Segoe UI',Helvetica,Arial,sans-serif;font-size:13px}\
+@media screen{.raceway-plot{max-width:100%;height:auto}}\
 .raceway-plot .paper{fill:#fff}\
 .raceway-plot .panel{fill:#f7f9fb;stroke:#b8c2cc}\
 .raceway-plot .grid{stroke:#dde3e9;stroke-width:1}\
@@ -24,10 +25,12 @@ const STYLE: &str = "\
 .raceway-plot .ring{fill:none;stroke-width:1.3}.raceway-plot .cross{fill:none;stroke-width:1.8}\
 .raceway-plot .floor{stroke:#7b8792;stroke-width:1.2;stroke-dasharray:6 4}\
 .raceway-plot .small{font-size:11.5px;fill:#56616c}\
+.raceway-plot .band{fill:#0b63b0;fill-opacity:.13}\
 @media (prefers-color-scheme:dark){\
 .raceway-plot .paper{fill:#14181d}\
 .raceway-plot .panel{fill:#1a2027;stroke:#48535e}\
 .raceway-plot .grid{stroke:#2b343d}\
+.raceway-plot .band{fill:#6cb4ff;fill-opacity:.2}\
 .raceway-plot text{fill:#e4e9ee}\
 .raceway-plot .subtitle,.raceway-plot .note,.raceway-plot .small{fill:#a3afba}\
 .raceway-plot .leader,.raceway-plot .floor{stroke:#8693a0}\
@@ -89,6 +92,13 @@ impl Drawing {
                 "<circle fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"6\"/>"
             ));
         }
+    }
+
+    /// A small dot that shows on every colour.
+    pub fn run(&mut self, x: f64, y: f64) {
+        self.element(format_args!(
+            "<circle fill=\"white\" stroke=\"black\" stroke-width=\"0.6\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.6\"/>"
+        ));
     }
 
     pub fn line(&mut self, class: &str, from: (f64, f64), to: (f64, f64)) {

@@ -17,6 +17,8 @@ pub struct TrendPanel<'a> {
     pub curves: Vec<TrendCurve<'a>>,
     /// The best value of the first curve.
     pub best: Option<usize>,
+    /// Where on an axis of numbers the best value may lie.
+    pub band: Option<[f64; 2]>,
 }
 
 /// The varied quantity: its name and its values; words stand at equal distances.
@@ -47,6 +49,16 @@ const LOGARITHMIC: f64 = 8.0;
 pub(super) struct Places {
     at: Vec<f64>,
     ticks: Vec<(f64, String)>,
+    /// Of numbers; whether their logarithms are what it takes.
+    scale: Option<(Scale, bool)>,
+}
+
+impl Places {
+    /// Where a number stands; `None` among words.
+    fn of(&self, value: f64) -> Option<f64> {
+        let (scale, logarithmic) = self.scale?;
+        Some(scale.at(if logarithmic { value.log10() } else { value }))
+    }
 }
 
 impl AxisPlaces {
@@ -78,7 +90,7 @@ impl AxisPlaces {
                 let scale = Scale { values: (-0.5, words.len() as f64 - 0.5), positions };
                 let at: Vec<f64> = (0..words.len()).map(|i| scale.at(i as f64)).collect();
                 let shown = words.iter().map(|word| word.chars().take(16).collect());
-                Places { ticks: at.iter().copied().zip(shown).collect(), at }
+                Places { ticks: at.iter().copied().zip(shown).collect(), at, scale: None }
             }
             Self::Numbers(values) => {
                 let logarithmic = is_logarithmic(values);
@@ -88,6 +100,7 @@ impl AxisPlaces {
                 Places {
                     at: mapped.iter().map(|value| scale.at(*value)).collect(),
                     ticks: ticks.into_iter().map(|(value, text)| (scale.at(value), text)).collect(),
+                    scale: Some((scale, logarithmic)),
                 }
             }
         }
@@ -128,7 +141,8 @@ fn log_ticks((from, to): (f64, f64)) -> Vec<(f64, String)> {
 pub fn trend_svg(title: &str, subtitle: &str, axis: &VariedAxis<'_>, panels: &[TrendPanel<'_>]) -> String {
     let height = TOP + panels.len().max(1) as f64 * PITCH - 56.0 + BOTTOM;
     let shown: Vec<&str> = panels.iter().map(|panel| panel.quantity).collect();
-    let description = format!("{subtitle}. {} over {}.", shown.join(", "), axis.name);
+    let shown = if shown.is_empty() { "Nothing yet".to_owned() } else { shown.join(", ") };
+    let description = format!("{subtitle}. {shown} over {}.", axis.name);
     let mut drawing = Drawing::new(WIDTH, height, title, subtitle, &description);
     let places = axis.values.laid_out((LEFT, WIDTH - RIGHT));
     let mut bottom = TOP + PANEL;
@@ -148,6 +162,10 @@ fn draw_panel(drawing: &mut Drawing, panel: &TrendPanel<'_>, places: &Places, (b
     let y = Scale { values: range_of(&ends), positions: (bottom, top) };
     let (left, right) = (LEFT, WIDTH - RIGHT);
     drawing.rectangle("panel", left, top, right - left, bottom - top);
+    if let Some([a, b]) = panel.band.and_then(|[a, b]| Some([places.of(a)?, places.of(b)?])) {
+        // At least a hairline.
+        drawing.rectangle("band", a.min(b), top, (b - a).abs().max(1.0), bottom - top);
+    }
     for (at, text) in &places.ticks {
         drawing.line("grid", (*at, top), (*at, bottom));
         drawing.text("", Anchor::Middle, *at, bottom + 17.0, text);
@@ -190,7 +208,12 @@ mod tests {
     use crate::plots::svg::assert_well_formed;
 
     fn panel(values: Vec<Option<(f64, Option<f64>)>>) -> [TrendPanel<'static>; 1] {
-        [TrendPanel { quantity: "level in dB", curves: vec![TrendCurve { name: "y <&>", values }], best: None }]
+        [TrendPanel {
+            quantity: "level in dB",
+            curves: vec![TrendCurve { name: "y <&>", values }],
+            best: None,
+            band: Some([1.5, 2.5]),
+        }]
     }
 
     #[test]
@@ -199,7 +222,7 @@ mod tests {
         let axis = VariedAxis { name: "/operation/speed_rpm", values: AxisPlaces::Numbers(vec![1.0, 2.0, 3.0, 4.0]) };
         let svg = trend_svg("Trend", "one bearing", &axis, &panel(values));
         assert_well_formed(&svg);
-        for text in ["level in dB", "/operation/speed_rpm", "y &lt;&amp;&gt;", ">60<"] {
+        for text in ["level in dB", "/operation/speed_rpm", "y &lt;&amp;&gt;", ">60<", "class=\"band\""] {
             assert!(svg.contains(text), "{text}");
         }
         assert_eq!((svg.matches("<circle").count(), svg.matches("<path").count()), (4, 4));

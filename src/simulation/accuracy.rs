@@ -5,7 +5,7 @@ use super::divergence::{divergence_rate, judged_stretch, judging};
 use super::metrics::{AccuracyReport, BAND, MotionKind, QuantityErrors};
 use super::model::Model;
 use super::observe::{self, Quantities, RATE, Recording};
-use super::run::{Attempt, Control, Outputs, RunSettings, Setup, SimulationError, Stepping};
+use super::run::{Attempt, Control, Live, Outputs, Phase, RunSettings, Setup, SimulationError, Stepping};
 use super::windows::Signal;
 use crate::numerics::ode::Method;
 use crate::numerics::spectrum::band_limited;
@@ -62,9 +62,11 @@ pub(super) fn judge(
     control: &Control<'_>,
 ) -> Result<(Attempt, AccuracyReport), SimulationError> {
     let settings = setup.settings;
+    (control.live)(&Live::of(Phase::Judging));
+    let aside = &control.aside();
     let (stretch, checkpoint) = (judged_stretch(settings), &first.integrated.checkpoint);
     let most = JUDGING * first.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
-    let parted = divergence_rate(setup.model, settings, settings.settle, checkpoint, stretch, most, control);
+    let parted = divergence_rate(setup.model, settings, settings.settle, checkpoint, stretch, most, aside);
     let (parted, mut failure) = or_failure(parted)?;
     (control.progress)(0.88);
     let divergence_rate = parted.map_or(0.0, |parted| parted.rate);
@@ -75,12 +77,12 @@ pub(super) fn judge(
     } else {
         settings.duration
     };
-    let (mut repeated, mut failed) = or_failure(repeat(setup, &first, part, most, control))?;
+    let (mut repeated, mut failed) = or_failure(repeat(setup, &first, part, most, aside))?;
     if failed.is_some() && part > REPEATED {
         // A part is better than nothing, and the result says that it is one.
         failure = failure.or(failed);
         part = REPEATED;
-        (repeated, failed) = or_failure(repeat(setup, &first, part, most, control))?;
+        (repeated, failed) = or_failure(repeat(setup, &first, part, most, aside))?;
     }
     let repeated = repeated.flatten();
     failure = failure.or(failed);

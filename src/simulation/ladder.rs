@@ -14,9 +14,11 @@ use super::metrics::{AccuracyReport, MotionKind, SolverReport};
 use super::model::radially_condensed::{self, RadiallyCondensed};
 use super::model::{Mechanism, Model};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
-use super::observe::{RATE, Recording, kept_values};
+use super::observe::{Quantities, RATE, Recording, kept_values};
 use super::reduced;
-use super::run::{self, Control, Method, Outputs, RunResult, RunSettings, Setup, SimulationError, Stepping};
+use super::run::{
+    self, Control, Live, Method, Outputs, Phase, RunResult, RunSettings, Setup, SimulationError, Stepping,
+};
 use super::scene::{Scene, Term, TermChoice};
 use super::windows::Windows;
 use crate::numerics::ode::Statistics;
@@ -53,6 +55,16 @@ const SHARE_OF_LEAN: f64 = 0.7;
 /// check tells nothing of the run: levels were off by decibels at twenty and three per cent, by a twentieth at one and a half.
 const SLIPPED: f64 = 5e-3;
 const WANDERED: f64 = 1e-2;
+/// Sine of a contact angle below which balls count as in the plane [-]; the rate at which larger ones grow from which on the balls are leaving it [1/s]: tilt
+/// that grew to degrees and decibels grew by 18 to 70 a second, and where it did not, the angles of a check's halves were up to a tenth
+/// apart over 8 ms. And the least stretch that tells such a rate [s].
+const IN_PLANE: f64 = 5e-4;
+const LEAVING: f64 = 12.0;
+const TELLS_LEAVING: f64 = 0.025;
+const LONG_CHECK: f64 = 0.03;
+/// Viscosity over speed of the shaft [Pa s²] from which on such tilt was seen to grow (from 6e-5 on); a rung
+/// that is checked in the plane would not see it.
+const TILTS: f64 = 5e-5;
 /// How far apart two motions start that show whether the motion is chaotic [m], and the size of the spindle's displacements [m].
 const DISPLACEMENT: f64 = 1e-10;
 const STATIC_DISPLACEMENT: f64 = 1e-6;
@@ -155,7 +167,10 @@ pub fn tried(scene: &Scene, settings: &RunSettings) -> Result<Vec<Rung>, Unmet> 
     }
     let dynamics = Needs::of(scene, &settings.outputs, None)?;
     let mut rungs = if not_tried(scene, settings, &dynamics).is_none() {
-        let serves = |rung: &Rung| rung.refusal(scene, &dynamics, &settings.outputs).is_none();
+        let serves = |rung: &Rung| {
+            (*rung == Rung::RadiallyCondensed || lean_not_tried(scene).is_none())
+                && rung.refusal(scene, &dynamics, &settings.outputs).is_none()
+        };
         Rung::REDUCED.into_iter().filter(serves).collect()
     } else {
         Vec::new()
@@ -182,6 +197,14 @@ fn not_tried(scene: &Scene, settings: &RunSettings, needs: &Needs) -> Option<&'s
     } else {
         None
     }
+}
+
+/// Why no rung leaner than the condensed one is tried; `None`: nothing speaks against it.
+fn lean_not_tried(scene: &Scene) -> Option<&'static str> {
+    let tilts = scene.lubricant.viscosity > TILTS * scene.operating_speed().abs();
+    tilts.then_some(
+        "at so low a speed so viscous a lubricant may let cage and balls tilt, which their check would not see",
+    )
 }
 
 /// Times of a check: before the stretch that is compared, and of that [s].
@@ -291,6 +314,8 @@ pub(super) fn run(
     let dynamics = Needs::of(scene, &settings.outputs, None)?;
     if let (None, Some(reason)) = (settings.rung, not_tried(scene, settings, &dynamics)) {
         found.push(format!("no reduced rung was tried: {reason}"));
+    } else if let (None, Some(reason)) = (settings.rung, lean_not_tried(scene)) {
+        found.push(format!("spindle_only and periodic were not tried: {reason}"));
     }
     for rung in tried(scene, settings)?.into_iter().filter(|rung| rung.is_reduced()) {
         match on_rung(rung, scene, settings, begin, control) {
@@ -318,7 +343,8 @@ fn on_rung(
     let part = |from: f64, to: f64| move |share: f64| (control.progress)(from + share * (to - from));
     let (checking, running) = (part(0.0, CHECK_SHARE), part(CHECK_SHARE, 1.0));
     // The check decides, so it comes first.
-    let check = match check(rung, scene, settings, &Control { stop: control.stop, progress: &checking }) {
+    (control.live)(&Live::of(Phase::Checking));
+    let check = match check(rung, scene, settings, &Control { progress: &checking, ..control.aside() }) {
         Ok(check) => check,
         // A rung by name is run whatever its check shows.
         Err(error) if settings.rung.is_some() && !matches!(error, SimulationError::Stopped { .. }) => {
@@ -330,7 +356,8 @@ fn on_rung(
     if !confirmed && settings.rung.is_none() {
         return Ok(Err(check.words()));
     }
-    let made = record(rung, scene, settings, &Control { stop: control.stop, progress: &running })?;
+    let made = record(rung, scene, settings, &Control { progress: &running, ..*control })?;
+    (control.live)(&Live::of(Phase::Judging));
     let gone_on = (rung == Rung::RadiallyCondensed && check.fault.is_none())
         .then(|| check.reached.gone_on(&Reached::of(&made.recording), scene))
         .flatten();
@@ -386,18 +413,29 @@ fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) -> RunSetti
 
 /// A short run of the rung beside one of the next richer rung.
 fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<Check, SimulationError> {
-    let quiet = Control { stop: control.stop, progress: &|_| {} };
+    let quiet = Control::until(control.stop);
     let short = check_settings(rung, scene, settings);
     let duration = short.duration;
     let own = record(rung, scene, &short, &quiet)?.recording;
+    let mut leaves = None;
     let (against, richer) = if rung == Rung::RadiallyCondensed {
         let needs = Needs::of(scene, &short.outputs, None)?;
         let model = Model::new(scene, &needs);
         let start = run::start_state(&model)?;
         let tolerance = settings.tightest().max(CHECK_TOLERANCE);
         let stepping = Stepping { relative_tolerance: tolerance, ..Stepping::of(&short) };
-        let setup = Setup { model: &model, needs: &needs, settings: &short, start: &start, whole: None };
-        (needs.rung, setup.attempt(&stepping, (0.0, 1.0), control)?.recording)
+        let attempt = |settings: &RunSettings| {
+            let setup = Setup { model: &model, needs: &needs, settings, start: &start, whole: None };
+            Ok::<_, SimulationError>(setup.attempt(&stepping, (0.0, 1.0), control)?.recording)
+        };
+        let richer = attempt(&short)?;
+        leaves = leaving_the_plane(&richer, duration);
+        if leaves.is_some() && duration < TELLS_LEAVING {
+            // So short a stretch takes chance for growth.
+            let long = RunSettings { duration: LONG_CHECK, ..short.clone() };
+            leaves = leaving_the_plane(&attempt(&long)?, LONG_CHECK);
+        }
+        (needs.rung, richer)
     } else {
         (Rung::RadiallyCondensed, record(Rung::RadiallyCondensed, scene, &short, &quiet)?.recording)
     };
@@ -408,16 +446,36 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
         distance.quantities = None;
     }
     let fault = if !scene.operation.speed.is_constant() {
-        Some("the speed varies, and a check from the start tells nothing of later speeds")
+        Some("the speed varies, and a check from the start tells nothing of later speeds".to_owned())
     } else if settings.duration < duration {
-        Some("less is kept than a check compares")
+        Some("less is kept than a check compares".to_owned())
     } else {
-        None
+        // Where levels are too far apart, they say so themselves.
+        leaves.filter(|_| distance.within(&settings.outputs, settings.model_tolerance_db))
     };
     if fault.is_some() {
         distance = accuracy::Distance::UNKNOWN;
     }
-    Ok(Check { against, stretch: duration, distance, reached, fault: fault.map(str::to_owned) })
+    Ok(Check { against, stretch: duration, distance, reached, fault })
+}
+
+/// Why a motion that begins in the plane may not stay there, from a stretch of it [s]; `None`: nothing speaks against it. Planar motion solves the
+/// equations but for a small tilt by the crown's seat, which in a viscous grease at low speed grows.
+fn leaving_the_plane(recording: &Recording, stretch: f64) -> Option<String> {
+    let most = |parts: &[Quantities]| parts.iter().fold(0.0, |most, part| f64::max(most, part.out_of_plane));
+    let (first, second) = recording.parts.split_at(recording.parts.len() / 2);
+    let (before, after) = (most(first), most(second));
+    let rate = (after / before).ln() / (0.5 * stretch);
+    let leaves = after > IN_PLANE && before > 0.0 && rate > LEAVING;
+    leaves.then(|| {
+        let degrees = |sine: f64| sine.asin().to_degrees();
+        format!(
+            "balls leave the plane: contact angles of {:.2}°, then {:.2}° within {:.0} ms",
+            degrees(before),
+            degrees(after),
+            1e3 * stretch
+        )
+    })
 }
 
 /// Do two motions on the condensed rung that start next to each other part? On a leaner rung over the time of its check.
@@ -428,7 +486,7 @@ fn parted(
     made: &Made,
     control: &Control<'_>,
 ) -> Result<Parted, SimulationError> {
-    let quiet = Control { stop: control.stop, progress: &|_| {} };
+    let quiet = Control::until(control.stop);
     let beside = |displacement, settings: &RunSettings| {
         radially_condensed::simulate_beside(scene, displacement, settings, &quiet).map(|(recording, _)| recording)
     };

@@ -18,5 +18,6 @@ pub mod run;
 pub mod scene;
 pub mod state;
 pub mod stiffness;
+pub mod views;
 pub mod windows;
 pub mod work_precision;

@@ -8,6 +8,7 @@ use super::channel::{Axis, BallContact, Channel, Motion};
 use super::model::{Model, Watch};
 use super::needs::Needs;
 use super::run::{Outputs, RunSettings};
+use super::views::{LoadsAlong, LoadsTaken};
 use super::windows::{Recorder, Signal, Whirl};
 use crate::numerics::ode::Integrator;
 use crate::numerics::spectrum::Decimator;
@@ -43,6 +44,8 @@ pub struct Quantities {
     pub max_load: f64,
     /// Mean over the time, absolute value [rad/s].
     pub cage_speed: f64,
+    /// Sine of the largest contact angle under load, either way [-].
+    pub out_of_plane: f64,
 }
 
 /// What a run has shown, in SI.
@@ -66,6 +69,8 @@ pub struct Recording {
     pub ball_spin: f64,
     /// Over each stretch of `PART` kept values.
     pub parts: Vec<Quantities>,
+    /// Of the first ball along its way, where contacts are asked for.
+    pub loads: Option<LoadsAlong>,
     /// Largest distance along the orbit of a ball from the middle of its pocket [m]; `None` where nobody looked.
     pub wander: Option<f64>,
 }
@@ -97,7 +102,11 @@ impl Recording {
     /// Over all that was kept.
     pub fn quantities(&self) -> Quantities {
         let loads = self.contacts.inner.max_load.iter().chain(&self.contacts.outer.max_load);
-        Quantities { max_load: loads.copied().fold(0.0, f64::max), cage_speed: self.cage_speed }
+        Quantities {
+            max_load: loads.copied().fold(0.0, f64::max),
+            cage_speed: self.cage_speed,
+            out_of_plane: self.parts.iter().fold(0.0, |most, part| f64::max(most, part.out_of_plane)),
+        }
     }
 }
 
@@ -110,6 +119,8 @@ struct Snapshot {
     /// What was met so far; it grows only while `counts` is set.
     met: PerRaceway<Met>,
     max_pocket_load: f64,
+    /// Sine of the largest contact angle under load, either way, since the last part ended.
+    out_of_plane: f64,
     counts: bool,
 }
 
@@ -158,6 +169,7 @@ impl Watch for Look<'_> {
         }
         met.max_load[ball] = met.max_load[ball].max(load.normal);
         met.slip_square = met.slip_square.max(load.slip.0 * load.slip.0 + load.slip.1 * load.slip.1);
+        snapshot.out_of_plane = snapshot.out_of_plane.max(load.angle.0.abs());
         let [least, most] = met.angles.get_or_insert([load.angle; 2]);
         if load.angle.0 < least.0 {
             *least = load.angle;
@@ -221,6 +233,7 @@ pub struct Observer<'m> {
     state: Vec<f64>,
     derivative: Vec<f64>,
     snapshot: Snapshot,
+    loads: Option<LoadsTaken>,
     shaft: Moments,
     cage: Moments,
     spin: Moments,
@@ -280,8 +293,10 @@ impl<'m> Observer<'m> {
                 pocket: vec![0.0; balls],
                 met: PerRaceway { inner: Met::new(balls), outer: Met::new(balls) },
                 max_pocket_load: 0.0,
+                out_of_plane: 0.0,
                 counts: false,
             },
+            loads: (settings.outputs.contacts && settings.outputs.keep_signals()).then(|| LoadsTaken::new(values)),
             shaft: Moments::default(),
             cage: Moments::default(),
             spin: Moments::default(),
@@ -329,13 +344,14 @@ impl<'m> Observer<'m> {
             }
             let cage_speed = self.gather_speeds(time);
             if place > 0 && place % (PART * OVERSAMPLING) == 0 {
-                self.parts.push(std::mem::take(&mut self.part).quantities());
+                self.end_part();
             }
             let loads = self.snapshot.inner.iter().chain(&self.snapshot.outer);
             self.part.max_load = loads.copied().fold(self.part.max_load, f64::max);
             self.part.cage.add(cage_speed);
             if place % OVERSAMPLING == 0 {
                 self.pick(time);
+                self.take_loads(time);
             }
         }
         if let Some(frame) = self.decimator.push(&self.frame) {
@@ -401,9 +417,33 @@ impl<'m> Observer<'m> {
         self.picked.push(&self.pick);
     }
 
+    fn end_part(&mut self) {
+        let part = std::mem::take(&mut self.part);
+        self.parts.push(Quantities {
+            max_load: part.max_load,
+            cage_speed: part.cage.mean.abs(),
+            out_of_plane: std::mem::take(&mut self.snapshot.out_of_plane),
+        });
+    }
+
+    fn take_loads(&mut self, time: f64) {
+        let Some(loads) = &mut self.loads else { return };
+        let (m, snapshot, state) = (self.model.mechanism(), &self.snapshot, &self.state);
+        loads.look(|| {
+            let (angle, _, _) = m.speed.at(time);
+            let arc = m.layout.ball(state, 0).arc;
+            (m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius, snapshot.inner[0], snapshot.outer[0])
+        });
+    }
+
+    /// rms of the spindle's accelerations in y and z so far [m/s²], any frequency; `None` before anything is kept.
+    pub fn accelerations(&self) -> Option<[f64; 2]> {
+        self.filtered.accelerations()
+    }
+
     /// What was seen.
     pub fn finish(mut self) -> Recording {
-        self.parts.push(self.part.quantities());
+        self.end_part();
         let total_variance = self.spindle.iter().zip(&self.moments).map(|(c, m)| (*c, m.variance())).collect();
         let (spindle, _) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
@@ -422,14 +462,9 @@ impl<'m> Observer<'m> {
             cage_speed: self.cage.mean.abs(),
             ball_spin: self.spin.mean.abs(),
             parts: self.parts,
+            loads: self.loads.map(LoadsTaken::finish),
             wander: None,
         }
-    }
-}
-
-impl Part {
-    fn quantities(&self) -> Quantities {
-        Quantities { max_load: self.max_load, cage_speed: self.cage.mean.abs() }
     }
 }
 

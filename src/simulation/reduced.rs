@@ -10,7 +10,7 @@ use super::model::radially_condensed::MOST_STEPS;
 use super::model::spindle_only::{Corrections, SpindleMotion, SpindleOnly};
 use super::needs::Needs;
 use super::observe::{ContactExtremes, RATE, Recording, kept_values};
-use super::run::{Control, Outputs, RunSettings, Rung, SimulationError};
+use super::run::{Control, Live, Outputs, Phase, RunSettings, Rung, SimulationError};
 use super::scene::Scene;
 use super::windows::Recorder;
 use crate::numerics::lanes::{InstructionSet, Task};
@@ -173,6 +173,8 @@ pub fn simulate(
                 return Err(SimulationError::Stopped { time });
             }
             (control.progress)(to as f64 / all as f64);
+            let phase = if to < before { Phase::Settling } else { Phase::Recording };
+            (control.live)(&Live { phase, accelerations: &|| recorder.accelerations() });
         }
     }
     let statistics = statistics(all as u64 - 1, method.evaluations(), step);
@@ -262,6 +264,7 @@ fn recording(
         cage_speed: (model.orbit_ratio() * mean).abs(),
         ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
         parts: Vec::new(),
+        loads: None,
         wander: None,
     }
 }

@@ -14,6 +14,7 @@ use super::needs::{Grounds, LeftOut, Needs, Unmet};
 use super::observe::{Observer, Recording};
 use super::scene::Scene;
 use super::state::{BallState, Layout, SpindleState};
+use super::views::Views;
 pub use crate::numerics::ode::Method;
 use crate::numerics::ode::stability::{self, StabilityWatch};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Statistics};
@@ -29,6 +30,13 @@ pub struct Outputs {
     pub spectra: Vec<Channel>,
     /// Full time series of these.
     pub series: Vec<Channel>,
+}
+
+impl Outputs {
+    /// Whether any signal is kept; what pictures show is kept with them.
+    pub fn keep_signals(&self) -> bool {
+        !(self.spectra.is_empty() && self.series.is_empty())
+    }
 }
 
 /// How to simulate. Times in seconds.
@@ -64,6 +72,48 @@ pub struct Control<'a> {
     pub stop: &'a dyn Fn() -> bool,
     /// Told the finished share, 0–1, every few hundred steps.
     pub progress: &'a dyn Fn(f64),
+    /// Shown how the run goes, every few hundred steps.
+    pub live: &'a dyn Fn(&Live<'_>),
+}
+
+impl<'a> Control<'a> {
+    /// Nobody looks on.
+    pub const fn until(stop: &'a dyn Fn() -> bool) -> Self {
+        Self { stop, progress: &|_| (), live: &|_| () }
+    }
+
+    /// The same for a run whose levels are not those of the result.
+    pub fn aside(&self) -> Self {
+        Self { live: &|_| (), ..*self }
+    }
+}
+
+/// What a run is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// A reduced rung beside a richer one.
+    Checking,
+    /// Before anything is kept.
+    Settling,
+    /// What the result is made of.
+    Recording,
+    /// How far the result can be trusted.
+    Judging,
+}
+
+/// How a run goes.
+pub struct Live<'a> {
+    pub phase: Phase,
+    /// rms of the spindle's accelerations in y and z [m/s²] over what has been kept in this window, above the band, too; `None` before. Computed when it
+    /// is asked for.
+    pub accelerations: &'a dyn Fn() -> Option<[f64; 2]>,
+}
+
+impl Live<'static> {
+    /// Of a phase that keeps nothing.
+    pub fn of(phase: Phase) -> Self {
+        Self { phase, accelerations: &|| None }
+    }
 }
 
 /// A signal at a uniform rate, in the channel's unit.
@@ -91,6 +141,8 @@ pub struct RunResult {
     pub summary: Summary,
     pub spectra: Vec<ChannelSpectra>,
     pub series: Vec<Series>,
+    /// For pictures, where any signal is asked for.
+    pub views: Views,
     pub left_out: Vec<LeftOut>,
 }
 
@@ -143,7 +195,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
         furthest.set(f64::max(share, furthest.get()));
         (control.progress)(furthest.get());
     };
-    let control = &Control { stop: control.stop, progress: &progress };
+    let control = &Control { progress: &progress, ..*control };
     let (reduced, found) = ladder::run(scene, settings, control)?;
     if let Some(result) = reduced {
         (control.progress)(1.0);
@@ -234,7 +286,17 @@ impl Setup<'_> {
     ) -> Result<Attempt, SimulationError> {
         let mut observer = Observer::new(self.model, self.needs, self.settings);
         let span = Span { start: 0.0, end: observer.end(), checkpoint: self.settings.settle, share };
-        let integrated = integrate(self.model, self.start, stepping, &span, control, |step| observer.after(step))?;
+        let settle = self.settings.settle;
+        let mut steps = 0_u64;
+        let after_step = |step: &dyn Integrator| {
+            observer.after(step);
+            steps += 1;
+            if steps.is_multiple_of(STEPS_PER_LOOK) {
+                let phase = if step.time() < settle { Phase::Settling } else { Phase::Recording };
+                (control.live)(&Live { phase, accelerations: &|| observer.accelerations() });
+            }
+        };
+        let integrated = integrate(self.model, self.start, stepping, &span, control, after_step)?;
         let relative_tolerance = stepping.relative_tolerance;
         Ok(Attempt { relative_tolerance, integrated, recording: observer.finish() })
     }
@@ -430,7 +492,8 @@ impl RunResult {
             solver,
             accuracy,
         };
-        Self { summary, spectra, series: metrics::series(recording, settings), left_out }
+        let views = if outputs.keep_signals() { Views::of(recording) } else { Views::default() };
+        Self { summary, spectra, series: metrics::series(recording, settings), views, left_out }
     }
 }
 

@@ -95,6 +95,8 @@ pub struct Signal {
     in_band: OnceLock<InBand>,
     spectra: OnceLock<ChannelSpectra>,
     asked_for_spectra: bool,
+    /// Of a run of several windows, for pictures, where they are kept.
+    first: Option<Vec<f64>>,
 }
 
 impl Signal {
@@ -110,6 +112,7 @@ impl Signal {
             in_band: OnceLock::new(),
             spectra: OnceLock::new(),
             asked_for_spectra: outputs.spectra.contains(&channel),
+            first: (windows.count > 1 && outputs.keep_signals()).then(Vec::new),
         }
     }
 
@@ -119,6 +122,11 @@ impl Signal {
             None if self.excerpts.len() == 1 => self.excerpts.first().map(Vec::as_slice),
             series => series.as_deref(),
         }
+    }
+
+    /// Values of the first window, or of all where there is one.
+    pub fn first_window(&self) -> &[f64] {
+        self.first.as_deref().or_else(|| self.values()).unwrap_or_default()
     }
 
     /// Moments of all windows, nothing filtered.
@@ -154,6 +162,9 @@ impl Signal {
         }
         if ACCELERATIONS.contains(&self.channel) {
             self.excerpts.push(self.window.iter().copied().take(windows.excerpt(index)).collect());
+        }
+        if let Some(first) = self.first.as_mut().filter(|_| index == 0) {
+            first.clone_from(&self.window);
         }
         self.window.clear();
     }
@@ -235,6 +246,16 @@ impl Recorder {
             signals: channels.into_iter().map(|channel| Signal::new(channel, outputs, values)).collect(),
             whirl: None,
         }
+    }
+
+    /// rms of the spindle's accelerations in y and z over the window on the way [m/s²]; `None` of an empty one.
+    pub fn accelerations(&self) -> Option<[f64; 2]> {
+        let of = |channel: Channel| {
+            let window = &self.signals.iter().find(|signal| signal.channel == channel)?.window;
+            (!window.is_empty()).then(|| CentralMoments::of(window).rms())
+        };
+        let [y, z] = ACCELERATIONS;
+        Some([of(y)?, of(z)?])
     }
 
     /// Takes a value of each channel; none after the last.

@@ -67,6 +67,8 @@ const SCATTER: f64 = 0.1;
 /// The first step from the best point along an axis, as a share of the range, and how often a gap between good and worse is halved.
 const FIRST_STEP: f64 = 0.01;
 const HALVINGS: u32 = 4;
+/// How often the band is walked anew from a better point that the walk has come upon.
+const MOST_WALKS: usize = 3;
 
 /// Runs that a search makes at most, apart from Nelder and Mead's shrinking: what progress is measured by.
 pub fn most_runs(axes: usize) -> usize {
@@ -215,17 +217,41 @@ impl<E> Course<'_, E> {
         })
     }
 
+    /// The ends along each axis, from the best point; where the walk comes upon a better one, from that one again.
     fn band(&mut self) -> Result<Option<Vec<[End; 2]>>, E> {
-        let Some(best) = self.best() else { return Ok(None) };
-        let Evaluation { at, value: Some((value, Some(error))), .. } = self.evaluations[best].clone() else {
-            return Ok(None);
-        };
-        let best = (value, Some(error));
-        let mut band = Vec::new();
-        for axis in 0..at.len() {
-            band.push([self.end(&at, axis, 0.0, best)?, self.end(&at, axis, 1.0, best)?]);
+        let mut band = None;
+        for _ in 0..MOST_WALKS {
+            let Some(best) = self.best() else { return Ok(None) };
+            let Evaluation { at, value: Some(value @ (_, Some(_))), .. } = self.evaluations[best].clone() else {
+                return Ok(None);
+            };
+            let mut ends = Vec::new();
+            for axis in 0..at.len() {
+                ends.push([self.end(&at, axis, 0.0, value)?, self.end(&at, axis, 1.0, value)?]);
+            }
+            for (axis, [low, high]) in ends.iter_mut().enumerate() {
+                *low = self.nearer(*low, &at, axis, value);
+                *high = self.nearer(*high, &at, axis, value);
+            }
+            band = Some(ends);
+            if self.best() == Some(best) {
+                break;
+            }
         }
-        Ok(Some(band))
+        Ok(band)
+    }
+
+    /// The end, or a run of the search on the way to it that is certainly worse, too: values may be uneven.
+    fn nearer(&self, end: End, from: &[f64], axis: usize, best: Uncertain) -> End {
+        let beside = |run: &&Evaluation| (0..from.len()).all(|other| other == axis || run.at[other] == from[other]);
+        let worse = |run: &&Evaluation| run.value.is_some_and(|value| !may_be_as_good(best, value, self.goal));
+        let distance = |at: f64| (at - from[axis]).abs();
+        let on_the_way = |run: &&Evaluation| {
+            (run.at[axis] - from[axis]) * (end.at - from[axis]) > 0.0 && distance(run.at[axis]) < distance(end.at)
+        };
+        let nearest = self.evaluations.iter().filter(beside).filter(on_the_way).filter(worse);
+        let nearest = nearest.map(|run| run.at[axis]).min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+        nearest.map_or(end, |at| End { at, fails: false })
     }
 
     /// Where points along an axis, from one towards an end of the range, become certainly worse than the best, or fail.
@@ -368,6 +394,20 @@ mod tests {
         assert_eq!(found.edges, Some(vec![true]));
         let inside = searched(1, Goal::Least, |at| Some(((at[0] - 0.5).powi(2), Some(1e-4))));
         assert_eq!(inside.edges, Some(vec![false]));
+    }
+
+    /// A narrow spike within the band is certainly worse, and the walk may find a narrow dip that is better than all before.
+    #[test]
+    fn a_band_is_as_near_as_any_run_says() {
+        let uneven = |x: f64| if (x - 0.5625).abs() < 1e-3 { 1.0 } else { (x - 0.5).powi(2) };
+        let found = searched(1, Goal::Least, |at| Some((uneven(at[0]), Some(0.01))));
+        let [low, high] = found.band.as_ref().unwrap()[0];
+        assert!(low < 0.36 && high <= 0.5625, "{low} {high}");
+        let dip = |x: f64| if (x - 0.525).abs() < 0.006 { -1.0 } else { (x - 0.5).powi(2) };
+        let found = searched(1, Goal::Least, |at| Some((dip(at[0]), Some(0.01))));
+        let [low, high] = found.band.as_ref().unwrap()[0];
+        let at = best(&found).at[0];
+        assert!(low <= at && at <= high && high < 0.54, "{low} {at} {high}");
     }
 
     #[test]

@@ -38,10 +38,10 @@ fn without_tokens_one_host_is_needed() {
 #[test]
 fn with_tokens_everything_but_the_open_pages_needs_one() {
     let server = start_with(Wishes { tokens: "alpha, beta", ..Wishes::default() });
-    for path in ["/health/live", "/health/ready", "/openapi.json", "/docs/", "/docs"] {
+    for path in ["/health/live", "/health/ready", "/openapi.json", "/docs/", "/docs", "/"] {
         assert!(get(&server, path, &[]).status < 400, "{path}");
     }
-    assert_eq!(get(&server, "/", &[("Host", "raceway.example.org")]).status, 307, "any host, as it has a name now");
+    assert_eq!(get(&server, "/", &[("Host", "raceway.example.org")]).status, 200, "any host, as it has a name now");
     for path in ["/v1/jobs", "/v1/presets", "/nothing"] {
         let refused = get(&server, path, &[]);
         refused.problem(401);
@@ -68,4 +68,28 @@ fn jobs_of_other_tokens_are_not_there() {
     request(server.address(), "DELETE", path, &other, b"").problem(404);
     assert_eq!(get(&server, "/v1/jobs", &other).json()["jobs"], json!([]));
     assert_eq!(get(&server, path, &headers).status, 200);
+}
+
+#[test]
+fn pages_of_listed_origins_alone_may_use_the_api() {
+    const PORTAL: &str = "https://portal.example";
+    let server = start_with(Wishes { tokens: "alpha", origins: &[PORTAL], ..Wishes::default() });
+    let asked = |origin: &str| {
+        let headers = [
+            ("Origin", origin),
+            ("Access-Control-Request-Method", "POST"),
+            ("Access-Control-Request-Headers", "authorization,content-type,prefer"),
+        ];
+        request(server.address(), "OPTIONS", "/v1/jobs", &headers, b"")
+    };
+    let answer = asked(PORTAL);
+    assert_eq!((answer.status, answer.header("access-control-allow-origin")), (200, Some(PORTAL)), "{answer:?}");
+    assert!(answer.header("access-control-allow-headers").is_some_and(|names| names.contains("prefer")), "{answer:?}");
+    assert_eq!(asked("https://other.example").header("access-control-allow-origin"), None);
+    // Refusals can be read, too.
+    let refused = get(&server, "/v1/jobs", &[("Origin", PORTAL)]);
+    refused.problem(401);
+    assert_eq!(refused.header("access-control-allow-origin"), Some(PORTAL));
+    assert!(refused.header("access-control-expose-headers").is_some_and(|names| names.contains("location")));
+    assert_eq!(start().get("/v1/jobs").header("access-control-allow-origin"), None);
 }

@@ -49,7 +49,9 @@ fn filters_choose() {
     assert_eq!(count("kind=simulation"), 2);
     assert_eq!(count("kind=study"), 0);
     assert_eq!(count("label=slow&status=running&kind=simulation"), 1);
-    for query in ["limit=0", "limit=201", "limit=x", "status=done", "cursor=x", "colour=red", "limit=1&limit=2"] {
+    for query in
+        ["limit=0", "limit=201", "limit=x", "status=done", "kind=race", "cursor=x", "colour=red", "limit=1&limit=2"]
+    {
         server.get(&format!("/v1/jobs?{query}")).problem(400);
     }
 }

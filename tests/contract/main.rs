@@ -7,11 +7,14 @@ mod server;
 
 mod access;
 mod accuracy;
+mod job_events;
 mod jobs;
 mod jobs_cancel;
 mod jobs_list;
+mod jobs_once;
 mod openapi;
 mod optimum;
+mod portal;
 mod refusals;
 mod results;
 mod scenes;

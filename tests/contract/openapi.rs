@@ -34,8 +34,16 @@ fn every_operation_is_described() {
             assert!(!operation[field].is_null(), "{method} {path}: {field}");
         }
         for (status, response) in operation["responses"].as_object().expect("responses") {
+            let response = match response["$ref"].as_str() {
+                Some(reference) => document.pointer(&reference[1..]).expect("the response"),
+                None => response,
+            };
             let description = response["description"].as_str().unwrap_or_default();
             assert!(!description.is_empty(), "{method} {path}: {status}");
+            for (format, content) in response["content"].as_object().into_iter().flatten() {
+                let shown = !content["example"].is_null() || !content["examples"].is_null();
+                assert!(shown || path == "/openapi.json", "{method} {path}: {status}: no example of {format}");
+            }
         }
         if !operation["requestBody"].is_null() {
             assert!(!operation["responses"]["422"].is_null(), "{method} {path}: 422");
@@ -43,4 +51,16 @@ fn every_operation_is_described() {
         count += 1;
     }
     assert!(count >= 13, "{count} operations");
+}
+
+#[test]
+fn every_field_is_described() {
+    let document: Value = serde_json::from_str(&raceway::api::document_text()).expect("JSON");
+    for (name, schema) in document["components"]["schemas"].as_object().expect("schemas") {
+        assert!(schema["description"].is_string(), "{name}");
+        for (field, schema) in schema["properties"].as_object().into_iter().flatten() {
+            let described = schema["description"].is_string() || schema["oneOf"][0]["description"].is_string();
+            assert!(described, "{name}.{field}");
+        }
+    }
 }

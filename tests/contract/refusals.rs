@@ -82,7 +82,7 @@ fn probes_and_pages_answer() {
     let server = start();
     assert_eq!(server.get("/health/live").json()["status"], "ok");
     assert_eq!(server.get("/health/ready").json()["status"], "ok");
-    assert_eq!(server.get("/").status, 307);
+    assert_eq!(server.get("/").status, 200);
     let page = server.get("/docs/");
     assert!(page.status == 200 && page.body.contains("swagger"), "{page:?}");
     for file in page.body.split("./").skip(1).filter_map(|rest| rest.split('"').next()) {

@@ -68,12 +68,15 @@ fn unknown_channels_name_the_kept_ones() {
 fn plots_are_drawn() {
     let server = start();
     let path = finished(&server);
-    for file in ["spectrum.svg", "velocity.svg"] {
+    for file in ["spectrum.svg", "velocity.svg", "acceleration.svg", "orbit.svg", "loads.svg"] {
         let plot = server.get(&format!("{path}/plots/{file}"));
         assert_eq!((plot.status, plot.header("content-type")), (200, Some("image/svg+xml")), "{file}");
         assert!(plot.body.starts_with("<svg"), "{file}");
     }
-    server.get(&format!("{path}/plots/acceleration.svg")).problem(404);
+    let no_signals = server.submit(&job_with(json!({ "outputs": { "metrics": ["vibration"], "spectra": [] } })));
+    server.wait_for(&no_signals, &["succeeded"]);
+    let problem = server.get(&format!("{no_signals}/plots/orbit.svg")).problem(404);
+    assert_eq!(problem["type"], "urn:raceway:problem:unknown-plot");
     server.get(&format!("{path}/plots/cat.svg")).problem(404);
     server.get(&format!("{path}/plots/spectrum.png")).problem(404);
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use raceway::api::Access;
 use raceway::api::auth::Tokens;
+use raceway::api::origins::origin;
 use raceway::api::service::Service;
 use raceway::contract::{self, Job, Outcome, RunFailure};
 use raceway::jobs::{Settings, Simulator};
@@ -54,6 +55,7 @@ impl InProcess {
 /// How a test wants its server.
 pub struct Wishes {
     pub tokens: &'static str,
+    pub origins: &'static [&'static str],
     pub workers: usize,
     pub queue_limit: u64,
     pub time_limit: Duration,
@@ -62,7 +64,14 @@ pub struct Wishes {
 
 impl Default for Wishes {
     fn default() -> Self {
-        Self { tokens: "", workers: 2, queue_limit: 1000, time_limit: Duration::from_secs(60), max_pages: None }
+        Self {
+            tokens: "",
+            origins: &[],
+            workers: 2,
+            queue_limit: 1000,
+            time_limit: Duration::from_secs(60),
+            max_pages: None,
+        }
     }
 }
 
@@ -82,7 +91,8 @@ pub fn start_with(wishes: Wishes) -> InProcess {
         sweep_every: Duration::from_millis(200),
         ..Settings::new(place.path().join("test.db"))
     };
-    let access = Access { tokens: Tokens::parse(wishes.tokens), only_local_hosts: wishes.tokens.is_empty() };
+    let origins = wishes.origins.iter().map(|text| origin(text).expect("an origin")).collect();
+    let access = Access { tokens: Tokens::parse(wishes.tokens), only_local_hosts: wishes.tokens.is_empty(), origins };
     let listen = SocketAddr::from(([127, 0, 0, 1], 0));
     let service = runtime.block_on(Service::start(listen, settings, access, stand_in())).expect("the service starts");
     let address = service.url().strip_prefix("http://").expect("a URL").to_owned();

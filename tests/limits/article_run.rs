@@ -30,7 +30,7 @@ pub fn settings() -> RunSettings {
 
 /// A control that never stops a run and hears nothing.
 pub fn patient() -> Control<'static> {
-    Control { stop: &|| false, progress: &|_| {} }
+    Control::until(&|| false)
 }
 
 /// The article's case.

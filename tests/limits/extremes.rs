@@ -19,7 +19,7 @@ fn short_run(json: &Value, settle: f64) -> Result<RunResult, SimulationError> {
     settings.duration = 2.0 * settle;
     let begin = Instant::now();
     let stop = || begin.elapsed() > PATIENCE;
-    run(&scene(json), &settings, &Control { stop: &stop, progress: &|_| {} })
+    run(&scene(json), &settings, &Control::until(&stop))
 }
 
 /// Runs 3 ms of the article's case with changes and checks every number of the result.

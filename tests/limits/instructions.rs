@@ -76,7 +76,7 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
         duration: 2e-3,
         outputs: nothing_asked(),
     };
-    let control = Control { stop: &|| false, progress: &|_| {} };
+    let control = Control::until(&|| false);
     for json in scenes {
         let model = RadiallyCondensed::new(&scene(&json), &settings.outputs).unwrap();
         let by = |set: InstructionSet| {

@@ -162,26 +162,41 @@ fn a_rung_by_name_is_run_even_where_its_check_fails() {
 #[test]
 fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
     let settings = asked(true, None);
-    let stopped = run(&scene(&article()), &settings, &Control { stop: &|| true, progress: &|_| {} });
+    let stopped = run(&scene(&article()), &settings, &Control::until(&|| true));
     assert!(matches!(stopped, Err(raceway::simulation::run::SimulationError::Stopped { .. })), "{stopped:?}");
     let (a, b) = (simulate(&article(), &settings), simulate(&article(), &settings));
     assert_eq!((a.spectra, a.summary.channels, a.left_out), (b.spectra, b.summary.channels, b.left_out));
 }
 
-/// What goes on after a check is not what was checked: balls that wander in wide pockets.
+/// What goes on after a check is not what was checked: balls that wander in wide pockets, of a cage that does not tilt.
 #[test]
 fn slow_motions_that_go_on_after_the_check_are_left_to_the_dynamics() {
     let wide = json!({
-        "bearing": { "preset": "608", "cage": { "pocket_clearance_mm": 0.4 } },
+        "bearing": { "preset": "608", "cage": { "pocket_clearance_mm": 0.4, "seat": "closed", "offset_mm": 0 } },
         "operation": { "speed_rpm": 20000, "radial_load_y_n": 50 }
     });
     let loose = RunSettings { relative_tolerance: 1e-3, model_tolerance_db: 0.1, ..asked(true, None) };
     let result = simulate(&wide, &loose);
     let solver = &result.summary.solver;
-    assert!(solver.rung == "full" && solver.check.contains("after the check"), "{}: {}", solver.rung, solver.check);
+    assert!(solver.rung == "planar" && solver.check.contains("after the check"), "{}: {}", solver.rung, solver.check);
     let named = simulate(&wide, &RunSettings { rung: Some(Rung::RadiallyCondensed), ..loose });
     let warning = named.summary.accuracy.warning.unwrap();
     assert!(warning.contains("after the check"), "{warning}");
+}
+
+/// In a viscous grease at low speed a small tilt of cage and balls grows over tenths of a second, to 7° and 2 dB. A check sees
+/// its beginning, and rungs that are checked in the plane are not tried.
+#[test]
+fn balls_that_leave_the_plane_are_left_to_the_dynamics() {
+    let grease = json!({ "kind": "grease", "viscosity_pa_s": 0.05 });
+    let operation = json!({ "speed_rpm": 8000, "radial_load_y_n": 90 });
+    let json = json!({ "bearing": "article-deep-groove", "lubricant": grease, "operation": operation });
+    let outputs = Outputs { contacts: false, cage: false, ..settings().outputs };
+    let result = simulate(&json, &RunSettings { outputs, duration: 0.05, ..asked(false, None) }).summary;
+    println!("{}", result.solver.check);
+    assert_eq!(result.solver.rung, "full");
+    assert!(result.solver.check.contains("balls leave the plane"));
+    assert!(result.solver.check.contains("spindle_only and periodic were not tried"));
 }
 
 /// What judgement leaves out is in the repetition: a bound that is too small shows, and the run is made again with all terms.

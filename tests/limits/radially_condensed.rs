@@ -8,7 +8,7 @@ use raceway::simulation::observe::Recording;
 use raceway::simulation::run::{Control, Method, Outputs, RunSettings, run};
 use raceway::simulation::scene::Scene;
 
-const CONTROL: Control<'static> = Control { stop: &|| false, progress: &|_| {} };
+const CONTROL: Control<'static> = Control::until(&|| false);
 
 fn settings(settle: f64, duration: f64) -> RunSettings {
     let axes = [Axis::Y, Axis::Z];

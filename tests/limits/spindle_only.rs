@@ -11,7 +11,7 @@ use raceway::simulation::reduced::{passage, simulate, simulate_periodic};
 use raceway::simulation::run::{Control, Outputs, RunSettings, Rung, SimulationError, start_state};
 use raceway::simulation::scene::Scene;
 
-const QUIET: Control<'static> = Control { stop: &|| false, progress: &|_| () };
+const QUIET: Control<'static> = Control::until(&|| false);
 
 fn article(clearance_um: f64, load_n: f64, speed_rpm: f64) -> Scene {
     scene_from_json(&format!(

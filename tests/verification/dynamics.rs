@@ -114,7 +114,7 @@ fn varying_compliance() {
             duration: KEEP,
             outputs,
         };
-        let recording = simulate(&scene, &settings, &Control { stop: &|| false, progress: &|_| {} }).unwrap().0;
+        let recording = simulate(&scene, &settings, &Control::until(&|| false)).unwrap().0;
         let ours = [Axis::Y, Axis::Z].map(|axis| {
             let channel = Channel::Spindle(axis, Motion::Acceleration);
             channel_metrics(channel, recording.signal(channel).unwrap(), 0.0).rms

@@ -56,7 +56,7 @@ fn simulated() {
         duration: 0.2,
         outputs: Outputs { vibration: true, contacts: false, cage: true, spectra: vec![channel], series: Vec::new() },
     };
-    let result = run(&scene, &settings, &Control { stop: &|| false, progress: &|_| {} }).unwrap();
+    let result = run(&scene, &settings, &Control::until(&|| false)).unwrap();
     let strongest = result.summary.lines.iter().find(|(of, line)| *of == channel && line.label == "BPFO");
     let frequency = strongest.unwrap_or_else(|| panic!("{:?}", result.summary.lines)).1.frequency;
     let shaft = result.summary.frequencies.shaft;

@@ -29,7 +29,7 @@ fn with(field: &str, value: Value) -> Value {
     request
 }
 
-const QUIET: Control<'_> = Control { stop: &|| false, progress: &|_| () };
+const QUIET: Control<'_> = Control::until(&|| false);
 
 fn found(request: &Value) -> OptimumAnswer {
     match execute(&parsed(request), &QUIET) {
@@ -50,6 +50,9 @@ fn wrong_wishes_are_refused_with_their_place() {
         (axis(json!({ "path": path, "from": 0.0, "to": 0.1, "scale": "log" })), "/axes/0/scale: `log` needs"),
         (axis(json!({ "path": "/bearing/ball_count", "from": 6, "to": 9 })), "inside of the ranges"),
         (axis(json!({ "path": "/spindle/colour", "from": 6, "to": 9 })), "/scene/spindle/colour: inside of the ranges"),
+        (axis(json!({ "path": "/bearing/inner_groove_curvature", "from": 0.4, "to": 0.54 })), "/axes/0/from: 0.4"),
+        (axis(json!({ "path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 9 })), "/axes/0/to: 9"),
+        (with("metric", json!("/channels/spindle.x.velocity/rms")), "/metric: `spindle.x.velocity` exists only where"),
         (with("metric", json!("/channels/spindle.y.acceleration/colour")), "/metric: no metric is called"),
         (with("metric", json!("/channels/spindle.y.velocity/level_db")), "/metric: no metric is called"),
         (with("metric", json!(5)), "/metric"),
@@ -110,7 +113,7 @@ fn the_optimum_is_the_best_run_and_tells_how_well_it_is_known() {
     request["scene"]["operation"] = json!({ "speed_rpm": 30000, "radial_load_y_n": 100 });
     let mut shares = std::sync::Mutex::new(Vec::new());
     let progress = |share: f64| shares.lock().unwrap().push(share);
-    let outcome = execute(&parsed(&request), &Control { stop: &|| false, progress: &progress });
+    let outcome = execute(&parsed(&request), &Control { progress: &progress, ..Control::until(&|| false) });
     let Ok(Outcome::Optimum(answer)) = outcome else { panic!("{outcome:?}") };
     let values: Vec<f64> = answer.evaluations.iter().filter_map(|run| run.value).collect();
     assert_eq!(answer.value, values.iter().copied().fold(f64::INFINITY, f64::min));
@@ -128,7 +131,7 @@ fn the_optimum_is_the_best_run_and_tells_how_well_it_is_known() {
     let timeless = |answer: &OptimumAnswer| (answer.point.clone(), answer.value, answer.within.clone(), answer.runs);
     assert_eq!(timeless(&answer), timeless(&again));
     let picture = crate::render::optimum(&answer);
-    assert!(picture.contains("Minimum of") && picture.contains("/spindle/mass_kg"));
+    assert!(picture.contains("Minimum of") && picture.contains("mass in kg"));
 }
 
 /// A maximum over two axes, of a metric whose error nobody estimates.
@@ -144,19 +147,20 @@ fn without_an_error_no_band_is_told() {
     let answer = found(&request);
     assert_eq!((answer.goal, &answer.within, answer.error), (GoalName::Maximum, &None, None));
     assert!(answer.rivals.is_empty() && answer.axes.len() == 2);
-    assert!(crate::render::optimum(&answer).contains("/operation/radial_load_y_n"));
+    assert!(crate::render::optimum(&answer).contains("radial load y in N"));
 }
 
 #[test]
 fn where_no_run_succeeds_the_job_fails_and_a_stop_ends_it() {
-    let mut hopeless = with("metric", json!("/channels/spindle.x.velocity/rms"));
+    let mut hopeless = with("metric", json!("/contacts/inner/min_film_thickness_um"));
+    hopeless["scene"]["lubricant"] = json!("dry");
     hopeless["settle_s"] = json!(0.001);
     hopeless["duration_s"] = json!(0.001);
     let failure = execute(&parsed(&hopeless), &QUIET).map(|_| ()).unwrap_err().to_string();
     assert!(
-        failure.contains("no-metric: none of 17 runs has the metric /channels/spindle.x.velocity/rms"),
+        failure.contains("no-metric: none of 17 runs has the metric /contacts/inner/min_film_thickness_um"),
         "{failure}"
     );
-    let stopped = execute(&parsed(&with("goal", json!("minimum"))), &Control { stop: &|| true, progress: &|_| () });
+    let stopped = execute(&parsed(&with("goal", json!("minimum"))), &Control::until(&|| true));
     assert_eq!(stopped.map(|_| ()).unwrap_err().to_string(), "cancelled");
 }

@@ -36,9 +36,7 @@ fn a_short_run_gives_what_was_asked_for() {
     let mut request = article();
     request["outputs"]["metrics"] = json!(["vibration"]);
     let job = parse_job(request.to_string().as_bytes()).unwrap();
-    let Ok(Outcome::Simulation(outcome)) = execute(&job, &Control { stop: &|| false, progress: &|_| () }) else {
-        panic!("the run failed")
-    };
+    let Ok(Outcome::Simulation(outcome)) = execute(&job, &Control::until(&|| false)) else { panic!("the run failed") };
     let metrics = serde_json::to_value(&outcome.metrics).unwrap();
     assert!(metrics["channels"]["spindle.y.acceleration"]["level_db"].is_f64());
     for absent in ["contacts", "kinematics", "cage"] {
@@ -59,7 +57,7 @@ fn an_accuracy_job_compares_methods_with_a_reference() {
     let job = parse_job(request.to_string().as_bytes()).unwrap();
     let shares = std::cell::RefCell::new(vec![0.0]);
     let progress = |share: f64| shares.borrow_mut().push(share);
-    let outcome = execute(&job, &Control { stop: &|| false, progress: &progress });
+    let outcome = execute(&job, &Control { progress: &progress, ..Control::until(&|| false) });
     let Ok(Outcome::Accuracy(answer)) = outcome else { panic!("{outcome:?}") };
     assert!(shares.borrow().is_sorted() && shares.borrow().last() > Some(&0.9), "{:?}", shares.borrow().last());
     let answer = serde_json::to_value(&answer).unwrap();
@@ -122,7 +120,7 @@ fn extremes_run() {
         json!({"kind": "simulation", "duration_s": 0.002, "settle_s": 0, "scene": {"bearing": "608", "gravity_m_s2": 0, "operation": {"speed_rpm": 0}}}),
     ] {
         let job = parse_job(request.to_string().as_bytes()).unwrap();
-        let outcome = execute(&job, &Control { stop: &|| false, progress: &|_| () });
+        let outcome = execute(&job, &Control::until(&|| false));
         assert!(outcome.is_ok(), "{request}: {:?}", outcome.err());
     }
 }
@@ -130,7 +128,7 @@ fn extremes_run() {
 #[test]
 fn a_stopped_run_is_cancelled() {
     let job = parse_job(article().to_string().as_bytes()).unwrap();
-    let failure = execute(&job, &Control { stop: &|| true, progress: &|_| () });
+    let failure = execute(&job, &Control::until(&|| true));
     assert_eq!(failure.err(), Some(RunFailure::Cancelled));
     // In each part of a study: settling, reference, points.
     for share in [0.0, 0.2, 0.5] {
@@ -140,7 +138,7 @@ fn a_stopped_run_is_cancelled() {
         let job = parse_job(request.to_string().as_bytes()).unwrap();
         let reached = std::cell::Cell::new(0.0);
         let stop = || reached.get() >= share;
-        let failure = execute(&job, &Control { stop: &stop, progress: &|share| reached.set(share) });
+        let failure = execute(&job, &Control { progress: &|share| reached.set(share), ..Control::until(&stop) });
         assert_eq!(failure.err(), Some(RunFailure::Cancelled), "{share}");
         assert!(reached.get() < share + 0.2, "{share}: {}", reached.get());
     }

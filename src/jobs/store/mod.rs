@@ -3,6 +3,8 @@
 
 /// Claims, heartbeats and ends, all fenced.
 pub mod claims;
+/// What an idempotency key has made.
+pub mod keys;
 /// Jobs looked up and listed, cancelled and deleted.
 pub mod records;
 /// Results written and read.
@@ -103,10 +105,12 @@ fn is_outside_transactions(connection: &SqliteConnection) -> bool {
 }
 
 /// Our migrations, in order; never edited once released.
-const MIGRATIONS: [(i64, &str, &str); 3] = [
+const MIGRATIONS: [(i64, &str, &str); 5] = [
     (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
     (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
     (3, "studies", include_str!("../../../migrations/sqlite/0003_studies.sql")),
+    (4, "idempotency keys", include_str!("../../../migrations/sqlite/0004_idempotency_keys.sql")),
+    (5, "views", include_str!("../../../migrations/sqlite/0005_views.sql")),
 ];
 
 async fn migrate(writer: &SqlitePool) -> Result<(), JobError> {

@@ -35,7 +35,12 @@ impl Signal {
 /// A result as it is written. Made outside of any transaction: compressing takes time.
 #[derive(Debug)]
 pub enum StoredResult {
-    Simulation { metrics: String, signals: Vec<(Signal, String, Vec<u8>)> },
+    /// Metrics, signals by channel, and what pictures show.
+    Simulation {
+        metrics: String,
+        signals: Vec<(Signal, String, Vec<u8>)>,
+        views: Option<Vec<u8>>,
+    },
     Report(Vec<u8>),
 }
 
@@ -57,17 +62,19 @@ impl StoredResult {
                 SpectrumKind::Amplitude => Signal::Amplitude,
                 SpectrumKind::Envelope => Signal::Envelope,
             };
-            signals.push((signal, spectrum.channel.clone(), compressed(spectrum)?));
+            // They follow from the resolution.
+            signals.push((signal, spectrum.channel.clone(), compressed(&spectrum.without_frequencies())?));
         }
         for series in &outcome.series {
             signals.push((Signal::Series, series.channel.clone(), compressed(series)?));
         }
-        Ok(Self::Simulation { metrics, signals })
+        let views = if outcome.views.is_empty() { None } else { Some(compressed(&outcome.views)?) };
+        Ok(Self::Simulation { metrics, signals, views })
     }
 }
 
 pub(super) fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     serde_json::to_writer(&mut encoder, answer).map_err(|error| JobError::Corrupt(error.to_string()))?;
     encoder.flush()?;
     Ok(encoder.finish()?)
@@ -76,15 +83,19 @@ pub(super) fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
 /// Adds a result.
 pub(super) async fn insert(tx: &mut Tx, result: &StoredResult) -> Result<Uuid, JobError> {
     let id = Uuid::now_v7();
-    let (metrics, signals) = match result {
-        StoredResult::Simulation { metrics, signals } => (metrics.as_str(), signals.as_slice()),
-        StoredResult::Report(_) => ("", &[][..]),
+    let (metrics, signals, views) = match result {
+        StoredResult::Simulation { metrics, signals, views } => (metrics.as_str(), signals.as_slice(), views.as_ref()),
+        StoredResult::Report(_) => ("", &[][..], None),
     };
     let sql = "INSERT INTO results (id, metrics) VALUES ($1, $2)";
     sqlx::query(sql).bind(id).bind(metrics).execute(&mut **tx).await?;
     for (signal, channel, answer) in signals {
         let sql = "INSERT INTO signals (result_id, sort, channel, answer) VALUES ($1, $2, $3, $4)";
         sqlx::query(sql).bind(id).bind(signal.name()).bind(channel).bind(answer).execute(&mut **tx).await?;
+    }
+    if let Some(views) = views {
+        let sql = "INSERT INTO views (result_id, answer) VALUES ($1, $2)";
+        sqlx::query(sql).bind(id).bind(views).execute(&mut **tx).await?;
     }
     if let StoredResult::Report(answer) = result {
         let sql = "INSERT INTO reports (result_id, answer) VALUES ($1, $2)";
@@ -132,6 +143,14 @@ impl Store {
         }
     }
 
+    /// What pictures of a succeeded simulation show, as JSON text; `None` where nothing was kept for them.
+    pub async fn views(&self, owner: &str, job: Uuid) -> Result<Option<Vec<u8>>, JobError> {
+        let result = self.result_of(owner, job, JobKind::Simulation).await?;
+        let sql = "SELECT answer FROM views WHERE result_id = $1";
+        let answer: Option<Vec<u8>> = sqlx::query_scalar(sql).bind(result).fetch_optional(&self.readers).await?;
+        answer.map(|answer| decompressed(&answer)).transpose()
+    }
+
     /// The report of a succeeded job of a kind that leaves one, as JSON text.
     pub async fn report(&self, owner: &str, job: Uuid, kind: JobKind) -> Result<Vec<u8>, JobError> {
         let result = self.result_of(owner, job, kind).await?;
@@ -149,6 +168,12 @@ impl Store {
     async fn kept(&self, result: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
         let sql = "SELECT channel FROM signals WHERE result_id = $1 AND sort = $2 ORDER BY rowid";
         Ok(sqlx::query_scalar(sql).bind(result).bind(signal.name()).fetch_all(&self.readers).await?)
+    }
+
+    /// Digest of all that determines the result of a succeeded job; `None` of any other.
+    pub async fn fingerprint(&self, owner: &str, job: Uuid) -> Result<Option<Vec<u8>>, JobError> {
+        let sql = "SELECT content_hash FROM jobs WHERE id = $1 AND owner = $2 AND status = 'succeeded'";
+        Ok(sqlx::query_scalar(sql).bind(job).bind(owner).fetch_optional(&self.readers).await?)
     }
 
     /// The result of a job, which must be of that kind: others never have such a result.

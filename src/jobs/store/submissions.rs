@@ -42,6 +42,11 @@ pub async fn insert_study(tx: &mut Tx, job: &NewJob, points: usize, strands: &[i
     Ok(record)
 }
 
+/// Until when a job is kept whose result is there already.
+pub fn expiry(job: &NewJob, keep_s: f64) -> jiff::Timestamp {
+    super::claims::expiry(job.created_at, job.keep_for_s.unwrap_or(keep_s))
+}
+
 /// Adds a job whose result is there already.
 pub async fn insert_answered(tx: &mut Tx, job: &NewJob, found: Reusable, keep_s: f64) -> Result<JobRecord, JobError> {
     let now = job.created_at;
@@ -49,7 +54,7 @@ pub async fn insert_answered(tx: &mut Tx, job: &NewJob, found: Reusable, keep_s:
         status: Status::Succeeded,
         started_at: Some(now),
         finished_at: Some(now),
-        expires_at: Some(super::claims::expiry(now, job.keep_for_s.unwrap_or(keep_s))),
+        expires_at: Some(expiry(job, keep_s)),
         progress: 1.0,
         reused: true,
         ..job.record()

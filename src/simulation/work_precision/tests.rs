@@ -53,7 +53,7 @@ fn plan(relative_tolerances: &[f64]) -> Plan {
 }
 
 fn studied(scene: &Scene, settings: &RunSettings, plan: &Plan) -> WorkPrecision {
-    study(scene, settings, plan, &Control { stop: &|| false, progress: &|_| () }).unwrap()
+    study(scene, settings, plan, &Control::until(&|| false)).unwrap()
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn a_run_that_takes_too_many_evaluations_has_failed_and_tighter_ones_are_not_tri
     let settings = settings(0.0, 0.0005);
     let needs = Needs::of(&scene, &settings.outputs, settings.rung).unwrap();
     let model = Model::new(&scene, &needs);
-    let control = Control { stop: &|| false, progress: &|_| () };
+    let control = Control::until(&|| false);
     let course = Course::settled(&model, &needs, &settings, start_state(&model).unwrap(), &control).unwrap();
     let mut references = references(&course, &control).unwrap();
     // As if the references had been cheap.

@@ -9,6 +9,7 @@ use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::simulation::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::observe::{ContactExtremes, Recording, picked_channels};
 use crate::simulation::run::Outputs;
+use crate::simulation::views::LoadsTaken;
 use crate::simulation::windows::Recorder;
 
 use super::recording::Schedule;
@@ -39,6 +40,7 @@ pub(super) struct Looks<'a> {
     /// Largest distance of a ball from the middle of its pocket, along the orbit [m].
     wander: f64,
     extremes: Option<Extremes>,
+    loads: Option<LoadsTaken>,
     thinnest: Option<PerRaceway<ThinnestFilm>>,
 }
 
@@ -93,6 +95,7 @@ impl<'a> Looks<'a> {
             kept: 0.0,
             wander: 0.0,
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
+            loads: (outputs.contacts && outputs.keep_signals()).then(|| LoadsTaken::new(schedule.values)),
             thinnest: model
                 .needs()
                 .film_thickness
@@ -179,10 +182,23 @@ impl<'a> Looks<'a> {
         }
         self.picked.push(now);
         std::mem::swap(last, now);
+        if let Some(loads) = &mut self.loads {
+            loads.look(|| {
+                let (angle, _, _) = m.speed.at(stepper.time());
+                let (arc, load) = (stepper.balls()[0].arc[0], &stepper.seen()[0].load);
+                let azimuth = m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius;
+                (azimuth, load.inner[0], load.outer[0])
+            });
+        }
         self.kept += 1.0;
         if let Some(thinnest) = &mut self.thinnest {
             meet_films(model, stepper, speed, thinnest);
         }
+    }
+
+    /// rms of the spindle's accelerations in y and z so far [m/s²]; `None` before anything is kept.
+    pub fn accelerations(&self) -> Option<[f64; 2]> {
+        self.filtered.accelerations()
     }
 
     /// What was seen.
@@ -205,6 +221,7 @@ impl<'a> Looks<'a> {
             cage_speed: (self.cage / self.kept).abs(),
             ball_spin: (self.spin / self.kept).abs(),
             parts: Vec::new(),
+            loads: self.loads.map(LoadsTaken::finish),
             wander: self.model.mechanism().layout.cage.then_some(self.wander),
         }
     }

@@ -8,7 +8,7 @@ use super::{RadiallyCondensed, Stepper};
 use crate::numerics::ode::{IntegrationError, Statistics};
 use crate::numerics::spectrum::Decimator;
 use crate::simulation::observe::{RATE, Recording, kept_values};
-use crate::simulation::run::{Control, Outputs, RunSettings, SimulationError};
+use crate::simulation::run::{Control, Live, Outputs, Phase, RunSettings, SimulationError};
 use crate::simulation::scene::Scene;
 
 /// Steps between two looks at `Control`.
@@ -151,6 +151,8 @@ impl RadiallyCondensed {
             stepper.advance(STEPS_PER_LOOK.min(all - stepper.steps()), &mut |stepper| looks.look(stepper));
             finite(&stepper)?;
             (control.progress)(stepper.steps() as f64 / all as f64);
+            let phase = if stepper.steps() < first { Phase::Settling } else { Phase::Recording };
+            (control.live)(&Live { phase, accelerations: &|| looks.accelerations() });
         }
         let statistics = Statistics {
             steps: stepper.steps(),

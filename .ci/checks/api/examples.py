@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Records the answers that the OpenAPI document shows, from a run of the service; long lists are cut.
+
+    .ci/checks/api/examples.py > src/api/examples.json"""
+
+import json
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir))
+from service import Service  # noqa: E402
+import tempfile  # noqa: E402
+
+SCENE = {"bearing": "6205", "operation": {"speed_rpm": 6000, "radial_load_y_n": 500}}
+OUTPUTS = {"spectra": ["spindle.y.acceleration"], "series": ["spindle.y.displacement"]}
+CURVATURE = "/bearing/inner_groove_curvature"
+JOBS = {
+    "simulation": {"kind": "simulation", "scene": SCENE, "outputs": OUTPUTS, "labels": ["line 3"]},
+    "study": {"kind": "study", "scene": SCENE, "axes": [{"path": CURVATURE, "values": [0.515, 0.52]}]},
+    "optimum": {"kind": "optimum", "scene": SCENE, "axes": [{"path": CURVATURE, "from": 0.51, "to": 0.54}],
+                "metric": "/channels/spindle.y.acceleration/level_db"},
+    "accuracy": {"kind": "accuracy", "scene": SCENE, "methods": ["gear", "dormand_prince"],
+                 "relative_tolerances": [1e-3, 1e-4], "duration_s": 0.02},
+}
+# Entries of a list or a map of many that are shown.
+SHOWN = 2
+MAPS = ("bearings", "materials", "lubricants", "channels", "best", "trends")
+
+
+def shortened(answer, name=""):
+    if isinstance(answer, list):
+        return [shortened(entry) for entry in answer[:SHOWN]]
+    if isinstance(answer, dict):
+        kept = list(answer)[:SHOWN] if name in MAPS else answer
+        return {key: shortened(answer[key], key) for key in kept}
+    return answer
+
+
+def recorded(running):
+    def answer(method, path, body=None, **headers):
+        return running.request(method, path, body, headers)[2]
+
+    path, accepted = running.submit(JOBS["simulation"])
+    examples = {"submitJob": {"202": accepted}}
+    running.ended(path)
+    examples["submitJob"]["200"] = answer("POST", "/v1/jobs", JOBS["simulation"], Prefer="wait=30")
+    examples["showJob"] = {"200": answer("GET", path)}
+    examples["getMetrics"] = {"200": answer("GET", f"{path}/metrics")}
+    examples["submitJobs"] = {"200": answer("POST", "/v1/jobs/batch", {"jobs": [JOBS["simulation"], {"kind": "simulation"}]})}
+    examples["getChannels"] = {"200": answer("GET", f"{path}/channels")}
+    examples["getSpectrum"] = {"200": answer("GET", f"{path}/spectrum?channel=spindle.y.acceleration&max_frequency_hz=20")}
+    examples["getSeries"] = {"200": answer("GET", f"{path}/series?channel=spindle.y.displacement&max_points=4")}
+    ends = {}
+    for kind in ("optimum", "accuracy", "study"):
+        ends[kind] = running.submit(JOBS[kind])[0]
+        running.ended(ends[kind], at_most=300)
+    examples["listJobs"] = {"200": answer("GET", "/v1/jobs?limit=1")}
+    examples["getTable"] = {"200": answer("GET", f"{ends['study']}/table")}
+    examples["getOptimum"] = {"200": answer("GET", f"{ends['optimum']}/optimum")}
+    examples["getAccuracy"] = {"200": answer("GET", f"{ends['accuracy']}/accuracy")}
+    long = running.submit(JOBS["study"] | {"axes": [{"path": CURVATURE, "from": 0.51, "to": 0.54, "count": 500}]})[0]
+    waiting = running.submit(JOBS["simulation"] | {"reuse": False})[0]
+    running.until(long, lambda job: job["status"] == "running")
+    examples["cancelJob"] = {"202": answer("POST", f"{long}/cancel"), "200": answer("POST", f"{waiting}/cancel")}
+    running.ended(long)
+    examples["resumeStudy"] = {"202": answer("POST", f"{long}/resume")}
+    answer("POST", f"{long}/cancel")
+    running.ended(long)
+    examples["resolveScene"] = {"200": answer("POST", "/v1/scenes/resolve", {"scene": SCENE})}
+    examples["listPresets"] = {"200": answer("GET", "/v1/presets")}
+    examples["isAlive"] = {"200": answer("GET", "/health/live")}
+    examples["isReady"] = {"200": answer("GET", "/health/ready")}
+    return examples
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as directory:
+        service = Service(directory, "--workers", "1")
+        try:
+            examples = recorded(service)
+        finally:
+            service.stop()
+    json.dump(shortened(examples), sys.stdout, indent=1, ensure_ascii=False, sort_keys=True)
+    print()

@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""The API as others see it: linters and generators read its description, schemathesis holds the service to it, and the
+examples run. With words, only those parts: description, types, client, examples, schemathesis."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+from service import ROOT, Service, check, clean_environment, service  # noqa: E402
+
+HERE = os.path.join(ROOT, ".ci", "checks", "api")
+DOCUMENT = os.path.join(ROOT, "openapi", "openapi.json")
+EXAMPLES = os.path.join(ROOT, "examples")
+TOKEN = "a-token-for-this-check"
+# Where the tools are put, once for each pinned set of versions.
+TOOLS = os.path.join(os.environ.get("CARGO_TARGET_DIR", os.path.join(ROOT, "target")), "api-tools")
+NODE, PYTHON = os.path.join(TOOLS, "node"), os.path.join(TOOLS, "python")
+
+
+def run(*command, shown=True, environment=None, timeout=300, **options):
+    """The output of a command that must succeed, both streams."""
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          timeout=timeout, env=environment or clean_environment(), **options)
+    if shown or done.returncode != 0:
+        print(done.stdout, end="", flush=True)
+    check(done.returncode == 0, f"{os.path.basename(command[0])} {' '.join(command[1:4])}… ends well")
+    return done.stdout
+
+
+def tool(name):
+    return os.path.join(NODE, "node_modules", ".bin", name)
+
+
+def python(name):
+    return os.path.join(PYTHON, "bin", name)
+
+
+def is_there(place, pins):
+    """Whether the tools in a place are those of the pins; if not, the place is emptied."""
+    mark = os.path.join(place, "pinned")
+    wanted = "".join(open(os.path.join(HERE, pin), encoding="utf-8").read() for pin in pins)
+    if os.path.exists(mark) and open(mark, encoding="utf-8").read() == wanted:
+        return True
+    shutil.rmtree(place, ignore_errors=True)
+    os.makedirs(place)
+    for pin in pins:
+        shutil.copy(os.path.join(HERE, pin), place)
+    return False
+
+
+def mark(place, pins):
+    with open(os.path.join(place, "pinned"), "w", encoding="utf-8") as file:
+        file.write("".join(open(os.path.join(HERE, pin), encoding="utf-8").read() for pin in pins))
+
+
+def install():
+    pins = ("package.json", "package-lock.json")
+    if not is_there(NODE, pins):
+        # Scripts of packages are not run: none of these needs one.
+        run("npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error", cwd=NODE, timeout=600)
+        mark(NODE, pins)
+    pins = ("requirements.txt",)
+    if not is_there(PYTHON, pins):
+        run(sys.executable, "-m", "venv", PYTHON)
+        run(python("pip"), "install", "--quiet", "--disable-pip-version-check", "--no-deps", "-r",
+            os.path.join(PYTHON, "requirements.txt"), timeout=600)
+        mark(PYTHON, pins)
+
+
+def description():
+    """Linters find nothing."""
+    run(tool("spectral"), "lint", DOCUMENT, "--ruleset", os.path.join(HERE, "spectral.yaml"), "--fail-severity", "hint",
+        "--display-only-failures")
+    told = run(tool("redocly"), "lint", DOCUMENT, "--config", os.path.join(HERE, "redocly.yaml"),
+               environment=clean_environment(REDOCLY_TELEMETRY="off"))
+    check("warning" not in told.lower(), "redocly warns of nothing")
+
+
+def types(place):
+    """Types for TypeScript compile, and the portal's example with them; returns where its program is."""
+    shutil.copytree(EXAMPLES, place)
+    run(tool("openapi-typescript"), DOCUMENT, "--output", os.path.join(place, "raceway.d.ts"))
+    run(tool("tsc"), "--strict", "--noEmit", os.path.join(place, "raceway.d.ts"))
+    run(tool("tsc"), "--project", place)
+    return os.path.join(place, "portal.js")
+
+
+def generated_client(place, url):
+    """A generated client for Python runs a job."""
+    os.makedirs(place)
+    run(python("openapi-python-client"), "generate", "--path", DOCUMENT, "--config", os.path.join(HERE, "python-client.yaml"),
+        "--meta", "none", "--output-path", os.path.join(place, "raceway_client"), "--fail-on-warning")
+    run(python("python"), os.path.join(HERE, "generated_client.py"), url, environment=clean_environment(PYTHONPATH=place))
+
+
+def examples(portal, url, place):
+    """The examples, on a service with tokens."""
+    os.makedirs(place)
+    environment = clean_environment(RACEWAY_TOKEN=TOKEN, RACEWAY_URL=url)
+    told = run("node", portal, environment=environment)
+    check("beside the field: 6000000 r/min" in told and "BPFO" in told and "501 points" in told, "portal.ts tells what it should")
+    for command in ([sys.executable, os.path.join(EXAMPLES, "client.py"), url], [os.path.join(EXAMPLES, "curl.sh"), url]):
+        for name in os.listdir(place):
+            os.remove(os.path.join(place, name))
+        told = run(*command, environment=environment, cwd=place, shown=False)
+        print("\n".join(told.splitlines()[:8]))
+        for name in ("spectrum.csv", "spectrum.svg"):
+            check(os.path.getsize(os.path.join(place, name)) > 1000, f"{os.path.basename(command[-2])} saves {name}")
+    check("5·BPFO" in run(*[sys.executable, os.path.join(EXAMPLES, "client.py"), url], environment=environment, cwd=place,
+                          shown=False), "client.py names lines")
+    refused = subprocess.run([sys.executable, os.path.join(EXAMPLES, "client.py"), url], capture_output=True, text=True,
+                             timeout=60, env=clean_environment(RACEWAY_TOKEN="wrong"), cwd=place)
+    check(refused.returncode == 1 and "401 A token is needed" in refused.stderr, "client.py tells of a wrong token")
+
+
+def schemathesis(running, place):
+    """No request of thousands is answered otherwise than the description says."""
+    sys.path.insert(0, HERE)
+    from examples import JOBS
+    ids = {}
+    for kind, job in JOBS.items():
+        path = running.submit(job)[0]
+        check(running.ended(path)["status"] == "succeeded", f"a job of kind {kind} is there to be read")
+        ids[kind.upper()] = path.rsplit("/", 1)[1]
+    settings = os.path.join(HERE, "schemathesis.toml")
+    without_ids = os.path.join(place, "schemathesis.toml")
+    with open(settings, encoding="utf-8") as given, open(without_ids, "w", encoding="utf-8") as kept:
+        kept.write(given.read().partition("# Jobs that have succeeded")[0])
+    for phases, config in (("coverage,fuzzing", settings), ("examples,stateful", without_ids)):
+        run(python("schemathesis"), "--config-file", config, "run", f"{running.url}/openapi.json", "--checks", "all",
+            "--phases", phases, "--no-color", environment=clean_environment(RACEWAY_TOKEN=TOKEN, **ids), timeout=600,
+            cwd=place)
+
+
+def main(parts):
+    def timed(name, part, *arguments):
+        begin = time.monotonic()
+        print(f"--- {name}", flush=True)
+        result = part(*arguments)
+        print(f"--- {name} took {time.monotonic() - begin:.0f} s", flush=True)
+        return result
+
+    timed("install", install)
+    with tempfile.TemporaryDirectory(prefix="raceway-clients-") as directory:
+        place = lambda name: os.path.join(directory, name)  # noqa: E731
+        if "description" in parts:
+            timed("description", description)
+        portal = timed("types", types, place("types")) if {"types", "examples"} & parts else None
+        if "client" in parts:
+            with service() as running:
+                timed("client", generated_client, place("client"), running.url)
+        if {"examples", "schemathesis"} & parts:
+            os.makedirs(place("service"))
+            environment = clean_environment(RACEWAY_API_TOKENS=TOKEN)
+            # Fuzzed scenes may be costly: one at a time, and none for long.
+            running = Service(place("service"), "--workers", "1", "--time-limit-s", "40", environment=environment)
+            running.token = TOKEN
+            try:
+                if "examples" in parts:
+                    timed("examples", examples, portal, running.url, place("saved"))
+                if "schemathesis" in parts:
+                    timed("schemathesis", schemathesis, running, directory)
+            finally:
+                running.stop()
+
+
+if __name__ == "__main__":
+    main(set(sys.argv[1:]) or {"description", "types", "client", "examples", "schemathesis"})

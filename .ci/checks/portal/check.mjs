@@ -1,0 +1,386 @@
+// The page at `/` in a real browser: from a preset to a labelled spectrum, orbit, comparison, slider and study; then the same door
+// with a token. Fails on any error in the console, any request to another host, overflow at 390 px and serious findings of axe.
+//
+// RACEWAY: the binary. SCREENSHOTS: a folder for pictures (optional). CHROMIUM: the browser (default /usr/bin/chromium).
+
+import assert from 'node:assert/strict';
+import { execFileSync, spawn } from 'node:child_process';
+import { cpSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { readFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { chromium } from 'playwright-core';
+
+const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const PICTURES = process.env.SCREENSHOTS;
+const DESKTOP = { width: 1280, height: 900 };
+const PHONE = { width: 390, height: 844 };
+const TABS = ['result', 'slider', 'study', 'compare', 'jobs'];
+const TOKEN = 'token-of-the-check';
+const ARGUMENTS = [
+  '--headless',
+  '--no-sandbox',
+  '--disable-gpu',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
+];
+
+/** What all pages have noted, told when the check fails for another reason, of which it may be the cause. */
+const noted = [];
+
+const ok = (what) => console.log(`ok: ${what}`);
+
+/** `raceway serve` on a free port, with a database of its own. */
+async function serve(environment = {}) {
+  const place = mkdtempSync(join(tmpdir(), 'raceway-portal-'));
+  const kept = Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith('RACEWAY')));
+  const service = spawn(
+    process.env.RACEWAY,
+    ['serve', '--listen', '127.0.0.1:0', '--database', `sqlite://${join(place, 'portal.db')}`],
+    { env: { ...kept, ...environment }, stdio: ['ignore', 'pipe', 'ignore'] },
+  );
+  const ended = new Promise((done) => service.once('exit', done));
+  for await (const line of createInterface({ input: service.stdout })) {
+    const stop = async () => {
+      service.kill('SIGTERM');
+      await ended;
+      rmSync(place, { recursive: true });
+    };
+    return { url: line.replace('listening on ', ''), stop };
+  }
+  throw new Error('the service does not start');
+}
+
+/** What needs no browser: a command holds in a shell what it is to say, and a request says no more than it was told. */
+async function alone() {
+  // Node.js takes `.js` for a module where a package says so, and the page has none.
+  const page = mkdtempSync(join(tmpdir(), 'raceway-portal-'));
+  cpSync(new URL('../../../src/api/portal', import.meta.url), page, { recursive: true });
+  writeFileSync(join(page, 'package.json'), '{ "type": "module" }');
+  globalThis.location = { origin: 'http://127.0.0.1:1' };
+  const { curl, quoted } = await import(`${page}/download.js`);
+  const evil = `it's $HOME, "two" \`words\` \\ and ünits\n`;
+  assert.equal(execFileSync('sh', ['-c', `printf %s ${quoted(evil)}`], { encoding: 'utf8' }), evil);
+  const said = execFileSync(
+    'sh',
+    [
+      '-c',
+      `curl() { for word; do printf '%s\\n' "$word"; done; }; ${curl({ method: 'POST', path: '/v1/jobs', body: { labels: [evil] }, token: true })}`,
+    ],
+    { encoding: 'utf8', env: { RACEWAY_TOKEN: 't' } },
+  ).split('\n');
+  assert.ok(said.includes('Authorization: Bearer t') && said.includes(JSON.stringify({ labels: [evil] })), said);
+  const { write } = await import(`${page}/request.js`);
+  const job = { kind: 'simulation', scene: { bearing: '6205', operation: { speed_rpm: 3000 } } };
+  let changed = write(job, '/scene/bearing/ball_count', 8);
+  changed = write(changed, '/scene/lubricant', 'oil');
+  changed = write(changed, '/scene/lubricant/fill', 0.2);
+  assert.deepEqual(changed.scene, {
+    bearing: { preset: '6205', ball_count: 8 },
+    operation: { speed_rpm: 3000 },
+    lubricant: { kind: 'oil', fill: 0.2 },
+  });
+  for (const pointer of ['/scene/bearing/ball_count', '/scene/lubricant/fill', '/scene/lubricant'])
+    changed = write(changed, pointer, undefined);
+  assert.deepEqual(changed, job);
+  rmSync(page, { recursive: true });
+  ok('commands are quoted, requests say what was edited');
+}
+
+/** A page that notes everything that must not happen. `expected(status, path)`: refusals that the check provokes, which Chromium itself logs; status 0: no connection. */
+async function open(browser, settings, expected = () => false) {
+  const context = await browser.newContext({ viewport: DESKTOP, ...settings });
+  const page = await context.newPage();
+  const faults = [];
+  noted.push(faults);
+  page.on('pageerror', (error) => faults.push(`page error: ${error.stack}`));
+  page.on('console', (message) => {
+    if (!['error', 'warning'].includes(message.type())) return;
+    const refused = message.text().match(/Failed to load resource: (?:.*status of (\d+)|net::ERR_INTERNET_DISCONNECTED)/);
+    if (refused && expected(Number(refused[1] ?? 0), new URL(message.location().url).pathname)) return;
+    faults.push(`console: ${message.text()} (${message.location().url})`);
+  });
+  page.on('request', (request) => {
+    const { protocol, hostname } = new URL(request.url());
+    if (!['blob:', 'data:'].includes(protocol) && hostname !== '127.0.0.1') faults.push(`request to ${request.url()}`);
+  });
+  return { page, context, faults };
+}
+
+const picture = async (page, name) => {
+  if (PICTURES) await page.screenshot({ path: join(PICTURES, `${name}.png`), fullPage: true });
+};
+
+/** Serious and critical findings of axe. */
+async function accessible(page, where) {
+  await page.evaluate(AXE);
+  const found = await page.evaluate(async () => {
+    const { violations } = await globalThis.axe.run(document, { resultTypes: ['violations'] });
+    return violations
+      .filter(({ impact }) => ['serious', 'critical'].includes(impact))
+      .map(
+        ({ id, nodes }) =>
+          `${id}: ${nodes
+            .slice(0, 4)
+            .map((node) => `${node.target} ${node.failureSummary?.split('\n')[1] ?? ''}`)
+            .join(' | ')}`,
+      );
+  });
+  assert.deepEqual(found, [], `axe finds nothing serious: ${where}`);
+}
+
+const field = (page, pointer) => page.locator(`#f${pointer.replaceAll('/', '-')}`);
+const tab = (page, name) => page.locator(`#tab-${name}`).click();
+
+async function fromPresetToPlot(page) {
+  await page.locator('.drawing svg').waitFor();
+  await page.selectOption('#preset', 'article-integrated');
+  const speed = field(page, '/scene/operation/speed_rpm');
+  await speed.fill('50000');
+  await page.getByText('833.3').waitFor();
+  ok('a preset and a speed give characteristic frequencies');
+
+  const balls = field(page, '/scene/bearing/ball_count');
+  await balls.fill('99');
+  const error = page.locator('#f-scene-bearing-ball_count-error');
+  await error.filter({ hasText: 'from 2 to 64' }).waitFor();
+  assert.equal(await balls.getAttribute('aria-invalid'), 'true');
+  assert.ok((await balls.getAttribute('aria-describedby')).includes(await error.getAttribute('id')));
+  await picture(page, 'error');
+  await accessible(page, 'an error at a field');
+  await balls.fill('seven');
+  await error.filter({ hasText: 'not a number' }).waitFor();
+  await balls.fill('');
+  await page.waitForFunction(() => !document.querySelector('[aria-invalid]'));
+  ok('a wrong field says so, and is silent once mended');
+
+  assert.deepEqual(JSON.parse(await page.locator('#json').inputValue()).scene.bearing, 'article-integrated');
+  await page.locator('#request summary').first().click();
+  const job = JSON.parse(await page.locator('#json').inputValue());
+  job.scene.operation.radial_load_y_n = 200;
+  await page.locator('#json').fill(JSON.stringify(job));
+  await page.waitForFunction(() => document.querySelector('#f-scene-operation-radial_load_y_n').value === '200');
+  await page.locator('#request summary').first().click();
+  ok('the request as JSON and the form say the same');
+
+  await page.locator('#run').click();
+  await page.locator('#panel-result .line-label').first().waitFor({ timeout: 60000 });
+  const labels = await page.locator('#panel-result .line-label').allTextContents();
+  assert.ok(
+    labels.some((label) => label.includes('BPFO')),
+    `labels: ${labels}`,
+  );
+  ok(`the spectrum names its lines: ${labels.slice(0, 5).join(', ')}`);
+}
+
+/** A reload keeps the scene and the run; the tabs are a keyboard's. */
+async function reloadAndKeys(page) {
+  await page.reload();
+  await page.locator('#panel-result .line-label').first().waitFor();
+  assert.equal(await field(page, '/scene/operation/speed_rpm').inputValue(), '50000');
+  await page.locator('#tab-result').press('ArrowRight');
+  assert.equal(await page.locator('#tab-slider').getAttribute('aria-selected'), 'true');
+  await page.keyboard.press('Home');
+  assert.equal(await page.evaluate(() => document.activeElement.id), 'tab-result');
+  ok('a reload keeps scene and run; arrow keys move between the tabs');
+}
+
+/** A full queue is waited for; a connection that was lost is found again. */
+async function troubles(page, context) {
+  let refusals = 1;
+  await page.route('**/v1/jobs', (route) => {
+    if (route.request().method() !== 'POST' || refusals === 0) return route.continue();
+    refusals -= 1;
+    return route.fulfill({
+      status: 429,
+      contentType: 'application/problem+json',
+      headers: { 'Retry-After': '1' },
+      body: '{"title":"full"}',
+    });
+  });
+  await field(page, '/scene/operation/radial_load_y_n').fill('210');
+  await page.locator('#run').click();
+  await page.locator('#status', { hasText: 'The queue is full; trying again in 1 s.' }).waitFor();
+  await page.getByRole('heading', { name: /210/ }).waitFor();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 60000 });
+  await page.unroute('**/v1/jobs');
+  await context.setOffline(true);
+  await field(page, '/scene/operation/radial_load_y_n').fill('220');
+  await page.locator('#scene-errors', { hasText: 'cannot be reached' }).waitFor();
+  await context.setOffline(false);
+  await page.waitForFunction(() => document.querySelector('#scene-errors').textContent === '');
+  await field(page, '/scene/operation/radial_load_y_n').fill('200');
+  ok('a full queue is waited for, a lost connection is found again');
+}
+
+async function orbitAndRest(page) {
+  const view = (value) => page.locator(`input[name=view][value=${value}]`).check({ force: true });
+  await view('orbit');
+  const shown = page.locator('#panel-result .stage img.picture, #panel-result svg.orbit');
+  const again = page.getByRole('button', { name: 'Run again with time series' });
+  await shown.or(again).first().waitFor();
+  if (await again.isVisible()) await again.click();
+  await shown.waitFor({ timeout: 60000 });
+  await picture(page, 'orbit');
+  ok('the orbit is shown');
+  await view('velocity');
+  await page.locator('#panel-result .stage .uplot, #panel-result .stage img.picture').first().waitFor();
+  await view('loads');
+  await page.locator('#panel-result .stage svg.bars, #panel-result .stage img.picture').first().waitFor();
+  await view('spectrum');
+  await page.locator('#panel-result .line-label').first().waitFor();
+  await page.getByRole('button', { name: 'Zoom in' }).first().click();
+  const [download] = await Promise.all([
+    page.waitForEvent('download'),
+    page.getByRole('button', { name: 'Spectrum CSV' }).click(),
+  ]);
+  assert.match(await readFile(await download.path(), 'utf8'), /^frequency_hz/m);
+  ok('velocity, ball loads and a CSV of the spectrum are there');
+}
+
+async function compareTwo(page) {
+  await field(page, '/scene/bearing/radial_clearance_um').fill('8');
+  await page.locator('#run').click();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 60000 });
+  await tab(page, 'jobs');
+  const buttons = page.getByRole('button', { name: /^Compare:/ });
+  await buttons.first().waitFor();
+  await buttons.nth(0).click();
+  await tab(page, 'jobs');
+  await buttons.nth(1).click();
+  await page.locator('#panel-compare table tbody tr').first().waitFor();
+  await page.locator('#panel-compare .line-label').first().waitFor();
+  const rows = await page.locator('#panel-compare tbody tr').count();
+  assert.ok(rows > 8, `${rows} differences`);
+  ok('two runs lie over each other');
+}
+
+/** Median of redraws a second, over more than 3 s. */
+async function slide(page) {
+  await tab(page, 'slider');
+  await page.locator('#panel-slider .line-label').first().waitFor({ timeout: 60000 });
+  const count = () => page.evaluate(() => Number(document.querySelector('#panel-slider [data-redraws]').dataset.redraws));
+  await page.getByRole('button', { name: 'Sweep' }).click();
+  const counts = [];
+  for (let second = 0; second <= 5; second += 1) {
+    counts.push(await count());
+    await page.waitForTimeout(1000);
+  }
+  await page.getByRole('button', { name: 'Stop' }).click();
+  const rates = counts
+    .slice(1)
+    .map((now, i) => now - counts[i])
+    .sort((a, b) => a - b);
+  assert.ok(rates.at(-1) > 0, 'the slider draws');
+  console.log(`slider: ${rates[Math.floor(rates.length / 2)]} redraws a second (median of ${rates.join(', ')})`);
+}
+
+async function study(page) {
+  await tab(page, 'study');
+  await page.getByLabel('Points').fill('5');
+  await page.getByRole('button', { name: 'Run study' }).click();
+  await page.locator('#panel-study .uplot canvas').waitFor({ timeout: 120000 });
+  assert.match(await page.locator('#panel-study figcaption').textContent(), /5 of 5 points/);
+  ok('a study of one parameter shows its trend');
+}
+
+async function everywhere(browser, url, from) {
+  for (const colorScheme of ['light', 'dark']) {
+    for (const [name, viewport] of [
+      ['1280', DESKTOP],
+      ['390', PHONE],
+    ]) {
+      const { page, context, faults } = await open(browser, { viewport, colorScheme });
+      await page.goto(url + from);
+      await page.locator('.drawing svg').waitFor();
+      await page.locator('#panel-result .line-label').first().waitFor();
+      for (const panel of TABS) {
+        await tab(page, panel);
+        if (panel === 'study') {
+          await page.getByRole('button', { name: 'Run study' }).click();
+          await page.locator('#panel-study .uplot').waitFor({ timeout: 120000 });
+        }
+        if (panel === 'compare') {
+          for (const [i, label] of ['First run', 'Second run'].entries()) {
+            const select = page.getByLabel(label);
+            await select.locator('option').nth(2).waitFor({ state: 'attached' });
+            await select.selectOption({ index: i + 1 });
+          }
+          await page.locator('#panel-compare .line-label').first().waitFor();
+        }
+        if (panel === 'slider') await page.locator('#panel-slider .line-label').first().waitFor({ timeout: 60000 });
+        if (panel === 'jobs') await page.locator('#panel-jobs tbody tr').first().waitFor();
+        await picture(page, `${panel}-${name}-${colorScheme}`);
+        const { wide, inner } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, inner: innerWidth }));
+        assert.ok(wide <= inner, `${panel} at ${name} px is ${wide} px wide`);
+        await accessible(page, `${panel}, ${name} px, ${colorScheme}`);
+      }
+      assert.deepEqual(faults, []);
+      await context.close();
+    }
+    ok(`every panel fits 1280 and 390 px and has no serious finding of axe: ${colorScheme}`);
+  }
+}
+
+async function withToken(browser) {
+  const service = await serve({ RACEWAY_API_TOKENS: TOKEN });
+  const { page, context, faults } = await open(browser, {}, (status, path) => status === 401 && path.startsWith('/v1/'));
+  await page.goto(service.url);
+  await page.locator('#token').fill('wrong');
+  await page.locator('#token').press('Enter');
+  await page.getByText('does not know this token').waitFor();
+  await accessible(page, 'the question for a token');
+  await page.locator('#token').fill(TOKEN);
+  await page.locator('#token').press('Enter');
+  await page.locator('.drawing svg').waitFor();
+  await page.locator('#run').click();
+  await page.locator('#panel-result .line-label').first().waitFor({ timeout: 60000 });
+  const command = await page.locator('#request-curl code').textContent();
+  assert.ok(command.includes('"Authorization: Bearer $RACEWAY_TOKEN"') && !command.includes(TOKEN), command);
+  assert.ok(!page.url().includes(TOKEN));
+  await page.reload();
+  await page.locator('#panel-result .line-label').first().waitFor();
+  assert.deepEqual(faults, []);
+  await context.close();
+  await service.stop();
+  ok('with a token: asked once, kept over a reload, in no address and no command');
+}
+
+assert.ok(process.env.RACEWAY, 'RACEWAY names the binary');
+if (PICTURES) mkdirSync(PICTURES, { recursive: true });
+await alone();
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ARGUMENTS });
+try {
+  const service = process.env.PORTAL_URL ? { url: process.env.PORTAL_URL, stop: () => {} } : await serve();
+  const { page, context, faults } = await open(
+    browser,
+    {},
+    (status, path) =>
+      (status === 422 && path === '/v1/scenes/resolve') || (status === 429 && path === '/v1/jobs') || status === 0,
+  );
+  await page.goto(service.url);
+  await fromPresetToPlot(page);
+  await reloadAndKeys(page);
+  const plain = new URL(page.url());
+  await orbitAndRest(page);
+  await compareTwo(page);
+  await slide(page);
+  await study(page);
+  await tab(page, 'result');
+  await troubles(page, context);
+  assert.deepEqual(faults, [], 'nothing in the console, no other host');
+  await context.close();
+  await everywhere(browser, service.url, `/${plain.hash}`);
+  await service.stop();
+  if (!process.env.PORTAL_URL) await withToken(browser);
+} catch (error) {
+  noted.flat().forEach((fault) => console.error(fault));
+  throw error;
+} finally {
+  await browser.close();
+}

@@ -1,0 +1,138 @@
+//! Several jobs in one request.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::header::RETRY_AFTER;
+use axum::http::{HeaderMap, HeaderValue};
+use axum::response::{IntoResponse, Response};
+use futures_util::future::join_all;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::answers::JobAnswer;
+use super::auth::Owner;
+use super::describe::{Anywhere, BadBody, NotAccepted};
+use super::error::{ApiError, Problem};
+use super::jobs::{IDEMPOTENT_REPLAYED, idempotency_key};
+use super::request::{JsonBody, Nothing, Query, negotiated};
+use super::{App, describe};
+use crate::contract::job::JobInput;
+use crate::contract::{self, Job, Refusal};
+use crate::jobs::{IdempotencyKey, JobError, Submitted};
+
+const JSON: &[&str] = &["application/json"];
+
+/// Jobs that are handed in together.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[allow(dead_code, reason = "only describes the body; `contract::parse_batch` reads it")]
+pub struct BatchInput {
+    /// The jobs, as each would be handed in alone.
+    #[schema(min_items = 1, max_items = 1000)]
+    jobs: Vec<JobInput>,
+}
+
+/// What became of each job, in their order.
+#[derive(Serialize, ToSchema)]
+pub struct BatchAnswer {
+    /// One for each job, in their order.
+    pub answers: Vec<ItemAnswer>,
+}
+
+/// What became of one job.
+#[derive(Serialize, ToSchema)]
+pub struct ItemAnswer {
+    /// What `POST /v1/jobs` would have answered: 202, 422, 429, …
+    #[schema(minimum = 200, maximum = 599, example = 202)]
+    pub status: u16,
+    /// The job that was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub job: Option<JobAnswer>,
+    /// Why none was made; pointers begin at the job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub problem: Option<Problem>,
+    /// Seconds after which to try again, where that is worth while.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub retry_after_s: Option<u32>,
+}
+
+/// Submit several jobs
+///
+/// Each is answered as if it had been handed in alone: one that is refused keeps no other from being made. At most 1000 jobs in
+/// 1 MiB. With `Idempotency-Key` the whole request can be sent again, byte for byte: jobs that were made are not made again
+/// (`Idempotent-Replayed: true`), those that found the queue full are; with another body it is refused (422).
+#[utoipa::path(
+    post, path = "/v1/jobs/batch", tag = describe::JOBS, operation_id = "submitJobs",
+    params(("Idempotency-Key" = Option<String>, Header, description = "A name of the client's for this request, 1 to 255 visible ASCII characters", example = "night-run-17")),
+    request_body(content = BatchInput, content_type = "application/json", example = json!({"jobs": [
+        {"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}},
+        {"kind": "simulation", "scene": {"bearing": "6205", "operation": {"speed_rpm": 3000, "radial_load_y_n": 500}}}
+    ]})),
+    responses((status = 200, description = "An answer for each job, in their order", body = BatchAnswer,
+        headers(("Idempotent-Replayed" = String, description = "`true` where the `Idempotency-Key` had made these jobs before"))), BadBody, NotAccepted, Anywhere)
+)]
+pub async fn submit(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    _: Query<Nothing>,
+    JsonBody(body): JsonBody,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, JSON)?;
+    let key = idempotency_key(&headers)?;
+    let key = key.map(|key| IdempotencyKey::of_batch(key, &body));
+    // A thousand scenes take some milliseconds each to check.
+    let parsed = tokio::task::spawn_blocking(move || contract::parse_batch(&body));
+    let jobs = parsed.await.map_err(|_| ApiError::Internal)??;
+    // The first good job goes ahead: where the key has come with another body, none of them is made.
+    let lead = jobs.iter().position(Result::is_ok);
+    let key_of = |place: usize| {
+        let place = if Some(place) == lead { "first".to_owned() } else { place.to_string() };
+        key.as_ref().map(|key| key.of_item(&place))
+    };
+    let first = match lead.and_then(|place| Some((place, jobs[place].as_ref().ok()?))) {
+        Some((place, job)) => Some((place, app.jobs.submit(job, &owner, key_of(place)).await)),
+        None => None,
+    };
+    if let Some((_, Err(JobError::KeyReused))) = first {
+        return Err(JobError::KeyReused.into());
+    }
+    let replayed = matches!(&first, Some((_, Ok(submitted))) if submitted.replayed);
+    let (lead, mut first) = first.map_or((None, None), |(place, made)| (Some(place), Some(made)));
+    let answers = jobs.into_iter().enumerate().map(|(place, job)| {
+        let made = if lead == Some(place) { first.take() } else { None };
+        answer(&app, &owner, job, made, key_of(place))
+    });
+    let answers: Vec<_> = answers.collect();
+    let told = replayed.then_some((IDEMPOTENT_REPLAYED, HeaderValue::from_static("true")));
+    let told: HeaderMap = told.into_iter().collect();
+    Ok((told, Json(BatchAnswer { answers: join_all(answers).await })).into_response())
+}
+
+/// What becomes of one job; `made`: it has been handed in already.
+async fn answer(
+    app: &App,
+    owner: &str,
+    job: Result<Job, Refusal>,
+    made: Option<Result<Submitted, JobError>>,
+    key: Option<IdempotencyKey>,
+) -> ItemAnswer {
+    let submitted = async {
+        let submitted = match made {
+            Some(made) => made?,
+            None => app.jobs.submit(&job?, owner, key).await?,
+        };
+        JobAnswer::of(submitted.record)
+    };
+    match submitted.await {
+        Ok(job) => ItemAnswer { status: 202, job: Some(job), problem: None, retry_after_s: None },
+        Err(error) => {
+            let (status, problem) = error.problem();
+            let retry_after = error.headers().get(RETRY_AFTER).and_then(|seconds| seconds.to_str().ok()?.parse().ok());
+            ItemAnswer { status: status.as_u16(), job: None, problem: Some(problem), retry_after_s: retry_after }
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Answers that a client has already: results never change, so that a tag of the work behind them tells all; a job's standing is tagged
+//! by what it says.
+
+use axum::body::Body;
+use axum::extract::{Request, State};
+use axum::http::header::{ACCEPT, ACCEPT_ENCODING, CACHE_CONTROL, ETAG, IF_NONE_MATCH, VARY};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use sha2::{Digest, Sha256};
+use uuid::Uuid;
+
+use super::App;
+use super::auth::Owner;
+use super::error::ApiError;
+
+/// Whoever was let in may keep it; nobody on the way.
+const IMMUTABLE: HeaderValue = HeaderValue::from_static("private, max-age=31536000, immutable");
+/// To be asked for each time.
+const ASK: HeaderValue = HeaderValue::from_static("private, no-cache");
+/// Bytes of a digest that a tag shows.
+const SHOWN: usize = 16;
+
+/// Tags results of succeeded jobs, and answers 304 where the client has them.
+pub async fn results(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    request: Request,
+    next: Next,
+) -> Result<Response, ApiError> {
+    let id = request.uri().path().split('/').nth(3).and_then(|id| id.parse::<Uuid>().ok());
+    let work = match id {
+        Some(id) => app.jobs.fingerprint(&owner, id).await?,
+        None => None,
+    };
+    let Some(work) = work else {
+        let mut response = next.run(request).await;
+        response.headers_mut().entry(CACHE_CONTROL).or_insert(ASK);
+        return Ok(response);
+    };
+    let asked = request.uri().path_and_query().map_or("", |path| path.as_str());
+    // Bytes differ by format and by coding.
+    let headers = request.headers();
+    let accepted = [ACCEPT, ACCEPT_ENCODING].map(|name| headers.get_all(name).iter().cloned().collect::<Vec<_>>());
+    let accepted: Vec<&[u8]> = accepted.iter().flatten().map(HeaderValue::as_bytes).collect();
+    let tag = tag("", &[&work, env!("CARGO_PKG_VERSION").as_bytes(), asked.as_bytes(), &accepted.join(&b","[..])]);
+    // A tag that fits has come with an answer to the same question.
+    if has(request.headers(), &tag) {
+        return Ok(not_modified(tag, IMMUTABLE));
+    }
+    let has_any = has_any(request.headers());
+    let mut response = next.run(request).await;
+    if response.status() == StatusCode::OK && has_any {
+        return Ok(not_modified(tag, IMMUTABLE));
+    }
+    if response.status() == StatusCode::OK {
+        let headers = response.headers_mut();
+        headers.insert(ETAG, tag);
+        headers.insert(CACHE_CONTROL, IMMUTABLE);
+        headers.insert(VARY, HeaderValue::from_static("Accept"));
+    }
+    Ok(response)
+}
+
+/// A job's standing as JSON with a weak tag, or 304 where the client has it.
+pub fn standing(headers: &HeaderMap, json: Vec<u8>) -> Response {
+    let tag = tag("W/", &[&json]);
+    if has(headers, &tag) || has_any(headers) {
+        return not_modified(tag, ASK);
+    }
+    let told = [
+        (ETAG, tag),
+        (CACHE_CONTROL, ASK),
+        (axum::http::header::CONTENT_TYPE, HeaderValue::from_static("application/json")),
+    ];
+    (told, Body::from(json)).into_response()
+}
+
+fn not_modified(tag: HeaderValue, caching: HeaderValue) -> Response {
+    let vary = HeaderValue::from_static("Accept, Accept-Encoding");
+    (StatusCode::NOT_MODIFIED, [(ETAG, tag), (CACHE_CONTROL, caching), (VARY, vary)]).into_response()
+}
+
+fn tag(prefix: &str, parts: &[&[u8]]) -> HeaderValue {
+    let mut digest = Sha256::new();
+    for part in parts {
+        digest.update(part.len().to_le_bytes());
+        digest.update(part);
+    }
+    let hex: String = digest.finalize().iter().take(SHOWN).map(|byte| format!("{byte:02x}")).collect();
+    HeaderValue::try_from(format!("{prefix}\"{hex}\"")).unwrap_or(HeaderValue::from_static("\"\""))
+}
+
+/// Whether any answer will do.
+fn has_any(headers: &HeaderMap) -> bool {
+    headers.get(IF_NONE_MATCH).is_some_and(|value| value.as_bytes().trim_ascii() == b"*")
+}
+
+/// Whether `If-None-Match` names the tag; `W/` does not matter there.
+fn has(headers: &HeaderMap, tag: &HeaderValue) -> bool {
+    let strip = |tag: &str| tag.trim().trim_start_matches("W/").to_owned();
+    let Ok(tag) = tag.to_str().map(strip) else { return false };
+    let named = headers.get_all(IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
+    named.flat_map(|value| value.split(',')).any(|named| strip(named) == tag)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tag_is_found_among_others_weak_or_strong() {
+        let tag = tag("W/", &[b"job"]);
+        let text = tag.to_str().unwrap_or_default().to_owned();
+        for (sent, found) in [
+            (text.clone(), true),
+            (text.trim_start_matches("W/").to_owned(), true),
+            (format!("\"a\", {text}"), true),
+            ("\"a\"".to_owned(), false),
+            (String::new(), false),
+        ] {
+            let headers = HeaderMap::from_iter([(IF_NONE_MATCH, HeaderValue::try_from(sent.clone()).unwrap())]);
+            assert_eq!(has(&headers, &tag), found, "{sent}");
+        }
+    }
+}

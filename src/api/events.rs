@@ -1,0 +1,169 @@
+//! A job as it goes, as server-sent events.
+
+use std::convert::Infallible;
+use std::time::Duration;
+
+use axum::extract::State;
+use axum::http::header::HeaderName;
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use futures_util::stream;
+use serde_json::{Map, Value, json};
+use utoipa::ToSchema;
+use uuid::Uuid;
+
+use super::answers::JobAnswer;
+use super::auth::Owner;
+use super::describe::{Anywhere, BadQuery, NoJob, NotAccepted};
+use super::error::ApiError;
+use super::request::{JobId, Nothing, Query, header, negotiated};
+use super::{App, describe};
+use crate::contract::JobKind;
+use crate::jobs::{JobError, JobRecord, Status, View};
+use crate::simulation::metrics::level_db;
+use crate::simulation::run::Phase;
+
+const STREAM: &[&str] = &["text/event-stream"];
+const LAST_EVENT_ID: HeaderName = HeaderName::from_static("last-event-id");
+/// Between two looks at the job.
+const LOOK: Duration = Duration::from_millis(100);
+/// Silence after which a comment tells that the stream is alive.
+const ALIVE: Duration = Duration::from_secs(15);
+
+/// Follow a job
+///
+/// Server-sent events. `progress`, whenever something has changed: the job without its request, with `phase` (`queued`, `starting`,
+/// `checking` a reduced model, `settling`, `recording`, `judging` the accuracy, `computing` the points of a study) and, while it is
+/// recorded, `level_db`: the acceleration levels so far by channel [dB], of all frequencies. Then one of `succeeded`, `failed`, `cancelled`, and the
+/// stream ends; a job that has ended gets that at once. With `Last-Event-ID` what that event said is not said again. The stream also ends when the service stops.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/events", tag = describe::JOBS, operation_id = "followJob",
+    params(
+        ("id" = Uuid, Path, description = "The job"),
+        ("Last-Event-ID" = Option<String>, Header, description = "Id of the last event that was seen", example = "recording-430")
+    ),
+    responses(
+        (status = 200, description = "Events", body = JobEvent, content_type = "text/event-stream",
+            example = json!({"event": "progress", "id": "recording-430", "data": "{\"id\":\"0199…\",\"status\":\"running\",\"progress\":0.43,\"phase\":\"recording\"}"})),
+        (status = 204, description = "The last event of a job that has ended was seen: nothing more will come"),
+        BadQuery, NoJob, NotAccepted, Anywhere
+    )
+)]
+pub async fn events(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    _: Query<Nothing>,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, STREAM)?;
+    // Whether the job is there is told before the stream begins.
+    let record = app.jobs.get(&owner, id).await?;
+    let seen = header(&headers, &LAST_EVENT_ID).map(str::to_owned);
+    if record.status.is_final() && seen == Some(id_of(&record, None)) {
+        return Ok(StatusCode::NO_CONTENT.into_response());
+    }
+    let watch = Watch { app, owner, id, seen, first: true, ended: false };
+    let stream = stream::unfold(watch, |mut watch| async move { Some((watch.next().await?, watch)) });
+    Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(ALIVE)).into_response())
+}
+
+/// An event of a stream, as a client's parser gives it.
+#[derive(ToSchema)]
+#[allow(dead_code, reason = "only describes the stream")]
+pub struct JobEvent {
+    /// `progress`, or how the job has ended: `succeeded`, `failed`, `cancelled`.
+    #[schema(example = "progress")]
+    event: String,
+    /// For `Last-Event-ID`.
+    #[schema(example = "recording-430")]
+    id: String,
+    /// JSON: the job without its request, with `phase` and `level_db`.
+    data: String,
+}
+
+/// One who follows a job.
+struct Watch {
+    app: App,
+    owner: String,
+    id: Uuid,
+    /// Id of the last event.
+    seen: Option<String>,
+    first: bool,
+    ended: bool,
+}
+
+impl Watch {
+    /// The next event; `None` after the last one, when the job is deleted, and when the service stops.
+    async fn next(&mut self) -> Option<Result<Event, Infallible>> {
+        loop {
+            if self.ended || self.app.jobs.is_stopping() {
+                return None;
+            }
+            let bell = self.app.jobs.bell(self.id);
+            let rings = bell.notified();
+            tokio::pin!(rings);
+            // Listens before it looks, or an end between the two would be told late.
+            rings.as_mut().enable();
+            if !std::mem::take(&mut self.first) {
+                // A look at once after the end, one now and then before.
+                drop(tokio::time::timeout(LOOK, rings).await);
+            }
+            let record = match self.app.jobs.get(&self.owner, self.id).await {
+                Ok(record) => record,
+                Err(JobError::NotFound) => return None,
+                Err(error) => {
+                    tracing::warn!(%error, "a job that is followed could not be read");
+                    continue;
+                }
+            };
+            let view = self.app.jobs.view(self.id);
+            let event_id = id_of(&record, view.as_ref());
+            self.ended = record.status.is_final();
+            if self.ended || self.seen.as_ref() != Some(&event_id) {
+                let name = if self.ended { record.status.name() } else { "progress" };
+                let data = told(record, view)?;
+                self.seen = Some(event_id.clone());
+                return Some(Ok(Event::default().event(name).id(event_id).data(data)));
+            }
+        }
+    }
+}
+
+/// Changes whenever there is something to tell.
+fn id_of(record: &JobRecord, view: Option<&View>) -> String {
+    let permille = (1000.0 * record.progress).floor();
+    let phase = if record.status == Status::Running { phase(record, view) } else { record.status.name() };
+    format!("{phase}-{permille}")
+}
+
+fn phase(record: &JobRecord, view: Option<&View>) -> &'static str {
+    match (record.status, view.and_then(|view| view.phase)) {
+        (Status::Running, _) if record.kind == JobKind::Study.name() => "computing",
+        (Status::Running, Some(Phase::Checking)) => "checking",
+        (Status::Running, Some(Phase::Settling)) => "settling",
+        (Status::Running, Some(Phase::Recording)) => "recording",
+        (Status::Running, Some(Phase::Judging)) => "judging",
+        (Status::Running, None) => "starting",
+        (status, _) => status.name(),
+    }
+}
+
+/// The job without its request, its phase, and levels so far; `None` where it cannot be written.
+fn told(record: JobRecord, view: Option<View>) -> Option<String> {
+    let phase = phase(&record, view.as_ref());
+    let levels = view.and_then(|view| view.accelerations).filter(|_| record.status == Status::Running);
+    let Ok(Value::Object(mut told)) = serde_json::to_value(JobAnswer::of(record).ok()?) else { return None };
+    told.remove("request");
+    told.insert("phase".into(), phase.into());
+    if let Some(levels) = levels {
+        let channels = ["spindle.y.acceleration", "spindle.z.acceleration"];
+        let levels = channels
+            .into_iter()
+            .zip(levels)
+            .filter_map(|(channel, rms)| Some((channel.to_owned(), json!(level_db(rms)?))));
+        told.insert("level_db".into(), levels.collect::<Map<_, _>>().into());
+    }
+    serde_json::to_string(&told).ok()
+}

@@ -1,0 +1,101 @@
+//! The page at `/` and its files, from inside the binary. They are the same for everybody and open without a token; what they
+//! show comes from the API, which is not.
+
+use std::sync::LazyLock;
+
+use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, ETAG, IF_NONE_MATCH, REFERRER_POLICY};
+use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::response::{IntoResponse, Response};
+use sha2::{Digest, Sha256};
+
+use super::error::ApiError;
+
+/// What the page may load: its own files, and pictures that it made itself (`blob:`). Nothing inline, nothing from elsewhere, and
+/// nobody may frame it.
+const POLICY: &str = "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; \
+                      frame-ancestors 'none'";
+
+const HTML: &str = "text/html; charset=utf-8";
+const CSS: &str = "text/css; charset=utf-8";
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+const TEXT: &str = "text/plain; charset=utf-8";
+
+struct File {
+    name: &'static str,
+    media_type: &'static str,
+    content: &'static str,
+}
+
+macro_rules! files {
+    ($($name:literal: $media_type:expr),+ $(,)?) => {
+        [$(File { name: $name, media_type: $media_type, content: include_str!(concat!("portal/", $name)) }),+]
+    };
+}
+
+static FILES: [File; 23] = files! {
+    "index.html": HTML,
+    "style.css": CSS,
+    "icon.svg": "image/svg+xml",
+    "api.js": SCRIPT,
+    "compare.js": SCRIPT,
+    "derived.js": SCRIPT,
+    "dom.js": SCRIPT,
+    "download.js": SCRIPT,
+    "fields.js": SCRIPT,
+    "format.js": SCRIPT,
+    "jobs.js": SCRIPT,
+    "main.js": SCRIPT,
+    "metrics.js": SCRIPT,
+    "plots.js": SCRIPT,
+    "request.js": SCRIPT,
+    "result.js": SCRIPT,
+    "scene.js": SCRIPT,
+    "slider.js": SCRIPT,
+    "study.js": SCRIPT,
+    "views.js": SCRIPT,
+    "vendor/uPlot.esm.js": SCRIPT,
+    "vendor/uPlot.min.css": CSS,
+    "vendor/LICENSE": TEXT,
+};
+
+/// A tag of each file's content, quoted as it is sent. The files change only with the binary, but one address serves
+/// many versions of it in its life, so a browser asks each time and mostly hears that nothing has changed.
+static TAGS: LazyLock<Vec<String>> = LazyLock::new(|| {
+    FILES.iter().map(|file| hex(&Sha256::digest(file.content)[..16])).map(|digest| format!("\"{digest}\"")).collect()
+});
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// `GET /`
+pub async fn page(headers: HeaderMap) -> Result<Response, ApiError> {
+    answer("index.html", &headers)
+}
+
+/// `GET /portal/{file}`
+pub async fn file(uri: Uri, headers: HeaderMap) -> Result<Response, ApiError> {
+    answer(uri.path().trim_start_matches("/portal/"), &headers)
+}
+
+fn answer(name: &str, headers: &HeaderMap) -> Result<Response, ApiError> {
+    let place = FILES.iter().position(|file| file.name == name).ok_or(ApiError::UnknownPath)?;
+    let (file, tag) = (&FILES[place], TAGS[place].as_str());
+    let fields = [
+        (CONTENT_TYPE, file.media_type),
+        (CONTENT_SECURITY_POLICY, POLICY),
+        (REFERRER_POLICY, "no-referrer"),
+        (CACHE_CONTROL, "no-cache"),
+        (ETAG, tag),
+    ];
+    if is_known(headers, tag) {
+        return Ok((StatusCode::NOT_MODIFIED, fields).into_response());
+    }
+    Ok((fields, file.content).into_response())
+}
+
+/// Whether the client has this content: `If-None-Match` compares weakly (RFC 9110, 13.1.2).
+fn is_known(headers: &HeaderMap, tag: &str) -> bool {
+    let lists = headers.get_all(IF_NONE_MATCH).iter().filter_map(|list| list.to_str().ok());
+    lists.flat_map(|list| list.split(',')).map(str::trim).any(|one| one == "*" || one.trim_start_matches("W/") == tag)
+}

@@ -1,0 +1,144 @@
+// Two finished runs over each other.
+
+import * as api from './api.js';
+import { h, labelled, options, select, small, table, tools } from './dom.js';
+import { csv, save } from './download.js';
+import { channelName, level, measured, moment, title } from './format.js';
+import { usualLimit } from './metrics.js';
+import { SpectrumPlot } from './plots.js';
+
+export class Compare {
+  constructor(host, { say }) {
+    this.say = say;
+    const run = (text, name) => {
+      const element = select([], () => this.#draw());
+      return [h('label', { class: `stacked key ${name}` }, text, element), element];
+    };
+    const [labelA, a] = run('First run', 'inner');
+    const [labelB, b] = run('Second run', 'outer');
+    this.chosen = [a, b];
+    this.channel = select(
+      ['spindle.y.acceleration', 'spindle.z.acceleration'].map((name) => [name, channelName(name)]),
+      () => this.#draw(),
+    );
+    this.place = h('div', {});
+    this.plot = new SpectrumPlot(this.place);
+    this.caption = h('figcaption', {});
+    this.figure = h('figure', { hidden: true }, this.place, this.caption);
+    this.metrics = h('div', {});
+    this.note = h('p', { class: 'empty' }, 'Choose two finished runs.');
+    host.replaceChildren(
+      h('h2', {}, 'Compare'),
+      h('div', { class: 'pair' }, labelA, labelB),
+      tools(labelled('Channel', this.channel)),
+      this.note,
+      this.figure,
+      this.metrics,
+    );
+  }
+
+  /** Puts a run beside the one that was chosen before. */
+  async add(job) {
+    await this.refresh();
+    const [a, b] = this.chosen;
+    const place = !a.value || (b.value && b.value !== job.id) ? a : b;
+    if (place === a && b.value) a.value = b.value;
+    (place === a && !b.value ? a : b).value = job.id;
+    await this.#draw();
+  }
+
+  /** The finished runs to choose from; what is chosen stays. */
+  async refresh() {
+    try {
+      const { jobs } = await api.recentJobs('/v1/jobs?status=succeeded&kind=simulation&limit=200', 50);
+      const pairs = jobs.map((job) => [job.id, `${moment(job.created_at)}  ${title(job.request)}`]);
+      for (const chooser of this.chosen) {
+        const { value } = chooser;
+        chooser.replaceChildren(...options([['', 'none'], ...pairs]));
+        chooser.value = pairs.some(([id]) => id === value) ? value : '';
+      }
+    } catch (error) {
+      this.say(error.message);
+    }
+  }
+
+  async #draw() {
+    const ids = this.chosen.map((chooser) => chooser.value);
+    const ready = ids.every(Boolean);
+    this.note.hidden = ready;
+    this.figure.hidden = !ready;
+    this.metrics.replaceChildren();
+    if (!ready) return;
+    this.controller?.abort();
+    this.controller = new AbortController();
+    const { signal } = this.controller;
+    const channel = this.channel.value;
+    try {
+      const metrics = await Promise.all(ids.map((id) => api.get(`/v1/jobs/${id}/metrics`, { signal })));
+      const limit = Math.max(...metrics.map(usualLimit));
+      const spectra = await Promise.all(ids.map((id) => api.spectrum(id, channel, limit, signal)));
+      const names = this.chosen.map((chooser) => chooser.selectedOptions[0].textContent);
+      const lines = metrics[0].lines.filter((line) => line.channel === channel);
+      this.plot.draw({
+        spectra: spectra.map((spectrum, i) => ({ name: names[i], ...spectrum })),
+        lines,
+        unit: spectra[0].unit,
+        limit,
+      });
+      const levels = metrics.map((m) => m.channels?.[channel]?.level_db);
+      const [first, second] = names.map((name, i) => `${name}: ${level(levels[i])} dB`);
+      const text = `Spectra of ${channelName(channel)}. First, with its labels: ${first}. Second: ${second}.`;
+      this.plot.describe(text);
+      this.caption.textContent = text;
+      this.#differences(metrics);
+    } catch (error) {
+      if (!signal.aborted) this.say(error.message);
+    }
+  }
+
+  #differences([a, b]) {
+    const rows = pairs(a, b);
+    const shown = rows.map(([name, unit, x, y]) => [
+      name,
+      unit,
+      measured(x, 4),
+      measured(y, 4),
+      signed(y - x),
+      name.includes('level') || !x ? '' : `${signed((y / x - 1) * 100, 2)} %`,
+    ]);
+    this.metrics.replaceChildren(
+      table('Metrics of both runs and their difference', ['Metric', 'Unit', 'First', 'Second', 'Difference', 'Relative'], shown),
+      tools(
+        small('Differences CSV', () => save('comparison.csv', csv([['metric', 'unit', 'first', 'second'], ...rows]), 'text/csv')),
+      ),
+    );
+  }
+}
+
+const signed = (value, digits = 3) => (value > 0 ? `+${measured(value, digits)}` : measured(value, digits));
+
+/** Metrics that both runs have: name, unit, both values. */
+function pairs(a, b) {
+  const rows = [];
+  for (const [name, channel] of Object.entries(a.channels ?? {})) {
+    const other = b.channels?.[name];
+    if (!other) continue;
+    if (channel.level_db !== undefined) rows.push([`${channelName(name)}, level`, 'dB', channel.level_db, other.level_db]);
+    rows.push([`${channelName(name)}, rms`, channel.unit, channel.rms, other.rms]);
+  }
+  const at = (metrics, path) => path.split('.').reduce((value, step) => value?.[step], metrics);
+  for (const [name, unit, path] of [
+    ['Largest ball load, inner', 'N', 'contacts.inner.max_load_n'],
+    ['Largest ball load, outer', 'N', 'contacts.outer.max_load_n'],
+    ['Largest pressure, inner', 'MPa', 'contacts.inner.max_pressure_mpa'],
+    ['Least film, inner', 'µm', 'contacts.inner.min_film_thickness_um'],
+    ['Largest pocket load', 'N', 'contacts.pocket.max_load_n'],
+    ['Cage speed', 'Hz', 'kinematics.cage_speed_hz'],
+    ['Cage orbit radius', 'µm', 'cage.orbit_radius_um'],
+    ['BPFO', 'Hz', 'frequencies_hz.ball_pass_outer'],
+    ['BPFI', 'Hz', 'frequencies_hz.ball_pass_inner'],
+  ]) {
+    if (at(a, path) !== undefined && at(b, path) !== undefined) rows.push([name, unit, at(a, path), at(b, path)]);
+  }
+  return rows;
+}

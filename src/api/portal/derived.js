@@ -1,0 +1,131 @@
+// What follows from the scene before anything runs: a drawing to scale, stiffness, rating, frequencies, static
+// loads, what will be left out, and what the run will cost.
+
+import { h, s, table } from './dom.js';
+import { number, quantity, seconds, words } from './format.js';
+
+export function showDerived(host, resolved) {
+  const { derived, scene } = resolved;
+  const f = derived.frequencies_hz;
+  const rest = derived.static;
+  const rows = (pairs) =>
+    h(
+      'dl',
+      { class: 'pairs' },
+      pairs
+        .filter(Boolean)
+        .map(([name, value, unit, digits]) => h('div', {}, h('dt', {}, name), h('dd', {}, quantity(value, unit, digits)))),
+    );
+  const opened = host.querySelector('details')?.open;
+  host.replaceChildren(
+    h(
+      'div',
+      { class: 'derived' },
+      drawing(scene.bearing, rest?.ball_loads_n),
+      h(
+        'div',
+        {},
+        h('h3', {}, 'Frequencies'),
+        rows([
+          ['Shaft', f.shaft, 'Hz'],
+          ['Cage (FTF)', f.cage, 'Hz'],
+          ['BPFO', f.ball_pass_outer, 'Hz'],
+          ['BPFI', f.ball_pass_inner, 'Hz'],
+          ['Ball spin', f.ball_spin, 'Hz'],
+        ]),
+      ),
+      h(
+        'div',
+        {},
+        h('h3', {}, 'At rest, largest'),
+        rest
+          ? rows([
+              ['Ball load', rest.max_ball_load_n, 'N'],
+              ['Pressure', rest.max_pressure_mpa, 'MPa'],
+              ['Radial shift', rest.radial_displacement_um, 'µm'],
+              scene.operation.axial_load_n ? ['Axial shift', rest.axial_displacement_um, 'µm'] : null,
+            ])
+          : h('p', { class: 'note' }, 'No static equilibrium under these loads.'),
+      ),
+      h(
+        'div',
+        {},
+        h('h3', {}, 'Bearing'),
+        rows([
+          ['Stiffness, inner', derived.inner_stiffness_n_per_m1_5 / 1e9, 'GN/m¹·⁵', 3],
+          ['Stiffness, outer', derived.outer_stiffness_n_per_m1_5 / 1e9, 'GN/m¹·⁵', 3],
+          ['Rating, dynamic', derived.dynamic_load_rating_n / 1000, 'kN'],
+          ['Free contact angle', derived.free_contact_angle_deg, '°'],
+          ['Clearance', derived.radial_clearance_um, 'µm'],
+        ]),
+      ),
+    ),
+    h(
+      'details',
+      { open: opened },
+      h('summary', {}, `Left out of the equations: ${resolved.left_out.length} terms`),
+      leftOut(resolved.left_out),
+    ),
+  );
+}
+
+/** Terms that are not in the equations, and on which grounds. */
+export function leftOut(terms) {
+  const rows = terms.map(({ term, by, reason, bound, unit }) => [
+    words(term),
+    by,
+    h('span', { class: 'prose' }, reason),
+    bound === undefined ? '' : quantity(bound, unit, 2),
+  ]);
+  return table('Left out, and why', ['Term', 'By', 'Reason', 'Bound'], rows, { hidden: true });
+}
+
+/** The cost of a run in one line. */
+export function cost(resolved) {
+  const { estimated_wall_time_s: estimate, most_wall_time_s: most } = resolved.cost;
+  if (estimate === undefined) return `Tries the model ${resolved.rungs.map(words).join(', then ')}.`;
+  const range = most > 2 * estimate ? `${seconds(estimate)} to ${seconds(most)}` : seconds(estimate);
+  return `About ${range} on one core. Model: ${resolved.rungs.map(words).join(', else ')}.`;
+}
+
+/** The bearing seen along its axis, to scale; under each ball its share of the load. Ball 1 stands under +Y, which points down as gravity does. */
+function drawing(bearing, loads = []) {
+  const {
+    outer_diameter_mm: outer,
+    inner_diameter_mm: bore,
+    pitch_diameter_mm: pitch,
+    ball_diameter_mm: ball,
+    ball_count: count,
+  } = bearing;
+  const half = outer / 2;
+  const rim = (pitch + ball) / 2;
+  const raceway = (pitch - ball) / 2;
+  const largest = Math.max(...loads, 0);
+  const circle = (r, name) => s('circle', { cx: 0, cy: 0, r, class: name });
+  const balls = Array.from({ length: count }, (_, i) => {
+    const angle = (2 * Math.PI * i) / count;
+    const at = { cx: (Math.sin(angle) * pitch) / 2, cy: (Math.cos(angle) * pitch) / 2 };
+    const share = largest ? loads[i] / largest : 0;
+    return [
+      s('circle', { ...at, r: ball / 2, class: 'ball' }),
+      share > 0 && s('circle', { ...at, r: (ball / 2) * Math.sqrt(share) * 0.82, class: 'load' }),
+    ];
+  });
+  const text =
+    `${count} balls of ${number(ball)} mm between ${number(bore)} and ${number(outer)} mm` +
+    (largest ? `; the ball under the load carries ${number(largest)} N` : '');
+  return h(
+    'figure',
+    { class: 'drawing' },
+    s(
+      'svg',
+      { viewBox: `${-half * 1.03} ${-half * 1.03} ${half * 2.06} ${half * 2.06}`, role: 'img', 'aria-label': text },
+      circle(half, 'ring'),
+      circle(rim, 'gap'),
+      circle(raceway, 'ring'),
+      circle(bore / 2, 'bore'),
+      balls,
+    ),
+    largest > 0 && h('figcaption', {}, 'Filled: share of the load'),
+  );
+}

@@ -1,0 +1,90 @@
+// Numbers and words, as they are read.
+
+/** A number with sensible digits: no more than it deserves, thousands apart, powers of ten where they are shorter. */
+export function number(value, digits = 4, least = 1) {
+  if (typeof value !== 'number' || !Number.isFinite(value)) return '–';
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  if (size >= 1e6 || size < 1e-3) {
+    const [mantissa, exponent] = value.toExponential(Math.min(digits, 3) - 1).split('e');
+    const short = least === 1 ? String(Number(mantissa)) : mantissa;
+    return minus(`${{ 1: '', '-1': '-' }[short] ?? `${short} × `}10${superscript(Number(exponent))}`);
+  }
+  const text = value.toLocaleString('en-US', {
+    minimumSignificantDigits: least,
+    maximumSignificantDigits: digits,
+    useGrouping: size >= 1e4,
+  });
+  return minus(text.replaceAll(',', '\u202f'));
+}
+
+/** A computed number: zeros at its end are digits, too, so that columns agree. */
+export const measured = (value, digits = 3) => (value === 0 ? '0' : number(value, digits, digits));
+
+/** A number with its unit; the space between them does not break. */
+export function quantity(value, unit, digits) {
+  return unit ? `${number(value, digits)}${unit === '°' ? '' : '\u00a0'}${unit}` : number(value, digits);
+}
+
+/** Level with a fixed number of decimals, as levels are read. */
+export const level = (value) => (typeof value === 'number' ? minus(value.toFixed(1)) : '–');
+
+/** A duration in the unit that suits it. */
+export function seconds(value) {
+  if (typeof value !== 'number') return '–';
+  if (value < 1) return quantity(value * 1000, 'ms', 2);
+  if (value < 120) return quantity(value, 's', 2);
+  return value < 7200 ? quantity(value / 60, 'min', 2) : quantity(value / 3600, 'h', 2);
+}
+
+/** A power of ten for the axis of a logarithmic plot. */
+export const power = (value) =>
+  value >= 0.0009 && value <= 1001 ? String(Number(value.toPrecision(3))) : `10${superscript(Math.round(Math.log10(value)))}`;
+
+const minus = (text) => text.replace('-', '−');
+const superscript = (exponent) => [...String(exponent)].map((c) => (c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c])).join('');
+
+/** `radially_condensed` as one reads it. */
+export const words = (name) => String(name ?? '').replaceAll('_', ' ');
+
+/** `spindle.y.acceleration` as one reads it. */
+export const channelName = (channel) => channel.replaceAll('.', ' ');
+
+/** A clock time today, else the date as well. */
+export function moment(text) {
+  const date = new Date(text);
+  const time = date.toLocaleTimeString([], { hour: '2-digit', minute: '2-digit', second: '2-digit', hour12: false });
+  return date.toDateString() === new Date().toDateString() ? time : `${date.toLocaleDateString()} ${time}`;
+}
+
+/** Units that end the names of fields. */
+const UNITS = { um: 'µm', mm: 'mm', g: 'g', kg: 'kg', n: 'N', rpm: 'r/min', deg: '°', pa_s: 'Pa·s' };
+const UNIT = new RegExp(`_(${Object.keys(UNITS).join('|')})$`);
+
+/** Fields that a request changes in a preset, the first two by name. */
+function changes(fields) {
+  const said = Object.entries(fields).map(([name, value]) =>
+    typeof value === 'number' ? `${words(name.replace(UNIT, ''))} ${quantity(value, UNITS[name.match(UNIT)?.[1]])}` : words(name),
+  );
+  return said.length > 2 ? [...said.slice(0, 2), `${said.length - 2} more`] : said;
+}
+
+/** What a request is about, in one line. */
+export function title(request) {
+  const { scene = {}, axes } = request ?? {};
+  const { bearing, operation = {}, spindle = {}, lubricant } = scene;
+  const { preset, ...changed } = typeof bearing === 'string' ? { preset: bearing } : (bearing ?? {});
+  const name = preset ? [preset, ...changes(changed)].join(', ') : 'own bearing';
+  const speed = typeof operation.speed_rpm === 'number' ? quantity(operation.speed_rpm, 'r/min') : 'varying speed';
+  const load = Math.hypot(operation.radial_load_y_n ?? 0, operation.radial_load_z_n ?? 0);
+  const loads = [
+    load && quantity(load, 'N'),
+    operation.axial_load_n && `${quantity(operation.axial_load_n, 'N')} axial`,
+    spindle.balance_grade && `G\u00a0${number(spindle.balance_grade)}`,
+    lubricant && (lubricant.kind ?? lubricant),
+  ];
+  const varied = (axes ?? []).map(
+    (axis) => `over ${words((axis.path ?? axis.quantity ?? '').split('/').pop().replace(UNIT, ''))}`,
+  );
+  return [name, speed, ...loads.filter(Boolean), ...varied].join(' · ');
+}

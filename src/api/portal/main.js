@@ -1,0 +1,279 @@
+// The page put together: the request in the middle, the form and the panels around it.
+
+import * as api from './api.js';
+import { Compare } from './compare.js';
+import { cost, showDerived } from './derived.js';
+import { button, h } from './dom.js';
+import { command, curl } from './download.js';
+import { title } from './format.js';
+import { JobList } from './jobs.js';
+import { fromAddress, START, toAddress } from './request.js';
+import { Result } from './result.js';
+import { SceneForm } from './scene.js';
+import { Slider } from './slider.js';
+import { Study } from './study.js';
+
+const TABS = ['result', 'slider', 'study', 'compare', 'jobs'];
+
+/** Pause in typing after which the service is asked what follows [ms]. */
+const PAUSE = 180;
+
+/** Pause until the service is asked again when it could not be reached [ms]. */
+const RETRY = 3000;
+
+const at = (id) => document.getElementById(id);
+const state = { ...fromAddress(), resolved: null };
+state.job ??= START;
+if (!TABS.includes(state.tab)) state.tab = 'result';
+
+/** Tells what happens; a remark goes by itself, what is still waited for stays. */
+function say(text, stays = false) {
+  at('status').textContent = text;
+  clearTimeout(say.timer);
+  if (!stays)
+    say.timer = setTimeout(() => {
+      at('status').textContent = '';
+    }, 6000);
+}
+
+api.hooks.waiting = (what, wait) => say(what ? `${what}; trying again in ${Math.ceil(wait)} s.` : '', Boolean(what));
+api.hooks.askToken = askToken;
+
+/** Asks for a token; null where the reader gives none. */
+function askToken(refused) {
+  const dialog = at('token-dialog');
+  at('token-note').textContent = refused
+    ? 'The service does not know this token.'
+    : 'This service asks for a token. It is kept until this tab is closed.';
+  at('token').value = '';
+  dialog.returnValue = '';
+  dialog.showModal();
+  return new Promise((done) => {
+    dialog.addEventListener(
+      'close',
+      () => {
+        at('token-change').hidden = false;
+        done(dialog.returnValue === 'use' ? at('token').value.trim() : null);
+      },
+      { once: true },
+    );
+  });
+}
+
+async function start() {
+  at('token-change').hidden = !api.hasToken();
+  at('token-change').addEventListener('click', async () => {
+    const token = await askToken(false);
+    if (token !== null) {
+      api.setToken(token);
+      location.reload();
+    }
+  });
+  const [document_, presets] = await Promise.all([api.get('/openapi.json'), api.get('/v1/presets')]);
+  api.features.events = Boolean(document_.paths['/v1/jobs/{id}/events']);
+  api.features.plots = JSON.stringify(document_.paths['/v1/jobs/{id}/plots/{file}'] ?? '');
+
+  const form = new SceneForm(at('fields'), { document: document_, presets, onChange: change });
+  const result = new Result(at('panel-result'), { say, onEnd: ended, rerun: (request) => run(request), edit });
+  const panels = { document: document_, request: () => state.job, resolved: () => state.resolved, say };
+  const slider = new Slider(at('panel-slider'), {
+    ...panels,
+    apply: (job) => {
+      change(job);
+      form.show(job);
+      say('Taken into the form.');
+    },
+  });
+  const study = new Study(at('panel-study'), {
+    ...panels,
+    onStart: (job) => {
+      state.run = job.id;
+      remember();
+    },
+  });
+  const compare = new Compare(at('panel-compare'), { say });
+  const jobs = new JobList(at('panel-jobs'), {
+    say,
+    open,
+    compare: async (job) => {
+      choose('compare');
+      await compare.add(job);
+    },
+  });
+  const opened = {
+    slider: () => slider.reset(),
+    study: () => study.reset(),
+    compare: () => compare.refresh(),
+    jobs: () => jobs.refresh(),
+  };
+
+  let timer = null;
+  let controller = null;
+
+  /** The request has changed: everything that shows it follows. */
+  function change(job, { fromText = false } = {}) {
+    state.job = job;
+    if (!fromText) {
+      at('json').value = JSON.stringify(job, null, 2);
+      at('json-error').textContent = '';
+    }
+    at('request-curl').replaceChildren(command(curl({ method: 'POST', path: '/v1/jobs', body: job, token: api.hasToken() })));
+    remember();
+    clearTimeout(timer);
+    timer = setTimeout(resolve, PAUSE);
+  }
+
+  async function resolve() {
+    controller?.abort();
+    controller = new AbortController();
+    const { signal } = controller;
+    if (form.unreadable) {
+      form.showErrors([]);
+      at('scene-errors').textContent = '';
+      return;
+    }
+    try {
+      const resolved = await api.resolve(state.job, signal);
+      state.resolved = resolved;
+      form.resolved = resolved;
+      form.showDefaults(resolved);
+      showErrors([]);
+      showDerived(at('derived'), resolved);
+      at('derived').classList.remove('stale');
+      at('cost').textContent = cost(resolved);
+      if (['slider', 'study'].includes(state.tab) || !resolve.done) opened[state.tab]?.();
+      resolve.done = true;
+    } catch (error) {
+      if (signal.aborted) return;
+      at('derived').classList.add('stale');
+      at('cost').textContent = '';
+      showErrors(error.errors?.length ? error.errors : [{ pointer: '', detail: error.message }]);
+      if (!error.status || error.status >= 500) timer = setTimeout(resolve, RETRY);
+    }
+  }
+
+  function showErrors(errors) {
+    const elsewhere = form.showErrors(errors);
+    at('scene-errors').textContent = elsewhere
+      .map(({ pointer, detail }) => (pointer ? `${pointer}: ${detail}` : detail))
+      .join('\n');
+  }
+
+  async function run(request = state.job) {
+    if (form.unreadable) {
+      form.focusFirstError();
+      return;
+    }
+    at('run').disabled = true;
+    try {
+      const job = await api.submit(request);
+      say('Submitted.');
+      await open(job);
+    } catch (error) {
+      showErrors(error.errors?.length ? error.errors : [{ pointer: '', detail: error.message }]);
+      form.focusFirstError();
+    } finally {
+      at('run').disabled = false;
+    }
+  }
+
+  /** Puts the scene of a run back into the form. */
+  function edit({ scene, solver, duration_s, settle_s, outputs }) {
+    const job = JSON.parse(JSON.stringify({ kind: 'simulation', scene, solver, duration_s, settle_s, outputs }));
+    form.show(job);
+    change(job);
+    say('The form has the scene of this run.');
+  }
+
+  function ended(job) {
+    say(`${title(job.request)}: ${job.status}.`);
+  }
+
+  async function open(job) {
+    state.run = job.id;
+    choose(job.kind === 'study' ? 'study' : 'result');
+    // On a narrow page the result stands below the form.
+    if (matchMedia('(max-width: 56rem)').matches)
+      at('panel-result').parentElement.querySelector('[role=tablist]').scrollIntoView();
+    await (job.kind === 'study' ? study.show(job) : result.show(job));
+  }
+
+  function choose(tab, focus = false) {
+    if (state.tab === 'slider' && tab !== 'slider') slider.stop();
+    state.tab = tab;
+    for (const name of TABS) {
+      const chosen = name === tab;
+      at(`tab-${name}`).setAttribute('aria-selected', String(chosen));
+      at(`tab-${name}`).tabIndex = chosen ? 0 : -1;
+      at(`panel-${name}`).hidden = !chosen;
+    }
+    if (focus) at(`tab-${tab}`).focus();
+    if (state.resolved) opened[tab]?.();
+    remember();
+  }
+
+  at('scene').addEventListener('submit', (event) => {
+    event.preventDefault();
+    run();
+  });
+  at('json').addEventListener('input', () => {
+    try {
+      const job = JSON.parse(at('json').value);
+      if (typeof job !== 'object' || job === null || Array.isArray(job)) throw new Error('The request is an object.');
+      at('json-error').textContent = '';
+      form.show(job);
+      change(job, { fromText: true });
+    } catch (error) {
+      at('json-error').textContent = `Not sent: ${error.message}`;
+    }
+  });
+  for (const name of TABS) {
+    at(`tab-${name}`).addEventListener('click', () => choose(name));
+    at(`tab-${name}`).addEventListener('keydown', (event) => {
+      const i = TABS.indexOf(name);
+      const to = { ArrowRight: i + 1, ArrowLeft: i - 1 + TABS.length, Home: 0, End: TABS.length - 1 }[event.key];
+      if (to === undefined) return;
+      event.preventDefault();
+      choose(TABS[to % TABS.length], true);
+    });
+  }
+  // A link that is pasted over the old one.
+  addEventListener('hashchange', () => {
+    const { job } = fromAddress();
+    if (job && JSON.stringify(job) !== JSON.stringify(state.job)) {
+      form.show(job);
+      change(job);
+    }
+  });
+
+  form.show(state.job);
+  const shown = state.run;
+  choose(state.tab);
+  change(state.job);
+  if (shown) await reopen(shown);
+
+  /** The run that the address names, unless it has gone. */
+  async function reopen(id) {
+    try {
+      const job = await api.get(`/v1/jobs/${id}`);
+      state.run = id;
+      if (job.kind === 'study') await study.show(job);
+      else await result.show(job);
+    } catch (error) {
+      state.run = null;
+      remember();
+      say(error.status === 404 ? 'The run of this link is gone.' : error.message);
+    }
+  }
+}
+
+function remember() {
+  toAddress(state);
+}
+
+start().catch((error) => {
+  at('fields').replaceChildren(
+    h('p', { class: 'error' }, error.message),
+    button('Try again', () => location.reload()),
+  );
+});

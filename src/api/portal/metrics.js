@@ -1,0 +1,145 @@
+// The metrics of a run as figures and tables, and what plots take from them.
+
+import { leftOut } from './derived.js';
+import { h, more, table } from './dom.js';
+import { channelName, level, measured, number, seconds, words } from './format.js';
+
+/** Up to where the strong lines stand, rounded up: the part of a spectrum that one looks at first. */
+export function usualLimit(metrics) {
+  const lines = metrics.lines ?? [];
+  const strongest = Math.max(...lines.map((line) => line.amplitude), 0);
+  const last = Math.max(
+    ...lines.filter((line) => line.amplitude > strongest * 0.01).map((line) => line.frequency_hz),
+    10 * metrics.frequencies_hz.ball_pass_outer,
+  );
+  const step = 10 ** Math.floor(Math.log10(last));
+  return Math.min(Math.ceil((last * 1.1) / (step / 2)) * (step / 2), 20000);
+}
+
+/** Names for the peaks of an envelope, for which the service names no lines: those that stand at multiples of the bearing's frequencies. */
+export function peaks({ frequency_hz: f, amplitude, resolution_hz: resolution }, known) {
+  const floor = 8 * [...amplitude].sort((a, b) => a - b)[amplitude.length >> 1];
+  const names = [
+    ['f_r', known.shaft],
+    ['FTF', known.cage],
+    ['BPFO', known.ball_pass_outer],
+    ['BPFI', known.ball_pass_inner],
+  ];
+  return names
+    .flatMap(([name, base]) =>
+      [1, 2, 3, 4].map((times) => {
+        const near = Math.round((times * base) / resolution);
+        const at = [near - 1, near, near + 1].reduce((best, i) => (amplitude[i] > (amplitude[best] ?? 0) ? i : best), near);
+        const isPeak =
+          amplitude[at] > floor && amplitude[at] >= (amplitude[at - 1] ?? 0) && amplitude[at] >= (amplitude[at + 1] ?? 0);
+        return (
+          isPeak && {
+            label: times > 1 ? `${times}·${name}` : name,
+            frequency_hz: f[at],
+            amplitude: amplitude[at],
+            deviation_hz: f[at] - times * base,
+          }
+        );
+      }),
+    )
+    .filter(Boolean)
+    .sort((a, b) => b.amplitude - a.amplitude);
+}
+
+/** What one reads first. */
+export function summary(metrics) {
+  const { channels = {}, contacts, kinematics, solver, accuracy } = metrics;
+  const error = accuracy.level_error_db;
+  const of = (axis) => channels[`spindle.${axis}.acceleration`]?.level_db;
+  const figure = (name, value, unit, extra) =>
+    h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), unit && ` ${unit}`, extra && h('small', {}, extra)));
+  const within = typeof error === 'number' ? `± ${number(error, 1)}` : '';
+  return [
+    accuracy.warning && h('p', { class: 'warning', role: 'note' }, accuracy.warning),
+    h(
+      'dl',
+      { class: 'figures' },
+      [
+        of('y') !== undefined && figure('Level y', level(of('y')), 'dB', within),
+        of('z') !== undefined && figure('Level z', level(of('z')), 'dB', within),
+        contacts?.inner && figure('Largest ball load', number(contacts.inner.max_load_n), 'N'),
+        contacts?.inner &&
+          figure('Largest pressure', number(Math.max(contacts.inner.max_pressure_mpa, contacts.outer.max_pressure_mpa)), 'MPa'),
+        kinematics?.cage_slip !== undefined && figure('Cage slip', number(kinematics.cage_slip * 100, 2), '%'),
+        figure(`Model, in ${seconds(solver.wall_time_s)}`, words(solver.rung)),
+      ].filter(Boolean),
+    ),
+  ];
+}
+
+/** Everything else that the metrics hold. */
+export function tables(metrics) {
+  const { channels = {}, contacts = {}, kinematics, cage, frequencies_hz: f, solver, accuracy } = metrics;
+  const rest = [
+    ...['inner', 'outer'].flatMap((side) =>
+      contacts[side]
+        ? [
+            [`Largest load, ${side}`, contacts[side].max_load_n, 'N'],
+            [`Largest pressure, ${side}`, contacts[side].max_pressure_mpa, 'MPa'],
+            [`Largest slip, ${side}`, contacts[side].max_slip_m_s, 'm/s'],
+            [`Least film, ${side}`, contacts[side].min_film_thickness_um, 'µm'],
+          ]
+        : [],
+    ),
+    contacts.pocket && ['Largest load, pocket', contacts.pocket.max_load_n, 'N'],
+    kinematics && ['Cage speed', kinematics.cage_speed_hz, 'Hz'],
+    kinematics && ['Ball spin', kinematics.ball_spin_hz, 'Hz'],
+    cage && ['Cage orbit radius, rms', cage.orbit_radius_um, 'µm'],
+    cage && ['Whirl ratio', cage.whirl_ratio, ''],
+    ['Shaft', f.shaft, 'Hz'],
+    ['Cage at ideal rolling (FTF)', f.cage, 'Hz'],
+    ['BPFO', f.ball_pass_outer, 'Hz'],
+    ['BPFI', f.ball_pass_inner, 'Hz'],
+    ['BSF', f.ball_spin, 'Hz'],
+    ['Method', words(solver.method)],
+    ['Steps', solver.steps, ''],
+    ['Simulated', solver.simulated_time_s, 's'],
+    ['Wall time', solver.wall_time_s, 's'],
+    ['Simulated over wall time', solver.real_time_factor, ''],
+  ].filter((row) => row && row[1] !== undefined);
+  return [
+    h(
+      'section',
+      { class: 'tables' },
+      h('h3', {}, 'Vibration, 0 to 20 kHz'),
+      table(
+        'Channels',
+        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', 'Level, dB'],
+        Object.entries(channels).map(([name, c]) => [
+          channelName(name),
+          c.unit,
+          measured(c.rms),
+          measured(c.peak),
+          measured(c.crest_factor),
+          measured(c.kurtosis),
+          level(c.level_db),
+        ]),
+        { hidden: true },
+      ),
+      h('h3', {}, 'Contacts, speeds, run'),
+      h(
+        'dl',
+        { class: 'pairs columns' },
+        rest.map(([name, value, unit]) =>
+          h(
+            'div',
+            {},
+            h('dt', {}, name),
+            h(
+              'dd',
+              {},
+              typeof value === 'string' ? value : `${Number.isInteger(value) ? number(value, 9) : measured(value, 4)} ${unit}`,
+            ),
+          ),
+        ),
+      ),
+    ),
+    more(`How accurate: ${accuracy.motion ?? 'not judged'}`, h('p', {}, accuracy.how), h('p', {}, solver.check)),
+    more(`Left out of the equations: ${metrics.left_out.length} terms`, leftOut(metrics.left_out)),
+  ];
+}

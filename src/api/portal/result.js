@@ -1,0 +1,130 @@
+// One run: its progress, then what it gave.
+
+import * as api from './api.js';
+import { h, small } from './dom.js';
+import { keep } from './download.js';
+import { moment, title, words } from './format.js';
+import { summary, tables } from './metrics.js';
+import { picture } from './plots.js';
+import { Views } from './views.js';
+
+export class Result {
+  /** `say(text)` tells what happens; `onEnd(job)`, `rerun(request)` and `edit(request)` leave this room. */
+  constructor(host, { say, onEnd, rerun, edit }) {
+    Object.assign(this, { host, say, onEnd, edit });
+    this.views = new Views({ say, rerun });
+  }
+
+  /** Follows a job to its end and shows what it has. Another call takes its place. */
+  async show(job) {
+    this.controller?.abort();
+    const controller = new AbortController();
+    this.controller = controller;
+    const { signal } = controller;
+    this.job = job;
+    try {
+      this.#progress(job);
+      const ended = api.hasEnded(job)
+        ? job
+        : await api.follow(job, {
+            signal,
+            onProgress: (now) => {
+              if (!signal.aborted) this.#progress({ ...job, ...now });
+            },
+          });
+      if (signal.aborted) return;
+      this.job = ended;
+      this.#progress(ended);
+      if (!api.hasEnded(job)) this.onEnd(ended);
+      if (ended.status !== 'succeeded') return;
+      if (ended.kind === 'simulation') await this.#results(ended, signal);
+      else await this.#report(ended, signal);
+    } catch (error) {
+      if (!signal.aborted) this.#failed(error);
+    }
+  }
+
+  #progress(job) {
+    if (this.head?.id !== job.id) this.#frame(job);
+    const { chip, bar, note, stop } = this.head;
+    chip.textContent = job.status === 'running' && job.phase ? words(job.phase) : job.status;
+    chip.dataset.status = job.status;
+    bar.value = job.progress;
+    bar.hidden = api.hasEnded(job);
+    bar.textContent = `${Math.round(job.progress * 100)} %`;
+    stop.hidden = api.hasEnded(job);
+    stop.disabled = Boolean(job.cancel_requested_at);
+    note.textContent = remark(job);
+    note.className = job.error ? 'error' : 'note';
+  }
+
+  #frame(job) {
+    const chip = h('span', { class: 'chip' });
+    const bar = h('progress', { max: 1, 'aria-label': 'Progress of the run' });
+    const note = h('span', { class: 'note' });
+    const stop = small('Cancel', () => this.#cancel());
+    this.head = { id: job.id, chip, bar, note, stop };
+    this.body = h('div', {});
+    this.host.replaceChildren(
+      h(
+        'div',
+        { class: 'run-head' },
+        h('h2', {}, title(job.request)),
+        h(
+          'div',
+          { class: 'run-state' },
+          chip,
+          bar,
+          note,
+          stop,
+          small('Edit this scene', () => this.edit(job.request)),
+        ),
+      ),
+      this.body,
+    );
+  }
+
+  async #cancel() {
+    this.head.stop.disabled = true;
+    try {
+      await api.cancel(this.job);
+      this.say('Cancelling.');
+    } catch (error) {
+      this.say(error.message);
+    }
+  }
+
+  #failed(error) {
+    this.body?.replaceChildren(h('p', { class: 'error' }, error.message));
+    this.say(error.message);
+  }
+
+  /** The picture of an optimum, or of error against run time. */
+  async #report(job, signal) {
+    const [image, answer] =
+      job.kind === 'optimum'
+        ? [job.links.optimum_svg, job.links.optimum]
+        : [job.links.work_precision_svg, job.links.accuracy];
+    const svg = await api.getText(image, 'image/svg+xml', { signal });
+    if (signal.aborted) return;
+    this.body.replaceChildren(
+      h('figure', {}, picture(svg, title(job.request))),
+      small('Download JSON', () => keep(`${job.kind}-${job.id}.json`, answer, 'application/json')),
+    );
+  }
+
+  async #results(job, signal) {
+    const metrics = job.metrics ?? (await api.get(job.links.metrics, { signal }));
+    if (signal.aborted) return;
+    this.body.replaceChildren(...[summary(metrics), this.views.element, tables(metrics)].flat().filter(Boolean));
+    await this.views.show(job, metrics);
+  }
+}
+
+/** Where a job stands, in words. */
+function remark({ status, error, progress, reused, finished_at: ended }) {
+  if (error) return `${error.title}: ${error.detail}`;
+  if (status === 'queued') return 'waits for a worker';
+  if (status === 'running') return `${Math.round(progress * 100)} %`;
+  return reused ? 'answered by an identical earlier run' : `ended ${moment(ended)}`;
+}

@@ -1,0 +1,268 @@
+// One parameter by hand: each position of the slider is a short job, and the newest one wins.
+
+import * as api from './api.js';
+import { button, h, labelled, more, select, tools } from './dom.js';
+import { command, curl } from './download.js';
+import { rangeAround, schemaAt, VARIED } from './fields.js';
+import { level, number, quantity, seconds, words } from './format.js';
+import { usualLimit } from './metrics.js';
+import { SpectrumPlot } from './plots.js';
+import { read, write } from './request.js';
+
+/** Jobs of the slider are removed this long after their end [s]: time enough to fetch the spectrum. */
+const KEPT = 5;
+
+/** Requests under way at a time: the next one computes while the last one is drawn. */
+const UNDER_WAY = 2;
+
+/** After this long a request makes room for a newer one [ms]. */
+const PATIENCE = 1500;
+
+/** Does the newest of what comes in while it is busy, and forgets the rest. */
+class Latest {
+  #running = new Set();
+  #number = 0;
+
+  constructor(work) {
+    this.work = work;
+  }
+
+  push(value) {
+    this.waiting = { value };
+    this.#next();
+  }
+
+  stop() {
+    this.waiting = null;
+    for (const run of this.#running) run.controller.abort();
+  }
+
+  #next() {
+    if (!this.waiting) return;
+    if (this.#running.size >= UNDER_WAY) {
+      const [oldest] = this.#running;
+      if (performance.now() - oldest.begin > PATIENCE) oldest.controller.abort();
+      return;
+    }
+    const { value } = this.waiting;
+    this.waiting = null;
+    const run = { controller: new AbortController(), begin: performance.now(), number: (this.#number += 1) };
+    this.#running.add(run);
+    const timer = setTimeout(() => this.#next(), PATIENCE + 10);
+    this.work(value, run.controller.signal, run.number).finally(() => {
+      clearTimeout(timer);
+      this.#running.delete(run);
+      this.#next();
+    });
+  }
+}
+
+export class Slider {
+  /** `request()` gives the scene of the form, `resolved()` what the service made of it, `apply(job)` puts a position into the form. */
+  constructor(host, { document, request, resolved, apply, say }) {
+    Object.assign(this, { document, request, resolved, apply, say });
+    this.latest = new Latest((value, signal, number) => this.#run(value, signal, number));
+    this.frames = [];
+    this.field = select(
+      VARIED.map((f) => [f.pointer, f.label]),
+      () => this.reset(),
+      { id: 'slider-field' },
+    );
+    this.field.value = '/scene/bearing/radial_clearance_um';
+    const end = (name) =>
+      h('input', { type: 'text', inputmode: 'decimal', class: 'short', 'aria-label': name, onchange: () => this.#ends() });
+    this.from = end('Lowest value');
+    this.to = end('Highest value');
+    this.range = h('input', { type: 'range', id: 'slider', 'aria-describedby': 'slider-value', oninput: () => this.#moved() });
+    this.value = h('output', { id: 'slider-value', for: 'slider', 'aria-live': 'off' });
+    this.channel = select(
+      ['y', 'z'].map((axis) => [`spindle.${axis}.acceleration`, `spindle ${axis} acceleration`]),
+      () => this.#moved(),
+    );
+    this.tolerance = select(
+      [
+        ['1', '1 dB, fast'],
+        ['0.2', '0.2 dB'],
+        ['', 'as the form says'],
+      ],
+      () => this.#moved(),
+    );
+    this.sweep = h('button', { type: 'button', 'aria-pressed': 'false', onclick: () => this.#toggle() }, 'Sweep');
+    const gauge = (name) => {
+      const dd = h('dd', {}, '–');
+      return [h('div', {}, h('dt', {}, name), dd), dd];
+    };
+    const gauges = ['Level', 'Frames a second', 'Model', 'Answer after'].map(gauge);
+    [this.level, this.rate, this.rung, this.delay] = gauges.map(([, dd]) => dd);
+    this.error = h('p', { class: 'error', role: 'status' });
+    this.place = h('div', {});
+    this.plot = new SpectrumPlot(this.place, 400);
+    this.plot.describe('Spectrum at the position of the slider; the level is stated above.');
+    host.replaceChildren(
+      h('h2', {}, 'Slider'),
+      tools(
+        labelled('Parameter', this.field),
+        labelled('Channel', this.channel),
+        labelled('What may be left out', this.tolerance),
+      ),
+      h(
+        'div',
+        { class: 'slide' },
+        this.from,
+        h('label', { class: 'unseen', for: 'slider' }, 'Value of the parameter'),
+        this.range,
+        this.to,
+      ),
+      tools(
+        this.value,
+        this.sweep,
+        button('Take into the form', () => this.apply(this.#job(Number(this.range.value), true))),
+      ),
+      h(
+        'dl',
+        { class: 'figures' },
+        gauges.map(([div]) => div),
+      ),
+      this.error,
+      h('figure', {}, this.place, h('figcaption', {}, 'Thin grey: where the slider began.')),
+      this.#asCommand(),
+    );
+  }
+
+  /** Starts anew from the scene of the form; what was set for the same scene stays. */
+  reset() {
+    const resolved = this.resolved();
+    if (!resolved) return;
+    const spec = this.#spec();
+    const scene = JSON.stringify([this.request(), spec.pointer]);
+    if (scene === this.scene) {
+      this.#moved();
+      return;
+    }
+    this.scene = scene;
+    const value = read(this.request(), spec.pointer) ?? read(resolved, spec.pointer) ?? spec.range?.[0] ?? 0;
+    const [from, to] = rangeAround(spec, value, schemaAt(this.document, spec.pointer));
+    this.from.value = from;
+    this.to.value = to;
+    this.ghost = null;
+    this.#ends(value);
+  }
+
+  /** The job of the present position, written when one asks for it: at each redraw it would cost time and be read by nobody. */
+  #asCommand() {
+    const place = h('div', {});
+    const details = more('This position with curl', place);
+    details.addEventListener('toggle', () => {
+      const body = this.#job(Number(this.range.value));
+      if (details.open) place.replaceChildren(command(curl({ method: 'POST', path: '/v1/jobs', body, token: api.hasToken() })));
+    });
+    return details;
+  }
+
+  stop() {
+    this.#toggle(false);
+    this.latest.stop();
+  }
+
+  #spec() {
+    return VARIED.find((spec) => spec.pointer === this.field.value);
+  }
+
+  #ends(value = Number(this.range.value)) {
+    const [from, to] = [Number(this.from.value), Number(this.to.value)];
+    if (!(from < to)) {
+      this.error.textContent = 'The left end must be a number below the right one.';
+      return;
+    }
+    Object.assign(this.range, { min: from, max: to, step: this.#spec().whole ? 1 : (to - from) / 200 });
+    this.range.value = value;
+    this.#moved();
+  }
+
+  #moved() {
+    const value = Number(this.range.value);
+    const spec = this.#spec();
+    this.value.textContent = `${spec.label} ${quantity(value, spec.unit)}`;
+    this.range.setAttribute('aria-valuetext', quantity(value, spec.unit));
+    this.latest.push(value);
+  }
+
+  #job(value, bare = false) {
+    const spec = this.#spec();
+    let job = write(this.request(), spec.pointer, Number(value.toPrecision(5)));
+    if (spec.pointer.endsWith('radial_clearance_um')) job = write(job, '/scene/bearing/contact_angle_deg', undefined);
+    if (spec.pointer.endsWith('contact_angle_deg')) job = write(job, '/scene/bearing/radial_clearance_um', undefined);
+    if (bare) return job;
+    const tolerance = this.tolerance.value;
+    return {
+      ...job,
+      ...(tolerance ? { solver: { model_tolerance_db: Number(tolerance) } } : {}),
+      outputs: { metrics: ['vibration'], spectra: [this.channel.value] },
+      labels: [api.SLIDER],
+      keep_for_s: KEPT,
+      priority: 1,
+    };
+  }
+
+  async #run(value, signal, number_) {
+    const begin = performance.now();
+    try {
+      const job = await api.submitAndWait(this.#job(value), 10, signal);
+      if (job.status === 'failed') throw new Error(job.error.detail);
+      if (job.status !== 'succeeded') {
+        api.cancel(job).catch(() => {});
+        throw new Error('This scene takes too long for the slider.');
+      }
+      this.limit = this.ghost ? this.limit : usualLimit(job.metrics);
+      const spectrum = await api.spectrum(job.id, this.channel.value, this.limit, signal);
+      if (number_ < this.drawn) return;
+      this.drawn = number_;
+      this.#draw(job, spectrum, begin);
+    } catch (error) {
+      if (!signal.aborted) this.error.textContent = error.message;
+    }
+  }
+
+  #draw({ metrics }, spectrum, begin) {
+    if (this.ghost?.channel !== spectrum.channel) this.ghost = spectrum;
+    this.error.textContent = '';
+    this.plot.draw({
+      spectra: [
+        { name: 'start', ...this.ghost },
+        { name: 'now', ...spectrum },
+      ],
+      lines: metrics.lines.slice(0, 10),
+      unit: spectrum.unit,
+      limit: this.limit,
+      keepZoom: true,
+      ghost: true,
+    });
+    const now = performance.now();
+    this.frames = [...this.frames.filter((at) => now - at < 2000), now];
+    const rate = this.frames.length > 2 ? (this.frames.length - 1) / ((now - this.frames[0]) / 1000) : 0;
+    const { level_error_db: error } = metrics.accuracy;
+    this.level.textContent = `${level(metrics.channels[spectrum.channel]?.level_db)} dB${error === undefined ? '' : ` ± ${number(error, 1)}`}`;
+    this.rate.textContent = rate ? rate.toFixed(0) : '–';
+    this.rung.textContent = words(metrics.solver.rung);
+    this.delay.textContent = seconds((now - begin) / 1000);
+    // Read by the check, which has no eyes.
+    this.place.dataset.redraws = String(Number(this.place.dataset.redraws ?? 0) + 1);
+  }
+
+  /** Moves the slider to and fro. Started by hand only, so that nobody is shown motion unasked. */
+  #toggle(on = this.sweep.getAttribute('aria-pressed') !== 'true') {
+    this.sweep.setAttribute('aria-pressed', String(on));
+    this.sweep.textContent = on ? 'Stop' : 'Sweep';
+    clearInterval(this.timer);
+    if (!on) return;
+    const { min, max } = this.range;
+    const span = max - min;
+    const start = Math.acos(1 - (2 * (this.range.value - min)) / span);
+    const begin = performance.now();
+    this.timer = setInterval(() => {
+      const phase = start + ((performance.now() - begin) / 6000) * 2 * Math.PI;
+      this.range.value = Number(min) + (span * (1 - Math.cos(phase))) / 2;
+      this.#moved();
+    }, 40);
+  }
+}

@@ -1,0 +1,325 @@
+// The plots of a finished run, one at a time, each with its table, its files and its command.
+
+import * as api from './api.js';
+import { button, h, labelled, labelledRadio, lineName, more, select, small, table, tools } from './dom.js';
+import { command, csv, curl, flat, keep, save } from './download.js';
+import { channelName, number, quantity } from './format.js';
+import { peaks, usualLimit } from './metrics.js';
+import { ballBars, CurvePlot, orbit, picture, SpectrumPlot } from './plots.js';
+
+/** What orbit and time plots are drawn from, where the service keeps it only on request. */
+const SERIES = [
+  'spindle.y.displacement',
+  'spindle.z.displacement',
+  'spindle.y.velocity',
+  'spindle.z.velocity',
+  'spindle.y.acceleration',
+  'spindle.z.acceleration',
+];
+
+const VIEWS = [
+  ['spectrum', 'Spectrum'],
+  ['orbit', 'Orbit'],
+  ['velocity', 'Velocity'],
+  ['acceleration', 'Acceleration'],
+  ['loads', 'Ball loads'],
+];
+const POINTS = 4000;
+
+export class Views {
+  /** `say(text)` tells what happens; `rerun(request)` leaves this room. */
+  constructor({ say, rerun }) {
+    Object.assign(this, { say, rerun });
+    this.view = 'spectrum';
+    this.channel = 'spindle.y.acceleration';
+    this.kind = 'amplitude';
+    this.stage = h('div', { class: 'stage' });
+    this.extras = h('div', { class: 'extras' });
+    // One of each for all runs: a plot listens to the page as long as it lives.
+    this.spectrumHost = h('div', {});
+    this.spectrumPlot = new SpectrumPlot(this.spectrumHost);
+    this.curveHost = h('div', {});
+    this.curvePlot = new CurvePlot(this.curveHost);
+    this.element = h('div', {}, this.#choice(), this.stage, this.extras);
+  }
+
+  /** Shows a finished simulation. */
+  async show(job, metrics) {
+    Object.assign(this, { job, metrics });
+    this.channels = job.request.outputs?.spectra ?? ['spindle.y.acceleration', 'spindle.z.acceleration'];
+    if (!this.channels.includes(this.channel)) [this.channel] = this.channels;
+    this.limit = this.chosenLimit ?? usualLimit(metrics);
+    this.stage.replaceChildren();
+    await this.#draw();
+  }
+
+  #choice() {
+    const choose = (value) => {
+      this.view = value;
+      this.#draw();
+    };
+    const one = ([value, text]) =>
+      labelledRadio({ name: 'view', value, checked: value === this.view, onchange: () => choose(value) }, text);
+    return h('fieldset', { class: 'segments' }, h('legend', { class: 'unseen' }, 'Plot'), VIEWS.map(one));
+  }
+
+  /** Draws what is chosen; a choice that comes meanwhile takes its place. */
+  async #draw() {
+    this.drawing?.abort();
+    this.drawing = new AbortController();
+    const { signal } = this.drawing;
+    const { view } = this;
+    try {
+      this.extras.replaceChildren();
+      if (view === 'spectrum') await this.#spectrum(signal);
+      else if (view === 'loads') await this.#loads(signal);
+      else await this.#motion(view, signal);
+    } catch (error) {
+      if (!signal.aborted) this.stage.replaceChildren(h('p', { class: 'error' }, error.message));
+    }
+  }
+
+  async #spectrum(signal) {
+    const { id } = this.job;
+    const channel = select(
+      this.channels.map((name) => [name, channelName(name)]),
+      (value) => {
+        this.channel = value;
+        this.#draw();
+      },
+    );
+    channel.value = this.channel;
+    const limit = h('input', {
+      type: 'number',
+      min: 0.1,
+      max: 20,
+      step: 'any',
+      class: 'short',
+      value: this.limit / 1000,
+      onchange: () => {
+        this.chosenLimit = Math.min(Math.max(limit.valueAsNumber || 5, 0.1), 50) * 1000;
+        this.limit = this.chosenLimit;
+        this.#draw();
+      },
+    });
+    const kind = select(
+      [
+        ['amplitude', 'signal'],
+        ['envelope', 'envelope'],
+      ],
+      (value) => {
+        this.kind = value;
+        this.#draw();
+      },
+    );
+    kind.value = this.kind;
+    const caption = h('figcaption', {});
+    const figure = h(
+      'figure',
+      {},
+      tools(labelled('Channel', channel), labelled('Spectrum of the', kind), labelled('Up to', limit, ' kHz')),
+      this.spectrumHost,
+      caption,
+    );
+    const path = (limit) => api.spectrumPath(id, this.channel, limit, this.kind);
+    const spectrum = await api.get(path(this.limit), { signal });
+    const lines =
+      this.kind === 'envelope'
+        ? peaks(spectrum, this.metrics.frequencies_hz)
+        : (this.metrics.lines?.filter((line) => line.channel === this.channel) ?? []);
+    this.stage.replaceChildren(figure);
+    const plot = this.spectrumPlot;
+    plot.draw({ spectra: [{ name: this.channel, ...spectrum }], lines, unit: spectrum.unit, limit: this.limit });
+    const strongest = lines[0];
+    const text =
+      `${this.kind === 'envelope' ? 'Envelope' : 'Amplitude'} spectrum of ${channelName(this.channel)} up to ${quantity(this.limit / 1000, 'kHz')}, resolution ${quantity(spectrum.resolution_hz, 'Hz', 3)}.` +
+      (strongest
+        ? ` Strongest line: ${strongest.label || 'without a name'} at ${quantity(strongest.frequency_hz, 'Hz')}, ${quantity(strongest.amplitude, spectrum.unit, 3)}.`
+        : '');
+    plot.describe(text);
+    caption.textContent = `${text} Drag to zoom.`;
+    const rows = lines.map((line) => [
+      line.label ? lineName(line.label) : '–',
+      number(line.frequency_hz, 5),
+      number(line.amplitude, 3),
+      number(line.deviation_hz, 2),
+    ]);
+    this.extras.replaceChildren(
+      more(
+        `Lines as a table (${lines.length})`,
+        table(
+          `Lines of ${channelName(this.channel)}`,
+          ['Line', 'Frequency, Hz', `Amplitude, ${spectrum.unit}`, 'Off its label, Hz'],
+          rows,
+          { hidden: true },
+        ),
+      ),
+      this.#downloads(
+        [
+          ['Spectrum CSV', () => keep(`spectrum-${id}.csv`, path(), 'text/csv')],
+          ['Spectrum JSON', () => keep(`spectrum-${id}.json`, path(), 'application/json')],
+          ['Picture SVG', () => keep(`spectrum-${id}.svg`, `/v1/jobs/${id}/plots/spectrum.svg`, 'image/svg+xml')],
+        ],
+        { path: path(this.limit), accept: 'text/csv' },
+      ),
+    );
+  }
+
+  /** Orbit, velocity, acceleration: the service's picture where it draws one, else from the series it has kept. */
+  async #motion(view, signal) {
+    const { request } = this.job;
+    const kept = request.outputs?.series ?? [];
+    const drawnByService =
+      api.features.plots.includes(`${view}.svg`) &&
+      (api.features.plots.includes('orbit.svg') || SERIES.some((channel) => kept.includes(channel) && channel.endsWith(view)));
+    if (view !== 'orbit' && kept.some((channel) => channel.startsWith('spindle.') && channel.endsWith(view))) {
+      await this.#time(
+        view,
+        kept.filter((channel) => channel.startsWith('spindle.') && channel.endsWith(view)),
+        signal,
+      );
+    } else if (drawnByService) {
+      await this.#picture(view, `The ${view} of the spindle, as the service draws it.`, signal);
+    } else if (view === 'orbit' && ['y', 'z'].every((axis) => kept.includes(`spindle.${axis}.displacement`))) {
+      await this.#orbit(signal);
+    } else {
+      const again = () => this.rerun({ ...request, outputs: { ...request.outputs, series: SERIES } });
+      this.stage.replaceChildren(
+        h(
+          'div',
+          { class: 'empty' },
+          h('p', {}, 'This run kept no motion over time.'),
+          button('Run again with time series', again),
+        ),
+      );
+    }
+  }
+
+  async #picture(view, text, signal) {
+    const path = `/v1/jobs/${this.job.id}/plots/${view}.svg`;
+    const svg = await api.getText(path, 'image/svg+xml', { signal });
+    this.stage.replaceChildren(h('figure', {}, picture(svg, text)));
+    this.extras.replaceChildren(
+      this.#downloads([['Picture SVG', async () => save(`${view}-${this.job.id}.svg`, svg, 'image/svg+xml')]], {
+        path,
+        accept: 'image/svg+xml',
+      }),
+    );
+  }
+
+  async #orbit(signal) {
+    const [y, z] = await Promise.all(['y', 'z'].map((axis) => this.#series(`spindle.${axis}.displacement`, signal)));
+    const wide = (values) => quantity(Math.max(...values) - Math.min(...values), y.unit, 3);
+    const text = `Orbit of the spindle's centre: ${wide(z.value)} wide in z, ${wide(y.value)} in y.`;
+    this.stage.replaceChildren(h('figure', {}, orbit({ y: y.value, z: z.value, unit: y.unit, text }), h('figcaption', {}, text)));
+    this.extras.replaceChildren(
+      this.#downloads(
+        ['y', 'z'].map((axis) => this.#seriesFile(`spindle.${axis}.displacement`)),
+        { path: this.#seriesPath('spindle.y.displacement'), accept: 'text/csv' },
+      ),
+    );
+  }
+
+  async #time(view, channels, signal) {
+    const chosen = channels.includes(this.seriesChannel) ? this.seriesChannel : channels[0];
+    const chooser = select(
+      channels.map((name) => [name, channelName(name)]),
+      (value) => {
+        this.seriesChannel = value;
+        this.#draw();
+      },
+    );
+    chooser.value = chosen;
+    const series = await this.#series(chosen, signal);
+    const [least, most] = [Math.min(...series.value), Math.max(...series.value)];
+    const text = `${channelName(chosen)} over time, from ${quantity(least, series.unit, 3)} to ${quantity(most, series.unit, 3)}.`;
+    this.stage.replaceChildren(
+      h(
+        'figure',
+        {},
+        tools(labelled('Channel', chooser)),
+        this.curveHost,
+        h('figcaption', {}, `${text} Drag to zoom, double-click for all.`),
+      ),
+    );
+    const plot = this.curvePlot;
+    plot.draw({
+      x: series.time_s,
+      y: series.value,
+      xLabel: 'Time, s',
+      yLabel: `${view[0].toUpperCase()}${view.slice(1)}, ${series.unit}`,
+      dots: false,
+    });
+    plot.describe(text);
+    this.extras.replaceChildren(
+      this.#downloads([this.#seriesFile(chosen)], { path: this.#seriesPath(chosen), accept: 'text/csv' }),
+    );
+  }
+
+  #series(channel, signal) {
+    return api.get(this.#seriesPath(channel), { signal });
+  }
+
+  #seriesPath(channel) {
+    return `/v1/jobs/${this.job.id}/series?channel=${encodeURIComponent(channel)}&max_points=${POINTS}`;
+  }
+
+  #seriesFile(channel) {
+    return [`${channelName(channel)} CSV`, () => keep(`${channel}-${this.job.id}.csv`, this.#seriesPath(channel), 'text/csv')];
+  }
+
+  async #loads(signal) {
+    if (api.features.plots.includes('loads.svg')) {
+      await this.#picture('loads', 'Loads of the balls over a turn, as the service draws them.', signal);
+      return;
+    }
+    const { inner, outer } = this.metrics.contacts ?? {};
+    if (!inner) {
+      this.stage.replaceChildren(h('p', { class: 'empty' }, 'This run computed no contact loads.'));
+      return;
+    }
+    const [a, b] = [inner.max_load_per_ball_n, outer.max_load_per_ball_n];
+    const text = `Largest load of each ball: up to ${quantity(Math.max(...a), 'N')} on the inner raceway, ${quantity(Math.max(...b), 'N')} on the outer.`;
+    this.stage.replaceChildren(
+      h(
+        'figure',
+        {},
+        ballBars({ inner: a, outer: b, text }),
+        h(
+          'figcaption',
+          {},
+          h('span', { class: 'key inner' }, 'inner raceway'),
+          h('span', { class: 'key outer' }, 'outer raceway'),
+          text,
+        ),
+      ),
+    );
+    this.extras.replaceChildren(
+      more(
+        'Loads as a table',
+        table(
+          'Largest load of each ball',
+          ['Ball', 'Inner, N', 'Outer, N'],
+          a.map((load, i) => [i + 1, number(load), number(b[i])]),
+          { hidden: true },
+        ),
+      ),
+    );
+  }
+
+  #downloads(files, request) {
+    const { id } = this.job;
+    const all = [
+      ...files,
+      ['Metrics JSON', async () => save(`metrics-${id}.json`, JSON.stringify(this.metrics, null, 2), 'application/json')],
+      ['Metrics CSV', async () => save(`metrics-${id}.csv`, csv([['field', 'value'], ...flat(this.metrics)]), 'text/csv')],
+    ];
+    const file = ([text, act]) => small(text, () => act().catch((error) => this.say(error.message)));
+    return h(
+      'div',
+      { class: 'downloads' },
+      tools(h('span', { class: 'note' }, 'Download'), all.map(file)),
+      more('The same with curl', command(curl({ ...request, token: api.hasToken() }))),
+    );
+  }
+}

@@ -1,0 +1,102 @@
+//! What pictures of a run show, as it is stored: rounded to what can be seen.
+
+use serde::{Deserialize, Serialize};
+
+use super::signals::SeriesAnswer;
+use super::units::rounded;
+use crate::simulation::views::{Orbit, Trace, Views};
+
+/// Digits of a value in a picture.
+const DIGITS: i32 = 4;
+
+/// Everything that is kept for pictures.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ViewsAnswer {
+    /// Thinned so that peaks survive.
+    pub traces: Vec<TraceView>,
+    pub orbits: Vec<OrbitView>,
+    pub loads: Option<LoadsView>,
+}
+
+/// A signal of the spindle, thinned.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TraceView {
+    pub channel: String,
+    pub unit: String,
+    pub start_s: f64,
+    pub step_s: f64,
+    /// Steps to each value from the one before it: small numbers take little space.
+    pub steps: Vec<usize>,
+    pub value: Vec<f64>,
+}
+
+impl TraceView {
+    /// With its times.
+    pub fn series(self) -> SeriesAnswer {
+        let places = self.steps.iter().scan(0, |place, step| {
+            *place += step;
+            Some(*place)
+        });
+        SeriesAnswer {
+            time_s: places.map(|place| self.start_s + place as f64 * self.step_s).collect(),
+            channel: self.channel,
+            unit: self.unit,
+            value: self.value,
+        }
+    }
+}
+
+/// The path of a body's centre [µm].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OrbitView {
+    pub body: String,
+    pub y: Vec<f64>,
+    pub z: Vec<f64>,
+}
+
+/// Loads of ball 1 along its way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LoadsView {
+    pub azimuth_deg: Vec<f64>,
+    pub inner_n: Vec<f64>,
+    pub outer_n: Vec<f64>,
+}
+
+impl ViewsAnswer {
+    pub fn of(views: &Views) -> Self {
+        Self {
+            traces: views.traces.iter().map(trace).collect(),
+            orbits: views.orbits.iter().map(orbit).collect(),
+            loads: views.loads.as_ref().map(|loads| LoadsView {
+                azimuth_deg: loads.azimuth.iter().map(|azimuth| rounded(azimuth.to_degrees(), DIGITS)).collect(),
+                inner_n: all(&loads.inner),
+                outer_n: all(&loads.outer),
+            }),
+        }
+    }
+
+    /// Whether nothing is kept.
+    pub fn is_empty(&self) -> bool {
+        self.traces.is_empty() && self.orbits.is_empty() && self.loads.is_none()
+    }
+}
+
+fn all(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| rounded(*value, DIGITS)).collect()
+}
+
+fn trace(trace: &Trace) -> TraceView {
+    let before = std::iter::once(0).chain(trace.place.iter().copied());
+    TraceView {
+        channel: trace.channel.to_string(),
+        unit: trace.channel.unit().to_owned(),
+        start_s: trace.start,
+        step_s: trace.step,
+        steps: trace.place.iter().zip(before).map(|(place, before)| place - before).collect(),
+        value: all(&trace.value),
+    }
+}
+
+fn orbit(orbit: &Orbit) -> OrbitView {
+    OrbitView { body: orbit.body.to_owned(), y: all(&orbit.y), z: all(&orbit.z) }
+}

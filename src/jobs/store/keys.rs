@@ -1,0 +1,85 @@
+//! Idempotency keys: which job a key has made.
+
+use jiff::{SignedDuration, Timestamp};
+use sqlx::FromRow;
+use uuid::Uuid;
+
+use super::{Store, stored, time};
+use crate::jobs::job::IdempotencyKey;
+use crate::jobs::queue::Tx;
+use crate::jobs::{JobError, JobRecord, NewJob, Status};
+
+/// Least time that a key is kept after its first use.
+const KEPT: SignedDuration = SignedDuration::from_hours(24);
+
+/// What a key has made, as it was answered first.
+#[derive(Debug, FromRow)]
+pub struct Made {
+    fingerprint: Vec<u8>,
+    job: Uuid,
+    created_at: i64,
+    reused: bool,
+    expires_at: Option<i64>,
+}
+
+impl Made {
+    /// The first answer, to the same body sent again.
+    pub fn first_answer(&self, again: &NewJob, key: &IdempotencyKey) -> Result<JobRecord, JobError> {
+        if self.fingerprint != key.fingerprint {
+            return Err(JobError::KeyReused);
+        }
+        let created_at = time(self.created_at)?;
+        let first = JobRecord { id: self.job, created_at, ..again.record() };
+        if !self.reused {
+            return Ok(first);
+        }
+        Ok(JobRecord {
+            status: Status::Succeeded,
+            started_at: Some(created_at),
+            finished_at: Some(created_at),
+            expires_at: self.expires_at.map(time).transpose()?,
+            progress: 1.0,
+            reused: true,
+            ..first
+        })
+    }
+}
+
+/// What a key has made; `None`: it is new.
+pub async fn made(tx: &mut Tx, owner: &str, key: &IdempotencyKey) -> Result<Option<Made>, JobError> {
+    let sql =
+        "SELECT fingerprint, job, created_at, reused, expires_at FROM idempotency_keys WHERE owner = $1 AND key = $2";
+    Ok(sqlx::query_as(sql).bind(owner).bind(&key.key).fetch_optional(&mut **tx).await?)
+}
+
+/// Notes what a key makes.
+pub async fn note(tx: &mut Tx, job: &NewJob, key: &IdempotencyKey, expires: Option<Timestamp>) -> Result<(), JobError> {
+    let sql = "INSERT INTO idempotency_keys (owner, key, fingerprint, job, created_at, reused, expires_at) \
+               VALUES ($1, $2, $3, $4, $5, $6, $7)";
+    sqlx::query(sql)
+        .bind(&job.owner)
+        .bind(&key.key)
+        .bind(&key.fingerprint)
+        .bind(job.id)
+        .bind(stored(job.created_at))
+        .bind(expires.is_some())
+        .bind(expires.map(stored))
+        .execute(&mut **tx)
+        .await?;
+    Ok(())
+}
+
+impl Store {
+    /// Forgets keys whose day is over and whose job is gone.
+    pub async fn forget_keys(&self) -> Result<(), JobError> {
+        let before = Timestamp::now().saturating_sub(KEPT).unwrap_or(Timestamp::MIN);
+        let old = "SELECT EXISTS (SELECT 1 FROM idempotency_keys WHERE created_at < $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = job))";
+        let any: bool = sqlx::query_scalar(old).bind(stored(before)).fetch_one(&self.readers).await?;
+        if any {
+            let sql =
+                "DELETE FROM idempotency_keys WHERE created_at < $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = job)";
+            sqlx::query(sql).bind(stored(before)).execute(&self.writer).await?;
+        }
+        Ok(())
+    }
+}

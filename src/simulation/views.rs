@@ -1,0 +1,136 @@
+//! What pictures of a run show: its motions thinned, and the loads of one ball along its way. Kept of every run; a second of it where
+//! there is more.
+
+use super::channel::{Axis, Channel, Motion};
+use super::observe::{RATE, Recording};
+use super::windows::Signal;
+use crate::numerics::statistics::thin;
+
+/// Values of a signal that a picture of some hundred dots across shows.
+const MOST_VALUES: usize = 500;
+/// Points of an orbit, and turns that it shows: those of the shaft for the spindle, those of the cage for the cage.
+const TURNS: f64 = 4.0;
+const MOST_POINTS: usize = 500;
+/// Places of a ball at which its loads are kept.
+const MOST_PLACES: usize = 600;
+
+/// A signal, thinned so that peaks survive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    pub channel: Channel,
+    /// Time of the first kept value since the start of the run, and between two values before they were thinned [s].
+    pub start: f64,
+    pub step: f64,
+    /// Which of those values are there.
+    pub place: Vec<usize>,
+    /// In the channel's unit.
+    pub value: Vec<f64>,
+}
+
+/// The path of a body's centre in the plane of the bearing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Orbit {
+    pub body: &'static str,
+    /// [µm]
+    pub y: Vec<f64>,
+    /// [µm]
+    pub z: Vec<f64>,
+}
+
+/// Loads of the first ball along its way.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LoadsAlong {
+    /// From Y towards Z, 0 to 2π [rad].
+    pub azimuth: Vec<f64>,
+    /// [N]
+    pub inner: Vec<f64>,
+    /// [N]
+    pub outer: Vec<f64>,
+}
+
+/// All of a run.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Views {
+    pub traces: Vec<Trace>,
+    pub orbits: Vec<Orbit>,
+    pub loads: Option<LoadsAlong>,
+}
+
+/// Takes the loads of the first ball ever so many kept values.
+#[derive(Debug, Clone)]
+pub struct LoadsTaken {
+    every: usize,
+    seen: usize,
+    loads: LoadsAlong,
+}
+
+impl LoadsTaken {
+    /// Of a run that keeps so many values, ours among them as far as one window goes.
+    pub fn new(values: usize) -> Self {
+        let window = values.min(RATE as usize);
+        Self { every: window.div_ceil(MOST_PLACES).max(1), seen: 0, loads: LoadsAlong::default() }
+    }
+
+    /// Shows a kept value: azimuth [rad], inner and outer load [N].
+    pub fn look(&mut self, at: impl FnOnce() -> (f64, f64, f64)) {
+        if self.seen.is_multiple_of(self.every) && self.loads.azimuth.len() < MOST_PLACES {
+            let (azimuth, inner, outer) = at();
+            self.loads.azimuth.push(azimuth.rem_euclid(std::f64::consts::TAU));
+            self.loads.inner.push(inner);
+            self.loads.outer.push(outer);
+        }
+        self.seen += 1;
+    }
+
+    pub fn finish(self) -> LoadsAlong {
+        self.loads
+    }
+}
+
+impl Views {
+    /// Of what a run has shown.
+    pub fn of(recording: &Recording) -> Self {
+        let moves = [Motion::Velocity, Motion::Acceleration];
+        let channels =
+            [Axis::Y, Axis::Z].into_iter().flat_map(|axis| moves.map(|motion| Channel::Spindle(axis, motion)));
+        let traces = channels.filter_map(|channel| Some(trace(recording.start, recording.of(channel)?)));
+        let spindle = |axis| Channel::Spindle(axis, Motion::Displacement);
+        let orbits = [
+            orbit("spindle", recording.shaft_speed, recording.of(spindle(Axis::Y)), recording.of(spindle(Axis::Z))),
+            orbit(
+                "cage",
+                recording.cage_speed,
+                recording.of(Channel::CageDisplacement(Axis::Y)),
+                recording.of(Channel::CageDisplacement(Axis::Z)),
+            ),
+        ];
+        let loads = recording.loads.clone().filter(|loads| !loads.azimuth.is_empty());
+        Self { traces: traces.collect(), orbits: orbits.into_iter().flatten().collect(), loads }
+    }
+}
+
+fn trace(start: f64, signal: &Signal) -> Trace {
+    let (scale, values) = (signal.channel.scale(), signal.first_window());
+    let kept = thin(values, MOST_VALUES);
+    Trace {
+        channel: signal.channel,
+        start,
+        step: 1.0 / RATE,
+        value: kept.iter().map(|place| scale * values[*place]).collect(),
+        place: kept,
+    }
+}
+
+/// `speed`: of what turns [rad/s].
+fn orbit(body: &'static str, speed: f64, y: Option<&Signal>, z: Option<&Signal>) -> Option<Orbit> {
+    let (y, z) = (y?, z?);
+    let all = y.first_window().len();
+    // Of a bearing at rest, everything.
+    let turns = (TURNS * std::f64::consts::TAU * RATE / speed.max(f64::MIN_POSITIVE)).min(all as f64) as usize;
+    let every = turns.div_ceil(MOST_POINTS).max(1);
+    let points = |signal: &Signal| {
+        let scale = signal.channel.scale();
+        signal.first_window().iter().skip(all - turns).step_by(every).map(|value| scale * value).collect()
+    };
+    Some(Orbit { body, y: points(y), z: points(z) })
+}
