@@ -7,7 +7,7 @@ use axum::http::{HeaderMap, HeaderValue};
 use axum::response::{IntoResponse, Response};
 use futures_util::future::join_all;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use utoipa::{IntoParams, ToSchema};
 
 use super::answers::JobAnswer;
 use super::auth::Owner;
@@ -59,6 +59,23 @@ pub struct ItemAnswer {
     pub retry_after_s: Option<u32>,
 }
 
+/// Headers of a batch.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Header)]
+#[allow(dead_code, reason = "only describes the header; `idempotency_key` reads it")]
+struct BatchHeaders {
+    /// A name of the client's for this request, 1 to 255 visible ASCII characters.
+    #[param(
+        rename = "Idempotency-Key",
+        nullable = false,
+        min_length = 1,
+        max_length = 255,
+        pattern = "^[!-~]+$",
+        example = "night-run-17"
+    )]
+    idempotency_key: Option<String>,
+}
+
 /// Submit several jobs
 ///
 /// Each is answered as if it had been handed in alone: one that is refused keeps no other from being made. At most 1000 jobs in
@@ -66,7 +83,7 @@ pub struct ItemAnswer {
 /// (`Idempotent-Replayed: true`), those that found the queue full are; with another body it is refused (422).
 #[utoipa::path(
     post, path = "/v1/jobs/batch", tag = describe::JOBS, operation_id = "submitJobs",
-    params(("Idempotency-Key" = Option<String>, Header, description = "A name of the client's for this request, 1 to 255 visible ASCII characters", example = "night-run-17")),
+    params(BatchHeaders),
     request_body(content = BatchInput, content_type = "application/json", example = json!({"jobs": [
         {"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}},
         {"kind": "simulation", "scene": {"bearing": "6205", "operation": {"speed_rpm": 3000, "radial_load_y_n": 500}}}

@@ -202,7 +202,14 @@ struct SubmitHeaders {
     /// A name of the client's for this submission, 1 to 255 visible ASCII characters: sent again with the same body, the job is not made
     /// again, and the first answer comes back with `Idempotent-Replayed: true`; with another body it is refused (422). Kept as
     /// long as the job, and a day at least.
-    #[param(rename = "Idempotency-Key", min_length = 1, max_length = 255, example = "4f2c7a1e-line-3")]
+    #[param(
+        rename = "Idempotency-Key",
+        nullable = false,
+        min_length = 1,
+        max_length = 255,
+        pattern = "^[!-~]+$",
+        example = "4f2c7a1e-line-3"
+    )]
     idempotency_key: Option<String>,
 }
 

@@ -109,7 +109,8 @@ impl Queue {
             .without_job_timeout()
             .maintenance(MaintenanceConfig::default().with_rescue_after(rescue_after))
             .build()?;
-        Ok(Self { client, pool, workers, wakes: AtomicU64::new(0), run: Mutex::new(None) })
+        // From 1 on: the pace of 0 is the one that the queue begins with, and would wake nobody.
+        Ok(Self { client, pool, workers, wakes: AtomicU64::new(1), run: Mutex::new(None) })
     }
 
     /// Adds jobs, each with its priority; answers with the numbers of their deliveries, in order.

@@ -87,7 +87,9 @@ impl Worker {
 
     async fn run(&self, claim: &Claim, run: &Arc<Run>, ticket: &Ticket) -> Outcome {
         let mut solved = self.solver_thread(claim, run);
-        let mut pulse = tokio::time::interval(self.settings.lost_after / 5);
+        // The claim was the first beat.
+        let between = self.settings.lost_after / 5;
+        let mut pulse = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
         loop {
             tokio::select! {
                 end = &mut solved => return ended(end, run, self.settings.time_limit),

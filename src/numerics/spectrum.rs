@@ -1,7 +1,7 @@
 //! Amplitude and envelope spectra, band limits, and decimation of sampled signals.
 
-use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
@@ -43,17 +43,29 @@ pub fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
         return Spectrum { resolution: 0.0, amplitude: Vec::new(), window: "hann", averages: 1 };
     }
     let mean = mean(signal);
-    let window = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos();
-    let mut windowed: Vec<f64> = signal.iter().enumerate().map(|(i, x)| (x - mean) * window(i)).collect();
+    let bins = forward(&mut signal.iter().map(|x| x - mean).collect::<Vec<_>>());
     // 2 over the sum of the window, n/2.
     let one_sided = 4.0 / n as f64;
-    let mut amplitude: Vec<f64> = forward(&mut windowed).iter().map(|bin| one_sided * bin.norm()).collect();
+    let magnitude = |bin: Complex64| bin.norm_sqr().sqrt();
+    let mut amplitude: Vec<f64> = (0..bins.len()).map(|k| one_sided * magnitude(hann(&bins, n, k))).collect();
     // The first entry and, for an even count, the last have no mirror image.
     amplitude[0] *= 0.5;
     if n.is_multiple_of(2) {
         amplitude[n / 2] *= 0.5;
     }
     Spectrum { resolution: rate / n as f64, amplitude, window: "hann", averages: 1 }
+}
+
+/// Bin `k` of `n` real values under the window ½ − ½ cos(2πi/n), from their bins without it: the window is three lines, so
+/// that a bin and its two neighbours say all, and no cosine is computed a value.
+fn hann(bins: &[Complex64], n: usize, k: usize) -> Complex64 {
+    // Bins beyond the ends are mirror images of those within.
+    let bin = |k: isize| {
+        let k = k.rem_euclid(n as isize) as usize;
+        if k < bins.len() { bins[k] } else { bins[n - k].conj() }
+    };
+    let k = k as isize;
+    0.5 * bin(k) - 0.25 * (bin(k - 1) + bin(k + 1))
 }
 
 /// Amplitude spectrum of the envelope: the signal passes the band (from, to) [Hz], and the magnitude of its analytic
@@ -75,7 +87,7 @@ pub fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectru
     let mut quarter_turn: Vec<Complex64> = bins.iter().map(|bin| Complex64::new(bin.im, -bin.re)).collect();
     let in_phase = inverse(&mut bins, n);
     let in_quadrature = inverse(&mut quarter_turn, n);
-    let envelope: Vec<f64> = in_phase.iter().zip(&in_quadrature).map(|(re, im)| re.hypot(*im)).collect();
+    let envelope: Vec<f64> = in_phase.iter().zip(&in_quadrature).map(|(re, im)| (re * re + im * im).sqrt()).collect();
     amplitude_spectrum(&envelope, rate)
 }
 
@@ -268,19 +280,19 @@ fn hann_main_lobe(offset: f64) -> f64 {
     sinc(offset) / (1.0 - offset * offset)
 }
 
-thread_local! {
-    /// Plans of the last length: all signals of a run share one, and a plan takes longer than its transform.
-    static PLANS: RefCell<(usize, RealFftPlanner<f64>)> = RefCell::new((0, RealFftPlanner::new()));
-}
+/// Plans of the last length: all signals of a run share one, most runs share theirs, and a plan takes longer than its
+/// transform.
+static PLANS: LazyLock<Mutex<(usize, RealFftPlanner<f64>)>> = LazyLock::new(|| Mutex::new((0, RealFftPlanner::new())));
 
 /// A plan for signals of a length.
 fn planned<P>(length: usize, plan: impl FnOnce(&mut RealFftPlanner<f64>, usize) -> P) -> P {
-    PLANS.with_borrow_mut(|(last, planner)| {
-        if *last != length {
-            (*last, *planner) = (length, RealFftPlanner::new());
-        }
-        plan(planner, length)
-    })
+    // Plans are whole whatever became of those who asked for them.
+    let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
+    let (last, planner) = &mut *plans;
+    if *last != length {
+        (*last, *planner) = (length, RealFftPlanner::new());
+    }
+    plan(planner, length)
 }
 
 /// Fourier transform of a signal that is not empty; overwrites it.
