@@ -11,7 +11,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::api::auth::Tokens;
 use crate::api::origins::origin;
-use crate::jobs::Settings;
+use crate::jobs::{Location, Settings};
 
 /// Predicts the vibration of rolling bearings.
 #[derive(Debug, Parser)]
@@ -28,6 +28,8 @@ pub enum Command {
     Demo(DemoOptions),
     /// Serve the HTTP API and run jobs
     Serve(ServeOptions),
+    /// Run jobs of a service on the same PostgreSQL database, without HTTP
+    Worker(WorkerOptions),
     /// Run one job without a server: metrics on stdout as JSON
     Simulate(SimulateOptions),
     /// Run a scene by several methods and tolerances: error against run time, as table, JSON and SVG
@@ -147,15 +149,40 @@ pub struct ServeOptions {
     /// Address to listen on; port 0 picks a free one
     #[arg(long, env = "RACEWAY_LISTEN", default_value = "127.0.0.1:8080", value_name = "ADDRESS:PORT")]
     pub listen: SocketAddr,
-    /// Database, made when it does not exist
-    #[arg(long, env = "RACEWAY_DATABASE", default_value = "sqlite://raceway.db", value_name = "URL")]
+    /// Database: sqlite://FILE, made when it does not exist, or postgres://USER@HOST/NAME
+    #[arg(long, env = "RACEWAY_DATABASE", default_value = "sqlite://raceway.db", value_name = "URL", hide_env_values = true)]
     pub database: String,
-    /// Simulations at a time [default: number of cores]
-    #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    /// Simulations at a time [default: number of cores]; on PostgreSQL 0 leaves them to workers
+    #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub workers: Option<u16>,
     /// Jobs that may wait; more are answered with 429
     #[arg(long, env = "RACEWAY_QUEUE_LIMIT", default_value_t = 10_000)]
     pub queue_limit: u32,
+    #[command(flatten)]
+    pub runs: RunOptions,
+    /// Web pages from elsewhere that may use the API: their origins, such as `https://portal.example`, separated by commas
+    #[arg(long, env = "RACEWAY_ALLOWED_ORIGINS", value_name = "ORIGIN,…", value_delimiter = ',', value_parser = origin)]
+    pub allowed_origins: Vec<HeaderValue>,
+    /// Serve beyond loopback without tokens: everyone who reaches the port may do everything
+    #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH", value_parser = BoolishValueParser::new())]
+    pub insecure_no_auth: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct WorkerOptions {
+    /// Database of the service: postgres://USER@HOST/NAME
+    #[arg(long, env = "RACEWAY_DATABASE", value_name = "URL", hide_env_values = true)]
+    pub database: String,
+    /// Simulations at a time [default: number of cores]
+    #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub workers: Option<u16>,
+    #[command(flatten)]
+    pub runs: RunOptions,
+}
+
+/// What holds for every run.
+#[derive(Debug, Args)]
+pub struct RunOptions {
     /// Runs of a job that may end with their process before the job fails
     #[arg(long, env = "RACEWAY_MAX_LOST_RUNS", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     pub max_lost_runs: u32,
@@ -165,21 +192,36 @@ pub struct ServeOptions {
     /// How long ended jobs are kept that say nothing about it, in seconds
     #[arg(long, env = "RACEWAY_KEEP_FOR_S", default_value_t = 30 * 86_400, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep_for_s: u32,
-    /// Web pages from elsewhere that may use the API: their origins, such as `https://portal.example`, separated by commas
-    #[arg(long, env = "RACEWAY_ALLOWED_ORIGINS", value_name = "ORIGIN,…", value_delimiter = ',', value_parser = origin)]
-    pub allowed_origins: Vec<HeaderValue>,
-    /// Serve beyond loopback without tokens: everyone who reaches the port may do everything
-    #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH", value_parser = BoolishValueParser::new())]
-    pub insecure_no_auth: bool,
+    /// Silence of a worker after which its runs count as lost, in seconds; the same for all that share a database
+    #[arg(long, env = "RACEWAY_LOST_AFTER_S", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=3600))]
+    pub lost_after_s: u32,
+}
+
+impl RunOptions {
+    fn settings(&self, database: Location, workers: Option<u16>) -> Settings {
+        let settings = Settings::on(database);
+        let lost_after = Duration::from_secs(u64::from(self.lost_after_s));
+        Settings {
+            workers: workers.map_or(settings.workers, usize::from),
+            max_lost_runs: self.max_lost_runs,
+            time_limit: Duration::from_secs(u64::from(self.time_limit_s)),
+            keep_s: f64::from(self.keep_for_s),
+            lost_after,
+            sweep_every: settings.sweep_every.min(lost_after),
+            ..settings
+        }
+    }
 }
 
 /// Why settings make no sense.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
-    #[error("the database {0}: postgres is not available in this version; use sqlite://FILE")]
-    PostgresUnavailable(String),
-    #[error("the database {0}: not understood; use sqlite://FILE")]
+    #[error("the database {0}: not understood; use sqlite://FILE or postgres://USER@HOST/NAME")]
     UnknownDatabase(String),
+    #[error("the database {0}: a file serves one process; workers of their own need postgres://USER@HOST/NAME")]
+    NotShared(Location),
+    #[error("--workers 0 leaves the jobs to other processes, which a file cannot be shared with: use postgres://USER@HOST/NAME")]
+    NobodyWorks,
     #[error(
         "{0} can be reached from other machines, and there are no tokens: set RACEWAY_API_TOKENS, listen on \
          127.0.0.1, or accept the risk with --insecure-no-auth"
@@ -196,15 +238,12 @@ pub enum ConfigError {
 impl ServeOptions {
     /// Settings of queue and store.
     pub fn job_settings(&self) -> Result<Settings, ConfigError> {
-        let settings = Settings::new(database_file(&self.database)?);
-        Ok(Settings {
-            workers: self.workers.map_or(settings.workers, usize::from),
-            queue_limit: u64::from(self.queue_limit),
-            max_lost_runs: self.max_lost_runs,
-            time_limit: Duration::from_secs(u64::from(self.time_limit_s)),
-            keep_s: f64::from(self.keep_for_s),
-            ..settings
-        })
+        let database = location(&self.database)?;
+        if self.workers == Some(0) && matches!(database, Location::File(_)) {
+            return Err(ConfigError::NobodyWorks);
+        }
+        let settings = self.runs.settings(database, self.workers);
+        Ok(Settings { queue_limit: u64::from(self.queue_limit), ..settings })
     }
 
     /// Refuses to be open to everyone by accident.
@@ -216,17 +255,30 @@ impl ServeOptions {
     }
 }
 
+impl WorkerOptions {
+    /// Settings of queue and store.
+    pub fn job_settings(&self) -> Result<Settings, ConfigError> {
+        match location(&self.database)? {
+            file @ Location::File(_) => Err(ConfigError::NotShared(file)),
+            server @ Location::Server(_) => Ok(self.runs.settings(server, self.workers)),
+        }
+    }
+}
+
 /// Whether only this machine reaches the address.
 pub fn is_loopback(address: IpAddr) -> bool {
     address.to_canonical().is_loopback()
 }
 
-/// The file behind a database URL. URLs with a server's name may hold a password, so only their scheme is told.
-fn database_file(url: &str) -> Result<PathBuf, ConfigError> {
+/// What a database URL names. URLs with a server's name may hold a password, so of one that is not understood only the scheme
+/// is told.
+fn location(url: &str) -> Result<Location, ConfigError> {
     let scheme = url.split_once(':').map_or("", |parts| parts.0);
     match (scheme, url.strip_prefix("sqlite://")) {
-        ("postgres" | "postgresql", _) => Err(ConfigError::PostgresUnavailable(format!("{scheme}://…"))),
-        (_, Some(file)) if !file.is_empty() && !file.contains(['?', '#']) => Ok(file.into()),
+        ("postgres" | "postgresql", _) => {
+            Location::server(url).ok_or_else(|| ConfigError::UnknownDatabase(format!("{scheme}://…")))
+        }
+        (_, Some(file)) if !file.is_empty() && !file.contains(['?', '#']) => Ok(Location::File(file.into())),
         ("sqlite", _) => Err(ConfigError::UnknownDatabase(url.to_owned())),
         _ => Err(ConfigError::UnknownDatabase(format!("{scheme}:…"))),
     }
@@ -256,14 +308,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_files_are_databases() {
-        assert_eq!(database_file("sqlite:///data/raceway.db").ok(), Some("/data/raceway.db".into()));
-        assert_eq!(database_file("sqlite://raceway.db").ok(), Some("raceway.db".into()));
-        let refused = database_file("postgres://me:secret@host/db").err().map(|error| error.to_string());
-        let refused = refused.unwrap_or_default();
-        assert!(refused.contains("not available in this version") && !refused.contains("secret"), "{refused}");
+    fn files_and_servers_are_databases() {
+        let told = |url: &str| location(url).map(|place| place.to_string()).ok();
+        assert_eq!(told("sqlite:///data/raceway.db").as_deref(), Some("/data/raceway.db"));
+        assert_eq!(told("sqlite://raceway.db").as_deref(), Some("raceway.db"));
+        assert_eq!(told("postgres://me:secret@host/db").as_deref(), Some("postgres://host:5432/db"));
+        assert!(!format!("{:?}", location("postgres://me:secret@host/db")).contains("secret"));
         for url in ["", "raceway.db", "sqlite:raceway.db", "sqlite://", "mysql://x:secret@y/z"] {
-            let refused = database_file(url).err().map(|error| error.to_string()).unwrap_or_default();
+            let refused = location(url).err().map(|error| error.to_string()).unwrap_or_default();
             assert!(refused.contains("sqlite://FILE") && !refused.contains("secret"), "{url}: {refused}");
         }
     }

@@ -279,7 +279,7 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
             let detail = "nothing was written; try again once there is space".into();
             of(S::INSUFFICIENT_STORAGE, "disk-full", "No space is left for the database", detail)
         }
-        JobError::Database(sqlx::Error::PoolTimedOut | sqlx::Error::PoolClosed) => {
+        away if away.is_away() => {
             let detail = "the database does not answer; try again".into();
             of(S::SERVICE_UNAVAILABLE, "database-away", "The database is away", detail)
         }

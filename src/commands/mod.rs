@@ -18,6 +18,7 @@ pub mod simulate;
 pub mod study;
 /// Results as text for people.
 pub mod table;
+pub mod worker;
 
 use std::process::ExitCode;
 
@@ -59,6 +60,7 @@ pub fn run(cli: Cli) -> Ended {
             print!("{}", crate::api::document_text());
             Ended::Well
         }
+        Command::Worker(options) => on_runtime(worker::run(options)),
         Command::Health(options) => on_runtime(health::run(options)),
     }
 }

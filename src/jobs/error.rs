@@ -1,7 +1,6 @@
 //! What can go wrong with a job, apart from the simulation itself.
 
 use std::fmt::Display;
-use std::path::Path;
 
 use super::job::Status;
 
@@ -57,9 +56,25 @@ pub enum JobError {
 }
 
 impl JobError {
-    /// The database's files cannot be used.
-    pub fn opening(path: &Path, reason: impl Display) -> Self {
-        Self::CannotOpen { path: path.display().to_string(), reason: reason.to_string() }
+    /// The database cannot be used.
+    pub fn opening(place: impl Display, reason: impl Display) -> Self {
+        Self::CannotOpen { path: place.to_string(), reason: reason.to_string() }
+    }
+
+    /// Whether the database cannot be reached for now, or takes no writes.
+    pub fn is_away(&self) -> bool {
+        let Self::Database(error) = self else { return false };
+        match error {
+            sqlx::Error::Io(_) | sqlx::Error::PoolTimedOut | sqlx::Error::PoolClosed | sqlx::Error::WorkerCrashed => true,
+            sqlx::Error::Protocol(_) | sqlx::Error::Tls(_) => true,
+            sqlx::Error::Database(error) => {
+                let code = error.code().unwrap_or_default();
+                // PostgreSQL: no connection, too many of them, shutting down or starting, read-only.
+                let away = ["08", "53300", "57P", "25006"].iter().any(|class| code.starts_with(class));
+                away && error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>().is_some()
+            }
+            _ => false,
+        }
     }
 }
 
@@ -67,18 +82,26 @@ impl JobError {
 /// either); extended codes carry them in the low byte.
 const SQLITE_IOERR: i64 = 10;
 const SQLITE_FULL: i64 = 13;
+/// PostgreSQL's `disk_full`.
+const POSTGRES_DISK_FULL: &str = "53100";
 
 impl From<sqlx::Error> for JobError {
     fn from(error: sqlx::Error) -> Self {
-        let code = error.as_database_error().and_then(|e| e.code()).and_then(|code| code.parse::<i64>().ok());
-        match code.map(|code| code & 0xff) {
-            Some(SQLITE_FULL | SQLITE_IOERR) => {
-                tracing::error!(%error, "the disk does not take what is written");
-                Self::DiskFull
-            }
-            _ => Self::Database(error),
+        if is_full_disk(&error) {
+            tracing::error!(%error, "the disk does not take what is written");
+            return Self::DiskFull;
         }
+        Self::Database(error)
     }
+}
+
+fn is_full_disk(error: &sqlx::Error) -> bool {
+    let Some(error) = error.as_database_error() else { return false };
+    let code = error.code().unwrap_or_default();
+    if error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>().is_some() {
+        return code == POSTGRES_DISK_FULL;
+    }
+    code.parse::<i64>().is_ok_and(|code| matches!(code & 0xff, SQLITE_FULL | SQLITE_IOERR))
 }
 
 impl From<riverqueue::Error> for JobError {

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
 
-use super::queue::{Queue, Tx};
-use super::store::{PRIORITY_OF_STRANDS, Store, keys, submissions};
+use super::queue::Queue;
+use super::store::database::{Lock, Tx};
+use super::store::{PRIORITY_OF_STRANDS, Store, keys, submissions, upkeep};
 use super::{JobError, JobRecord, NewJob};
 
 /// Submissions that one transaction takes at most.
@@ -35,8 +36,6 @@ pub struct Intake {
 pub struct IntakeLimits {
     /// Jobs that may wait.
     pub queue: u64,
-    /// Strands of a study.
-    pub strands: usize,
     /// How long jobs are kept that say nothing about it [s].
     pub keep_s: f64,
 }
@@ -90,13 +89,15 @@ async fn write_all(
     jobs: &[NewJob],
 ) -> Result<Vec<Answer>, JobError> {
     let mut tx = store.begin().await?;
+    tx.alone(Lock::Intake).await?;
     let mut places = limits.queue.saturating_sub(submissions::waiting(&mut tx).await?);
     let mut plans = Vec::with_capacity(jobs.len());
     for job in jobs {
         plans.push(plan(&mut tx, job, &mut places, limits.keep_s).await?);
     }
+    let slots = if jobs.iter().any(|job| job.points.is_some()) { upkeep::slots(&mut tx).await? } else { 1 };
     let queued = jobs.iter().zip(&plans).filter(|(_, plan)| matches!(plan, Plan::Queue));
-    let queued: Vec<_> = queued.flat_map(|(job, _)| deliveries_of(job, limits.strands)).collect();
+    let queued: Vec<_> = queued.flat_map(|(job, _)| deliveries_of(job, slots)).collect();
     let mut deliveries = queue.enqueue(&mut tx, &queued).await?.into_iter();
     let mut answers = Vec::with_capacity(jobs.len());
     for (job, plan) in jobs.iter().zip(plans) {
@@ -109,7 +110,7 @@ async fn write_all(
             Plan::Refuse => Err(JobError::QueueFull { limit: limits.queue }),
             Plan::Queue if job.points.is_some() => {
                 let points = job.points.unwrap_or(0);
-                let strands: Vec<i64> = deliveries.by_ref().take(strands_of(points, limits.strands)).collect();
+                let strands: Vec<i64> = deliveries.by_ref().take(strands_of(points, slots)).collect();
                 Ok(submissions::insert_study(&mut tx, job, points, &strands).await?)
             }
             Plan::Queue => {

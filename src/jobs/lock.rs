@@ -17,11 +17,11 @@ impl DatabaseLock {
         let mut name = database.as_os_str().to_owned();
         name.push(".lock");
         let opened = OpenOptions::new().create(true).truncate(false).write(true).open(&name);
-        let file = opened.map_err(|error| JobError::opening(database, error))?;
+        let file = opened.map_err(|error| JobError::opening(database.display(), error))?;
         match file.try_lock() {
             Ok(()) => Ok(Self { _file: file }),
             Err(TryLockError::WouldBlock) => Err(JobError::Locked(database.display().to_string())),
-            Err(TryLockError::Error(error)) => Err(JobError::opening(database, error)),
+            Err(TryLockError::Error(error)) => Err(JobError::opening(database.display(), error)),
         }
     }
 }

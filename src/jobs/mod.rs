@@ -28,6 +28,7 @@ mod worker;
 
 pub use error::JobError;
 pub use intake::Submitted;
+pub use store::Location;
 pub use job::{Failure, IdempotencyKey, JobRecord, NewJob, Status};
 pub use running::View;
 pub use service::{Cancelled, Jobs, Settings, Simulator};

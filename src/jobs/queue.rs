@@ -7,20 +7,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use riverqueue::migrate::SqliteMigrator;
+use riverqueue::migrate::{PostgresMigrator, SqliteMigrator};
 use riverqueue::{
     BoxError, Client, InsertManyItem, InsertOpts, MaintenanceConfig, QueueConfig, RunHandle, WorkCancelled,
     WorkContext, WorkOutcome, Workers,
 };
 use serde::{Deserialize, Serialize};
-use sqlx::{Sqlite, SqlitePool, Transaction};
 use tokio::sync::Mutex;
 use uuid::Uuid;
 
 use super::JobError;
-
-/// A write transaction.
-pub type Tx = Transaction<'static, Sqlite>;
+use super::store::database::{Pool, Tx, statement};
 
 /// What River stores of a job: our row has the rest.
 #[derive(Debug, Clone, Serialize, Deserialize, riverqueue::JobArgs)]
@@ -56,7 +53,11 @@ pub struct Ticket {
 impl Ticket {
     /// Ends the delivery together with what else is in the transaction.
     pub async fn complete(&self, tx: &mut Tx) -> Result<(), JobError> {
-        match self.context.job_complete_tx(&mut *tx).await {
+        let completed = match tx {
+            Tx::Sqlite(tx) => self.context.job_complete_tx(&mut *tx).await,
+            Tx::Postgres(tx) => self.context.job_complete_tx(&mut *tx).await,
+        };
+        match completed {
             // River's row never decides over ours: someone may have completed it while this process slept.
             Ok(_) | Err(riverqueue::Error::JobNotRunning { .. } | riverqueue::Error::NotFound(_)) => Ok(()),
             Err(error) => Err(error.into()),
@@ -84,7 +85,7 @@ const POLL: Duration = Duration::from_secs(1);
 /// The queue.
 pub struct Queue {
     client: Client,
-    pool: SqlitePool,
+    pool: Pool,
     workers: usize,
     wakes: AtomicU64,
     run: Mutex<Option<RunHandle>>,
@@ -92,19 +93,31 @@ pub struct Queue {
 
 impl Queue {
     /// Makes the queue's tables.
-    pub async fn migrate(pool: &SqlitePool) -> Result<(), JobError> {
-        SqliteMigrator::new(pool.clone()).migrate_up().await.map_err(|error| JobError::Migration(error.to_string()))?;
+    pub async fn migrate(pool: &Pool) -> Result<(), JobError> {
+        match pool {
+            Pool::Sqlite(pool) => SqliteMigrator::new(pool.clone()).migrate_up().await,
+            Pool::Postgres(pool) => PostgresMigrator::new(pool.clone()).migrate_up().await,
+        }
+        .map_err(|error| JobError::Migration(error.to_string()))?;
         Ok(())
     }
 
     /// A queue that is not started yet; runs are rescued from their worker after `rescue_after`.
-    pub fn new(pool: SqlitePool, workers: usize, rescue_after: Duration, handler: Handler) -> Result<Self, JobError> {
-        let client = Client::builder(pool.clone())
-            .workers(workers_for(handler)?)
-            .queue(QUEUE, QueueConfig::new(workers).with_fetch_poll_interval(POLL))
-            .fetch_cooldown(Duration::from_millis(2))
+    pub fn new(pool: Pool, workers: usize, rescue_after: Duration, handler: Handler) -> Result<Self, JobError> {
+        let builder = match &pool {
             // All that writes is in this process, and says so by `wake`.
-            .without_notifications()
+            Pool::Sqlite(pool) => Client::builder(pool).without_notifications(),
+            Pool::Postgres(pool) => Client::builder(pool),
+        };
+        // A process that takes no jobs only puts them into the queue.
+        let builder = match workers {
+            0 => builder,
+            _ => builder
+                .workers(workers_for(handler)?)
+                .queue(QUEUE, QueueConfig::new(workers).with_fetch_poll_interval(POLL)),
+        };
+        let client = builder
+            .fetch_cooldown(Duration::from_millis(2))
             // Runs have a limit of their own, which ends them by a flag.
             .without_job_timeout()
             .maintenance(MaintenanceConfig::default().with_rescue_after(rescue_after))
@@ -123,7 +136,11 @@ impl Queue {
             let opts = InsertOpts::default().with_queue(QUEUE).with_priority(i16::from(*priority));
             InsertManyItem::new(RunJob { job: *job }, opts)
         });
-        let inserted = self.client.insert_many(items.collect::<Vec<_>>()).tx(&mut *tx).await?;
+        let request = self.client.insert_many(items.collect::<Vec<_>>());
+        let inserted = match tx {
+            Tx::Sqlite(tx) => request.tx(&mut *tx).await?,
+            Tx::Postgres(tx) => request.tx(&mut *tx).await?,
+        };
         Ok(inserted.iter().map(|result| result.id()).collect())
     }
 
@@ -132,6 +149,10 @@ impl Queue {
     /// River looks at its queue when it is polled or when the queue's settings change, but an insert in our
     /// own transaction tells it nothing. Polling every few milliseconds instead costs a tenth of a core.
     pub fn wake(&self) {
+        // On PostgreSQL the insert itself tells all processes.
+        if matches!(self.pool, Pool::Postgres(_)) {
+            return;
+        }
         // Settings that have not changed wake nobody, so that the pace differs by some milliseconds each time.
         let wakes = self.wakes.fetch_add(1, Ordering::Relaxed);
         let pace = POLL + Duration::from_millis(wakes % 256);
@@ -143,7 +164,12 @@ impl Queue {
 
     /// Withdraws a delivery that has not begun.
     pub async fn cancel(&self, tx: &mut Tx, delivery: i64) -> Result<(), JobError> {
-        match self.client.jobs().cancel(delivery).tx(&mut *tx).await {
+        let request = self.client.jobs().cancel(delivery);
+        let cancelled = match tx {
+            Tx::Sqlite(tx) => request.tx(&mut *tx).await,
+            Tx::Postgres(tx) => request.tx(&mut *tx).await,
+        };
+        match cancelled {
             Ok(_) | Err(riverqueue::Error::NotFound(_)) => Ok(()),
             Err(error) => Err(error.into()),
         }
@@ -151,7 +177,9 @@ impl Queue {
 
     /// Begins to deliver.
     pub async fn start(&self) -> Result<(), JobError> {
-        *self.run.lock().await = Some(self.client.start()?);
+        if self.workers > 0 {
+            *self.run.lock().await = Some(self.client.start()?);
+        }
         Ok(())
     }
 
@@ -165,16 +193,19 @@ impl Queue {
 
     /// Counts of what waits and runs.
     pub async fn stats(&self) -> Result<QueueStats, JobError> {
-        let sql = "SELECT state, count(*) FROM river_job WHERE state IN ('available', 'running') GROUP BY state";
-        let rows: Vec<(String, i64)> = sqlx::query_as(sql).fetch_all(&self.pool).await?;
+        let sql = "SELECT CAST(state AS TEXT), count(*) FROM river_job WHERE state IN ('available', 'running') GROUP BY state";
+        let rows: Vec<(String, i64)> = statement(sql).all(&self.pool).await?;
         let count = |state: &str| rows.iter().find(|row| row.0 == state).map_or(0, |row| row.1);
         Ok(QueueStats { available: count("available"), running: count("running") })
     }
 
-    /// Delivers again what a dead process was working on. Only for the one who holds the database's lock.
+    /// Delivers again what a dead process was working on, where no other process can be at it.
     pub async fn recover(&self) -> Result<u64, JobError> {
+        if matches!(self.pool, Pool::Postgres(_)) {
+            return Ok(0);
+        }
         let sql = "UPDATE river_job SET state = 'available' WHERE state = 'running'";
-        Ok(sqlx::query(sql).execute(&self.pool).await?.rows_affected())
+        statement(sql).run(&self.pool).await
     }
 }
 

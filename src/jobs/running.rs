@@ -126,6 +126,13 @@ impl Running {
         locked(&self.runs).get(&id).map(|(run, _)| Arc::clone(run))
     }
 
+    /// Asks a run to stop, if it is one of this process.
+    pub fn cancel(&self, id: Uuid) {
+        if let Some(run) = self.get(id) {
+            run.stop(StopReason::Cancelled);
+        }
+    }
+
     pub fn ids(&self) -> Vec<Uuid> {
         locked(&self.runs).keys().copied().collect()
     }

@@ -15,7 +15,8 @@ use super::lock::DatabaseLock;
 use super::queue::{Handler, Queue, QueueStats};
 use super::running::{Running, StopReason, View};
 use super::store::studies::StoredPoint;
-use super::store::{Filter, PRIORITY_OF_STRANDS, Signal, Store, records, studies};
+use super::store::database::{self, Dialect, Pool};
+use super::store::{Filter, Location, PRIORITY_OF_STRANDS, Signal, Store, records, studies, upkeep};
 use super::worker::Worker;
 use super::{IdempotencyKey, JobError, JobRecord, NewJob, Status, sweep};
 use crate::contract::{Job, JobKind, Outcome, RunFailure};
@@ -27,8 +28,8 @@ pub type Simulator = Arc<dyn Fn(&Job, &Control<'_>) -> Result<Outcome, RunFailur
 /// Settings of queue and store.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    pub database: PathBuf,
-    /// Runs at a time.
+    pub database: Location,
+    /// Runs at a time; 0: other processes run them.
     pub workers: usize,
     /// Jobs that may wait.
     pub queue_limit: u64,
@@ -48,8 +49,13 @@ pub struct Settings {
 impl Settings {
     /// The usual settings for a database file.
     pub fn new(database: impl Into<PathBuf>) -> Self {
+        Self::on(Location::File(database.into()))
+    }
+
+    /// The usual settings for a database.
+    pub fn on(database: Location) -> Self {
         Self {
-            database: database.into(),
+            database,
             workers: std::thread::available_parallelism().map_or(1, usize::from),
             queue_limit: 10_000,
             max_lost_runs: 5,
@@ -61,6 +67,9 @@ impl Settings {
         }
     }
 }
+
+/// After which a job that is waited for is looked at without a bell.
+const LOOK_AGAIN: Duration = Duration::from_secs(1);
 
 /// Answer to a cancellation.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,6 +88,8 @@ pub struct Jobs {
 
 /// The parts.
 pub(super) struct Inner {
+    /// This process among those that share the database.
+    pub worker: Uuid,
     pub settings: Settings,
     pub store: Store,
     pub queue: Arc<Queue>,
@@ -86,7 +97,7 @@ pub(super) struct Inner {
     intake: Intake,
     stopping: CancellationToken,
     disk_full: AtomicBool,
-    _lock: DatabaseLock,
+    _lock: Option<DatabaseLock>,
 }
 
 impl Inner {
@@ -112,8 +123,11 @@ impl Inner {
 impl Jobs {
     /// Opens the database, brings back what a dead process left, and begins to run jobs.
     pub async fn start(settings: Settings, simulator: Simulator) -> Result<Self, JobError> {
-        let lock = DatabaseLock::take(&settings.database)?;
-        let store = Store::open(&settings.database, settings.max_pages).await;
+        let lock = match &settings.database {
+            Location::File(path) => Some(DatabaseLock::take(path)?),
+            Location::Server(_) => None,
+        };
+        let store = Store::open(&settings.database, settings.workers, settings.max_pages).await;
         let store = store.map_err(|error| JobError::opening(&settings.database, error))?;
         let running = Arc::new(Running::default());
         let worker = Arc::new(Worker::new(store.clone(), Arc::clone(&running), simulator, settings.clone()));
@@ -125,12 +139,16 @@ impl Jobs {
         let rescue_after = settings.time_limit + Duration::from_secs(30);
         let queue = Queue::new(store.writer().clone(), settings.workers, rescue_after, handler)?;
         let queue = Arc::new(queue);
-        let limits = IntakeLimits { queue: settings.queue_limit, strands: settings.workers, keep_s: settings.keep_s };
+        let limits = IntakeLimits { queue: settings.queue_limit, keep_s: settings.keep_s };
         let intake = Intake::start(store.clone(), Arc::clone(&queue), limits);
         let stopping = CancellationToken::new();
         let disk_full = AtomicBool::new(false);
-        let inner = Inner { settings, store, queue, running, intake, stopping, disk_full, _lock: lock };
+        let worker = Uuid::now_v7();
+        let inner = Inner { worker, settings, store, queue, running, intake, stopping, disk_full, _lock: lock };
         let inner = Arc::new(inner);
+        if let Pool::Postgres(pool) = inner.store.writer() {
+            listen(pool.clone(), &inner);
+        }
         recover(&inner).await?;
         sweep::start(&inner);
         Ok(Self { inner })
@@ -188,17 +206,21 @@ impl Jobs {
         tokio::pin!(rings);
         // Listens before it looks, or an end between the two would be missed.
         rings.as_mut().enable();
-        let record = self.get(owner, id).await?;
-        if record.status.is_final() {
-            return Ok(record);
+        let until = tokio::time::Instant::now() + at_most;
+        loop {
+            let record = self.get(owner, id).await?;
+            let left = until.saturating_duration_since(tokio::time::Instant::now());
+            if record.status.is_final() || left.is_zero() || self.is_stopping() {
+                return Ok(record);
+            }
+            tokio::select! {
+                () = &mut rings => return self.get(owner, id).await,
+                // A bell that is rung by another process may be lost on the way.
+                () = tokio::time::sleep(left.min(LOOK_AGAIN)) => {}
+                // The job goes on after the next start; whoever waits gets its id before this one ends.
+                () = self.inner.stopping.cancelled() => {}
+            }
         }
-        tokio::select! {
-            () = rings => {}
-            () = tokio::time::sleep(at_most) => {}
-            // The job goes on after the next start; whoever waits gets its id before this one ends.
-            () = self.inner.stopping.cancelled() => {}
-        }
-        self.get(owner, id).await
     }
 
     /// Ends a job that waits or runs.
@@ -216,6 +238,10 @@ impl Jobs {
                 match self.inner.running.get(id) {
                     // Its strands end it.
                     Some(run) => run.stop(StopReason::Cancelled),
+                    // Its strands run elsewhere, and end it.
+                    None if status == Status::Running && self.inner.store.dialect() == Dialect::Postgres => {
+                        tx.tell_cancelled(id).await?;
+                    }
                     None => {
                         studies::cancel(&mut tx, id, self.inner.settings.keep_s).await?;
                         status = Status::Queued;
@@ -224,6 +250,7 @@ impl Jobs {
             }
             Status::Queued => {
                 records::cancel_queued(&mut tx, id, self.inner.settings.keep_s).await?;
+                tx.tell_ended(id).await?;
                 if let Some(delivery) = delivery {
                     self.inner.queue.cancel(&mut tx, delivery).await?;
                 }
@@ -234,6 +261,7 @@ impl Jobs {
                     run.stop(StopReason::Cancelled);
                 }
                 records::request_cancel(&mut tx, id).await?;
+                tx.tell_cancelled(id).await?;
             }
             Status::Cancelled => {}
             Status::Succeeded | Status::Failed => return Err(JobError::Conflict(status)),
@@ -263,7 +291,7 @@ impl Jobs {
         if !matches!(status, Status::Cancelled | Status::Failed) || !studies::resume(&mut tx, id).await? {
             return Err(JobError::CannotResume(status));
         }
-        let strands = vec![(id, PRIORITY_OF_STRANDS); self.inner.settings.workers];
+        let strands = vec![(id, PRIORITY_OF_STRANDS); upkeep::slots(&mut tx).await?];
         let deliveries = self.inner.queue.enqueue(&mut tx, &strands).await?;
         studies::add_strands(&mut tx, id, &deliveries).await?;
         tx.commit().await?;
@@ -343,9 +371,40 @@ impl Jobs {
         self.refuse_new();
         self.inner.running.stop_all(StopReason::HandedBack);
         let drained = self.inner.queue.drain().await;
+        if let Err(error) = self.inner.store.leave(self.inner.worker).await {
+            tracing::warn!(%error, "this process is listed for a while although it has ended");
+        }
         self.inner.store.close().await;
         drained
     }
+}
+
+/// Hears what other processes on the same server tell, until the service is dropped.
+fn listen(pool: sqlx::PgPool, inner: &Arc<Inner>) {
+    let (running, stopping) = (Arc::clone(&inner.running), inner.stopping.clone());
+    let hear = async move {
+        loop {
+            // Comes back by itself where the link was lost; what was told meanwhile is found by looking.
+            if let Ok(mut listener) = sqlx::postgres::PgListener::connect_with(&pool).await
+                && listener.listen_all([database::ENDED, database::CANCELLED]).await.is_ok()
+            {
+                while let Ok(told) = listener.recv().await {
+                    match (told.channel(), told.payload().parse()) {
+                        (database::ENDED, Ok(job)) => running.ended(job),
+                        (_, Ok(job)) => running.cancel(job),
+                        (_, Err(_)) => {}
+                    }
+                }
+            }
+            tokio::time::sleep(Duration::from_secs(1)).await;
+        }
+    };
+    tokio::spawn(async move {
+        tokio::select! {
+            () = hear => {}
+            () = stopping.cancelled() => {}
+        }
+    });
 }
 
 /// Starts the queue on what a dead process left.

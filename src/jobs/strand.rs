@@ -10,7 +10,7 @@ use super::job::{INTERNAL, TIME_LIMIT, point_hashes};
 use super::queue::{Delivered, Ticket};
 use super::running::{Run, StopReason};
 use super::store::studies::{Next, PointClaim, PointResult, Strand};
-use super::worker::{Worker, stop_after};
+use super::worker::{Worker, follow, stop_after};
 use crate::contract::table::PointError;
 use crate::contract::{self, Job, PointEnd, Refusal, Study, execute_point};
 use crate::simulation::run::Control;
@@ -28,6 +28,16 @@ enum Computed {
 impl Worker {
     /// Works a strand for a while.
     pub(super) async fn strand(&self, ticket: &Ticket, strand: Strand) -> Result<Delivered, JobError> {
+        let delivery = strand.delivery;
+        let delivered = self.points(ticket, strand).await;
+        // Where it cannot be written the strand is replaced after a while.
+        if let Err(error) = self.store.rest_strand(delivery).await {
+            tracing::warn!(%error, "a strand could not be laid to rest");
+        }
+        delivered
+    }
+
+    async fn points(&self, ticket: &Ticket, strand: Strand) -> Result<Delivered, JobError> {
         let Some(_slot) = self.slots(strand.losses, false, ticket).await else { return Ok(Delivered::HandedBack) };
         let Some(study) = contract::parse_job(strand.request.as_bytes()).ok().and_then(|job| job.study) else {
             return Err(JobError::Corrupt(format!("the request of study {}", strand.job)));
@@ -55,6 +65,11 @@ impl Worker {
                     self.store.cancel_study(&strand, self.settings.keep_s).await?;
                     self.running.ended(strand.job);
                     return Ok(Delivered::Done);
+                }
+                // Other strands have taken over from this one, or from one that shares its run and stopped both.
+                Computed::Stopped if guard.run.stopped() == Some(StopReason::ClaimLost) => {
+                    self.store.give_back(&strand, point).await?;
+                    return Ok(Delivered::Later);
                 }
                 Computed::Stopped => {
                     self.store.give_back(&strand, point).await?;
@@ -124,9 +139,12 @@ impl Worker {
         }
         let hash = hashes.map(|[hash, _]| hash);
         let mut solved = self.point_thread(job, Arc::clone(run));
+        let between = self.between_beats();
+        let mut pulse = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
         let end = loop {
             tokio::select! {
                 end = &mut solved => break end,
+                _ = pulse.tick() => follow(self.store.strand_beat(strand).await, run),
                 () = ticket.stopping(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
             }
         };

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::JobError;
 use super::service::Inner;
+use super::store::database::Lock;
 use super::store::{PRIORITY_OF_STRANDS, studies, upkeep};
 
 /// Sweeps now and then until the service is dropped.
@@ -42,22 +43,23 @@ pub async fn sweep(inner: &Inner) -> Result<(), JobError> {
 
 async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
     let mut tx = inner.store.begin().await?;
+    tx.alone(Lock::Sweep).await?;
     let lost_after = inner.settings.lost_after.try_into().unwrap_or(jiff::SignedDuration::MAX);
     let stranded = upkeep::stranded(&mut tx, lost_after, &inner.running.ids()).await?;
-    let studies = studies::stranded(&mut tx).await?;
-    if stranded.is_empty() && studies.is_empty() {
-        return Ok(0);
-    }
+    upkeep::work(&mut tx, inner.worker, inner.settings.workers, lost_after).await?;
+    studies::lose_strands(&mut tx, lost_after, inner.settings.max_lost_runs).await?;
+    let slots = upkeep::slots(&mut tx).await?;
+    let lacking = studies::lacking(&mut tx, slots).await?;
     let deliveries = inner.queue.enqueue(&mut tx, &stranded).await?;
     for ((job, _), delivery) in stranded.iter().zip(deliveries) {
         upkeep::redeliver(&mut tx, *job, delivery).await?;
     }
-    for study in &studies {
-        let strands = vec![(*study, PRIORITY_OF_STRANDS); inner.settings.workers];
+    for (study, count) in &lacking {
+        let strands = vec![(*study, PRIORITY_OF_STRANDS); *count];
         let deliveries = inner.queue.enqueue(&mut tx, &strands).await?;
         studies::add_strands(&mut tx, *study, &deliveries).await?;
     }
     tx.commit().await?;
     inner.queue.wake();
-    Ok(stranded.len() + studies.len())
+    Ok(stranded.len() + lacking.len())
 }

@@ -11,6 +11,7 @@ use super::queue::{Delivered, Ticket};
 use super::running::{Run, Running, StopReason};
 use super::service::{Settings, Simulator};
 use super::store::claims::{self, Pulse};
+use super::store::database::Dialect;
 use super::store::{Claim, End, Store, StoredResult};
 use super::{Failure, JobError};
 use crate::contract::{self, JobKind, RunFailure};
@@ -88,7 +89,7 @@ impl Worker {
     async fn run(&self, claim: &Claim, run: &Arc<Run>, ticket: &Ticket) -> Outcome {
         let mut solved = self.solver_thread(claim, run);
         // The claim was the first beat.
-        let between = self.settings.lost_after / 5;
+        let between = self.between_beats();
         let mut pulse = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
         loop {
             tokio::select! {
@@ -100,12 +101,15 @@ impl Worker {
     }
 
     async fn beat(&self, claim: &Claim, run: &Run) {
-        match self.store.heartbeat(claim, run.progress()).await {
-            Ok(Pulse::Alive) => {}
-            Ok(Pulse::CancelRequested) => run.stop(StopReason::Cancelled),
-            Ok(Pulse::ClaimLost) => run.stop(StopReason::ClaimLost),
-            // The run goes on: nobody else may take it while this process holds the database's lock.
-            Err(error) => tracing::warn!(%error, job = %claim.job, "a heartbeat could not be written"),
+        follow(self.store.heartbeat(claim, run.progress()).await, run);
+    }
+
+    /// Time between two signs of life. Those who share a server see a run's progress by them.
+    pub(super) fn between_beats(&self) -> Duration {
+        let between = self.settings.lost_after / 5;
+        match self.store.dialect() {
+            Dialect::Sqlite => between,
+            Dialect::Postgres => between.min(Duration::from_secs(1)),
         }
     }
 
@@ -165,6 +169,17 @@ impl Worker {
             ticket.complete(&mut tx).await?;
         }
         Ok(tx.commit().await?)
+    }
+}
+
+/// What a heartbeat has learnt is what the run does.
+pub(super) fn follow(learnt: Result<Pulse, JobError>, run: &Run) {
+    match learnt {
+        Ok(Pulse::Alive) => {}
+        Ok(Pulse::CancelRequested) => run.stop(StopReason::Cancelled),
+        Ok(Pulse::ClaimLost) => run.stop(StopReason::ClaimLost),
+        // The run goes on: its end is fenced, and most links come back before anyone takes it for lost.
+        Err(error) => tracing::warn!(%error, "a heartbeat could not be written"),
     }
 }
 

@@ -44,8 +44,11 @@ fn a_run_stops_even_if_that_cannot_be_written() {
     let server = start();
     let path = server.submit(&job_with(json!({ "labels": ["slow"] })));
     server.wait_for(&path, &["running"]);
-    server
-        .sql("CREATE TRIGGER refuse BEFORE UPDATE OF cancel_requested_at ON jobs BEGIN SELECT RAISE(ABORT, 'no'); END");
+    server.sql(
+        "CREATE TRIGGER refuse BEFORE UPDATE OF cancel_requested_at ON jobs BEGIN SELECT RAISE(ABORT, 'no'); END",
+        "CREATE FUNCTION refuse() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN RAISE 'no'; END $$; \
+         CREATE TRIGGER refuse BEFORE UPDATE OF cancel_requested_at ON jobs FOR EACH ROW EXECUTE FUNCTION refuse()",
+    );
     cancel(&server, &path).problem(500);
     server.wait_for(&path, &["cancelled"]);
 }

@@ -1,6 +1,7 @@
 //! A server inside the test's process, with a stand-in simulator.
 
 use std::net::SocketAddr;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -9,7 +10,7 @@ use raceway::api::auth::Tokens;
 use raceway::api::origins::origin;
 use raceway::api::service::Service;
 use raceway::contract::{self, Job, Outcome, RunFailure};
-use raceway::jobs::{Settings, Simulator};
+use raceway::jobs::{Location, Settings, Simulator};
 use raceway::simulation::run::Control;
 use tempfile::TempDir;
 use tokio::runtime::Runtime;
@@ -21,7 +22,8 @@ pub struct InProcess {
     runtime: Runtime,
     service: Option<Service>,
     address: String,
-    place: TempDir,
+    database: Location,
+    _place: TempDir,
 }
 
 impl Server for InProcess {
@@ -40,13 +42,22 @@ impl Drop for InProcess {
 
 impl InProcess {
     /// Changes the database behind the service's back.
-    pub fn sql(&self, sql: &'static str) {
+    pub fn sql(&self, on_sqlite: &'static str, on_postgres: &'static str) {
         use sqlx::Connection;
-        let url = format!("sqlite://{}", self.place.path().join("test.db").display());
         let done = self.runtime.block_on(async {
-            let mut connection = sqlx::SqliteConnection::connect(&url).await?;
-            sqlx::raw_sql(sql).execute(&mut connection).await?;
-            connection.close().await
+            match &self.database {
+                Location::File(path) => {
+                    let url = format!("sqlite://{}", path.display());
+                    let mut connection = sqlx::SqliteConnection::connect(&url).await?;
+                    sqlx::raw_sql(on_sqlite).execute(&mut connection).await?;
+                    connection.close().await
+                }
+                Location::Server(options) => {
+                    let mut connection = sqlx::PgConnection::connect_with(options).await?;
+                    sqlx::raw_sql(on_postgres).execute(&mut connection).await?;
+                    connection.close().await
+                }
+            }
         });
         done.expect("the database takes it");
     }
@@ -83,20 +94,44 @@ pub fn start() -> InProcess {
 pub fn start_with(wishes: Wishes) -> InProcess {
     let place = tempfile::tempdir().expect("a directory");
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().expect("threads");
+    let database = database(&runtime, place.path());
     let settings = Settings {
         workers: wishes.workers,
         queue_limit: wishes.queue_limit,
         time_limit: wishes.time_limit,
         max_pages: wishes.max_pages,
         sweep_every: Duration::from_millis(200),
-        ..Settings::new(place.path().join("test.db"))
+        ..Settings::on(database.clone())
     };
     let origins = wishes.origins.iter().map(|text| origin(text).expect("an origin")).collect();
     let access = Access { tokens: Tokens::parse(wishes.tokens), only_local_hosts: wishes.tokens.is_empty(), origins };
     let listen = SocketAddr::from(([127, 0, 0, 1], 0));
     let service = runtime.block_on(Service::start(listen, settings, access, stand_in())).expect("the service starts");
     let address = service.url().strip_prefix("http://").expect("a URL").to_owned();
-    InProcess { runtime, service: Some(service), address, place }
+    InProcess { runtime, service: Some(service), address, database, _place: place }
+}
+
+/// Names a PostgreSQL server on which every test server gets a database of its own; without it they get files.
+pub const POSTGRES: &str = "RACEWAY_TEST_POSTGRES";
+
+/// An empty database.
+fn database(runtime: &tokio::runtime::Runtime, place: &Path) -> Location {
+    use sqlx::{Connection, Executor};
+    let Ok(server) = std::env::var(POSTGRES) else { return Location::File(place.join("test.db")) };
+    let name = format!("raceway_{}", uuid::Uuid::now_v7().simple());
+    runtime.block_on(async {
+        let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
+        let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
+        connection.execute(create).await.expect("a database can be made");
+        connection.close().await.expect("the connection ends");
+    });
+    let (server, _) = server.rsplit_once('/').expect("a URL with a database");
+    Location::server(&format!("{server}/{name}")).expect("a URL")
+}
+
+/// Whether the test servers use PostgreSQL.
+pub fn on_postgres() -> bool {
+    std::env::var(POSTGRES).is_ok()
 }
 
 /// `slow` runs until it is stopped, `panic` panics, `fail` fails; everything else gives a short real run.

@@ -5,8 +5,9 @@ use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
 use super::results::{self, StoredResult};
+use super::database::{Tx, statement};
 use super::{Store, stored};
-use crate::jobs::queue::Tx;
+
 use crate::jobs::{Failure, JobError};
 
 /// A job in the hands of this process.
@@ -45,28 +46,43 @@ pub enum Pulse {
     ClaimLost,
 }
 
+impl Pulse {
+    /// By whether someone wants an end; `None`: there is nothing any more that could be ended.
+    pub(super) fn of(cancel_requested: Option<bool>) -> Self {
+        match cancel_requested {
+            None => Self::ClaimLost,
+            Some(true) => Self::CancelRequested,
+            Some(false) => Self::Alive,
+        }
+    }
+}
+
 impl Store {
     /// What decides how a job runs; `None`: this delivery is void.
     pub async fn outlook(&self, job: Uuid, delivery: i64) -> Result<Option<Outlook>, JobError> {
-        let sql = "SELECT lost + (status = 'running'), kind FROM jobs \
+        let sql = "SELECT lost + CASE status WHEN 'running' THEN 1 ELSE 0 END, kind FROM jobs \
                    WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running')";
         // Read where it is written: a reader may not see the row of a delivery that it has just caused.
         let row: Option<(i64, String)> =
-            sqlx::query_as(sql).bind(job).bind(delivery).fetch_optional(&self.writer).await?;
+            statement(sql).bind(job).bind(delivery).optional(&self.writer).await?;
         Ok(row.map(|(losses, kind)| Outlook { losses: u32::try_from(losses).unwrap_or(u32::MAX), kind }))
     }
 
     /// Takes the job; `None`: it has ended, or another delivery has replaced this one.
     pub async fn claim(&self, job: Uuid, delivery: i64) -> Result<Option<Claim>, JobError> {
-        let sql = "UPDATE jobs SET status = 'running', claim = claim + 1, lost = lost + (status = 'running'), \
-                   started_at = $3, heartbeat_at = $3, progress = 0 \
-                   WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running') \
-                   RETURNING claim, request, keep_for_s, lost, cancel_requested_at IS NOT NULL";
-        let row: Option<(i64, String, Option<f64>, i64, bool)> = sqlx::query_as(sql)
+        let now = self.dialect().now();
+        let sql = format!(
+            "UPDATE jobs SET status = 'running', claim = claim + 1, \
+             lost = lost + CASE status WHEN 'running' THEN 1 ELSE 0 END, \
+             started_at = $3, heartbeat_at = {now}, progress = 0 \
+             WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running') \
+             RETURNING claim, request, keep_for_s, lost, cancel_requested_at IS NOT NULL"
+        );
+        let row: Option<(i64, String, Option<f64>, i64, bool)> = statement(sql)
             .bind(job)
             .bind(delivery)
             .bind(stored(Timestamp::now()))
-            .fetch_optional(&self.writer)
+            .optional(&self.writer)
             .await?;
         Ok(row.map(|(number, request, keep_for_s, lost, cancel_requested)| Claim {
             job,
@@ -80,36 +96,36 @@ impl Store {
 
     /// Shows that the run is alive and how far it is.
     pub async fn heartbeat(&self, claim: &Claim, progress: f64) -> Result<Pulse, JobError> {
-        let sql = "UPDATE jobs SET heartbeat_at = $3, progress = $4 \
-                   WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING cancel_requested_at IS NOT NULL";
-        let cancel_requested: Option<bool> = sqlx::query_scalar(sql)
+        let now = self.dialect().now();
+        let sql = format!(
+            "UPDATE jobs SET heartbeat_at = {now}, progress = $3 \
+             WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING cancel_requested_at IS NOT NULL"
+        );
+        let cancel_requested: Option<bool> = statement(sql)
             .bind(claim.job)
             .bind(claim.number)
-            .bind(stored(Timestamp::now()))
             .bind(progress)
-            .fetch_optional(&self.writer)
+            .value(&self.writer)
             .await?;
-        Ok(match cancel_requested {
-            None => Pulse::ClaimLost,
-            Some(true) => Pulse::CancelRequested,
-            Some(false) => Pulse::Alive,
-        })
+        Ok(Pulse::of(cancel_requested))
     }
 
     /// Puts the job back into the queue: it was not lost, only interrupted.
     pub async fn hand_back(&self, claim: &Claim) -> Result<(), JobError> {
         let sql = "UPDATE jobs SET status = 'queued', started_at = NULL, heartbeat_at = NULL, progress = 0 \
                    WHERE id = $1 AND claim = $2 AND status = 'running'";
-        sqlx::query(sql).bind(claim.job).bind(claim.number).execute(&self.writer).await?;
+        statement(sql).bind(claim.job).bind(claim.number).run(&self.writer).await?;
         Ok(())
     }
 }
 
 /// Writes how the run ended; false: the claim is lost and nothing was written.
 pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Result<bool, JobError> {
-    let sql = "SELECT cancel_requested_at IS NOT NULL FROM jobs WHERE id = $1 AND claim = $2 AND status = 'running'";
+    // An update, so that nobody else changes the row before this transaction ends.
+    let sql = "UPDATE jobs SET claim = claim WHERE id = $1 AND claim = $2 AND status = 'running' \
+               RETURNING cancel_requested_at IS NOT NULL";
     let cancel_requested: Option<bool> =
-        sqlx::query_scalar(sql).bind(claim.job).bind(claim.number).fetch_optional(&mut **tx).await?;
+        statement(sql).bind(claim.job).bind(claim.number).value(&mut *tx).await?;
     let Some(cancel_requested) = cancel_requested else { return Ok(false) };
     let (status, result, failure) = match end {
         // Whoever asked for the cancellation was promised it, also when the run was a little faster.
@@ -120,8 +136,8 @@ pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Resul
     };
     let now = Timestamp::now();
     let sql = "UPDATE jobs SET status = $2, result_id = $3, error_cause = $4, error_detail = $5, finished_at = $6, \
-               expires_at = $7, progress = CASE $2 WHEN 'succeeded' THEN 1 ELSE progress END WHERE id = $1";
-    sqlx::query(sql)
+               expires_at = $7, progress = CASE $2 WHEN 'succeeded' THEN 1.0 ELSE progress END WHERE id = $1";
+    statement(sql)
         .bind(claim.job)
         .bind(status)
         .bind(result)
@@ -129,8 +145,9 @@ pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Resul
         .bind(failure.map(|failure| &failure.detail))
         .bind(stored(now))
         .bind(stored(expiry(now, claim.keep_for_s.unwrap_or(keep_s))))
-        .execute(&mut **tx)
+        .run(&mut *tx)
         .await?;
+    tx.tell_ended(claim.job).await?;
     Ok(true)
 }
 

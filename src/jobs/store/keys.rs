@@ -4,9 +4,10 @@ use jiff::{SignedDuration, Timestamp};
 use sqlx::FromRow;
 use uuid::Uuid;
 
+use super::database::{Tx, statement};
 use super::{Store, stored, time};
 use crate::jobs::job::IdempotencyKey;
-use crate::jobs::queue::Tx;
+
 use crate::jobs::{JobError, JobRecord, NewJob, Status};
 
 /// Least time that a key is kept after its first use.
@@ -49,14 +50,14 @@ impl Made {
 pub async fn made(tx: &mut Tx, owner: &str, key: &IdempotencyKey) -> Result<Option<Made>, JobError> {
     let sql =
         "SELECT fingerprint, job, created_at, reused, expires_at FROM idempotency_keys WHERE owner = $1 AND key = $2";
-    Ok(sqlx::query_as(sql).bind(owner).bind(&key.key).fetch_optional(&mut **tx).await?)
+    Ok(statement(sql).bind(owner).bind(&key.key).optional(&mut *tx).await?)
 }
 
 /// Notes what a key makes.
 pub async fn note(tx: &mut Tx, job: &NewJob, key: &IdempotencyKey, expires: Option<Timestamp>) -> Result<(), JobError> {
     let sql = "INSERT INTO idempotency_keys (owner, key, fingerprint, job, created_at, reused, expires_at) \
                VALUES ($1, $2, $3, $4, $5, $6, $7)";
-    sqlx::query(sql)
+    statement(sql)
         .bind(&job.owner)
         .bind(&key.key)
         .bind(&key.fingerprint)
@@ -64,7 +65,7 @@ pub async fn note(tx: &mut Tx, job: &NewJob, key: &IdempotencyKey, expires: Opti
         .bind(stored(job.created_at))
         .bind(expires.is_some())
         .bind(expires.map(stored))
-        .execute(&mut **tx)
+        .run(&mut *tx)
         .await?;
     Ok(())
 }
@@ -74,11 +75,11 @@ impl Store {
     pub async fn forget_keys(&self) -> Result<(), JobError> {
         let before = Timestamp::now().saturating_sub(KEPT).unwrap_or(Timestamp::MIN);
         let old = "SELECT EXISTS (SELECT 1 FROM idempotency_keys WHERE created_at < $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = job))";
-        let any: bool = sqlx::query_scalar(old).bind(stored(before)).fetch_one(&self.readers).await?;
+        let any: bool = statement(old).bind(stored(before)).value(&self.readers).await?.unwrap_or(false);
         if any {
             let sql =
                 "DELETE FROM idempotency_keys WHERE created_at < $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = job)";
-            sqlx::query(sql).bind(stored(before)).execute(&self.writer).await?;
+            statement(sql).bind(stored(before)).run(&self.writer).await?;
         }
         Ok(())
     }

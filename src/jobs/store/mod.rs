@@ -1,6 +1,9 @@
-//! Every SQL statement about jobs. One connection writes, a few read; every write transaction takes the
-//! write lock when it begins, because one that reads first and then writes fails as soon as there is another.
+//! Every SQL statement about jobs, for SQLite and for PostgreSQL. On SQLite one connection writes and a few read; every write
+//! transaction takes the write lock when it begins, because one that reads first and then writes fails as soon as there is
+//! another. On PostgreSQL a transaction that decides by what it has read takes the row first, by an update of it.
 
+/// The two databases, and statements that run on both.
+pub mod database;
 /// Claims, heartbeats and ends, all fenced.
 pub mod claims;
 /// What an idempotency key has made.
@@ -16,18 +19,14 @@ pub mod submissions;
 /// What was lost, what has expired, and whether the disk takes writes.
 pub mod upkeep;
 
-use std::path::Path;
-use std::time::Duration;
-
-use jiff::Timestamp;
-use sqlx::migrate::{Migration, MigrationType, Migrator};
-use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
-use sqlx::{AssertSqlSafe, Connection, SqlSafeStr, SqliteConnection};
+use jiff::{SignedDuration, Timestamp};
 
 use super::JobError;
-use super::queue::{Queue, Tx};
+use super::queue::Queue;
+use database::{Dialect, Lock, Pool, Tx, statement};
 
 pub use claims::{Claim, End};
+pub use database::Location;
 pub use records::Filter;
 pub use results::{Signal, StoredResult};
 
@@ -37,90 +36,83 @@ pub const PRIORITY_OF_STRANDS: u8 = 4;
 /// The database.
 #[derive(Debug, Clone)]
 pub struct Store {
-    writer: SqlitePool,
-    readers: SqlitePool,
+    writer: Pool,
+    readers: Pool,
 }
 
-/// Readers; a query takes well under a millisecond, so few serve many.
+/// Readers of a file; a query takes well under a millisecond, so few serve many.
 const READERS: u32 = 3;
+
+/// Connections to a server beside one for each worker: requests, submissions, sweeps, the queue's own.
+const CONNECTIONS: u32 = 8;
 
 impl Store {
     /// Opens the database and brings its tables up to date.
-    pub async fn open(path: &Path, max_pages: Option<u32>) -> Result<Self, JobError> {
-        let mut options = SqliteConnectOptions::new()
-            .filename(path)
-            .create_if_missing(true)
-            .journal_mode(SqliteJournalMode::Wal)
-            // A 202 promises that the job survives a power cut.
-            .synchronous(SqliteSynchronous::Full)
-            .foreign_keys(true)
-            .busy_timeout(Duration::from_secs(10));
-        if let Some(pages) = max_pages {
-            options = options.pragma("max_page_count", pages.to_string());
+    pub async fn open(location: &Location, workers: usize, max_pages: Option<u32>) -> Result<Self, JobError> {
+        let store = match location {
+            Location::File(path) => {
+                let (writer, readers) = database::open_file(path, READERS, max_pages).await?;
+                Self { writer: Pool::Sqlite(writer), readers: Pool::Sqlite(readers) }
+            }
+            Location::Server(options) => {
+                let workers = u32::try_from(workers).unwrap_or(u32::MAX);
+                let pool = Pool::Postgres(database::connect(options, CONNECTIONS.saturating_add(workers)).await?);
+                Self { writer: pool.clone(), readers: pool }
+            }
+        };
+        // Two processes that make tables at the same time would fail each other.
+        let mut tx = store.begin().await?;
+        if tx.dialect() == Dialect::Postgres {
+            tx.alone(Lock::Migration).await?;
+            store.migrate().await?;
+            tx.commit().await?;
+        } else {
+            tx.commit().await?;
+            store.migrate().await?;
         }
-        let writer = pool(1).connect_with(options.clone()).await?;
-        Queue::migrate(&writer).await?;
-        migrate(&writer).await?;
-        let readers = pool(READERS).connect_lazy_with(options.create_if_missing(false).read_only(true));
-        Ok(Self { writer, readers })
+        Ok(store)
     }
 
-    /// The connection that writes, for the queue.
-    pub fn writer(&self) -> &SqlitePool {
+    async fn migrate(&self) -> Result<(), JobError> {
+        Queue::migrate(&self.writer).await?;
+        database::migrate(&self.writer).await
+    }
+
+    /// The connections that write, for the queue.
+    pub fn writer(&self) -> &Pool {
         &self.writer
+    }
+
+    pub fn dialect(&self) -> Dialect {
+        self.writer.dialect()
     }
 
     /// Begins a write transaction.
     pub async fn begin(&self) -> Result<Tx, JobError> {
-        Ok(riverqueue::database::begin_sqlite_write(&self.writer).await?)
+        self.writer.begin().await
     }
 
     /// Whether the database answers.
     pub async fn ping(&self) -> Result<(), JobError> {
-        sqlx::query("SELECT 1 FROM jobs LIMIT 1").fetch_optional(&self.readers).await?;
+        statement("SELECT 1 FROM jobs LIMIT 1").run(&self.readers).await?;
         Ok(())
     }
 
-    /// Moves the log into the database file and closes it.
+    /// Closes the database; of a file, moves the log into it first.
     pub async fn close(&self) {
         self.readers.close().await;
-        if let Err(error) = sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").execute(&self.writer).await {
+        if self.dialect() == Dialect::Sqlite
+            && let Err(error) = statement("PRAGMA wal_checkpoint(TRUNCATE)").run(&self.writer).await
+        {
             tracing::warn!(%error, "the log could not be moved into the database file");
         }
         self.writer.close().await;
     }
 }
 
-fn pool(connections: u32) -> SqlitePoolOptions {
-    SqlitePoolOptions::new()
-        .max_connections(connections)
-        .acquire_timeout(Duration::from_secs(30))
-        .before_acquire(|connection, _| Box::pin(std::future::ready(Ok(is_outside_transactions(connection)))))
-}
-
-/// Whether the connection may be used again. On a full disk SQLite ends a transaction by itself; sqlx then
-/// fails to end it, counts it as open for ever, and refuses every later one.
-fn is_outside_transactions(connection: &SqliteConnection) -> bool {
-    !connection.is_in_transaction()
-}
-
-/// Our migrations, in order; never edited once released.
-const MIGRATIONS: [(i64, &str, &str); 5] = [
-    (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
-    (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
-    (3, "studies", include_str!("../../../migrations/sqlite/0003_studies.sql")),
-    (4, "idempotency keys", include_str!("../../../migrations/sqlite/0004_idempotency_keys.sql")),
-    (5, "views", include_str!("../../../migrations/sqlite/0005_views.sql")),
-];
-
-async fn migrate(writer: &SqlitePool) -> Result<(), JobError> {
-    let migrations = MIGRATIONS.map(|(version, name, sql)| {
-        Migration::new(version, name.into(), MigrationType::Simple, AssertSqlSafe(sql).into_sql_str(), false)
-    });
-    Migrator::with_migrations(migrations.to_vec())
-        .run(writer)
-        .await
-        .map_err(|error| JobError::Migration(error.to_string()))
+/// A span of time as it is stored.
+fn micros(span: SignedDuration) -> i64 {
+    i64::try_from(span.as_micros()).unwrap_or(i64::MAX / 2)
 }
 
 /// A time as it is stored.

@@ -1,12 +1,12 @@
 //! Jobs looked up and listed, cancelled and deleted.
 
-use futures_util::TryStreamExt;
 use jiff::Timestamp;
 use sqlx::FromRow;
 use uuid::Uuid;
 
+use super::database::{Tx, statement};
 use super::{Store, results, stored, time};
-use crate::jobs::queue::Tx;
+
 use crate::jobs::{Failure, JobError, JobRecord, Status};
 
 /// Which jobs a list shows.
@@ -70,44 +70,45 @@ impl Row {
 impl Store {
     /// A job of this owner.
     pub async fn job(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
-        let sql = sqlx::AssertSqlSafe(format!("SELECT {COLUMNS} FROM jobs WHERE id = $1 AND owner = $2"));
-        let row: Option<Row> = sqlx::query_as(sql).bind(id).bind(owner).fetch_optional(&self.readers).await?;
+        let sql = format!("SELECT {COLUMNS} FROM jobs WHERE id = $1 AND owner = $2");
+        let row: Option<Row> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
         row.ok_or(JobError::NotFound)?.record()
     }
 
     /// A page of this owner's jobs, newest first, and whether there are more.
     pub async fn jobs(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, bool), JobError> {
-        let sql = sqlx::AssertSqlSafe(format!(
+        let has_label = self.dialect().has_label(5);
+        let sql = format!(
             "SELECT {COLUMNS} FROM jobs WHERE owner = $1 AND ($2 IS NULL OR id < $2) AND ($3 IS NULL OR status = $3) \
-             AND ($4 IS NULL OR kind = $4) \
-             AND ($5 IS NULL OR EXISTS (SELECT 1 FROM json_each(jobs.labels) AS label WHERE label.value = $5)) \
-             ORDER BY id DESC LIMIT $6"
-        ));
-        let mut rows = sqlx::query_as::<_, Row>(sql)
+             AND ($4 IS NULL OR kind = $4) AND ($5 IS NULL OR {has_label}) ORDER BY id DESC LIMIT $6"
+        );
+        let list = statement(sql)
             .bind(owner)
             .bind(filter.before)
             .bind(filter.status.map(Status::name))
-            .bind(&filter.kind)
-            .bind(&filter.label)
-            .bind(i64::from(filter.limit) + 1)
-            .fetch(&self.readers);
-        let (mut page, mut bytes) = (Vec::new(), 0);
-        while let Some(row) = rows.try_next().await? {
-            if page.len() == filter.limit as usize || bytes > PAGE_BYTES {
-                return Ok((page, true));
+            .bind(filter.kind.as_ref())
+            .bind(filter.label.as_ref())
+            .bind(i64::from(filter.limit) + 1);
+        let (mut page, mut bytes, mut more) = (Vec::new(), 0, false);
+        let takes_more = |row: Row| {
+            more = page.len() == filter.limit as usize || bytes > PAGE_BYTES;
+            if !more {
+                bytes += row.request.len();
+                page.push(row.record()?);
             }
-            bytes += row.request.len();
-            page.push(row.record()?);
-        }
-        Ok((page, false))
+            Ok(!more)
+        };
+        list.each(&self.readers, takes_more).await?;
+        Ok((page, more))
     }
 }
 
 /// A job's status, delivery and kind, in a transaction that may change them.
 pub async fn standing(tx: &mut Tx, owner: &str, id: Uuid) -> Result<(Status, Option<i64>, String), JobError> {
-    let sql = "SELECT status, delivery, kind FROM jobs WHERE id = $1 AND owner = $2";
+    // An update, so that nobody else changes the row before this transaction ends.
+    let sql = "UPDATE jobs SET status = status WHERE id = $1 AND owner = $2 RETURNING status, delivery, kind";
     let row: Option<(String, Option<i64>, String)> =
-        sqlx::query_as(sql).bind(id).bind(owner).fetch_optional(&mut **tx).await?;
+        statement(sql).bind(id).bind(owner).optional(&mut *tx).await?;
     let (status, delivery, kind) = row.ok_or(JobError::NotFound)?;
     let status = Status::parse(&status).ok_or_else(|| JobError::Corrupt(format!("status of job {id}")))?;
     Ok((status, delivery, kind))
@@ -117,22 +118,22 @@ pub async fn standing(tx: &mut Tx, owner: &str, id: Uuid) -> Result<(Status, Opt
 pub async fn cancel_queued(tx: &mut Tx, id: Uuid, keep_s: f64) -> Result<(), JobError> {
     let now = Timestamp::now();
     let sql = "UPDATE jobs SET status = 'cancelled', cancel_requested_at = $2, finished_at = $2, \
-               expires_at = $2 + CAST(coalesce(keep_for_s, $3) * 1e6 AS INTEGER) WHERE id = $1 AND status = 'queued'";
-    sqlx::query(sql).bind(id).bind(stored(now)).bind(keep_s).execute(&mut **tx).await?;
+               expires_at = $2 + CAST(coalesce(keep_for_s, $3) * 1e6 AS BIGINT) WHERE id = $1 AND status = 'queued'";
+    statement(sql).bind(id).bind(stored(now)).bind(keep_s).run(&mut *tx).await?;
     Ok(())
 }
 
 /// Notes that a running job shall end; the first request counts.
 pub async fn request_cancel(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
     let sql = "UPDATE jobs SET cancel_requested_at = coalesce(cancel_requested_at, $2) WHERE id = $1";
-    sqlx::query(sql).bind(id).bind(stored(Timestamp::now())).execute(&mut **tx).await?;
+    statement(sql).bind(id).bind(stored(Timestamp::now())).run(&mut *tx).await?;
     Ok(())
 }
 
 /// Removes an ended job and what only it points to.
 pub async fn delete(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
     let sql = "DELETE FROM jobs WHERE id = $1 RETURNING result_id";
-    let result: Option<Option<Uuid>> = sqlx::query_scalar(sql).bind(id).fetch_optional(&mut **tx).await?;
+    let result: Option<Option<Uuid>> = statement(sql).bind(id).value(&mut *tx).await?;
     match result.flatten() {
         Some(result) => results::remove_orphan(tx, result).await,
         None => Ok(()),

@@ -10,8 +10,9 @@ use serde::Serialize;
 use uuid::Uuid;
 
 use super::Store;
+use super::database::{Dialect, Tx, statement};
 use crate::contract::{JobKind, Outcome, Simulated, SpectrumKind};
-use crate::jobs::queue::Tx;
+
 use crate::jobs::{JobError, Status};
 
 /// Which signal of a channel.
@@ -92,18 +93,18 @@ pub(super) async fn insert(tx: &mut Tx, result: &StoredResult) -> Result<Uuid, J
         StoredResult::Report(_) => ("", &[][..], None),
     };
     let sql = "INSERT INTO results (id, metrics) VALUES ($1, $2)";
-    sqlx::query(sql).bind(id).bind(metrics).execute(&mut **tx).await?;
+    statement(sql).bind(id).bind(metrics).run(&mut *tx).await?;
     for (signal, channel, answer) in signals {
         let sql = "INSERT INTO signals (result_id, sort, channel, answer) VALUES ($1, $2, $3, $4)";
-        sqlx::query(sql).bind(id).bind(signal.name()).bind(channel).bind(answer).execute(&mut **tx).await?;
+        statement(sql).bind(id).bind(signal.name()).bind(channel).bind(answer).run(&mut *tx).await?;
     }
     if let Some(views) = views {
         let sql = "INSERT INTO views (result_id, answer) VALUES ($1, $2)";
-        sqlx::query(sql).bind(id).bind(views).execute(&mut **tx).await?;
+        statement(sql).bind(id).bind(views).run(&mut *tx).await?;
     }
     if let StoredResult::Report(answer) = result {
         let sql = "INSERT INTO reports (result_id, answer) VALUES ($1, $2)";
-        sqlx::query(sql).bind(id).bind(answer).execute(&mut **tx).await?;
+        statement(sql).bind(id).bind(answer).run(&mut *tx).await?;
     }
     Ok(id)
 }
@@ -111,14 +112,14 @@ pub(super) async fn insert(tx: &mut Tx, result: &StoredResult) -> Result<Uuid, J
 /// Adds the result of a job that keeps its results elsewhere.
 pub(super) async fn insert_empty(tx: &mut Tx) -> Result<Uuid, JobError> {
     let id = Uuid::now_v7();
-    sqlx::query("INSERT INTO results (id, metrics) VALUES ($1, '')").bind(id).execute(&mut **tx).await?;
+    statement("INSERT INTO results (id, metrics) VALUES ($1, '')").bind(id).run(&mut *tx).await?;
     Ok(id)
 }
 
 /// Removes results that no job points to any more.
 pub(super) async fn remove_orphan(tx: &mut Tx, result: Uuid) -> Result<(), JobError> {
     let sql = "DELETE FROM results WHERE id = $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE result_id = $1)";
-    sqlx::query(sql).bind(result).execute(&mut **tx).await?;
+    statement(sql).bind(result).run(&mut *tx).await?;
     Ok(())
 }
 
@@ -127,7 +128,7 @@ impl Store {
     pub async fn metrics(&self, owner: &str, job: Uuid) -> Result<String, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
         let sql = "SELECT metrics FROM results WHERE id = $1";
-        let metrics = sqlx::query_scalar(sql).bind(result).fetch_optional(&self.readers).await?;
+        let metrics = statement(sql).bind(result).value(&self.readers).await?;
         metrics.ok_or(JobError::NotFound)
     }
 
@@ -135,11 +136,11 @@ impl Store {
     pub async fn signal(&self, owner: &str, job: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
         let sql = "SELECT answer FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
-        let answer: Option<Vec<u8>> = sqlx::query_scalar(sql)
+        let answer: Option<Vec<u8>> = statement(sql)
             .bind(result)
             .bind(signal.name())
             .bind(channel)
-            .fetch_optional(&self.readers)
+            .value(&self.readers)
             .await?;
         match answer {
             Some(answer) => decompressed(&answer),
@@ -151,7 +152,7 @@ impl Store {
     pub async fn views(&self, owner: &str, job: Uuid) -> Result<Option<Vec<u8>>, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
         let sql = "SELECT answer FROM views WHERE result_id = $1";
-        let answer: Option<Vec<u8>> = sqlx::query_scalar(sql).bind(result).fetch_optional(&self.readers).await?;
+        let answer: Option<Vec<u8>> = statement(sql).bind(result).value(&self.readers).await?;
         answer.map(|answer| decompressed(&answer)).transpose()
     }
 
@@ -159,7 +160,7 @@ impl Store {
     pub async fn report(&self, owner: &str, job: Uuid, kind: JobKind) -> Result<Vec<u8>, JobError> {
         let result = self.result_of(owner, job, kind).await?;
         let sql = "SELECT answer FROM reports WHERE result_id = $1";
-        let answer: Option<Vec<u8>> = sqlx::query_scalar(sql).bind(result).fetch_optional(&self.readers).await?;
+        let answer: Option<Vec<u8>> = statement(sql).bind(result).value(&self.readers).await?;
         decompressed(&answer.ok_or(JobError::NotFound)?)
     }
 
@@ -170,21 +171,25 @@ impl Store {
     }
 
     async fn kept(&self, result: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
-        let sql = "SELECT channel FROM signals WHERE result_id = $1 AND sort = $2 ORDER BY rowid";
-        Ok(sqlx::query_scalar(sql).bind(result).bind(signal.name()).fetch_all(&self.readers).await?)
+        let order = match self.dialect() {
+            Dialect::Sqlite => "rowid",
+            Dialect::Postgres => "number",
+        };
+        let sql = format!("SELECT channel FROM signals WHERE result_id = $1 AND sort = $2 ORDER BY {order}");
+        Ok(statement(sql).bind(result).bind(signal.name()).values(&self.readers).await?)
     }
 
     /// Digest of all that determines the result of a succeeded job; `None` of any other.
     pub async fn fingerprint(&self, owner: &str, job: Uuid) -> Result<Option<Vec<u8>>, JobError> {
         let sql = "SELECT content_hash FROM jobs WHERE id = $1 AND owner = $2 AND status = 'succeeded'";
-        Ok(sqlx::query_scalar(sql).bind(job).bind(owner).fetch_optional(&self.readers).await?)
+        Ok(statement(sql).bind(job).bind(owner).value(&self.readers).await?)
     }
 
     /// The result of a job, which must be of that kind: others never have such a result.
     async fn result_of(&self, owner: &str, job: Uuid, wanted: JobKind) -> Result<Uuid, JobError> {
         let sql = "SELECT status, result_id, kind FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, Option<Uuid>, String)> =
-            sqlx::query_as(sql).bind(job).bind(owner).fetch_optional(&self.readers).await?;
+            statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
         let (status, result, kind) = row.ok_or(JobError::NotFound)?;
         if kind != wanted.name() {
             return Err(JobError::OtherKind { kind });

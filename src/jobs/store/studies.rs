@@ -1,13 +1,15 @@
 //! Studies: their points, claimed one by one and fenced like jobs, and the strands that run them.
 
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
-use super::{Store, claims, results, stored};
+use super::claims::Pulse;
+use super::database::{Dialect, Tx, statement};
+use super::{Store, claims, micros, results, stored};
 use crate::contract::table::PointError;
 use crate::contract::{JobKind, PointEnd, PointStatus};
 use crate::jobs::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
-use crate::jobs::queue::Tx;
+
 use crate::jobs::{Failure, JobError, Status};
 
 /// A strand and its study.
@@ -63,10 +65,10 @@ pub struct StoredPoint {
 pub async fn insert(tx: &mut Tx, job: Uuid, points: usize, deliveries: &[i64]) -> Result<(), JobError> {
     let points = i64::try_from(points).unwrap_or(i64::MAX);
     let sql = "INSERT INTO studies (job, points) VALUES ($1, $2)";
-    sqlx::query(sql).bind(job).bind(points).execute(&mut **tx).await?;
+    statement(sql).bind(job).bind(points).run(&mut *tx).await?;
     let sql = "WITH RECURSIVE n (i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i + 1 < $2) \
                INSERT INTO points (job, number) SELECT $1, i FROM n";
-    sqlx::query(sql).bind(job).bind(points).execute(&mut **tx).await?;
+    statement(sql).bind(job).bind(points).run(&mut *tx).await?;
     add_strands(tx, job, deliveries).await
 }
 
@@ -74,13 +76,13 @@ pub async fn insert(tx: &mut Tx, job: Uuid, points: usize, deliveries: &[i64]) -
 pub async fn add_strands(tx: &mut Tx, job: Uuid, deliveries: &[i64]) -> Result<(), JobError> {
     for delivery in deliveries {
         let sql = "INSERT INTO strands (delivery, job) VALUES ($1, $2)";
-        sqlx::query(sql).bind(delivery).bind(job).execute(&mut **tx).await?;
+        statement(sql).bind(delivery).bind(job).run(&mut *tx).await?;
     }
     Ok(())
 }
 
 async fn remove_strands(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
-    sqlx::query("DELETE FROM strands WHERE job = $1").bind(job).execute(&mut **tx).await?;
+    statement("DELETE FROM strands WHERE job = $1").bind(job).run(&mut *tx).await?;
     Ok(())
 }
 
@@ -93,7 +95,7 @@ impl Store {
                    WHERE strands.delivery = $1 AND jobs.status IN ('queued', 'running')";
         // Read where it is written, as for single jobs.
         let row: Option<(Uuid, String, String, Option<f64>, i64)> =
-            sqlx::query_as(sql).bind(delivery).fetch_optional(&self.writer).await?;
+            statement(sql).bind(delivery).optional(&self.writer).await?;
         Ok(row.map(|(job, owner, request, keep_for_s, losses)| {
             let losses = u32::try_from(losses).unwrap_or(u32::MAX);
             Strand { job, delivery, owner, request, keep_for_s, losses }
@@ -106,21 +108,10 @@ impl Store {
         let mut tx = self.begin().await?;
         let sql = "UPDATE jobs SET status = 'running', started_at = coalesce(started_at, $2) \
                    WHERE id = $1 AND status IN ('queued', 'running')";
-        sqlx::query(sql).bind(strand.job).bind(stored(Timestamp::now())).execute(&mut *tx).await?;
-        let sql = "UPDATE points SET status = 'queued', lost = lost + 1 WHERE strand = $1 AND status = 'running' \
-                   RETURNING number, claim, lost";
-        let lost: Vec<(i64, i64, i64)> = sqlx::query_as(sql).bind(strand.delivery).fetch_all(&mut *tx).await?;
-        for (number, claim, lost) in lost {
-            if u32::try_from(lost).unwrap_or(u32::MAX) >= max_lost_runs {
-                let detail = format!("the process that ran the point ended {lost} times during the run");
-                let error = PointError { cause: WORKER_LOST.to_owned(), detail, errors: Vec::new() };
-                let sql = "UPDATE points SET status = 'running' WHERE job = $1 AND number = $2";
-                sqlx::query(sql).bind(strand.job).bind(number).execute(&mut *tx).await?;
-                let point = PointClaim { number: usize::try_from(number).unwrap_or(0), claim };
-                let result = PointResult { end: PointEnd::Failed(error), reused: false, content_hash: None };
-                write_end(&mut tx, strand.job, point, &result).await?;
-            }
-        }
+        statement(sql).bind(strand.job).bind(stored(Timestamp::now())).run(&mut tx).await?;
+        let sql = format!("UPDATE strands SET heartbeat_at = {} WHERE delivery = $1", self.dialect().now());
+        statement(sql).bind(strand.delivery).run(&mut tx).await?;
+        lose_points(&mut tx, strand.job, strand.delivery, max_lost_runs).await?;
         Ok(tx.commit().await?)
     }
 
@@ -145,10 +136,28 @@ impl Store {
     pub async fn cancel_study(&self, strand: &Strand, keep_s: f64) -> Result<(), JobError> {
         let mut tx = self.begin().await?;
         let sql = "SELECT EXISTS (SELECT 1 FROM strands WHERE delivery = $1)";
-        if sqlx::query_scalar(sql).bind(strand.delivery).fetch_one(&mut *tx).await? {
+        if statement(sql).bind(strand.delivery).value(&mut tx).await?.unwrap_or(false) {
             cancel(&mut tx, strand.job, strand.keep_for_s.unwrap_or(keep_s)).await?;
         }
         Ok(tx.commit().await?)
+    }
+
+    /// Shows that a strand is alive.
+    pub async fn strand_beat(&self, strand: &Strand) -> Result<Pulse, JobError> {
+        let sql = format!(
+            "UPDATE strands SET heartbeat_at = {} WHERE delivery = $1 \
+             RETURNING (SELECT cancel_requested_at IS NOT NULL FROM jobs WHERE id = strands.job)",
+            self.dialect().now()
+        );
+        let cancel_requested: Option<bool> = statement(sql).bind(strand.delivery).value(&self.writer).await?;
+        Ok(Pulse::of(cancel_requested))
+    }
+
+    /// Lets a strand wait, or rest: silence is no longer a sign of its death.
+    pub async fn rest_strand(&self, delivery: i64) -> Result<(), JobError> {
+        let sql = "UPDATE strands SET heartbeat_at = NULL WHERE delivery = $1 AND heartbeat_at IS NOT NULL";
+        statement(sql).bind(delivery).run(&self.writer).await?;
+        Ok(())
     }
 
     /// Gives a point back that was not finished.
@@ -156,15 +165,15 @@ impl Store {
         let sql =
             "UPDATE points SET status = 'queued' WHERE job = $1 AND number = $2 AND claim = $3 AND status = 'running'";
         let number = i64::try_from(point.number).unwrap_or(i64::MAX);
-        sqlx::query(sql).bind(strand.job).bind(number).bind(point.claim).execute(&self.writer).await?;
+        statement(sql).bind(strand.job).bind(number).bind(point.claim).run(&self.writer).await?;
         Ok(())
     }
 
     /// Whether other deliveries wait: such as go before studies, and any.
     pub async fn others_wait(&self) -> Result<(bool, bool), JobError> {
-        let sql = "SELECT coalesce(max(priority < $1), 0), count(*) > 0 FROM river_job WHERE state = 'available'";
+        let sql = "SELECT count(*) FILTER (WHERE priority < $1) > 0, count(*) > 0 FROM river_job WHERE state = 'available'";
         let row: (bool, bool) =
-            sqlx::query_as(sql).bind(i64::from(super::PRIORITY_OF_STRANDS)).fetch_one(&self.writer).await?;
+            statement(sql).bind(i64::from(super::PRIORITY_OF_STRANDS)).one(&self.writer).await?;
         Ok(row)
     }
 
@@ -174,7 +183,7 @@ impl Store {
         let sql = "SELECT points.answer FROM points JOIN jobs ON jobs.id = points.job \
                    WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
         let answer: Option<Vec<u8>> =
-            sqlx::query_scalar(sql).bind(&hashes[0]).bind(owner).fetch_optional(&self.readers).await?;
+            statement(sql).bind(&hashes[0]).bind(owner).value(&self.readers).await?;
         if let Some(answer) = answer {
             return Ok(Some(PointEnd::Succeeded(parsed(&results::decompressed(&answer)?)?)));
         }
@@ -182,7 +191,7 @@ impl Store {
                    WHERE jobs.content_hash IN ($1, $2) AND jobs.status = 'succeeded' AND jobs.owner = $3 LIMIT 1";
         let [first, second] = hashes;
         let metrics: Option<String> =
-            sqlx::query_scalar(sql).bind(first).bind(second).bind(owner).fetch_optional(&self.readers).await?;
+            statement(sql).bind(first).bind(second).bind(owner).value(&self.readers).await?;
         metrics.map(|metrics| Ok(PointEnd::of_stored(parsed(metrics.as_bytes())?))).transpose()
     }
 
@@ -190,14 +199,14 @@ impl Store {
     pub async fn points(&self, owner: &str, job: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
         let sql = "SELECT kind, request FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, String)> =
-            sqlx::query_as(sql).bind(job).bind(owner).fetch_optional(&self.readers).await?;
+            statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
         let (kind, request) = row.ok_or(JobError::NotFound)?;
         if kind != JobKind::Study.name() {
             return Err(JobError::OtherKind { kind });
         }
         let sql = "SELECT number, status, reused, answer FROM points WHERE job = $1 ORDER BY number";
         let rows: Vec<(i64, String, bool, Option<Vec<u8>>)> =
-            sqlx::query_as(sql).bind(job).fetch_all(&self.readers).await?;
+            statement(sql).bind(job).all(&self.readers).await?;
         let points = rows.into_iter().map(|(number, status, reused, answer)| {
             let status = match status.as_str() {
                 "running" => PointStatus::Running,
@@ -211,6 +220,39 @@ impl Store {
     }
 }
 
+/// Points that were running in a strand whose process has ended wait again, or fail once that has happened too often.
+async fn lose_points(tx: &mut Tx, job: Uuid, delivery: i64, max_lost_runs: u32) -> Result<(), JobError> {
+    let sql = "UPDATE points SET status = 'queued', lost = lost + 1 WHERE strand = $1 AND status = 'running' \
+               RETURNING number, claim, lost";
+    let lost: Vec<(i64, i64, i64)> = statement(sql).bind(delivery).all(&mut *tx).await?;
+    for (number, claim, lost) in lost {
+        if u32::try_from(lost).unwrap_or(u32::MAX) >= max_lost_runs {
+            let detail = format!("the process that ran the point ended {lost} times during the run");
+            let error = PointError { cause: WORKER_LOST.to_owned(), detail, errors: Vec::new() };
+            let sql = "UPDATE points SET status = 'running' WHERE job = $1 AND number = $2";
+            statement(sql).bind(job).bind(number).run(&mut *tx).await?;
+            let point = PointClaim { number: usize::try_from(number).unwrap_or(0), claim };
+            let result = PointResult { end: PointEnd::Failed(error), reused: false, content_hash: None };
+            write_end(tx, job, point, &result).await?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes strands that have given no sign of life for so long, on a database that several processes share.
+pub async fn lose_strands(tx: &mut Tx, lost_after: SignedDuration, max_lost_runs: u32) -> Result<(), JobError> {
+    // The strands of a file end with its process, and are delivered again by the next.
+    if tx.dialect() == Dialect::Sqlite {
+        return Ok(());
+    }
+    let sql = format!("DELETE FROM strands WHERE heartbeat_at < {} - $1 RETURNING delivery, job", tx.dialect().now());
+    let lost: Vec<(i64, Uuid)> = statement(sql).bind(micros(lost_after)).all(&mut *tx).await?;
+    for (delivery, job) in lost {
+        lose_points(tx, job, delivery, max_lost_runs).await?;
+    }
+    Ok(())
+}
+
 /// Writes the end of a point and counts it; nothing where the claim is lost.
 async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResult) -> Result<(), JobError> {
     let (status, cause, answer) = match &result.end {
@@ -219,7 +261,7 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
     };
     let sql = "UPDATE points SET status = $4, cause = $5, answer = $6, reused = $7, content_hash = $8 \
                WHERE job = $1 AND number = $2 AND claim = $3 AND status = 'running'";
-    let written = sqlx::query(sql)
+    let written = statement(sql)
         .bind(job)
         .bind(i64::try_from(point.number).unwrap_or(i64::MAX))
         .bind(point.claim)
@@ -228,24 +270,26 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
         .bind(answer)
         .bind(result.reused)
         .bind(result.content_hash.as_deref().filter(|_| status == "succeeded"))
-        .execute(&mut **tx)
+        .run(&mut *tx)
         .await?;
-    if written.rows_affected() == 0 {
+    if written == 0 {
         return Ok(());
     }
     let sql = "UPDATE studies SET ended = ended + 1, succeeded = succeeded + $2 WHERE job = $1";
-    sqlx::query(sql).bind(job).bind(i64::from(status == "succeeded")).execute(&mut **tx).await?;
+    statement(sql).bind(job).bind(i64::from(status == "succeeded")).run(&mut *tx).await?;
     let sql = "UPDATE jobs SET heartbeat_at = $2, \
-               progress = (SELECT CAST(ended AS REAL) / points FROM studies WHERE job = $1) WHERE id = $1";
-    sqlx::query(sql).bind(job).bind(stored(Timestamp::now())).execute(&mut **tx).await?;
+               progress = (SELECT ended * 1.0 / points FROM studies WHERE job = $1) WHERE id = $1";
+    statement(sql).bind(job).bind(stored(Timestamp::now())).run(&mut *tx).await?;
     Ok(())
 }
 
 async fn next(tx: &mut Tx, strand: &Strand, keep_s: f64) -> Result<Next, JobError> {
+    // An update, so that no other strand counts or takes points before this transaction ends.
+    statement("UPDATE studies SET ended = ended WHERE job = $1").bind(strand.job).run(&mut *tx).await?;
     let sql = "SELECT jobs.cancel_requested_at IS NOT NULL, studies.points, studies.ended, studies.succeeded \
                FROM jobs JOIN studies ON studies.job = jobs.id WHERE jobs.id = $1 AND jobs.status = 'running'";
     let standing: Option<(bool, i64, i64, i64)> =
-        sqlx::query_as(sql).bind(strand.job).fetch_optional(&mut **tx).await?;
+        statement(sql).bind(strand.job).optional(&mut *tx).await?;
     let Some((cancel_requested, points, ended, succeeded)) = standing else { return Ok(Next::Ended) };
     if ended == points {
         end(tx, strand.job, succeeded > 0, strand.keep_for_s.unwrap_or(keep_s)).await?;
@@ -259,7 +303,7 @@ async fn next(tx: &mut Tx, strand: &Strand, keep_s: f64) -> Result<Next, JobErro
                AND number = (SELECT min(number) FROM points WHERE job = $1 AND status = 'queued') \
                AND EXISTS (SELECT 1 FROM strands WHERE delivery = $2) RETURNING number, claim";
     let claimed: Option<(i64, i64)> =
-        sqlx::query_as(sql).bind(strand.job).bind(strand.delivery).fetch_optional(&mut **tx).await?;
+        statement(sql).bind(strand.job).bind(strand.delivery).optional(&mut *tx).await?;
     Ok(match claimed {
         Some((number, claim)) => {
             Next::Point(PointClaim { number: usize::try_from(number).unwrap_or(usize::MAX), claim })
@@ -275,7 +319,7 @@ async fn end(tx: &mut Tx, job: Uuid, succeeded: bool, keep_s: f64) -> Result<(),
     } else {
         let sql =
             "SELECT cause FROM points WHERE job = $1 AND cause IS NOT NULL ORDER BY cause = 'invalid', number LIMIT 1";
-        let cause: Option<String> = sqlx::query_scalar(sql).bind(job).fetch_optional(&mut **tx).await?;
+        let cause: Option<String> = statement(sql).bind(job).value(&mut *tx).await?;
         let failure =
             Failure::new(cause.as_deref().unwrap_or(INTERNAL), "no point of the study succeeded: its table tells why");
         (Status::Failed, None, Some(failure))
@@ -283,7 +327,7 @@ async fn end(tx: &mut Tx, job: Uuid, succeeded: bool, keep_s: f64) -> Result<(),
     let now = Timestamp::now();
     let sql = "UPDATE jobs SET status = $2, result_id = $3, error_cause = $4, error_detail = $5, finished_at = $6, \
                expires_at = $7, progress = 1 WHERE id = $1";
-    sqlx::query(sql)
+    statement(sql)
         .bind(job)
         .bind(status.name())
         .bind(result)
@@ -291,8 +335,9 @@ async fn end(tx: &mut Tx, job: Uuid, succeeded: bool, keep_s: f64) -> Result<(),
         .bind(failure.as_ref().map(|failure| &failure.detail))
         .bind(stored(now))
         .bind(stored(claims::expiry(now, keep_s)))
-        .execute(&mut **tx)
+        .run(&mut *tx)
         .await?;
+    tx.tell_ended(job).await?;
     remove_strands(tx, job).await
 }
 
@@ -302,9 +347,10 @@ pub async fn cancel(tx: &mut Tx, job: Uuid, keep_s: f64) -> Result<(), JobError>
     let sql = "UPDATE jobs SET status = 'cancelled', cancel_requested_at = coalesce(cancel_requested_at, $2), \
                finished_at = $2, expires_at = $3 WHERE id = $1 AND status IN ('queued', 'running')";
     let expires = stored(claims::expiry(now, keep_s));
-    sqlx::query(sql).bind(job).bind(stored(now)).bind(expires).execute(&mut **tx).await?;
+    statement(sql).bind(job).bind(stored(now)).bind(expires).run(&mut *tx).await?;
     let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
-    sqlx::query(sql).bind(job).execute(&mut **tx).await?;
+    statement(sql).bind(job).run(&mut *tx).await?;
+    tx.tell_ended(job).await?;
     remove_strands(tx, job).await
 }
 
@@ -312,33 +358,41 @@ pub async fn cancel(tx: &mut Tx, job: Uuid, keep_s: f64) -> Result<(), JobError>
 pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
     let sql = "UPDATE points SET status = 'queued', cause = NULL, answer = NULL, lost = 0 \
                WHERE job = $1 AND status = 'failed' AND cause IN ($2, $3, $4)";
-    let again = sqlx::query(sql).bind(job).bind(TIME_LIMIT).bind(WORKER_LOST).bind(INTERNAL).execute(&mut **tx).await?;
+    let again = statement(sql).bind(job).bind(TIME_LIMIT).bind(WORKER_LOST).bind(INTERNAL).run(&mut *tx).await?;
     let sql = "UPDATE studies SET ended = ended - $2 WHERE job = $1 RETURNING points > ended";
-    let again = i64::try_from(again.rows_affected()).unwrap_or(0);
-    let left: Option<bool> = sqlx::query_scalar(sql).bind(job).bind(again).fetch_optional(&mut **tx).await?;
+    let again = i64::try_from(again).unwrap_or(0);
+    let left: Option<bool> = statement(sql).bind(job).bind(again).value(&mut *tx).await?;
     if left != Some(true) {
         return Ok(false);
     }
     let sql = "UPDATE jobs SET status = 'queued', started_at = NULL, finished_at = NULL, expires_at = NULL, \
                cancel_requested_at = NULL, error_cause = NULL, error_detail = NULL, \
-               progress = (SELECT CAST(ended AS REAL) / points FROM studies WHERE job = $1) WHERE id = $1";
-    sqlx::query(sql).bind(job).execute(&mut **tx).await?;
+               progress = (SELECT ended * 1.0 / points FROM studies WHERE job = $1) WHERE id = $1";
+    statement(sql).bind(job).run(&mut *tx).await?;
     Ok(true)
 }
 
-/// Unfinished studies that no strand runs any more; points that were running wait again.
-pub async fn stranded(tx: &mut Tx) -> Result<Vec<Uuid>, JobError> {
-    const ALIVE: &str = "SELECT strands.delivery FROM strands JOIN river_job ON river_job.id = strands.delivery \
-                         WHERE river_job.state NOT IN ('completed', 'cancelled', 'discarded')";
-    let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT id FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running') \
-         AND NOT EXISTS (SELECT 1 FROM strands WHERE strands.job = jobs.id AND delivery IN ({ALIVE}))"
-    ));
-    let studies: Vec<Uuid> = sqlx::query_scalar(sql).fetch_all(&mut **tx).await?;
-    for study in &studies {
-        let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
-        sqlx::query(sql).bind(study).execute(&mut **tx).await?;
-        remove_strands(tx, *study).await?;
+/// Unfinished studies that lack strands, and how many: each has one for every place where runs may be, as long as points wait. Of
+/// one that has none left, points that were running wait again.
+pub async fn lacking(tx: &mut Tx, slots: usize) -> Result<Vec<(Uuid, usize)>, JobError> {
+    let sql = "SELECT jobs.id, \
+               (SELECT count(*) FROM strands JOIN river_job ON river_job.id = strands.delivery WHERE strands.job = jobs.id \
+                AND river_job.state NOT IN ('completed', 'cancelled', 'discarded')), \
+               (SELECT count(*) FROM points WHERE points.job = jobs.id AND points.status = 'queued') \
+               FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running')";
+    let studies: Vec<(Uuid, i64, i64)> = statement(sql).all(&mut *tx).await?;
+    let mut lacking = Vec::new();
+    for (study, strands, waiting) in studies {
+        if strands == 0 {
+            let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
+            statement(sql).bind(study).run(&mut *tx).await?;
+            remove_strands(tx, study).await?;
+        }
+        let [strands, waiting] = [strands, waiting].map(|count| usize::try_from(count).unwrap_or(0));
+        let wanted = waiting.min(slots).max(1);
+        if strands < wanted {
+            lacking.push((study, wanted - strands));
+        }
     }
-    Ok(studies)
+    Ok(lacking)
 }

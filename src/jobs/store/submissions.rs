@@ -3,8 +3,9 @@
 use uuid::Uuid;
 
 use super::super::{JobError, JobRecord, NewJob, Status};
+use super::database::{Tx, statement};
 use super::{stored, studies};
-use crate::jobs::queue::Tx;
+
 
 /// A finished result of identical work.
 #[derive(Debug, Clone, Copy)]
@@ -14,16 +15,19 @@ pub struct Reusable {
 
 /// Number of jobs that wait.
 pub async fn waiting(tx: &mut Tx) -> Result<u64, JobError> {
-    let count: i64 =
-        sqlx::query_scalar("SELECT count(*) FROM jobs WHERE status = 'queued'").fetch_one(&mut **tx).await?;
+    let (count,): (i64,) = statement("SELECT count(*) FROM jobs WHERE status = 'queued'").one(&mut *tx).await?;
     Ok(count.unsigned_abs())
 }
 
 /// The result of identical finished work of the same owner.
 pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, JobError> {
-    let sql = "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 LIMIT 1";
+    // Whoever deletes that job waits until ours points to its result, too.
+    let kept = tx.dialect().for_share();
+    let sql = format!(
+        "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 LIMIT 1{kept}"
+    );
     let result: Option<Uuid> =
-        sqlx::query_scalar(sql).bind(&job.content_hash).bind(&job.owner).fetch_optional(&mut **tx).await?;
+        statement(sql).bind(&job.content_hash).bind(&job.owner).value(&mut *tx).await?;
     Ok(result.map(|result| Reusable { result }))
 }
 
@@ -74,7 +78,7 @@ async fn insert_row(
                started_at, finished_at, expires_at, progress, delivery, content_hash, reused, result_id) \
                VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17)";
     let labels = serde_json::to_string(&job.labels).map_err(|error| JobError::Corrupt(error.to_string()))?;
-    sqlx::query(sql)
+    statement(sql)
         .bind(job.id)
         .bind(&job.owner)
         .bind(job.kind)
@@ -92,7 +96,7 @@ async fn insert_row(
         .bind(&job.content_hash)
         .bind(record.reused)
         .bind(result)
-        .execute(&mut **tx)
+        .run(&mut *tx)
         .await?;
     Ok(())
 }

@@ -3,9 +3,10 @@
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
-use super::{Store, records, stored};
+use super::database::{Dialect, Tx, statement};
+use super::{Store, micros, records, stored};
 use crate::jobs::JobError;
-use crate::jobs::queue::Tx;
+
 
 /// Rows a round of removal takes at most: the writer is shared with submissions.
 const ROUND: i64 = 500;
@@ -13,13 +14,14 @@ const ROUND: i64 = 500;
 /// Unfinished jobs that nothing will run any more: their delivery is gone or ended, or their worker gave
 /// no sign of life for `lost_after`. `alive` are the runs of this process, which need no sign.
 pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<(Uuid, u8)>, JobError> {
-    let sql = "SELECT jobs.id, jobs.priority FROM jobs LEFT JOIN river_job ON river_job.id = jobs.delivery \
-               WHERE jobs.kind <> 'study' AND jobs.status IN ('queued', 'running') AND (river_job.id IS NULL \
-               OR river_job.state IN ('completed', 'cancelled', 'discarded') \
-               OR (jobs.status = 'running' AND jobs.heartbeat_at < $1)) LIMIT $2";
-    let silent_since = Timestamp::now().saturating_sub(lost_after).unwrap_or(Timestamp::MIN);
-    let rows: Vec<(Uuid, i64)> =
-        sqlx::query_as(sql).bind(stored(silent_since)).bind(ROUND).fetch_all(&mut **tx).await?;
+    let now = tx.dialect().now();
+    let sql = format!(
+        "SELECT jobs.id, jobs.priority FROM jobs LEFT JOIN river_job ON river_job.id = jobs.delivery \
+         WHERE jobs.kind <> 'study' AND jobs.status IN ('queued', 'running') AND (river_job.id IS NULL \
+         OR river_job.state IN ('completed', 'cancelled', 'discarded') \
+         OR (jobs.status = 'running' AND jobs.heartbeat_at < {now} - $1)) LIMIT $2"
+    );
+    let rows: Vec<(Uuid, i64)> = statement(sql).bind(micros(lost_after)).bind(ROUND).all(&mut *tx).await?;
     let stranded = rows.into_iter().filter(|row| !alive.contains(&row.0));
     Ok(stranded.map(|(id, priority)| (id, u8::try_from(priority).unwrap_or(2))).collect())
 }
@@ -27,15 +29,47 @@ pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -
 /// Gives a job a new delivery, which makes older ones void.
 pub async fn redeliver(tx: &mut Tx, id: Uuid, delivery: i64) -> Result<(), JobError> {
     let sql = "UPDATE jobs SET delivery = $2 WHERE id = $1";
-    sqlx::query(sql).bind(id).bind(delivery).execute(&mut **tx).await?;
+    statement(sql).bind(id).bind(delivery).run(&mut *tx).await?;
     Ok(())
 }
 
+/// Shows that a process is there that runs so many jobs at a time, and forgets those that are not any more.
+pub async fn work(tx: &mut Tx, worker: Uuid, slots: usize, lost_after: SignedDuration) -> Result<(), JobError> {
+    let now = tx.dialect().now();
+    // A file has one process; elsewhere they show themselves less often than runs.
+    match tx.dialect() {
+        Dialect::Sqlite => statement("DELETE FROM workers WHERE id <> $1").bind(worker).run(&mut *tx).await?,
+        Dialect::Postgres => {
+            let gone = format!("DELETE FROM workers WHERE heartbeat_at < {now} - $1");
+            statement(gone).bind(micros(lost_after.saturating_mul(3))).run(&mut *tx).await?
+        }
+    };
+    let sql = format!(
+        "INSERT INTO workers (id, slots, heartbeat_at) VALUES ($1, $2, {now}) \
+         ON CONFLICT (id) DO UPDATE SET heartbeat_at = excluded.heartbeat_at"
+    );
+    statement(sql).bind(worker).bind(i64::try_from(slots).unwrap_or(i64::MAX)).run(&mut *tx).await?;
+    Ok(())
+}
+
+/// How many jobs all processes together run at a time; 1 where there are none yet.
+pub async fn slots(tx: &mut Tx) -> Result<usize, JobError> {
+    let sql = "SELECT CAST(coalesce(sum(slots), 0) AS BIGINT) FROM workers";
+    let (slots,): (i64,) = statement(sql).one(&mut *tx).await?;
+    Ok(usize::try_from(slots).unwrap_or(1).max(1))
+}
+
 impl Store {
+    /// Forgets a process that ends.
+    pub async fn leave(&self, worker: Uuid) -> Result<(), JobError> {
+        statement("DELETE FROM workers WHERE id = $1").bind(worker).run(&self.writer).await?;
+        Ok(())
+    }
+
     /// Jobs whose time is over.
     pub async fn expired(&self) -> Result<Vec<Uuid>, JobError> {
         let sql = "SELECT id FROM jobs WHERE expires_at < $1 LIMIT $2";
-        Ok(sqlx::query_scalar(sql).bind(stored(Timestamp::now())).bind(ROUND).fetch_all(&self.readers).await?)
+        Ok(statement(sql).bind(stored(Timestamp::now())).bind(ROUND).values(&self.readers).await?)
     }
 
     /// Removes jobs whose time is over.
@@ -51,7 +85,7 @@ impl Store {
     pub async fn try_write(&self) -> Result<(), JobError> {
         let sql = "INSERT INTO writability (id, written_at) VALUES (1, $1) \
                    ON CONFLICT (id) DO UPDATE SET written_at = excluded.written_at";
-        sqlx::query(sql).bind(stored(Timestamp::now())).execute(&self.writer).await?;
+        statement(sql).bind(stored(Timestamp::now())).run(&self.writer).await?;
         Ok(())
     }
 }

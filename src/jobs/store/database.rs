@@ -1,0 +1,460 @@
+//! SQLite in a file or PostgreSQL on a server, and statements that run on both: each is written once, with `$1`, `$2`, … for
+//! what is bound. Where the two speak differently, `Dialect` says how.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::Duration;
+
+use sqlx::migrate::{Migration, MigrationType, Migrator};
+use sqlx::postgres::{PgArguments, PgConnectOptions, PgPool, PgPoolOptions, PgRow};
+use sqlx::sqlite::{
+    SqliteArguments, SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteRow,
+    SqliteSynchronous,
+};
+use sqlx::{
+    Arguments, AssertSqlSafe, Connection, FromRow, PgConnection, Postgres, SqlSafeStr, Sqlite, SqliteConnection,
+    Transaction,
+};
+use uuid::Uuid;
+
+use crate::jobs::JobError;
+
+/// Where the records are.
+#[derive(Clone)]
+pub enum Location {
+    File(PathBuf),
+    Server(Box<PgConnectOptions>),
+}
+
+impl Location {
+    /// A PostgreSQL server by its URL; `None` where that is none.
+    pub fn server(url: &str) -> Option<Self> {
+        PgConnectOptions::from_str(url).ok().map(|options| Self::Server(Box::new(options)))
+    }
+}
+
+/// Without user and password.
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Server(options) => {
+                let database = options.get_database().unwrap_or_default();
+                write!(f, "postgres://{}:{}/{database}", options.get_host(), options.get_port())
+            }
+        }
+    }
+}
+
+impl fmt::Debug for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+/// Connections of one kind.
+#[derive(Debug, Clone)]
+pub enum Pool {
+    Sqlite(SqlitePool),
+    Postgres(PgPool),
+}
+
+/// What the two databases say differently.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dialect {
+    Sqlite,
+    Postgres,
+}
+
+impl Dialect {
+    /// The database's own clock, in microseconds since 1970: machines that share a database share no other.
+    pub fn now(self) -> &'static str {
+        match self {
+            Self::Sqlite => "CAST((julianday('now') - 2440587.5) * 86400000000.0 AS INTEGER)",
+            Self::Postgres => "CAST(extract(epoch FROM clock_timestamp()) * 1000000 AS BIGINT)",
+        }
+    }
+
+    /// Whether the labels of a job hold what is bound at this place.
+    pub fn has_label(self, place: usize) -> String {
+        match self {
+            Self::Sqlite => format!("EXISTS (SELECT 1 FROM json_each(jobs.labels) AS label WHERE label.value = ${place})"),
+            Self::Postgres => format!("jsonb_exists(CAST(jobs.labels AS JSONB), ${place})"),
+        }
+    }
+
+    /// Keeps the rows that a statement reads from being changed until its transaction ends. On SQLite nobody else writes.
+    pub fn for_share(self) -> &'static str {
+        match self {
+            Self::Sqlite => "",
+            Self::Postgres => " FOR SHARE",
+        }
+    }
+}
+
+impl Pool {
+    pub fn dialect(&self) -> Dialect {
+        match self {
+            Self::Sqlite(_) => Dialect::Sqlite,
+            Self::Postgres(_) => Dialect::Postgres,
+        }
+    }
+
+    /// Begins a write transaction.
+    pub async fn begin(&self) -> Result<Tx, JobError> {
+        Ok(match self {
+            Self::Sqlite(pool) => Tx::Sqlite(riverqueue::database::begin_sqlite_write(pool).await?),
+            Self::Postgres(pool) => Tx::Postgres(riverqueue::database::begin_postgres(pool).await?),
+        })
+    }
+
+    pub async fn close(&self) {
+        match self {
+            Self::Sqlite(pool) => pool.close().await,
+            Self::Postgres(pool) => pool.close().await,
+        }
+    }
+}
+
+/// A write transaction.
+#[derive(Debug)]
+pub enum Tx {
+    Sqlite(Transaction<'static, Sqlite>),
+    Postgres(Transaction<'static, Postgres>),
+}
+
+/// What only one process does at a time, on servers that several share.
+#[derive(Debug, Clone, Copy)]
+pub enum Lock {
+    /// Bringing the tables up to date.
+    Migration = 0x7261_6365,
+    /// Taking submissions: limits and idempotency keys are looked up before rows are added.
+    Intake,
+    /// Looking for what was lost.
+    Sweep,
+}
+
+impl Tx {
+    pub fn dialect(&self) -> Dialect {
+        match self {
+            Self::Sqlite(_) => Dialect::Sqlite,
+            Self::Postgres(_) => Dialect::Postgres,
+        }
+    }
+
+    pub async fn commit(self) -> Result<(), JobError> {
+        Ok(match self {
+            Self::Sqlite(tx) => tx.commit().await?,
+            Self::Postgres(tx) => tx.commit().await?,
+        })
+    }
+
+    /// Waits until no other process does this, until the transaction ends. SQLite has one writer at a time anyway.
+    pub async fn alone(&mut self, lock: Lock) -> Result<(), JobError> {
+        if self.dialect() == Dialect::Postgres {
+            statement("SELECT pg_advisory_xact_lock($1)").bind(lock as i64).run(self).await?;
+        }
+        Ok(())
+    }
+
+    /// Tells all processes that a job has ended, once the transaction is committed.
+    pub async fn tell_ended(&mut self, job: Uuid) -> Result<(), JobError> {
+        self.tell(ENDED, job).await
+    }
+
+    /// Tells all processes that someone wants a job to end, once the transaction is committed.
+    pub async fn tell_cancelled(&mut self, job: Uuid) -> Result<(), JobError> {
+        self.tell(CANCELLED, job).await
+    }
+
+    async fn tell(&mut self, channel: &str, job: Uuid) -> Result<(), JobError> {
+        if self.dialect() == Dialect::Postgres {
+            statement("SELECT pg_notify($1, $2)").bind(channel).bind(job.to_string()).run(self).await?;
+        }
+        Ok(())
+    }
+}
+
+/// Channels of what processes that share a database tell each other; the message is a job's id.
+pub const ENDED: &str = "raceway_ended";
+pub const CANCELLED: &str = "raceway_cancelled";
+
+/// Where a statement runs.
+pub enum Place<'a> {
+    SqlitePool(&'a SqlitePool),
+    SqliteTx(&'a mut SqliteConnection),
+    PgPool(&'a PgPool),
+    PgTx(&'a mut PgConnection),
+}
+
+impl<'a> From<&'a Pool> for Place<'a> {
+    fn from(pool: &'a Pool) -> Self {
+        match pool {
+            Pool::Sqlite(pool) => Self::SqlitePool(pool),
+            Pool::Postgres(pool) => Self::PgPool(pool),
+        }
+    }
+}
+
+impl<'a> From<&'a mut Tx> for Place<'a> {
+    fn from(tx: &'a mut Tx) -> Self {
+        match tx {
+            Tx::Sqlite(tx) => Self::SqliteTx(tx),
+            Tx::Postgres(tx) => Self::PgTx(tx),
+        }
+    }
+}
+
+/// What both databases give as a row of this kind.
+pub trait Record: for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow> + Send + Unpin {}
+impl<T: for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow> + Send + Unpin> Record for T {}
+
+/// What can be bound.
+#[derive(Debug, Clone)]
+pub enum Value {
+    Uuid(Option<Uuid>),
+    Text(Option<String>),
+    Integer(Option<i64>),
+    Real(Option<f64>),
+    Bool(bool),
+    Bytes(Option<Vec<u8>>),
+}
+
+macro_rules! binds {
+    ($($type:ty => $kind:ident: |$value:ident| $made:expr;)*) => {
+        $(impl From<$type> for Value {
+            fn from($value: $type) -> Self {
+                Self::$kind($made)
+            }
+        })*
+    };
+}
+
+binds! {
+    Uuid => Uuid: |id| Some(id);
+    &Uuid => Uuid: |id| Some(*id);
+    Option<Uuid> => Uuid: |id| id;
+    &str => Text: |text| Some(text.to_owned());
+    &String => Text: |text| Some(text.clone());
+    String => Text: |text| Some(text);
+    Option<&str> => Text: |text| text.map(str::to_owned);
+    Option<&String> => Text: |text| text.cloned();
+    i64 => Integer: |number| Some(number);
+    &i64 => Integer: |number| Some(*number);
+    Option<i64> => Integer: |number| number;
+    f64 => Real: |number| Some(number);
+    Option<f64> => Real: |number| number;
+    bool => Bool: |truth| truth;
+    &[u8] => Bytes: |bytes| Some(bytes.to_vec());
+    &Vec<u8> => Bytes: |bytes| Some(bytes.clone());
+    Vec<u8> => Bytes: |bytes| Some(bytes);
+    Option<&[u8]> => Bytes: |bytes| bytes.map(<[u8]>::to_vec);
+}
+
+/// A statement with what is bound to its places.
+#[derive(Debug)]
+pub struct Statement {
+    sql: sqlx::SqlStr,
+    values: Vec<Value>,
+}
+
+/// A statement; text that was put together holds nothing that came from outside.
+pub fn statement(sql: impl Into<std::borrow::Cow<'static, str>>) -> Statement {
+    let sql = match sql.into() {
+        std::borrow::Cow::Borrowed(sql) => sql.into_sql_str(),
+        std::borrow::Cow::Owned(sql) => AssertSqlSafe(sql).into_sql_str(),
+    };
+    Statement { sql, values: Vec::new() }
+}
+
+/// The same code for each database; `Db` is its type within.
+macro_rules! at {
+    ($statement:ident, $place:expr, |$sql:ident, $arguments:ident, $executor:ident| $body:expr) => {
+        match $place.into() {
+            Place::SqlitePool($executor) => {
+                type Db = Sqlite;
+                let ($sql, $arguments) = $statement.arguments::<SqliteArguments, Db>()?;
+                $body
+            }
+            Place::SqliteTx($executor) => {
+                type Db = Sqlite;
+                let ($sql, $arguments) = $statement.arguments::<SqliteArguments, Db>()?;
+                $body
+            }
+            Place::PgPool($executor) => {
+                type Db = Postgres;
+                let ($sql, $arguments) = $statement.arguments::<PgArguments, Db>()?;
+                $body
+            }
+            Place::PgTx($executor) => {
+                type Db = Postgres;
+                let ($sql, $arguments) = $statement.arguments::<PgArguments, Db>()?;
+                $body
+            }
+        }
+    };
+}
+
+impl Statement {
+    /// Binds the next place.
+    #[must_use]
+    pub fn bind(mut self, value: impl Into<Value>) -> Self {
+        self.values.push(value.into());
+        self
+    }
+
+    fn arguments<A, Db>(self) -> Result<(sqlx::SqlStr, A), JobError>
+    where
+        Db: sqlx::Database,
+        A: Arguments<Database = Db>,
+        Option<Uuid>: for<'q> sqlx::Encode<'q, Db> + sqlx::Type<Db>,
+        Option<String>: for<'q> sqlx::Encode<'q, Db> + sqlx::Type<Db>,
+        Option<i64>: for<'q> sqlx::Encode<'q, Db> + sqlx::Type<Db>,
+        Option<f64>: for<'q> sqlx::Encode<'q, Db> + sqlx::Type<Db>,
+        bool: for<'q> sqlx::Encode<'q, Db> + sqlx::Type<Db>,
+        Option<Vec<u8>>: for<'q> sqlx::Encode<'q, Db> + sqlx::Type<Db>,
+    {
+        let mut arguments = A::default();
+        for value in self.values {
+            match value {
+                Value::Uuid(id) => arguments.add(id),
+                Value::Text(text) => arguments.add(text),
+                Value::Integer(number) => arguments.add(number),
+                Value::Real(number) => arguments.add(number),
+                Value::Bool(truth) => arguments.add(truth),
+                Value::Bytes(bytes) => arguments.add(bytes),
+            }
+            .map_err(sqlx::Error::Encode)?;
+        }
+        Ok((self.sql, arguments))
+    }
+
+    /// Runs it; the number of rows that it has changed.
+    pub async fn run<'a>(self, place: impl Into<Place<'a>>) -> Result<u64, JobError> {
+        at!(self, place, |sql, arguments, executor| {
+            Ok(sqlx::query_with::<Db, _>(sql, arguments).execute(executor).await?.rows_affected())
+        })
+    }
+
+    /// The first row, if there is one.
+    pub async fn optional<'a, T: Record>(self, place: impl Into<Place<'a>>) -> Result<Option<T>, JobError> {
+        at!(self, place, |sql, arguments, executor| {
+            Ok(sqlx::query_as_with::<Db, T, _>(sql, arguments).fetch_optional(executor).await?)
+        })
+    }
+
+    /// The one row that there is.
+    pub async fn one<'a, T: Record>(self, place: impl Into<Place<'a>>) -> Result<T, JobError> {
+        self.optional(place).await?.ok_or(JobError::Database(sqlx::Error::RowNotFound))
+    }
+
+    /// All rows.
+    pub async fn all<'a, T: Record>(self, place: impl Into<Place<'a>>) -> Result<Vec<T>, JobError> {
+        at!(self, place, |sql, arguments, executor| {
+            Ok(sqlx::query_as_with::<Db, T, _>(sql, arguments).fetch_all(executor).await?)
+        })
+    }
+
+    /// Row after row, until the taker has enough.
+    pub async fn each<'a, T: Record>(
+        self,
+        place: impl Into<Place<'a>>,
+        mut takes_more: impl FnMut(T) -> Result<bool, JobError>,
+    ) -> Result<(), JobError> {
+        use futures_util::TryStreamExt;
+        at!(self, place, |sql, arguments, executor| {
+            let mut rows = sqlx::query_as_with::<Db, T, _>(sql, arguments).fetch(executor);
+            while let Some(row) = rows.try_next().await? {
+                if !takes_more(row)? {
+                    break;
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// The first column of the first row, if there is one.
+    pub async fn value<'a, T>(self, place: impl Into<Place<'a>>) -> Result<Option<T>, JobError>
+    where
+        (T,): Record,
+    {
+        Ok(self.optional::<(T,)>(place).await?.map(|row| row.0))
+    }
+
+    /// The first column of every row.
+    pub async fn values<'a, T>(self, place: impl Into<Place<'a>>) -> Result<Vec<T>, JobError>
+    where
+        (T,): Record,
+    {
+        Ok(self.all::<(T,)>(place).await?.into_iter().map(|row| row.0).collect())
+    }
+}
+
+/// Opens a file for one writer and some readers.
+pub async fn open_file(path: &Path, readers: u32, max_pages: Option<u32>) -> Result<(SqlitePool, SqlitePool), JobError> {
+    let mut options = SqliteConnectOptions::new()
+        .filename(path)
+        .create_if_missing(true)
+        .journal_mode(SqliteJournalMode::Wal)
+        // A 202 promises that the job survives a power cut.
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(Duration::from_secs(10));
+    if let Some(pages) = max_pages {
+        options = options.pragma("max_page_count", pages.to_string());
+    }
+    let writer = file_pool(1).connect_with(options.clone()).await?;
+    let readers = file_pool(readers).connect_lazy_with(options.create_if_missing(false).read_only(true));
+    Ok((writer, readers))
+}
+
+fn file_pool(connections: u32) -> SqlitePoolOptions {
+    SqlitePoolOptions::new()
+        .max_connections(connections)
+        .acquire_timeout(Duration::from_secs(30))
+        .before_acquire(|connection, _| Box::pin(std::future::ready(Ok(is_outside_transactions(connection)))))
+}
+
+/// Whether the connection may be used again. On a full disk SQLite ends a transaction by itself; sqlx then
+/// fails to end it, counts it as open for ever, and refuses every later one.
+fn is_outside_transactions(connection: &SqliteConnection) -> bool {
+    !connection.is_in_transaction()
+}
+
+/// Connects to a server.
+pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgPool, JobError> {
+    let pool = PgPoolOptions::new()
+        .max_connections(connections)
+        // Whoever waits for an answer does not wait longer for a server that is away.
+        .acquire_timeout(Duration::from_secs(5));
+    Ok(pool.connect_with(options.clone().application_name("raceway")).await?)
+}
+
+/// Brings our tables up to date; migrations are never edited once released.
+pub async fn migrate(pool: &Pool) -> Result<(), JobError> {
+    let failed = |error: sqlx::migrate::MigrateError| JobError::Migration(error.to_string());
+    match pool {
+        Pool::Sqlite(pool) => migrator(&SQLITE_MIGRATIONS).run(pool).await.map_err(failed),
+        Pool::Postgres(pool) => migrator(&POSTGRES_MIGRATIONS).run(pool).await.map_err(failed),
+    }
+}
+
+fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
+    let migrations = migrations.iter().map(|(version, name, sql)| {
+        Migration::new(*version, (*name).into(), MigrationType::Simple, sql.into_sql_str(), false)
+    });
+    Migrator::with_migrations(migrations.collect())
+}
+
+const SQLITE_MIGRATIONS: [(i64, &str, &str); 6] = [
+    (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
+    (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
+    (3, "studies", include_str!("../../../migrations/sqlite/0003_studies.sql")),
+    (4, "idempotency keys", include_str!("../../../migrations/sqlite/0004_idempotency_keys.sql")),
+    (5, "views", include_str!("../../../migrations/sqlite/0005_views.sql")),
+    (6, "workers", include_str!("../../../migrations/sqlite/0006_workers.sql")),
+];
+
+const POSTGRES_MIGRATIONS: [(i64, &str, &str); 1] =
+    [(1, "records", include_str!("../../../migrations/postgres/0001_records.sql"))];
