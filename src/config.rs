@@ -150,7 +150,13 @@ pub struct ServeOptions {
     #[arg(long, env = "RACEWAY_LISTEN", default_value = "127.0.0.1:8080", value_name = "ADDRESS:PORT")]
     pub listen: SocketAddr,
     /// Database: sqlite://FILE, made when it does not exist, or postgres://USER@HOST/NAME
-    #[arg(long, env = "RACEWAY_DATABASE", default_value = "sqlite://raceway.db", value_name = "URL", hide_env_values = true)]
+    #[arg(
+        long,
+        env = "RACEWAY_DATABASE",
+        default_value = "sqlite://raceway.db",
+        value_name = "URL",
+        hide_env_values = true
+    )]
     pub database: String,
     /// Simulations at a time [default: number of cores]; on PostgreSQL 0 leaves them to workers
     #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(0..=1024))]
@@ -220,7 +226,9 @@ pub enum ConfigError {
     UnknownDatabase(String),
     #[error("the database {0}: a file serves one process; workers of their own need postgres://USER@HOST/NAME")]
     NotShared(Location),
-    #[error("--workers 0 leaves the jobs to other processes, which a file cannot be shared with: use postgres://USER@HOST/NAME")]
+    #[error(
+        "--workers 0 leaves the jobs to other processes, which a file cannot be shared with: use postgres://USER@HOST/NAME"
+    )]
     NobodyWorks,
     #[error(
         "{0} can be reached from other machines, and there are no tokens: set RACEWAY_API_TOKENS, listen on \

@@ -34,7 +34,7 @@ const ALIVE: Duration = Duration::from_secs(15);
 /// Follow a job
 ///
 /// Server-sent events. `progress`, whenever something has changed: the job without its request, with `phase` (`queued`, `starting`,
-/// `checking` a reduced model, `settling`, `recording`, `judging` the accuracy, `computing` the points of a study) and, while it is
+/// `checking` a reduced model, `settling`, `recording`, `judging` the accuracy, `computing` the points of a study, `running` in another process) and, while it is
 /// recorded, `level_db`: the acceleration levels so far by channel [dB], of all frequencies. Then one of `succeeded`, `failed`, `cancelled`, and the
 /// stream ends; a job that has ended gets that at once. With `Last-Event-ID` what that event said is not said again. The stream also ends when the service stops.
 #[utoipa::path(
@@ -145,6 +145,8 @@ fn phase(record: &JobRecord, view: Option<&View>) -> &'static str {
         (Status::Running, Some(Phase::Settling)) => "settling",
         (Status::Running, Some(Phase::Recording)) => "recording",
         (Status::Running, Some(Phase::Judging)) => "judging",
+        // Another process runs it.
+        (Status::Running, None) if view.is_none() => "running",
         (Status::Running, None) => "starting",
         (status, _) => status.name(),
     }

@@ -28,10 +28,10 @@ mod worker;
 
 pub use error::JobError;
 pub use intake::Submitted;
-pub use store::Location;
 pub use job::{Failure, IdempotencyKey, JobRecord, NewJob, Status};
 pub use running::View;
 pub use service::{Cancelled, Jobs, Settings, Simulator};
+pub use store::Location;
 pub use store::results::decompressed;
 pub use store::studies::StoredPoint;
 pub use store::{Filter, Signal};

@@ -126,6 +126,25 @@ pub fn job_with(fields: Value) -> Value {
     job
 }
 
+/// Names a PostgreSQL server on which tests make databases; without it tests use files.
+pub const POSTGRES: &str = "RACEWAY_TEST_POSTGRES";
+
+/// The URL of an empty database on that server; `None` where there is none.
+pub fn postgres_database() -> Option<String> {
+    use sqlx::{Connection, Executor};
+    let server = std::env::var(POSTGRES).ok()?;
+    let name = format!("raceway_{}", uuid::Uuid::now_v7().simple());
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+    runtime.block_on(async {
+        let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
+        let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
+        connection.execute(create).await.expect("a database can be made");
+        connection.close().await.expect("the connection ends");
+    });
+    let (server, _) = server.rsplit_once('/').expect("a URL with a database");
+    Some(format!("{server}/{name}"))
+}
+
 /// The real program, killed when it is dropped.
 pub struct Process {
     pub child: Child,
@@ -155,14 +174,29 @@ impl Process {
 
     /// The same, wherever it listens.
     pub fn serve_with(database: &Path, more: &[&str], environment: &[(&str, &str)]) -> Self {
-        let database = format!("sqlite://{}", database.display());
-        let mut command = Self::command(&["serve", "--database", &database]);
-        command.args(more).envs(environment.iter().copied()).stderr(Stdio::null());
-        let mut child = command.spawn().expect("the program starts");
+        Self::serve_on(&format!("sqlite://{}", database.display()), more, environment)
+    }
+
+    /// The same on any database.
+    pub fn serve_on(database: &str, more: &[&str], environment: &[(&str, &str)]) -> Self {
+        let mut command = Self::command(&["serve", "--database", database]);
+        command.args(more).envs(environment.iter().copied());
+        Self::announced(command, "listening on http://")
+    }
+
+    /// `raceway worker` on a database, once it works.
+    pub fn worker(database: &str, more: &[&str]) -> Self {
+        let mut command = Self::command(&["worker", "--database", database]);
+        command.args(more);
+        Self::announced(command, "working for postgres://")
+    }
+
+    fn announced(mut command: Command, words: &str) -> Self {
+        let mut child = command.stderr(Stdio::null()).spawn().expect("the program starts");
         let mut line = String::new();
         let stdout = child.stdout.take().expect("stdout is a pipe");
-        BufReader::new(stdout).read_line(&mut line).expect("the program says where it listens");
-        let address = line.trim().strip_prefix("listening on http://").expect("the first line").to_owned();
+        BufReader::new(stdout).read_line(&mut line).expect("the program says that it is there");
+        let address = line.trim().strip_prefix(words).expect("the first line").to_owned();
         Self { child, address }
     }
 

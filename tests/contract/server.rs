@@ -15,7 +15,7 @@ use raceway::simulation::run::Control;
 use tempfile::TempDir;
 use tokio::runtime::Runtime;
 
-use crate::common::Server;
+use crate::common::{POSTGRES, Server, postgres_database};
 
 /// A running service with its runtime and its directory.
 pub struct InProcess {
@@ -94,7 +94,7 @@ pub fn start() -> InProcess {
 pub fn start_with(wishes: Wishes) -> InProcess {
     let place = tempfile::tempdir().expect("a directory");
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().expect("threads");
-    let database = database(&runtime, place.path());
+    let database = database(place.path());
     let settings = Settings {
         workers: wishes.workers,
         queue_limit: wishes.queue_limit,
@@ -111,22 +111,12 @@ pub fn start_with(wishes: Wishes) -> InProcess {
     InProcess { runtime, service: Some(service), address, database, _place: place }
 }
 
-/// Names a PostgreSQL server on which every test server gets a database of its own; without it they get files.
-pub const POSTGRES: &str = "RACEWAY_TEST_POSTGRES";
-
 /// An empty database.
-fn database(runtime: &tokio::runtime::Runtime, place: &Path) -> Location {
-    use sqlx::{Connection, Executor};
-    let Ok(server) = std::env::var(POSTGRES) else { return Location::File(place.join("test.db")) };
-    let name = format!("raceway_{}", uuid::Uuid::now_v7().simple());
-    runtime.block_on(async {
-        let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
-        let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
-        connection.execute(create).await.expect("a database can be made");
-        connection.close().await.expect("the connection ends");
-    });
-    let (server, _) = server.rsplit_once('/').expect("a URL with a database");
-    Location::server(&format!("{server}/{name}")).expect("a URL")
+fn database(place: &Path) -> Location {
+    match postgres_database() {
+        Some(url) => Location::server(&url).expect("a URL"),
+        None => Location::File(place.join("test.db")),
+    }
 }
 
 /// Whether the test servers use PostgreSQL.

@@ -5,4 +5,5 @@ mod common;
 
 mod commands;
 mod crash;
+mod machines;
 mod startup;

@@ -72,10 +72,18 @@ fn with_tokens_or_at_ones_own_risk_it_listens_everywhere() {
 }
 
 #[test]
-fn other_databases_are_not_available() {
-    let stderr = refused(&["serve", "--database", "postgres://me:secret@host/db"], &[]);
-    assert!(stderr.contains("not available in this version") && !stderr.contains("secret"), "{stderr}");
+fn databases_that_cannot_be_used_are_named_without_their_secrets() {
+    // Nothing listens on port 1.
+    let url = "postgres://me:secret@127.0.0.1:1/db";
+    for command in [&["serve", "--listen", "127.0.0.1:0", "--database", url][..], &["worker", "--database", url]] {
+        let stderr = refused(command, &[]);
+        assert!(stderr.contains("cannot open the database postgres://127.0.0.1:1/db"), "{stderr}");
+        assert!(!stderr.contains("secret"), "{stderr}");
+    }
     refused(&["serve", "--database", "raceway.db"], &[]);
+    assert!(refused(&["worker", "--database", "sqlite://raceway.db"], &[]).contains("a file serves one process"));
+    let alone = refused(&["serve", "--listen", "127.0.0.1:0", "--workers", "0"], &[]);
+    assert!(alone.contains("--workers 0") && alone.contains("postgres://"), "{alone}");
 }
 
 #[test]

@@ -4,8 +4,8 @@
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
-use super::results::{self, StoredResult};
 use super::database::{Tx, statement};
+use super::results::{self, StoredResult};
 use super::{Store, stored};
 
 use crate::jobs::{Failure, JobError};
@@ -63,8 +63,7 @@ impl Store {
         let sql = "SELECT lost + CASE status WHEN 'running' THEN 1 ELSE 0 END, kind FROM jobs \
                    WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running')";
         // Read where it is written: a reader may not see the row of a delivery that it has just caused.
-        let row: Option<(i64, String)> =
-            statement(sql).bind(job).bind(delivery).optional(&self.writer).await?;
+        let row: Option<(i64, String)> = statement(sql).bind(job).bind(delivery).optional(&self.writer).await?;
         Ok(row.map(|(losses, kind)| Outlook { losses: u32::try_from(losses).unwrap_or(u32::MAX), kind }))
     }
 
@@ -78,12 +77,8 @@ impl Store {
              WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running') \
              RETURNING claim, request, keep_for_s, lost, cancel_requested_at IS NOT NULL"
         );
-        let row: Option<(i64, String, Option<f64>, i64, bool)> = statement(sql)
-            .bind(job)
-            .bind(delivery)
-            .bind(stored(Timestamp::now()))
-            .optional(&self.writer)
-            .await?;
+        let row: Option<(i64, String, Option<f64>, i64, bool)> =
+            statement(sql).bind(job).bind(delivery).bind(stored(Timestamp::now())).optional(&self.writer).await?;
         Ok(row.map(|(number, request, keep_for_s, lost, cancel_requested)| Claim {
             job,
             number,
@@ -101,12 +96,8 @@ impl Store {
             "UPDATE jobs SET heartbeat_at = {now}, progress = $3 \
              WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING cancel_requested_at IS NOT NULL"
         );
-        let cancel_requested: Option<bool> = statement(sql)
-            .bind(claim.job)
-            .bind(claim.number)
-            .bind(progress)
-            .value(&self.writer)
-            .await?;
+        let cancel_requested: Option<bool> =
+            statement(sql).bind(claim.job).bind(claim.number).bind(progress).value(&self.writer).await?;
         Ok(Pulse::of(cancel_requested))
     }
 
@@ -124,8 +115,7 @@ pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Resul
     // An update, so that nobody else changes the row before this transaction ends.
     let sql = "UPDATE jobs SET claim = claim WHERE id = $1 AND claim = $2 AND status = 'running' \
                RETURNING cancel_requested_at IS NOT NULL";
-    let cancel_requested: Option<bool> =
-        statement(sql).bind(claim.job).bind(claim.number).value(&mut *tx).await?;
+    let cancel_requested: Option<bool> = statement(sql).bind(claim.job).bind(claim.number).value(&mut *tx).await?;
     let Some(cancel_requested) = cancel_requested else { return Ok(false) };
     let (status, result, failure) = match end {
         // Whoever asked for the cancellation was promised it, also when the run was a little faster.

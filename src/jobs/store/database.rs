@@ -79,7 +79,9 @@ impl Dialect {
     /// Whether the labels of a job hold what is bound at this place.
     pub fn has_label(self, place: usize) -> String {
         match self {
-            Self::Sqlite => format!("EXISTS (SELECT 1 FROM json_each(jobs.labels) AS label WHERE label.value = ${place})"),
+            Self::Sqlite => {
+                format!("EXISTS (SELECT 1 FROM json_each(jobs.labels) AS label WHERE label.value = ${place})")
+            }
             Self::Postgres => format!("jsonb_exists(CAST(jobs.labels AS JSONB), ${place})"),
         }
     }
@@ -392,7 +394,11 @@ impl Statement {
 }
 
 /// Opens a file for one writer and some readers.
-pub async fn open_file(path: &Path, readers: u32, max_pages: Option<u32>) -> Result<(SqlitePool, SqlitePool), JobError> {
+pub async fn open_file(
+    path: &Path,
+    readers: u32,
+    max_pages: Option<u32>,
+) -> Result<(SqlitePool, SqlitePool), JobError> {
     let mut options = SqliteConnectOptions::new()
         .filename(path)
         .create_if_missing(true)

@@ -2,10 +2,10 @@
 //! transaction takes the write lock when it begins, because one that reads first and then writes fails as soon as there is
 //! another. On PostgreSQL a transaction that decides by what it has read takes the row first, by an update of it.
 
-/// The two databases, and statements that run on both.
-pub mod database;
 /// Claims, heartbeats and ends, all fenced.
 pub mod claims;
+/// The two databases, and statements that run on both.
+pub mod database;
 /// What an idempotency key has made.
 pub mod keys;
 /// Jobs looked up and listed, cancelled and deleted.

@@ -107,8 +107,7 @@ impl Store {
 pub async fn standing(tx: &mut Tx, owner: &str, id: Uuid) -> Result<(Status, Option<i64>, String), JobError> {
     // An update, so that nobody else changes the row before this transaction ends.
     let sql = "UPDATE jobs SET status = status WHERE id = $1 AND owner = $2 RETURNING status, delivery, kind";
-    let row: Option<(String, Option<i64>, String)> =
-        statement(sql).bind(id).bind(owner).optional(&mut *tx).await?;
+    let row: Option<(String, Option<i64>, String)> = statement(sql).bind(id).bind(owner).optional(&mut *tx).await?;
     let (status, delivery, kind) = row.ok_or(JobError::NotFound)?;
     let status = Status::parse(&status).ok_or_else(|| JobError::Corrupt(format!("status of job {id}")))?;
     Ok((status, delivery, kind))

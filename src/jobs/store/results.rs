@@ -136,12 +136,8 @@ impl Store {
     pub async fn signal(&self, owner: &str, job: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
         let sql = "SELECT answer FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
-        let answer: Option<Vec<u8>> = statement(sql)
-            .bind(result)
-            .bind(signal.name())
-            .bind(channel)
-            .value(&self.readers)
-            .await?;
+        let answer: Option<Vec<u8>> =
+            statement(sql).bind(result).bind(signal.name()).bind(channel).value(&self.readers).await?;
         match answer {
             Some(answer) => decompressed(&answer),
             None => Err(JobError::UnknownChannel { kept: self.kept(result, signal).await? }),

@@ -171,9 +171,9 @@ impl Store {
 
     /// Whether other deliveries wait: such as go before studies, and any.
     pub async fn others_wait(&self) -> Result<(bool, bool), JobError> {
-        let sql = "SELECT count(*) FILTER (WHERE priority < $1) > 0, count(*) > 0 FROM river_job WHERE state = 'available'";
-        let row: (bool, bool) =
-            statement(sql).bind(i64::from(super::PRIORITY_OF_STRANDS)).one(&self.writer).await?;
+        let sql =
+            "SELECT count(*) FILTER (WHERE priority < $1) > 0, count(*) > 0 FROM river_job WHERE state = 'available'";
+        let row: (bool, bool) = statement(sql).bind(i64::from(super::PRIORITY_OF_STRANDS)).one(&self.writer).await?;
         Ok(row)
     }
 
@@ -182,31 +182,27 @@ impl Store {
         let parsed = |text: &[u8]| serde_json::from_slice(text).map_err(|error| JobError::Corrupt(error.to_string()));
         let sql = "SELECT points.answer FROM points JOIN jobs ON jobs.id = points.job \
                    WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
-        let answer: Option<Vec<u8>> =
-            statement(sql).bind(&hashes[0]).bind(owner).value(&self.readers).await?;
+        let answer: Option<Vec<u8>> = statement(sql).bind(&hashes[0]).bind(owner).value(&self.readers).await?;
         if let Some(answer) = answer {
             return Ok(Some(PointEnd::Succeeded(parsed(&results::decompressed(&answer)?)?)));
         }
         let sql = "SELECT results.metrics FROM jobs JOIN results ON results.id = jobs.result_id \
                    WHERE jobs.content_hash IN ($1, $2) AND jobs.status = 'succeeded' AND jobs.owner = $3 LIMIT 1";
         let [first, second] = hashes;
-        let metrics: Option<String> =
-            statement(sql).bind(first).bind(second).bind(owner).value(&self.readers).await?;
+        let metrics: Option<String> = statement(sql).bind(first).bind(second).bind(owner).value(&self.readers).await?;
         metrics.map(|metrics| Ok(PointEnd::of_stored(parsed(metrics.as_bytes())?))).transpose()
     }
 
     /// The request of a study, and its points in order.
     pub async fn points(&self, owner: &str, job: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
         let sql = "SELECT kind, request FROM jobs WHERE id = $1 AND owner = $2";
-        let row: Option<(String, String)> =
-            statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
+        let row: Option<(String, String)> = statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
         let (kind, request) = row.ok_or(JobError::NotFound)?;
         if kind != JobKind::Study.name() {
             return Err(JobError::OtherKind { kind });
         }
         let sql = "SELECT number, status, reused, answer FROM points WHERE job = $1 ORDER BY number";
-        let rows: Vec<(i64, String, bool, Option<Vec<u8>>)> =
-            statement(sql).bind(job).all(&self.readers).await?;
+        let rows: Vec<(i64, String, bool, Option<Vec<u8>>)> = statement(sql).bind(job).all(&self.readers).await?;
         let points = rows.into_iter().map(|(number, status, reused, answer)| {
             let status = match status.as_str() {
                 "running" => PointStatus::Running,
@@ -288,8 +284,7 @@ async fn next(tx: &mut Tx, strand: &Strand, keep_s: f64) -> Result<Next, JobErro
     statement("UPDATE studies SET ended = ended WHERE job = $1").bind(strand.job).run(&mut *tx).await?;
     let sql = "SELECT jobs.cancel_requested_at IS NOT NULL, studies.points, studies.ended, studies.succeeded \
                FROM jobs JOIN studies ON studies.job = jobs.id WHERE jobs.id = $1 AND jobs.status = 'running'";
-    let standing: Option<(bool, i64, i64, i64)> =
-        statement(sql).bind(strand.job).optional(&mut *tx).await?;
+    let standing: Option<(bool, i64, i64, i64)> = statement(sql).bind(strand.job).optional(&mut *tx).await?;
     let Some((cancel_requested, points, ended, succeeded)) = standing else { return Ok(Next::Ended) };
     if ended == points {
         end(tx, strand.job, succeeded > 0, strand.keep_for_s.unwrap_or(keep_s)).await?;
@@ -302,8 +297,7 @@ async fn next(tx: &mut Tx, strand: &Strand, keep_s: f64) -> Result<Next, JobErro
     let sql = "UPDATE points SET status = 'running', claim = claim + 1, strand = $2 WHERE job = $1 \
                AND number = (SELECT min(number) FROM points WHERE job = $1 AND status = 'queued') \
                AND EXISTS (SELECT 1 FROM strands WHERE delivery = $2) RETURNING number, claim";
-    let claimed: Option<(i64, i64)> =
-        statement(sql).bind(strand.job).bind(strand.delivery).optional(&mut *tx).await?;
+    let claimed: Option<(i64, i64)> = statement(sql).bind(strand.job).bind(strand.delivery).optional(&mut *tx).await?;
     Ok(match claimed {
         Some((number, claim)) => {
             Next::Point(PointClaim { number: usize::try_from(number).unwrap_or(usize::MAX), claim })

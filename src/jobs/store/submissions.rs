@@ -6,7 +6,6 @@ use super::super::{JobError, JobRecord, NewJob, Status};
 use super::database::{Tx, statement};
 use super::{stored, studies};
 
-
 /// A finished result of identical work.
 #[derive(Debug, Clone, Copy)]
 pub struct Reusable {
@@ -26,8 +25,7 @@ pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, Job
     let sql = format!(
         "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 LIMIT 1{kept}"
     );
-    let result: Option<Uuid> =
-        statement(sql).bind(&job.content_hash).bind(&job.owner).value(&mut *tx).await?;
+    let result: Option<Uuid> = statement(sql).bind(&job.content_hash).bind(&job.owner).value(&mut *tx).await?;
     Ok(result.map(|result| Reusable { result }))
 }
 

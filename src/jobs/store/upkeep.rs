@@ -7,7 +7,6 @@ use super::database::{Dialect, Tx, statement};
 use super::{Store, micros, records, stored};
 use crate::jobs::JobError;
 
-
 /// Rows a round of removal takes at most: the writer is shared with submissions.
 const ROUND: i64 = 500;
 
