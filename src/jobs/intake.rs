@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
 
-use super::queue::Queue;
+use super::queue::{Delivery, Queue};
 use super::store::database::{Lock, Tx};
-use super::store::{PRIORITY_OF_STRANDS, Store, keys, submissions, upkeep};
+use super::store::{Store, keys, submissions, upkeep};
 use super::{JobError, JobRecord, NewJob};
 
 /// Submissions that one transaction takes at most.
@@ -130,10 +130,10 @@ pub fn strands_of(points: usize, workers: usize) -> usize {
     points.min(workers).max(1)
 }
 
-fn deliveries_of(job: &NewJob, workers: usize) -> Vec<(uuid::Uuid, u8)> {
+fn deliveries_of(job: &NewJob, workers: usize) -> Vec<Delivery> {
     match job.points {
-        Some(points) => vec![(job.id, PRIORITY_OF_STRANDS); strands_of(points, workers)],
-        None => vec![(job.id, job.priority)],
+        Some(points) => Delivery::strands(job.id, strands_of(points, workers)),
+        None => vec![Delivery::of_job(job.id, job.priority)],
     }
 }
 

@@ -24,6 +24,8 @@ mod strand;
 /// Brings back what was lost, removes what has expired.
 mod sweep;
 /// One delivered job from claim to result.
+/// Threads that simulate.
+mod threads;
 mod worker;
 
 pub use error::JobError;

@@ -17,6 +17,7 @@ use tokio::sync::Mutex;
 use uuid::Uuid;
 
 use super::JobError;
+use super::store::PRIORITY_OF_STRANDS;
 use super::store::database::{Pool, Tx, statement};
 
 /// What River stores of a job: our row has the rest.
@@ -24,6 +25,30 @@ use super::store::database::{Pool, Tx, statement};
 #[river(kind = "run_job")]
 struct RunJob {
     job: Uuid,
+    /// Whether this is a strand of a study.
+    #[serde(default)]
+    strand: bool,
+}
+
+/// What is put into the queue.
+#[derive(Debug, Clone, Copy)]
+pub struct Delivery {
+    pub job: Uuid,
+    pub priority: u8,
+    /// Whether this is a strand of a study.
+    pub strand: bool,
+}
+
+impl Delivery {
+    /// A single job.
+    pub fn of_job(job: Uuid, priority: u8) -> Self {
+        Self { job, priority, strand: false }
+    }
+
+    /// Some strands of a study.
+    pub fn strands(study: Uuid, count: usize) -> Vec<Self> {
+        vec![Self { job: study, priority: PRIORITY_OF_STRANDS, strand: true }; count]
+    }
 }
 
 /// How a delivery ended.
@@ -45,6 +70,7 @@ pub type Handler = Arc<dyn Fn(Ticket) -> Pin<Box<dyn Future<Output = Delivered> 
 /// A delivered job.
 pub struct Ticket {
     pub job: Uuid,
+    pub strand: bool,
     /// Number of this delivery.
     pub delivery: i64,
     context: WorkContext,
@@ -126,15 +152,15 @@ impl Queue {
         Ok(Self { client, pool, workers, wakes: AtomicU64::new(1), run: Mutex::new(None) })
     }
 
-    /// Adds jobs, each with its priority; answers with the numbers of their deliveries, in order.
-    pub async fn enqueue(&self, tx: &mut Tx, jobs: &[(Uuid, u8)]) -> Result<Vec<i64>, JobError> {
+    /// Adds deliveries; answers with their numbers, in order.
+    pub async fn enqueue(&self, tx: &mut Tx, deliveries: &[Delivery]) -> Result<Vec<i64>, JobError> {
         // River takes an empty list for a mistake.
-        if jobs.is_empty() {
+        if deliveries.is_empty() {
             return Ok(Vec::new());
         }
-        let items = jobs.iter().map(|(job, priority)| {
+        let items = deliveries.iter().map(|Delivery { job, priority, strand }| {
             let opts = InsertOpts::default().with_queue(QUEUE).with_priority(i16::from(*priority));
-            InsertManyItem::new(RunJob { job: *job }, opts)
+            InsertManyItem::new(RunJob { job: *job, strand: *strand }, opts)
         });
         let request = self.client.insert_many(items.collect::<Vec<_>>());
         let inserted = match tx {
@@ -212,7 +238,8 @@ impl Queue {
 fn workers_for(handler: Handler) -> Result<Workers, JobError> {
     let mut workers = Workers::new();
     workers.add_fn(move |context: WorkContext, job: riverqueue::Job<RunJob>| {
-        let ticket = Ticket { job: job.args.job, delivery: job.row.id, context };
+        let RunJob { job: id, strand } = job.args;
+        let ticket = Ticket { job: id, strand, delivery: job.row.id, context };
         let delivered = handler(ticket);
         async move {
             match delivered.await {

@@ -12,11 +12,11 @@ use uuid::Uuid;
 
 use super::intake::{Intake, IntakeLimits, Submitted};
 use super::lock::DatabaseLock;
-use super::queue::{Handler, Queue, QueueStats};
+use super::queue::{Delivery, Handler, Queue, QueueStats};
 use super::running::{Running, StopReason, View};
 use super::store::database::{self, Dialect, Pool};
 use super::store::studies::StoredPoint;
-use super::store::{Filter, Location, PRIORITY_OF_STRANDS, Signal, Store, records, studies, upkeep};
+use super::store::{Filter, Location, Signal, Store, records, studies, upkeep};
 use super::worker::Worker;
 use super::{IdempotencyKey, JobError, JobRecord, NewJob, Status, sweep};
 use crate::contract::{Job, JobKind, Outcome, RunFailure};
@@ -291,7 +291,7 @@ impl Jobs {
         if !matches!(status, Status::Cancelled | Status::Failed) || !studies::resume(&mut tx, id).await? {
             return Err(JobError::CannotResume(status));
         }
-        let strands = vec![(id, PRIORITY_OF_STRANDS); upkeep::slots(&mut tx).await?];
+        let strands = Delivery::strands(id, upkeep::slots(&mut tx).await?);
         let deliveries = self.inner.queue.enqueue(&mut tx, &strands).await?;
         studies::add_strands(&mut tx, id, &deliveries).await?;
         tx.commit().await?;

@@ -163,7 +163,7 @@ impl Worker {
     /// Simulates a point on a thread of its own; `None`: told to stop.
     fn point_thread(&self, job: Result<Job, Refusal>, run: Arc<Run>) -> oneshot::Receiver<Option<PointEnd>> {
         let (simulator, limit) = (Arc::clone(&self.simulator), self.settings.time_limit);
-        self.on_solver_thread(move || {
+        self.threads.run(move || {
             let begin = Instant::now();
             let over = || begin.elapsed() > limit;
             let stop = || over() || run.stopped().is_some();

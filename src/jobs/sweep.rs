@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::JobError;
+use super::queue::Delivery;
 use super::service::Inner;
 use super::store::database::Lock;
-use super::store::{PRIORITY_OF_STRANDS, studies, upkeep};
+use super::store::{studies, upkeep};
 
 /// Sweeps now and then until the service is dropped.
 pub fn start(inner: &Arc<Inner>) {
@@ -51,11 +52,11 @@ async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
     let slots = upkeep::slots(&mut tx).await?;
     let lacking = studies::lacking(&mut tx, slots).await?;
     let deliveries = inner.queue.enqueue(&mut tx, &stranded).await?;
-    for ((job, _), delivery) in stranded.iter().zip(deliveries) {
-        upkeep::redeliver(&mut tx, *job, delivery).await?;
+    for (stranded, delivery) in stranded.iter().zip(deliveries) {
+        upkeep::redeliver(&mut tx, stranded.job, delivery).await?;
     }
     for (study, count) in &lacking {
-        let strands = vec![(*study, PRIORITY_OF_STRANDS); *count];
+        let strands = Delivery::strands(*study, *count);
         let deliveries = inner.queue.enqueue(&mut tx, &strands).await?;
         studies::add_strands(&mut tx, *study, &deliveries).await?;
     }

@@ -1,6 +1,5 @@
 //! One delivered job: claim it, run it on a thread of its own, write how it ended.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -13,6 +12,7 @@ use super::service::{Settings, Simulator};
 use super::store::claims::{self, Pulse};
 use super::store::database::Dialect;
 use super::store::{Claim, End, Store, StoredResult};
+use super::threads::SolverThreads;
 use super::{Failure, JobError};
 use crate::contract::{self, JobKind, RunFailure};
 use crate::simulation::run::{Control, Live};
@@ -24,6 +24,7 @@ pub struct Worker {
     pub simulator: Simulator,
     pub settings: Settings,
     slots: Arc<Semaphore>,
+    pub(super) threads: SolverThreads,
 }
 
 /// What became of a run.
@@ -39,7 +40,7 @@ const LOSSES_TO_RUN_ALONE: u32 = 2;
 impl Worker {
     pub fn new(store: Store, running: Arc<Running>, simulator: Simulator, settings: Settings) -> Self {
         let slots = Arc::new(Semaphore::new(settings.workers));
-        Self { store, running, simulator, settings, slots }
+        Self { store, running, simulator, settings, slots, threads: SolverThreads::default() }
     }
 
     /// Works a delivery to its end.
@@ -48,8 +49,11 @@ impl Worker {
     }
 
     async fn attempt(&self, ticket: &Ticket) -> Result<Delivered, JobError> {
-        if let Some(strand) = self.store.strand(ticket.delivery).await? {
-            return self.strand(ticket, strand).await;
+        if ticket.strand {
+            return match self.store.strand(ticket.delivery).await? {
+                Some(strand) => self.strand(ticket, strand).await,
+                None => Ok(Delivered::Done),
+            };
         }
         let Some(outlook) = self.store.outlook(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
         let measures = outlook.kind == JobKind::Accuracy.name();
@@ -116,28 +120,7 @@ impl Worker {
     fn solver_thread(&self, claim: &Claim, run: &Arc<Run>) -> oneshot::Receiver<Result<StoredResult, RunFailure>> {
         let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
         let (request, time_limit) = (claim.request.clone(), self.settings.time_limit);
-        self.on_solver_thread(move || solve(&simulator, &request, &run, time_limit))
-    }
-
-    /// Does work away from the threads that serve HTTP. A panic ends the thread, not the service: the channel closes without an
-    /// answer.
-    pub(super) fn on_solver_thread<T: Send + 'static>(
-        &self,
-        work: impl FnOnce() -> T + Send + 'static,
-    ) -> oneshot::Receiver<T> {
-        let (sender, receiver) = oneshot::channel();
-        let work = move || {
-            yield_to_readers();
-            if let Ok(result) = catch_unwind(AssertUnwindSafe(work)) {
-                // Nobody waits any more: the service stops.
-                drop(sender.send(result));
-            }
-        };
-        // A thread that cannot be made drops the sender, like a panic.
-        if let Err(error) = std::thread::Builder::new().name("solver".into()).spawn(work) {
-            tracing::error!(%error, "no thread could be made for a run");
-        }
-        receiver
+        self.threads.run(move || solve(&simulator, &request, &run, time_limit))
     }
 
     /// Writes the end with the delivery's, again and again while the database refuses.
@@ -196,7 +179,10 @@ fn solve(simulator: &Simulator, request: &str, run: &Run, time_limit: Duration) 
     };
     let (progress, live) = (|share| run.set_progress(share), |live: &Live<'_>| run.show(live));
     let outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
-    StoredResult::of(&outcome).map_err(|error| internal(error.to_string()))
+    let solved = begin.elapsed();
+    let stored = StoredResult::of(&outcome).map_err(|error| internal(error.to_string()));
+    tracing::debug!(?solved, encoded = ?begin.elapsed() - solved, "a run has ended");
+    stored
 }
 
 type Solved = Result<Result<StoredResult, RunFailure>, oneshot::error::RecvError>;
@@ -219,10 +205,4 @@ fn ended(solved: Solved, run: &Run, time_limit: Duration) -> Outcome {
 /// Why a run was ended.
 pub(super) fn stop_after(limit: Duration) -> String {
     format!("the run took longer than {} s of wall time", limit.as_secs_f64())
-}
-
-/// Solvers burn whole cores; whoever only wants to look at a result goes first.
-fn yield_to_readers() {
-    #[cfg(target_os = "linux")]
-    let _ = rustix::process::setpriority_process(None, 5);
 }

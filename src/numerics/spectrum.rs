@@ -280,17 +280,23 @@ fn hann_main_lobe(offset: f64) -> f64 {
     sinc(offset) / (1.0 - offset * offset)
 }
 
-/// Plans of the last length: all signals of a run share one, most runs share theirs, and a plan takes longer than its
-/// transform.
-static PLANS: LazyLock<Mutex<(usize, RealFftPlanner<f64>)>> = LazyLock::new(|| Mutex::new((0, RealFftPlanner::new())));
+/// Plans of the last few lengths: all signals of a run share one or two, most runs share theirs, and a plan takes longer than
+/// its transform.
+static PLANS: LazyLock<Mutex<(Vec<usize>, RealFftPlanner<f64>)>> = LazyLock::new(Mutex::default);
+
+/// Lengths of which plans are kept.
+const LENGTHS: usize = 8;
 
 /// A plan for signals of a length.
 fn planned<P>(length: usize, plan: impl FnOnce(&mut RealFftPlanner<f64>, usize) -> P) -> P {
     // Plans are whole whatever became of those who asked for them.
     let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
-    let (last, planner) = &mut *plans;
-    if *last != length {
-        (*last, *planner) = (length, RealFftPlanner::new());
+    let (lengths, planner) = &mut *plans;
+    if !lengths.contains(&length) {
+        if lengths.len() == LENGTHS {
+            (*lengths, *planner) = (Vec::new(), RealFftPlanner::new());
+        }
+        lengths.push(length);
     }
     plan(planner, length)
 }

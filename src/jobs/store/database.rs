@@ -433,7 +433,15 @@ pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgP
     let pool = PgPoolOptions::new()
         .max_connections(connections)
         // Whoever waits for an answer does not wait longer for a server that is away.
-        .acquire_timeout(Duration::from_secs(5));
+        .acquire_timeout(Duration::from_secs(5))
+        // Only a connection that has rested may have been cut meanwhile; asking each time would double the way of a query.
+        .test_before_acquire(false)
+        .before_acquire(|connection, rest| {
+            Box::pin(async move {
+                let rested = rest.idle_for > Duration::from_secs(1);
+                Ok(!rested || connection.ping().await.is_ok())
+            })
+        });
     Ok(pool.connect_with(options.clone().application_name("raceway")).await?)
 }
 

@@ -6,13 +6,14 @@ use uuid::Uuid;
 use super::database::{Dialect, Tx, statement};
 use super::{Store, micros, records, stored};
 use crate::jobs::JobError;
+use crate::jobs::queue::Delivery;
 
 /// Rows a round of removal takes at most: the writer is shared with submissions.
 const ROUND: i64 = 500;
 
 /// Unfinished jobs that nothing will run any more: their delivery is gone or ended, or their worker gave
 /// no sign of life for `lost_after`. `alive` are the runs of this process, which need no sign.
-pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<(Uuid, u8)>, JobError> {
+pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<Delivery>, JobError> {
     let now = tx.dialect().now();
     let sql = format!(
         "SELECT jobs.id, jobs.priority FROM jobs LEFT JOIN river_job ON river_job.id = jobs.delivery \
@@ -22,7 +23,7 @@ pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -
     );
     let rows: Vec<(Uuid, i64)> = statement(sql).bind(micros(lost_after)).bind(ROUND).all(&mut *tx).await?;
     let stranded = rows.into_iter().filter(|row| !alive.contains(&row.0));
-    Ok(stranded.map(|(id, priority)| (id, u8::try_from(priority).unwrap_or(2))).collect())
+    Ok(stranded.map(|(id, priority)| Delivery::of_job(id, u8::try_from(priority).unwrap_or(2))).collect())
 }
 
 /// Gives a job a new delivery, which makes older ones void.
