@@ -2,12 +2,17 @@
 
 use axum::Json;
 use axum::extract::State;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::IntoResponse;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::describe::{OnlyLocal, TakesNoJobs};
+use super::auth::Owner;
+use super::describe::{Anywhere, BadQuery, OnlyLocal, TakesNoJobs};
 use super::error::ApiError;
+use super::request::{Nothing, Query};
 use super::{App, describe};
+use crate::jobs::FIGURES_MEDIA_TYPE;
 
 /// How the service is.
 #[derive(Debug, Serialize, ToSchema)]
@@ -46,4 +51,20 @@ pub async fn live() -> Json<Health> {
 pub async fn ready(State(app): State<App>) -> Result<Json<Health>, ApiError> {
     app.jobs.ready().await.map_err(ApiError::NotReady)?;
     Ok(Json(OK))
+}
+
+/// How busy is the service?
+///
+/// For Prometheus, in the text format of OpenMetrics: jobs that wait and run, age of the oldest, places for runs; since this process began
+/// its runs by how they ended, their time, real-time factor, claims taken and lost, waits for the database.
+#[utoipa::path(
+    get, path = "/metrics", tag = describe::HEALTH, operation_id = "getFigures",
+    responses(
+        (status = 200, description = "Counts and times", body = String, content_type = "application/openmetrics-text",
+            example = json!("# TYPE raceway_jobs_waiting gauge\nraceway_jobs_waiting 3\n# EOF\n")),
+        BadQuery, Anywhere
+    )
+)]
+pub async fn figures(State(app): State<App>, _: Owner, _: Query<Nothing>) -> Result<impl IntoResponse, ApiError> {
+    Ok(([(CONTENT_TYPE, FIGURES_MEDIA_TYPE)], app.jobs.figures().await?))
 }

@@ -76,6 +76,7 @@ fn routes(app: &Option<App>) -> OpenApiRouter<App> {
         .routes(routes!(scenes::presets))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
+        .routes(routes!(health::figures))
         .routes(routes!(send_document))
 }
 

@@ -39,6 +39,8 @@ pub enum JobError {
     Stopping,
     #[error("no space is left for the database")]
     DiskFull,
+    #[error("the database takes no writes")]
+    NotWritable,
     #[error("another server uses the database {0}")]
     Locked(String),
     #[error("database: {0}")]
@@ -63,7 +65,11 @@ impl JobError {
 
     /// Whether the database cannot be reached for now, or takes no writes.
     pub fn is_away(&self) -> bool {
-        let Self::Database(error) = self else { return false };
+        let error = match self {
+            Self::NotWritable => return true,
+            Self::Database(error) => error,
+            _ => return false,
+        };
         match error {
             sqlx::Error::Io(_) | sqlx::Error::PoolTimedOut | sqlx::Error::PoolClosed | sqlx::Error::WorkerCrashed => {
                 true

@@ -10,6 +10,8 @@ pub mod service;
 /// What can go wrong, with what the caller may do about it.
 pub mod error;
 /// One transaction for many submissions.
+/// What operators watch.
+mod figures;
 mod intake;
 /// One server a database.
 mod lock;
@@ -29,6 +31,7 @@ mod threads;
 mod worker;
 
 pub use error::JobError;
+pub use figures::MEDIA_TYPE as FIGURES_MEDIA_TYPE;
 pub use intake::Submitted;
 pub use job::{Failure, IdempotencyKey, JobRecord, NewJob, Status};
 pub use running::View;

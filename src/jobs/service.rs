@@ -3,7 +3,6 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use tokio::sync::Notify;
@@ -96,27 +95,12 @@ pub(super) struct Inner {
     pub running: Arc<Running>,
     intake: Intake,
     stopping: CancellationToken,
-    disk_full: AtomicBool,
     _lock: Option<DatabaseLock>,
 }
 
 impl Inner {
     pub fn is_stopping(&self) -> bool {
         self.stopping.is_cancelled()
-    }
-
-    pub fn disk_is_full(&self) -> bool {
-        self.disk_full.load(Ordering::Acquire)
-    }
-
-    /// Remembers whether the disk took a write.
-    pub fn note<T>(&self, written: Result<T, JobError>) -> Result<T, JobError> {
-        match &written {
-            Ok(_) => self.disk_full.store(false, Ordering::Release),
-            Err(JobError::DiskFull) => self.disk_full.store(true, Ordering::Release),
-            Err(_) => {}
-        }
-        written
     }
 }
 
@@ -142,9 +126,8 @@ impl Jobs {
         let limits = IntakeLimits { queue: settings.queue_limit, keep_s: settings.keep_s };
         let intake = Intake::start(store.clone(), Arc::clone(&queue), limits);
         let stopping = CancellationToken::new();
-        let disk_full = AtomicBool::new(false);
         let worker = Uuid::now_v7();
-        let inner = Inner { worker, settings, store, queue, running, intake, stopping, disk_full, _lock: lock };
+        let inner = Inner { worker, settings, store, queue, running, intake, stopping, _lock: lock };
         let inner = Arc::new(inner);
         if let Pool::Postgres(pool) = inner.store.writer() {
             listen(pool.clone(), &inner);
@@ -159,7 +142,7 @@ impl Jobs {
         if self.inner.is_stopping() {
             return Err(JobError::Stopping);
         }
-        self.inner.note(self.inner.intake.submit(NewJob::new(job, owner, key)).await)
+        self.inner.store.note(self.inner.intake.submit(NewJob::new(job, owner, key)).await)
     }
 
     /// A job, with the progress of this moment.
@@ -225,7 +208,7 @@ impl Jobs {
 
     /// Ends a job that waits or runs.
     pub async fn cancel(&self, owner: &str, id: Uuid) -> Result<Cancelled, JobError> {
-        self.inner.note(self.try_cancel(owner, id).await)
+        self.inner.store.note(self.try_cancel(owner, id).await)
     }
 
     async fn try_cancel(&self, owner: &str, id: Uuid) -> Result<Cancelled, JobError> {
@@ -276,7 +259,7 @@ impl Jobs {
 
     /// Lets a study go on that was cancelled or has failed; points that have ended are kept.
     pub async fn resume(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
-        self.inner.note(self.try_resume(owner, id).await)
+        self.inner.store.note(self.try_resume(owner, id).await)
     }
 
     async fn try_resume(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
@@ -350,10 +333,19 @@ impl Jobs {
         if self.inner.is_stopping() {
             return Err(JobError::Stopping);
         }
-        if self.inner.disk_is_full() {
+        if self.inner.store.disk_is_full() {
             return Err(JobError::DiskFull);
         }
+        if self.inner.store.is_unwritable() {
+            return Err(JobError::NotWritable);
+        }
         self.inner.store.ping().await
+    }
+
+    /// Counts and times of this process, and the standing of the queue, as OpenMetrics text.
+    pub async fn figures(&self) -> Result<String, JobError> {
+        let standing = self.inner.store.standing().await?;
+        self.inner.store.figures.text(&standing)
     }
 
     /// Counts of the queue.

@@ -49,7 +49,10 @@ impl Worker {
         loop {
             let next = self.advance(&strand, ended.as_ref(), ticket).await?;
             let point = match next {
-                Some(Next::Point(point)) => point,
+                Some(Next::Point(point)) => {
+                    self.store.figures.claimed();
+                    point
+                }
                 Some(Next::Nothing) => return Ok(Delivered::Done),
                 Some(Next::Ended | Next::Cancelled) => {
                     self.running.ended(strand.job);
@@ -109,7 +112,7 @@ impl Worker {
         let mut pause = Duration::from_millis(100);
         loop {
             let ended = ended.map(|(point, result)| (*point, result));
-            match self.store.advance(strand, ended, self.settings.keep_s).await {
+            match self.store.note(self.store.advance(strand, ended, self.settings.keep_s).await) {
                 Ok(next) => return Ok(Some(next)),
                 Err(error) => tracing::error!(%error, job = %strand.job, "a point could not be written; trying again"),
             }

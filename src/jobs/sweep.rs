@@ -18,7 +18,9 @@ pub fn start(inner: &Arc<Inner>) {
             if inner.is_stopping() {
                 return;
             }
-            if let Err(error) = sweep(&inner).await {
+            let swept = sweep(&inner).await;
+            inner.store.note_sweep(swept.is_ok());
+            if let Err(error) = swept {
                 tracing::warn!(%error, "a sweep was broken off");
             }
         }
@@ -27,8 +29,8 @@ pub fn start(inner: &Arc<Inner>) {
 
 /// One sweep.
 pub async fn sweep(inner: &Inner) -> Result<(), JobError> {
-    if inner.disk_is_full() {
-        inner.note(inner.store.try_write().await)?;
+    if inner.store.disk_is_full() {
+        inner.store.note(inner.store.try_write().await)?;
     }
     let delivered = redeliver(inner).await?;
     if delivered > 0 {

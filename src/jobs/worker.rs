@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 
+use super::figures::Figures;
 use super::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
 use super::queue::{Delivered, Ticket};
 use super::running::{Run, Running, StopReason};
@@ -59,6 +60,7 @@ impl Worker {
         let measures = outlook.kind == JobKind::Accuracy.name();
         let Some(_slot) = self.slots(outlook.losses, measures, ticket).await else { return Ok(Delivered::HandedBack) };
         let Some(claim) = self.store.claim(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
+        self.store.figures.claimed();
         let guard = self.running.enter(claim.job);
         let outcome = match self.without_running(&claim) {
             Some(end) => Outcome::Ended(end),
@@ -119,22 +121,26 @@ impl Worker {
 
     fn solver_thread(&self, claim: &Claim, run: &Arc<Run>) -> oneshot::Receiver<Result<StoredResult, RunFailure>> {
         let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
+        let figures = Arc::clone(&self.store.figures);
         let (request, time_limit) = (claim.request.clone(), self.settings.time_limit);
-        self.threads.run(move || solve(&simulator, &request, &run, time_limit))
+        self.threads.run(move || solve(&simulator, &request, &run, time_limit, &figures))
     }
 
     /// Writes the end with the delivery's, again and again while the database refuses.
     async fn conclude(&self, claim: &Claim, outcome: Outcome, ticket: &Ticket) -> Result<Delivered, JobError> {
         let end = match outcome {
             Outcome::Ended(end) => end,
-            Outcome::ClaimLost => return Ok(Delivered::Done),
+            Outcome::ClaimLost => {
+                self.store.figures.claim_lost();
+                return Ok(Delivered::Done);
+            }
             Outcome::HandedBack => {
                 self.store.hand_back(claim).await?;
                 return Ok(Delivered::HandedBack);
             }
         };
         let mut pause = Duration::from_millis(100);
-        while let Err(error) = self.write_end(claim, &end, ticket).await {
+        while let Err(error) = self.store.note(self.write_end(claim, &end, ticket).await) {
             tracing::error!(%error, job = %claim.job, "the end of a run could not be written; trying again");
             tokio::select! {
                 () = tokio::time::sleep(pause) => {}
@@ -142,6 +148,7 @@ impl Worker {
             }
             pause = (2 * pause).min(Duration::from_secs(5));
         }
+        self.store.figures.ended(end.name());
         self.running.ended(claim.job);
         Ok(Delivered::Done)
     }
@@ -167,7 +174,13 @@ pub(super) fn follow(learnt: Result<Pulse, JobError>, run: &Run) {
 }
 
 /// Reads the request and simulates it, until it is told to stop or its time is over.
-fn solve(simulator: &Simulator, request: &str, run: &Run, time_limit: Duration) -> Result<StoredResult, RunFailure> {
+fn solve(
+    simulator: &Simulator,
+    request: &str,
+    run: &Run,
+    time_limit: Duration,
+    figures: &Figures,
+) -> Result<StoredResult, RunFailure> {
     let internal = |detail: String| RunFailure::Failed { cause: INTERNAL, detail };
     let job = contract::parse_job(request.as_bytes()).map_err(|refusal| internal(refusal.to_string()))?;
     let begin = Instant::now();
@@ -180,6 +193,11 @@ fn solve(simulator: &Simulator, request: &str, run: &Run, time_limit: Duration) 
     let (progress, live) = (|share| run.set_progress(share), |live: &Live<'_>| run.show(live));
     let outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
     let solved = begin.elapsed();
+    let factor = match &outcome {
+        contract::Outcome::Simulation(simulated) => Some(simulated.metrics.solver.real_time_factor),
+        _ => None,
+    };
+    figures.succeeded(solved, factor);
     let stored = StoredResult::of(&outcome).map_err(|error| internal(error.to_string()));
     tracing::debug!(?solved, encoded = ?begin.elapsed() - solved, "a run has ended");
     stored

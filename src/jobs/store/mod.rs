@@ -19,9 +19,13 @@ pub mod submissions;
 /// What was lost, what has expired, and whether the disk takes writes.
 pub mod upkeep;
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use jiff::{SignedDuration, Timestamp};
 
 use super::JobError;
+use super::figures::Figures;
 use super::queue::Queue;
 use database::{Dialect, Lock, Pool, Tx, statement};
 
@@ -38,6 +42,9 @@ pub const PRIORITY_OF_STRANDS: u8 = 4;
 pub struct Store {
     writer: Pool,
     readers: Pool,
+    pub figures: Arc<Figures>,
+    disk_full: Arc<AtomicBool>,
+    unwritable: Arc<AtomicBool>,
 }
 
 /// Readers of a file; a query takes well under a millisecond, so few serve many.
@@ -52,12 +59,24 @@ impl Store {
         let store = match location {
             Location::File(path) => {
                 let (writer, readers) = database::open_file(path, READERS, max_pages).await?;
-                Self { writer: Pool::Sqlite(writer), readers: Pool::Sqlite(readers) }
+                Self {
+                    writer: Pool::Sqlite(writer),
+                    readers: Pool::Sqlite(readers),
+                    figures: Arc::default(),
+                    disk_full: Arc::default(),
+                    unwritable: Arc::default(),
+                }
             }
             Location::Server(options) => {
                 let workers = u32::try_from(workers).unwrap_or(u32::MAX);
                 let pool = Pool::Postgres(database::connect(options, CONNECTIONS.saturating_add(workers)).await?);
-                Self { writer: pool.clone(), readers: pool }
+                Self {
+                    writer: pool.clone(),
+                    readers: pool,
+                    figures: Arc::default(),
+                    disk_full: Arc::default(),
+                    unwritable: Arc::default(),
+                }
             }
         };
         // Two processes that make tables at the same time would fail each other.
@@ -89,7 +108,32 @@ impl Store {
 
     /// Begins a write transaction.
     pub async fn begin(&self) -> Result<Tx, JobError> {
-        self.writer.begin().await
+        self.figures.waiting_for(self.writer.begin()).await
+    }
+
+    /// Whether the disk did not take what was written last.
+    pub fn disk_is_full(&self) -> bool {
+        self.disk_full.load(Ordering::Acquire)
+    }
+
+    /// Whether the last sweep, which writes, failed.
+    pub fn is_unwritable(&self) -> bool {
+        self.unwritable.load(Ordering::Acquire)
+    }
+
+    /// Remembers whether a sweep was made.
+    pub fn note_sweep(&self, was_made: bool) {
+        self.unwritable.store(!was_made, Ordering::Release);
+    }
+
+    /// Remembers whether the disk took a write.
+    pub fn note<T>(&self, written: Result<T, JobError>) -> Result<T, JobError> {
+        match &written {
+            Ok(_) => self.disk_full.store(false, Ordering::Release),
+            Err(JobError::DiskFull) => self.disk_full.store(true, Ordering::Release),
+            Err(_) => {}
+        }
+        written
     }
 
     /// Whether the database answers.

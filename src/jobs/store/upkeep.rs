@@ -52,6 +52,17 @@ pub async fn work(tx: &mut Tx, worker: Uuid, slots: usize, lost_after: SignedDur
     Ok(())
 }
 
+/// How the queue stands.
+#[derive(Debug, Clone, Copy, PartialEq, sqlx::FromRow)]
+pub struct Standing {
+    pub waiting: i64,
+    pub running: i64,
+    /// [s]; 0 where none waits.
+    pub oldest_waiting_s: f64,
+    /// Places where runs may be.
+    pub slots: i64,
+}
+
 /// How many jobs all processes together run at a time; 1 where there are none yet.
 pub async fn slots(tx: &mut Tx) -> Result<usize, JobError> {
     let sql = "SELECT CAST(coalesce(sum(slots), 0) AS BIGINT) FROM workers";
@@ -60,6 +71,19 @@ pub async fn slots(tx: &mut Tx) -> Result<usize, JobError> {
 }
 
 impl Store {
+    /// How the queue stands.
+    pub async fn standing(&self) -> Result<Standing, JobError> {
+        let now = self.dialect().now();
+        let sql = format!(
+            "SELECT count(*) FILTER (WHERE status = 'queued') AS waiting, \
+             count(*) FILTER (WHERE status = 'running') AS running, \
+             CAST(coalesce({now} - min(created_at) FILTER (WHERE status = 'queued'), 0) AS DOUBLE PRECISION) / 1e6 AS oldest_waiting_s, \
+             (SELECT CAST(coalesce(sum(slots), 0) AS BIGINT) FROM workers) AS slots \
+             FROM jobs WHERE status IN ('queued', 'running')"
+        );
+        statement(sql).one(&self.readers).await
+    }
+
     /// Forgets a process that ends.
     pub async fn leave(&self, worker: Uuid) -> Result<(), JobError> {
         statement("DELETE FROM workers WHERE id = $1").bind(worker).run(&self.writer).await?;

@@ -1,0 +1,60 @@
+//! What Prometheus reads.
+
+use serde_json::json;
+
+use crate::common::{Server, job_with, request};
+use crate::server::{Wishes, start, start_with};
+
+/// The value of a line that begins with these words.
+fn value(text: &str, words: &str) -> f64 {
+    let line = text.lines().find_map(|line| line.strip_prefix(words));
+    line.and_then(|value| value.trim().parse().ok()).unwrap_or_else(|| panic!("no {words} in {text}"))
+}
+
+#[test]
+fn figures_follow_the_queue_and_its_runs() {
+    let server = start_with(Wishes { workers: 1, ..Wishes::default() });
+    let slow = server.submit(&job_with(json!({ "labels": ["slow"] })));
+    server.wait_for(&slow, &["running"]);
+    server.submit(&job_with(json!({ "labels": ["slow"], "reuse": false })));
+    let answer = server.get("/metrics");
+    assert_eq!(answer.status, 200, "{answer:?}");
+    assert!(answer.header("content-type").is_some_and(|kind| kind.starts_with("application/openmetrics-text")));
+    let text = &answer.body;
+    assert_eq!((value(text, "raceway_jobs_waiting "), value(text, "raceway_jobs_running ")), (1.0, 1.0), "{text}");
+    assert_eq!((value(text, "raceway_worker_slots "), value(text, "raceway_claims_total ")), (1.0, 1.0), "{text}");
+    assert!(value(text, "raceway_oldest_waiting_seconds ") >= 0.0 && text.ends_with("# EOF\n"), "{text}");
+    server.post(&format!("{slow}/cancel"), &json!({}));
+    server.wait_for(&slow, &["cancelled"]);
+    let failing = server.submit(&job_with(json!({ "labels": ["fail"], "priority": 1 })));
+    let jobs = server.get("/v1/jobs?status=running").json()["jobs"].clone();
+    jobs.as_array().expect("jobs").iter().for_each(|job| {
+        server.post(job["links"]["cancel"].as_str().expect("a link"), &json!({}));
+    });
+    server.wait_for(&failing, &["failed"]);
+    let text = server.get("/metrics").body;
+    assert!(value(&text, "raceway_runs_total{end=\"cancelled\"} ") >= 1.0, "{text}");
+    assert_eq!(value(&text, "raceway_runs_total{end=\"failed\"} "), 1.0, "{text}");
+}
+
+#[test]
+fn times_of_runs_are_counted() {
+    let server = start();
+    let path = server.submit(&job_with(json!({ "reuse": false })));
+    server.wait_for(&path, &["succeeded"]);
+    let text = server.get("/metrics").body;
+    for counted in
+        ["raceway_run_time_seconds_count ", "raceway_real_time_factor_count ", "raceway_runs_total{end=\"succeeded\"} "]
+    {
+        assert_eq!(value(&text, counted), 1.0, "{text}");
+    }
+    assert!(value(&text, "raceway_database_wait_seconds_count ") > 2.0, "{text}");
+}
+
+#[test]
+fn figures_are_for_those_with_a_token() {
+    let server = start_with(Wishes { tokens: "mine", ..Wishes::default() });
+    server.get("/metrics").problem(401);
+    let headers = [("Authorization", "Bearer mine")];
+    assert_eq!(request(server.address(), "GET", "/metrics", &headers, b"").status, 200);
+}
