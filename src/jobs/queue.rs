@@ -128,8 +128,14 @@ impl Queue {
         Ok(())
     }
 
-    /// A queue that is not started yet; runs are rescued from their worker after `rescue_after`.
-    pub fn new(pool: Pool, workers: usize, rescue_after: Duration, handler: Handler) -> Result<Self, JobError> {
+    /// A queue of a process that is not started yet; runs are rescued from their worker after `rescue_after`.
+    pub fn new(
+        pool: Pool,
+        process: Uuid,
+        workers: usize,
+        rescue_after: Duration,
+        handler: Handler,
+    ) -> Result<Self, JobError> {
         let builder = match &pool {
             // All that writes is in this process, and says so by `wake`.
             Pool::Sqlite(pool) => Client::builder(pool).without_notifications(),
@@ -143,6 +149,8 @@ impl Queue {
                 .queue(QUEUE, QueueConfig::new(workers).with_fetch_poll_interval(POLL)),
         };
         let client = builder
+            // By which a delivery tells in whose hands it is.
+            .id(process.to_string())
             .fetch_cooldown(Duration::from_millis(2))
             // Runs have a limit of their own, which ends them by a flag.
             .without_job_timeout()

@@ -119,15 +119,15 @@ impl Jobs {
             let worker = Arc::clone(&worker);
             Box::pin(async move { worker.work(ticket).await })
         });
+        let worker_id = Uuid::now_v7();
         // The run's own limit comes first; this is for a worker that does not even hear its stop flag.
         let rescue_after = settings.time_limit + Duration::from_secs(30);
-        let queue = Queue::new(store.writer().clone(), settings.workers, rescue_after, handler)?;
+        let queue = Queue::new(store.writer().clone(), worker_id, settings.workers, rescue_after, handler)?;
         let queue = Arc::new(queue);
         let limits = IntakeLimits { queue: settings.queue_limit, keep_s: settings.keep_s };
         let intake = Intake::start(store.clone(), Arc::clone(&queue), limits);
         let stopping = CancellationToken::new();
-        let worker = Uuid::now_v7();
-        let inner = Inner { worker, settings, store, queue, running, intake, stopping, _lock: lock };
+        let inner = Inner { worker: worker_id, settings, store, queue, running, intake, stopping, _lock: lock };
         let inner = Arc::new(inner);
         if let Pool::Postgres(pool) = inner.store.writer() {
             listen(pool.clone(), &inner);

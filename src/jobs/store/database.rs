@@ -86,6 +86,18 @@ impl Dialect {
         }
     }
 
+    /// Whether a delivery, `river_job`, is in the hands of a process that is not among the workers any more. The process of a file
+    /// has it all delivered again when it starts.
+    pub fn is_orphaned(self) -> &'static str {
+        match self {
+            Self::Sqlite => "FALSE",
+            Self::Postgres => {
+                "river_job.state = 'running' AND NOT EXISTS (SELECT 1 FROM workers WHERE CAST(workers.id AS TEXT) \
+                 = river_job.attempted_by[array_upper(river_job.attempted_by, 1)])"
+            }
+        }
+    }
+
     /// Keeps the rows that a statement reads from being changed until its transaction ends. On SQLite nobody else writes.
     pub fn for_share(self) -> &'static str {
         match self {

@@ -369,11 +369,15 @@ pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
 /// Unfinished studies that lack strands, and how many: each has one for every place where runs may be, as long as points wait. Of
 /// one that has none left, points that were running wait again.
 pub async fn lacking(tx: &mut Tx, slots: usize) -> Result<Vec<(Uuid, usize)>, JobError> {
-    let sql = "SELECT jobs.id, \
-               (SELECT count(*) FROM strands JOIN river_job ON river_job.id = strands.delivery WHERE strands.job = jobs.id \
-                AND river_job.state NOT IN ('completed', 'cancelled', 'discarded')), \
-               (SELECT count(*) FROM points WHERE points.job = jobs.id AND points.status = 'queued') \
-               FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running')";
+    let orphaned = tx.dialect().is_orphaned();
+    let sql = format!(
+        "SELECT jobs.id, \
+         (SELECT count(*) FROM strands JOIN river_job ON river_job.id = strands.delivery WHERE strands.job = jobs.id \
+          AND river_job.state NOT IN ('completed', 'cancelled', 'discarded') \
+          AND NOT (strands.heartbeat_at IS NULL AND {orphaned})), \
+         (SELECT count(*) FROM points WHERE points.job = jobs.id AND points.status = 'queued') \
+         FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running')"
+    );
     let studies: Vec<(Uuid, i64, i64)> = statement(sql).all(&mut *tx).await?;
     let mut lacking = Vec::new();
     for (study, strands, waiting) in studies {

@@ -11,14 +11,15 @@ use crate::jobs::queue::Delivery;
 /// Rows a round of removal takes at most: the writer is shared with submissions.
 const ROUND: i64 = 500;
 
-/// Unfinished jobs that nothing will run any more: their delivery is gone or ended, or their worker gave
-/// no sign of life for `lost_after`. `alive` are the runs of this process, which need no sign.
+/// Unfinished jobs that nothing will run any more: their delivery is gone or ended, or in the hands of a process that has died before
+/// it took them up, or their run gave no sign of life for `lost_after`. `alive` are the runs of this process, which need no sign.
 pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<Delivery>, JobError> {
-    let now = tx.dialect().now();
+    let (now, orphaned) = (tx.dialect().now(), tx.dialect().is_orphaned());
     let sql = format!(
         "SELECT jobs.id, jobs.priority FROM jobs LEFT JOIN river_job ON river_job.id = jobs.delivery \
          WHERE jobs.kind <> 'study' AND jobs.status IN ('queued', 'running') AND (river_job.id IS NULL \
          OR river_job.state IN ('completed', 'cancelled', 'discarded') \
+         OR (jobs.status = 'queued' AND {orphaned}) \
          OR (jobs.status = 'running' AND jobs.heartbeat_at < {now} - $1)) LIMIT $2"
     );
     let rows: Vec<(Uuid, i64)> = statement(sql).bind(micros(lost_after)).bind(ROUND).all(&mut *tx).await?;
@@ -26,9 +27,10 @@ pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -
     Ok(stranded.map(|(id, priority)| Delivery::of_job(id, u8::try_from(priority).unwrap_or(2))).collect())
 }
 
-/// Gives a job a new delivery, which makes older ones void.
+/// Gives a job a new delivery, which makes older ones void. A run that was lost waits again: it is lost once, however long it waits.
 pub async fn redeliver(tx: &mut Tx, id: Uuid, delivery: i64) -> Result<(), JobError> {
-    let sql = "UPDATE jobs SET delivery = $2 WHERE id = $1";
+    let sql = "UPDATE jobs SET delivery = $2, lost = lost + CASE status WHEN 'running' THEN 1 ELSE 0 END, status = 'queued', \
+               started_at = NULL, heartbeat_at = NULL, progress = 0 WHERE id = $1 AND status IN ('queued', 'running')";
     statement(sql).bind(id).bind(delivery).run(&mut *tx).await?;
     Ok(())
 }
