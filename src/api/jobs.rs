@@ -77,6 +77,10 @@ pub async fn submit(
         Err(JobError::NotFound) => {
             return Ok((StatusCode::ACCEPTED, made, Json(JobAnswer::of(record)?)).into_response());
         }
+        // The job is made, and its address must not be lost with the link to the database.
+        Err(error) if error.is_away() => {
+            return Ok((StatusCode::ACCEPTED, made, waiting(&record), Json(JobAnswer::of(record)?)).into_response());
+        }
         now => now?,
     };
     let status = if record.status.is_final() { StatusCode::OK } else { StatusCode::ACCEPTED };

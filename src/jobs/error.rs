@@ -77,8 +77,8 @@ impl JobError {
             sqlx::Error::Protocol(_) | sqlx::Error::Tls(_) => true,
             sqlx::Error::Database(error) => {
                 let code = error.code().unwrap_or_default();
-                // PostgreSQL: no connection, too many of them, shutting down or starting, read-only.
-                let away = ["08", "53300", "57P", "25006"].iter().any(|class| code.starts_with(class));
+                // PostgreSQL: no connection, too many of them, shutting down or starting, read-only, not let in, no such database.
+                let away = ["08", "53300", "57P", "25006", "28", "3D000"].iter().any(|class| code.starts_with(class));
                 away && error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>().is_some()
             }
             _ => false,

@@ -78,6 +78,7 @@ fn same_for_each(error: &JobError) -> JobError {
     match error {
         JobError::DiskFull => JobError::DiskFull,
         JobError::Database(sqlx::Error::PoolClosed) => JobError::Stopping,
+        away if away.is_away() => JobError::NotWritable,
         other => JobError::Corrupt(other.to_string()),
     }
 }

@@ -67,6 +67,12 @@ impl Settings {
     }
 }
 
+/// How long a stopping process waits for a server that does not answer.
+const LONGEST_STOP: Duration = Duration::from_secs(8);
+
+/// How long a probe does.
+const LONGEST_PING: Duration = Duration::from_secs(2);
+
 /// After which a job that is waited for is looked at without a bell.
 const LOOK_AGAIN: Duration = Duration::from_secs(1);
 
@@ -191,10 +197,15 @@ impl Jobs {
         rings.as_mut().enable();
         let until = tokio::time::Instant::now() + at_most;
         loop {
-            let record = self.get(owner, id).await?;
+            let looked = self.get(owner, id).await;
             let left = until.saturating_duration_since(tokio::time::Instant::now());
-            if record.status.is_final() || left.is_zero() || self.is_stopping() {
-                return Ok(record);
+            let waits = match &looked {
+                Ok(record) => !record.status.is_final(),
+                // The job is safe, wherever the database is for now.
+                Err(error) => error.is_away(),
+            };
+            if !waits || left.is_zero() || self.is_stopping() {
+                return looked;
             }
             tokio::select! {
                 () = &mut rings => return self.get(owner, id).await,
@@ -222,9 +233,7 @@ impl Jobs {
                     // Its strands end it.
                     Some(run) => run.stop(StopReason::Cancelled),
                     // Its strands run elsewhere, and end it.
-                    None if status == Status::Running && self.inner.store.dialect() == Dialect::Postgres => {
-                        tx.tell_cancelled(id).await?;
-                    }
+                    None if studies::is_under_way(&mut tx, id).await? => tx.tell_cancelled(id).await?,
                     None => {
                         studies::cancel(&mut tx, id, self.inner.settings.keep_s).await?;
                         status = Status::Queued;
@@ -295,7 +304,7 @@ impl Jobs {
             return Err(JobError::Conflict(status));
         }
         records::delete(&mut tx, id).await?;
-        Ok(tx.commit().await?)
+        tx.commit().await
     }
 
     /// The metrics of a succeeded job, as JSON text.
@@ -339,7 +348,8 @@ impl Jobs {
         if self.inner.store.is_unwritable() {
             return Err(JobError::NotWritable);
         }
-        self.inner.store.ping().await
+        let answered = tokio::time::timeout(LONGEST_PING, self.inner.store.ping()).await;
+        answered.unwrap_or(Err(JobError::NotWritable))
     }
 
     /// Counts and times of this process, and the standing of the queue, as OpenMetrics text.
@@ -362,6 +372,15 @@ impl Jobs {
     pub async fn stop(&self) -> Result<(), JobError> {
         self.refuse_new();
         self.inner.running.stop_all(StopReason::HandedBack);
+        if self.inner.store.dialect() == Dialect::Sqlite {
+            return self.settle().await;
+        }
+        // A server that does not answer keeps nobody from ending: what was not handed back is found by its silence.
+        tokio::time::timeout(LONGEST_STOP, self.settle()).await.unwrap_or(Err(JobError::NotWritable))
+    }
+
+    /// Hands back what has run, and closes the database.
+    async fn settle(&self) -> Result<(), JobError> {
         let drained = self.inner.queue.drain().await;
         if let Err(error) = self.inner.store.leave(self.inner.worker).await {
             tracing::warn!(%error, "this process is listed for a while although it has ended");

@@ -158,7 +158,7 @@ impl Worker {
         if claims::finish(&mut tx, claim, end, self.settings.keep_s).await? {
             ticket.complete(&mut tx).await?;
         }
-        Ok(tx.commit().await?)
+        tx.commit().await
     }
 }
 

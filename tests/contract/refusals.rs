@@ -6,6 +6,12 @@ use crate::common::{Server, job, request};
 use crate::server::start;
 
 #[test]
+fn queries_hold_no_nul() {
+    let server = start();
+    server.get("/v1/jobs?label=a%00b").problem(400);
+}
+
+#[test]
 fn wrong_bodies_are_refused_with_their_reason() {
     let server = start();
     let json = [("Content-Type", "application/json")];

@@ -128,6 +128,27 @@ fn a_job_that_takes_its_workers_down_fails_and_its_neighbours_do_not() {
 }
 
 #[test]
+fn what_nobody_runs_any_more_can_be_cancelled() {
+    let Some((url, server)) = server() else { return };
+    let only = worker(&url);
+    let job = server.submit(&job_with(json!({ "settle_s": 0.0, "duration_s": 100.0 })));
+    server.wait_for(&job, &["running"]);
+    only.kill();
+    assert_eq!(server.post(&format!("{job}/cancel"), &json!({})).status, 202);
+    server.wait_for(&job, &["cancelled"]);
+
+    let mut other = worker(&url);
+    let study = server.submit(&json!({
+        "kind": "study", "scene": { "bearing": "608", "operation": { "speed_rpm": 3000 } }, "reuse": false,
+        "axes": [{ "path": "/operation/speed_rpm", "values": [3000, 4000] }], "settle_s": 0.0, "duration_s": 100.0
+    }));
+    server.wait_for(&study, &["running"]);
+    other.signal("-TERM");
+    assert!(other.child.wait().is_ok_and(|status| status.success()));
+    assert_eq!(server.post(&format!("{study}/cancel"), &json!({})).json()["status"], "cancelled");
+}
+
+#[test]
 fn a_study_goes_on_with_the_workers_that_are_left_and_with_those_that_come() {
     let Some((url, server)) = server() else { return };
     let study = json!({

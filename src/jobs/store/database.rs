@@ -158,10 +158,11 @@ impl Tx {
     }
 
     pub async fn commit(self) -> Result<(), JobError> {
-        Ok(match self {
+        match self {
             Self::Sqlite(tx) => tx.commit().await?,
             Self::Postgres(tx) => tx.commit().await?,
-        })
+        }
+        Ok(())
     }
 
     /// Waits until no other process does this, until the transaction ends. SQLite has one writer at a time anyway.
@@ -442,6 +443,8 @@ fn is_outside_transactions(connection: &SqliteConnection) -> bool {
 
 /// Connects to a server.
 pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgPool, JobError> {
+    // A pool tries again and again, and does not say why in vain.
+    PgConnection::connect_with(options).await?.close().await?;
     let pool = PgPoolOptions::new()
         .max_connections(connections)
         // Whoever waits for an answer does not wait longer for a server that is away.

@@ -50,7 +50,7 @@ impl Made {
 pub async fn made(tx: &mut Tx, owner: &str, key: &IdempotencyKey) -> Result<Option<Made>, JobError> {
     let sql =
         "SELECT fingerprint, job, created_at, reused, expires_at FROM idempotency_keys WHERE owner = $1 AND key = $2";
-    Ok(statement(sql).bind(owner).bind(&key.key).optional(&mut *tx).await?)
+    statement(sql).bind(owner).bind(&key.key).optional(&mut *tx).await
 }
 
 /// Notes what a key makes.

@@ -124,6 +124,10 @@ pub(super) async fn insert_empty(tx: &mut Tx) -> Result<Uuid, JobError> {
 
 /// Removes results that no job points to any more.
 pub(super) async fn remove_orphan(tx: &mut Tx, result: Uuid) -> Result<(), JobError> {
+    // One after the other: two that delete the last two jobs would each see the other's.
+    if tx.dialect() == Dialect::Postgres {
+        statement("SELECT 1 FROM results WHERE id = $1 FOR UPDATE").bind(result).run(&mut *tx).await?;
+    }
     let sql = "DELETE FROM results WHERE id = $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE result_id = $1)";
     statement(sql).bind(result).run(&mut *tx).await?;
     Ok(())
@@ -178,13 +182,13 @@ impl Store {
             Dialect::Postgres => "number",
         };
         let sql = format!("SELECT channel FROM signals WHERE result_id = $1 AND sort = $2 ORDER BY {order}");
-        Ok(statement(sql).bind(result).bind(signal.name()).values(&self.readers).await?)
+        statement(sql).bind(result).bind(signal.name()).values(&self.readers).await
     }
 
     /// Digest of all that determines the result of a succeeded job; `None` of any other.
     pub async fn fingerprint(&self, owner: &str, job: Uuid) -> Result<Option<Vec<u8>>, JobError> {
         let sql = "SELECT content_hash FROM jobs WHERE id = $1 AND owner = $2 AND status = 'succeeded'";
-        Ok(statement(sql).bind(job).bind(owner).value(&self.readers).await?)
+        statement(sql).bind(job).bind(owner).value(&self.readers).await
     }
 
     /// The result of a job, which must be of that kind: others never have such a result.

@@ -112,7 +112,7 @@ impl Store {
         let sql = format!("UPDATE strands SET heartbeat_at = {} WHERE delivery = $1", self.dialect().now());
         statement(sql).bind(strand.delivery).run(&mut tx).await?;
         lose_points(&mut tx, strand.job, strand.delivery, max_lost_runs).await?;
-        Ok(tx.commit().await?)
+        tx.commit().await
     }
 
     /// Writes the end of a point, if there is one, and takes the next, in one transaction.
@@ -139,7 +139,7 @@ impl Store {
         if statement(sql).bind(strand.delivery).value(&mut tx).await?.unwrap_or(false) {
             cancel(&mut tx, strand.job, strand.keep_for_s.unwrap_or(keep_s)).await?;
         }
-        Ok(tx.commit().await?)
+        tx.commit().await
     }
 
     /// Shows that a strand is alive.
@@ -348,6 +348,16 @@ pub async fn cancel(tx: &mut Tx, job: Uuid, keep_s: f64) -> Result<(), JobError>
     remove_strands(tx, job).await
 }
 
+/// Whether a strand runs points of a study.
+pub async fn is_under_way(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
+    // On a file there is no other process that could.
+    if tx.dialect() == Dialect::Sqlite {
+        return Ok(false);
+    }
+    let sql = "SELECT EXISTS (SELECT 1 FROM strands WHERE job = $1 AND heartbeat_at IS NOT NULL)";
+    Ok(statement(sql).bind(job).value(&mut *tx).await?.unwrap_or(false))
+}
+
 /// Lets a study go on that was cancelled, or that failed by what may pass: such points wait again. False: nothing is left to do.
 pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
     let sql = "UPDATE points SET status = 'queued', cause = NULL, answer = NULL, lost = 0 \
@@ -368,19 +378,24 @@ pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
 
 /// Unfinished studies that lack strands, and how many: each has one for every place where runs may be, as long as points wait. Of
 /// one that has none left, points that were running wait again.
-pub async fn lacking(tx: &mut Tx, slots: usize) -> Result<Vec<(Uuid, usize)>, JobError> {
+pub async fn lacking(tx: &mut Tx, slots: usize, keep_s: f64) -> Result<Vec<(Uuid, usize)>, JobError> {
     let orphaned = tx.dialect().is_orphaned();
     let sql = format!(
         "SELECT jobs.id, \
          (SELECT count(*) FROM strands JOIN river_job ON river_job.id = strands.delivery WHERE strands.job = jobs.id \
           AND river_job.state NOT IN ('completed', 'cancelled', 'discarded') \
           AND NOT (strands.heartbeat_at IS NULL AND {orphaned})), \
-         (SELECT count(*) FROM points WHERE points.job = jobs.id AND points.status = 'queued') \
-         FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running')"
+         (SELECT count(*) FROM points WHERE points.job = jobs.id AND points.status = 'queued'), \
+         cancel_requested_at IS NOT NULL, keep_for_s FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running')"
     );
-    let studies: Vec<(Uuid, i64, i64)> = statement(sql).all(&mut *tx).await?;
+    let studies: Vec<(Uuid, i64, i64, bool, Option<f64>)> = statement(sql).all(&mut *tx).await?;
     let mut lacking = Vec::new();
-    for (study, strands, waiting) in studies {
+    for (study, strands, waiting, cancel_requested, keep_for_s) in studies {
+        // Nobody is there to end it.
+        if cancel_requested && !is_under_way(tx, study).await? {
+            cancel(tx, study, keep_for_s.unwrap_or(keep_s)).await?;
+            continue;
+        }
         if strands == 0 {
             let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
             statement(sql).bind(study).run(&mut *tx).await?;

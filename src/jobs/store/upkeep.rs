@@ -27,6 +27,22 @@ pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -
     Ok(stranded.map(|(id, priority)| Delivery::of_job(id, u8::try_from(priority).unwrap_or(2))).collect())
 }
 
+/// Ends jobs that someone wants to end and that nobody runs.
+pub async fn end_cancelled(tx: &mut Tx, lost_after: SignedDuration, keep_s: f64) -> Result<(), JobError> {
+    let now = tx.dialect().now();
+    let sql = format!(
+        "UPDATE jobs SET status = 'cancelled', finished_at = $1, \
+         expires_at = $1 + CAST(coalesce(keep_for_s, $2) * 1e6 AS BIGINT) \
+         WHERE kind <> 'study' AND cancel_requested_at IS NOT NULL AND (status = 'queued' \
+         OR (status = 'running' AND heartbeat_at < {now} - $3)) RETURNING id"
+    );
+    let ended = statement(sql).bind(stored(Timestamp::now())).bind(keep_s).bind(micros(lost_after));
+    for job in ended.values::<Uuid>(&mut *tx).await? {
+        tx.tell_ended(job).await?;
+    }
+    Ok(())
+}
+
 /// Gives a job a new delivery, which makes older ones void. A run that was lost waits again: it is lost once, however long it waits.
 pub async fn redeliver(tx: &mut Tx, id: Uuid, delivery: i64) -> Result<(), JobError> {
     let sql = "UPDATE jobs SET delivery = $2, lost = lost + CASE status WHEN 'running' THEN 1 ELSE 0 END, status = 'queued', \
@@ -95,7 +111,7 @@ impl Store {
     /// Jobs whose time is over.
     pub async fn expired(&self) -> Result<Vec<Uuid>, JobError> {
         let sql = "SELECT id FROM jobs WHERE expires_at < $1 LIMIT $2";
-        Ok(statement(sql).bind(stored(Timestamp::now())).bind(ROUND).values(&self.readers).await?)
+        statement(sql).bind(stored(Timestamp::now())).bind(ROUND).values(&self.readers).await
     }
 
     /// Removes jobs whose time is over.
@@ -104,7 +120,7 @@ impl Store {
         for job in jobs {
             records::delete(&mut tx, *job).await?;
         }
-        Ok(tx.commit().await?)
+        tx.commit().await
     }
 
     /// Writes something, to see whether the disk takes it.
