@@ -3,6 +3,7 @@
 idempotency keys: each ends once, with the result of an undisturbed run to the bit. KILLS and JOBS say how many on each database
 (20 and 200 unless told), SEED at which times; `KILLS=200 JOBS=500 .ci/checks/kills.py` is the long form."""
 
+import atexit
 import json
 import os
 import random
@@ -63,15 +64,23 @@ class Worker:
         command = [binary(), "worker", "--database", database, "--workers", "1", *PATIENCE]
         self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log,
                                         env=clean_environment())
+        STARTED.append(self.process)
 
     def kill(self):
         self.process.kill()
         self.process.wait()
 
 
+# Whatever has been started, so that nothing outlives a check that fails.
+STARTED = []
+atexit.register(lambda: [process.kill() for process in STARTED])
+
+
 def serve(directory, database, port, *options):
     command = [binary(), "serve", "--listen", f"127.0.0.1:{port}", "--database", database, *PATIENCE, *options]
-    return Service(directory, command=command)
+    service = Service(directory, command=command)
+    STARTED.append(service.process)
+    return service
 
 
 def hand_in(client, paths):

@@ -443,8 +443,10 @@ fn is_outside_transactions(connection: &SqliteConnection) -> bool {
 
 /// Connects to a server.
 pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgPool, JobError> {
+    // A process that is frozen within a transaction would keep its locks, and with them all others.
+    let options = options.clone().application_name("raceway").options([("idle_in_transaction_session_timeout", "10s")]);
     // A pool tries again and again, and does not say why in vain.
-    PgConnection::connect_with(options).await?.close().await?;
+    PgConnection::connect_with(&options).await?.close().await?;
     let pool = PgPoolOptions::new()
         .max_connections(connections)
         // Whoever waits for an answer does not wait longer for a server that is away.
@@ -457,7 +459,7 @@ pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgP
                 Ok(!rested || connection.ping().await.is_ok())
             })
         });
-    Ok(pool.connect_with(options.clone().application_name("raceway")).await?)
+    Ok(pool.connect_with(options).await?)
 }
 
 /// Brings our tables up to date; migrations are never edited once released.
