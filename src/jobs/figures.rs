@@ -9,8 +9,8 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
 use prometheus_client::registry::{Registry, Unit};
 
-use super::JobError;
 use super::store::upkeep::Standing;
+use super::{JobError, Status};
 
 /// Media type of `Figures::text`.
 pub const MEDIA_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
@@ -80,9 +80,9 @@ impl Figures {
         self.claims_lost.inc();
     }
 
-    /// A run has ended: `succeeded`, `failed` or `cancelled`.
-    pub fn ended(&self, end: &'static str) {
-        self.runs.get_or_create(&[("end", end)]).inc();
+    /// A run has ended.
+    pub fn ended(&self, end: Status) {
+        self.runs.get_or_create(&[("end", end.name())]).inc();
     }
 
     /// A run has succeeded, in so much time, and so much faster than what it simulated.

@@ -9,9 +9,9 @@ pub mod service;
 
 /// What can go wrong, with what the caller may do about it.
 pub mod error;
-/// One transaction for many submissions.
 /// What operators watch.
 mod figures;
+/// One transaction for many submissions.
 mod intake;
 /// One server a database.
 mod lock;
@@ -25,9 +25,9 @@ mod store;
 mod strand;
 /// Brings back what was lost, removes what has expired.
 mod sweep;
-/// One delivered job from claim to result.
 /// Threads that simulate.
 mod threads;
+/// One delivered job from claim to result.
 mod worker;
 
 pub use error::JobError;

@@ -5,12 +5,12 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::oneshot;
 
-use super::JobError;
 use super::job::{INTERNAL, TIME_LIMIT, point_hashes};
 use super::queue::{Delivered, Ticket};
 use super::running::{Run, StopReason};
 use super::store::studies::{Next, PointClaim, PointResult, Strand};
 use super::worker::{Worker, follow, stop_after};
+use super::{JobError, Status};
 use crate::contract::table::PointError;
 use crate::contract::{self, Job, PointEnd, Refusal, Study, execute_point};
 use crate::simulation::run::Control;
@@ -152,7 +152,13 @@ impl Worker {
             }
         };
         Ok(match end {
-            Ok(Some(end)) => Computed::Ended(PointResult { end, reused: false, content_hash: hash }),
+            Ok(Some(end)) => {
+                self.store.figures.ended(match &end {
+                    PointEnd::Succeeded(_) => Status::Succeeded,
+                    PointEnd::Failed(_) => Status::Failed,
+                });
+                Computed::Ended(PointResult { end, reused: false, content_hash: hash })
+            }
             Ok(None) => Computed::Stopped,
             // The thread panicked; what it said is in the log.
             Err(_) => {
@@ -166,12 +172,16 @@ impl Worker {
     /// Simulates a point on a thread of its own; `None`: told to stop.
     fn point_thread(&self, job: Result<Job, Refusal>, run: Arc<Run>) -> oneshot::Receiver<Option<PointEnd>> {
         let (simulator, limit) = (Arc::clone(&self.simulator), self.settings.time_limit);
+        let figures = Arc::clone(&self.store.figures);
         self.threads.run(move || {
             let begin = Instant::now();
             let over = || begin.elapsed() > limit;
             let stop = || over() || run.stopped().is_some();
             let simulate = |job: &Job| simulator(job, &Control::until(&stop));
             let end = execute_point(job, &simulate);
+            if let Some(PointEnd::Succeeded(metrics)) = &end {
+                figures.succeeded(begin.elapsed(), metrics["solver"]["real_time_factor"].as_f64());
+            }
             if end.is_none() && run.stopped().is_none() && over() {
                 return Some(PointEnd::Failed(PointError {
                     cause: TIME_LIMIT.to_owned(),

@@ -14,7 +14,7 @@ use super::store::claims::{self, Pulse};
 use super::store::database::Dialect;
 use super::store::{Claim, End, Store, StoredResult};
 use super::threads::SolverThreads;
-use super::{Failure, JobError};
+use super::{Failure, JobError, Status};
 use crate::contract::{self, JobKind, RunFailure};
 use crate::simulation::run::{Control, Live};
 
@@ -140,25 +140,36 @@ impl Worker {
             }
         };
         let mut pause = Duration::from_millis(100);
-        while let Err(error) = self.store.note(self.write_end(claim, &end, ticket).await) {
-            tracing::error!(%error, job = %claim.job, "the end of a run could not be written; trying again");
+        let written = loop {
+            match self.store.note(self.write_end(claim, &end, ticket).await) {
+                Ok(written) => break written,
+                Err(error) => {
+                    tracing::error!(%error, job = %claim.job, "the end of a run could not be written; trying again");
+                }
+            }
             tokio::select! {
                 () = tokio::time::sleep(pause) => {}
                 () = ticket.stopping() => return Ok(Delivered::HandedBack),
             }
             pause = (2 * pause).min(Duration::from_secs(5));
+        };
+        match written {
+            Some(status) => self.store.figures.ended(status),
+            None => self.store.figures.claim_lost(),
         }
-        self.store.figures.ended(end.name());
         self.running.ended(claim.job);
         Ok(Delivered::Done)
     }
 
-    async fn write_end(&self, claim: &Claim, end: &End, ticket: &Ticket) -> Result<(), JobError> {
+    /// The end as it stands in the record; `None`: the claim is lost.
+    async fn write_end(&self, claim: &Claim, end: &End, ticket: &Ticket) -> Result<Option<Status>, JobError> {
         let mut tx = self.store.begin().await?;
-        if claims::finish(&mut tx, claim, end, self.settings.keep_s).await? {
+        let written = claims::finish(&mut tx, claim, end, self.settings.keep_s).await?;
+        if written.is_some() {
             ticket.complete(&mut tx).await?;
+            tx.commit().await?;
         }
-        tx.commit().await
+        Ok(written)
     }
 }
 

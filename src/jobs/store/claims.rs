@@ -7,8 +7,7 @@ use uuid::Uuid;
 use super::database::{Tx, statement};
 use super::results::{self, StoredResult};
 use super::{Store, stored};
-
-use crate::jobs::{Failure, JobError};
+use crate::jobs::{Failure, JobError, Status};
 
 /// A job in the hands of this process.
 #[derive(Debug, Clone)]
@@ -39,12 +38,11 @@ pub enum End {
 }
 
 impl End {
-    /// As it is stored.
-    pub fn name(&self) -> &'static str {
+    pub fn status(&self) -> Status {
         match self {
-            Self::Succeeded(_) => "succeeded",
-            Self::Failed(_) => "failed",
-            Self::Cancelled => "cancelled",
+            Self::Succeeded(_) => Status::Succeeded,
+            Self::Failed(_) => Status::Failed,
+            Self::Cancelled => Status::Cancelled,
         }
     }
 }
@@ -121,35 +119,43 @@ impl Store {
     }
 }
 
-/// Writes how the run ended; false: the claim is lost and nothing was written.
-pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Result<bool, JobError> {
-    // An update, so that nobody else changes the row before this transaction ends.
-    let sql = "UPDATE jobs SET claim = claim WHERE id = $1 AND claim = $2 AND status = 'running' \
-               RETURNING cancel_requested_at IS NOT NULL";
-    let cancel_requested: Option<bool> = statement(sql).bind(claim.job).bind(claim.number).value(&mut *tx).await?;
-    let Some(cancel_requested) = cancel_requested else { return Ok(false) };
-    let (status, result, failure) = match end {
-        // Whoever asked for the cancellation was promised it, also when the run was a little faster.
-        _ if cancel_requested => ("cancelled", None, None),
-        End::Succeeded(result) => ("succeeded", Some(results::insert(tx, result).await?), None),
-        End::Failed(failure) => ("failed", None, Some(failure)),
-        End::Cancelled => ("cancelled", None, None),
+/// Writes how the run ended, and says as what it stands in the record; `None`: the claim is lost, and the transaction must not be
+/// committed.
+pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Result<Option<Status>, JobError> {
+    let (result, failure) = match end {
+        End::Succeeded(result) => (Some(results::insert(tx, result).await?), None),
+        End::Failed(failure) => (None, Some(failure)),
+        End::Cancelled => (None, None),
     };
     let now = Timestamp::now();
-    let sql = "UPDATE jobs SET status = $2, result_id = $3, error_cause = $4, error_detail = $5, finished_at = $6, \
-               expires_at = $7, progress = CASE $2 WHEN 'succeeded' THEN 1.0 ELSE progress END WHERE id = $1";
-    statement(sql)
+    // Whoever asked for the cancellation was promised it, also when the run was a little faster.
+    let sql = "UPDATE jobs SET status = CASE WHEN cancel_requested_at IS NULL THEN $3 ELSE 'cancelled' END, \
+               result_id = CASE WHEN cancel_requested_at IS NULL THEN $4 END, \
+               error_cause = CASE WHEN cancel_requested_at IS NULL THEN $5 END, \
+               error_detail = CASE WHEN cancel_requested_at IS NULL THEN $6 END, \
+               progress = CASE WHEN cancel_requested_at IS NULL AND $3 = 'succeeded' THEN 1.0 ELSE progress END, \
+               finished_at = $7, expires_at = $8 \
+               WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING status";
+    let status: Option<String> = statement(sql)
         .bind(claim.job)
-        .bind(status)
+        .bind(claim.number)
+        .bind(end.status().name())
         .bind(result)
         .bind(failure.map(|failure| &failure.cause))
         .bind(failure.map(|failure| &failure.detail))
         .bind(stored(now))
         .bind(stored(expiry(now, claim.keep_for_s.unwrap_or(keep_s))))
-        .run(&mut *tx)
+        .value(&mut *tx)
         .await?;
+    let Some(status) = status else { return Ok(None) };
+    let status = Status::parse(&status).ok_or_else(|| JobError::Corrupt(format!("status {status}")))?;
+    if let Some(result) = result
+        && status == Status::Cancelled
+    {
+        results::remove_orphan(tx, result).await?;
+    }
     tx.tell_ended(claim.job).await?;
-    Ok(true)
+    Ok(Some(status))
 }
 
 /// When something that ended at a time and is kept for so many seconds goes.

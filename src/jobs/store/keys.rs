@@ -7,7 +7,6 @@ use uuid::Uuid;
 use super::database::{Tx, statement};
 use super::{Store, stored, time};
 use crate::jobs::job::IdempotencyKey;
-
 use crate::jobs::{JobError, JobRecord, NewJob, Status};
 
 /// Least time that a key is kept after its first use.

@@ -6,7 +6,6 @@ use uuid::Uuid;
 
 use super::database::{Tx, statement};
 use super::{Store, results, stored, time};
-
 use crate::jobs::{Failure, JobError, JobRecord, Status};
 
 /// Which jobs a list shows.

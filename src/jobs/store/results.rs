@@ -12,7 +12,6 @@ use uuid::Uuid;
 use super::Store;
 use super::database::{Dialect, Tx, statement};
 use crate::contract::{JobKind, Outcome, Simulated, SpectrumKind};
-
 use crate::jobs::{JobError, Status};
 
 /// Which signal of a channel.

@@ -9,7 +9,6 @@ use super::{Store, claims, micros, results, stored};
 use crate::contract::table::PointError;
 use crate::contract::{JobKind, PointEnd, PointStatus};
 use crate::jobs::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
-
 use crate::jobs::{Failure, JobError, Status};
 
 /// A strand and its study.
