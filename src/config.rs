@@ -30,6 +30,11 @@ pub enum Command {
     Serve(ServeOptions),
     /// Run jobs of a service on the same PostgreSQL database, without HTTP
     Worker(WorkerOptions),
+    /// Make, list and revoke bearer tokens, also while the service runs
+    #[command(subcommand)]
+    Token(TokenCommand),
+    /// Make the tables of a database, or bring them up to date, as every start does whose user may
+    Migrate(DatabaseOptions),
     /// Run one job without a server: metrics on stdout as JSON
     Simulate(SimulateOptions),
     /// Run a scene by several methods and tolerances: error against run time, as table, JSON and SVG
@@ -164,6 +169,12 @@ pub struct ServeOptions {
     /// Jobs that may wait; more are answered with 429
     #[arg(long, env = "RACEWAY_QUEUE_LIMIT", default_value_t = 10_000)]
     pub queue_limit: u32,
+    /// Of these, jobs of one owner [default: all]
+    #[arg(long, env = "RACEWAY_QUEUE_LIMIT_PER_OWNER", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub queue_limit_per_owner: Option<u32>,
+    /// Requests a second that tokens of one owner may make, and as many at once after a rest; 0: any number
+    #[arg(long, env = "RACEWAY_RATE_LIMIT", default_value_t = 1000, value_name = "N")]
+    pub rate_limit: u32,
     #[command(flatten)]
     pub runs: RunOptions,
     /// Web pages from elsewhere that may use the API: their origins, such as `https://portal.example`, separated by commas
@@ -172,6 +183,71 @@ pub struct ServeOptions {
     /// Serve beyond loopback without tokens: everyone who reaches the port may do everything
     #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH", value_parser = BoolishValueParser::new())]
     pub insecure_no_auth: bool,
+}
+
+/// What to do with tokens.
+#[derive(Debug, Subcommand)]
+pub enum TokenCommand {
+    /// Make a token and print it, this once: only its digest is kept
+    Create(NewTokenOptions),
+    /// List all tokens that ever were, without the tokens themselves
+    List(DatabaseOptions),
+    /// Revoke a token; a running service refuses it within a second
+    Revoke(RevokeOptions),
+}
+
+#[derive(Debug, Args)]
+pub struct DatabaseOptions {
+    /// Database: sqlite://FILE, made when it does not exist, or postgres://USER@HOST/NAME
+    #[arg(
+        long,
+        env = "RACEWAY_DATABASE",
+        default_value = "sqlite://raceway.db",
+        value_name = "URL",
+        hide_env_values = true
+    )]
+    pub database: String,
+}
+
+impl DatabaseOptions {
+    /// The database.
+    pub fn location(&self) -> Result<Location, ConfigError> {
+        location(&self.database)
+    }
+}
+
+#[derive(Debug, Args)]
+pub struct NewTokenOptions {
+    /// Name of the token, by which it is listed and revoked [default: made up]
+    #[arg(value_parser = token_name)]
+    pub name: Option<String>,
+    /// Whose jobs it sees: tokens of one owner see the same jobs [default: an owner of its own]
+    #[arg(long, value_name = "OWNER", value_parser = token_name)]
+    pub owner: Option<String>,
+    /// Days after which it is refused [default: never]
+    #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
+    pub expires_in_days: Option<u32>,
+    #[command(flatten)]
+    pub database: DatabaseOptions,
+}
+
+#[derive(Debug, Args)]
+pub struct RevokeOptions {
+    /// Name or id of the token
+    #[arg(value_name = "NAME|ID")]
+    pub token: String,
+    #[command(flatten)]
+    pub database: DatabaseOptions,
+}
+
+/// A name of a token or an owner: a word, so that lists can be read and cut into columns.
+fn token_name(name: &str) -> Result<String, String> {
+    let is_word = name.chars().all(|letter| letter.is_ascii_graphic());
+    if is_word && (1..=100).contains(&name.len()) {
+        Ok(name.to_owned())
+    } else {
+        Err("must be 1 to 100 visible ASCII characters without spaces".to_owned())
+    }
 }
 
 #[derive(Debug, Args)]
@@ -231,8 +307,8 @@ pub enum ConfigError {
     )]
     NobodyWorks,
     #[error(
-        "{0} can be reached from other machines, and there are no tokens: set RACEWAY_API_TOKENS, listen on \
-         127.0.0.1, or accept the risk with --insecure-no-auth"
+        "{0} can be reached from other machines, and there are no tokens: make one with `raceway token create`, set \
+         RACEWAY_API_TOKENS, listen on 127.0.0.1, or accept the risk with --insecure-no-auth"
     )]
     OpenToEveryone(SocketAddr),
     #[error("RACEWAY_API_TOKENS is not UTF-8")]
@@ -251,15 +327,8 @@ impl ServeOptions {
             return Err(ConfigError::NobodyWorks);
         }
         let settings = self.runs.settings(database, self.workers);
-        Ok(Settings { queue_limit: u64::from(self.queue_limit), ..settings })
-    }
-
-    /// Refuses to be open to everyone by accident.
-    pub fn check_access(&self, tokens: &Tokens) -> Result<(), ConfigError> {
-        if tokens.is_empty() && !self.insecure_no_auth && !is_loopback(self.listen.ip()) {
-            return Err(ConfigError::OpenToEveryone(self.listen));
-        }
-        Ok(())
+        let queue_limit_of_owner = self.queue_limit_per_owner.map_or(u64::MAX, u64::from);
+        Ok(Settings { queue_limit: u64::from(self.queue_limit), queue_limit_of_owner, ..settings })
     }
 }
 

@@ -9,16 +9,17 @@ use axum::http::uri::Authority;
 use axum::http::{HeaderMap, Uri};
 use axum::middleware::Next;
 use axum::response::Response;
-use sha2::{Digest, Sha256};
-use subtle::ConstantTimeEq;
+use jiff::Timestamp;
+use subtle::{Choice, ConstantTimeEq};
 
 use super::App;
 use super::error::ApiError;
+use crate::jobs::tokens::{Token, TokenDigest, digest_of, owner_of};
 
-/// Digests of the tokens that are let in; the tokens themselves are not kept, so nothing can log them.
+/// Tokens from the environment: digests, so that nothing can log the tokens themselves.
 #[derive(Clone, Default)]
 pub struct Tokens {
-    digests: Vec<[u8; 32]>,
+    digests: Vec<TokenDigest>,
 }
 
 impl std::fmt::Debug for Tokens {
@@ -31,23 +32,28 @@ impl Tokens {
     /// Tokens separated by commas.
     pub fn parse(list: &str) -> Self {
         let tokens = list.split(',').map(str::trim).filter(|token| !token.is_empty());
-        Self { digests: tokens.map(|token| Sha256::digest(token).into()).collect() }
+        Self { digests: tokens.map(digest_of).collect() }
     }
 
     pub fn is_empty(&self) -> bool {
         self.digests.is_empty()
     }
 
-    /// The owner behind a token. Every digest is compared, in constant time: how long it takes says nothing.
-    fn owner(&self, token: &str) -> Option<Owner> {
-        let digest: [u8; 32] = Sha256::digest(token).into();
-        let known = self.digests.iter().fold(subtle::Choice::from(0), |known, other| known | other.ct_eq(&digest));
-        bool::from(known).then(|| Owner(digest[..8].iter().map(|byte| format!("{byte:02x}")).collect()))
+    /// The owner behind a digest. Every digest is compared, in constant time: how long it takes says nothing.
+    fn owner(&self, digest: &TokenDigest) -> Option<Owner> {
+        let known = self.digests.iter().fold(Choice::from(0), |known, other| known | other.ct_eq(digest));
+        bool::from(known).then(|| Owner(owner_of(digest)))
     }
 }
 
-/// Whose jobs a request sees: the start of its token's digest, empty where there are no tokens.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+/// The owner behind a digest among tokens of the database that hold, compared as above.
+fn owner_among(tokens: &[Token], digest: &TokenDigest) -> Option<Owner> {
+    let matching = tokens.iter().filter(|token| bool::from(token.digest.ct_eq(digest))).last()?;
+    matching.holds(Timestamp::now()).then(|| Owner(matching.owner.clone()))
+}
+
+/// Whose jobs a request sees: the owner of its token, empty where there are no tokens.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
 pub struct Owner(pub String);
 
 impl<S: Sync> FromRequestParts<S> for Owner {
@@ -58,16 +64,29 @@ impl<S: Sync> FromRequestParts<S> for Owner {
     }
 }
 
-/// Lets in who may ask, and notes who it is.
+/// Lets in who may ask as often as it does, and notes who it is. Where there has ever been a token, one is needed.
 pub async fn guard(State(app): State<App>, mut request: Request, next: Next) -> Result<Response, ApiError> {
-    if app.access.only_local_hosts {
+    let access = &app.access;
+    let is_closed = !access.tokens.is_empty() || !app.jobs.tokens().is_empty();
+    if access.is_local && !is_closed {
         check_host(request.uri(), request.headers())?;
     }
-    if !app.access.tokens.is_empty() && !is_open(request.uri().path()) {
-        let owner = bearer(request.headers()).and_then(|token| app.access.tokens.owner(token));
-        request.extensions_mut().insert(owner.ok_or(ApiError::Unauthorized)?);
+    if is_closed && !is_open(request.uri().path()) {
+        let token = bearer(request.headers()).ok_or(ApiError::Unauthorized)?;
+        let owner = owner(&app, &digest_of(token)).await?;
+        access.rates.check(&owner)?;
+        request.extensions_mut().insert(owner);
     }
     Ok(next.run(request).await)
+}
+
+async fn owner(app: &App, digest: &TokenDigest) -> Result<Owner, ApiError> {
+    let known = app.access.tokens.owner(digest).or_else(|| owner_among(&app.jobs.tokens(), digest));
+    match known {
+        Some(owner) => Ok(owner),
+        // It may have been made a moment ago.
+        None => owner_among(&*app.jobs.tokens_now().await?, digest).ok_or(ApiError::Unauthorized),
+    }
 }
 
 /// Paths that show nothing of anybody's work.
@@ -117,13 +136,31 @@ mod tests {
     #[test]
     fn a_token_is_known_by_its_digest_only() {
         let tokens = Tokens::parse(" one, two ,,");
-        assert!(tokens.owner("one").is_some_and(|owner| owner.0.len() == 16));
-        assert_ne!(tokens.owner("one"), tokens.owner("two"));
+        let owner = |token| tokens.owner(&digest_of(token));
+        assert!(owner("one").is_some_and(|owner| owner.0.len() == 16));
+        assert_ne!(owner("one"), owner("two"));
         for wrong in ["", "three", "one,two", "One"] {
-            assert_eq!(tokens.owner(wrong), None, "{wrong}");
+            assert_eq!(owner(wrong), None, "{wrong}");
         }
         assert_eq!(format!("{tokens:?}"), "2 tokens");
         assert!(Tokens::parse(" , ").is_empty());
+    }
+
+    #[test]
+    fn a_token_of_the_database_lets_in_while_it_holds() {
+        let digest = digest_of("secret");
+        let hour = jiff::SignedDuration::from_hours(1);
+        let (created_at, id) = (Timestamp::now() - 2 * hour, uuid::Uuid::now_v7());
+        let token = |expires_at, revoked_at| {
+            let (name, owner, digest) = ("a".to_owned(), "portal".to_owned(), digest.to_vec());
+            [Token { id, name, owner, digest, created_at, expires_at, revoked_at }]
+        };
+        let portal = Some(Owner("portal".to_owned()));
+        assert_eq!(owner_among(&token(None, None), &digest), portal);
+        assert_eq!(owner_among(&token(Some(Timestamp::now() + hour), None), &digest), portal);
+        assert_eq!(owner_among(&token(Some(Timestamp::now() - hour), None), &digest), None);
+        assert_eq!(owner_among(&token(None, Some(created_at + hour)), &digest), None);
+        assert_eq!(owner_among(&token(None, None), &digest_of("guess")), None);
     }
 
     #[test]

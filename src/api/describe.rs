@@ -53,7 +53,7 @@ struct Tokens;
 
 impl Modify for Tokens {
     fn modify(&self, document: &mut Document) {
-        let text = "One of the tokens of RACEWAY_API_TOKENS; none is needed where the service has none.";
+        let text = "A token made by `raceway token create`, or one of RACEWAY_API_TOKENS; none is needed where there never was any.";
         let scheme = HttpBuilder::new().scheme(HttpAuthScheme::Bearer).description(Some(text)).build();
         document.components.get_or_insert_default().add_security_scheme("token", SecurityScheme::Http(scheme));
     }
@@ -99,6 +99,7 @@ problems! {
     Anywhere {
         "401" Unauthorized: "No token, or an unknown one" => [Unauthorized],
         "421" ForeignHost: "Without tokens: a `Host` that is neither an address nor localhost" => [ForeignHost("raceway.example".into())],
+        "429" TooOften: "The token asks more often than it may; `Retry-After` tells when to try again" => [TooOften { limit: 1000, wait_s: 1 }],
         "500" InternalError: "An error of the service; its cause is in the log" => [Internal],
         "503" Unavailable: "The service is stopping, or its database is away" => [Job(JobError::Stopping), Job(JobError::Database(sqlx::Error::PoolTimedOut))],
     }
@@ -141,7 +142,7 @@ problems! {
         "409" CannotResume: "The job is no study, it waits or runs, or nothing is left to do" => [Job(JobError::CannotResume(Status::Running))],
     }
     NotAccepted { "406" NotAcceptable: "The answer is not available in a format that `Accept` names" => [NotAcceptable { offered: &["application/json"] }] }
-    QueueFull { "429" QueueFull: "The queue is full; `Retry-After` tells when to try again" => [Job(JobError::QueueFull { limit: 10_000 })] }
+    QueueFull { "429" QueueFull: "The queue is full, or the token asks more often than it may; `Retry-After` tells when to try again" => [Job(JobError::QueueFull { limit: 10_000 }), TooOften { limit: 1000, wait_s: 1 }] }
     NoSpace { "507" NoSpace: "No space is left for the database; nothing was written" => [Job(JobError::DiskFull)] }
     TakesNoJobs { "503" TakesNoJobs: "The service takes no jobs now" => [NotReady(JobError::Stopping)] }
 }

@@ -68,6 +68,11 @@ pub enum ApiError {
     /// A wrong header or query.
     BadRequest(String),
     Unauthorized,
+    /// More requests a second than a token has.
+    TooOften {
+        limit: u32,
+        wait_s: u64,
+    },
     UnknownPath,
     UnknownJob,
     UnknownPlot {
@@ -140,6 +145,10 @@ impl ApiError {
                 let detail = "send Authorization: Bearer with one of the service's tokens".into();
                 of(S::UNAUTHORIZED, "unauthorized", "A token is needed", detail)
             }
+            Self::TooOften { limit, .. } => {
+                let detail = format!("tokens of one owner may make {limit} requests a second; try again later");
+                of(S::TOO_MANY_REQUESTS, "too-often", "Too many requests", detail)
+            }
             Self::UnknownPath => {
                 of(S::NOT_FOUND, "not-found", "There is nothing here", "the paths are listed in /openapi.json".into())
             }
@@ -204,8 +213,11 @@ impl ApiError {
         let mut set = |name, value| headers.insert(name, HeaderValue::from_static(value));
         match self {
             Self::Unauthorized => drop(set(WWW_AUTHENTICATE, "Bearer")),
+            Self::TooOften { wait_s, .. } => drop(headers.insert(RETRY_AFTER, (*wait_s).into())),
             Self::UnsupportedMediaType(_) => drop(set(ACCEPT, "application/json")),
-            Self::Job(JobError::QueueFull { .. }) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
+            Self::Job(JobError::QueueFull { .. } | JobError::OwnersQueueFull { .. }) => {
+                drop(set(RETRY_AFTER, QUEUE_RETRY_S))
+            }
             Self::Job(JobError::Stopping | JobError::DiskFull) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
             Self::Job(JobError::NotReady(_)) => drop(set(RETRY_AFTER, RESULT_RETRY_S)),
             _ => {}
@@ -269,6 +281,10 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
         }
         JobError::QueueFull { limit } => {
             let detail = format!("{limit} jobs are waiting; try again later");
+            of(S::TOO_MANY_REQUESTS, "queue-full", "The queue is full", detail)
+        }
+        JobError::OwnersQueueFull { limit } => {
+            let detail = format!("{limit} jobs of this token's owner are waiting; try again later");
             of(S::TOO_MANY_REQUESTS, "queue-full", "The queue is full", detail)
         }
         JobError::Stopping => {

@@ -16,6 +16,7 @@ mod jobs;
 mod patience;
 mod plots;
 mod portal;
+pub mod rates;
 mod refusals;
 mod request;
 mod results;
@@ -55,9 +56,11 @@ pub struct App {
 /// Who may ask.
 #[derive(Debug, Default)]
 pub struct Access {
+    /// Tokens from the environment, beside those of the database.
     pub tokens: auth::Tokens,
-    /// Answer only requests whose Host is an address or localhost.
-    pub only_local_hosts: bool,
+    /// Whether only this machine can ask: then, without tokens, the Host must be an address or localhost.
+    pub is_local: bool,
+    pub rates: rates::Rates,
     /// Origins of web pages from elsewhere that may use the API.
     pub origins: Vec<HeaderValue>,
 }

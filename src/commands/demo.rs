@@ -45,7 +45,7 @@ async fn start(place: &Place) -> Result<(Service, Signals), Box<dyn std::error::
     let signals = Signals::listen()?;
     let settings = Settings::new(place.0.join("raceway.db"));
     let listen = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
-    let access = Access { only_local_hosts: true, ..Access::default() };
+    let access = Access { is_local: true, ..Access::default() };
     Ok((Service::start(listen, settings, access, simulator()).await?, signals))
 }
 

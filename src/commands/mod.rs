@@ -18,6 +18,7 @@ pub mod simulate;
 pub mod study;
 /// Results as text for people.
 pub mod table;
+pub mod token;
 pub mod worker;
 
 use std::process::ExitCode;
@@ -60,6 +61,8 @@ pub fn run(cli: Cli) -> Ended {
             print!("{}", crate::api::document_text());
             Ended::Well
         }
+        Command::Token(command) => on_runtime(token::run(command)),
+        Command::Migrate(options) => on_runtime(token::migrate(options)),
         Command::Worker(options) => on_runtime(worker::run(options)),
         Command::Health(options) => on_runtime(health::run(options)),
     }

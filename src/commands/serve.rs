@@ -7,10 +7,12 @@ use tokio::signal::unix::{Signal, SignalKind, signal};
 
 use super::Ended;
 use crate::api::Access;
+use crate::api::rates::Rates;
 use crate::api::service::Service;
 use crate::config::{self, ConfigError, ServeOptions};
 use crate::contract;
-use crate::jobs::Simulator;
+use crate::jobs::tokens::TokenBook;
+use crate::jobs::{JobError, Location, Simulator};
 
 /// Serves until a signal comes.
 pub async fn run(options: ServeOptions) -> Ended {
@@ -36,14 +38,28 @@ async fn start(options: &ServeOptions) -> Result<(Service, Signals), Box<dyn std
     log_to_stderr()?;
     let signals = Signals::listen()?;
     let tokens = config::tokens()?;
-    options.check_access(&tokens)?;
     let settings = options.job_settings()?;
-    let only_local_hosts = tokens.is_empty() && config::is_loopback(options.listen.ip());
-    if tokens.is_empty() && !only_local_hosts {
+    let is_local = config::is_loopback(options.listen.ip());
+    if !is_local && tokens.is_empty() && !has_tokens(&settings.database).await? {
+        if !options.insecure_no_auth {
+            return Err(ConfigError::OpenToEveryone(options.listen).into());
+        }
         tracing::warn!(listen = %options.listen, "there are no tokens: whoever reaches the port may do everything");
     }
-    let access = Access { tokens, only_local_hosts, origins: options.allowed_origins.clone() };
+    let rates = Rates::new(options.rate_limit);
+    let access = Access { tokens, is_local, rates, origins: options.allowed_origins.clone() };
     Ok((Service::start(options.listen, settings, access, simulator()).await?, signals))
+}
+
+/// Whether there has ever been a token in the database. One that is not there yet is not made for it.
+async fn has_tokens(database: &Location) -> Result<bool, JobError> {
+    if matches!(database, Location::File(path) if !path.exists()) {
+        return Ok(false);
+    }
+    let book = TokenBook::open(database).await?;
+    let tokens = book.list().await;
+    book.close().await;
+    Ok(!tokens?.is_empty())
 }
 
 /// What production runs.

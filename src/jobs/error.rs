@@ -35,6 +35,8 @@ pub enum JobError {
     KeyReused,
     #[error("{limit} jobs are waiting")]
     QueueFull { limit: u64 },
+    #[error("{limit} jobs of the owner are waiting")]
+    OwnersQueueFull { limit: u64 },
     #[error("the service is stopping")]
     Stopping,
     #[error("no space is left for the database")]

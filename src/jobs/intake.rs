@@ -1,6 +1,7 @@
 //! One transaction, and one flush to the disk, for all submissions that wait: a transaction each would be
 //! several times slower under load, and no faster without.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
@@ -36,6 +37,8 @@ pub struct Intake {
 pub struct IntakeLimits {
     /// Jobs that may wait.
     pub queue: u64,
+    /// Of these, jobs of one owner.
+    pub queue_of_owner: u64,
     /// How long jobs are kept that say nothing about it [s].
     pub keep_s: f64,
 }
@@ -91,7 +94,7 @@ async fn write_all(
 ) -> Result<Vec<Answer>, JobError> {
     let mut tx = store.begin().await?;
     tx.alone(Lock::Intake).await?;
-    let mut places = limits.queue.saturating_sub(submissions::waiting(&mut tx).await?);
+    let mut places = Places { limits, waiting: submissions::waiting(&mut tx).await? };
     let mut plans = Vec::with_capacity(jobs.len());
     for job in jobs {
         plans.push(plan(&mut tx, job, &mut places, limits.keep_s).await?);
@@ -108,7 +111,7 @@ async fn write_all(
                 continue;
             }
             Plan::Answer(found) => Ok(submissions::insert_answered(&mut tx, job, found, limits.keep_s).await?),
-            Plan::Refuse => Err(JobError::QueueFull { limit: limits.queue }),
+            Plan::Refuse(reason) => Err(reason),
             Plan::Queue if job.points.is_some() => {
                 let points = job.points.unwrap_or(0);
                 let strands: Vec<i64> = deliveries.by_ref().take(strands_of(points, slots)).collect();
@@ -144,11 +147,32 @@ enum Plan {
     Made(Box<Result<JobRecord, JobError>>),
     Queue,
     Answer(submissions::Reusable),
-    Refuse,
+    Refuse(JobError),
+}
+
+/// Places in the queue.
+struct Places {
+    limits: IntakeLimits,
+    /// Jobs that wait, by owner.
+    waiting: HashMap<String, u64>,
+}
+
+impl Places {
+    fn take(&mut self, owner: &str) -> Result<(), JobError> {
+        if self.waiting.values().sum::<u64>() >= self.limits.queue {
+            return Err(JobError::QueueFull { limit: self.limits.queue });
+        }
+        let waiting = self.waiting.entry(owner.to_owned()).or_default();
+        if *waiting >= self.limits.queue_of_owner {
+            return Err(JobError::OwnersQueueFull { limit: self.limits.queue_of_owner });
+        }
+        *waiting += 1;
+        Ok(())
+    }
 }
 
 /// Notes the key of a submission that will be made at once: the same key may stand once more in the same batch.
-async fn plan(tx: &mut Tx, job: &NewJob, places: &mut u64, keep_s: f64) -> Result<Plan, JobError> {
+async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Result<Plan, JobError> {
     if let Some(key) = &job.key
         && let Some(made) = keys::made(tx, &job.owner, key).await?
     {
@@ -157,11 +181,10 @@ async fn plan(tx: &mut Tx, job: &NewJob, places: &mut u64, keep_s: f64) -> Resul
     let found = if job.reuse { submissions::reusable(tx, job).await? } else { None };
     let (plan, expires) = match found {
         Some(found) => (Plan::Answer(found), Some(submissions::expiry(job, keep_s))),
-        None if *places == 0 => return Ok(Plan::Refuse),
-        None => {
-            *places -= 1;
-            (Plan::Queue, None)
-        }
+        None => match places.take(&job.owner) {
+            Ok(()) => (Plan::Queue, None),
+            Err(full) => return Ok(Plan::Refuse(full)),
+        },
     };
     if let Some(key) = &job.key {
         keys::note(tx, job, key, expires).await?;

@@ -27,6 +27,8 @@ mod strand;
 mod sweep;
 /// Threads that simulate.
 mod threads;
+/// Bearer tokens of the database.
+pub mod tokens;
 /// One delivered job from claim to result.
 mod worker;
 

@@ -128,6 +128,19 @@ impl Queue {
         Ok(())
     }
 
+    /// Whether River's tables are those that this version makes.
+    pub async fn is_up_to_date(pool: &Pool) -> Result<bool, JobError> {
+        let (made, all) = match pool {
+            Pool::Sqlite(pool) => {
+                (SqliteMigrator::new(pool.clone()).existing_versions().await, SqliteMigrator::all_versions().len())
+            }
+            Pool::Postgres(pool) => {
+                (PostgresMigrator::new(pool.clone()).existing_versions().await, PostgresMigrator::all_versions().len())
+            }
+        };
+        Ok(made.map_err(|error| JobError::Migration(error.to_string()))?.len() == all)
+    }
+
     /// A queue of a process that is not started yet; runs are rescued from their worker after `rescue_after`.
     pub fn new(
         pool: Pool,

@@ -16,8 +16,9 @@ use super::running::{Running, StopReason, View};
 use super::store::database::{self, Dialect, Pool};
 use super::store::studies::StoredPoint;
 use super::store::{Filter, Location, Signal, Store, records, studies, upkeep};
+use super::tokens::{KnownTokens, Token};
 use super::worker::Worker;
-use super::{IdempotencyKey, JobError, JobRecord, NewJob, Status, sweep};
+use super::{IdempotencyKey, JobError, JobRecord, NewJob, Status, sweep, tokens};
 use crate::contract::{Job, JobKind, Outcome, RunFailure};
 use crate::simulation::run::Control;
 
@@ -32,6 +33,8 @@ pub struct Settings {
     pub workers: usize,
     /// Jobs that may wait.
     pub queue_limit: u64,
+    /// Of these, jobs of one owner.
+    pub queue_limit_of_owner: u64,
     /// Runs of a job that may end with their process before the job fails.
     pub max_lost_runs: u32,
     /// Wall time a run may take.
@@ -57,6 +60,7 @@ impl Settings {
             database,
             workers: std::thread::available_parallelism().map_or(1, usize::from),
             queue_limit: 10_000,
+            queue_limit_of_owner: u64::MAX,
             max_lost_runs: 5,
             time_limit: Duration::from_secs(3600),
             keep_s: 30.0 * 86_400.0,
@@ -99,6 +103,7 @@ pub(super) struct Inner {
     pub store: Store,
     pub queue: Arc<Queue>,
     pub running: Arc<Running>,
+    pub tokens: KnownTokens,
     intake: Intake,
     stopping: CancellationToken,
     _lock: Option<DatabaseLock>,
@@ -119,6 +124,8 @@ impl Jobs {
         };
         let store = Store::open(&settings.database, settings.workers, settings.max_pages).await;
         let store = store.map_err(|error| JobError::opening(&settings.database, error))?;
+        store.migrate().await.map_err(|error| JobError::opening(&settings.database, error))?;
+        let tokens = KnownTokens::read(&store).await?;
         let running = Arc::new(Running::default());
         let worker = Arc::new(Worker::new(store.clone(), Arc::clone(&running), simulator, settings.clone()));
         let handler: Handler = Arc::new(move |ticket| {
@@ -130,17 +137,33 @@ impl Jobs {
         let rescue_after = settings.time_limit + Duration::from_secs(30);
         let queue = Queue::new(store.writer().clone(), worker_id, settings.workers, rescue_after, handler)?;
         let queue = Arc::new(queue);
-        let limits = IntakeLimits { queue: settings.queue_limit, keep_s: settings.keep_s };
+        let limits = IntakeLimits {
+            queue: settings.queue_limit,
+            queue_of_owner: settings.queue_limit_of_owner,
+            keep_s: settings.keep_s,
+        };
         let intake = Intake::start(store.clone(), Arc::clone(&queue), limits);
         let stopping = CancellationToken::new();
-        let inner = Inner { worker: worker_id, settings, store, queue, running, intake, stopping, _lock: lock };
+        let inner = Inner { worker: worker_id, settings, store, queue, running, tokens, intake, stopping, _lock: lock };
         let inner = Arc::new(inner);
         if let Pool::Postgres(pool) = inner.store.writer() {
             listen(pool.clone(), &inner);
         }
         recover(&inner).await?;
         sweep::start(&inner);
+        tokens::follow(&inner);
         Ok(Self { inner })
+    }
+
+    /// The tokens of the database, as they stood a second ago at most while the database answers.
+    pub fn tokens(&self) -> Arc<[Token]> {
+        self.inner.tokens.get()
+    }
+
+    /// The tokens of the database as they stand now, for one that is not known yet.
+    pub async fn tokens_now(&self) -> Result<Arc<[Token]>, JobError> {
+        self.inner.tokens.refresh(&self.inner.store).await?;
+        Ok(self.inner.tokens.get())
     }
 
     /// Hands in a job; it is safe on the disk when this returns. With a key, once: the same key answers again as it did first.

@@ -104,7 +104,7 @@ pub fn start_with(wishes: Wishes) -> InProcess {
         ..Settings::on(database.clone())
     };
     let origins = wishes.origins.iter().map(|text| origin(text).expect("an origin")).collect();
-    let access = Access { tokens: Tokens::parse(wishes.tokens), only_local_hosts: wishes.tokens.is_empty(), origins };
+    let access = Access { tokens: Tokens::parse(wishes.tokens), is_local: true, origins, ..Access::default() };
     let listen = SocketAddr::from(([127, 0, 0, 1], 0));
     let service = runtime.block_on(Service::start(listen, settings, access, stand_in())).expect("the service starts");
     let address = service.url().strip_prefix("http://").expect("a URL").to_owned();

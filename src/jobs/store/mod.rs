@@ -16,6 +16,8 @@ pub mod results;
 pub mod studies;
 /// Submissions.
 pub mod submissions;
+/// Bearer tokens.
+pub mod tokens;
 /// What was lost, what has expired, and whether the disk takes writes.
 pub mod upkeep;
 
@@ -54,47 +56,46 @@ const READERS: u32 = 3;
 const CONNECTIONS: u32 = 8;
 
 impl Store {
-    /// Opens the database and brings its tables up to date.
+    /// Opens the database.
     pub async fn open(location: &Location, workers: usize, max_pages: Option<u32>) -> Result<Self, JobError> {
-        let store = match location {
+        let (writer, readers) = match location {
             Location::File(path) => {
                 let (writer, readers) = database::open_file(path, READERS, max_pages).await?;
-                Self {
-                    writer: Pool::Sqlite(writer),
-                    readers: Pool::Sqlite(readers),
-                    figures: Arc::default(),
-                    disk_full: Arc::default(),
-                    unwritable: Arc::default(),
-                }
+                (Pool::Sqlite(writer), Pool::Sqlite(readers))
             }
             Location::Server(options) => {
                 let workers = u32::try_from(workers).unwrap_or(u32::MAX);
                 let pool = Pool::Postgres(database::connect(options, CONNECTIONS.saturating_add(workers)).await?);
-                Self {
-                    writer: pool.clone(),
-                    readers: pool,
-                    figures: Arc::default(),
-                    disk_full: Arc::default(),
-                    unwritable: Arc::default(),
-                }
+                (pool.clone(), pool)
             }
         };
-        // Two processes that make tables at the same time would fail each other.
-        let mut tx = store.begin().await?;
-        if tx.dialect() == Dialect::Postgres {
-            tx.alone(Lock::Migration).await?;
-            store.migrate().await?;
-            tx.commit().await?;
-        } else {
-            tx.commit().await?;
-            store.migrate().await?;
-        }
-        Ok(store)
+        Ok(Self { writer, readers, figures: Arc::default(), disk_full: Arc::default(), unwritable: Arc::default() })
     }
 
-    async fn migrate(&self) -> Result<(), JobError> {
+    /// Brings the tables up to date. Where they are, nothing is written: a user of PostgreSQL who may not make tables can do this.
+    pub async fn migrate(&self) -> Result<(), JobError> {
+        if self.is_up_to_date().await? {
+            return Ok(());
+        }
+        match self.dialect() {
+            Dialect::Sqlite => self.migrate_all().await,
+            Dialect::Postgres => {
+                // Two processes that make tables at the same time would fail each other.
+                let mut tx = self.begin().await?;
+                tx.alone(Lock::Migration).await?;
+                self.migrate_all().await?;
+                tx.commit().await
+            }
+        }
+    }
+
+    async fn migrate_all(&self) -> Result<(), JobError> {
         Queue::migrate(&self.writer).await?;
         database::migrate(&self.writer).await
+    }
+
+    async fn is_up_to_date(&self) -> Result<bool, JobError> {
+        Ok(database::is_up_to_date(&self.writer).await? && Queue::is_up_to_date(&self.writer).await?)
     }
 
     /// The connections that write, for the queue.
@@ -140,6 +141,12 @@ impl Store {
     pub async fn ping(&self) -> Result<(), JobError> {
         statement("SELECT 1 FROM jobs LIMIT 1").run(&self.readers).await?;
         Ok(())
+    }
+
+    /// Closes the database, which others go on to use.
+    pub async fn disconnect(&self) {
+        self.readers.close().await;
+        self.writer.close().await;
     }
 
     /// Closes the database; of a file, moves the log into it first.

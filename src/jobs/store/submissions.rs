@@ -1,5 +1,7 @@
 //! Submissions: our row, with the delivery that was made for it in the same transaction.
 
+use std::collections::HashMap;
+
 use uuid::Uuid;
 
 use super::super::{JobError, JobRecord, NewJob, Status};
@@ -12,10 +14,11 @@ pub struct Reusable {
     pub result: Uuid,
 }
 
-/// Number of jobs that wait.
-pub async fn waiting(tx: &mut Tx) -> Result<u64, JobError> {
-    let (count,): (i64,) = statement("SELECT count(*) FROM jobs WHERE status = 'queued'").one(&mut *tx).await?;
-    Ok(count.unsigned_abs())
+/// Number of jobs that wait, by owner.
+pub async fn waiting(tx: &mut Tx) -> Result<HashMap<String, u64>, JobError> {
+    let sql = "SELECT owner, count(*) FROM jobs WHERE status = 'queued' GROUP BY owner";
+    let counts: Vec<(String, i64)> = statement(sql).all(&mut *tx).await?;
+    Ok(counts.into_iter().map(|(owner, count)| (owner, count.unsigned_abs())).collect())
 }
 
 /// The result of identical finished work of the same owner.

@@ -1,0 +1,58 @@
+//! How often each owner may ask.
+
+use std::fmt;
+use std::num::NonZeroU32;
+use std::time::Duration;
+
+use governor::clock::{Clock, DefaultClock};
+use governor::state::keyed::HashMapStateStore;
+use governor::{Quota, RateLimiter};
+
+use super::auth::Owner;
+use super::error::ApiError;
+
+/// Requests a second of each owner, and as many at once after a rest. Only who has a token is counted, so owners are few.
+#[derive(Default)]
+pub struct Rates {
+    limiter: Option<(u32, RateLimiter<Owner, HashMapStateStore<Owner>, DefaultClock>)>,
+}
+
+impl fmt::Debug for Rates {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.limiter {
+            Some((rate, _)) => write!(f, "{rate} requests a second"),
+            None => f.write_str("no limit"),
+        }
+    }
+}
+
+impl Rates {
+    /// So many requests a second; 0: any number.
+    pub fn new(per_second: u32) -> Self {
+        let quota = NonZeroU32::new(per_second).map(Quota::per_second);
+        Self { limiter: quota.map(|quota| (per_second, RateLimiter::hashmap(quota))) }
+    }
+
+    /// Counts a request.
+    pub fn check(&self, owner: &Owner) -> Result<(), ApiError> {
+        let Some((limit, limiter)) = &self.limiter else { return Ok(()) };
+        limiter.check_key(owner).map_err(|early| {
+            let wait: Duration = early.wait_time_from(limiter.clock().now());
+            ApiError::TooOften { limit: *limit, wait_s: wait.as_secs() + 1 }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_owner_has_a_rate_of_its_own() {
+        let (rates, [one, other]) = (Rates::new(3), ["one", "other"].map(|name| Owner(name.to_owned())));
+        assert!((0..3).all(|_| rates.check(&one).is_ok()));
+        assert!(matches!(rates.check(&one), Err(ApiError::TooOften { limit: 3, wait_s: 1 })));
+        assert!(rates.check(&other).is_ok());
+        assert!((0..1000).all(|_| Rates::new(0).check(&one).is_ok()));
+    }
+}

@@ -1,0 +1,98 @@
+//! Bearer tokens. Each is shown once, when it is made; only its digest is kept.
+
+use jiff::Timestamp;
+use sqlx::FromRow;
+use uuid::Uuid;
+
+use super::database::statement;
+use super::{Store, stored, time};
+use crate::jobs::JobError;
+
+/// What is known of a token.
+#[derive(Debug, Clone)]
+pub struct Token {
+    pub id: Uuid,
+    pub name: String,
+    /// Whose jobs it sees: tokens of one owner see the same.
+    pub owner: String,
+    /// SHA-256 of the token.
+    pub digest: Vec<u8>,
+    pub created_at: Timestamp,
+    pub expires_at: Option<Timestamp>,
+    pub revoked_at: Option<Timestamp>,
+}
+
+impl Token {
+    /// Whether it lets in at that time.
+    pub fn holds(&self, now: Timestamp) -> bool {
+        self.revoked_at.is_none() && self.expires_at.is_none_or(|end| now < end)
+    }
+}
+
+#[derive(FromRow)]
+struct Row {
+    id: Uuid,
+    name: String,
+    owner: String,
+    digest: Vec<u8>,
+    created_at: i64,
+    expires_at: Option<i64>,
+    revoked_at: Option<i64>,
+}
+
+impl TryFrom<Row> for Token {
+    type Error = JobError;
+
+    fn try_from(row: Row) -> Result<Self, JobError> {
+        Ok(Self {
+            id: row.id,
+            name: row.name,
+            owner: row.owner,
+            digest: row.digest,
+            created_at: time(row.created_at)?,
+            expires_at: row.expires_at.map(time).transpose()?,
+            revoked_at: row.revoked_at.map(time).transpose()?,
+        })
+    }
+}
+
+impl Store {
+    /// All tokens that ever were, oldest first.
+    pub async fn tokens(&self) -> Result<Vec<Token>, JobError> {
+        let sql =
+            "SELECT id, name, owner, digest, created_at, expires_at, revoked_at FROM tokens ORDER BY created_at, id";
+        let rows: Vec<Row> = statement(sql).all(&self.readers).await?;
+        rows.into_iter().map(Token::try_from).collect()
+    }
+
+    /// Adds a token, unless its name is taken; whether it was added.
+    pub async fn add_token(&self, token: &Token) -> Result<bool, JobError> {
+        let sql = "INSERT INTO tokens (id, name, owner, digest, created_at, expires_at) \
+                   VALUES ($1, $2, $3, $4, $5, $6) ON CONFLICT (name) DO NOTHING";
+        let added = statement(sql)
+            .bind(token.id)
+            .bind(&token.name)
+            .bind(&token.owner)
+            .bind(&token.digest)
+            .bind(stored(token.created_at))
+            .bind(token.expires_at.map(stored))
+            .run(&self.writer)
+            .await?;
+        Ok(added == 1)
+    }
+
+    /// Revokes the token of that name or id; `None`: there is none. One that was revoked before stays as it is.
+    pub async fn revoke_token(&self, which: &str) -> Result<Option<Token>, JobError> {
+        let mut tx = self.begin().await?;
+        let sql = "UPDATE tokens SET revoked_at = COALESCE(revoked_at, $3) WHERE name = $1 OR id = $2 \
+                   RETURNING id, name, owner, digest, created_at, expires_at, revoked_at";
+        let revoked: Option<Row> = statement(sql)
+            .bind(which)
+            .bind(which.parse::<Uuid>().ok())
+            .bind(stored(Timestamp::now()))
+            .optional(&mut tx)
+            .await?;
+        tx.commit().await?;
+        revoked.map(Token::try_from).transpose()
+    }
+}
