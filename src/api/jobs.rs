@@ -50,7 +50,7 @@ const LONGEST_WAIT_S: u64 = 60;
             headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which another look is worth while; absent once the job has ended"), ("Preference-Applied" = String, description = "The wait that was granted, where one was asked for"), ("Idempotent-Replayed" = String, description = "`true` where the `Idempotency-Key` had made this job before"))),
         (status = 200, description = "The job ended within the time of `Prefer: wait`; with its metrics", body = JobAnswer,
             headers(("Location" = String, description = "Path of the job"), ("Preference-Applied" = String, description = "The wait that was granted"))),
-        BadBody, NotAccepted, QueueFull, NoSpace, Anywhere
+        BadBody, NotAccepted, NoSpace, Anywhere, QueueFull
     )
 )]
 pub async fn submit(

@@ -7,3 +7,4 @@ mod commands;
 mod crash;
 mod machines;
 mod startup;
+mod tokens;
