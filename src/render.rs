@@ -7,9 +7,11 @@ use serde_json::{Map, Value};
 use crate::contract::in_words::{field_in_words, metric_in_words};
 use crate::contract::optimum::{GoalName, PurposeName, RangeAnswer, RunAnswer};
 use crate::contract::table::AxisAnswer;
-use crate::contract::views::{LoadsView, OrbitView};
+use crate::contract::views::{LoadsView, OrbitView, TraceView};
 use crate::contract::work_precision::{PointAnswer, floors};
-use crate::contract::{Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, TableAnswer, WorkPrecisionAnswer};
+use crate::contract::{
+    Metrics, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind, TableAnswer, WorkPrecisionAnswer,
+};
 use crate::plots::{
     AxisPlaces, ErrorPanel, FailedRun, LoadCurve, MapPanel, OrbitCurve, SeriesCurve, SpectrumCurve, TrendCurve,
     TrendPanel, VariedAxis, WorkPoint, WorkPrecisionCurve, loads_svg, map_svg, orbit_svg, series_svg, spectrum_svg,
@@ -317,6 +319,28 @@ pub fn table_csv(table: &TableAnswer) -> String {
     }
     lines.push(String::new());
     lines.join("\n")
+}
+
+/// All pictures of a simulation, by the names that the service gives them; those that it has nothing for are missing.
+pub fn pictures(simulated: &Simulated) -> Vec<(&'static str, String)> {
+    let Simulated { metrics, spectra: kept, series: whole, views } = simulated;
+    let amplitudes = kept.iter().filter(|spectrum| spectrum.kind == SpectrumKind::Amplitude);
+    let amplitudes: Vec<SpectrumAnswer> = amplitudes.cloned().collect();
+    let motion = |quantity| {
+        let whole = whole.iter().filter(|series| is_of_spindle(&series.channel, quantity)).cloned();
+        let thinned = views.traces.iter().filter(|trace| is_of_spindle(&trace.channel, quantity));
+        let shown: Vec<SeriesAnswer> = whole.collect();
+        let shown = if shown.is_empty() { thinned.cloned().map(TraceView::series).collect() } else { shown };
+        (!shown.is_empty()).then(|| series(&shown))
+    };
+    let pictures = [
+        ("spectrum.svg", (!amplitudes.is_empty()).then(|| spectra(metrics, &amplitudes))),
+        ("velocity.svg", motion("velocity")),
+        ("acceleration.svg", motion("acceleration")),
+        ("orbit.svg", (!views.orbits.is_empty()).then(|| orbits(&views.orbits))),
+        ("loads.svg", views.loads.as_ref().map(loads)),
+    ];
+    pictures.into_iter().filter_map(|(name, picture)| Some((name, picture?))).collect()
 }
 
 /// Whether a channel is the spindle's velocity, acceleration or displacement.

@@ -57,10 +57,8 @@ fn write(outcome: &Simulated, directory: &Path) -> Result<(), String> {
         directory.write(&format!("series.{}.json", series.channel), &json(series))?;
         directory.write(&format!("series.{}.csv", series.channel), &render::series_csv(series))?;
     }
-    let amplitudes = outcome.spectra.iter().filter(|spectrum| spectrum.kind == SpectrumKind::Amplitude);
-    let amplitudes: Vec<_> = amplitudes.cloned().collect();
-    if amplitudes.is_empty() {
-        return Ok(());
+    for (name, picture) in render::pictures(outcome) {
+        directory.write(name, &picture)?;
     }
-    directory.write("spectrum.svg", &render::spectra(&outcome.metrics, &amplitudes))
+    Ok(())
 }

@@ -51,7 +51,8 @@ pub struct BearingInput {
     /// Groove radius of the outer raceway over ball diameter [-]. Default 0.53.
     #[schema(nullable = false, exclusive_minimum = 0.5, maximum = 1, example = 0.529)]
     pub outer_groove_curvature: Option<f64>,
-    /// Diametral radial clearance [µm]; negative: a radial preload. Default: middle of ISO 5753-1
+    /// Diametral radial clearance [µm]; negative: a radial preload. At least −2 % of the ball diameter, at most what leaves a free contact
+    /// angle of 60°; a refusal names both. Default: middle of ISO 5753-1
     /// group N for the bore; 15° instead for `angular_contact`.
     #[schema(nullable = false, example = 5.0)]
     pub radial_clearance_um: Option<f64>,

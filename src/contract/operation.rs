@@ -34,7 +34,7 @@ pub struct OperationInput {
     pub misalignment_mrad: Option<MisalignmentInput>,
 }
 
-/// A constant speed [r/min], or straight lines between points; a negative one turns the other way.
+/// A constant speed from −500 000 to 500 000 r/min, or straight lines between points; a negative one turns the other way.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum SpeedInput {

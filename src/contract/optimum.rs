@@ -13,7 +13,7 @@ use super::outputs::{MetricsPart, channel};
 use super::problem::{FieldError, Refusal, listed};
 use super::study::{AxisInput, already_varied, refuse_signals};
 use super::table::{PointEnd, PointError, uncertain};
-use super::variation::{Range, Scale, Variation, Varied};
+use super::variation::{Range, Scale, Variation, Varied, of_an_axis};
 use crate::simulation::run::Control;
 use crate::simulation::scene::{Scene, Term, TermChoice};
 use crate::study::{self, Goal, Purpose, Uncertain};
@@ -180,6 +180,7 @@ impl Sought {
         for axis in 0..sought.axes.len() {
             sought.check_ends(axis, &inside)?;
         }
+        let in_the_range = |error| of_an_axis(in_the_range(error), sought.axes.iter().map(|(varied, _)| varied));
         let job = sought.job(&inside).map_err(|refusal| refusal.each(in_the_range))?;
         unavailable(&sought.metric, job.scene())
             .map_or(Ok(sought), |detail| Err(FieldError::new("/metric", detail).into()))

@@ -9,7 +9,7 @@ use super::filling::Filling;
 use super::job::{Job, JobInput, JobKind};
 use super::problem::{FieldError, Refusal};
 use super::strict::{self, object};
-use super::variation::{LONGEST_NAME, Range, Variation, Varied};
+use super::variation::{LONGEST_NAME, Range, Variation, Varied, of_an_axis};
 use crate::study::Grid;
 
 const MOST_AXES: usize = 4;
@@ -238,15 +238,11 @@ impl Study {
                 Err(refusal) => first = first.or(Some(refusal)),
             }
         }
-        match first {
-            Some(Refusal::Invalid { errors }) => {
-                let at_point =
-                    |error: FieldError| FieldError::new(error.pointer, format!("at the first point: {}", error.detail));
-                Err(Refusal::Invalid { errors: errors.into_iter().map(at_point).collect() })
-            }
-            Some(other) => Err(other),
-            None => Ok(()),
-        }
+        let at_point = |error: FieldError| {
+            let error = FieldError::new(error.pointer, format!("at the first point: {}", error.detail));
+            of_an_axis(error, self.axes.iter().map(|axis| &axis.varied))
+        };
+        first.map_or(Ok(()), |refusal| Err(refusal.each(at_point)))
     }
 
     /// Whether the results of identical finished work may answer points.

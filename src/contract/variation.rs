@@ -59,19 +59,36 @@ impl Varied {
         None
     }
 
-    /// Whether setting this and that one sets the same field, or one a part of the other: the second would undo the first.
-    pub fn overlaps(&self, other: &Self) -> bool {
-        let way = |target: &Target| match target {
+    /// The way to what is set in the scene.
+    fn way(&self) -> Vec<String> {
+        match &self.target {
             Target::Field(tokens) => tokens.clone(),
             Target::AxialLoadOverRating => ["operation", "axial_load_n"].map(str::to_owned).to_vec(),
-        };
-        let (a, b) = (way(&self.target), way(&other.target));
-        a.iter().zip(&b).all(|(a, b)| a == b)
+        }
+    }
+
+    /// Whether setting this and that one sets the same field, or one a part of the other: the second would undo the first.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.way().iter().zip(&other.way()).all(|(a, b)| a == b)
+    }
+
+    /// Whether the field at a pointer into the request is what is set, or a part of it.
+    fn sets(&self, pointer: &str) -> bool {
+        let field = pointer.strip_prefix("/scene").and_then(tokens);
+        field.is_some_and(|field| field.starts_with(&self.way()))
     }
 
     /// Whether other values than numbers can have a meaning.
     pub fn takes_words(&self) -> bool {
         self.target != Target::AxialLoadOverRating
+    }
+}
+
+/// An error of a simulation with these values, told of the axis that has set the field: in the request there may be none.
+pub fn of_an_axis<'a>(error: FieldError, mut axes: impl Iterator<Item = &'a Varied>) -> FieldError {
+    match axes.position(|varied| varied.sets(&error.pointer)) {
+        Some(axis) => FieldError::new(format!("/axes/{axis}"), format!("`{}`: {}", error.pointer, error.detail)),
+        None => error,
     }
 }
 

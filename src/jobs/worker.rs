@@ -66,7 +66,7 @@ impl Worker {
             Some(end) => Outcome::Ended(end),
             None => self.run(&claim, &guard.run, ticket).await,
         };
-        self.conclude(&claim, outcome, ticket).await
+        self.conclude(&claim, outcome, guard.run.progress(), ticket).await
     }
 
     /// One slot, or all of them for a job that may have taken its process down and for one that measures time; none
@@ -127,7 +127,13 @@ impl Worker {
     }
 
     /// Writes the end with the delivery's, again and again while the database refuses.
-    async fn conclude(&self, claim: &Claim, outcome: Outcome, ticket: &Ticket) -> Result<Delivered, JobError> {
+    async fn conclude(
+        &self,
+        claim: &Claim,
+        outcome: Outcome,
+        progress: f64,
+        ticket: &Ticket,
+    ) -> Result<Delivered, JobError> {
         let end = match outcome {
             Outcome::Ended(end) => end,
             Outcome::ClaimLost => {
@@ -141,7 +147,7 @@ impl Worker {
         };
         let mut pause = Duration::from_millis(100);
         let written = loop {
-            match self.store.note(self.write_end(claim, &end, ticket).await) {
+            match self.store.note(self.write_end(claim, &end, progress, ticket).await) {
                 Ok(written) => break written,
                 Err(error) => {
                     tracing::error!(%error, job = %claim.job, "the end of a run could not be written; trying again");
@@ -162,9 +168,15 @@ impl Worker {
     }
 
     /// The end as it stands in the record; `None`: the claim is lost.
-    async fn write_end(&self, claim: &Claim, end: &End, ticket: &Ticket) -> Result<Option<Status>, JobError> {
+    async fn write_end(
+        &self,
+        claim: &Claim,
+        end: &End,
+        progress: f64,
+        ticket: &Ticket,
+    ) -> Result<Option<Status>, JobError> {
         let mut tx = self.store.begin().await?;
-        let written = claims::finish(&mut tx, claim, end, self.settings.keep_s).await?;
+        let written = claims::finish(&mut tx, claim, end, progress, self.settings.keep_s).await?;
         if written.is_some() {
             ticket.complete(&mut tx).await?;
             tx.commit().await?;

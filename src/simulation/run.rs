@@ -208,13 +208,17 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let whole_needs = ladder::needs(scene, &settings.outputs, settings.rung, 0.0)?;
     let whole_model = (whole_needs != needs).then(|| Model::new(scene, &whole_needs));
     let whole = whole_model.as_ref().map(|model| (model, &whole_needs));
-    let attempt = |setup: &Setup<'_>| {
+    let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
+    // Progress counts all that may have to be done: an end that comes early is better than one that stands.
+    let attempts = [true, whole.is_some(), tighter.is_some()].into_iter().filter(|may_come| *may_come).count() as f64;
+    let attempt = |setup: &Setup<'_>, before: f64| {
+        let progress = |share: f64| (control.progress)((before + share) / attempts);
+        let control = &Control { progress: &progress, ..*control };
         let first = setup.attempt(&Stepping::of(setup.settings), (0.0, MAIN_SHARE), control)?;
         accuracy::judge(setup, first, control)
     };
     let mut setup = Setup { model: &model, needs: &needs, settings, start: &start, whole };
-    let (mut made, mut accuracy) = attempt(&setup)?;
-    let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
+    let (mut made, mut accuracy) = attempt(&setup, 0.0)?;
     // A run that has been tightened for the noise of its steps is not run at a looser tolerance again.
     let looser = |made: &Attempt| tighter.as_ref().filter(|_| made.relative_tolerance == settings.relative_tolerance);
     let serves =
@@ -226,13 +230,13 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
         let unresolved = accuracy.level_error_db.is_some_and(|error| error >= UNRESOLVED);
         let settings = looser(&made).filter(|_| !unresolved).unwrap_or(settings);
         setup = Setup { model, needs, settings, whole: None, ..setup };
-        (made, accuracy) = attempt(&setup)?;
+        (made, accuracy) = attempt(&setup, 1.0)?;
     }
     if let Some(tighter) = looser(&made)
         && !serves(&accuracy)
     {
         setup = Setup { settings: tighter, whole: None, ..setup };
-        (made, accuracy) = attempt(&setup)?;
+        (made, accuracy) = attempt(&setup, attempts - 1.0)?;
     }
     (control.progress)(1.0);
     Ok(summarise(scene, &Setup { settings, ..setup }, &made, accuracy, &found, begin))

@@ -181,7 +181,10 @@ fn a_user_who_may_not_make_tables_can_serve_and_work() {
     let as_user = database.replacen("raceway@", &format!("{user}@"), 1);
     execute(&database, &format!("CREATE ROLE {user} LOGIN"));
     let early = raceway(&["migrate"], &as_user);
-    assert!(!early.status.success() && String::from_utf8_lossy(&early.stderr).contains("permission denied"), "{early:?}");
+    assert!(
+        !early.status.success() && String::from_utf8_lossy(&early.stderr).contains("permission denied"),
+        "{early:?}"
+    );
 
     assert!(raceway(&["migrate"], &database).status.success());
     execute(
@@ -199,7 +202,9 @@ fn a_user_who_may_not_make_tables_can_serve_and_work() {
 
 #[test]
 fn the_link_to_postgresql_can_be_encrypted() {
-    let (Some(database), Ok(certificate)) = (postgres_database(), std::env::var(format!("{POSTGRES}_CA"))) else { return };
+    let (Some(database), Ok(certificate)) = (postgres_database(), std::env::var(format!("{POSTGRES}_CA"))) else {
+        return;
+    };
     let checked = format!("{database}?sslmode=verify-full&sslrootcert={certificate}");
     let server = Process::serve_on(&checked, &["--listen", "127.0.0.1:0"], &[]);
     let path = server.submit(&short_job());

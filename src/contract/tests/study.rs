@@ -106,11 +106,11 @@ fn wrong_axes_are_refused_with_their_place() {
         ),
         (
             json!([{ "path": "/spindle/colour", "values": [1, 2] }]),
-            "/scene/spindle/colour: at the first point: unknown field",
+            "/axes/0: `/scene/spindle/colour`: at the first point: unknown field",
         ),
         (
             json!([{ "path": "/nothing/here", "values": [1] }]),
-            "/scene/nothing/here: at the first point: the scene has no `/nothing`",
+            "/axes/0: `/scene/nothing/here`: at the first point: the scene has no `/nothing`",
         ),
         (json!([[]]), "/axes/0"),
         (json!([{ "path": path, "values": [1, 1.0] }]), "/axes/0/values/1: given more than once"),

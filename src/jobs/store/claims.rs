@@ -121,7 +121,13 @@ impl Store {
 
 /// Writes how the run ended, and says as what it stands in the record; `None`: the claim is lost, and the transaction must not be
 /// committed.
-pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Result<Option<Status>, JobError> {
+pub async fn finish(
+    tx: &mut Tx,
+    claim: &Claim,
+    end: &End,
+    progress: f64,
+    keep_s: f64,
+) -> Result<Option<Status>, JobError> {
     let (result, failure) = match end {
         End::Succeeded(result) => (Some(results::insert(tx, result).await?), None),
         End::Failed(failure) => (None, Some(failure)),
@@ -133,7 +139,7 @@ pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Resul
                result_id = CASE WHEN cancel_requested_at IS NULL THEN $4 END, \
                error_cause = CASE WHEN cancel_requested_at IS NULL THEN $5 END, \
                error_detail = CASE WHEN cancel_requested_at IS NULL THEN $6 END, \
-               progress = CASE WHEN cancel_requested_at IS NULL AND $3 = 'succeeded' THEN 1.0 ELSE progress END, \
+               progress = CASE WHEN cancel_requested_at IS NULL AND $3 = 'succeeded' THEN 1.0 ELSE $9 END, \
                finished_at = $7, expires_at = $8 \
                WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING status";
     let status: Option<String> = statement(sql)
@@ -145,6 +151,7 @@ pub async fn finish(tx: &mut Tx, claim: &Claim, end: &End, keep_s: f64) -> Resul
         .bind(failure.map(|failure| &failure.detail))
         .bind(stored(now))
         .bind(stored(expiry(now, claim.keep_for_s.unwrap_or(keep_s))))
+        .bind(progress)
         .value(&mut *tx)
         .await?;
     let Some(status) = status else { return Ok(None) };
