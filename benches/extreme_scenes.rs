@@ -17,12 +17,10 @@ use std::time::Instant;
 use raceway::contract::scene_from_json;
 use raceway::simulation::accuracy::FAINT;
 use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::equilibrium::static_loads;
 use raceway::simulation::metrics::MotionKind;
-use raceway::simulation::needs::Needs;
 use raceway::simulation::run::{Control, Method, Outputs, RunResult, RunSettings, SimulationError, run};
 use raceway::simulation::scene::Scene;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 #[path = "../tests/limits/article.rs"]
 mod article;
@@ -42,39 +40,6 @@ const UNASKED: f64 = 1e-4;
 /// Load [N] and cage speed [Hz] that count as none.
 const LEAST_QUANTITIES: [f64; 2] = [0.1, 1.0];
 
-/// The article's bearing with another number of balls; rings, cage, load and speed go with it.
-fn balls(count: u32) -> Value {
-    let scale = f64::from(count) / 7.0;
-    let pitch = 13.0 * scale;
-    json!({
-        "bearing": {
-            "ball_count": count, "pitch_diameter_mm": pitch, "outer_diameter_mm": pitch + 5.0,
-            "inner_diameter_mm": (pitch - 4.5).max(0.5),
-            "cage": {
-                "mass_g": 0.13 * scale, "axial_inertia_kg_m2": 5.5e-9 * scale.powi(3),
-                "transverse_inertia_kg_m2": 3e-9 * scale.powi(3)
-            }
-        },
-        "operation": { "speed_rpm": 50_000.0 / scale, "radial_load_y_n": 200.0 * scale }
-    })
-}
-
-/// The radial load at which the largest static contact pressure is `pascal` [N].
-fn load_at(pascal: f64) -> f64 {
-    let pressure = |load: f64| {
-        let json = changed(article(), json!({ "operation": { "radial_load_y_n": load } }));
-        let scene = scene_from_json(&json.to_string()).expect("a loaded bearing is a scene");
-        let needs = Needs::of(&scene, &outputs(), None).expect("no rung is asked for");
-        static_loads(&scene, &needs).map_or(f64::INFINITY, |loads| loads.max_pressure)
-    };
-    let (mut low, mut high) = (1.0, 1e6);
-    for _ in 0..40 {
-        let middle = f64::sqrt(low * high);
-        if pressure(middle) < pascal { low = middle } else { high = middle }
-    }
-    low
-}
-
 /// What is simulated: a name, the scene, and how long it settles and is kept [s].
 struct Case {
     name: String,
@@ -85,83 +50,17 @@ struct Case {
     patience: u64,
 }
 
+/// What `scenes/extreme.json` lists, as changes of the article's case.
 fn cases() -> Vec<Case> {
-    let case = |name: &str, changes: Value| Case {
-        name: name.into(),
-        scene: changed(article(), changes),
-        settle: 2e-3,
-        duration: 6e-3,
-        patience: 1,
+    let listed: Vec<Value> = serde_json::from_str(include_str!("scenes/extreme.json")).expect("a list");
+    let case = |listed: Value| Case {
+        name: listed["name"].as_str().expect("a name").into(),
+        scene: changed(article(), listed["changes"].clone()),
+        settle: listed["settle_s"].as_f64().expect("a time"),
+        duration: listed["duration_s"].as_f64().expect("a time"),
+        patience: listed["patience"].as_u64().unwrap_or(1),
     };
-    let bearing = |changes: Value| json!({ "bearing": changes });
-    let cage = |changes: Value| json!({ "bearing": { "cage": changes } });
-    let operation = |changes: Value| json!({ "operation": changes });
-    let traction = |law: Value| json!({ "lubricant": { "kind": "grease", "traction": law } });
-    let weight = |kg: f64| json!({ "spindle": { "mass_kg": kg }, "gravity_m_s2": 0 });
-    let curvature = |f: f64, um: f64| {
-        bearing(json!({ "inner_groove_curvature": f, "outer_groove_curvature": f, "radial_clearance_um": um }))
-    };
-    let (four, eight) = (load_at(4e9), load_at(8e9));
-    let step =
-        json!([{ "at_s": 0, "rpm": 50_000 }, { "at_s": 0.003, "rpm": 50_000 }, { "at_s": 0.003_001, "rpm": 20_000 }]);
-    let mut all = vec![
-        case("article's case", json!({})),
-        case("no load", operation(json!({ "radial_load_y_n": 0 }))),
-        case("no load, no gravity", changed(operation(json!({ "radial_load_y_n": 0 })), json!({ "gravity_m_s2": 0 }))),
-        case("no speed", operation(json!({ "speed_rpm": 0 }))),
-        case("200 000 r/min", operation(json!({ "speed_rpm": 200_000 }))),
-        case("500 000 r/min", operation(json!({ "speed_rpm": 500_000 }))),
-        case(&format!("4 GPa ({four:.0} N)"), operation(json!({ "radial_load_y_n": four }))),
-        case(&format!("8 GPa ({eight:.0} N)"), operation(json!({ "radial_load_y_n": eight }))),
-        case("1e7 N", operation(json!({ "radial_load_y_n": 1e7 }))),
-        case("clearance 0", bearing(json!({ "radial_clearance_um": 0 }))),
-        case("clearance -4 µm", bearing(json!({ "radial_clearance_um": -4 }))),
-        case("clearance -0.02 d", bearing(json!({ "radial_clearance_um": -55.5 }))),
-        case("3 balls", balls(3)),
-        case("50 balls", balls(50)),
-        case("restitution 1", json!({ "damping": { "raceway": { "law": "restitution", "restitution": 1 } } })),
-        case(
-            "no damping at all",
-            changed(
-                json!({ "damping": { "raceway": { "law": "none" }, "pocket": { "law": "none" } } }),
-                cage(json!({ "film": "none" })),
-            ),
-        ),
-        case("traction at 1 mm/s", traction(json!({ "law": "four_parameter", "at_slip_m_s": 1e-3 }))),
-        case("speed step in 1 µs", operation(json!({ "speed_rpm": step }))),
-        case("pocket clearance 1e-3 mm", cage(json!({ "pocket_clearance_mm": 1e-3 }))),
-        case("pocket clearance 1e-9 mm", cage(json!({ "pocket_clearance_mm": 1e-9 }))),
-        case("spindle 1e6 balls", weight(88.0)),
-        case("spindle 1e-6 balls", weight(8.8e-11)),
-        case("spindle 1e6 kg", weight(1e6)),
-        case("spindle 1e-300 kg", weight(1e-300)),
-        case("f = 0.5", curvature(0.5, 5.0)),
-        case("f = 0.5000001", curvature(0.500_000_1, 1e-6)),
-        case("f = 0.501", curvature(0.501, 2.0)),
-        case("f = 0.6", curvature(0.6, 5.0)),
-        case(
-            "viscous damping 1e9",
-            json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 1e9 } } }),
-        ),
-        case("film stiffness 1e10", cage(json!({ "film": { "stiffness_n_per_m": 1e10, "damping_n_s_per_m": 3 } }))),
-        case("film damping 1e5", cage(json!({ "film": { "stiffness_n_per_m": 0, "damping_n_s_per_m": 1e5 } }))),
-        case("cage of 1e-6 g", cage(json!({ "mass_g": 1e-6 }))),
-        case(
-            "cage of 1e-6 g, inertia alike",
-            cage(json!({ "mass_g": 1e-6, "axial_inertia_kg_m2": 4e-14, "transverse_inertia_kg_m2": 2e-14 })),
-        ),
-        case("coulomb over 1 mm/s", traction(json!({ "law": "coulomb", "regularisation_m_s": 1e-3 }))),
-        case("coulomb over 10 µm/s", traction(json!({ "law": "coulomb", "regularisation_m_s": 1e-5 }))),
-        case("eyring in grease", traction(json!({ "law": "eyring" }))),
-        case("viscosity 100", json!({ "lubricant": { "kind": "oil", "viscosity_pa_s": 100 } })),
-        case("dry, chaotic", json!({ "lubricant": "dry" })),
-    ];
-    for case in all.iter_mut().filter(|case| ["film stiffness 1e10", "viscosity 100"].contains(&case.name.as_str())) {
-        case.patience = 4;
-    }
-    all.push(Case { name: "1 µs".into(), scene: article(), settle: 0.0, duration: 1e-6, patience: 1 });
-    all.push(Case { name: "60 s".into(), scene: article(), settle: 0.02, duration: 60.0, patience: 1 });
-    all
+    listed.into_iter().map(case).collect()
 }
 
 fn outputs() -> Outputs {
