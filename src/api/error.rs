@@ -189,7 +189,7 @@ impl ApiError {
             Self::Job(error) => of_job(error),
             Self::NotReady(error) => {
                 let detail = match error {
-                    JobError::Stopping | JobError::DiskFull => error.to_string(),
+                    JobError::Stopping | JobError::DiskFull | JobError::NotWritable => error.to_string(),
                     _ => "the database does not answer".into(),
                 };
                 of(S::SERVICE_UNAVAILABLE, "not-ready", "The service takes no jobs now", detail)

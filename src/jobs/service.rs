@@ -345,11 +345,9 @@ impl Jobs {
         if self.inner.store.disk_is_full() {
             return Err(JobError::DiskFull);
         }
-        if self.inner.store.is_unwritable() {
-            return Err(JobError::NotWritable);
-        }
         let answered = tokio::time::timeout(LONGEST_PING, self.inner.store.ping()).await;
-        answered.unwrap_or(Err(JobError::NotWritable))
+        answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))?;
+        if self.inner.store.is_unwritable() { Err(JobError::NotWritable) } else { Ok(()) }
     }
 
     /// Counts and times of this process, and the standing of the queue, as OpenMetrics text.

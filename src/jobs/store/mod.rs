@@ -8,6 +8,9 @@ pub mod claims;
 pub mod database;
 /// What an idempotency key has made.
 pub mod keys;
+/// Links that have gone silent.
+#[cfg(target_os = "linux")]
+mod link;
 /// Jobs looked up and listed, cancelled and deleted.
 pub mod records;
 /// Results written and read.
@@ -89,6 +92,8 @@ impl Store {
             tx.commit().await?;
             store.migrate().await?;
         }
+        // A file that may only be read would be found out later, and not by its name.
+        store.try_write().await?;
         Ok(store)
     }
 
