@@ -71,7 +71,7 @@ pub async fn guard(State(app): State<App>, mut request: Request, next: Next) -> 
 }
 
 /// Paths that show nothing of anybody's work.
-fn is_open(path: &str) -> bool {
+pub fn is_open(path: &str) -> bool {
     let folders = ["/health/", "/docs/", "/portal/"];
     matches!(path, "/" | "/docs" | "/openapi.json") || folders.iter().any(|folder| path.starts_with(folder))
 }

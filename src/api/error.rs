@@ -87,6 +87,8 @@ pub enum ApiError {
     },
     UnsupportedMediaType(String),
     ForeignHost(String),
+    /// More is asked for than is done at a time.
+    Overloaded,
     Job(JobError),
     /// The service takes no jobs now.
     NotReady(JobError),
@@ -112,6 +114,8 @@ impl From<Refusal> for ApiError {
 /// Seconds after which a full queue is worth another try, and a run worth another look.
 const QUEUE_RETRY_S: &str = "5";
 const RESULT_RETRY_S: &str = "1";
+/// The same of a busy service.
+const OVERLOAD_RETRY_S: &str = "1";
 
 impl ApiError {
     /// Status and problem.
@@ -186,6 +190,10 @@ impl ApiError {
                 );
                 of(S::MISDIRECTED_REQUEST, "foreign-host", "The request was meant for another host", detail)
             }
+            Self::Overloaded => {
+                let detail = "more is asked for than the service does at a time; try again".into();
+                of(S::SERVICE_UNAVAILABLE, "overloaded", "The service is busy", detail)
+            }
             Self::Job(error) => of_job(error),
             Self::NotReady(error) => {
                 let detail = match error {
@@ -205,6 +213,7 @@ impl ApiError {
         match self {
             Self::Unauthorized => drop(set(WWW_AUTHENTICATE, "Bearer")),
             Self::UnsupportedMediaType(_) => drop(set(ACCEPT, "application/json")),
+            Self::Overloaded => drop(set(RETRY_AFTER, OVERLOAD_RETRY_S)),
             Self::Job(JobError::QueueFull { .. }) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
             Self::Job(JobError::Stopping | JobError::DiskFull) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
             Self::Job(JobError::NotReady(_)) => drop(set(RETRY_AFTER, RESULT_RETRY_S)),
