@@ -90,7 +90,7 @@ async fn owner(app: &App, digest: &TokenDigest) -> Result<Owner, ApiError> {
 }
 
 /// Paths that show nothing of anybody's work.
-fn is_open(path: &str) -> bool {
+pub fn is_open(path: &str) -> bool {
     let folders = ["/health/", "/docs/", "/portal/"];
     matches!(path, "/" | "/docs" | "/openapi.json") || folders.iter().any(|folder| path.starts_with(folder))
 }

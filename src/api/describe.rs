@@ -101,7 +101,7 @@ problems! {
         "421" ForeignHost: "Without tokens: a `Host` that is neither an address nor localhost" => [ForeignHost("raceway.example".into())],
         "429" TooOften: "The token asks more often than it may; `Retry-After` tells when to try again" => [TooOften { limit: 1000, wait_s: 1 }],
         "500" InternalError: "An error of the service; its cause is in the log" => [Internal],
-        "503" Unavailable: "The service is stopping, or its database is away" => [Job(JobError::Stopping), Job(JobError::Database(sqlx::Error::PoolTimedOut))],
+        "503" Unavailable: "The service is stopping or busy, or its database is away" => [Job(JobError::Stopping), Overloaded, Job(JobError::Database(sqlx::Error::PoolTimedOut))],
     }
     /// Operations that are open to everybody.
     OnlyLocal { "421" ForeignHost: "Without tokens: a `Host` that is neither an address nor localhost" => [ForeignHost("raceway.example".into())] }

@@ -92,6 +92,8 @@ pub enum ApiError {
     },
     UnsupportedMediaType(String),
     ForeignHost(String),
+    /// More is asked for than is done at a time.
+    Overloaded,
     Job(JobError),
     /// The service takes no jobs now.
     NotReady(JobError),
@@ -117,6 +119,8 @@ impl From<Refusal> for ApiError {
 /// Seconds after which a full queue is worth another try, and a run worth another look.
 const QUEUE_RETRY_S: &str = "5";
 const RESULT_RETRY_S: &str = "1";
+/// The same of a busy service.
+const OVERLOAD_RETRY_S: &str = "1";
 
 impl ApiError {
     /// Status and problem.
@@ -195,10 +199,14 @@ impl ApiError {
                 );
                 of(S::MISDIRECTED_REQUEST, "foreign-host", "The request was meant for another host", detail)
             }
+            Self::Overloaded => {
+                let detail = "more is asked for than the service does at a time; try again".into();
+                of(S::SERVICE_UNAVAILABLE, "overloaded", "The service is busy", detail)
+            }
             Self::Job(error) => of_job(error),
             Self::NotReady(error) => {
                 let detail = match error {
-                    JobError::Stopping | JobError::DiskFull => error.to_string(),
+                    JobError::Stopping | JobError::DiskFull | JobError::NotWritable => error.to_string(),
                     _ => "the database does not answer".into(),
                 };
                 of(S::SERVICE_UNAVAILABLE, "not-ready", "The service takes no jobs now", detail)
@@ -218,6 +226,7 @@ impl ApiError {
             Self::Job(JobError::QueueFull { .. } | JobError::OwnersQueueFull { .. }) => {
                 drop(set(RETRY_AFTER, QUEUE_RETRY_S))
             }
+            Self::Overloaded => drop(set(RETRY_AFTER, OVERLOAD_RETRY_S)),
             Self::Job(JobError::Stopping | JobError::DiskFull) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
             Self::Job(JobError::NotReady(_)) => drop(set(RETRY_AFTER, RESULT_RETRY_S)),
             _ => {}

@@ -10,6 +10,7 @@ use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
 use serde_json::{Map, Value, json};
+use tokio::sync::OwnedSemaphorePermit;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
@@ -17,6 +18,7 @@ use super::answers::JobAnswer;
 use super::auth::Owner;
 use super::describe::{Anywhere, BadQuery, NoJob, NotAccepted};
 use super::error::ApiError;
+use super::load::Place;
 use super::request::{JobId, Nothing, Query, header, negotiated};
 use super::{App, describe};
 use crate::contract::JobKind;
@@ -36,7 +38,7 @@ const ALIVE: Duration = Duration::from_secs(15);
 /// Server-sent events. `progress`, whenever something has changed: the job without its request, with `phase` (`queued`, `starting`,
 /// `checking` a reduced model, `settling`, `recording`, `judging` the accuracy, `computing` the points of a study, `running` in another process) and, while it is
 /// recorded, `level_db`: the acceleration levels so far by channel [dB], of all frequencies. Then one of `succeeded`, `failed`, `cancelled`, and the
-/// stream ends; a job that has ended gets that at once. With `Last-Event-ID` what that event said is not said again. The stream also ends when the service stops.
+/// stream ends; a job that has ended gets that at once. Of all that follow jobs at a time, 256 are served; more get 503 and look at the job instead. With `Last-Event-ID` what that event said is not said again. The stream also ends when the service stops.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/events", tag = describe::JOBS, operation_id = "followJob",
     params(
@@ -55,6 +57,7 @@ pub async fn events(
     Owner(owner): Owner,
     headers: HeaderMap,
     JobId(id): JobId,
+    place: Place,
     _: Query<Nothing>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, STREAM)?;
@@ -64,7 +67,8 @@ pub async fn events(
     if record.status.is_final() && seen == Some(id_of(&record, None)) {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
-    let watch = Watch { app, owner, id, seen, first: true, ended: false };
+    let follows = place.load().follow().ok_or(ApiError::Overloaded)?;
+    let watch = Watch { app, owner, id, seen, first: true, ended: false, _follows: follows };
     let stream = stream::unfold(watch, |mut watch| async move { Some((watch.next().await?, watch)) });
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(ALIVE)).into_response())
 }
@@ -92,6 +96,7 @@ struct Watch {
     seen: Option<String>,
     first: bool,
     ended: bool,
+    _follows: OwnedSemaphorePermit,
 }
 
 impl Watch {

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use axum::Json;
+use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::header::{HeaderName, LINK, LOCATION, RETRY_AFTER};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
@@ -15,11 +16,12 @@ use super::answers::{JobAnswer, JobList, StatusName, path_of};
 use super::auth::Owner;
 use super::describe::{Anywhere, BadBody, BadQuery, HasEnded, HasNotEnded, NoJob, NoSpace, NotAccepted, QueueFull};
 use super::error::ApiError;
+use super::load::Place;
 use super::request::{JobId, JsonBody, Nothing, Query, header, negotiated};
 use super::{App, conditional, describe};
 use crate::contract;
-use crate::contract::JobKind;
 use crate::contract::job::{JobInput, JobKindName};
+use crate::contract::{Job, JobKind};
 use crate::jobs::{Cancelled, Filter, IdempotencyKey, JobError, JobRecord, Status, Submitted};
 
 const JSON: &[&str] = &["application/json"];
@@ -34,7 +36,8 @@ const LONGEST_WAIT_S: u64 = 60;
 /// Submit a job
 ///
 /// Checks the job and puts it into the queue. Once this answers, the job survives a crash of the service and
-/// a power cut. With `Prefer: wait=N` the answer waits up to N seconds for the end of the job.
+/// a power cut. With `Prefer: wait=N` the answer waits up to N seconds for the end of the job; a busy service
+/// may not wait, and then `Preference-Applied` is absent.
 #[utoipa::path(
     post, path = "/v1/jobs", tag = describe::JOBS, operation_id = "submitJob",
     params(SubmitHeaders),
@@ -57,20 +60,24 @@ pub async fn submit(
     State(app): State<App>,
     Owner(owner): Owner,
     headers: HeaderMap,
+    place: Place,
     _: Query<Nothing>,
     JsonBody(body): JsonBody,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, JSON)?;
     let wait = preferred_wait(&headers)?;
     let key = idempotency_key(&headers)?;
-    let job = contract::parse_job(&body)?;
+    let job = parsed(&body).await?;
     let key = key.map(|key| IdempotencyKey::new(key, &job));
     let Submitted { record, replayed } = app.jobs.submit(&job, &owner, key).await?;
     let replayed = replayed.then_some((IDEMPOTENT_REPLAYED, HeaderValue::from_static("true")));
     let made: HeaderMap = replayed.into_iter().chain([(LOCATION, text(path_of(record.id)))]).collect();
-    let Some(wait) = wait else {
+    drop((job, body));
+    // Who waits keeps a connection, so that only some may; a preference may be left.
+    let Some((wait, _follows)) = wait.and_then(|wait| Some((wait, place.load().follow()?))) else {
         return Ok((StatusCode::ACCEPTED, made, waiting(&record), Json(JobAnswer::of(record)?)).into_response());
     };
+    place.leave();
     let applied = [(PREFERENCE_APPLIED, text(format!("wait={wait}")))];
     let record = match app.jobs.wait(&owner, record.id, Duration::from_secs(wait)).await {
         // What a key has made may be gone: it is not made again, and nobody waits for it.
@@ -87,6 +94,18 @@ pub async fn submit(
     let look_again = waiting(&record);
     let answer = with_metrics(&app, &owner, record).await?;
     Ok((status, made, applied, look_again, Json(answer)).into_response())
+}
+
+/// From this length on a body is read on a thread that holds up no other request.
+const LONG_BODY: usize = 8 << 10;
+
+async fn parsed(body: &Bytes) -> Result<Job, ApiError> {
+    if body.len() < LONG_BODY {
+        return Ok(contract::parse_job(body)?);
+    }
+    let body = body.clone();
+    let parsed = tokio::task::spawn_blocking(move || contract::parse_job(&body));
+    Ok(parsed.await.map_err(|_| ApiError::Internal)??)
 }
 
 /// List jobs

@@ -13,6 +13,7 @@ mod error;
 mod events;
 mod health;
 mod jobs;
+mod load;
 mod patience;
 mod plots;
 mod portal;
@@ -51,6 +52,13 @@ pub use error::{ApiError, Problem};
 pub struct App {
     pub jobs: Jobs,
     pub access: Arc<Access>,
+    pub load: load::Load,
+}
+
+impl App {
+    pub fn new(jobs: Jobs, access: Access) -> Self {
+        Self { jobs, access: Arc::new(access), load: load::Load::default() }
+    }
 }
 
 /// Who may ask.
@@ -131,6 +139,7 @@ pub fn router(app: App) -> Router {
         .route("/", get(portal::page))
         .route("/portal/{*file}", get(portal::file))
         .merge(SwaggerUi::new("/docs").config(Config::from("/openapi.json")))
+        .layer(middleware::from_fn_with_state(app.clone(), load::limit))
         .layer(middleware::from_fn_with_state(app.clone(), auth::guard));
     // Browsers ask before they send a token.
     let shared = match app.access.origins.as_slice() {
@@ -144,5 +153,15 @@ pub fn router(app: App) -> Router {
         .layer(TraceLayer::new_for_http())
         // Bodies are read by our own extractor, which has the limit.
         .layer(DefaultBodyLimit::disable())
+        .with_state(app)
+}
+
+/// What is answered where all connections are taken: how the service is, to those who would restart it otherwise.
+pub fn lobby(app: App) -> Router {
+    Router::new()
+        .route("/health/live", get(health::live))
+        .route("/health/ready", get(health::ready))
+        .fallback(|| std::future::ready(ApiError::Overloaded))
+        .layer(middleware::from_fn_with_state(app.clone(), auth::guard))
         .with_state(app)
 }

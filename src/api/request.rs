@@ -10,9 +10,11 @@ use axum::http::{HeaderMap, HeaderName};
 use http_body_util::{BodyExt, LengthLimitError, Limited};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use tokio::sync::OwnedSemaphorePermit;
 use uuid::Uuid;
 
 use super::error::ApiError;
+use super::load::{Load, Place};
 
 /// Bytes of a body at most.
 pub const BODY_LIMIT: usize = 1 << 20;
@@ -20,28 +22,66 @@ pub const BODY_LIMIT: usize = 1 << 20;
 /// Time that a body has to arrive.
 const BODY_TIME: Duration = Duration::from_secs(30);
 
-/// A body that says it is JSON.
+/// A body that says it is JSON. It takes room among the bodies until it is dropped.
 pub struct JsonBody(pub Bytes);
 
 impl<S: Sync> FromRequest<S> for JsonBody {
     type Rejection = ApiError;
 
-    async fn from_request(request: Request, _state: &S) -> Result<Self, ApiError> {
+    async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
         check_media_type(request.headers())?;
         let announced = header(request.headers(), &CONTENT_LENGTH).and_then(|length| length.parse::<usize>().ok());
         if announced.is_some_and(|length| length > BODY_LIMIT) {
             return Err(ApiError::TooLarge { limit: BODY_LIMIT });
         }
-        let body = tokio::time::timeout(BODY_TIME, read(request.into_body()));
-        body.await.unwrap_or(Err(ApiError::SlowBody)).map(Self)
+        let (mut parts, body) = request.into_parts();
+        let Ok(place) = Place::from_request_parts(&mut parts, state).await;
+        // Slow clients keep no quick ones out.
+        place.leave();
+        let body =
+            tokio::time::timeout(BODY_TIME, read(body, place.load())).await.unwrap_or(Err(ApiError::SlowBody))?;
+        place.enter()?;
+        Ok(Self(Bytes::from_owner(body)))
     }
 }
 
-async fn read(body: Body) -> Result<Bytes, ApiError> {
-    match Limited::new(body, BODY_LIMIT).collect().await {
-        Ok(body) => Ok(body.to_bytes()),
-        Err(error) if error.is::<LengthLimitError>() => Err(ApiError::TooLarge { limit: BODY_LIMIT }),
-        Err(_) => Err(ApiError::BadRequest("the body ended too early".into())),
+/// A body with the room that it takes.
+struct Held {
+    bytes: Vec<u8>,
+    room: Vec<OwnedSemaphorePermit>,
+}
+
+impl AsRef<[u8]> for Held {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// Reads as it comes: only what has arrived takes room, whatever length was announced.
+async fn read(body: Body, load: &Load) -> Result<Held, ApiError> {
+    let mut body = Limited::new(body, BODY_LIMIT);
+    let mut held = Held { bytes: Vec::new(), room: Vec::new() };
+    while let Some(frame) = body.frame().await {
+        let frame = frame.map_err(|error| match error.is::<LengthLimitError>() {
+            true => ApiError::TooLarge { limit: BODY_LIMIT },
+            false => ApiError::BadRequest("the body ended too early".into()),
+        })?;
+        let Some(bytes) = frame.data_ref() else { continue };
+        held.make_room(bytes.len(), load)?;
+        held.bytes.extend_from_slice(bytes);
+    }
+    Ok(held)
+}
+
+impl Held {
+    /// Room comes in doubling steps, as the vector's own does.
+    fn make_room(&mut self, more: usize, load: &Load) -> Result<(), ApiError> {
+        if self.bytes.len() + more > self.bytes.capacity() {
+            let capacity = (self.bytes.len() + more).next_power_of_two().max(4096);
+            self.room.push(load.room(capacity - self.bytes.capacity())?);
+            self.bytes.reserve_exact(capacity - self.bytes.len());
+        }
+        Ok(())
     }
 }
 

@@ -14,7 +14,7 @@ use super::auth::Owner;
 use super::describe::{Anywhere, BadQuery, NoChannel, NoJob, NoResult, NotAccepted, Unchanged};
 use super::error::ApiError;
 use super::request::{JobId, Nothing, Query, negotiated};
-use super::{App, describe};
+use super::{App, describe, load};
 use crate::contract::{
     JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind, WorkPrecisionAnswer,
 };
@@ -140,11 +140,12 @@ pub async fn series(
 ) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV, NPY])?;
     let query = unless_of_other_kind(&app, &owner, id, query.and_then(SeriesQuery::checked)).await?;
+    let place = app.load.series()?;
     let stored = signal_of(&app, &owner, id, Signal::Series, &query.channel).await?;
     if format == JSON && query.from_s.is_none() && query.to_s.is_none() && query.max_points.is_none() {
-        return Ok(sent(JSON, stored));
+        return Ok(load::holding(place, sent(JSON, stored)));
     }
-    shaped(move || {
+    let series = shaped(move || {
         let (from, to) = (query.from_s.unwrap_or(f64::NEG_INFINITY), query.to_s.unwrap_or(f64::INFINITY));
         let series = read::<SeriesAnswer>(&stored)?.between(from, to);
         let series = match query.max_points {
@@ -156,8 +157,8 @@ pub async fn series(
             NPY => sent(NPY, render::series_npy(&series)),
             _ => sent(JSON, written(&series)?),
         })
-    })
-    .await
+    });
+    Ok(load::holding(place, series.await?))
 }
 
 /// Get error against run time

@@ -1,14 +1,13 @@
 //! The parts of the service put together, in their order of starting and stopping.
 
 use std::net::SocketAddr;
-use std::sync::Arc;
 
 use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
 pub use super::server::url;
-use super::{Access, App, router, server};
+use super::{Access, App, lobby, router, server};
 use crate::jobs::{JobError, Jobs, Settings, Simulator};
 
 /// A running service.
@@ -42,8 +41,8 @@ impl Service {
         let address = listener.local_addr().map_err(refused)?;
         let jobs = Jobs::start(settings, simulator).await?;
         let stop = CancellationToken::new();
-        let router = router(App { jobs: jobs.clone(), access: Arc::new(access) });
-        let serving = tokio::spawn(server::serve(listener, router, stop.clone()));
+        let app = App::new(jobs.clone(), access);
+        let serving = tokio::spawn(server::serve(listener, router(app.clone()), lobby(app), stop.clone()));
         Ok(Self { address, jobs, stop, serving })
     }
 

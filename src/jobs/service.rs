@@ -122,9 +122,11 @@ impl Jobs {
             Location::File(path) => Some(DatabaseLock::take(path)?),
             Location::Server(_) => None,
         };
-        let store = Store::open(&settings.database, settings.workers, settings.max_pages).await;
-        let store = store.map_err(|error| JobError::opening(&settings.database, error))?;
-        store.migrate().await.map_err(|error| JobError::opening(&settings.database, error))?;
+        let opening = |error| JobError::opening(&settings.database, error);
+        let store = Store::open(&settings.database, settings.workers, settings.max_pages).await.map_err(opening)?;
+        store.migrate().await.map_err(opening)?;
+        // A file that may only be read would be found out later, and not by its name.
+        store.try_write().await.map_err(opening)?;
         let tokens = KnownTokens::read(&store).await?;
         let running = Arc::new(Running::default());
         let worker = Arc::new(Worker::new(store.clone(), Arc::clone(&running), simulator, settings.clone()));
@@ -368,11 +370,9 @@ impl Jobs {
         if self.inner.store.disk_is_full() {
             return Err(JobError::DiskFull);
         }
-        if self.inner.store.is_unwritable() {
-            return Err(JobError::NotWritable);
-        }
         let answered = tokio::time::timeout(LONGEST_PING, self.inner.store.ping()).await;
-        answered.unwrap_or(Err(JobError::NotWritable))
+        answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))?;
+        if self.inner.store.is_unwritable() { Err(JobError::NotWritable) } else { Ok(()) }
     }
 
     /// Counts and times of this process, and the standing of the queue, as OpenMetrics text.

@@ -53,6 +53,10 @@ async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
     let stranded = upkeep::stranded(&mut tx, lost_after, &inner.running.ids()).await?;
     upkeep::work(&mut tx, inner.worker, inner.settings.workers, lost_after).await?;
     studies::lose_strands(&mut tx, lost_after, inner.settings.max_lost_runs).await?;
+    let hastened = inner.queue.hasten(&mut tx).await?;
+    if hastened > 0 {
+        tracing::warn!(jobs = hastened, "a clock was set back; what waited for the time before is due now");
+    }
     let slots = upkeep::slots(&mut tx).await?;
     let lacking = studies::lacking(&mut tx, slots, keep_s).await?;
     let deliveries = inner.queue.enqueue(&mut tx, &stranded).await?;

@@ -2,10 +2,11 @@
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
+use std::time::{Duration, Instant};
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::common::{Answer, Server, job, request};
+use crate::common::{Answer, Server, job, job_with, request};
 use crate::server::{InProcess, Wishes, start, start_with};
 
 fn get(server: &InProcess, path: &str, headers: &[(&str, &str)]) -> Answer {
@@ -55,19 +56,122 @@ fn with_tokens_everything_but_the_open_pages_needs_one() {
     }
 }
 
+const A: (&str, &str) = ("Authorization", "Bearer alpha");
+const B: (&str, &str) = ("Authorization", "Bearer beta");
+const JSON: (&str, &str) = ("Content-Type", "application/json");
+
+fn post(server: &InProcess, token: (&str, &str), more: &[(&str, &str)], job: &Value) -> Answer {
+    let headers = [&[token, JSON], more].concat();
+    request(server.address(), "POST", "/v1/jobs", &headers, job.to_string().as_bytes())
+}
+
+/// A job of A's, once it has this status.
+fn made(server: &InProcess, job: &Value, status: &str) -> String {
+    let path = post(server, A, &[], job).header("location").expect("a location").to_owned();
+    let begin = Instant::now();
+    while get(server, &path, &[A]).json()["status"] != status {
+        assert!(begin.elapsed() < Duration::from_secs(40), "{path} is not {status}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    path
+}
+
+/// Every operation on a job that the document knows, with all that it cannot do without: method and path behind the job's.
+fn operations_on_a_job() -> Vec<(String, String)> {
+    let document = serde_json::to_value(raceway::api::document()).expect("JSON");
+    let mut operations = Vec::new();
+    for (path, methods) in document["paths"].as_object().expect("paths") {
+        let Some(rest) = path.strip_prefix("/v1/jobs/{id}") else {
+            assert!(!path.contains("{id}"), "{path} is about something else, and wants a test of its own");
+            continue;
+        };
+        for (method, operation) in methods.as_object().expect("methods") {
+            let parameters = operation["parameters"].as_array().expect("parameters");
+            let query = parameters.iter().filter(|one| one["in"] == "query" && one["required"] == true);
+            let query: Vec<String> = query
+                .map(|one| match one["name"].as_str() {
+                    Some("channel") => "channel=spindle.y.acceleration".to_owned(),
+                    other => panic!("{method} {path} wants {other:?}"),
+                })
+                .collect();
+            assert!(operation["requestBody"].is_null(), "{method} {path} wants a body");
+            let rest = rest.replace("{file}", "spectrum.svg");
+            operations
+                .push((method.to_uppercase(), format!("{rest}?{}", query.join("&")).trim_end_matches('?').to_owned()));
+        }
+    }
+    operations
+}
+
 #[test]
-fn jobs_of_other_tokens_are_not_there() {
+fn a_job_of_another_token_is_one_that_never_was_on_every_route() {
+    let server = start_with(Wishes { tokens: "alpha,beta", workers: 1, ..Wishes::default() });
+    let study =
+        job_with(json!({ "kind": "study", "axes": [{ "path": "/operation/speed_rpm", "values": [3000, 4000] }] }));
+    let ended = made(&server, &job(), "succeeded");
+    let studied = made(&server, &study, "succeeded");
+    let failed = made(&server, &job_with(json!({ "labels": ["fail"] })), "failed");
+    let running = made(&server, &job_with(json!({ "labels": ["slow"] })), "running");
+    let waiting = made(&server, &job_with(json!({ "labels": ["slow"], "reuse": false })), "queued");
+    let theirs = [&ended, &studied, &failed, &running, &waiting];
+    let never = "/v1/jobs/01919f5c-8c4e-7d3a-9a51-2f6d1b0c4e7f";
+    let tag = get(&server, &format!("{ended}/metrics"), &[A]).header("etag").expect("a tag").to_owned();
+
+    let operations = operations_on_a_job();
+    assert!(operations.len() >= 13, "{operations:?}");
+    let told = |answer: Answer| {
+        let headers = answer.headers.into_iter().filter(|header| !header.0.eq_ignore_ascii_case("date"));
+        (answer.status, headers.collect::<Vec<_>>(), answer.body)
+    };
+    for (method, rest) in &operations {
+        for more in [
+            &[][..],
+            &[("If-None-Match", tag.as_str())],
+            &[("If-None-Match", "*")],
+            &[("Last-Event-ID", "succeeded-1000")],
+        ] {
+            let headers = [&[B], more].concat();
+            let ask = |job: &str| request(server.address(), method, &format!("{job}{rest}"), &headers, b"");
+            let unknown = ask(never);
+            unknown.problem(404);
+            let unknown = told(unknown);
+            for job in theirs {
+                assert_eq!(told(ask(job)), unknown, "{method} {job}{rest} with {more:?}");
+            }
+        }
+    }
+    for (job, status) in theirs.iter().zip(["succeeded", "succeeded", "failed", "running", "queued"]) {
+        assert_eq!(get(&server, job, &[A]).json()["status"], status, "{job} is as it was");
+    }
+}
+
+#[test]
+fn lists_keys_and_finished_work_tell_nothing_of_other_tokens() {
     let server = start_with(Wishes { tokens: "alpha,beta", ..Wishes::default() });
-    let headers = [("Authorization", "Bearer alpha"), ("Content-Type", "application/json")];
-    let mine = request(server.address(), "POST", "/v1/jobs", &headers, job().to_string().as_bytes());
-    let path = mine.header("location").expect("a location");
-    let other = [("Authorization", "Bearer beta")];
-    get(&server, path, &other).problem(404);
-    get(&server, &format!("{path}/metrics"), &other).problem(404);
-    request(server.address(), "POST", &format!("{path}/cancel"), &other, b"").problem(404);
-    request(server.address(), "DELETE", path, &other, b"").problem(404);
-    assert_eq!(get(&server, "/v1/jobs", &other).json()["jobs"], json!([]));
-    assert_eq!(get(&server, path, &headers).status, 200);
+    let labelled = job_with(json!({ "labels": ["of-alpha"] }));
+    let mine = made(&server, &labelled, "succeeded");
+    made(&server, &job(), "succeeded");
+    let id = mine.strip_prefix("/v1/jobs/").expect("a path");
+    let cursors = [get(&server, "/v1/jobs?limit=1", &[A]).json()["next"].as_str().expect("a next page").to_owned()];
+    let pages = ["", "?label=of-alpha", "?status=succeeded", "?kind=simulation", &format!("?cursor={id}")];
+    for path in pages.iter().map(|query| format!("/v1/jobs{query}")).chain(cursors) {
+        assert_eq!(get(&server, &path, &[B]).json(), json!({ "jobs": [], "next": null }), "{path}");
+    }
+    // The same work is done again, the same key is another one.
+    let key = [("Idempotency-Key", "a-key")];
+    assert_eq!(post(&server, A, &key, &labelled).json()["reused"], true);
+    for body in [&labelled, &job()] {
+        let key = [("Idempotency-Key", if body == &labelled { "a-key" } else { "another-key" })];
+        let theirs = post(&server, B, &key, body);
+        assert_eq!((theirs.status, theirs.header("idempotent-replayed")), (202, None), "{theirs:?}");
+        assert_eq!(
+            (&theirs.json()["status"], &theirs.json()["reused"]),
+            (&json!("queued"), &json!(false)),
+            "{theirs:?}"
+        );
+    }
+    assert_eq!(post(&server, A, &key, &labelled).header("idempotent-replayed"), Some("true"));
+    assert_eq!(get(&server, "/v1/jobs", &[B]).json()["jobs"].as_array().map(Vec::len), Some(2));
 }
 
 #[test]

@@ -420,6 +420,11 @@ pub async fn open_file(
         .synchronous(SqliteSynchronous::Full)
         .foreign_keys(true)
         .busy_timeout(Duration::from_secs(10));
+    // Asked of the file itself: SQLite would tell it with the first write only, and leave a log that can be written as little.
+    match std::fs::OpenOptions::new().append(true).open(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
+        _ => {}
+    }
     if let Some(pages) = max_pages {
         options = options.pragma("max_page_count", pages.to_string());
     }
@@ -447,8 +452,14 @@ pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgP
     let options = options.clone().application_name("raceway").options([("idle_in_transaction_session_timeout", "10s")]);
     // A pool tries again and again, and does not say why in vain.
     PgConnection::connect_with(&options).await?.close().await?;
+    let port = options.get_port();
     let pool = PgPoolOptions::new()
         .max_connections(connections)
+        .after_connect(move |_, _| {
+            #[cfg(target_os = "linux")]
+            super::link::give_up_silent(port);
+            Box::pin(std::future::ready(Ok(())))
+        })
         // Whoever waits for an answer does not wait longer for a server that is away.
         .acquire_timeout(Duration::from_secs(5))
         // Only a connection that has rested may have been cut meanwhile; asking each time would double the way of a query.
@@ -456,11 +467,23 @@ pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgP
         .before_acquire(|connection, rest| {
             Box::pin(async move {
                 let rested = rest.idle_for > Duration::from_secs(1);
-                Ok(!rested || connection.ping().await.is_ok())
+                Ok(!rested || answers(connection).await)
             })
+        })
+        // Before the pool asks the same without a limit.
+        .after_release(|connection, _| {
+            Box::pin(async move { if answers(connection).await { Ok(true) } else { Err(sqlx::Error::WorkerCrashed) } })
         });
     Ok(pool.connect_with(options).await?)
 }
+
+/// Whether a connection can be used.
+async fn answers(connection: &mut PgConnection) -> bool {
+    tokio::time::timeout(LONGEST_PING, connection.ping()).await.is_ok_and(|answer| answer.is_ok())
+}
+
+/// Time that a server has to answer a ping: less than a request waits for a connection, so that another one can still be had.
+const LONGEST_PING: Duration = Duration::from_secs(2);
 
 /// Brings our tables up to date; migrations are never edited once released.
 pub async fn migrate(pool: &Pool) -> Result<(), JobError> {

@@ -8,6 +8,9 @@ pub mod claims;
 pub mod database;
 /// What an idempotency key has made.
 pub mod keys;
+/// Links that have gone silent.
+#[cfg(target_os = "linux")]
+mod link;
 /// Jobs looked up and listed, cancelled and deleted.
 pub mod records;
 /// Results written and read.

@@ -135,9 +135,12 @@ pub(super) async fn remove_orphan(tx: &mut Tx, result: Uuid) -> Result<(), JobEr
 impl Store {
     /// The metrics of a succeeded job, as JSON text.
     pub async fn metrics(&self, owner: &str, job: Uuid) -> Result<String, JobError> {
-        let result = self.result_of(owner, job, JobKind::Simulation).await?;
-        let sql = "SELECT metrics FROM results WHERE id = $1";
-        let metrics = statement(sql).bind(result).value(&self.readers).await?;
+        let sql = "SELECT status, result_id, kind, metrics FROM jobs LEFT JOIN results ON results.id = jobs.result_id \
+                   WHERE jobs.id = $1 AND owner = $2";
+        type Row = (String, Option<Uuid>, String, Option<String>);
+        let row: Option<Row> = statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
+        let (status, result, kind, metrics) = row.ok_or(JobError::NotFound)?;
+        result_in((status, result, kind), JobKind::Simulation)?;
         metrics.ok_or(JobError::NotFound)
     }
 
@@ -148,7 +151,7 @@ impl Store {
         let answer: Option<Vec<u8>> =
             statement(sql).bind(result).bind(signal.name()).bind(channel).value(&self.readers).await?;
         match answer {
-            Some(answer) => decompressed(&answer),
+            Some(answer) => decompressed_aside(answer).await,
             None => Err(JobError::UnknownChannel { kept: self.kept(result, signal).await? }),
         }
     }
@@ -195,18 +198,33 @@ impl Store {
         let sql = "SELECT status, result_id, kind FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, Option<Uuid>, String)> =
             statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
-        let (status, result, kind) = row.ok_or(JobError::NotFound)?;
-        if kind != wanted.name() {
-            return Err(JobError::OtherKind { kind });
-        }
-        match (result, Status::parse(&status)) {
-            (Some(result), _) => Ok(result),
-            (None, Some(status)) if status.is_final() => Err(JobError::NoResult(status)),
-            (None, Some(status)) => Err(JobError::NotReady(status)),
-            (None, None) => Err(JobError::Corrupt(format!("status {status}"))),
-        }
+        result_in(row.ok_or(JobError::NotFound)?, wanted)
     }
 }
+
+fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: JobKind) -> Result<Uuid, JobError> {
+    if kind != wanted.name() {
+        return Err(JobError::OtherKind { kind });
+    }
+    match (result, Status::parse(&status)) {
+        (Some(result), _) => Ok(result),
+        (None, Some(status)) if status.is_final() => Err(JobError::NoResult(status)),
+        (None, Some(status)) => Err(JobError::NotReady(status)),
+        (None, None) => Err(JobError::Corrupt(format!("status {status}"))),
+    }
+}
+
+/// The same; what takes long holds up no request.
+async fn decompressed_aside(answer: Vec<u8>) -> Result<Vec<u8>, JobError> {
+    if answer.len() < LONG {
+        return decompressed(&answer);
+    }
+    let text = tokio::task::spawn_blocking(move || decompressed(&answer)).await;
+    text.unwrap_or_else(|error| Err(JobError::Corrupt(error.to_string())))
+}
+
+/// Compressed bytes that are text after some milliseconds.
+const LONG: usize = 256 << 10;
 
 pub fn decompressed(answer: &[u8]) -> Result<Vec<u8>, JobError> {
     let mut text = Vec::with_capacity(4 * answer.len());

@@ -99,7 +99,9 @@ impl Store {
              (SELECT CAST(coalesce(sum(slots), 0) AS BIGINT) FROM workers) AS slots \
              FROM jobs WHERE status IN ('queued', 'running')"
         );
-        statement(sql).one(&self.readers).await
+        let standing: Standing = statement(sql).one(&self.readers).await?;
+        // A clock may have been set back since.
+        Ok(Standing { oldest_waiting_s: standing.oldest_waiting_s.max(0.0), ..standing })
     }
 
     /// Forgets a process that ends.
