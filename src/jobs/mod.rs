@@ -13,6 +13,9 @@ pub mod error;
 /// What operators watch.
 mod figures;
 mod intake;
+/// Every order of what two processes can do with a job.
+#[cfg(test)]
+mod interleavings;
 /// One server a database.
 mod lock;
 /// The port to the queue, and River behind it.

@@ -143,6 +143,21 @@ impl Jobs {
         Ok(Self { inner })
     }
 
+    /// The parts, for tests that play the queue.
+    #[cfg(test)]
+    pub(super) fn inner(&self) -> &Inner {
+        &self.inner
+    }
+
+    /// What another process on the same database would be, as long as it only sweeps and answers requests.
+    #[cfg(test)]
+    pub(super) fn twin(&self, worker: Uuid, settings: Settings) -> Self {
+        let Inner { store, queue, intake, .. } = &*self.inner;
+        let (store, queue, intake) = (store.clone(), Arc::clone(queue), intake.clone());
+        let (running, stopping) = (Arc::default(), CancellationToken::new());
+        Self { inner: Arc::new(Inner { worker, settings, store, queue, running, intake, stopping, _lock: None }) }
+    }
+
     /// Hands in a job; it is safe on the disk when this returns. With a key, once: the same key answers again as it did first.
     pub async fn submit(&self, job: &Job, owner: &str, key: Option<IdempotencyKey>) -> Result<Submitted, JobError> {
         if self.inner.is_stopping() {
