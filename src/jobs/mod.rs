@@ -13,6 +13,9 @@ pub mod error;
 mod figures;
 /// One transaction for many submissions.
 mod intake;
+/// Every order of what two processes can do with a job.
+#[cfg(test)]
+mod interleavings;
 /// One server a database.
 mod lock;
 /// The port to the queue, and River behind it.

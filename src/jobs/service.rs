@@ -103,7 +103,7 @@ pub(super) struct Inner {
     pub store: Store,
     pub queue: Arc<Queue>,
     pub running: Arc<Running>,
-    pub tokens: KnownTokens,
+    pub tokens: Arc<KnownTokens>,
     intake: Intake,
     stopping: CancellationToken,
     _lock: Option<DatabaseLock>,
@@ -127,7 +127,7 @@ impl Jobs {
         store.migrate().await.map_err(opening)?;
         // A file that may only be read would be found out later, and not by its name.
         store.try_write().await.map_err(opening)?;
-        let tokens = KnownTokens::read(&store).await?;
+        let tokens = Arc::new(KnownTokens::read(&store).await?);
         let running = Arc::new(Running::default());
         let worker = Arc::new(Worker::new(store.clone(), Arc::clone(&running), simulator, settings.clone()));
         let handler: Handler = Arc::new(move |ticket| {
@@ -166,6 +166,23 @@ impl Jobs {
     pub async fn tokens_now(&self) -> Result<Arc<[Token]>, JobError> {
         self.inner.tokens.refresh(&self.inner.store).await?;
         Ok(self.inner.tokens.get())
+    }
+
+    /// The parts, for tests that play the queue.
+    #[cfg(test)]
+    pub(super) fn inner(&self) -> &Inner {
+        &self.inner
+    }
+
+    /// What another process on the same database would be, as long as it only sweeps and answers requests.
+    #[cfg(test)]
+    pub(super) fn twin(&self, worker: Uuid, settings: Settings) -> Self {
+        let Inner { store, queue, tokens, intake, .. } = &*self.inner;
+        let (store, queue, tokens, intake) = (store.clone(), Arc::clone(queue), Arc::clone(tokens), intake.clone());
+        let (running, stopping) = (Arc::default(), CancellationToken::new());
+        Self {
+            inner: Arc::new(Inner { worker, settings, store, queue, running, tokens, intake, stopping, _lock: None }),
+        }
     }
 
     /// Hands in a job; it is safe on the disk when this returns. With a key, once: the same key answers again as it did first.

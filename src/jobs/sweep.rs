@@ -48,11 +48,11 @@ async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
     let mut tx = inner.store.begin().await?;
     tx.alone(Lock::Sweep).await?;
     let lost_after = inner.settings.lost_after.try_into().unwrap_or(jiff::SignedDuration::MAX);
-    let keep_s = inner.settings.keep_s;
+    let (keep_s, max_lost_runs) = (inner.settings.keep_s, inner.settings.max_lost_runs);
     upkeep::end_cancelled(&mut tx, lost_after, keep_s).await?;
     let stranded = upkeep::stranded(&mut tx, lost_after, &inner.running.ids()).await?;
     upkeep::work(&mut tx, inner.worker, inner.settings.workers, lost_after).await?;
-    studies::lose_strands(&mut tx, lost_after, inner.settings.max_lost_runs).await?;
+    studies::lose_strands(&mut tx, lost_after, max_lost_runs).await?;
     let hastened = inner.queue.hasten(&mut tx).await?;
     if hastened > 0 {
         tracing::warn!(jobs = hastened, "a clock was set back; what waited for the time before is due now");
@@ -61,7 +61,7 @@ async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
     let lacking = studies::lacking(&mut tx, slots, keep_s).await?;
     let deliveries = inner.queue.enqueue(&mut tx, &stranded).await?;
     for (stranded, delivery) in stranded.iter().zip(deliveries) {
-        upkeep::redeliver(&mut tx, stranded.job, delivery).await?;
+        upkeep::redeliver(&mut tx, stranded.job, delivery, max_lost_runs).await?;
     }
     for (study, count) in &lacking {
         let strands = Delivery::strands(*study, *count);

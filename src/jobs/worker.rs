@@ -29,7 +29,7 @@ pub struct Worker {
 }
 
 /// What became of a run.
-enum Outcome {
+pub(super) enum Outcome {
     Ended(End),
     HandedBack,
     ClaimLost,
@@ -59,7 +59,8 @@ impl Worker {
         let Some(outlook) = self.store.outlook(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
         let measures = outlook.kind == JobKind::Accuracy.name();
         let Some(_slot) = self.slots(outlook.losses, measures, ticket).await else { return Ok(Delivered::HandedBack) };
-        let Some(claim) = self.store.claim(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
+        let claim = self.store.claim(ticket.job, ticket.delivery, self.settings.max_lost_runs).await?;
+        let Some(claim) = claim else { return Ok(Delivered::Done) };
         self.store.figures.claimed();
         let guard = self.running.enter(claim.job);
         let outcome = match self.without_running(&claim) {
@@ -82,7 +83,7 @@ impl Worker {
     }
 
     /// The end of a job that must not run.
-    fn without_running(&self, claim: &Claim) -> Option<End> {
+    pub(super) fn without_running(&self, claim: &Claim) -> Option<End> {
         if claim.cancel_requested {
             return Some(End::Cancelled);
         }
@@ -226,9 +227,9 @@ fn solve(
     stored
 }
 
-type Solved = Result<Result<StoredResult, RunFailure>, oneshot::error::RecvError>;
+pub(super) type Solved = Result<Result<StoredResult, RunFailure>, oneshot::error::RecvError>;
 
-fn ended(solved: Solved, run: &Run, time_limit: Duration) -> Outcome {
+pub(super) fn ended(solved: Solved, run: &Run, time_limit: Duration) -> Outcome {
     Outcome::Ended(match solved {
         Ok(Ok(result)) => End::Succeeded(result),
         Ok(Err(RunFailure::Failed { cause, detail })) => End::Failed(Failure::new(cause, detail)),

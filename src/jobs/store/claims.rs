@@ -57,7 +57,7 @@ pub enum Pulse {
 
 impl Pulse {
     /// By whether someone wants an end; `None`: there is nothing any more that could be ended.
-    pub(super) fn of(cancel_requested: Option<bool>) -> Self {
+    pub(in crate::jobs) fn of(cancel_requested: Option<bool>) -> Self {
         match cancel_requested {
             None => Self::ClaimLost,
             Some(true) => Self::CancelRequested,
@@ -76,18 +76,20 @@ impl Store {
         Ok(row.map(|(losses, kind)| Outlook { losses: u32::try_from(losses).unwrap_or(u32::MAX), kind }))
     }
 
-    /// Takes the job; `None`: it has ended, or another delivery has replaced this one.
-    pub async fn claim(&self, job: Uuid, delivery: i64) -> Result<Option<Claim>, JobError> {
+    /// Takes the job; `None`: it has ended, or another delivery has replaced this one. Once it has been lost so often, no run begins any
+    /// more: what is lost then is the writing of its end, and does not count.
+    pub async fn claim(&self, job: Uuid, delivery: i64, max_lost_runs: u32) -> Result<Option<Claim>, JobError> {
         let now = self.dialect().now();
         let sql = format!(
             "UPDATE jobs SET status = 'running', claim = claim + 1, \
-             lost = lost + CASE status WHEN 'running' THEN 1 ELSE 0 END, \
+             lost = lost + CASE WHEN status = 'running' AND lost < $4 THEN 1 ELSE 0 END, \
              started_at = $3, heartbeat_at = {now}, progress = 0 \
              WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running') \
              RETURNING claim, request, keep_for_s, lost, cancel_requested_at IS NOT NULL"
         );
+        let claim = statement(sql).bind(job).bind(delivery).bind(stored(Timestamp::now()));
         let row: Option<(i64, String, Option<f64>, i64, bool)> =
-            statement(sql).bind(job).bind(delivery).bind(stored(Timestamp::now())).optional(&self.writer).await?;
+            claim.bind(i64::from(max_lost_runs)).optional(&self.writer).await?;
         Ok(row.map(|(number, request, keep_for_s, lost, cancel_requested)| Claim {
             job,
             number,

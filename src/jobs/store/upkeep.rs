@@ -43,11 +43,13 @@ pub async fn end_cancelled(tx: &mut Tx, lost_after: SignedDuration, keep_s: f64)
     Ok(())
 }
 
-/// Gives a job a new delivery, which makes older ones void. A run that was lost waits again: it is lost once, however long it waits.
-pub async fn redeliver(tx: &mut Tx, id: Uuid, delivery: i64) -> Result<(), JobError> {
-    let sql = "UPDATE jobs SET delivery = $2, lost = lost + CASE status WHEN 'running' THEN 1 ELSE 0 END, status = 'queued', \
+/// Gives a job a new delivery, which makes older ones void. A run that was lost waits again: it is lost once, however long it waits, and
+/// counts as with `claim`.
+pub async fn redeliver(tx: &mut Tx, id: Uuid, delivery: i64, max_lost_runs: u32) -> Result<(), JobError> {
+    let sql = "UPDATE jobs SET delivery = $2, \
+               lost = lost + CASE WHEN status = 'running' AND lost < $3 THEN 1 ELSE 0 END, status = 'queued', \
                started_at = NULL, heartbeat_at = NULL, progress = 0 WHERE id = $1 AND status IN ('queued', 'running')";
-    statement(sql).bind(id).bind(delivery).run(&mut *tx).await?;
+    statement(sql).bind(id).bind(delivery).bind(i64::from(max_lost_runs)).run(&mut *tx).await?;
     Ok(())
 }
 

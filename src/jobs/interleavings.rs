@@ -1,0 +1,731 @@
+//! The life of a job, explored: whatever order two processes do things in, breadth first over the real store. After each step the
+//! stored job must be what `after` says, a specification without SQL, and what is promised in whatever order must hold (`promises`);
+//! and from each state the job must come to an end by itself (`comes_to_an_end`).
+//!
+//! Played is only what is not the store's: River, which hands deliveries out and takes them back, the run, and the clock: an hour
+//! passes where a step says so. Two states are the same if they differ by nothing but numbers and which process is which.
+
+use std::collections::{BTreeSet, HashSet};
+use std::sync::Arc;
+use std::time::Duration;
+
+use uuid::Uuid;
+
+use super::running::{Run, StopReason};
+use super::service::{Cancelled, Jobs, Settings, Simulator};
+use super::store::claims::{self, Pulse};
+use super::store::database::{Dialect, statement};
+use super::store::{Claim, Location, Store, StoredResult};
+use super::worker::{Outcome, Worker, ended, follow};
+use super::{JobError, Status, sweep};
+use crate::contract::{self, RunFailure};
+
+const OWNER: &str = "";
+const MAX_LOST_RUNS: u32 = 2;
+/// Shorter than the hour that passes, also three times: so long is a silent process listed.
+const LOST_AFTER: Duration = Duration::from_secs(15 * 60);
+const HOUR: Duration = Duration::from_secs(60 * 60);
+/// Of the two processes.
+const BOTH: [usize; 2] = [0, 1];
+
+/// What may happen next; the number is that of a process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Step {
+    /// River hands out the delivery that has waited longest.
+    Deliver(usize),
+    /// The process claims the job of the delivery in its hands.
+    Take(usize),
+    Beat(usize),
+    Finish(usize, Solved),
+    /// The process is told to stop: a run hears it, a delivery that was not taken goes back.
+    Stop(usize),
+    /// The process dies and starts again.
+    Die(usize),
+    /// River takes a delivery for lost that is in someone's hands.
+    DeliverAgain,
+    Cancel(usize),
+    Sweep(usize),
+    /// An hour passes, then the process sweeps.
+    LateSweep(usize),
+    Delete,
+}
+
+/// How the solver ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Solved {
+    Result,
+    Failure,
+    /// It was told to stop and did, or never began.
+    Obeyed,
+}
+
+/// What a process has in its hands.
+#[derive(Debug, Clone)]
+enum Hand {
+    Nothing,
+    Delivery(i64),
+    Run { delivery: i64, claim: Claim, stopped: Option<StopReason> },
+}
+
+/// The stored job.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+struct Row {
+    status: Status,
+    cancel: bool,
+    lost: i64,
+    claim: i64,
+    delivery: i64,
+    /// Whether there was a sign of life lately.
+    fresh: bool,
+    result: bool,
+    cause: Option<String>,
+}
+
+/// A delivery that River has not done with.
+#[derive(Debug, Clone)]
+struct Delivery {
+    id: i64,
+    /// In someone's hands, or waiting.
+    out: bool,
+    /// Out to a process that is not listed any more; a file has one process, which knows by itself.
+    orphaned: bool,
+}
+
+/// What the database shows.
+#[derive(Debug, Clone)]
+struct Seen {
+    /// `None`: the job is gone.
+    row: Option<Row>,
+    deliveries: Vec<Delivery>,
+    results: i64,
+    listed: Vec<Uuid>,
+}
+
+#[derive(Debug, Clone)]
+struct State {
+    /// Where its rows are kept.
+    saved: i64,
+    seen: Seen,
+    hands: [Hand; 2],
+    workers: [Uuid; 2],
+    trace: Vec<Step>,
+}
+
+impl Seen {
+    fn delivery(&self, id: i64) -> Option<&Delivery> {
+        self.deliveries.iter().find(|delivery| delivery.id == id)
+    }
+
+    fn unfinished(&self) -> Option<&Row> {
+        self.row.as_ref().filter(|row| !row.status.is_final())
+    }
+}
+
+/// The job as it is stored after a step: what its life is meant to be.
+fn after(step: Step, before: &State, file: bool) -> Option<Row> {
+    let row = before.seen.row.clone()?;
+    if row.status.is_final() {
+        // Nothing leaves an end but the job itself, by wish or by age.
+        return (!matches!(step, Step::Delete | Step::LateSweep(_))).then_some(row);
+    }
+    let running = row.status == Status::Running;
+    // A run that begins no more is none that could be lost.
+    let lost = row.lost + i64::from(running && row.lost < i64::from(MAX_LOST_RUNS));
+    let ended = |status| Row { status, fresh: false, ..row.clone() };
+    Some(match step {
+        Step::Take(process) => match &before.hands[process] {
+            Hand::Delivery(delivery) if *delivery == row.delivery => {
+                Row { status: Status::Running, claim: row.claim + 1, lost, fresh: true, ..row }
+            }
+            _ => row,
+        },
+        Step::Beat(process) if before.holds(process) => Row { fresh: true, ..row },
+        Step::Finish(process, solved) => match (&before.hands[process], solved) {
+            _ if !before.holds(process) => row,
+            (Hand::Run { stopped: Some(StopReason::HandedBack), .. }, Solved::Obeyed) => {
+                Row { status: Status::Queued, fresh: false, ..row }
+            }
+            (Hand::Run { stopped: Some(StopReason::ClaimLost), .. }, Solved::Obeyed) => row,
+            // Whoever asked for it was promised it, however the run has ended.
+            _ if row.cancel => ended(Status::Cancelled),
+            (_, Solved::Result) => Row { result: true, ..ended(Status::Succeeded) },
+            (_, Solved::Failure) => Row { cause: Some("did-not-converge".into()), ..ended(Status::Failed) },
+            (Hand::Run { stopped: Some(_), .. }, Solved::Obeyed) => ended(Status::Cancelled),
+            // It was lost too often to begin once more.
+            _ => Row { cause: Some("worker-lost".into()), ..ended(Status::Failed) },
+        },
+        Step::Cancel(_) if running => Row { cancel: true, ..row },
+        Step::Cancel(_) => Row { cancel: true, ..ended(Status::Cancelled) },
+        Step::Sweep(process) | Step::LateSweep(process) => {
+            let silent = !row.fresh || matches!(step, Step::LateSweep(_));
+            let delivery = before.seen.delivery(row.delivery);
+            let orphaned = !file && !running && delivery.is_some_and(|delivery| delivery.orphaned);
+            let runs_here = matches!(before.hands[process], Hand::Run { .. });
+            if row.cancel && (!running || silent) {
+                ended(Status::Cancelled)
+            } else if !runs_here && (delivery.is_none() || orphaned || running && silent) {
+                // `check` sees to it that this is a new one.
+                Row { status: Status::Queued, lost, delivery: 0, fresh: false, ..row }
+            } else {
+                Row { fresh: running && !silent, ..row }
+            }
+        }
+        _ => row,
+    })
+}
+
+impl State {
+    /// Whether the process has the claim that counts.
+    fn holds(&self, process: usize) -> bool {
+        let claim = match &self.hands[process] {
+            Hand::Run { claim, .. } => claim.number,
+            _ => return false,
+        };
+        self.seen.row.as_ref().is_some_and(|row| row.status == Status::Running && row.claim == claim)
+    }
+
+    /// What may happen.
+    fn steps(&self, begins: impl Fn(&Claim) -> bool) -> Vec<Step> {
+        let mut steps = vec![Step::Delete];
+        if self.seen.deliveries.iter().any(|delivery| delivery.out) {
+            steps.push(Step::DeliverAgain);
+        }
+        for process in BOTH {
+            steps.extend([Step::Cancel(process), Step::Sweep(process), Step::LateSweep(process)]);
+            match &self.hands[process] {
+                Hand::Nothing if self.seen.deliveries.iter().any(|delivery| !delivery.out) => {
+                    steps.push(Step::Deliver(process));
+                }
+                Hand::Nothing => {}
+                Hand::Delivery(_) => steps.extend([Step::Take(process), Step::Stop(process), Step::Die(process)]),
+                Hand::Run { claim, .. } if !begins(claim) => {
+                    steps.extend([Step::Finish(process, Solved::Obeyed), Step::Die(process)]);
+                }
+                Hand::Run { stopped, .. } => {
+                    let ends = [Solved::Result, Solved::Failure].map(|solved| Step::Finish(process, solved));
+                    steps.extend(ends.into_iter().chain([Step::Beat(process), Step::Die(process)]));
+                    steps.push(match stopped {
+                        Some(_) => Step::Finish(process, Solved::Obeyed),
+                        None => Step::Stop(process),
+                    });
+                }
+            }
+        }
+        steps
+    }
+
+    /// Equal for states that differ by numbers alone.
+    fn key(&self) -> String {
+        let row = self.seen.row.as_ref();
+        let now = row.map(|row| (row.status, row.cancel, row.lost, row.fresh, row.result, row.cause.clone()));
+        let is_now = |delivery: i64| row.is_some_and(|row| row.delivery == delivery);
+        let held = |process: usize| match &self.hands[process] {
+            Hand::Nothing => "nothing".to_owned(),
+            Hand::Delivery(delivery) => format!("delivery {}", is_now(*delivery)),
+            Hand::Run { delivery, claim, stopped } => format!(
+                "run {} {} {:?} {} {}",
+                is_now(*delivery),
+                self.holds(process),
+                stopped,
+                claim.cancel_requested,
+                claim.lost >= MAX_LOST_RUNS
+            ),
+        };
+        let mut processes = BOTH.map(|process| (held(process), self.seen.listed.contains(&self.workers[process])));
+        processes.sort();
+        let deliveries: BTreeSet<_> =
+            self.seen.deliveries.iter().map(|one| (is_now(one.id), one.out, one.orphaned)).collect();
+        format!("{now:?} {processes:?} {deliveries:?}")
+    }
+}
+
+/// What holds whatever happens.
+fn promises(step: Step, before: &Seen, now: &State) {
+    let held = BOTH.into_iter().filter(|process| now.holds(*process)).count();
+    assert!(held <= 1, "two hold the claim");
+    let kept = now.seen.row.as_ref();
+    assert_eq!(now.seen.results, i64::from(kept.is_some_and(|row| row.status == Status::Succeeded)), "results");
+    let Some(row) = kept else {
+        let ended = before.row.as_ref().is_none_or(|row| row.status.is_final());
+        return assert!(ended, "a job is gone that had not ended");
+    };
+    let was = before.row.as_ref().expect("nothing comes back from nothing");
+    assert!(!was.status.is_final() || row == was, "an end was changed");
+    assert!(!was.cancel || row.cancel, "a request to cancel is forgotten");
+    assert!(!row.status.is_final() || !row.cancel || row.status == Status::Cancelled, "cancelled in vain");
+    assert!(row.lost <= i64::from(MAX_LOST_RUNS), "lost too often");
+    if let (Step::Sweep(process) | Step::LateSweep(process), false) = (step, row.status.is_final()) {
+        let delivery = now.seen.delivery(row.delivery);
+        let runs_here = matches!(now.hands[process], Hand::Run { .. });
+        assert!(delivery.is_some() || runs_here, "nothing will run it");
+        assert!(row.status == Status::Queued || row.fresh || runs_here, "nobody runs it");
+    }
+}
+
+/// Shows how a fault was come by.
+struct Way(Vec<Step>);
+
+impl Drop for Way {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("by {:?}", self.0);
+        }
+    }
+}
+
+/// The tables whose rows make a state, parents first.
+const TABLES: [&str; 4] = ["results", "jobs", "river_job", "workers"];
+
+struct World {
+    jobs: Jobs,
+    store: Store,
+    job: Uuid,
+    settings: Settings,
+    /// Statements that keep and bring back the rows of a table.
+    keeping: Vec<[String; 3]>,
+    saved: i64,
+}
+
+/// A process, as it is for the time of a step.
+struct Process {
+    jobs: Jobs,
+    worker: Worker,
+    run: Option<Arc<Run>>,
+}
+
+impl World {
+    /// A job that waits, and two processes that have just started.
+    async fn new(database: Location) -> Result<(Self, State), JobError> {
+        let never: Simulator = Arc::new(|_, _| Err(RunFailure::Cancelled));
+        let mut settings = Settings::on(database);
+        settings.workers = 0;
+        settings.sweep_every = Duration::from_secs(86_400);
+        let jobs = Jobs::start(settings.clone(), never).await?;
+        settings.workers = 1;
+        settings.lost_after = LOST_AFTER;
+        settings.max_lost_runs = MAX_LOST_RUNS;
+        let request = r#"{"kind": "simulation", "scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}, "keep_for_s": 900}"#;
+        let job = contract::parse_job(request.as_bytes()).expect("a good job");
+        let job = jobs.submit(&job, OWNER, None).await?.record.id;
+        let store = jobs.inner().store.clone();
+        let mut world = Self { jobs, store, job, settings, keeping: Vec::new(), saved: 0 };
+        if world.is_file() {
+            // It is not power cuts that are explored.
+            statement("PRAGMA synchronous = OFF").run(world.store.writer()).await?;
+        }
+        for table in TABLES {
+            world.prepare(table).await?;
+        }
+        let workers = [Uuid::now_v7(), Uuid::now_v7()];
+        let hands = [Hand::Nothing, Hand::Nothing];
+        let mut state = State { saved: 0, seen: world.look().await?, hands, workers, trace: Vec::new() };
+        for process in BOTH {
+            sweep::sweep(world.process(&state, process).jobs.inner()).await?;
+        }
+        state.seen = world.look().await?;
+        world.save(&mut state).await?;
+        Ok((world, state))
+    }
+
+    fn is_file(&self) -> bool {
+        self.store.dialect() == Dialect::Sqlite
+    }
+
+    async fn prepare(&mut self, table: &str) -> Result<(), JobError> {
+        let columns = match self.store.dialect() {
+            Dialect::Sqlite => "SELECT name FROM pragma_table_info($1)",
+            Dialect::Postgres => {
+                "SELECT CAST(column_name AS TEXT) FROM information_schema.columns \
+                 WHERE table_schema = current_schema() AND table_name = $1"
+            }
+        };
+        let columns: Vec<String> = statement(columns).bind(table).values(self.store.writer()).await?;
+        let columns = columns.join(", ");
+        let make =
+            format!("CREATE TABLE saved_{table} AS SELECT CAST(0 AS BIGINT) AS saved, * FROM {table} WHERE 1 = 0");
+        let index = format!("CREATE INDEX saved_{table}_states ON saved_{table} (saved)");
+        for sql in [make, index] {
+            statement(sql).run(self.store.writer()).await?;
+        }
+        self.keeping.push([
+            format!("INSERT INTO saved_{table} SELECT CAST($1 AS BIGINT), * FROM {table}"),
+            format!("DELETE FROM {table}"),
+            format!("INSERT INTO {table} ({columns}) SELECT {columns} FROM saved_{table} WHERE saved = $1"),
+        ]);
+        Ok(())
+    }
+
+    async fn save(&mut self, state: &mut State) -> Result<(), JobError> {
+        self.saved += 1;
+        state.saved = self.saved;
+        let mut tx = self.store.begin().await?;
+        for [save, ..] in &self.keeping {
+            statement(save.clone()).bind(state.saved).run(&mut tx).await?;
+        }
+        tx.commit().await
+    }
+
+    async fn restore(&self, state: &State) -> Result<(), JobError> {
+        let mut tx = self.store.begin().await?;
+        for [_, remove, _] in self.keeping.iter().rev() {
+            statement(remove.clone()).run(&mut tx).await?;
+        }
+        for [.., bring_back] in &self.keeping {
+            statement(bring_back.clone()).bind(state.saved).run(&mut tx).await?;
+        }
+        tx.commit().await
+    }
+
+    async fn look(&self) -> Result<Seen, JobError> {
+        let writer = self.store.writer();
+        let sql = format!(
+            "SELECT status, cancel_requested_at IS NOT NULL, lost, claim, delivery, \
+             status = 'running' AND heartbeat_at > {} - $2, result_id IS NOT NULL, error_cause FROM jobs WHERE id = $1",
+            self.store.dialect().now()
+        );
+        type Columns = (String, bool, i64, i64, i64, bool, bool, Option<String>);
+        let row: Option<Columns> =
+            statement(sql).bind(self.job).bind(LOST_AFTER.as_micros() as i64).optional(writer).await?;
+        let row = row.map(|(status, cancel, lost, claim, delivery, fresh, result, cause)| Row {
+            status: Status::parse(&status).expect("a status"),
+            cancel,
+            lost,
+            claim,
+            delivery,
+            fresh,
+            result,
+            cause,
+        });
+        let holder = match self.store.dialect() {
+            Dialect::Sqlite => "CAST(NULL AS TEXT)",
+            Dialect::Postgres => "attempted_by[array_upper(attempted_by, 1)]",
+        };
+        let sql = format!(
+            "SELECT id, CAST(state AS TEXT) = 'running', {holder} FROM river_job \
+             WHERE state NOT IN ('completed', 'cancelled', 'discarded') ORDER BY id"
+        );
+        let deliveries: Vec<(i64, bool, Option<String>)> = statement(sql).all(writer).await?;
+        let listed: Vec<Uuid> = statement("SELECT id FROM workers ORDER BY id").values(writer).await?;
+        let is_listed = |holder: &str| listed.iter().any(|worker| worker.to_string() == holder);
+        let deliveries = deliveries.into_iter().map(|(id, out, holder)| Delivery {
+            id,
+            out,
+            orphaned: out && holder.is_some_and(|holder| !is_listed(&holder)),
+        });
+        let deliveries = deliveries.collect();
+        let results = statement("SELECT count(*) FROM results").value(writer).await?.unwrap_or(0);
+        Ok(Seen { row, deliveries, results, listed })
+    }
+
+    fn process(&self, state: &State, process: usize) -> Process {
+        let jobs = self.jobs.twin(state.workers[process], self.settings.clone());
+        let inner = jobs.inner();
+        let never: Simulator = Arc::new(|_, _| Err(RunFailure::Cancelled));
+        let worker = Worker::new(inner.store.clone(), Arc::clone(&inner.running), never, inner.settings.clone());
+        let mut run = None;
+        if let Hand::Run { stopped, .. } = &state.hands[process] {
+            let guard = inner.running.enter(self.job);
+            if let Some(reason) = stopped {
+                guard.run.stop(*reason);
+            }
+            run = Some(Arc::clone(&guard.run));
+            // It lasts as long as this process.
+            std::mem::forget(guard);
+        }
+        Process { jobs, worker, run }
+    }
+
+    /// River's part: a delivery changes hands.
+    async fn river(&self, sets: &str, only: &str, delivery: i64) -> Result<(), JobError> {
+        let sql = format!("UPDATE river_job SET {sets} WHERE id = $1 AND {only}");
+        statement(sql).bind(delivery).run(self.store.writer()).await?;
+        Ok(())
+    }
+
+    async fn river_hands_out(&self, delivery: i64, worker: Uuid) -> Result<(), JobError> {
+        let holder = match self.store.dialect() {
+            Dialect::Sqlite => "attempted_by",
+            Dialect::Postgres => &format!("array_append(attempted_by, '{worker}')"),
+        };
+        self.river(&format!("state = 'running', attempted_by = {holder}"), "state = 'available'", delivery).await
+    }
+
+    async fn river_is_done(&self, delivery: i64) -> Result<(), JobError> {
+        self.river("state = 'completed', finalized_at = CURRENT_TIMESTAMP", "state = 'running'", delivery).await
+    }
+
+    async fn river_takes_back(&self, delivery: i64) -> Result<(), JobError> {
+        self.river("state = 'available'", "state = 'running'", delivery).await
+    }
+
+    async fn an_hour_passes(&self) -> Result<(), JobError> {
+        for sql in [
+            "UPDATE jobs SET heartbeat_at = heartbeat_at - $1, expires_at = expires_at - $1",
+            "UPDATE workers SET heartbeat_at = heartbeat_at - $1",
+        ] {
+            statement(sql).bind(HOUR.as_micros() as i64).run(self.store.writer()).await?;
+        }
+        Ok(())
+    }
+
+    /// Makes a step and checks what it has led to.
+    async fn step(&self, before: &State, step: Step) -> Result<State, JobError> {
+        let mut state = before.clone();
+        state.trace.push(step);
+        let _way = Way(state.trace.clone());
+        self.make(before, step, &mut state.hands, &mut state.workers).await?;
+        state.seen = self.look().await?;
+        let mut expected = after(step, before, self.is_file());
+        if let (Some(expected), Some(row)) = (&mut expected, &state.seen.row)
+            && expected.delivery == 0
+            && before.seen.delivery(row.delivery).is_none()
+        {
+            expected.delivery = row.delivery;
+        }
+        assert_eq!(state.seen.row, expected);
+        promises(step, &before.seen, &state);
+        Ok(state)
+    }
+
+    async fn make(
+        &self,
+        before: &State,
+        step: Step,
+        hands: &mut [Hand; 2],
+        workers: &mut [Uuid; 2],
+    ) -> Result<(), JobError> {
+        let held = |process: usize| match &before.hands[process] {
+            Hand::Run { delivery, claim, .. } => (*delivery, claim.clone()),
+            other => unreachable!("no run in hand: {other:?}"),
+        };
+        match step {
+            Step::Deliver(process) => {
+                let first = before.seen.deliveries.iter().find(|delivery| !delivery.out).expect("one that waits");
+                self.river_hands_out(first.id, before.workers[process]).await?;
+                hands[process] = Hand::Delivery(first.id);
+            }
+            Step::Take(process) => {
+                let Hand::Delivery(delivery) = before.hands[process] else { unreachable!("no delivery in hand") };
+                let outlook = self.store.outlook(self.job, delivery).await?;
+                let claim = self.store.claim(self.job, delivery, MAX_LOST_RUNS).await?;
+                assert_eq!(
+                    outlook.map(|outlook| outlook.losses.min(MAX_LOST_RUNS)),
+                    claim.as_ref().map(|claim| claim.lost)
+                );
+                hands[process] = match claim {
+                    Some(claim) => Hand::Run { delivery, claim, stopped: None },
+                    None => {
+                        self.river_is_done(delivery).await?;
+                        Hand::Nothing
+                    }
+                };
+            }
+            Step::Beat(process) => {
+                let learnt = self.store.heartbeat(&held(process).1, 0.5).await?;
+                let cancelled = before.seen.row.as_ref().is_some_and(|row| row.cancel);
+                let expected = Pulse::of(before.holds(process).then_some(cancelled));
+                assert_eq!(learnt, expected);
+                let here = self.process(before, process);
+                let run = here.run.expect("it runs");
+                follow(Ok(learnt), &run);
+                let Hand::Run { stopped, .. } = &mut hands[process] else { unreachable!("it runs") };
+                *stopped = run.stopped();
+            }
+            Step::Finish(process, solved) => {
+                let (delivery, claim) = held(process);
+                self.finish(&self.process(before, process), &claim, solved, before.holds(process)).await?;
+                let handed_back = matches!(
+                    (&before.hands[process], solved),
+                    (Hand::Run { stopped: Some(StopReason::HandedBack), .. }, Solved::Obeyed)
+                );
+                if handed_back {
+                    self.river_takes_back(delivery).await?;
+                } else {
+                    self.river_is_done(delivery).await?;
+                }
+                hands[process] = Hand::Nothing;
+            }
+            Step::Stop(process) => match &mut hands[process] {
+                Hand::Run { stopped, .. } => *stopped = stopped.or(Some(StopReason::HandedBack)),
+                hand => {
+                    if let Hand::Delivery(delivery) = hand {
+                        self.river_takes_back(*delivery).await?;
+                    }
+                    *hand = Hand::Nothing;
+                }
+            },
+            Step::Die(process) => {
+                if let (true, Hand::Delivery(delivery) | Hand::Run { delivery, .. }) = (self.is_file(), &hands[process])
+                {
+                    // What `recover` does at a start.
+                    self.river_takes_back(*delivery).await?;
+                }
+                hands[process] = Hand::Nothing;
+                workers[process] = Uuid::now_v7();
+            }
+            Step::DeliverAgain => {
+                for delivery in before.seen.deliveries.iter().filter(|delivery| delivery.out) {
+                    self.river_takes_back(delivery.id).await?;
+                }
+            }
+            Step::Cancel(process) => {
+                let here = self.process(before, process);
+                let answer = here.jobs.cancel(OWNER, self.job).await;
+                match (before.seen.row.as_ref().map(|row| row.status), answer) {
+                    (None, Err(JobError::NotFound)) => {}
+                    (Some(Status::Queued | Status::Cancelled), Ok(Cancelled::Now(record))) => {
+                        assert_eq!(record.status, Status::Cancelled);
+                    }
+                    (Some(Status::Running), Ok(Cancelled::Soon(record))) => {
+                        assert_eq!(record.status, Status::Running);
+                    }
+                    (Some(ended), Err(JobError::Conflict(told))) => assert_eq!(told, ended),
+                    (was, answer) => panic!("{was:?} was answered by {answer:?}"),
+                }
+                if let (Hand::Run { stopped, .. }, Some(run)) = (&mut hands[process], here.run) {
+                    *stopped = run.stopped();
+                }
+            }
+            Step::Sweep(process) => sweep::sweep(self.process(before, process).jobs.inner()).await?,
+            Step::LateSweep(process) => {
+                self.an_hour_passes().await?;
+                sweep::sweep(self.process(before, process).jobs.inner()).await?;
+            }
+            Step::Delete => {
+                let answer = self.jobs.delete(OWNER, self.job).await;
+                match (before.seen.row.as_ref().map(|row| row.status), answer) {
+                    (None, Err(JobError::NotFound)) => {}
+                    (Some(status), Ok(())) => assert!(status.is_final()),
+                    (Some(status), Err(JobError::Conflict(told))) => assert!(!status.is_final() && told == status),
+                    (was, answer) => panic!("{was:?} was answered by {answer:?}"),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What a worker does with a run that is over.
+    async fn finish(&self, here: &Process, claim: &Claim, solved: Solved, holds: bool) -> Result<(), JobError> {
+        let run = here.run.as_ref().expect("it runs");
+        let result = || StoredResult::Simulation { metrics: "{}".into(), signals: Vec::new(), views: None };
+        let failure = || RunFailure::Failed { cause: contract::execute::DID_NOT_CONVERGE, detail: "as told".into() };
+        let outcome = match (here.worker.without_running(claim), solved) {
+            (Some(end), _) => Outcome::Ended(end),
+            (None, Solved::Result) => ended(Ok(Ok(result())), run, Duration::MAX),
+            (None, Solved::Failure) => ended(Ok(Err(failure())), run, Duration::MAX),
+            (None, Solved::Obeyed) => ended(Ok(Err(RunFailure::Cancelled)), run, Duration::MAX),
+        };
+        match outcome {
+            Outcome::Ended(end) => {
+                let mut tx = self.store.begin().await?;
+                let written = claims::finish(&mut tx, claim, &end, run.progress(), self.settings.keep_s).await?;
+                assert_eq!(written.is_some(), holds);
+                if holds { tx.commit().await } else { Ok(()) }
+            }
+            Outcome::HandedBack => self.store.hand_back(claim).await,
+            Outcome::ClaimLost => Ok(()),
+        }
+    }
+
+    /// Whether a run begins under the claim.
+    fn begins(&self, claim: &Claim) -> bool {
+        !claim.cancel_requested && claim.lost < self.settings.max_lost_runs
+    }
+
+    /// Once both processes have died, one that sweeps and runs what it is handed is enough. `known`: from where that has been seen.
+    async fn comes_to_an_end(&self, state: &State, known: &mut HashSet<String>) -> Result<(), JobError> {
+        let mut now = state.clone();
+        for step in BOTH.map(Step::Die) {
+            now = self.step(&now, step).await?;
+        }
+        if !known.insert(now.key()) {
+            return Ok(());
+        }
+        // The first sweep finds that the dead are gone, the second what was in their hands.
+        for step in [Step::LateSweep(0), Step::Sweep(0)] {
+            now = self.step(&now, step).await?;
+        }
+        while now.seen.unfinished().is_some() {
+            assert!(now.trace.len() < state.trace.len() + 20, "no end: {:?}", now.trace);
+            let step = match &now.hands[0] {
+                Hand::Nothing => Step::Deliver(0),
+                Hand::Delivery(_) => Step::Take(0),
+                Hand::Run { claim, .. } if self.begins(claim) => Step::Finish(0, Solved::Result),
+                Hand::Run { .. } => Step::Finish(0, Solved::Obeyed),
+            };
+            now = self.step(&now, step).await?;
+        }
+        Ok(())
+    }
+}
+
+/// Makes every step from every state, to so many steps from a job that waits and from one that was lost and waits again; answers
+/// with how many states that were.
+async fn explore(database: Location, depth: usize) -> Result<usize, JobError> {
+    let (mut world, first) = World::new(database).await?;
+    let mut lost = first.clone();
+    for step in [Step::Deliver(0), Step::Take(0), Step::Die(0), Step::LateSweep(1)] {
+        lost = world.step(&lost, step).await?;
+    }
+    world.save(&mut lost).await?;
+    let mut known = HashSet::from([first.key(), lost.key()]);
+    let mut known_to_end = HashSet::new();
+    let (mut frontier, mut steps) = (vec![first, lost], 0);
+    for _ in 0..depth {
+        let mut next = Vec::new();
+        for state in &frontier {
+            for step in state.steps(|claim| world.begins(claim)) {
+                world.restore(state).await?;
+                let mut reached = world.step(state, step).await?;
+                steps += 1;
+                if known.insert(reached.key()) {
+                    world.save(&mut reached).await?;
+                    world.comes_to_an_end(&reached, &mut known_to_end).await?;
+                    next.push(reached);
+                }
+            }
+        }
+        frontier = next;
+    }
+    world.jobs.stop().await?;
+    println!("{} states in {depth} steps, {steps} steps made", known.len());
+    Ok(known.len())
+}
+
+fn explored(database: Location, depth: usize) -> usize {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+    runtime.block_on(explore(database, depth)).expect("the database answers")
+}
+
+/// Names how many steps deep another search than the usual one goes.
+const DEPTH: &str = "RACEWAY_TEST_DEPTH";
+
+fn depth(usual: usize) -> usize {
+    std::env::var(DEPTH).ok().and_then(|depth| depth.parse().ok()).unwrap_or(usual)
+}
+
+#[test]
+fn a_job_keeps_what_is_promised_in_whatever_order_two_processes_act() {
+    let place = tempfile::tempdir().expect("a place");
+    let states = explored(Location::File(place.path().join("jobs.db")), depth(6));
+    assert!(states > 300, "only {states} states");
+}
+
+/// As everywhere in tests: without a server there is nothing to do.
+#[test]
+fn and_so_it_does_on_postgres() {
+    use sqlx::{Connection, Executor};
+    let Ok(server) = std::env::var("RACEWAY_TEST_POSTGRES") else { return };
+    let name = format!("raceway_{}", Uuid::now_v7().simple());
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+    runtime.block_on(async {
+        let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
+        let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
+        connection.execute(create).await.expect("a database can be made");
+    });
+    let (server, _) = server.rsplit_once('/').expect("a URL with a database");
+    // Not power cuts here either.
+    let url = format!("{server}/{name}?options[synchronous_commit]=off");
+    let states = explored(Location::server(&url).expect("a URL"), depth(4));
+    assert!(states > 200, "only {states} states");
+}
