@@ -110,8 +110,8 @@ fn a_job_of_another_token_is_one_that_never_was_on_every_route() {
         job_with(json!({ "kind": "study", "axes": [{ "path": "/operation/speed_rpm", "values": [3000, 4000] }] }));
     let ended = made(&server, &job(), "succeeded");
     let studied = made(&server, &study, "succeeded");
-    let failed = made(&server, &job_with(json!({ "labels": ["fail"] })), "failed");
-    let running = made(&server, &job_with(json!({ "labels": ["slow"] })), "running");
+    let failed = made(&server, &job_with(json!({ "labels": ["fail"], "reuse": false })), "failed");
+    let running = made(&server, &job_with(json!({ "labels": ["slow"], "reuse": false })), "running");
     let waiting = made(&server, &job_with(json!({ "labels": ["slow"], "reuse": false })), "queued");
     let theirs = [&ended, &studied, &failed, &running, &waiting];
     let never = "/v1/jobs/01919f5c-8c4e-7d3a-9a51-2f6d1b0c4e7f";
