@@ -4,6 +4,7 @@ use super::ball::{BallRates, BallState, Drive, Held, Loaded, Passed, Pushed, pas
 use super::traction::{General, RacewayTraction};
 use super::{Border, RadiallyCondensed};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide};
+use crate::numerics::ode::adams_moulton::{Defect, Shares};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Azimuth;
 use crate::physics::spindle::unbalance_force;
@@ -12,20 +13,11 @@ use crate::physics::spindle::unbalance_force;
 #[derive(Debug, Clone, Default)]
 pub struct Rates {
     pub balls: Vec<BallRates<Lanes>>,
-    pub spindle: OnSpindle,
+    /// Of the spindle's acceleration.
+    pub spindle: Defect,
     pub cage: [f64; 3],
     /// Diagonal of the damping of the cage by its pockets [1/s], not negative.
     pub cage_damping: [f64; 3],
-}
-
-/// What moves the spindle: force [N], and the symmetric matrices (yy, yz, zz) of the mass that moves along [kg], of the stiffness
-/// [N/m] and the damping [N s/m] of the raceways.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct OnSpindle {
-    pub force: [f64; 2],
-    pub mass: [f64; 3],
-    pub stiffness: [f64; 3],
-    pub damping: [f64; 3],
 }
 
 /// What else was seen of eight balls in an evaluation.
@@ -52,19 +44,22 @@ impl Scratch {
 /// Sums over the balls: on the spindle, and on the cage (y, z, moment) with the damping there.
 #[derive(Clone, Copy, Default)]
 struct AllBalls {
-    spindle: OnSpindle,
+    spindle: Defect,
     cage: [f64; 3],
     cage_damping: [f64; 3],
 }
 
 impl RadiallyCondensed {
-    /// Rates at a time [s].
+    /// Rates at a time [s]; `spindle_acceleration`: what the spindle's is taken to be, of which place and velocity have their shares.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     pub fn rates(
         &self,
         time: f64,
         balls: &[BallState<Lanes>],
         border: &Border,
+        spindle_acceleration: [f64; 2],
+        shares: Shares,
         rates: &mut Rates,
         scratch: &mut Scratch,
     ) {
@@ -75,7 +70,7 @@ impl RadiallyCondensed {
             None => self.ideal(speed),
         };
         let cage = scratch.cage.to(m.orbit_ratio * angle + border.cage_arc / m.pitch_radius);
-        let drive = Drive { angle, speed, acceleration, cage, mixture, unloaded_root };
+        let drive = Drive { angle, speed, acceleration, cage, mixture, unloaded_root, spindle_acceleration, shares };
         let mut sums = AllBalls::default();
         for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
             self.group(&drive, group, balls, border, rates, scratch, &mut sums);
@@ -181,10 +176,11 @@ impl RadiallyCondensed {
     fn border_rates(&self, drive: &Drive, border: &Border, sums: &AllBalls, rates: &mut Rates) {
         let m = &self.mechanism;
         let mut spindle = sums.spindle;
-        spindle.force[0] += m.load[1] + m.spindle_mass * m.gravity;
-        spindle.force[1] += m.load[2];
-        spindle.mass[0] += m.spindle_mass;
-        spindle.mass[2] += m.spindle_mass;
+        let [ay, az] = drive.spindle_acceleration;
+        spindle.force[0] += m.load[1] + m.spindle_mass * (m.gravity - ay);
+        spindle.force[1] += m.load[2] - m.spindle_mass * az;
+        spindle.slope[0] += m.spindle_mass;
+        spindle.slope[2] += m.spindle_mass;
         if m.unbalance != 0.0 {
             let [_, y, z] = unbalance_force(m.unbalance, drive.angle, drive.speed, drive.acceleration);
             spindle.force = [spindle.force[0] + y, spindle.force[1] + z];
@@ -213,9 +209,7 @@ impl AllBalls {
         self.spindle.force[0] += total(&spindle.force.0);
         self.spindle.force[1] += total(&spindle.force.1);
         for i in 0..3 {
-            self.spindle.mass[i] += total(&spindle.mass[i]);
-            self.spindle.stiffness[i] += total(&spindle.stiffness[i]);
-            self.spindle.damping[i] += total(&spindle.damping[i]);
+            self.spindle.slope[i] += total(&spindle.slope[i]);
             self.cage[i] += total(&pushed.cage[i]);
             self.cage_damping[i] += total(&pushed.cage_damping[i]);
         }
