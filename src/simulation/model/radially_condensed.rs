@@ -65,6 +65,8 @@ pub struct RadiallyCondensed {
     film: Film,
     /// Whether a ball between the walls of its pocket feels nothing but the film.
     plain_pocket: bool,
+    /// Whether a cage is there, its pockets are plain and raceways are without a viscous damper.
+    is_plain: bool,
     /// Where the speed never changes: what is made anew elsewhere.
     constant: Option<(Mixture, f64)>,
     /// Where the spindle starts [m].
@@ -187,6 +189,7 @@ impl RadiallyCondensed {
                 pitch_radius: m.pitch_radius,
             },
             plain_pocket: !needs.pocket.hydrodynamics,
+            is_plain: needs.cage && !needs.pocket.hydrodynamics && damping.viscous == 0.0,
             constant: None,
             rest: [rest.spindle[1], rest.spindle[2]],
             spindle_rates: [0.0; 2],

@@ -1,9 +1,9 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
 use super::ball::{BallRates, BallState, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
-use super::traction::{General, RacewayTraction};
+use super::traction::{General, RacewayTraction, RisingTraction};
 use super::{Border, RadiallyCondensed};
-use crate::numerics::lanes::{LANES, Lanes, SideBySide};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger};
 use crate::numerics::ode::adams_moulton::{Defect, Shares};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Azimuth;
@@ -39,6 +39,22 @@ impl Scratch {
     pub fn new(groups: usize) -> Self {
         Self { seen: vec![Seen::default(); groups], cage: Turn::default() }
     }
+}
+
+/// On the cage (y, z, moment), and the damping there.
+#[derive(Clone, Copy, Default)]
+struct OnCage<T> {
+    force: [T; 3],
+    damping: [T; 3],
+}
+
+/// What eight balls do in the plain case.
+#[derive(Clone, Copy, Default)]
+struct Plain {
+    rates: BallRates<Lanes>,
+    passed: Passed<Lanes>,
+    on_cage: OnCage<Lanes>,
+    seen: Seen,
 }
 
 /// Sums over the balls: on the spindle, and on the cage (y, z, moment) with the damping there.
@@ -91,6 +107,17 @@ impl RadiallyCondensed {
         scratch: &mut Scratch,
         sums: &mut AllBalls,
     ) {
+        if let (true, RacewayTraction::Rising(inner), RacewayTraction::Rising(outer)) =
+            (self.is_plain, &self.traction.inner, &self.traction.outer)
+        {
+            let laws = PerRaceway { inner: &**inner, outer: &**outer };
+            if let Some(found) = self.plainly(drive, group, balls, border, laws) {
+                *rates = found.rates;
+                sums.add(&found.passed, &found.on_cage);
+                scratch.seen[group] = found.seen;
+                return;
+            }
+        }
         let cage = self.mechanism.layout.cage;
         // Copies: what is stored in the loops cannot change them.
         let (one, start, present) = (self.one, self.start[group], self.present[group]);
@@ -149,12 +176,51 @@ impl RadiallyCondensed {
             on_spindle.put(lane, passed(&held, &loaded, traction.inner.force, present[lane]));
         }
         *rates = rates_now;
-        sums.add(&on_spindle, &pushed);
+        sums.add(&on_spindle, &OnCage { force: pushed.cage, damping: pushed.cage_damping });
         scratch.seen[group] = Seen {
             load: PerRaceway { inner: loaded.inner.load, outer: loaded.outer.load },
             slip: PerRaceway { inner: inner.slip, outer: outer.slip },
             pocket: pushed.load,
         };
+    }
+
+    /// The same in one pass, where cage and film hold the balls and traction has its short form; `None`: a ball has come to the wall
+    /// of its pocket, or slips beyond the short form.
+    #[inline(always)]
+    fn plainly(
+        &self,
+        drive: &Drive,
+        group: usize,
+        balls: &BallState<Lanes>,
+        border: &Border,
+        laws: PerRaceway<&RisingTraction>,
+    ) -> Option<Plain> {
+        let (one, start, present, film) = (self.one, self.start[group], self.present[group], self.film);
+        let (drive, balls, border, inner, outer) = (*drive, *balls, *border, *laws.inner, *laws.outer);
+        let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
+        let mut found = Plain::default();
+        let mut beyond = Lanes::<LANES>::default();
+        for lane in 0..LANES {
+            let ball = balls.at(lane);
+            let held = one.held(&drive, start.at(lane), one.ahead(border.cage_arc, &ball), &border, &ball);
+            let displaced = film.displaced_one(&border, cage_spin, &held);
+            let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane]);
+            let loaded = one.loaded(&drive, &ball, &held, pushed.radial);
+            let (inner, slips) = inner.fitted(&loaded.inner);
+            let (outer, skids) = outer.fitted(&loaded.outer);
+            let traction = PerRaceway { inner, outer };
+            found.rates.put(lane, one.rates(&drive, &ball, &held, &loaded, &pushed, &traction));
+            found.passed.put(lane, passed(&held, &loaded, inner.force, present[lane]));
+            found.on_cage.force.put(lane, pushed.cage);
+            found.on_cage.damping.put(lane, pushed.cage_damping);
+            found.seen.load.inner[lane] = loaded.inner.load;
+            found.seen.load.outer[lane] = loaded.outer.load;
+            found.seen.slip.inner[lane] = inner.slip;
+            found.seen.slip.outer[lane] = outer.slip;
+            found.seen.pocket[lane] = pushed.load;
+            beyond[lane] = larger(film.beyond(&displaced), larger(slips, skids));
+        }
+        (!beyond.any(|beyond| beyond > 0.0)).then_some(found)
     }
 
     fn general(&self, drive: &Drive, inner: bool) -> General<'_> {
@@ -205,13 +271,13 @@ impl RadiallyCondensed {
 
 impl AllBalls {
     #[inline(always)]
-    fn add(&mut self, spindle: &Passed<Lanes>, pushed: &Pushed<Lanes>) {
+    fn add(&mut self, spindle: &Passed<Lanes>, cage: &OnCage<Lanes>) {
         self.spindle.force[0] += total(&spindle.force.0);
         self.spindle.force[1] += total(&spindle.force.1);
         for i in 0..3 {
             self.spindle.slope[i] += total(&spindle.slope[i]);
-            self.cage[i] += total(&pushed.cage[i]);
-            self.cage_damping[i] += total(&pushed.cage_damping[i]);
+            self.cage[i] += total(&cage.force[i]);
+            self.cage_damping[i] += total(&cage.damping[i]);
         }
     }
 }

@@ -29,7 +29,7 @@ side_by_side!(Displaced { displacement, velocity, distance });
 
 /// Force on the ball (n, t) [N].
 #[derive(Debug, Clone, Copy)]
-struct Push {
+pub(super) struct Push {
     load: f64,
     force: (f64, f64),
     moment: f64,
@@ -42,7 +42,7 @@ struct Push {
 
 impl Film {
     #[inline(always)]
-    fn displaced_one(&self, border: &Border, cage_spin: f64, held: &Held) -> Displaced {
+    pub fn displaced_one(&self, border: &Border, cage_spin: f64, held: &Held) -> Displaced {
         let ([cy, cz], [vy, vz, _]) = (border.cage, border.cage_velocity);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
@@ -57,7 +57,7 @@ impl Film {
 
     /// The force of the film: stiffness and damping along the displacement, not below 0.
     #[inline(always)]
-    fn push(&self, displaced: &Displaced) -> Push {
+    pub fn push(&self, displaced: &Displaced) -> Push {
         let ((n, t), (v_n, v_t)) = (displaced.displacement, displaced.velocity);
         let per_square = 1.0 / (n * n + t * t + TINY);
         let damping = self.damping * smaller(displaced.distance * (1.0 / DAMPING_ONSET), 1.0);
@@ -74,7 +74,7 @@ impl Film {
 
     /// Turned to the ball's own orbit and, with `present`, to the cage.
     #[inline(always)]
-    fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f64) -> Pushed {
+    pub fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f64) -> Pushed {
         let ((n, t), (d_n, d_t)) = (push.force, displaced.displacement);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
@@ -98,6 +98,12 @@ impl Film {
         }
     }
 
+    /// How far a ball is beyond the wall of its pocket [m].
+    #[inline(always)]
+    pub fn beyond(&self, displaced: &Displaced) -> f64 {
+        displaced.distance - self.clearance
+    }
+
     /// Where balls are in their pockets.
     #[inline(always)]
     pub fn displaced(self, border: &Border, cage_spin: f64, held: &Held<Lanes>) -> Displaced<Lanes> {
@@ -111,7 +117,7 @@ impl Film {
     /// Whether no ball has come to the wall of its pocket.
     #[inline(always)]
     pub fn reaches(&self, displaced: &Displaced<Lanes>) -> bool {
-        !displaced.distance.any(|distance| distance > self.clearance)
+        (0..LANES).all(|lane| self.beyond(&displaced.at(lane)) <= 0.0)
     }
 
     /// Pockets with nothing but their film.
