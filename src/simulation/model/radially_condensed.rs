@@ -67,8 +67,8 @@ pub struct RadiallyCondensed {
     plain_pocket: bool,
     /// Whether a cage is there, its pockets are plain and raceways are without a viscous damper.
     is_plain: bool,
-    /// Where the speed never changes: what is made anew elsewhere.
-    constant: Option<(Mixture, f64)>,
+    /// Where the speed never changes: it [rad/s], and what is made anew elsewhere.
+    constant: Option<(f64, (Mixture, f64))>,
     /// Where the spindle starts [m].
     rest: [f64; 2],
     /// Damping over mass and frequency of the spindle on its contacts at rest, as if all lay in one direction [1/s, rad/s].
@@ -204,7 +204,8 @@ impl RadiallyCondensed {
         model.traction_rate =
             largest * (steepest.inner + steepest.outer) * (1.0 / one.mass + one.radius * one.radius / one.inertia);
         if model.mechanism.speed.is_constant() {
-            model.constant = Some(model.ideal(model.mechanism.speed.at(0.0).1));
+            let speed = model.mechanism.speed.at(0.0).1;
+            model.constant = Some((speed, model.ideal(speed)));
         }
         Ok(model)
     }

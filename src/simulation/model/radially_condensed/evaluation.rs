@@ -80,12 +80,14 @@ impl RadiallyCondensed {
         scratch: &mut Scratch,
     ) {
         let m = &self.mechanism;
-        let (angle, speed, acceleration) = m.speed.at(time);
-        let (mixture, unloaded_root) = match self.constant {
-            Some(constant) => constant,
-            None => self.ideal(speed),
+        let ((angle, speed, acceleration), (mixture, unloaded_root)) = match self.constant {
+            Some((speed, ideal)) => ((speed * time, speed, 0.0), ideal),
+            None => {
+                let drive = m.speed.at(time);
+                (drive, self.ideal(drive.1))
+            }
         };
-        let cage = scratch.cage.to(m.orbit_ratio * angle + border.cage_arc / m.pitch_radius);
+        let cage = scratch.cage.to(m.orbit_ratio * angle + border.cage_arc * (1.0 / self.one.pitch_radius));
         let drive = Drive { angle, speed, acceleration, cage, mixture, unloaded_root, spindle_acceleration, shares };
         let mut sums = AllBalls::default();
         for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
@@ -284,7 +286,7 @@ impl AllBalls {
 
 /// Sum over the lanes in pairs, always in the same order.
 #[inline(always)]
-fn total(lanes: &Lanes) -> f64 {
+pub(super) fn total(lanes: &Lanes) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes.0;
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }

@@ -180,12 +180,6 @@ impl<'m> Stepper<'m> {
         self.nodes[0].acceleration
     }
 
-    /// Spindle one step before: place, velocity, acceleration.
-    pub fn spindle_before(&self) -> [[f64; 2]; 3] {
-        let Node { border, acceleration, .. } = &*self.nodes[1];
-        [border.spindle, border.spindle_velocity, *acceleration]
-    }
-
     /// What was seen of the balls at the time of a look.
     pub fn seen(&self) -> &[Seen] {
         &self.scratch.seen
