@@ -51,6 +51,8 @@ pub(super) struct Drive {
     /// What the spindle's acceleration is taken to be [m/s²], and what place and velocity have of it.
     pub spindle_acceleration: [f64; 2],
     pub shares: Shares,
+    /// What the places of balls and cage have of their velocities [s].
+    pub place_share: f64,
 }
 
 /// Drag [N] and churning [N m] = value + slope · deviation from the ideal orbit velocity and spin.

@@ -88,7 +88,17 @@ impl RadiallyCondensed {
             }
         };
         let cage = scratch.cage.to(m.orbit_ratio * angle + border.cage_arc * (1.0 / self.one.pitch_radius));
-        let drive = Drive { angle, speed, acceleration, cage, mixture, unloaded_root, spindle_acceleration, shares };
+        let drive = Drive {
+            angle,
+            speed,
+            acceleration,
+            cage,
+            mixture,
+            unloaded_root,
+            spindle_acceleration,
+            shares,
+            place_share: shares.velocity,
+        };
         let mut sums = AllBalls::default();
         for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
             self.group(&drive, group, balls, border, rates, scratch, &mut sums);
@@ -147,11 +157,11 @@ impl RadiallyCondensed {
             let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
             let displaced = self.film.displaced(&border, cage_spin, &held);
             if self.plain_pocket && self.film.reaches(&displaced) {
-                pushed = self.film.pushed(&held, &displaced, &present);
+                pushed = self.film.pushed(&held, &displaced, &present, drive.place_share);
             } else {
                 let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
                 let pocket = &self.mechanism.pocket;
-                pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present);
+                pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present, drive.place_share);
             }
         }
         let mut loaded = Loaded::<Lanes>::default();
@@ -206,7 +216,7 @@ impl RadiallyCondensed {
             let ball = balls.at(lane);
             let held = one.held(&drive, start.at(lane), one.ahead(border.cage_arc, &ball), &border, &ball);
             let displaced = film.displaced_one(&border, cage_spin, &held);
-            let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane]);
+            let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.place_share);
             let loaded = one.loaded(&drive, &ball, &held, pushed.radial);
             let (inner, slips) = inner.fitted(&loaded.inner);
             let (outer, skids) = outer.fitted(&loaded.outer);

@@ -36,6 +36,8 @@ pub(super) struct Push {
     /// From the pocket's centre to where the cage is pushed.
     lever: (f64, f64),
     damping: f64,
+    /// Force over distance [N/m].
+    held: f64,
     /// 1/distance², for the direction of the damping.
     per_square: f64,
 }
@@ -68,13 +70,14 @@ impl Film {
             moment: 0.0,
             lever: (0.0, 0.0),
             damping: if over_distance > 0.0 { damping } else { 0.0 },
+            held: over_distance,
             per_square,
         }
     }
 
-    /// Turned to the ball's own orbit and, with `present`, to the cage.
+    /// Turned to the ball's own orbit and, with `present`, to the cage; `share`: of velocities in places [s].
     #[inline(always)]
-    pub fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f64) -> Pushed {
+    pub fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f64, share: f64) -> Pushed {
         let ((n, t), (d_n, d_t)) = (push.force, displaced.displacement);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
@@ -82,7 +85,9 @@ impl Film {
         let (d_y, d_z) = (d_n * nc - d_t * ns, d_n * ns + d_t * nc);
         let (n_present, t_present) = (present * n, present * t);
         let (arm_n, arm_t) = (self.pitch_radius + d_n + push.lever.0, d_t + push.lever.1);
-        let damping = square * d_t * d_t;
+        // What holds a place holds the velocity in it.
+        let by_place = share * push.held;
+        let damping = square * d_t * d_t + by_place;
         Pushed {
             load: push.load,
             radial: n * dc + t * ds,
@@ -94,7 +99,11 @@ impl Film {
                 -(n_present * ns + t_present * nc),
                 arm_t * n_present - arm_n * t_present,
             ],
-            cage_damping: [present * square * d_y * d_y, present * square * d_z * d_z, present * damping],
+            cage_damping: [
+                present * (square * d_y * d_y + by_place),
+                present * (square * d_z * d_z + by_place),
+                present * damping,
+            ],
         }
     }
 
@@ -122,11 +131,17 @@ impl Film {
 
     /// Pockets with nothing but their film.
     #[inline(always)]
-    pub fn pushed(self, held: &Held<Lanes>, displaced: &Displaced<Lanes>, present: &Lanes) -> Pushed<Lanes> {
+    pub fn pushed(
+        self,
+        held: &Held<Lanes>,
+        displaced: &Displaced<Lanes>,
+        present: &Lanes,
+        share: f64,
+    ) -> Pushed<Lanes> {
         let mut pushed = Pushed::<Lanes>::default();
         for lane in 0..LANES {
             let one = displaced.at(lane);
-            pushed.put(lane, self.turned(&held.at(lane), &one, &self.push(&one), present[lane]));
+            pushed.put(lane, self.turned(&held.at(lane), &one, &self.push(&one), present[lane], share));
         }
         pushed
     }
@@ -140,6 +155,7 @@ impl Film {
         held: &Held<Lanes>,
         displaced: &Displaced<Lanes>,
         present: &Lanes,
+        share: f64,
     ) -> Pushed<Lanes> {
         let mut pushed = Pushed::<Lanes>::default();
         for lane in 0..LANES {
@@ -157,7 +173,7 @@ impl Film {
                 lever: (load.lever[1], load.lever[2]),
                 ..self.push(&at)
             };
-            pushed.put(lane, self.turned(&held.at(lane), &at, &push, present[lane]));
+            pushed.put(lane, self.turned(&held.at(lane), &at, &push, present[lane], share));
         }
         pushed
     }
