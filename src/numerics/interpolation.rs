@@ -12,8 +12,9 @@ pub struct Interpolator<const N: usize> {
     values: usize,
     /// Of values 0 … `values` − 1 parts of a sample beyond one.
     weights: Vec<[f64; POINTS]>,
-    /// The last frames, oldest first.
-    frames: [[f64; N]; POINTS],
+    /// The last frames in a ring, which stands there twice, so that they follow each other from `oldest` on.
+    frames: [[f64; N]; 2 * POINTS],
+    oldest: usize,
     /// Parts of a sample from the fourth of them to the next value.
     next: usize,
     /// Frames to take before the first value.
@@ -26,36 +27,46 @@ impl<const N: usize> Interpolator<N> {
 
     pub fn new(steps: usize, values: usize) -> Self {
         let weights = (0..values).map(|part| lagrange(part as f64 / values as f64)).collect();
-        Self { steps, values, weights, frames: [[0.0; N]; POINTS], next: 0, wait: 2 * Self::DELAY }
+        Self { steps, values, weights, frames: [[0.0; N]; 2 * POINTS], oldest: 0, next: 0, wait: 2 * Self::DELAY }
     }
 
     /// Takes `frame` as having stood still until now: the first value then belongs to the first frame pushed from here.
     pub fn prime(&mut self, frame: &[f64; N]) {
-        self.frames = [*frame; POINTS];
+        self.frames = [*frame; 2 * POINTS];
         (self.next, self.wait) = (0, Self::DELAY);
     }
 
     /// Takes a frame, and gives the values that it makes known.
     #[inline]
     pub fn push(&mut self, frame: &[f64; N], mut give: impl FnMut(&[f64; N])) {
-        self.frames.rotate_left(1);
-        self.frames[POINTS - 1] = *frame;
+        self.frames[self.oldest] = *frame;
+        self.frames[self.oldest + POINTS] = *frame;
+        self.oldest = (self.oldest + 1) % POINTS;
         if self.wait > 0 {
             self.wait -= 1;
             return;
         }
+        let frames = &self.frames[self.oldest..self.oldest + POINTS];
         while self.next < self.values {
-            let mut value = [0.0; N];
-            for (weight, frame) in self.weights[self.next].iter().zip(&self.frames) {
-                for (value, sample) in value.iter_mut().zip(frame) {
-                    *value += weight * sample;
-                }
+            if self.next == 0 {
+                give(&frames[POINTS / 2 - 1]);
+            } else {
+                give(&weighed(&self.weights[self.next], frames));
             }
-            give(&value);
             self.next += self.steps;
         }
         self.next -= self.values;
     }
+}
+
+fn weighed<const N: usize>(weights: &[f64; POINTS], frames: &[[f64; N]]) -> [f64; N] {
+    let mut sums = [0.0; N];
+    for (weight, frame) in weights.iter().zip(frames) {
+        for (sum, sample) in sums.iter_mut().zip(frame) {
+            *sum += weight * sample;
+        }
+    }
+    sums
 }
 
 /// Weights of samples −3 … 4 for a value at 0 ≤ x < 1.
