@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A of the current step multiplies a difference that is of the method's own order, so that any A keeps the order: 3 for the
-//! balls, 2 for the cage. Azimuths and places of the cage take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by
+//! balls, 2 for the cage. The film of the pockets, whose force goes with places, counts in A by what places have of velocities. Azimuths and places of the cage take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by
 //! Adams–Moulton, whose equation is solved by one step of Newton with the stiffness and the damping of the raceways: no second
 //! evaluation, and the error and the stability of the implicit method. The first steps are of rising order and a sixteenth of
 //! the length.
