@@ -455,12 +455,15 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
     let unseen = (1.0 - duration / settings.duration).max(0.0).sqrt();
     let mut distance = accuracy::Distance::of_recordings(&own, &richer, unseen);
     let mut step = None;
-    if rung == Rung::RadiallyCondensed && settings.fixed_step.is_none() {
-        if let Some((longer, stepped)) = longer_step(scene, &short, &own, &quiet) {
-            let by_it = accuracy::Distance::of_recordings(&stepped, &richer, unseen);
-            if by_it.within(&settings.outputs, settings.model_tolerance_db) {
-                (own, distance, step) = (stepped, by_it, Some(longer));
-            }
+    // Of a speed that varies the stretch tells nothing later.
+    if rung == Rung::RadiallyCondensed
+        && settings.fixed_step.is_none()
+        && scene.operation.speed.is_constant()
+        && let Some((longer, stepped)) = longer_step(scene, &short, &own, &quiet)
+    {
+        let by_it = accuracy::Distance::of_recordings(&stepped, &richer, unseen);
+        if by_it.within(&settings.outputs, settings.model_tolerance_db) {
+            (own, distance, step) = (stepped, by_it, Some(longer));
         }
     }
     let reached = Reached::of(&own);
