@@ -22,8 +22,8 @@ const LARGEST_TURN_TRIED: f64 = 0.7;
 /// Largest product of the step with the rate at which traction holds a ball: beyond, what its slope changes by from step to step
 /// is too much for rates that are extrapolated.
 const LARGEST_HOLD: f64 = 100.0;
-/// Largest product of the step with the frequency of the cage on its film. Motion grows without bound from 1 on; from 0.9 on it is
-/// wrong by more than else.
+/// Largest product of the step with the frequency of the cage on its film. Beyond, that motion is wrong by more than else; with the
+/// film explicit it grew without bound from 1 on.
 const LARGEST_FILM_TURN: f64 = 0.75;
 /// The longest step that is tried [s]: with 19.5 µs one scene of eighteen blows up, after 85 ms.
 const LONGEST: f64 = 19e-6;
