@@ -4,6 +4,7 @@
 pub mod angle;
 pub mod elliptic;
 pub mod exponential;
+pub mod interpolation;
 pub mod lanes;
 pub mod ode;
 pub mod periodic;

@@ -51,6 +51,9 @@ const LONGER: f64 = 4.0;
 const WORTH_IT: f64 = 0.3;
 /// Share of the tolerance that a rung may use whose check is by a reduced one, which uses the rest [-].
 const SHARE_OF_LEAN: f64 = 0.7;
+/// Share of the tolerance by which longer steps of the condensed rung may move its levels over a check [-]. They move those of the
+/// run as much: what both miss is in the distance from the dynamics.
+const SHARE_OF_STEPS: f64 = 0.5;
 /// Change of the cage's speed after a check, and of the balls' places in their pockets as a share of their spacing, from which on the
 /// check tells nothing of the run: levels were off by decibels at twenty and three per cent, by a twentieth at one and a half.
 const SLIPPED: f64 = 5e-3;
@@ -229,6 +232,8 @@ struct Check {
     distance: accuracy::Distance,
     /// Where the reduced rung's own slow motions had come to.
     reached: Reached,
+    /// The step it was made with, where that is not the rung's own [s].
+    step: Option<f64>,
     /// Why it tells nothing of the run.
     fault: Option<String>,
 }
@@ -276,7 +281,14 @@ impl Check {
     /// One that could not be made.
     fn failed(fault: String) -> Self {
         let distance = accuracy::Distance::UNKNOWN;
-        Self { against: Rung::Full, stretch: 0.0, distance, reached: Reached::default(), fault: Some(fault) }
+        Self {
+            against: Rung::Full,
+            stretch: 0.0,
+            distance,
+            reached: Reached::default(),
+            step: None,
+            fault: Some(fault),
+        }
     }
 
     fn how(&self) -> String {
@@ -356,7 +368,8 @@ fn on_rung(
     if !confirmed && settings.rung.is_none() {
         return Ok(Err(check.words()));
     }
-    let made = record(rung, scene, settings, &Control { progress: &running, ..*control })?;
+    let stepped = RunSettings { fixed_step: settings.fixed_step.or(check.step), ..settings.clone() };
+    let made = record(rung, scene, &stepped, &Control { progress: &running, ..*control })?;
     (control.live)(&Live::of(Phase::Judging));
     let gone_on = (rung == Rung::RadiallyCondensed && check.fault.is_none())
         .then(|| check.reached.gone_on(&Reached::of(&made.recording), scene))
@@ -365,7 +378,7 @@ fn on_rung(
         return Ok(Err(format!("{what}, and the check tells nothing of that")));
     }
     let turns = scene.operating_speed() != 0.0;
-    let parted = match parted(rung, scene, settings, &made, control) {
+    let parted = match parted(rung, scene, &stepped, &made, control) {
         Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
         // Where nothing turns, two motions may stay apart for ever.
         parted => parted.ok().filter(|_| turns),
@@ -416,7 +429,7 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
     let quiet = Control::until(control.stop);
     let short = check_settings(rung, scene, settings);
     let duration = short.duration;
-    let own = record(rung, scene, &short, &quiet)?.recording;
+    let mut own = record(rung, scene, &short, &quiet)?.recording;
     let mut leaves = None;
     let (against, richer) = if rung == Rung::RadiallyCondensed {
         let needs = Needs::of(scene, &short.outputs, None)?;
@@ -439,9 +452,21 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
     } else {
         (Rung::RadiallyCondensed, record(Rung::RadiallyCondensed, scene, &short, &quiet)?.recording)
     };
-    let reached = Reached::of(&own);
     let unseen = (1.0 - duration / settings.duration).max(0.0).sqrt();
     let mut distance = accuracy::Distance::of_recordings(&own, &richer, unseen);
+    let mut step = None;
+    // Of a speed that varies the stretch tells nothing later.
+    if rung == Rung::RadiallyCondensed
+        && settings.fixed_step.is_none()
+        && scene.operation.speed.is_constant()
+        && let Some((longer, stepped)) = longer_step(scene, &short, &own, &quiet)
+    {
+        let by_it = accuracy::Distance::of_recordings(&stepped, &richer, unseen);
+        if by_it.within(&settings.outputs, settings.model_tolerance_db) {
+            (own, distance, step) = (stepped, by_it, Some(longer));
+        }
+    }
+    let reached = Reached::of(&own);
     if !(settings.outputs.contacts || settings.outputs.cage) {
         distance.quantities = None;
     }
@@ -456,7 +481,18 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
     if fault.is_some() {
         distance = accuracy::Distance::UNKNOWN;
     }
-    Ok(Check { against, stretch: duration, distance, reached, fault })
+    Ok(Check { against, stretch: duration, distance, reached, step, fault })
+}
+
+/// The longest step of the condensed rung [s] that leaves it where its own steps take it, and the stretch of a check made with
+/// it; `None`: its own.
+fn longer_step(scene: &Scene, short: &RunSettings, own: &Recording, control: &Control<'_>) -> Option<(f64, Recording)> {
+    let model = RadiallyCondensed::new(scene, &short.outputs).ok()?;
+    model.longer_paces().find_map(|pace| {
+        let (stepped, _) = model.run(short, pace, control).ok()?;
+        let apart = accuracy::Distance::of_recordings(&stepped, own, 0.0);
+        apart.within(&short.outputs, SHARE_OF_STEPS * short.model_tolerance_db).then(|| (pace.step(), stepped))
+    })
 }
 
 /// Why a motion that begins in the plane may not stay there, from a stretch of it [s]; `None`: nothing speaks against it. Planar motion solves the

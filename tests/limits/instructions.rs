@@ -3,7 +3,7 @@
 use raceway::numerics::lanes::InstructionSet;
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
-use raceway::simulation::model::radially_condensed::RadiallyCondensed;
+use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
 use raceway::simulation::run::{Control, Method, RunSettings, Rung};
 use serde_json::{Value, json};
 
@@ -79,16 +79,18 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
     let control = Control::until(&|| false);
     for json in scenes {
         let model = RadiallyCondensed::new(&scene(&json), &settings.outputs).unwrap();
-        let by = |set: InstructionSet| {
-            let (recording, _) = model.clone().with_instructions(set).run(&settings, model.pace(), &control).unwrap();
+        let by = |set: InstructionSet, pace: Pace| {
+            let (recording, _) = model.clone().with_instructions(set).run(&settings, pace, &control).unwrap();
             assert!(
                 recording.signals.iter().filter_map(|signal| signal.values()).flatten().all(|value| value.is_finite())
             );
             format!("{recording:?}")
         };
-        let baseline = by(InstructionSet::BASELINE);
-        for set in InstructionSet::available() {
-            assert!(by(set) == baseline, "{set:?} {json}");
+        for pace in std::iter::once(model.pace()).chain(model.longer_paces()) {
+            let baseline = by(InstructionSet::BASELINE, pace);
+            for set in InstructionSet::available() {
+                assert!(by(set, pace) == baseline, "{set:?} {pace:?} {json}");
+            }
         }
     }
 }

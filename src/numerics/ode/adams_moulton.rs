@@ -60,7 +60,7 @@ pub trait EquationsOfMotion {
 
 /// Change of the acceleration that takes the defect away.
 #[inline(always)]
-fn solve(Defect { force: [y, z], slope: [yy, yz, zz] }: &Defect) -> [f64; 2] {
+pub fn solve(Defect { force: [y, z], slope: [yy, yz, zz] }: &Defect) -> [f64; 2] {
     let per_determinant = 1.0 / (yy * zz - yz * yz);
     [(zz * y - yz * z) * per_determinant, (yy * z - yz * y) * per_determinant]
 }

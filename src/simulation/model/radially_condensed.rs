@@ -65,8 +65,10 @@ pub struct RadiallyCondensed {
     film: Film,
     /// Whether a ball between the walls of its pocket feels nothing but the film.
     plain_pocket: bool,
-    /// Where the speed never changes: what is made anew elsewhere.
-    constant: Option<(Mixture, f64)>,
+    /// Whether a cage is there, its pockets are plain and raceways are without a viscous damper.
+    is_plain: bool,
+    /// Where the speed never changes: it [rad/s], and what is made anew elsewhere.
+    constant: Option<(f64, (Mixture, f64))>,
     /// Where the spindle starts [m].
     rest: [f64; 2],
     /// Damping over mass and frequency of the spindle on its contacts at rest, as if all lay in one direction [1/s, rad/s].
@@ -187,6 +189,7 @@ impl RadiallyCondensed {
                 pitch_radius: m.pitch_radius,
             },
             plain_pocket: !needs.pocket.hydrodynamics,
+            is_plain: needs.cage && !needs.pocket.hydrodynamics && damping.viscous == 0.0,
             constant: None,
             rest: [rest.spindle[1], rest.spindle[2]],
             spindle_rates: [0.0; 2],
@@ -201,7 +204,8 @@ impl RadiallyCondensed {
         model.traction_rate =
             largest * (steepest.inner + steepest.outer) * (1.0 / one.mass + one.radius * one.radius / one.inertia);
         if model.mechanism.speed.is_constant() {
-            model.constant = Some(model.ideal(model.mechanism.speed.at(0.0).1));
+            let speed = model.mechanism.speed.at(0.0).1;
+            model.constant = Some((speed, model.ideal(speed)));
         }
         Ok(model)
     }

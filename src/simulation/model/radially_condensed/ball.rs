@@ -4,6 +4,7 @@
 use super::Border;
 use super::traction::Sums;
 use crate::numerics::lanes::{larger, side_by_side};
+use crate::numerics::ode::adams_moulton::Shares;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::damping::{DampingFactor, viscous_ramp};
 use crate::physics::frames::Azimuth;
@@ -47,6 +48,11 @@ pub(super) struct Drive {
     pub mixture: Mixture,
     /// √δ of the outer contact under the centrifugal force of the ideal orbit.
     pub unloaded_root: f64,
+    /// What the spindle's acceleration is taken to be [m/s²], and what place and velocity have of it.
+    pub spindle_acceleration: [f64; 2],
+    pub shares: Shares,
+    /// What the places of balls and cage have of their velocities [s].
+    pub place_share: f64,
 }
 
 /// Drag [N] and churning [N m] = value + slope · deviation from the ideal orbit velocity and spin.
@@ -81,7 +87,7 @@ pub(super) struct Held<T = f64> {
     /// Penetrations [m].
     pub inner: T,
     pub outer: T,
-    /// Load of the inner raceway without the pocket's part and without the spindle's acceleration [N].
+    /// Load of the inner raceway without the pocket's part [N].
     pub normal: T,
     /// Its derivatives by approach and rate of approach [N/m, N s/m].
     pub stiffness: T,
@@ -131,13 +137,11 @@ side_by_side!(Pushed { load, radial, along, moment, damping, cage, cage_damping 
 pub(super) struct Loaded<T = f64> {
     pub inner: Contact<T>,
     pub outer: Contact<T>,
-    /// Mass that the spindle moves along the ball's direction [kg].
-    pub mass: T,
-    /// Derivatives of the inner load, where it presses.
-    pub stiffness: T,
-    pub damping: T,
+    /// By how much the inner load, where it presses, falls with the spindle's acceleration towards the ball, place and velocity
+    /// going along by their shares [kg].
+    pub slope: T,
 }
-side_by_side!(Loaded { inner, outer, mass, stiffness, damping });
+side_by_side!(Loaded { inner, outer, slope });
 
 /// Load of a contact [N], square of its semi-major axis [m²], and slip: base + height over the ball's centre · per_height.
 #[derive(Debug, Clone, Copy, Default)]
@@ -149,15 +153,14 @@ pub(super) struct Contact<T = f64> {
 }
 side_by_side!(Contact { load, axis_square, base, per_height });
 
-/// What a ball passes on to the spindle: force along Y and Z, and what goes with its direction squared (yy, yz, zz).
+/// What a ball passes on to the spindle: force along Y and Z [N], and its slope over the acceleration with the sign turned (yy, yz,
+/// zz) [kg].
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Passed<T = f64> {
     pub force: (T, T),
-    pub mass: [T; 3],
-    pub stiffness: [T; 3],
-    pub damping: [T; 3],
+    pub slope: [T; 3],
 }
-side_by_side!(Passed { force, mass, stiffness, damping });
+side_by_side!(Passed { force, slope });
 
 /// Constants of a ball. A copy of it stands before each loop over balls, so that the compiler sees that nothing stored in
 /// the loop changes it.
@@ -235,7 +238,8 @@ impl OneBall {
         // Both contacts; damping that takes what both dissipate; inertia of the ball's own motion.
         let contact = self.contact.load(approach, &unloaded);
         let damping = self.damping.chi * contact.damped_load;
-        let swing = 2.0 * orbit * across_velocity - orbit * orbit * along;
+        let [ay, az] = drive.spindle_acceleration;
+        let swing = (ay * c + az * s) + orbit * (2.0 * across_velocity - orbit * along);
         let inertia =
             self.mass * (contact.outer_share * contact.outer_share * swing + contact.outer_share_slope * rate * rate);
         Held {
@@ -300,9 +304,8 @@ impl OneBall {
                 base: -tangential,
                 per_height: -spin,
             },
-            mass: self.mass * share * share,
-            stiffness: pressed(held.stiffness),
-            damping: pressed(held.damping),
+            slope: self.mass * share * share
+                + pressed(drive.shares.place * held.stiffness + drive.shares.velocity * held.damping),
         }
     }
 
@@ -347,12 +350,8 @@ pub(super) fn passed(held: &Held, loaded: &Loaded, inner_traction: f64, present:
     let (along, across) = (-(q + held.lean * t), held.lean * q - t);
     let (c, s) = (held.azimuth.cosine, held.azimuth.sine);
     let (c_present, s_present) = (c * present, s * present);
-    let (yy, yz, zz) = (c * c_present, c * s_present, s * s_present);
-    let in_direction = |value: f64| [value * yy, value * yz, value * zz];
     Passed {
         force: (along * c_present - across * s_present, along * s_present + across * c_present),
-        mass: in_direction(loaded.mass),
-        stiffness: in_direction(loaded.stiffness),
-        damping: in_direction(loaded.damping),
+        slope: [loaded.slope * (c * c_present), loaded.slope * (c * s_present), loaded.slope * (s * s_present)],
     }
 }

@@ -1,9 +1,10 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
 use super::ball::{BallRates, BallState, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
-use super::traction::{General, RacewayTraction};
+use super::traction::{General, RacewayTraction, RisingTraction};
 use super::{Border, RadiallyCondensed};
-use crate::numerics::lanes::{LANES, Lanes, SideBySide};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger};
+use crate::numerics::ode::adams_moulton::{Defect, Shares};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Azimuth;
 use crate::physics::spindle::unbalance_force;
@@ -12,20 +13,11 @@ use crate::physics::spindle::unbalance_force;
 #[derive(Debug, Clone, Default)]
 pub struct Rates {
     pub balls: Vec<BallRates<Lanes>>,
-    pub spindle: OnSpindle,
+    /// Of the spindle's acceleration.
+    pub spindle: Defect,
     pub cage: [f64; 3],
     /// Diagonal of the damping of the cage by its pockets [1/s], not negative.
     pub cage_damping: [f64; 3],
-}
-
-/// What moves the spindle: force [N], and the symmetric matrices (yy, yz, zz) of the mass that moves along [kg], of the stiffness
-/// [N/m] and the damping [N s/m] of the raceways.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct OnSpindle {
-    pub force: [f64; 2],
-    pub mass: [f64; 3],
-    pub stiffness: [f64; 3],
-    pub damping: [f64; 3],
 }
 
 /// What else was seen of eight balls in an evaluation.
@@ -49,33 +41,64 @@ impl Scratch {
     }
 }
 
+/// On the cage (y, z, moment), and the damping there.
+#[derive(Clone, Copy, Default)]
+struct OnCage<T> {
+    force: [T; 3],
+    damping: [T; 3],
+}
+
+/// What eight balls do in the plain case.
+#[derive(Clone, Copy, Default)]
+struct Plain {
+    rates: BallRates<Lanes>,
+    passed: Passed<Lanes>,
+    on_cage: OnCage<Lanes>,
+    seen: Seen,
+}
+
 /// Sums over the balls: on the spindle, and on the cage (y, z, moment) with the damping there.
 #[derive(Clone, Copy, Default)]
 struct AllBalls {
-    spindle: OnSpindle,
+    spindle: Defect,
     cage: [f64; 3],
     cage_damping: [f64; 3],
 }
 
 impl RadiallyCondensed {
-    /// Rates at a time [s].
+    /// Rates at a time [s]; `spindle_acceleration`: what the spindle's is taken to be, of which place and velocity have their shares.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     pub fn rates(
         &self,
         time: f64,
         balls: &[BallState<Lanes>],
         border: &Border,
+        spindle_acceleration: [f64; 2],
+        shares: Shares,
         rates: &mut Rates,
         scratch: &mut Scratch,
     ) {
         let m = &self.mechanism;
-        let (angle, speed, acceleration) = m.speed.at(time);
-        let (mixture, unloaded_root) = match self.constant {
-            Some(constant) => constant,
-            None => self.ideal(speed),
+        let ((angle, speed, acceleration), (mixture, unloaded_root)) = match self.constant {
+            Some((speed, ideal)) => ((speed * time, speed, 0.0), ideal),
+            None => {
+                let drive = m.speed.at(time);
+                (drive, self.ideal(drive.1))
+            }
         };
-        let cage = scratch.cage.to(m.orbit_ratio * angle + border.cage_arc / m.pitch_radius);
-        let drive = Drive { angle, speed, acceleration, cage, mixture, unloaded_root };
+        let cage = scratch.cage.to(m.orbit_ratio * angle + border.cage_arc * (1.0 / self.one.pitch_radius));
+        let drive = Drive {
+            angle,
+            speed,
+            acceleration,
+            cage,
+            mixture,
+            unloaded_root,
+            spindle_acceleration,
+            shares,
+            place_share: shares.velocity,
+        };
         let mut sums = AllBalls::default();
         for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
             self.group(&drive, group, balls, border, rates, scratch, &mut sums);
@@ -96,6 +119,17 @@ impl RadiallyCondensed {
         scratch: &mut Scratch,
         sums: &mut AllBalls,
     ) {
+        if let (true, RacewayTraction::Rising(inner), RacewayTraction::Rising(outer)) =
+            (self.is_plain, &self.traction.inner, &self.traction.outer)
+        {
+            let laws = PerRaceway { inner: &**inner, outer: &**outer };
+            if let Some(found) = self.plainly(drive, group, balls, border, laws) {
+                *rates = found.rates;
+                sums.add(&found.passed, &found.on_cage);
+                scratch.seen[group] = found.seen;
+                return;
+            }
+        }
         let cage = self.mechanism.layout.cage;
         // Copies: what is stored in the loops cannot change them.
         let (one, start, present) = (self.one, self.start[group], self.present[group]);
@@ -123,11 +157,11 @@ impl RadiallyCondensed {
             let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
             let displaced = self.film.displaced(&border, cage_spin, &held);
             if self.plain_pocket && self.film.reaches(&displaced) {
-                pushed = self.film.pushed(&held, &displaced, &present);
+                pushed = self.film.pushed(&held, &displaced, &present, drive.place_share);
             } else {
                 let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
                 let pocket = &self.mechanism.pocket;
-                pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present);
+                pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present, drive.place_share);
             }
         }
         let mut loaded = Loaded::<Lanes>::default();
@@ -154,12 +188,51 @@ impl RadiallyCondensed {
             on_spindle.put(lane, passed(&held, &loaded, traction.inner.force, present[lane]));
         }
         *rates = rates_now;
-        sums.add(&on_spindle, &pushed);
+        sums.add(&on_spindle, &OnCage { force: pushed.cage, damping: pushed.cage_damping });
         scratch.seen[group] = Seen {
             load: PerRaceway { inner: loaded.inner.load, outer: loaded.outer.load },
             slip: PerRaceway { inner: inner.slip, outer: outer.slip },
             pocket: pushed.load,
         };
+    }
+
+    /// The same in one pass, where cage and film hold the balls and traction has its short form; `None`: a ball has come to the wall
+    /// of its pocket, or slips beyond the short form.
+    #[inline(always)]
+    fn plainly(
+        &self,
+        drive: &Drive,
+        group: usize,
+        balls: &BallState<Lanes>,
+        border: &Border,
+        laws: PerRaceway<&RisingTraction>,
+    ) -> Option<Plain> {
+        let (one, start, present, film) = (self.one, self.start[group], self.present[group], self.film);
+        let (drive, balls, border, inner, outer) = (*drive, *balls, *border, *laws.inner, *laws.outer);
+        let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
+        let mut found = Plain::default();
+        let mut beyond = Lanes::<LANES>::default();
+        for lane in 0..LANES {
+            let ball = balls.at(lane);
+            let held = one.held(&drive, start.at(lane), one.ahead(border.cage_arc, &ball), &border, &ball);
+            let displaced = film.displaced_one(&border, cage_spin, &held);
+            let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.place_share);
+            let loaded = one.loaded(&drive, &ball, &held, pushed.radial);
+            let (inner, slips) = inner.fitted(&loaded.inner);
+            let (outer, skids) = outer.fitted(&loaded.outer);
+            let traction = PerRaceway { inner, outer };
+            found.rates.put(lane, one.rates(&drive, &ball, &held, &loaded, &pushed, &traction));
+            found.passed.put(lane, passed(&held, &loaded, inner.force, present[lane]));
+            found.on_cage.force.put(lane, pushed.cage);
+            found.on_cage.damping.put(lane, pushed.cage_damping);
+            found.seen.load.inner[lane] = loaded.inner.load;
+            found.seen.load.outer[lane] = loaded.outer.load;
+            found.seen.slip.inner[lane] = inner.slip;
+            found.seen.slip.outer[lane] = outer.slip;
+            found.seen.pocket[lane] = pushed.load;
+            beyond[lane] = larger(film.beyond(&displaced), larger(slips, skids));
+        }
+        (!beyond.any(|beyond| beyond > 0.0)).then_some(found)
     }
 
     fn general(&self, drive: &Drive, inner: bool) -> General<'_> {
@@ -181,10 +254,11 @@ impl RadiallyCondensed {
     fn border_rates(&self, drive: &Drive, border: &Border, sums: &AllBalls, rates: &mut Rates) {
         let m = &self.mechanism;
         let mut spindle = sums.spindle;
-        spindle.force[0] += m.load[1] + m.spindle_mass * m.gravity;
-        spindle.force[1] += m.load[2];
-        spindle.mass[0] += m.spindle_mass;
-        spindle.mass[2] += m.spindle_mass;
+        let [ay, az] = drive.spindle_acceleration;
+        spindle.force[0] += m.load[1] + m.spindle_mass * (m.gravity - ay);
+        spindle.force[1] += m.load[2] - m.spindle_mass * az;
+        spindle.slope[0] += m.spindle_mass;
+        spindle.slope[2] += m.spindle_mass;
         if m.unbalance != 0.0 {
             let [_, y, z] = unbalance_force(m.unbalance, drive.angle, drive.speed, drive.acceleration);
             spindle.force = [spindle.force[0] + y, spindle.force[1] + z];
@@ -209,22 +283,20 @@ impl RadiallyCondensed {
 
 impl AllBalls {
     #[inline(always)]
-    fn add(&mut self, spindle: &Passed<Lanes>, pushed: &Pushed<Lanes>) {
+    fn add(&mut self, spindle: &Passed<Lanes>, cage: &OnCage<Lanes>) {
         self.spindle.force[0] += total(&spindle.force.0);
         self.spindle.force[1] += total(&spindle.force.1);
         for i in 0..3 {
-            self.spindle.mass[i] += total(&spindle.mass[i]);
-            self.spindle.stiffness[i] += total(&spindle.stiffness[i]);
-            self.spindle.damping[i] += total(&spindle.damping[i]);
-            self.cage[i] += total(&pushed.cage[i]);
-            self.cage_damping[i] += total(&pushed.cage_damping[i]);
+            self.spindle.slope[i] += total(&spindle.slope[i]);
+            self.cage[i] += total(&cage.force[i]);
+            self.cage_damping[i] += total(&cage.damping[i]);
         }
     }
 }
 
 /// Sum over the lanes in pairs, always in the same order.
 #[inline(always)]
-fn total(lanes: &Lanes) -> f64 {
+pub(super) fn total(lanes: &Lanes) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes.0;
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }

@@ -1,6 +1,7 @@
 //! Looks at the motion, one a step: what of it is kept.
 
 use super::{RadiallyCondensed, Seen, Stepper};
+use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, larger};
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
@@ -12,16 +13,18 @@ use crate::simulation::run::Outputs;
 use crate::simulation::views::LoadsTaken;
 use crate::simulation::windows::Recorder;
 
-use super::recording::Schedule;
+use super::evaluation::total;
+use super::recording::{Pace, Schedule};
 
 /// Spindle signals: place, velocity, acceleration of y, then of z.
-const SIGNALS: usize = 6;
+pub(super) const SIGNALS: usize = 6;
 
 /// What was seen so far.
 pub(super) struct Looks<'a> {
     model: &'a RadiallyCondensed,
     schedule: Schedule,
     decimator: Decimator,
+    interpolator: Interpolator<SIGNALS>,
     /// The first frame stands for what was before: the run has none.
     primed: bool,
     filtered: Recorder,
@@ -29,6 +32,9 @@ pub(super) struct Looks<'a> {
     channels: Vec<Channel>,
     /// Of those at the last look and at this one.
     pick: [Vec<f64>; 2],
+    /// Room for those between two looks, and the next of them, in parts of a step from the last look.
+    between: Vec<f64>,
+    next_pick: usize,
     /// Of the spindle's signals, from the first one on, and what they are counted from.
     sums: [[f64; 2]; SIGNALS],
     origin: [f64; SIGNALS],
@@ -38,7 +44,9 @@ pub(super) struct Looks<'a> {
     spin: f64,
     kept: f64,
     /// Largest distance of a ball from the middle of its pocket, along the orbit [m].
-    wander: f64,
+    wander: Lanes,
+    /// 1 over the number of balls.
+    per_ball: f64,
     extremes: Option<Extremes>,
     loads: Option<LoadsTaken>,
     thinnest: Option<PerRaceway<ThinnestFilm>>,
@@ -49,6 +57,11 @@ struct Extremes {
     load: Vec<PerRaceway<Lanes>>,
     slip: PerRaceway<Lanes>,
     pocket: Lanes,
+}
+
+/// Sum over the balls that are no copies.
+fn present_total(values: &Lanes, present: &Lanes) -> f64 {
+    total(&Lanes(std::array::from_fn(|lane| values[lane] * present[lane])))
 }
 
 fn grow(largest: &mut Lanes, seen: impl Fn(usize) -> f64) {
@@ -81,11 +94,14 @@ impl<'a> Looks<'a> {
         Self {
             model,
             schedule,
-            decimator: Decimator::new(schedule.pace.steps, SIGNALS),
+            decimator: Decimator::new(if schedule.pace.is_long() { 1 } else { schedule.pace.steps }, SIGNALS),
+            interpolator: Interpolator::new(schedule.pace.steps, schedule.pace.values),
             primed,
             filtered: recorder(&spindle_channels()),
             picked: recorder(&channels),
             pick: [vec![0.0; channels.len()], vec![0.0; channels.len()]],
+            between: Vec::with_capacity(channels.len()),
+            next_pick: 0,
             channels,
             sums: [[0.0; 2]; SIGNALS],
             origin: [0.0; SIGNALS],
@@ -93,7 +109,8 @@ impl<'a> Looks<'a> {
             cage: 0.0,
             spin: 0.0,
             kept: 0.0,
-            wander: 0.0,
+            wander: Lanes::default(),
+            per_ball: 1.0 / model.mechanism().layout.balls as f64,
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
             loads: (outputs.contacts && outputs.keep_signals()).then(|| LoadsTaken::new(schedule.values)),
             thinnest: model
@@ -114,8 +131,8 @@ impl<'a> Looks<'a> {
         if now == schedule.first {
             self.origin = frame;
             if self.primed {
-                self.decimator = Decimator::new(schedule.pace.steps, SIGNALS);
                 self.decimator.prime(&frame);
+                self.interpolator.prime(&frame);
             }
         }
         if counts {
@@ -129,27 +146,24 @@ impl<'a> Looks<'a> {
             }
         }
         if !self.primed || now >= schedule.first {
-            self.keep_spindle(stepper, frame);
+            self.keep_spindle(&frame);
         }
-        if counts && (now - schedule.first).is_multiple_of(schedule.pace.steps as u64) {
+        let pace = schedule.pace;
+        if counts && (pace.is_long() || (now - schedule.first).is_multiple_of(pace.steps as u64)) {
             self.keep(stepper);
         }
     }
 
-    /// Through the filter where steps are shorter than the interval of the kept values; with one value between two steps where
-    /// they are longer.
-    fn keep_spindle(&mut self, stepper: &Stepper<'_>, frame: [f64; SIGNALS]) {
-        let Schedule { pace, first, .. } = self.schedule;
-        if pace.steps > 1 {
-            if let Some(frame) = self.decimator.push(&frame) {
-                self.filtered.push(frame);
-            }
-            return;
+    /// Through the filter where steps are shorter than the interval of the kept values; with the values between steps where they
+    /// are longer.
+    fn keep_spindle(&mut self, frame: &[f64; SIGNALS]) {
+        if self.schedule.pace.is_long() {
+            self.interpolator.push(frame, |value| self.filtered.push(value));
+        } else if self.schedule.pace.steps == 1 {
+            self.filtered.push(frame);
+        } else if let Some(frame) = self.decimator.push(frame) {
+            self.filtered.push(frame);
         }
-        if pace.values == 2 && stepper.steps() > first {
-            self.filtered.push(&halfway(stepper, frame, pace.step()));
-        }
-        self.filtered.push(&frame);
     }
 
     /// Speeds and all channels besides the spindle's, as they stand.
@@ -157,14 +171,15 @@ impl<'a> Looks<'a> {
         let model = self.model;
         let m = model.mechanism();
         let (_, speed, _) = m.speed.at(stepper.time());
-        let balls = m.layout.balls;
         let (mut arc_velocity, mut own) = (0.0, 0.0);
-        for ball in 0..balls {
-            let group = &stepper.balls()[ball / LANES];
-            self.wander = larger(self.wander, (group.arc[ball % LANES] - stepper.border().cage_arc).abs());
-            arc_velocity += group.arc_velocity[ball % LANES] / balls as f64;
-            own += group.spin[ball % LANES] / balls as f64;
+        let cage_arc = stepper.border().cage_arc;
+        for (balls, present) in stepper.balls().iter().zip(&model.present) {
+            // Copies of the last ball are as far as it is.
+            grow(&mut self.wander, |lane| (balls.arc[lane] - cage_arc).abs());
+            arc_velocity += present_total(&balls.arc_velocity, present);
+            own += present_total(&balls.spin, present);
         }
+        (arc_velocity, own) = (arc_velocity * self.per_ball, own * self.per_ball);
         // Without a cage the balls' mean orbit speed stands for it.
         let cage_velocity = if m.layout.cage { stepper.border().cage_velocity[2] } else { arc_velocity };
         self.shaft += speed;
@@ -174,13 +189,21 @@ impl<'a> Looks<'a> {
         for (channel, now) in self.channels.iter().zip(now.iter_mut()) {
             *now = value(model, *channel, stepper, speed);
         }
-        if self.schedule.pace.values == 2 && self.kept > 0.0 {
-            for (last, now) in last.iter_mut().zip(now.iter()) {
-                *last = 0.5 * (*last + now);
+        let Pace { steps, values } = self.schedule.pace;
+        if values > 1 && self.kept > 0.0 && !now.is_empty() {
+            // Straight between steps.
+            while self.next_pick < values {
+                let part = self.next_pick as f64 / values as f64;
+                let between = last.iter_mut().zip(now.iter()).map(|(last, now)| *last + part * (now - *last));
+                self.between.clear();
+                self.between.extend(between);
+                self.picked.push(&self.between);
+                self.next_pick += steps;
             }
-            self.picked.push(last);
+            self.next_pick -= values;
+        } else if values == 1 {
+            self.picked.push(now);
         }
-        self.picked.push(now);
         std::mem::swap(last, now);
         if let Some(loads) = &mut self.loads {
             loads.look(|| {
@@ -202,7 +225,11 @@ impl<'a> Looks<'a> {
     }
 
     /// What was seen.
-    pub fn finish(self, start: f64) -> Recording {
+    pub fn finish(mut self, start: f64) -> Recording {
+        if self.schedule.pace.is_long() && !self.channels.is_empty() {
+            // The last value of all may fall on the last step.
+            self.picked.push(&self.pick[0]);
+        }
         let count = (self.schedule.last - self.schedule.first + 1) as f64;
         let variance = |[sum, squares]: [f64; 2]| ((squares - sum * sum / count) / count).max(0.0);
         let shaft = self.shaft / self.kept;
@@ -222,7 +249,7 @@ impl<'a> Looks<'a> {
             ball_spin: (self.spin / self.kept).abs(),
             parts: Vec::new(),
             loads: self.loads.map(LoadsTaken::finish),
-            wander: self.model.mechanism().layout.cage.then_some(self.wander),
+            wander: self.model.mechanism().layout.cage.then(|| self.wander.0.into_iter().fold(0.0, f64::max)),
         }
     }
 
@@ -259,21 +286,6 @@ fn frame(stepper: &Stepper<'_>) -> [f64; SIGNALS] {
     let (border, acceleration) = (stepper.border(), stepper.spindle_acceleration());
     let ([y, z], [vy, vz]) = (border.spindle, border.spindle_velocity);
     [y, vy, acceleration[0], z, vz, acceleration[1]]
-}
-
-/// Halfway between the last two steps: place and velocity by the polynomial of degree 5 through places, velocities and
-/// accelerations, the acceleration by that of degree 3 through velocities and accelerations.
-fn halfway(stepper: &Stepper<'_>, now: [f64; SIGNALS], h: f64) -> [f64; SIGNALS] {
-    let before = stepper.spindle_before();
-    let mut halfway = [0.0; SIGNALS];
-    for (axis, values) in halfway.chunks_exact_mut(3).enumerate() {
-        let [q0, v0, a0] = before.map(|of_axes| of_axes[axis]);
-        let (q1, v1, a1) = (now[3 * axis], now[3 * axis + 1], now[3 * axis + 2]);
-        values[0] = 0.5 * (q0 + q1) + h * (5.0 / 32.0) * (v0 - v1) + h * h * (1.0 / 64.0) * (a0 + a1);
-        values[1] = 15.0 / 8.0 * (q1 - q0) / h - 7.0 / 16.0 * (v0 + v1) + h * (1.0 / 32.0) * (a1 - a0);
-        values[2] = 1.5 * (v1 - v0) / h - 0.25 * (a0 + a1);
-    }
-    halfway
 }
 
 /// A channel besides the spindle's.

@@ -29,20 +29,22 @@ side_by_side!(Displaced { displacement, velocity, distance });
 
 /// Force on the ball (n, t) [N].
 #[derive(Debug, Clone, Copy)]
-struct Push {
+pub(super) struct Push {
     load: f64,
     force: (f64, f64),
     moment: f64,
     /// From the pocket's centre to where the cage is pushed.
     lever: (f64, f64),
     damping: f64,
+    /// Force over distance [N/m].
+    held: f64,
     /// 1/distance², for the direction of the damping.
     per_square: f64,
 }
 
 impl Film {
     #[inline(always)]
-    fn displaced_one(&self, border: &Border, cage_spin: f64, held: &Held) -> Displaced {
+    pub fn displaced_one(&self, border: &Border, cage_spin: f64, held: &Held) -> Displaced {
         let ([cy, cz], [vy, vz, _]) = (border.cage, border.cage_velocity);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
@@ -57,7 +59,7 @@ impl Film {
 
     /// The force of the film: stiffness and damping along the displacement, not below 0.
     #[inline(always)]
-    fn push(&self, displaced: &Displaced) -> Push {
+    pub fn push(&self, displaced: &Displaced) -> Push {
         let ((n, t), (v_n, v_t)) = (displaced.displacement, displaced.velocity);
         let per_square = 1.0 / (n * n + t * t + TINY);
         let damping = self.damping * smaller(displaced.distance * (1.0 / DAMPING_ONSET), 1.0);
@@ -68,13 +70,14 @@ impl Film {
             moment: 0.0,
             lever: (0.0, 0.0),
             damping: if over_distance > 0.0 { damping } else { 0.0 },
+            held: over_distance,
             per_square,
         }
     }
 
-    /// Turned to the ball's own orbit and, with `present`, to the cage.
+    /// Turned to the ball's own orbit and, with `present`, to the cage; `share`: of velocities in places [s].
     #[inline(always)]
-    fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f64) -> Pushed {
+    pub fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f64, share: f64) -> Pushed {
         let ((n, t), (d_n, d_t)) = (push.force, displaced.displacement);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
@@ -82,7 +85,9 @@ impl Film {
         let (d_y, d_z) = (d_n * nc - d_t * ns, d_n * ns + d_t * nc);
         let (n_present, t_present) = (present * n, present * t);
         let (arm_n, arm_t) = (self.pitch_radius + d_n + push.lever.0, d_t + push.lever.1);
-        let damping = square * d_t * d_t;
+        // What holds a place holds the velocity in it.
+        let by_place = share * push.held;
+        let damping = square * d_t * d_t + by_place;
         Pushed {
             load: push.load,
             radial: n * dc + t * ds,
@@ -94,8 +99,18 @@ impl Film {
                 -(n_present * ns + t_present * nc),
                 arm_t * n_present - arm_n * t_present,
             ],
-            cage_damping: [present * square * d_y * d_y, present * square * d_z * d_z, present * damping],
+            cage_damping: [
+                present * (square * d_y * d_y + by_place),
+                present * (square * d_z * d_z + by_place),
+                present * damping,
+            ],
         }
+    }
+
+    /// How far a ball is beyond the wall of its pocket [m].
+    #[inline(always)]
+    pub fn beyond(&self, displaced: &Displaced) -> f64 {
+        displaced.distance - self.clearance
     }
 
     /// Where balls are in their pockets.
@@ -111,16 +126,22 @@ impl Film {
     /// Whether no ball has come to the wall of its pocket.
     #[inline(always)]
     pub fn reaches(&self, displaced: &Displaced<Lanes>) -> bool {
-        !displaced.distance.any(|distance| distance > self.clearance)
+        (0..LANES).all(|lane| self.beyond(&displaced.at(lane)) <= 0.0)
     }
 
     /// Pockets with nothing but their film.
     #[inline(always)]
-    pub fn pushed(self, held: &Held<Lanes>, displaced: &Displaced<Lanes>, present: &Lanes) -> Pushed<Lanes> {
+    pub fn pushed(
+        self,
+        held: &Held<Lanes>,
+        displaced: &Displaced<Lanes>,
+        present: &Lanes,
+        share: f64,
+    ) -> Pushed<Lanes> {
         let mut pushed = Pushed::<Lanes>::default();
         for lane in 0..LANES {
             let one = displaced.at(lane);
-            pushed.put(lane, self.turned(&held.at(lane), &one, &self.push(&one), present[lane]));
+            pushed.put(lane, self.turned(&held.at(lane), &one, &self.push(&one), present[lane], share));
         }
         pushed
     }
@@ -134,6 +155,7 @@ impl Film {
         held: &Held<Lanes>,
         displaced: &Displaced<Lanes>,
         present: &Lanes,
+        share: f64,
     ) -> Pushed<Lanes> {
         let mut pushed = Pushed::<Lanes>::default();
         for lane in 0..LANES {
@@ -151,7 +173,7 @@ impl Film {
                 lever: (load.lever[1], load.lever[2]),
                 ..self.push(&at)
             };
-            pushed.put(lane, self.turned(&held.at(lane), &at, &push, present[lane]));
+            pushed.put(lane, self.turned(&held.at(lane), &at, &push, present[lane], share));
         }
         pushed
     }

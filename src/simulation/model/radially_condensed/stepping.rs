@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A of the current step multiplies a difference that is of the method's own order, so that any A keeps the order: 3 for the
-//! balls, 2 for the cage. Azimuths and places of the cage take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by
+//! balls, 2 for the cage. The film of the pockets, whose force goes with places, counts in A by what places have of velocities. Azimuths and places of the cage take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by
 //! Adams–Moulton, whose equation is solved by one step of Newton with the stiffness and the damping of the raceways: no second
 //! evaluation, and the error and the stability of the implicit method. The first steps are of rising order and a sixteenth of
 //! the length.
@@ -18,6 +18,7 @@ use super::evaluation::Scratch;
 use super::{BallRates, BallState, Border, RadiallyCondensed, Rates, Seen};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::adams::{Weights, weights};
+use crate::numerics::ode::adams_moulton::{Shares, solve};
 
 /// Short steps to one of full length at the start.
 const START: usize = 16;
@@ -40,6 +41,10 @@ const IMPLICIT: [Implicit; 3] = [
     Implicit { leading: 11.0 / 6.0, past: [7.0 / 6.0, -1.0 / 3.0], ahead: [2.0, -1.0], rates: [3.0, -3.0, 1.0] },
 ];
 
+/// The next value by the polynomial through so many known ones, newest first.
+const AHEAD: [[f64; NODES]; NODES] =
+    [[1.0, 0.0, 0.0, 0.0], [2.0, -1.0, 0.0, 0.0], [3.0, -3.0, 1.0, 0.0], [4.0, -6.0, 4.0, -1.0]];
+
 /// Formulas with as many nodes as are known.
 #[derive(Debug, Clone, Copy)]
 struct Formulas {
@@ -49,6 +54,8 @@ struct Formulas {
     /// Through the known nodes, and through the new one and the others but the oldest.
     predict: Weights<NODES>,
     correct: Weights<NODES>,
+    /// The acceleration with which the one formula is the other.
+    ahead: [f64; NODES],
 }
 
 impl Formulas {
@@ -58,7 +65,13 @@ impl Formulas {
             balls: IMPLICIT[known.min(3) - 1],
             cage: IMPLICIT[known.min(2) - 1],
             predict: weights(0.0, known),
-            correct: weights(1.0, known),
+            // From a single node there is nothing to correct by.
+            correct: if known > 1 {
+                weights(1.0, known)
+            } else {
+                Weights { velocity: [0.0; NODES], place: [0.0; NODES] }
+            },
+            ahead: AHEAD[known - 1],
         }
     }
 }
@@ -167,12 +180,6 @@ impl<'m> Stepper<'m> {
         self.nodes[0].acceleration
     }
 
-    /// Spindle one step before: place, velocity, acceleration.
-    pub fn spindle_before(&self) -> [[f64; 2]; 3] {
-        let Node { border, acceleration, .. } = &*self.nodes[1];
-        [border.spindle, border.spindle_velocity, *acceleration]
-    }
-
     /// What was seen of the balls at the time of a look.
     pub fn seen(&self) -> &[Seen] {
         &self.scratch.seen
@@ -183,50 +190,22 @@ impl<'m> Stepper<'m> {
         self.model.instructions.run(Stretch { stepper: self, steps, look });
     }
 
-    /// Evaluates the rates at the present time.
+    /// Evaluates the rates at the present time, and corrects the spindle by Adams–Moulton: one step of Newton from the
+    /// acceleration that was predicted, which place and velocity have in them.
     #[inline(always)]
     fn rate(&mut self) {
-        let time = self.time();
+        let (time, h) = (self.time(), self.step);
+        let Weights { velocity, place } = &self.formulas.correct;
+        let shares = Shares { place: h * h * place[0], velocity: h * velocity[0] };
         let node = &mut self.nodes[0];
-        self.model.rates(time, &node.balls, &node.border, &mut node.rates, &mut self.scratch);
+        let predicted = node.acceleration;
+        self.model.rates(time, &node.balls, &node.border, predicted, shares, &mut node.rates, &mut self.scratch);
         self.evaluations += 1;
-        self.correct();
-    }
-
-    /// The spindle by Adams–Moulton: Newton's step from where it was predicted to be.
-    #[inline(always)]
-    fn correct(&mut self) {
-        let h = self.step;
-        let [now, before, earlier, oldest] = &mut self.nodes;
-        let on = &now.rates.spindle;
-        let predicted = solved(on.mass, on.force);
-        if self.known == 1 {
-            now.acceleration = predicted;
-            return;
-        }
-        let Weights { velocity: w, place: p } = &self.formulas.correct;
-        let (mut places, mut velocities) = ([0.0; 2], [0.0; 2]);
-        for i in 0..2 {
-            let a = [predicted[i], before.acceleration[i], earlier.acceleration[i], oldest.acceleration[i]];
-            let (from, velocity) = (before.border.spindle[i], before.border.spindle_velocity[i]);
-            velocities[i] = velocity + h * weighed(w, a);
-            places[i] = from + h * (velocity + h * weighed(p, a));
-        }
-        // By how much these differ from where the force was taken, and what that does to the force.
-        let (k, c) = (on.stiffness, on.damping);
-        let off = [places[0] - now.border.spindle[0], places[1] - now.border.spindle[1]];
-        let fast = [velocities[0] - now.border.spindle_velocity[0], velocities[1] - now.border.spindle_velocity[1]];
-        let missing = [
-            -(k[0] * off[0] + k[1] * off[1] + c[0] * fast[0] + c[1] * fast[1]),
-            -(k[1] * off[0] + k[2] * off[1] + c[1] * fast[0] + c[2] * fast[1]),
-        ];
-        let (by_place, by_velocity) = (h * h * p[0], h * w[0]);
-        let effective = std::array::from_fn(|i| on.mass[i] + by_place * k[i] + by_velocity * c[i]);
-        let change = solved(effective, missing);
-        for i in 0..2 {
-            now.acceleration[i] = predicted[i] + change[i];
-            now.border.spindle[i] = places[i] + by_place * change[i];
-            now.border.spindle_velocity[i] = velocities[i] + by_velocity * change[i];
+        let change = solve(&node.rates.spindle);
+        for (i, change) in change.into_iter().enumerate() {
+            node.acceleration[i] = predicted[i] + change;
+            node.border.spindle[i] += shares.place * change;
+            node.border.spindle_velocity[i] += shares.velocity * change;
         }
     }
 
@@ -260,6 +239,7 @@ impl<'m> Stepper<'m> {
             let (w, p) = (&formulas.predict.velocity, &formulas.predict.place);
             border.spindle_velocity[i] = a.spindle_velocity[i] + h * weighed(w, accelerations);
             border.spindle[i] = a.spindle[i] + h * (a.spindle_velocity[i] + h * weighed(p, accelerations));
+            new.acceleration[i] = weighed(&formulas.ahead, accelerations);
             let velocities = [border.cage_velocity[i], a.cage_velocity[i], b.cage_velocity[i], c.cage_velocity[i]];
             border.cage[i] = a.cage[i] + h * weighed(moulton, velocities);
         }
@@ -293,13 +273,6 @@ impl Task for Stretch<'_, '_, '_> {
 #[inline(always)]
 fn weighed(weights: &[f64; NODES], values: [f64; NODES]) -> f64 {
     (weights[0] * values[0] + weights[1] * values[1]) + (weights[2] * values[2] + weights[3] * values[3])
-}
-
-/// Solves a symmetric system (yy, yz, zz) of two equations.
-#[inline(always)]
-fn solved([yy, yz, zz]: [f64; 3], [y, z]: [f64; 2]) -> [f64; 2] {
-    let per_determinant = 1.0 / (yy * zz - yz * yz);
-    [per_determinant * (zz * y - yz * z), per_determinant * (yy * z - yz * y)]
 }
 
 impl Implicit {

@@ -102,23 +102,29 @@ impl RisingTraction {
     #[inline(always)]
     pub fn sums(&self, contact: &Contact<Lanes>) -> Sums<Lanes> {
         let own = *self;
-        let steepest = own.steepest();
         let mut sums = Sums::<Lanes>::default();
         let mut beyond: Lanes = Lanes::default();
         for lane in 0..LANES {
-            let fitted = |speed: f64| polynomial(&own.fit, smaller(speed, own.reach));
-            let (one, fastest) = own.sums_by(&contact.at(lane), fitted);
-            // dμ/du = μ/u + u (μ/u)', the latter a straight line: a few per cent serve.
-            sums.put(lane, Sums { slope: larger(2.0 * one.slope - steepest, 0.0), ..one });
-            beyond[lane] = if contact.load[lane] > 0.0 { fastest } else { 0.0 };
+            let (one, over) = own.fitted(&contact.at(lane));
+            sums.put(lane, one);
+            beyond[lane] = over;
         }
-        if beyond.any(|fastest| fastest > own.reach) {
+        if beyond.any(|over| over > 0.0) {
             for lane in 0..LANES {
                 let exact = |speed: f64| over_speed(&own.law, own.law.c * speed, exponential(-own.law.c * speed));
                 sums.put(lane, own.sums_by(&contact.at(lane), exact).0);
             }
         }
         sums
+    }
+
+    /// The sums by the fit, and by how much the slip goes beyond it under load [m/s].
+    #[inline(always)]
+    pub fn fitted(&self, contact: &Contact) -> (Sums, f64) {
+        let (one, fastest) = self.sums_by(contact, |speed| polynomial(&self.fit, smaller(speed, self.reach)));
+        // dμ/du = μ/u + u (μ/u)', the latter a straight line: a few per cent serve.
+        let slope = larger(2.0 * one.slope - self.steepest(), 0.0);
+        (Sums { slope, ..one }, if contact.load > 0.0 { fastest - self.reach } else { 0.0 })
     }
 
     /// The sums, with the mean of μ/u, never less than the slope, in place of that, and the fastest slip; `over_speed`: μ(u)/u.
