@@ -48,7 +48,8 @@ impl Tokens {
 
 /// The owner behind a digest among tokens of the database that hold, compared as above.
 fn owner_among(tokens: &[Token], digest: &TokenDigest) -> Option<Owner> {
-    let matching = tokens.iter().filter(|token| bool::from(token.digest.ct_eq(digest))).last()?;
+    let is_it = |token: &Token| bool::from(token.digest.ct_eq(digest));
+    let matching = tokens.iter().fold(None, |found, token| if is_it(token) { Some(token) } else { found })?;
     matching.holds(Timestamp::now()).then(|| Owner(matching.owner.clone()))
 }
 
@@ -85,7 +86,7 @@ async fn owner(app: &App, digest: &TokenDigest) -> Result<Owner, ApiError> {
     match known {
         Some(owner) => Ok(owner),
         // It may have been made a moment ago.
-        None => owner_among(&*app.jobs.tokens_now().await?, digest).ok_or(ApiError::Unauthorized),
+        None => owner_among(&app.jobs.tokens_now().await?, digest).ok_or(ApiError::Unauthorized),
     }
 }
 

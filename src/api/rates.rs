@@ -14,8 +14,10 @@ use super::error::ApiError;
 /// Requests a second of each owner, and as many at once after a rest. Only who has a token is counted, so owners are few.
 #[derive(Default)]
 pub struct Rates {
-    limiter: Option<(u32, RateLimiter<Owner, HashMapStateStore<Owner>, DefaultClock>)>,
+    limiter: Option<(u32, ByOwner)>,
 }
+
+type ByOwner = RateLimiter<Owner, HashMapStateStore<Owner>, DefaultClock>;
 
 impl fmt::Debug for Rates {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
