@@ -258,7 +258,7 @@ pub struct ListQuery {
 }
 
 impl ListQuery {
-    fn filter(&self) -> Result<Filter, ApiError> {
+    pub(super) fn filter(&self) -> Result<Filter, ApiError> {
         let limit = self.limit.unwrap_or(50);
         if !(1..=200).contains(&limit) {
             return Err(ApiError::BadRequest(format!("query: limit {limit}: must be 1 to 200")));
@@ -274,7 +274,7 @@ impl ListQuery {
     }
 
     /// The path of the page that goes on behind a job, with the same filters.
-    fn page_after(&self, last: Uuid) -> String {
+    pub(super) fn page_after(&self, last: Uuid) -> String {
         let mut path = format!("/v1/jobs?limit={}&cursor={last}", self.limit.unwrap_or(50));
         let status = self.status.map(|status| Status::from(status).name().to_owned());
         let kind = self.kind.map(|kind| JobKind::from(kind).name().to_owned());
@@ -325,7 +325,7 @@ fn waiting(record: &JobRecord) -> HeaderMap {
 }
 
 /// Seconds of `Prefer: wait=N`; other preferences are the client's wish and may be left.
-fn preferred_wait(headers: &HeaderMap) -> Result<Option<u64>, ApiError> {
+pub(super) fn preferred_wait(headers: &HeaderMap) -> Result<Option<u64>, ApiError> {
     let preferences = header(headers, &PREFER).unwrap_or_default().split([',', ';']).map(str::trim);
     let mut wait = preferences.filter_map(|preference| preference.split_once('='));
     let Some((_, seconds)) = wait.find(|(name, _)| name.trim().eq_ignore_ascii_case("wait")) else { return Ok(None) };

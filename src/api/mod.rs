@@ -11,6 +11,10 @@ mod conditional;
 mod describe;
 mod error;
 mod events;
+/// Requests without a service behind them.
+#[cfg(fuzzing)]
+#[doc(hidden)]
+pub mod fuzzing;
 mod health;
 mod jobs;
 mod load;

@@ -46,10 +46,11 @@ enum PlotName {
 }
 
 const SVG: &str = "image/svg+xml";
-const OF_SIMULATION: &[&str] = &["spectrum.svg", "velocity.svg", "acceleration.svg", "orbit.svg", "loads.svg"];
-const OF_ACCURACY: &[&str] = &["work-precision.svg"];
-const OF_OPTIMUM: &[&str] = &["optimum.svg"];
-const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
+pub(super) const OF_SIMULATION: &[&str] =
+    &["spectrum.svg", "velocity.svg", "acceleration.svg", "orbit.svg", "loads.svg"];
+pub(super) const OF_ACCURACY: &[&str] = &["work-precision.svg"];
+pub(super) const OF_OPTIMUM: &[&str] = &["optimum.svg"];
+pub(super) const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
 /// Of studies over one axis, over two, and over more.
 const BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 

@@ -21,9 +21,9 @@ use crate::contract::{
 use crate::jobs::{JobError, Signal};
 use crate::render;
 
-const JSON: &str = "application/json";
-const CSV: &str = "text/csv";
-const NPY: &str = "application/x-npy";
+pub(super) const JSON: &str = "application/json";
+pub(super) const CSV: &str = "text/csv";
+pub(super) const NPY: &str = "application/x-npy";
 
 /// Get the metrics
 ///
@@ -102,20 +102,12 @@ pub async fn spectrum(
 ) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV])?;
     let query = unless_of_other_kind(&app, &owner, id, query.and_then(SpectrumQuery::checked)).await?;
-    let highest = query.max_frequency_hz;
     let signal = match query.kind {
         None | Some(SpectrumKind::Amplitude) => Signal::Amplitude,
         Some(SpectrumKind::Envelope) => Signal::Envelope,
     };
     let stored = signal_of(&app, &owner, id, signal, &query.channel).await?;
-    shaped(move || {
-        let spectrum = read::<SpectrumAnswer>(&stored)?.with_frequencies().up_to(highest.unwrap_or(f64::INFINITY));
-        Ok(match format {
-            CSV => sent(CSV, render::spectrum_csv(&spectrum)),
-            _ => sent(JSON, written(&spectrum)?),
-        })
-    })
-    .await
+    shaped(move || query.shape(format, &stored)).await
 }
 
 /// Get a time series
@@ -145,20 +137,7 @@ pub async fn series(
     if format == JSON && query.from_s.is_none() && query.to_s.is_none() && query.max_points.is_none() {
         return Ok(load::holding(place, sent(JSON, stored)));
     }
-    let series = shaped(move || {
-        let (from, to) = (query.from_s.unwrap_or(f64::NEG_INFINITY), query.to_s.unwrap_or(f64::INFINITY));
-        let series = read::<SeriesAnswer>(&stored)?.between(from, to);
-        let series = match query.max_points {
-            Some(most) => series.thinned(most as usize),
-            None => series,
-        };
-        Ok(match format {
-            CSV => sent(CSV, render::series_csv(&series)),
-            NPY => sent(NPY, render::series_npy(&series)),
-            _ => sent(JSON, written(&series)?),
-        })
-    });
-    Ok(load::holding(place, series.await?))
+    Ok(load::holding(place, shaped(move || query.shape(format, &stored)).await?))
 }
 
 /// Get error against run time
@@ -232,7 +211,17 @@ pub struct SeriesQuery {
 }
 
 impl SpectrumQuery {
-    fn checked(Query(query): Query<Self>) -> Result<Self, ApiError> {
+    /// What is asked for of a stored spectrum.
+    pub(super) fn shape(&self, format: &'static str, stored: &[u8]) -> Result<Response, ApiError> {
+        let highest = self.max_frequency_hz.unwrap_or(f64::INFINITY);
+        let spectrum = read::<SpectrumAnswer>(stored)?.with_frequencies().up_to(highest);
+        Ok(match format {
+            CSV => sent(CSV, render::spectrum_csv(&spectrum)),
+            _ => sent(JSON, written(&spectrum)?),
+        })
+    }
+
+    pub(super) fn checked(Query(query): Query<Self>) -> Result<Self, ApiError> {
         if query.max_frequency_hz.is_some_and(|highest| !highest.is_finite() || highest < 0.0) {
             return Err(ApiError::BadRequest("query: max_frequency_hz: must be a number, 0 or more".into()));
         }
@@ -241,7 +230,22 @@ impl SpectrumQuery {
 }
 
 impl SeriesQuery {
-    fn checked(Query(query): Query<Self>) -> Result<Self, ApiError> {
+    /// What is asked for of a stored series.
+    pub(super) fn shape(&self, format: &'static str, stored: &[u8]) -> Result<Response, ApiError> {
+        let (from, to) = (self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY));
+        let series = read::<SeriesAnswer>(stored)?.between(from, to);
+        let series = match self.max_points {
+            Some(most) => series.thinned(most as usize),
+            None => series,
+        };
+        Ok(match format {
+            CSV => sent(CSV, render::series_csv(&series)),
+            NPY => sent(NPY, render::series_npy(&series)),
+            _ => sent(JSON, written(&series)?),
+        })
+    }
+
+    pub(super) fn checked(Query(query): Query<Self>) -> Result<Self, ApiError> {
         let refuse = |what: &str| Err(ApiError::BadRequest(format!("query: {what}")));
         match (query.from_s, query.to_s, query.max_points) {
             (Some(from), _, _) if from.is_nan() => refuse("from_s: not a number"),

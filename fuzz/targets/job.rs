@@ -1,0 +1,148 @@
+//! Bytes → job → what the service does with one that it accepts → model → ten steps.
+#![no_main]
+
+mod mutation;
+
+use std::time::Instant;
+
+use libfuzzer_sys::{fuzz_mutator, fuzz_target};
+use raceway::contract::{self, Job, JobKind, Refusal, RunFailure, parse_job};
+use raceway::jobs::NewJob;
+use raceway::simulation::model::Model;
+use raceway::simulation::run::{Control, start_state};
+use serde_json::{Value, json};
+
+fuzz_target!(|body: &[u8]| {
+    match parse_job(body) {
+        Ok(job) => {
+            accepted(&job);
+            ten_steps(&job);
+            if one_in(64, body) {
+                run(&job);
+            }
+        }
+        Err(refusal) => refused(&refusal),
+    }
+});
+
+fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
+    mutation::mutate(data, size, max_size, seed)
+});
+
+/// Whether it is the turn of something slow; the same for the same bytes.
+fn one_in(turns: u64, body: &[u8]) -> bool {
+    let hash = body
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3));
+    (hash >> 20).is_multiple_of(turns)
+}
+
+/// A refusal tells what is wrong, and where.
+fn refused(refusal: &Refusal) {
+    assert!(!refusal.to_string().is_empty());
+    match refusal {
+        Refusal::NotJson { detail } => assert!(!detail.is_empty()),
+        Refusal::Invalid { errors } => {
+            assert!(!errors.is_empty(), "refused for nothing");
+            for error in errors {
+                assert!(!error.detail.is_empty(), "{error:?}");
+                assert!(error.pointer.is_empty() || error.pointer.starts_with('/'), "{error:?}");
+                assert!(!error.detail.contains("NaN"), "{error:?}");
+            }
+        }
+    }
+}
+
+/// What the service says of a job before it runs.
+fn accepted(job: &Job) {
+    let row = NewJob::new(job, "", None);
+    assert!((1..=4).contains(&row.priority) && row.content_hash.len() == 32);
+    let answer = contract::resolve_answer(job);
+    let json = serde_json::to_value(&answer).expect("an answer is JSON");
+    // JSON has no infinities: they are written as null, which no answer holds otherwise.
+    assert_eq!(null_in(&json, String::new()), None, "{json}");
+    assert_eq!(contract::estimated_wall_time(job), answer.cost.estimated_wall_time_s);
+    again(job);
+    if let Some(study) = &job.study {
+        for point in [0, study.points / 2, study.points - 1] {
+            match study.point(point) {
+                Ok(point) => assert_eq!(point.kind, JobKind::Simulation),
+                Err(refusal) => refused(&refusal),
+            }
+        }
+    }
+    if let Some(sought) = &job.sought {
+        assert!(sought.most_runs() > 0);
+    }
+}
+
+/// What was resolved is the same work when it is posted.
+fn again(job: &Job) {
+    let mut complete = job.complete();
+    if !matches!(job.kind, JobKind::Simulation | JobKind::Accuracy) {
+        complete["kind"] = json!(JobKind::Simulation.name());
+    }
+    let second = parse_job(complete.to_string().as_bytes());
+    let second = second.unwrap_or_else(|refusal| panic!("{refusal}: {complete}"));
+    assert_eq!(second.scene(), job.scene());
+    assert_eq!(second.scene_json(), job.scene_json());
+    if matches!(job.kind, JobKind::Simulation | JobKind::Accuracy) {
+        assert_eq!(second.canonical(), job.canonical());
+        assert_eq!((&second.settings, &second.rungs, &second.needs), (&job.settings, &job.rungs, &job.needs));
+    }
+}
+
+fn null_in(value: &Value, way: String) -> Option<String> {
+    match value {
+        Value::Null => Some(way),
+        Value::Array(items) => {
+            items.iter().enumerate().find_map(|(place, item)| null_in(item, format!("{way}/{place}")))
+        }
+        Value::Object(fields) => fields.iter().find_map(|(name, field)| null_in(field, format!("{way}/{name}"))),
+        _ => None,
+    }
+}
+
+fn ten_steps(job: &Job) {
+    let model = Model::new(job.scene(), &job.needs);
+    let start = match start_state(&model) {
+        Ok(start) => start,
+        Err(error) => return assert!(!error.to_string().is_empty()),
+    };
+    assert!(start.iter().all(|entry| entry.is_finite()), "the start");
+    let settings = &job.settings;
+    let method = job.plan.as_ref().and_then(|plan| plan.methods.first().copied()).unwrap_or(settings.method);
+    let tolerances = model.mechanism().layout.tolerances(settings.relative_tolerance);
+    let mut integrator = method.start(&model, 0.0, &start, tolerances, settings.fixed_step);
+    let end = settings.settle + settings.duration;
+    let mut between = start.clone();
+    for _ in 0..10 {
+        if integrator.time() >= end {
+            break;
+        }
+        // A run that fails says why, and is no fault.
+        if let Err(error) = integrator.step(end) {
+            return assert!(!error.to_string().is_empty());
+        }
+        let (from, to) = (integrator.previous_time(), integrator.time());
+        assert!(from < to && to <= end, "a step from {from} to {to} of {end}");
+        assert!(integrator.state().iter().all(|entry| entry.is_finite()), "the state at {to}");
+        integrator.interpolate(from + 0.5 * (to - from), &mut between);
+    }
+}
+
+/// The beginning of the whole run, as a worker makes it, reduced rungs and all; of a short one its end, too.
+fn run(job: &Job) {
+    if job.kind == JobKind::Study {
+        return;
+    }
+    let begin = Instant::now();
+    let stop = || begin.elapsed().as_millis() > 5;
+    match contract::execute(job, &Control::until(&stop)) {
+        Ok(outcome) => drop(outcome),
+        Err(RunFailure::Cancelled) => {}
+        Err(RunFailure::Failed { cause, detail }) => {
+            assert!(!detail.is_empty() && cause != contract::execute::INTERNAL, "{cause}: {detail}");
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Requests as far as they go without jobs, for the fuzz target `request`: routes and extractors are the service's own, and so is what is
+//! made of a stored signal; where a handler would ask for a job, there is one that has everything.
+
+use axum::Router;
+use axum::body::{Body, Bytes};
+use axum::http::header::{LINK, LOCATION};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, StatusCode};
+use axum::middleware;
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use http_body_util::BodyExt;
+use hyper::service::Service as _;
+use hyper_util::service::TowerToHyperService;
+use uuid::Uuid;
+
+use super::error::ApiError;
+use super::jobs::{ListQuery, ShowQuery, idempotency_key, preferred_wait};
+use super::request::{JobId, JsonBody, Nothing, PlotFile, Query, header, negotiated};
+use super::results::{CSV, JSON, NPY, SeriesQuery, SpectrumQuery};
+use super::{conditional, document, plots, portal, refusals};
+use crate::contract::{SeriesAnswer, SpectrumAnswer, SpectrumKind, parse_batch, parse_job, parse_scene_request};
+
+/// What answers.
+pub struct Service {
+    router: TowerToHyperService<Router>,
+    runtime: tokio::runtime::Runtime,
+}
+
+/// An answer.
+#[derive(Debug)]
+pub struct Answer {
+    pub status: u16,
+    pub headers: HeaderMap,
+    pub body: Bytes,
+}
+
+impl Default for Service {
+    fn default() -> Self {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a runtime");
+        Self { router: TowerToHyperService::new(router()), runtime }
+    }
+}
+
+impl Service {
+    /// The answer to a request; `None` where no server would take this for one.
+    pub fn answer(&self, method: &str, target: &str, headers: &[(&[u8], &[u8])], body: &[u8]) -> Option<Answer> {
+        let mut request = Request::builder().method(method).uri(target);
+        for (name, value) in headers {
+            let (name, value) = (HeaderName::from_bytes(name).ok()?, HeaderValue::from_bytes(value).ok()?);
+            request = request.header(name, value);
+        }
+        let request = request.body(Body::from(body.to_vec())).ok()?;
+        self.runtime.block_on(async {
+            let (parts, body) = self.router.call(request).await.unwrap_or_else(|never| match never {}).into_parts();
+            let body = body.collect().await.expect("an answer has a body").to_bytes();
+            Some(Answer { status: parts.status.as_u16(), headers: parts.headers, body })
+        })
+    }
+
+    /// Paths that the OpenAPI document has.
+    pub fn paths() -> Vec<String> {
+        document().paths.paths.keys().cloned().collect()
+    }
+}
+
+fn router() -> Router {
+    let mut router = Router::new()
+        .route("/v1/jobs", get(list).post(submit))
+        .route("/v1/jobs/batch", post(batch))
+        .route("/v1/jobs/{id}", get(show).delete(of_job))
+        .route("/v1/jobs/{id}/events", get(events))
+        .route("/v1/jobs/{id}/spectrum", get(spectrum))
+        .route("/v1/jobs/{id}/series", get(series))
+        .route("/v1/jobs/{id}/plots/{file}", get(plot))
+        .route("/v1/jobs/{id}/table", get(table))
+        .route("/v1/scenes/resolve", post(resolve))
+        .route("/portal/{*file}", get(portal::file));
+    for result in ["metrics", "channels", "accuracy", "optimum"] {
+        router = router.route(&format!("/v1/jobs/{{id}}/{result}"), get(of_job));
+    }
+    for action in ["cancel", "resume"] {
+        router = router.route(&format!("/v1/jobs/{{id}}/{action}"), post(of_job));
+    }
+    for path in ["/v1/presets", "/health/live", "/health/ready", "/metrics", "/openapi.json"] {
+        router = router.route(path, get(of_nobody));
+    }
+    router.layer(middleware::from_fn(refusals::as_problems))
+}
+
+async fn list(headers: HeaderMap, Query(query): Query<ListQuery>) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    query.filter()?;
+    let next = HeaderValue::try_from(query.page_after(Uuid::nil())).map_err(|_| ApiError::Internal)?;
+    Ok([(LINK, next)].into_response())
+}
+
+async fn submit(headers: HeaderMap, _: Query<Nothing>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    let (wait, key) = (preferred_wait(&headers)?, idempotency_key(&headers)?);
+    assert!(wait.is_none_or(|seconds| seconds <= 60));
+    assert!(key.is_none_or(|key| (1..=255).contains(&key.len()) && key.bytes().all(|byte| byte.is_ascii_graphic())));
+    parse_job(&body)?;
+    Ok((StatusCode::ACCEPTED, [(LOCATION, "/")]).into_response())
+}
+
+async fn batch(headers: HeaderMap, _: Query<Nothing>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    idempotency_key(&headers)?;
+    for error in parse_batch(&body)?.into_iter().filter_map(Result::err) {
+        let (status, problem) = ApiError::from(error).problem();
+        assert!(status.is_client_error() && !problem.detail.is_empty());
+    }
+    Ok(StatusCode::OK.into_response())
+}
+
+async fn resolve(headers: HeaderMap, _: Query<Nothing>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    parse_scene_request(&body)?;
+    Ok(StatusCode::OK.into_response())
+}
+
+async fn show(headers: HeaderMap, JobId(id): JobId, _: Query<ShowQuery>) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    Ok(conditional::standing(&headers, format!("\"{id}\"").into_bytes()))
+}
+
+async fn events(headers: HeaderMap, _: JobId, _: Query<Nothing>) -> Result<Response, ApiError> {
+    negotiated(&headers, &["text/event-stream"])?;
+    let seen = header(&headers, &HeaderName::from_static("last-event-id"));
+    Ok(if seen == Some("succeeded-1000") { StatusCode::NO_CONTENT } else { StatusCode::OK }.into_response())
+}
+
+async fn spectrum(headers: HeaderMap, _: JobId, query: Query<SpectrumQuery>) -> Result<Response, ApiError> {
+    let format = negotiated(&headers, &[JSON, CSV])?;
+    let stored = SpectrumAnswer {
+        channel: "spindle.y.acceleration".into(),
+        kind: SpectrumKind::Amplitude,
+        unit: "m/s²".into(),
+        window: "hann".into(),
+        averages: 1,
+        resolution_hz: 10.0,
+        mean_step_s: 1e-5,
+        damped_above_hz: 15_915.0,
+        frequency_hz: Vec::new(),
+        amplitude: (0..40).map(f64::from).collect(),
+    };
+    SpectrumQuery::checked(query)?.shape(format, &serde_json::to_vec(&stored).unwrap_or_default())
+}
+
+async fn series(headers: HeaderMap, _: JobId, query: Query<SeriesQuery>) -> Result<Response, ApiError> {
+    let format = negotiated(&headers, &[JSON, CSV, NPY])?;
+    let stored = SeriesAnswer {
+        channel: "cage.y.displacement".into(),
+        unit: "µm".into(),
+        time_s: (0..40).map(|k| 0.01 * f64::from(k)).collect(),
+        value: (0..40).map(|k| f64::from(k * 7 % 11) - 5.0).collect(),
+    };
+    SeriesQuery::checked(query)?.shape(format, &serde_json::to_vec(&stored).unwrap_or_default())
+}
+
+async fn plot(
+    headers: HeaderMap,
+    _: JobId,
+    PlotFile(file): PlotFile,
+    _: Query<Nothing>,
+) -> Result<StatusCode, ApiError> {
+    negotiated(&headers, &["image/svg+xml"])?;
+    let known = [plots::OF_SIMULATION, plots::OF_ACCURACY, plots::OF_OPTIMUM, plots::OF_STUDY].concat();
+    if known.contains(&file.as_str()) {
+        return Ok(StatusCode::OK);
+    }
+    Err(ApiError::UnknownPlot { known: plots::OF_SIMULATION })
+}
+
+async fn table(headers: HeaderMap, _: JobId, _: Query<Nothing>) -> Result<StatusCode, ApiError> {
+    negotiated(&headers, &[JSON, CSV]).map(|_| StatusCode::OK)
+}
+
+async fn of_job(headers: HeaderMap, _: JobId, _: Query<Nothing>) -> Result<StatusCode, ApiError> {
+    negotiated(&headers, &[JSON]).map(|_| StatusCode::OK)
+}
+
+async fn of_nobody(headers: HeaderMap, _: Query<Nothing>) -> Result<StatusCode, ApiError> {
+    negotiated(&headers, &[JSON]).map(|_| StatusCode::OK)
+}
