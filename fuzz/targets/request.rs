@@ -70,7 +70,8 @@ fn check(method: &str, target: &str, answer: &Answer) {
         let page = ask(&SERVICE, "GET", next);
         assert_eq!((page.status, page.headers.get("link")), (200, answer.headers.get("link")), "{next}");
     }
-    let path = target.split('?').next().unwrap_or_default();
+    // A fragment is no part of what is asked for.
+    let path = target.split(['?', '#']).next().unwrap_or_default();
     if answer.status == 200 && (path.ends_with("/spectrum") || path.ends_with("/series")) {
         signal(header("content-type"), &answer.body);
     }
