@@ -459,7 +459,7 @@ pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgP
         .max_connections(connections)
         .after_connect(move |_, _| {
             #[cfg(target_os = "linux")]
-            super::link::give_up_silent(port);
+            super::link::prepare(port);
             Box::pin(std::future::ready(Ok(())))
         })
         // Whoever waits for an answer does not wait longer for a server that is away.
