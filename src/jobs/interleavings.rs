@@ -659,18 +659,24 @@ impl World {
     }
 }
 
-/// Makes every step from every state, to so many steps from a job that waits and from one that was lost and waits again; answers
-/// with how many states that were.
+/// Makes every step from every state, to so many steps from a job that waits, however often it was lost before; answers with
+/// how many states that were.
 async fn explore(database: Location, depth: usize) -> Result<usize, JobError> {
     let (mut world, first) = World::new(database).await?;
-    let mut lost = first.clone();
-    for step in [Step::Deliver(0), Step::Take(0), Step::Die(0), Step::LateSweep(1)] {
-        lost = world.step(&lost, step).await?;
+    let mut frontier = vec![first.clone()];
+    let mut lost = first;
+    for losses in 1..=MAX_LOST_RUNS {
+        for step in [Step::Deliver(0), Step::Take(0), Step::LateSweep(1), Step::Finish(0, Solved::Result)] {
+            lost = world.step(&lost, step).await?;
+        }
+        let row = lost.seen.unfinished().expect("what a lost run brings is not written");
+        assert_eq!((row.status, row.lost), (Status::Queued, i64::from(losses)));
+        world.save(&mut lost).await?;
+        frontier.push(lost.clone());
     }
-    world.save(&mut lost).await?;
-    let mut known = HashSet::from([first.key(), lost.key()]);
+    let mut known: HashSet<String> = frontier.iter().map(State::key).collect();
     let mut known_to_end = HashSet::new();
-    let (mut frontier, mut steps) = (vec![first, lost], 0);
+    let mut steps = 0;
     for _ in 0..depth {
         let mut next = Vec::new();
         for state in &frontier {
