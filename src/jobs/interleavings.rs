@@ -713,7 +713,7 @@ fn depth(usual: usize) -> usize {
 #[test]
 fn a_job_keeps_what_is_promised_in_whatever_order_two_processes_act() {
     let place = tempfile::tempdir().expect("a place");
-    let states = explored(Location::File(place.path().join("jobs.db")), depth(6));
+    let states = explored(Location::File(place.path().join("jobs.db")), depth(7));
     assert!(states > 300, "only {states} states");
 }
 
