@@ -205,8 +205,8 @@ impl JobAnswer {
     }
 
     /// With its metrics, JSON as it is stored.
-    pub fn with_metrics(self, metrics: String) -> Result<Self, ApiError> {
-        Ok(Self { metrics: Some(raw(metrics)?), ..self })
+    pub fn with_metrics(self, metrics: Option<String>) -> Result<Self, ApiError> {
+        Ok(Self { metrics: metrics.map(raw).transpose()?, ..self })
     }
 }
 

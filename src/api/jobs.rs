@@ -79,7 +79,7 @@ pub async fn submit(
     };
     place.leave();
     let applied = [(PREFERENCE_APPLIED, text(format!("wait={wait}")))];
-    let record = match app.jobs.wait(&owner, record.id, Duration::from_secs(wait)).await {
+    let (record, metrics) = match app.jobs.wait(&owner, record.id, Duration::from_secs(wait)).await {
         // What a key has made may be gone: it is not made again, and nobody waits for it.
         Err(JobError::NotFound) => {
             return Ok((StatusCode::ACCEPTED, made, Json(JobAnswer::of(record)?)).into_response());
@@ -92,7 +92,7 @@ pub async fn submit(
     };
     let status = if record.status.is_final() { StatusCode::OK } else { StatusCode::ACCEPTED };
     let look_again = waiting(&record);
-    let answer = with_metrics(&app, &owner, record).await?;
+    let answer = JobAnswer::of(record)?.with_metrics(metrics)?;
     Ok((status, made, applied, look_again, Json(answer)).into_response())
 }
 
@@ -154,12 +154,12 @@ pub async fn show(
     Query(query): Query<ShowQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, JSON)?;
-    let record = app.jobs.get(&owner, id).await?;
-    let look_again = waiting(&record);
-    let answer = match query.include {
-        Some(Include::Metrics) => with_metrics(&app, &owner, record).await?,
-        None => JobAnswer::of(record)?,
+    let (record, metrics) = match query.include {
+        Some(Include::Metrics) => app.jobs.get_with_metrics(&owner, id).await?,
+        None => (app.jobs.get(&owner, id).await?, None),
     };
+    let look_again = waiting(&record);
+    let answer = JobAnswer::of(record)?.with_metrics(metrics)?;
     let json = serde_json::to_vec(&answer).map_err(|_| ApiError::Internal)?;
     Ok((look_again, conditional::standing(&headers, json)).into_response())
 }
@@ -309,13 +309,6 @@ pub struct ShowQuery {
 #[serde(rename_all = "snake_case")]
 pub enum Include {
     Metrics,
-}
-
-async fn with_metrics(app: &App, owner: &str, record: JobRecord) -> Result<JobAnswer, ApiError> {
-    let (id, succeeded) = (record.id, record.status == Status::Succeeded);
-    let has_metrics = succeeded && record.kind == JobKind::Simulation.name();
-    let answer = JobAnswer::of(record)?;
-    if has_metrics { answer.with_metrics(app.jobs.metrics(owner, id).await?) } else { Ok(answer) }
 }
 
 /// When to look again.

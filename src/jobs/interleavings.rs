@@ -424,7 +424,7 @@ impl World {
         let worker = Worker::new(inner.store.clone(), Arc::clone(&inner.running), never, inner.settings.clone());
         let mut run = None;
         if let Hand::Run { stopped, .. } = &state.hands[process] {
-            let guard = inner.running.enter(self.job);
+            let guard = inner.running.enter(self.job, Arc::default());
             if let Some(reason) = stopped {
                 guard.run.stop(*reason);
             }

@@ -7,6 +7,8 @@ pub mod job;
 /// What the rest of the service asks for: submit, look, cancel, delete.
 pub mod service;
 
+/// Runs that begin before the queue delivers them.
+mod ahead;
 /// What can go wrong, with what the caller may do about it.
 pub mod error;
 /// What operators watch.

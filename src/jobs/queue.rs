@@ -77,19 +77,6 @@ pub struct Ticket {
 }
 
 impl Ticket {
-    /// Ends the delivery together with what else is in the transaction.
-    pub async fn complete(&self, tx: &mut Tx) -> Result<(), JobError> {
-        let completed = match tx {
-            Tx::Sqlite(tx) => self.context.job_complete_tx(&mut *tx).await,
-            Tx::Postgres(tx) => self.context.job_complete_tx(&mut *tx).await,
-        };
-        match completed {
-            // River's row never decides over ours: someone may have completed it while this process slept.
-            Ok(_) | Err(riverqueue::Error::JobNotRunning { .. } | riverqueue::Error::NotFound(_)) => Ok(()),
-            Err(error) => Err(error.into()),
-        }
-    }
-
     /// Ends when the process stops.
     pub async fn stopping(&self) {
         self.context.cancellation_token().cancelled().await;

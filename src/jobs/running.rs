@@ -99,8 +99,7 @@ pub struct Running {
 
 impl Running {
     /// Adds a run; it leaves when the guard is dropped.
-    pub fn enter(self: &Arc<Self>, id: Uuid) -> RunGuard {
-        let run = Arc::new(Run::default());
+    pub fn enter(self: &Arc<Self>, id: Uuid, run: Arc<Run>) -> RunGuard {
         locked(&self.runs).insert(id, (Arc::clone(&run), 1));
         RunGuard { running: Arc::clone(self), id, run }
     }

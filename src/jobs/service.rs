@@ -103,6 +103,7 @@ pub(super) struct Inner {
     pub store: Store,
     pub queue: Arc<Queue>,
     pub running: Arc<Running>,
+    pub runner: Arc<Worker>,
     pub tokens: Arc<KnownTokens>,
     intake: Intake,
     stopping: CancellationToken,
@@ -129,11 +130,14 @@ impl Jobs {
         store.try_write().await.map_err(opening)?;
         let tokens = Arc::new(KnownTokens::read(&store).await?);
         let running = Arc::new(Running::default());
-        let worker = Arc::new(Worker::new(store.clone(), Arc::clone(&running), simulator, settings.clone()));
-        let handler: Handler = Arc::new(move |ticket| {
-            let worker = Arc::clone(&worker);
-            Box::pin(async move { worker.work(ticket).await })
-        });
+        let runner = Arc::new(Worker::new(store.clone(), Arc::clone(&running), simulator, settings.clone()));
+        let handler: Handler = {
+            let runner = Arc::clone(&runner);
+            Arc::new(move |ticket| {
+                let runner = Arc::clone(&runner);
+                Box::pin(async move { runner.work(ticket).await })
+            })
+        };
         let worker_id = Uuid::now_v7();
         // The run's own limit comes first; this is for a worker that does not even hear its stop flag.
         let rescue_after = settings.time_limit + Duration::from_secs(30);
@@ -144,10 +148,20 @@ impl Jobs {
             queue_of_owner: settings.queue_limit_of_owner,
             keep_s: settings.keep_s,
         };
-        let intake = Intake::start(store.clone(), Arc::clone(&queue), limits);
+        let intake = Intake::start(store.clone(), Arc::clone(&queue), Arc::clone(&runner), limits);
         let stopping = CancellationToken::new();
-        let inner = Inner { worker: worker_id, settings, store, queue, running, tokens, intake, stopping, _lock: lock };
-        let inner = Arc::new(inner);
+        let inner = Arc::new(Inner {
+            worker: worker_id,
+            settings,
+            store,
+            queue,
+            running,
+            runner,
+            tokens,
+            intake,
+            stopping,
+            _lock: lock,
+        });
         if let Pool::Postgres(pool) = inner.store.writer() {
             listen(pool.clone(), &inner);
         }
@@ -177,11 +191,22 @@ impl Jobs {
     /// What another process on the same database would be, as long as it only sweeps and answers requests.
     #[cfg(test)]
     pub(super) fn twin(&self, worker: Uuid, settings: Settings) -> Self {
-        let Inner { store, queue, tokens, intake, .. } = &*self.inner;
+        let Inner { store, queue, runner, tokens, intake, .. } = &*self.inner;
         let (store, queue, tokens, intake) = (store.clone(), Arc::clone(queue), Arc::clone(tokens), intake.clone());
-        let (running, stopping) = (Arc::default(), CancellationToken::new());
+        let (running, runner, stopping) = (Arc::default(), Arc::clone(runner), CancellationToken::new());
         Self {
-            inner: Arc::new(Inner { worker, settings, store, queue, running, tokens, intake, stopping, _lock: None }),
+            inner: Arc::new(Inner {
+                worker,
+                settings,
+                store,
+                queue,
+                running,
+                runner,
+                tokens,
+                intake,
+                stopping,
+                _lock: None,
+            }),
         }
     }
 
@@ -196,6 +221,12 @@ impl Jobs {
     /// A job, with the progress of this moment.
     pub async fn get(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
         Ok(self.live(self.inner.store.job(owner, id).await?))
+    }
+
+    /// The same with the metrics of a succeeded simulation, as JSON text.
+    pub async fn get_with_metrics(&self, owner: &str, id: Uuid) -> Result<(JobRecord, Option<String>), JobError> {
+        let (record, metrics) = self.inner.store.job_with_metrics(owner, id).await?;
+        Ok((self.live(record), metrics))
     }
 
     /// A page of jobs, newest first, and whether there are more.
@@ -230,8 +261,13 @@ impl Jobs {
         self.inner.is_stopping()
     }
 
-    /// The job once it has ended, or as it is when the time is over.
-    pub async fn wait(&self, owner: &str, id: Uuid, at_most: Duration) -> Result<JobRecord, JobError> {
+    /// The job with its metrics once it has ended, or as it is when the time is over.
+    pub async fn wait(
+        &self,
+        owner: &str,
+        id: Uuid,
+        at_most: Duration,
+    ) -> Result<(JobRecord, Option<String>), JobError> {
         let bell = self.inner.running.bell(id);
         let rings = bell.notified();
         tokio::pin!(rings);
@@ -239,10 +275,10 @@ impl Jobs {
         rings.as_mut().enable();
         let until = tokio::time::Instant::now() + at_most;
         loop {
-            let looked = self.get(owner, id).await;
+            let looked = self.get_with_metrics(owner, id).await;
             let left = until.saturating_duration_since(tokio::time::Instant::now());
             let waits = match &looked {
-                Ok(record) => !record.status.is_final(),
+                Ok((record, _)) => !record.status.is_final(),
                 // The job is safe, wherever the database is for now.
                 Err(error) => error.is_away(),
             };
@@ -250,7 +286,7 @@ impl Jobs {
                 return looked;
             }
             tokio::select! {
-                () = &mut rings => return self.get(owner, id).await,
+                () = &mut rings => return self.get_with_metrics(owner, id).await,
                 // A bell that is rung by another process may be lost on the way.
                 () = tokio::time::sleep(left.min(LOOK_AGAIN)) => {}
                 // The job goes on after the next start; whoever waits gets its id before this one ends.
@@ -411,6 +447,7 @@ impl Jobs {
     /// Hands running jobs back, so that they run again at the next start, and closes the database.
     pub async fn stop(&self) -> Result<(), JobError> {
         self.refuse_new();
+        self.inner.runner.stop_ahead();
         self.inner.running.stop_all(StopReason::HandedBack);
         if self.inner.store.dialect() == Dialect::Sqlite {
             return self.settle().await;

@@ -45,8 +45,7 @@ pub async fn sweep(inner: &Inner) -> Result<(), JobError> {
 }
 
 async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
-    let mut tx = inner.store.begin().await?;
-    tx.alone(Lock::Sweep).await?;
+    let mut tx = inner.store.begin_alone(Lock::Sweep).await?;
     let lost_after = inner.settings.lost_after.try_into().unwrap_or(jiff::SignedDuration::MAX);
     let (keep_s, max_lost_runs) = (inner.settings.keep_s, inner.settings.max_lost_runs);
     upkeep::end_cancelled(&mut tx, lost_after, keep_s).await?;

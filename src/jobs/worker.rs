@@ -4,7 +4,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
+use uuid::Uuid;
 
+use super::ahead::{Ahead, Begun, DELIVERED_WITHIN, Solution};
 use super::figures::Figures;
 use super::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
 use super::queue::{Delivered, Ticket};
@@ -25,6 +27,7 @@ pub struct Worker {
     pub simulator: Simulator,
     pub settings: Settings,
     slots: Arc<Semaphore>,
+    ahead: Ahead,
     pub(super) threads: SolverThreads,
 }
 
@@ -41,7 +44,25 @@ const LOSSES_TO_RUN_ALONE: u32 = 2;
 impl Worker {
     pub fn new(store: Store, running: Arc<Running>, simulator: Simulator, settings: Settings) -> Self {
         let slots = Arc::new(Semaphore::new(settings.workers));
-        Self { store, running, simulator, settings, slots, threads: SolverThreads::default() }
+        Self { store, running, simulator, settings, slots, ahead: Ahead::default(), threads: SolverThreads::default() }
+    }
+
+    /// Begins with a job that is about to be delivered, where a slot is free.
+    pub fn begin(self: &Arc<Self>, job: Uuid, request: String) {
+        let Ok(slot) = Arc::clone(&self.slots).try_acquire_owned() else { return };
+        let run = Arc::new(Run::default());
+        let solution = self.solver_thread(request, &run);
+        self.ahead.enter(job, Begun { _slot: slot, run, solution: Some(solution) });
+        let worker = Arc::clone(self);
+        tokio::spawn(async move {
+            tokio::time::sleep(DELIVERED_WITHIN).await;
+            drop(worker.ahead.take(job));
+        });
+    }
+
+    /// Ends what was begun without a claim.
+    pub fn stop_ahead(&self) {
+        self.ahead.stop();
     }
 
     /// Works a delivery to its end.
@@ -56,16 +77,28 @@ impl Worker {
                 None => Ok(Delivered::Done),
             };
         }
-        let Some(outlook) = self.store.outlook(ticket.job, ticket.delivery).await? else { return Ok(Delivered::Done) };
-        let measures = outlook.kind == JobKind::Accuracy.name();
-        let Some(_slot) = self.slots(outlook.losses, measures, ticket).await else { return Ok(Delivered::HandedBack) };
+        let mut begun = match self.ahead.take(ticket.job) {
+            Some(begun) => begun,
+            None => {
+                let outlook = self.store.outlook(ticket.job, ticket.delivery).await?;
+                let Some(outlook) = outlook else { return Ok(Delivered::Done) };
+                let measures = outlook.kind == JobKind::Accuracy.name();
+                let slot = self.slots(outlook.losses, measures, ticket).await;
+                let Some(slot) = slot else { return Ok(Delivered::HandedBack) };
+                Begun { _slot: slot, run: Arc::default(), solution: None }
+            }
+        };
         let claim = self.store.claim(ticket.job, ticket.delivery, self.settings.max_lost_runs).await?;
         let Some(claim) = claim else { return Ok(Delivered::Done) };
         self.store.figures.claimed();
-        let guard = self.running.enter(claim.job);
+        let guard = self.running.enter(claim.job, Arc::clone(&begun.run));
         let outcome = match self.without_running(&claim) {
             Some(end) => Outcome::Ended(end),
-            None => self.run(&claim, &guard.run, ticket).await,
+            None => {
+                let solution = begun.solution.take();
+                let solution = solution.unwrap_or_else(|| self.solver_thread(claim.request.clone(), &guard.run));
+                self.run(&claim, &guard.run, solution, ticket).await
+            }
         };
         self.conclude(&claim, outcome, guard.run.progress(), ticket).await
     }
@@ -93,14 +126,13 @@ impl Worker {
         })
     }
 
-    async fn run(&self, claim: &Claim, run: &Arc<Run>, ticket: &Ticket) -> Outcome {
-        let mut solved = self.solver_thread(claim, run);
+    async fn run(&self, claim: &Claim, run: &Run, mut solution: Solution, ticket: &Ticket) -> Outcome {
         // The claim was the first beat.
         let between = self.between_beats();
         let mut pulse = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
         loop {
             tokio::select! {
-                end = &mut solved => return ended(end, run, self.settings.time_limit),
+                end = &mut solution => return ended(end, run, self.settings.time_limit),
                 () = ticket.stopping(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
                 _ = pulse.tick() => self.beat(claim, run).await,
             }
@@ -120,14 +152,14 @@ impl Worker {
         }
     }
 
-    fn solver_thread(&self, claim: &Claim, run: &Arc<Run>) -> oneshot::Receiver<Result<StoredResult, RunFailure>> {
+    fn solver_thread(&self, request: String, run: &Arc<Run>) -> Solution {
         let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
         let figures = Arc::clone(&self.store.figures);
-        let (request, time_limit) = (claim.request.clone(), self.settings.time_limit);
+        let time_limit = self.settings.time_limit;
         self.threads.run(move || solve(&simulator, &request, &run, time_limit, &figures))
     }
 
-    /// Writes the end with the delivery's, again and again while the database refuses.
+    /// Writes the end, again and again while the database refuses.
     async fn conclude(
         &self,
         claim: &Claim,
@@ -148,7 +180,7 @@ impl Worker {
         };
         let mut pause = Duration::from_millis(100);
         let written = loop {
-            match self.store.note(self.write_end(claim, &end, progress, ticket).await) {
+            match self.store.note(self.write_end(claim, &end, progress).await) {
                 Ok(written) => break written,
                 Err(error) => {
                     tracing::error!(%error, job = %claim.job, "the end of a run could not be written; trying again");
@@ -169,17 +201,11 @@ impl Worker {
     }
 
     /// The end as it stands in the record; `None`: the claim is lost.
-    async fn write_end(
-        &self,
-        claim: &Claim,
-        end: &End,
-        progress: f64,
-        ticket: &Ticket,
-    ) -> Result<Option<Status>, JobError> {
+    async fn write_end(&self, claim: &Claim, end: &End, progress: f64) -> Result<Option<Status>, JobError> {
         let mut tx = self.store.begin().await?;
         let written = claims::finish(&mut tx, claim, end, progress, self.settings.keep_s).await?;
         if written.is_some() {
-            ticket.complete(&mut tx).await?;
+            // River notes by itself that the delivery is done. Should this process end before, it delivers a job that nobody can claim.
             tx.commit().await?;
         }
         Ok(written)

@@ -7,6 +7,7 @@ pub mod exponential;
 pub mod interpolation;
 pub mod lanes;
 pub mod ode;
+pub mod parallel;
 pub mod periodic;
 pub mod roots;
 pub mod spectrum;

@@ -18,6 +18,7 @@ use super::views::Views;
 pub use crate::numerics::ode::Method;
 use crate::numerics::ode::stability::{self, StabilityWatch};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Statistics};
+use crate::numerics::parallel::both;
 use crate::numerics::spectrum::Spectrum;
 
 /// What a run must produce; it decides what the model must contain.
@@ -484,11 +485,16 @@ impl RunResult {
         accuracy: AccuracyReport,
         left_out: Vec<LeftOut>,
     ) -> Self {
-        let spectra = metrics::spectra(recording, settings);
-        let frequencies = metrics::frequencies(scene, recording);
         let outputs = &settings.outputs;
+        let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
+        // Together they take as long as a short run.
+        let (spectra, (channels, views)) = match outputs.keep_signals() {
+            true => both(|| metrics::spectra(recording, settings), || (channels(), Views::of(recording))),
+            false => (Vec::new(), (channels(), Views::default())),
+        };
+        let frequencies = metrics::frequencies(scene, recording);
         let summary = Summary {
-            channels: if outputs.vibration { metrics::vibration(recording) } else { Vec::new() },
+            channels,
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
             cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
             frequencies,
@@ -496,7 +502,6 @@ impl RunResult {
             solver,
             accuracy,
         };
-        let views = if outputs.keep_signals() { Views::of(recording) } else { Views::default() };
         Self { summary, spectra, series: metrics::series(recording, settings), views, left_out }
     }
 }

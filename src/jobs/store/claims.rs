@@ -131,20 +131,25 @@ pub async fn finish(
     keep_s: f64,
 ) -> Result<Option<Status>, JobError> {
     let (result, failure) = match end {
-        End::Succeeded(result) => (Some(results::insert(tx, result).await?), None),
+        End::Succeeded(result) => (Some((Uuid::now_v7(), result)), None),
         End::Failed(failure) => (None, Some(failure)),
         End::Cancelled => (None, None),
     };
+    let insertion = result.map(|(id, result)| results::insertion(id, result)).unwrap_or_default();
+    let result = result.map(|(id, _)| id);
     let now = Timestamp::now();
     // Whoever asked for the cancellation was promised it, also when the run was a little faster.
-    let sql = "UPDATE jobs SET status = CASE WHEN cancel_requested_at IS NULL THEN $3 ELSE 'cancelled' END, \
-               result_id = CASE WHEN cancel_requested_at IS NULL THEN $4 END, \
-               error_cause = CASE WHEN cancel_requested_at IS NULL THEN $5 END, \
-               error_detail = CASE WHEN cancel_requested_at IS NULL THEN $6 END, \
-               progress = CASE WHEN cancel_requested_at IS NULL AND $3 = 'succeeded' THEN 1.0 ELSE $9 END, \
-               finished_at = $7, expires_at = $8 \
-               WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING status";
-    let status: Option<String> = statement(sql)
+    let tells = tx.dialect().tells_ended();
+    let sql = format!(
+        "UPDATE jobs SET status = CASE WHEN cancel_requested_at IS NULL THEN $3 ELSE 'cancelled' END, \
+         result_id = CASE WHEN cancel_requested_at IS NULL THEN $4 END, \
+         error_cause = CASE WHEN cancel_requested_at IS NULL THEN $5 END, \
+         error_detail = CASE WHEN cancel_requested_at IS NULL THEN $6 END, \
+         progress = CASE WHEN cancel_requested_at IS NULL AND $3 = 'succeeded' THEN 1.0 ELSE $9 END, \
+         finished_at = $7, expires_at = $8 \
+         WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING status, {tells}"
+    );
+    let update = statement(sql)
         .bind(claim.job)
         .bind(claim.number)
         .bind(end.status().name())
@@ -153,9 +158,8 @@ pub async fn finish(
         .bind(failure.map(|failure| &failure.detail))
         .bind(stored(now))
         .bind(stored(expiry(now, claim.keep_for_s.unwrap_or(keep_s))))
-        .bind(progress)
-        .value(&mut *tx)
-        .await?;
+        .bind(progress);
+    let status: Option<String> = tx.value_after(insertion, update).await?;
     let Some(status) = status else { return Ok(None) };
     let status = Status::parse(&status).ok_or_else(|| JobError::Corrupt(format!("status {status}")))?;
     if let Some(result) = result
@@ -163,7 +167,6 @@ pub async fn finish(
     {
         results::remove_orphan(tx, result).await?;
     }
-    tx.tell_ended(claim.job).await?;
     Ok(Some(status))
 }
 

@@ -98,6 +98,14 @@ impl Dialect {
         }
     }
 
+    /// A column that tells all processes, once the transaction is committed, that the job of this row has ended.
+    pub fn tells_ended(self) -> String {
+        match self {
+            Self::Sqlite => "NULL".to_owned(),
+            Self::Postgres => format!("pg_notify('{ENDED}', CAST(id AS TEXT))"),
+        }
+    }
+
     /// Keeps the rows that a statement reads from being changed until its transaction ends. On SQLite nobody else writes.
     pub fn for_share(self) -> &'static str {
         match self {
@@ -121,6 +129,18 @@ impl Pool {
             Self::Sqlite(pool) => Tx::Sqlite(riverqueue::database::begin_sqlite_write(pool).await?),
             Self::Postgres(pool) => Tx::Postgres(riverqueue::database::begin_postgres(pool).await?),
         })
+    }
+
+    /// Begins one that waits until no other process does this. SQLite has one writer at a time anyway.
+    pub async fn begin_alone(&self, lock: Lock) -> Result<Tx, JobError> {
+        match self {
+            Self::Sqlite(_) => self.begin().await,
+            // Both in one way to the server and back.
+            Self::Postgres(pool) => {
+                let begin = format!("BEGIN; SELECT pg_advisory_xact_lock({})", lock as i64);
+                Ok(Tx::Postgres(pool.begin_with(AssertSqlSafe(begin)).await?))
+            }
+        }
     }
 
     pub async fn close(&self) {
@@ -165,12 +185,21 @@ impl Tx {
         Ok(())
     }
 
-    /// Waits until no other process does this, until the transaction ends. SQLite has one writer at a time anyway.
-    pub async fn alone(&mut self, lock: Lock) -> Result<(), JobError> {
-        if self.dialect() == Dialect::Postgres {
-            statement("SELECT pg_advisory_xact_lock($1)").bind(lock as i64).run(self).await?;
+    /// Runs statements one after the other, and gives the first column of the last one's first row. To a server they go as one, which
+    /// saves a way there and back each; there, none sees what the others do.
+    pub async fn value_after<T>(&mut self, before: Vec<Statement>, last: Statement) -> Result<Option<T>, JobError>
+    where
+        (T,): Record,
+    {
+        match self.dialect() {
+            Dialect::Sqlite => {
+                for statement in before {
+                    statement.run(&mut *self).await?;
+                }
+                last.value(self).await
+            }
+            Dialect::Postgres => last.with(before).value(self).await,
         }
-        Ok(())
     }
 
     /// Tells all processes that a job has ended, once the transaction is committed.
@@ -283,6 +312,17 @@ pub fn statement(sql: impl Into<std::borrow::Cow<'static, str>>) -> Statement {
     Statement { sql, values: Vec::new() }
 }
 
+/// SQL whose places `$1`, `$2`, … come so many later.
+fn shifted(sql: &str, by: usize) -> String {
+    let mut parts = sql.split('$');
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| {
+        let digits = part.find(|c: char| !c.is_ascii_digit()).unwrap_or(part.len());
+        let place = part[..digits].parse::<usize>().map_or_else(|_| String::new(), |place| (place + by).to_string());
+        format!("{text}${place}{}", &part[digits..])
+    })
+}
+
 /// The same code for each database; `Db` is its type within.
 macro_rules! at {
     ($statement:ident, $place:expr, |$sql:ident, $arguments:ident, $executor:ident| $body:expr) => {
@@ -317,6 +357,21 @@ impl Statement {
     pub fn bind(mut self, value: impl Into<Value>) -> Self {
         self.values.push(value.into());
         self
+    }
+
+    /// The same with others that change rows, as PostgreSQL has them in one.
+    fn with(mut self, before: Vec<Self>) -> Self {
+        if before.is_empty() {
+            return self;
+        }
+        let mut sql = String::from("WITH ");
+        for (k, statement) in before.into_iter().enumerate() {
+            let text = shifted(statement.sql.as_str(), self.values.len());
+            sql += &format!("{}step{k} AS ({text})", if k > 0 { ", " } else { "" });
+            self.values.extend(statement.values);
+        }
+        sql += &format!(" {}", self.sql.as_str());
+        Self { sql: AssertSqlSafe(sql).into_sql_str(), ..self }
     }
 
     fn arguments<A, Db>(self) -> Result<(sqlx::SqlStr, A), JobError>
@@ -536,3 +591,21 @@ const POSTGRES_MIGRATIONS: [(i64, &str, &str); 2] = [
     (1, "records", include_str!("../../../migrations/postgres/0001_records.sql")),
     (2, "tokens", include_str!("../../../migrations/postgres/0002_tokens.sql")),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statements_that_go_as_one_keep_their_values() {
+        let insert = |table: &str| statement(format!("INSERT INTO {table} VALUES ($1, $2)")).bind(1_i64).bind("a");
+        let last = statement("UPDATE jobs SET a = $10, b = '$' WHERE id = $1").bind(2_i64);
+        let whole = last.with(vec![insert("x"), insert("y")]);
+        assert_eq!(
+            whole.sql.as_str(),
+            "WITH step0 AS (INSERT INTO x VALUES ($2, $3)), step1 AS (INSERT INTO y VALUES ($4, $5)) \
+             UPDATE jobs SET a = $10, b = '$' WHERE id = $1"
+        );
+        assert_eq!(whole.values.len(), 5);
+    }
+}

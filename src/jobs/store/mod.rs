@@ -84,8 +84,7 @@ impl Store {
             Dialect::Sqlite => self.migrate_all().await,
             Dialect::Postgres => {
                 // Two processes that make tables at the same time would fail each other.
-                let mut tx = self.begin().await?;
-                tx.alone(Lock::Migration).await?;
+                let tx = self.begin_alone(Lock::Migration).await?;
                 self.migrate_all().await?;
                 tx.commit().await
             }
@@ -113,6 +112,11 @@ impl Store {
     /// Begins a write transaction.
     pub async fn begin(&self) -> Result<Tx, JobError> {
         self.figures.waiting_for(self.writer.begin()).await
+    }
+
+    /// Begins one that waits until no other process does this.
+    pub async fn begin_alone(&self, lock: Lock) -> Result<Tx, JobError> {
+        self.figures.waiting_for(self.writer.begin_alone(lock)).await
     }
 
     /// Whether the disk did not take what was written last.

@@ -44,6 +44,13 @@ struct Row {
     error_detail: Option<String>,
 }
 
+#[derive(FromRow)]
+struct RowWithMetrics {
+    #[sqlx(flatten)]
+    row: Row,
+    metrics: Option<String>,
+}
+
 impl Row {
     fn record(self) -> Result<JobRecord, JobError> {
         let corrupt = |what: &str| JobError::Corrupt(format!("{what} of job {}", self.id));
@@ -72,6 +79,18 @@ impl Store {
         let sql = format!("SELECT {COLUMNS} FROM jobs WHERE id = $1 AND owner = $2");
         let row: Option<Row> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
         row.ok_or(JobError::NotFound)?.record()
+    }
+
+    /// A job of this owner, with the metrics of a succeeded simulation, as JSON text.
+    pub async fn job_with_metrics(&self, owner: &str, id: Uuid) -> Result<(JobRecord, Option<String>), JobError> {
+        let sql = format!(
+            "SELECT {COLUMNS}, (SELECT metrics FROM results WHERE results.id = jobs.result_id) AS metrics \
+             FROM jobs WHERE id = $1 AND owner = $2"
+        );
+        let found: Option<RowWithMetrics> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
+        let RowWithMetrics { row, metrics } = found.ok_or(JobError::NotFound)?;
+        // Results of other kinds are reports.
+        Ok((row.record()?, metrics.filter(|metrics| !metrics.is_empty())))
     }
 
     /// A page of this owner's jobs, newest first, and whether there are more.

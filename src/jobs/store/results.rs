@@ -10,9 +10,10 @@ use serde::Serialize;
 use uuid::Uuid;
 
 use super::Store;
-use super::database::{Dialect, Tx, statement};
-use crate::contract::{JobKind, Outcome, Simulated, SpectrumKind};
+use super::database::{Dialect, Statement, Tx, statement};
+use crate::contract::{JobKind, Outcome, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind};
 use crate::jobs::{JobError, Status};
+use crate::numerics::parallel::both;
 
 /// Which signal of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +39,7 @@ pub enum StoredResult {
     /// Metrics, signals by channel, and what pictures show.
     Simulation {
         metrics: String,
-        signals: Vec<(Signal, String, Vec<u8>)>,
+        signals: Signals,
         views: Option<Vec<u8>>,
     },
     Report(Vec<u8>),
@@ -55,22 +56,33 @@ impl StoredResult {
     }
 
     fn of_simulation(outcome: &Simulated) -> Result<Self, JobError> {
-        let metrics = serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()))?;
-        let mut signals = Vec::new();
-        for spectrum in &outcome.spectra {
-            let signal = match spectrum.kind {
-                SpectrumKind::Amplitude => Signal::Amplitude,
-                SpectrumKind::Envelope => Signal::Envelope,
-            };
-            // They follow from the resolution.
-            signals.push((signal, spectrum.channel.clone(), compressed(&spectrum.without_frequencies())?));
-        }
-        for series in &outcome.series {
-            signals.push((Signal::Series, series.channel.clone(), compressed(series)?));
-        }
-        let views = if outcome.views.is_empty() { None } else { Some(compressed(&outcome.views)?) };
-        Ok(Self::Simulation { metrics, signals, views })
+        let json = || serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()));
+        let views = || Some(&outcome.views).filter(|views| !views.is_empty()).map(compressed).transpose();
+        // Half of it on another core: whoever waits for a short run waits for this nearly as long.
+        let (ahead, behind) = outcome.spectra.split_at(outcome.spectra.len() / 2);
+        let ((ahead, views), (behind, series, metrics)) =
+            both(|| (spectra_of(ahead), views()), || (spectra_of(behind), series_of(outcome), json()));
+        Ok(Self::Simulation { metrics: metrics?, signals: [ahead?, behind?, series?].concat(), views: views? })
     }
+}
+
+type Signals = Vec<(Signal, String, Vec<u8>)>;
+
+fn spectra_of(spectra: &[SpectrumAnswer]) -> Result<Signals, JobError> {
+    let stored = |spectrum: &SpectrumAnswer| {
+        let signal = match spectrum.kind {
+            SpectrumKind::Amplitude => Signal::Amplitude,
+            SpectrumKind::Envelope => Signal::Envelope,
+        };
+        // They follow from the resolution.
+        Ok((signal, spectrum.channel.clone(), compressed(&spectrum.without_frequencies())?))
+    };
+    spectra.iter().map(stored).collect()
+}
+
+fn series_of(outcome: &Simulated) -> Result<Signals, JobError> {
+    let stored = |series: &SeriesAnswer| Ok((Signal::Series, series.channel.clone(), compressed(series)?));
+    outcome.series.iter().map(stored).collect()
 }
 
 /// Twice as fast as the usual 6, for blobs a twentieth larger: whoever waits for a result waits for this.
@@ -84,34 +96,29 @@ pub(super) fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
     Ok(encoder.finish()?)
 }
 
-/// Adds a result.
-pub(super) async fn insert(tx: &mut Tx, result: &StoredResult) -> Result<Uuid, JobError> {
-    let id = Uuid::now_v7();
+/// What adds a result.
+pub(super) fn insertion(id: Uuid, result: &StoredResult) -> Vec<Statement> {
     let (metrics, signals, views) = match result {
         StoredResult::Simulation { metrics, signals, views } => (metrics.as_str(), signals.as_slice(), views.as_ref()),
         StoredResult::Report(_) => ("", &[][..], None),
     };
     let sql = "INSERT INTO results (id, metrics) VALUES ($1, $2)";
-    statement(sql).bind(id).bind(metrics).run(&mut *tx).await?;
+    let mut statements = vec![statement(sql).bind(id).bind(metrics)];
     if !signals.is_empty() {
-        // One statement: each is a way to the database and back.
         let rows: Vec<String> =
             (0..signals.len()).map(|k| 3 * k + 2).map(|k| format!("($1, ${k}, ${}, ${})", k + 1, k + 2)).collect();
         let insert = format!("INSERT INTO signals (result_id, sort, channel, answer) VALUES {}", rows.join(", "));
-        let insert = signals.iter().fold(statement(insert).bind(id), |insert, (signal, channel, answer)| {
+        statements.push(signals.iter().fold(statement(insert).bind(id), |insert, (signal, channel, answer)| {
             insert.bind(signal.name()).bind(channel).bind(answer)
-        });
-        insert.run(&mut *tx).await?;
+        }));
     }
     if let Some(views) = views {
-        let sql = "INSERT INTO views (result_id, answer) VALUES ($1, $2)";
-        statement(sql).bind(id).bind(views).run(&mut *tx).await?;
+        statements.push(statement("INSERT INTO views (result_id, answer) VALUES ($1, $2)").bind(id).bind(views));
     }
     if let StoredResult::Report(answer) = result {
-        let sql = "INSERT INTO reports (result_id, answer) VALUES ($1, $2)";
-        statement(sql).bind(id).bind(answer).run(&mut *tx).await?;
+        statements.push(statement("INSERT INTO reports (result_id, answer) VALUES ($1, $2)").bind(id).bind(answer));
     }
-    Ok(id)
+    statements
 }
 
 /// Adds the result of a job that keeps its results elsewhere.
