@@ -317,6 +317,8 @@ pub enum ConfigError {
     NoTokens,
     #[error("RACEWAY_LOG is {0:?}: must be error, warn, info, debug or trace")]
     UnknownLogLevel(String),
+    #[error("RACEWAY_LOG_FORMAT is {0:?}: must be text or json")]
+    UnknownLogFormat(String),
 }
 
 impl ServeOptions {
@@ -378,6 +380,16 @@ pub fn log_level() -> Result<tracing::Level, ConfigError> {
     let Some(level) = std::env::var_os("RACEWAY_LOG") else { return Ok(tracing::Level::INFO) };
     let level = level.to_string_lossy();
     level.parse().map_err(|_| ConfigError::UnknownLogLevel(level.into_owned()))
+}
+
+/// Whether logs are for programs: `RACEWAY_LOG_FORMAT` is `text`, a line for people, or `json`, an object a line.
+pub fn logs_json() -> Result<bool, ConfigError> {
+    let Some(format) = std::env::var_os("RACEWAY_LOG_FORMAT") else { return Ok(false) };
+    match format.to_string_lossy().as_ref() {
+        "text" => Ok(false),
+        "json" => Ok(true),
+        other => Err(ConfigError::UnknownLogFormat(other.to_owned())),
+    }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 so: in no log, answer, figure, argument or row, however much is logged."""
 
 import glob
+import json
 import os
 import secrets
 import socket
@@ -15,6 +16,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from service import ARTICLE, ROOT, Service, binary, check, clean_environment  # noqa: E402
 
 TOKEN, OTHER, WRONG, PASSWORD = (f"{name}-{secrets.token_hex(16)}" for name in ("mine", "theirs", "wrong", "password"))
+REQUEST = "portal-17/a"
 
 
 def lan_address():
@@ -67,7 +69,8 @@ def matrix():
 
 def a_whole_run(directory, database):
     """Everything that a service does with its secrets, while it logs all it can: what it logged, and what it answered."""
-    environment = clean_environment(RACEWAY_API_TOKENS=f"{TOKEN},{OTHER}", RACEWAY_DATABASE=database, RACEWAY_LOG="trace", RUST_LOG="trace")
+    environment = clean_environment(RACEWAY_API_TOKENS=f"{TOKEN},{OTHER}", RACEWAY_DATABASE=database, RACEWAY_LOG="trace", RUST_LOG="trace",
+                                    RACEWAY_LOG_FORMAT="json")
     command = [binary(), "serve", "--listen", "0.0.0.0:0", "--workers", "1"]
     running = Service(directory, command=command, environment=environment)
     answers = []
@@ -89,8 +92,9 @@ def a_whole_run(directory, database):
             check(ask("GET", f"/v1/jobs?{query}")[0] == 401, "a token in the query lets nobody in")
             check(ask("GET", f"/v1/jobs?{query}", Authorization=f"Bearer {TOKEN}")[0] == 400, "and is a mistake")
         mine = {"Authorization": f"Bearer {TOKEN}"}
-        status, fields = ask("POST", "/v1/jobs", ARTICLE | {"duration_s": 0.02}, Prefer="wait=60", **mine, **{"Idempotency-Key": "a-key"})
-        check(status == 200, "a job runs")
+        status, fields = ask("POST", "/v1/jobs", ARTICLE | {"duration_s": 0.02}, Prefer="wait=60", **mine,
+                             **{"Idempotency-Key": "a-key", "X-Request-Id": REQUEST})
+        check(status == 200 and fields["X-Request-Id"] == REQUEST, "a job runs, and its request keeps its name")
         path = fields["Location"]
         for rest in ("", "/metrics", "/events", "/spectrum?channel=spindle.y.acceleration", "/plots/spectrum.svg"):
             check(ask("GET", path + rest, **mine)[0] == 200, f"…{rest or '/'} is there")
@@ -125,7 +129,15 @@ def tell(sql):
     subprocess.run([postgres("psql"), os.environ["RACEWAY_TEST_POSTGRES"], "-q", "-o", "/dev/null", "-c", sql], check=True)
 
 
+def check_lines(log):
+    """Each line is an object, and those of a request name it."""
+    lines = [json.loads(line) for line in log.splitlines()]
+    mine = [line["message"] for line in lines if line.get("span", {}).get("id") == REQUEST]
+    check({"accepted", "answered"} <= set(mine), f"lines of a request name it: {mine}")
+
+
 def check_secrets(name, log, answers, rows):
+    check_lines(log)
     print(f"{name}: {len(log)} bytes of log, {len(answers)} of answers, {len(rows)} of records")
     check("TRACE" in log or "DEBUG" in log, f"{name}: much is logged")
     for secret in (TOKEN, OTHER, WRONG, PASSWORD):

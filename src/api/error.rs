@@ -119,6 +119,8 @@ impl From<Refusal> for ApiError {
 /// Seconds after which a full queue is worth another try, and a run worth another look.
 const QUEUE_RETRY_S: &str = "5";
 const RESULT_RETRY_S: &str = "1";
+/// The same of a database that does not answer.
+const AWAY_RETRY_S: &str = "1";
 /// The same of a busy service.
 const OVERLOAD_RETRY_S: &str = "1";
 
@@ -228,6 +230,7 @@ impl ApiError {
             }
             Self::Overloaded => drop(set(RETRY_AFTER, OVERLOAD_RETRY_S)),
             Self::Job(JobError::Stopping | JobError::DiskFull) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
+            Self::Job(away) if away.is_away() => drop(set(RETRY_AFTER, AWAY_RETRY_S)),
             Self::Job(JobError::NotReady(_)) => drop(set(RETRY_AFTER, RESULT_RETRY_S)),
             _ => {}
         }

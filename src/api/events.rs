@@ -1,7 +1,7 @@
 //! A job as it goes, as server-sent events.
 
 use std::convert::Infallible;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use axum::extract::State;
 use axum::http::header::HeaderName;
@@ -28,8 +28,11 @@ use crate::simulation::run::Phase;
 
 const STREAM: &[&str] = &["text/event-stream"];
 const LAST_EVENT_ID: HeaderName = HeaderName::from_static("last-event-id");
-/// Between two looks at the job.
+/// Between two looks at the job: at what is known of its run here, and at its record while it waits, runs elsewhere or is a study, and
+/// while it runs here.
 const LOOK: Duration = Duration::from_millis(100);
+const READ: Duration = Duration::from_millis(200);
+const READ_OF_RUN: Duration = Duration::from_secs(1);
 /// Silence after which a comment tells that the stream is alive.
 const ALIVE: Duration = Duration::from_secs(15);
 
@@ -68,7 +71,7 @@ pub async fn events(
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
     let follows = place.load().follow().ok_or(ApiError::Overloaded)?;
-    let watch = Watch { app, owner, id, seen, first: true, ended: false, _follows: follows };
+    let watch = Watch { app, owner, id, record, read_at: Instant::now(), seen, first: true, _follows: follows };
     let stream = stream::unfold(watch, |mut watch| async move { Some((watch.next().await?, watch)) });
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(ALIVE)).into_response())
 }
@@ -92,10 +95,12 @@ struct Watch {
     app: App,
     owner: String,
     id: Uuid,
+    /// As it was read last.
+    record: JobRecord,
+    read_at: Instant,
     /// Id of the last event.
     seen: Option<String>,
     first: bool,
-    ended: bool,
     _follows: OwnedSemaphorePermit,
 }
 
@@ -103,7 +108,7 @@ impl Watch {
     /// The next event; `None` after the last one, when the job is deleted, and when the service stops.
     async fn next(&mut self) -> Option<Result<Event, Infallible>> {
         loop {
-            if self.ended || self.app.jobs.is_stopping() {
+            if !self.first && self.record.status.is_final() || self.app.jobs.is_stopping() {
                 return None;
             }
             let bell = self.app.jobs.bell(self.id);
@@ -111,28 +116,39 @@ impl Watch {
             tokio::pin!(rings);
             // Listens before it looks, or an end between the two would be told late.
             rings.as_mut().enable();
-            if !std::mem::take(&mut self.first) {
-                // A look at once after the end, one now and then before.
-                drop(tokio::time::timeout(LOOK, rings).await);
+            // A look at once after the end, one now and then before.
+            let now = std::mem::take(&mut self.first) || tokio::time::timeout(LOOK, rings).await.is_ok();
+            if (now || self.is_stale()) && !self.read().await {
+                return None;
             }
-            let record = match self.app.jobs.get(&self.owner, self.id).await {
-                Ok(record) => record,
-                Err(JobError::NotFound) => return None,
-                Err(error) => {
-                    tracing::warn!(%error, "a job that is followed could not be read");
-                    continue;
-                }
-            };
+            let record = self.app.jobs.live(self.record.clone());
             let view = self.app.jobs.view(self.id);
             let event_id = id_of(&record, view.as_ref());
-            self.ended = record.status.is_final();
-            if self.ended || self.seen.as_ref() != Some(&event_id) {
-                let name = if self.ended { record.status.name() } else { "progress" };
+            let ended = record.status.is_final();
+            if ended || self.seen.as_ref() != Some(&event_id) {
+                let name = if ended { record.status.name() } else { "progress" };
                 let data = told(record, view)?;
                 self.seen = Some(event_id.clone());
                 return Some(Ok(Event::default().event(name).id(event_id).data(data)));
             }
         }
+    }
+
+    /// Whether the record may say more than what is known here.
+    fn is_stale(&self) -> bool {
+        let runs_here = self.record.kind != JobKind::Study.name() && self.app.jobs.view(self.id).is_some();
+        let has_begun = runs_here && self.record.status == Status::Queued;
+        has_begun || self.read_at.elapsed() >= if runs_here { READ_OF_RUN } else { READ }
+    }
+
+    /// Reads the record again; whether the job is still there.
+    async fn read(&mut self) -> bool {
+        match self.app.jobs.get(&self.owner, self.id).await {
+            Ok(record) => (self.record, self.read_at) = (record, Instant::now()),
+            Err(JobError::NotFound) => return false,
+            Err(error) => tracing::warn!(%error, "a job that is followed could not be read"),
+        }
+        true
     }
 }
 

@@ -70,6 +70,7 @@ pub async fn submit(
     let job = parsed(&body).await?;
     let key = key.map(|key| IdempotencyKey::new(key, &job));
     let Submitted { record, replayed } = app.jobs.submit(&job, &owner, key).await?;
+    tracing::debug!(job = %record.id, replayed, "accepted");
     let replayed = replayed.then_some((IDEMPOTENT_REPLAYED, HeaderValue::from_static("true")));
     let made: HeaderMap = replayed.into_iter().chain([(LOCATION, text(path_of(record.id)))]).collect();
     drop((job, body));

@@ -24,6 +24,7 @@ mod portal;
 pub mod rates;
 mod refusals;
 mod request;
+mod request_id;
 mod results;
 mod scenes;
 mod server;
@@ -40,7 +41,6 @@ use axum::response::IntoResponse;
 use axum::routing::get;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
-use tower_http::trace::TraceLayer;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
@@ -154,7 +154,7 @@ pub fn router(app: App) -> Router {
         .layer(middleware::from_fn(refusals::as_problems))
         .layer(CatchPanicLayer::custom(refusals::of_panic))
         .layer(CompressionLayer::new())
-        .layer(TraceLayer::new_for_http())
+        .layer(middleware::from_fn(request_id::named))
         // Bodies are read by our own extractor, which has the limit.
         .layer(DefaultBodyLimit::disable())
         .with_state(app)

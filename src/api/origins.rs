@@ -8,6 +8,8 @@ use axum::http::header::{
 use axum::http::{Method, Uri};
 use tower_http::cors::CorsLayer;
 
+use super::request_id::X_REQUEST_ID;
+
 /// How long a browser may remember what it was allowed.
 const REMEMBERED: Duration = Duration::from_secs(3600);
 
@@ -33,11 +35,20 @@ pub fn allowed(origins: &[HeaderValue]) -> CorsLayer {
             AUTHORIZATION,
             CONTENT_TYPE,
             IF_NONE_MATCH,
+            X_REQUEST_ID,
             name("idempotency-key"),
             name("last-event-id"),
             name("prefer"),
         ])
-        .expose_headers([ETAG, LINK, LOCATION, RETRY_AFTER, name("idempotent-replayed"), name("preference-applied")])
+        .expose_headers([
+            ETAG,
+            LINK,
+            LOCATION,
+            RETRY_AFTER,
+            X_REQUEST_ID,
+            name("idempotent-replayed"),
+            name("preference-applied"),
+        ])
         .max_age(REMEMBERED)
 }
 

@@ -81,8 +81,12 @@ pub fn log_to_stderr() -> Result<(), ConfigError> {
     // What the libraries tell is only of interest when something is wrong with them.
     let targets = Targets::new().with_default(tracing::Level::WARN.min(level)).with_target("raceway", level);
     let layer = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
-    // Colours are for people; a file would keep their codes.
-    let layer = if std::io::stderr().is_terminal() { layer } else { layer.with_ansi(false) };
+    let layer = if config::logs_json()? {
+        layer.json().flatten_event(true).boxed()
+    } else {
+        // Colours are for people; a file would keep their codes.
+        layer.with_ansi(std::io::stderr().is_terminal()).boxed()
+    };
     let _ = tracing_subscriber::registry().with(layer.with_filter(targets)).try_init();
     Ok(())
 }

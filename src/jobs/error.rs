@@ -79,19 +79,22 @@ impl JobError {
             sqlx::Error::Protocol(_) | sqlx::Error::Tls(_) => true,
             sqlx::Error::Database(error) => {
                 let code = error.code().unwrap_or_default();
+                if error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>().is_none() {
+                    return code.parse::<i64>().is_ok_and(|code| SQLITE_AWAY.contains(&(code & 0xff)));
+                }
                 // PostgreSQL: no connection, too many of them, shutting down or starting, read-only, not let in, no such database.
-                let away = ["08", "53300", "57P", "25006", "28", "3D000"].iter().any(|class| code.starts_with(class));
-                away && error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>().is_some()
+                ["08", "53300", "57P", "25006", "28", "3D000"].iter().any(|class| code.starts_with(class))
             }
             _ => false,
         }
     }
 }
 
-/// SQLite's "database or disk is full" and "some kind of disk I/O error occurred" (a full disk shows as
-/// either); extended codes carry them in the low byte.
-const SQLITE_IOERR: i64 = 10;
-const SQLITE_FULL: i64 = 13;
+/// SQLite's "database or disk is full", and the errors of writing, syncing, truncating and growing as which a full disk shows, too.
+const SQLITE_FULL: [i64; 7] = [13, 778, 1034, 1290, 1546, 4874, 5386];
+/// SQLite's "attempt to write a readonly database", "disk I/O error" and "unable to open database file"; extended codes carry them in
+/// the low byte.
+const SQLITE_AWAY: [i64; 3] = [8, 10, 14];
 /// PostgreSQL's `disk_full`.
 const POSTGRES_DISK_FULL: &str = "53100";
 
@@ -111,7 +114,7 @@ fn is_full_disk(error: &sqlx::Error) -> bool {
     if error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>().is_some() {
         return code == POSTGRES_DISK_FULL;
     }
-    code.parse::<i64>().is_ok_and(|code| matches!(code & 0xff, SQLITE_FULL | SQLITE_IOERR))
+    code.parse().is_ok_and(|code| SQLITE_FULL.contains(&code))
 }
 
 impl From<riverqueue::Error> for JobError {

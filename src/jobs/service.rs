@@ -235,7 +235,8 @@ impl Jobs {
         Ok((page.into_iter().map(|record| self.live(record)).collect(), more))
     }
 
-    fn live(&self, mut record: JobRecord) -> JobRecord {
+    /// The record of a job, with the progress of this moment.
+    pub fn live(&self, mut record: JobRecord) -> JobRecord {
         // Strands of a study write theirs with every point.
         if record.status == Status::Running
             && record.kind != JobKind::Study.name()

@@ -130,7 +130,7 @@ fn a_job_of_another_token_is_one_that_never_was_on_every_route() {
             &[("If-None-Match", "*")],
             &[("Last-Event-ID", "succeeded-1000")],
         ] {
-            let headers = [&[B], more].concat();
+            let headers = [&[B, ("X-Request-Id", "one")], more].concat();
             let ask = |job: &str| request(server.address(), method, &format!("{job}{rest}"), &headers, b"");
             let unknown = ask(never);
             unknown.problem(404);
@@ -196,4 +196,15 @@ fn pages_of_listed_origins_alone_may_use_the_api() {
     assert_eq!(refused.header("access-control-allow-origin"), Some(PORTAL));
     assert!(refused.header("access-control-expose-headers").is_some_and(|names| names.contains("location")));
     assert_eq!(start().get("/v1/jobs").header("access-control-allow-origin"), None);
+}
+
+#[test]
+fn a_request_has_a_name() {
+    let server = start_with(Wishes { tokens: "alpha", ..Wishes::default() });
+    for path in ["/health/live", "/v1/jobs", "/nowhere"] {
+        assert_eq!(get(&server, path, &[("X-Request-Id", "mine-1")]).header("x-request-id"), Some("mine-1"), "{path}");
+        let names = [(); 2].map(|()| get(&server, path, &[("X-Request-Id", "two words")]));
+        let [one, other] = names.each_ref().map(|answer| answer.header("x-request-id").expect("a name"));
+        assert!(one != other && one.len() == 36, "{path}: {one}, {other}");
+    }
 }

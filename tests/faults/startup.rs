@@ -4,6 +4,8 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
+use serde_json::Value;
+
 use crate::common::{Process, Server};
 
 fn refused(arguments: &[&str], environment: &[(&str, &str)]) -> String {
@@ -35,6 +37,8 @@ fn settings_that_mean_nothing_are_refused() {
     }
     let stderr = refused(&["serve", "--listen", "127.0.0.1:0"], &[("RACEWAY_LOG", "loud")]);
     assert!(stderr.contains("loud") && stderr.contains("error, warn, info, debug or trace"), "{stderr}");
+    let stderr = refused(&["serve", "--listen", "127.0.0.1:0"], &[("RACEWAY_LOG_FORMAT", "xml")]);
+    assert!(stderr.contains("xml") && stderr.contains("text or json"), "{stderr}");
     for no in ["0", "false"] {
         let environment = [("RACEWAY_INSECURE_NO_AUTH", no)];
         assert!(refused(&["serve", "--listen", "0.0.0.0:0"], &environment).contains("RACEWAY_API_TOKENS"));
@@ -58,6 +62,15 @@ fn logs_in_a_file_have_no_colours() {
     let database = "sqlite:///no/such/directory/raceway.db";
     let stderr = refused(&["serve", "--listen", "0.0.0.0:0", "--database", database], &environment);
     assert!(stderr.contains("WARN") && !stderr.contains('\u{1b}'), "{stderr}");
+}
+
+#[test]
+fn logs_for_programs_are_an_object_a_line() {
+    let environment = [("RACEWAY_INSECURE_NO_AUTH", "1"), ("RACEWAY_LOG_FORMAT", "json")];
+    let database = "sqlite:///no/such/directory/raceway.db";
+    let stderr = refused(&["serve", "--listen", "0.0.0.0:0", "--database", database], &environment);
+    let line: Value = serde_json::from_str(stderr.lines().next().expect("a line")).expect("an object");
+    assert!(line["level"] == "WARN" && line["listen"] == "0.0.0.0:0" && line["message"].is_string(), "{stderr}");
 }
 
 #[test]
