@@ -95,6 +95,9 @@ const QUEUE: &str = "runs";
 /// How often the queue is looked at without being woken.
 const POLL: Duration = Duration::from_secs(1);
 
+/// Time that the queue has to listen; without that it looks.
+const READY: Duration = Duration::from_secs(5);
+
 /// The queue.
 pub struct Queue {
     client: Client,
@@ -212,7 +215,12 @@ impl Queue {
     /// Begins to deliver.
     pub async fn start(&self) -> Result<(), JobError> {
         if self.workers > 0 {
-            *self.run.lock().await = Some(self.client.start()?);
+            let mut run = self.client.start()?;
+            // Before it listens, what is put into the queue is only found by looking.
+            if let Ok(ready) = tokio::time::timeout(READY, run.wait_ready()).await {
+                ready?;
+            }
+            *self.run.lock().await = Some(run);
         }
         Ok(())
     }
