@@ -184,10 +184,10 @@ impl Queue {
     /// Has the queue look for what was enqueued; to be called once the transaction is committed.
     ///
     /// River looks at its queue when it is polled or when the queue's settings change, but an insert in our
-    /// own transaction tells it nothing. Polling every few milliseconds instead costs a tenth of a core.
+    /// own transaction tells it nothing. (On PostgreSQL it tells all processes by a notification, which comes later, and may be lost
+    /// in the first second of a process.) Polling every few milliseconds instead costs a tenth of a core.
     pub fn wake(&self) {
-        // On PostgreSQL the insert itself tells all processes.
-        if matches!(self.pool, Pool::Postgres(_)) {
+        if self.workers == 0 {
             return;
         }
         // Settings that have not changed wake nobody, so that the pace differs by some milliseconds each time.
