@@ -1,5 +1,7 @@
 //! Samples between samples: signals at other times of an even grid.
 
+use super::lanes::{InstructionSet, Task};
+
 /// Samples that a value is taken from.
 const POINTS: usize = 8;
 
@@ -12,13 +14,10 @@ pub struct Interpolator<const N: usize> {
     values: usize,
     /// Of values 0 … `values` − 1 parts of a sample beyond one.
     weights: Vec<[f64; POINTS]>,
-    /// The last frames in a ring, which stands there twice, so that they follow each other from `oldest` on.
-    frames: [[f64; N]; 2 * POINTS],
-    oldest: usize,
+    /// The last frames, from the first one that a value still needs.
+    frames: Vec<[f64; N]>,
     /// Parts of a sample from the fourth of them to the next value.
     next: usize,
-    /// Frames to take before the first value.
-    wait: usize,
 }
 
 impl<const N: usize> Interpolator<N> {
@@ -27,38 +26,52 @@ impl<const N: usize> Interpolator<N> {
 
     pub fn new(steps: usize, values: usize) -> Self {
         let weights = (0..values).map(|part| lagrange(part as f64 / values as f64)).collect();
-        Self { steps, values, weights, frames: [[0.0; N]; 2 * POINTS], oldest: 0, next: 0, wait: 2 * Self::DELAY }
+        // As if it had begun a frame earlier, with a value that nobody sees.
+        Self { steps, values, weights, frames: Vec::new(), next: values }
     }
 
     /// Takes `frame` as having stood still until now: the first value then belongs to the first frame pushed from here.
     pub fn prime(&mut self, frame: &[f64; N]) {
-        self.frames = [*frame; 2 * POINTS];
-        (self.next, self.wait) = (0, Self::DELAY);
+        self.frames = vec![*frame; POINTS / 2];
     }
 
-    /// Takes a frame, and gives the values that it makes known.
-    #[inline]
-    pub fn push(&mut self, frame: &[f64; N], mut give: impl FnMut(&[f64; N])) {
-        self.frames[self.oldest] = *frame;
-        self.frames[self.oldest + POINTS] = *frame;
-        self.oldest = (self.oldest + 1) % POINTS;
-        if self.wait > 0 {
-            self.wait -= 1;
-            return;
-        }
-        let frames = &self.frames[self.oldest..self.oldest + POINTS];
-        while self.next < self.values {
-            if self.next == 0 {
-                give(&frames[POINTS / 2 - 1]);
-            } else {
-                give(&weighed(&self.weights[self.next], frames));
-            }
-            self.next += self.steps;
-        }
-        self.next -= self.values;
+    /// Takes frames, and gives the values that they make known, by these instructions.
+    pub fn push(&mut self, frames: &[[f64; N]], instructions: InstructionSet, give: impl FnMut(&[f64; N])) {
+        self.frames.extend_from_slice(frames);
+        instructions.run(Between { interpolator: self, give });
     }
 }
 
+/// Every value that frames are there for.
+struct Between<'a, const N: usize, G> {
+    interpolator: &'a mut Interpolator<N>,
+    give: G,
+}
+
+impl<const N: usize, G: FnMut(&[f64; N])> Task for Between<'_, N, G> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { interpolator: Interpolator { steps, values, weights, frames, next }, mut give } = self;
+        let mut passed = 0;
+        for around in frames.windows(POINTS) {
+            while *next < *values {
+                if *next == 0 {
+                    give(&around[POINTS / 2 - 1]);
+                } else {
+                    give(&weighed(&weights[*next], around));
+                }
+                *next += *steps;
+            }
+            *next -= *values;
+            passed += 1;
+        }
+        frames.drain(..passed);
+    }
+}
+
+#[inline(always)]
 fn weighed<const N: usize>(weights: &[f64; POINTS], frames: &[[f64; N]]) -> [f64; N] {
     let mut sums = [0.0; N];
     for (weight, frame) in weights.iter().zip(frames) {
@@ -87,7 +100,7 @@ mod tests {
     fn between(steps: usize, values: usize, from: i32, to: i32, signal: impl Fn(f64) -> [f64; 2]) -> Vec<[f64; 2]> {
         let (mut interpolator, mut found) = (Interpolator::new(steps, values), Vec::new());
         for k in from..=to {
-            interpolator.push(&signal(f64::from(k)), |value| found.push(*value));
+            interpolator.push(&[signal(f64::from(k))], InstructionSet::best(), |value| found.push(*value));
         }
         found
     }
@@ -123,7 +136,7 @@ mod tests {
         let (mut interpolator, mut found) = (Interpolator::new(2, 3), Vec::new());
         interpolator.prime(&[5.0]);
         for _ in 0..=Interpolator::<1>::DELAY {
-            interpolator.push(&[5.0], |value| found.push(value[0]));
+            interpolator.push(&[[5.0]], InstructionSet::best(), |value| found.push(value[0]));
         }
         assert_eq!(found.len(), 2);
         assert!(found.iter().all(|value: &f64| (value - 5.0).abs() < 1e-14));

@@ -6,13 +6,14 @@ use realfft::num_complex::Complex;
 
 use super::channel::{Axis, Channel, Motion};
 use super::model::Mechanism;
-use super::model::radially_condensed::MOST_STEPS;
-use super::model::spindle_only::{Corrections, SpindleMotion, SpindleOnly};
+use super::model::radially_condensed::{MOST_STEPS, Pace};
+use super::model::spindle_only::{Corrections, Driven, SpindleMotion, SpindleOnly};
 use super::needs::Needs;
 use super::observe::{ContactExtremes, RATE, Recording, kept_values};
 use super::run::{Control, Live, Outputs, Phase, RunSettings, Rung, SimulationError};
 use super::scene::Scene;
 use super::windows::Recorder;
+use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{InstructionSet, Task};
 use crate::numerics::ode::adams_moulton::{AdamsMoulton, EquationsOfMotion};
 use crate::numerics::ode::{IntegrationError, Statistics};
@@ -22,8 +23,12 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::damping::DampingLaw;
 use crate::physics::spindle::AxialHold;
 
-/// Longest step times the frequency of the stiffest direction: there Adams–Moulton errs by a few thousandths of a decibel.
-const LONGEST_STEP: f64 = 0.35;
+/// Nodes of the method, and the longest step times the frequency of the stiffest direction: there it errs by up to 0.01 dB.
+const NODES: usize = 7;
+const LONGEST_STEP: f64 = 0.6;
+/// The same of a periodic motion, whose every passage begins anew by a method of order 4.
+const SHOT_NODES: usize = 4;
+const LONGEST_TURN_OF_SHOT: f64 = 0.35;
 /// The longest step with which a periodic motion is sought [s]; the motion that is found is followed to finer ones.
 const LONGEST_SHOT: f64 = 1e-5;
 /// Relative change of a level at which halving the steps of a periodic motion ends: the next halving would change it by a
@@ -61,6 +66,8 @@ const SIGNALS: [(Axis, Motion); 6] = [
     (Axis::Z, Motion::Acceleration),
 ];
 type Signals = [Vec<f64>; 6];
+/// Of one step.
+type Frame = [f64; SIGNALS.len()];
 
 /// Why the spindle alone cannot stand for this scene and these outputs; `None`: it can.
 pub fn unable(scene: &Scene, needs: &Needs, outputs: &Outputs) -> Option<String> {
@@ -131,10 +138,9 @@ pub fn simulate(
 ) -> Result<(Recording, Statistics), SimulationError> {
     let (mut model, mechanism) = prepared(scene, settings, "spindle_only", unable)?;
     let (rest, frequency) = model.rest();
-    let longest = settings.fixed_step.unwrap_or(LONGEST_STEP / frequency);
-    let per_value = (1.0 / (RATE * longest)).ceil().max(1.0) as usize;
-    let step = 1.0 / (RATE * per_value as f64);
-    if per_value > MOST_STEPS {
+    let pace = Pace::of(settings.fixed_step.unwrap_or(LONGEST_STEP / frequency));
+    let step = pace.step();
+    if pace.steps > MOST_STEPS {
         let reason = format!("the spindle on its contacts is too quick for it: it needs steps of {step:.1e} s");
         return Err(SimulationError::Unable { rung: "spindle_only", reason });
     }
@@ -142,14 +148,17 @@ pub fn simulate(
     let before = (settings.settle / step).floor() as usize;
     // The grid of steps meets the first kept value; the run begins up to a step after time 0.
     let begin = settings.settle - before as f64 * step;
-    let mut method = AdamsMoulton::new(begin, (rest, [0.0; 2]), step);
     let mut recorder = Recorder::new(spindle_channels(), &settings.outputs, values);
-    // Of the steps on the way.
-    let mut signals = Signals::default();
-    let all = before + (values - 1) * per_value + 1;
+    // Values between steps need steps on either side; before the first of all steps there is a standstill.
+    let mut interpolator = Interpolator::new(pace.steps, pace.values);
+    let delay = if pace.is_long() { Interpolator::<{ SIGNALS.len() }>::DELAY } else { 0 };
+    let mut primed = before >= delay;
+    let first = if primed { before - delay } else { before };
+    let all = before + ((values - 1) * pace.steps).div_ceil(pace.values) + delay + 1;
     let set = InstructionSet::best();
     let mut fitted = model.speed(begin).0;
     model.refit(fitted);
+    let mut method = AdamsMoulton::<NODES>::new(&model, begin, (rest, [0.0; 2]), step);
     for from in (0..all).step_by(STEPS_PER_LOOK) {
         let to = (from + STEPS_PER_LOOK).min(all);
         let (speed, constant) = model.speed(method.time());
@@ -157,12 +166,20 @@ pub fn simulate(
             fitted = speed;
             model.refit(speed);
         }
-        let keep = Keep { from, to, first: before, every: per_value };
-        set.run(Advance { model: &model, method: &mut method, keep, signals: &mut signals });
-        for value in 0..signals[0].len() {
-            recorder.push(&signals.each_ref().map(|signal| signal[value]));
+        let mut frames = [Frame::default(); STEPS_PER_LOOK];
+        set.run(Advance { model: &model, method: &mut method, begins: from == 0, frames: &mut frames[..to - from] });
+        let kept = &frames[first.clamp(from, to) - from..to - from];
+        if !pace.is_long() {
+            let done = from.max(first) - first;
+            let next = done.next_multiple_of(pace.steps) - done;
+            kept.iter().skip(next).step_by(pace.steps).for_each(|frame| recorder.push(frame));
+        } else if let Some(frame) = kept.first() {
+            if !primed {
+                interpolator.prime(frame);
+                primed = true;
+            }
+            interpolator.push(kept, set, |value| recorder.push(value));
         }
-        signals.iter_mut().for_each(Vec::clear);
         let time = method.time();
         if let Some(component) = not_finite(method.motion()) {
             let source = IntegrationError::NotFinite { time, step, component };
@@ -191,21 +208,12 @@ fn statistics(steps: u64, rhs_evaluations: u64, step: f64) -> Statistics {
     Statistics { steps, rhs_evaluations, least_step: step, advanced, ..Statistics::default() }
 }
 
-/// Points `from..to` of the run, of which every `every`-th from `first` on is kept.
-#[derive(Clone, Copy)]
-struct Keep {
-    from: usize,
-    to: usize,
-    first: usize,
-    every: usize,
-}
-
-/// Some steps of a run; the point before each is kept.
+/// Some points of a run, one step after another; the first point of all is where it begins.
 struct Advance<'a> {
     model: &'a SpindleOnly,
-    method: &'a mut AdamsMoulton,
-    keep: Keep,
-    signals: &'a mut Signals,
+    method: &'a mut AdamsMoulton<NODES>,
+    begins: bool,
+    frames: &'a mut [Frame],
 }
 
 impl Task for Advance<'_> {
@@ -213,25 +221,33 @@ impl Task for Advance<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { model, method: at, keep, signals } = self;
-        // In registers meanwhile: what is written in parts and read as a whole is waited for.
+        let Self { model, method: at, begins, frames } = self;
+        let mut begun = 0;
+        while begun < frames.len() && !at.has_begun() {
+            if begun > 0 || !begins {
+                at.begin(model);
+            }
+            frames[begun] = frame(at);
+            begun += 1;
+        }
+        let frames = &mut frames[begun..];
+        // In registers meanwhile: what is written in parts and read as a whole is waited for. And nothing is called
+        // between two steps, which would have to empty the registers.
         let mut method = *at;
-        for point in keep.from..keep.to {
-            if point > 0 {
-                method.step(model);
-            }
-            if point >= keep.first && (point - keep.first).is_multiple_of(keep.every) {
-                let (place, velocity) = method.motion();
-                let acceleration =
-                    if point > 0 { *method.acceleration() } else { model.acceleration(method.time(), method.motion()) };
-                let values = [place[0], place[1], velocity[0], velocity[1], acceleration[0], acceleration[1]];
-                for (signal, value) in signals.iter_mut().zip(values) {
-                    signal.push(value);
-                }
-            }
+        let mut drives = [Driven::default(); STEPS_PER_LOOK];
+        model.drives(|step| method.after(step + 1), &mut drives);
+        for (kept, drive) in frames.iter_mut().zip(&drives) {
+            method.step(model, drive);
+            *kept = frame(&method);
         }
         *at = method;
     }
+}
+
+#[inline(always)]
+fn frame(method: &AdamsMoulton<NODES>) -> Frame {
+    let (([y, z], [vy, vz]), [ay, az]) = (*method.motion(), *method.acceleration());
+    [y, z, vy, vz, ay, az]
 }
 
 fn spindle_channels() -> [Channel; 6] {
@@ -295,10 +311,14 @@ impl Task for Shot<'_> {
     fn run(self) -> [f64; 4] {
         let [y, z, vy, vz] = self.state;
         let step = self.length / self.steps as f64;
-        let mut method = AdamsMoulton::new(0.0, ([y, z], [vy, vz]), step);
+        let mut method = AdamsMoulton::<SHOT_NODES>::new(self.model, 0.0, ([y, z], [vy, vz]), step);
         let mut signals = self.signals;
         for point in 0..self.steps {
-            method.step(self.model);
+            if method.has_begun() {
+                method.step(self.model, &self.model.drive(method.after(1)));
+            } else {
+                method.begin(self.model);
+            }
             if let Some(signals) = &mut signals {
                 let (([y, z], [vy, vz]), [ay, az]) = (*method.motion(), *method.acceleration());
                 // The last point is the first one of the next passage.
@@ -327,7 +347,7 @@ fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
     let (rest, frequency) = model.rest();
     let speed = model.speed(0.0).0;
     let length = std::f64::consts::TAU / (model.balls() as f64 * (model.orbit_ratio() * speed).abs());
-    let longest = LONGEST_SHOT.min(LONGEST_STEP / frequency);
+    let longest = LONGEST_SHOT.min(LONGEST_TURN_OF_SHOT / frequency);
     let coarse = ((length / longest).ceil() as usize).max(16);
     if coarse > MOST_STEPS_A_PASSAGE {
         let reason = format!("a ball passes every {length:.1e} s, which takes {coarse} steps of {longest:.1e} s");

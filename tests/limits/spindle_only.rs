@@ -129,6 +129,36 @@ fn what_the_spindle_alone_cannot_show_is_refused_in_words() {
     assert!(simulate_periodic(&unbalanced, &base, &QUIET).is_err());
 }
 
+/// The steps that are chosen, some longer than the interval of the kept values, against steps an eighth of it.
+#[test]
+fn chosen_steps_err_by_a_hundredth_of_a_decibel() {
+    for (clearance, load, speed) in [(5.0, 200.0, 50_000.0), (2.0, 400.0, 30_000.0), (10.0, 400.0, 20_000.0)] {
+        let (scene, settings) = (article(clearance, load, speed), settings(0.02, 0.1));
+        let (chosen, statistics) = simulate(&scene, &settings, &QUIET).unwrap();
+        assert!(statistics.least_step > 1e-5, "{clearance} µm, {load} N, {speed} r/min: {}", statistics.least_step);
+        let finer = RunSettings { fixed_step: Some(1.25e-6), ..settings };
+        let apart = worst_db(&levels(&chosen), &levels(&simulate(&scene, &finer, &QUIET).unwrap().0));
+        assert!(apart < 0.01, "{clearance} µm, {load} N, {speed} r/min: {apart} dB");
+    }
+}
+
+/// Nothing settles: the first value is the start, and values between steps know of no time before it.
+#[test]
+fn a_run_may_keep_everything() {
+    let (scene, settings) = (article(5.0, 200.0, 50_000.0), settings(0.0, 0.02));
+    let velocity = |fixed_step| {
+        let (found, _) = simulate(&scene, &RunSettings { fixed_step, ..settings.clone() }, &QUIET).unwrap();
+        found.signal(Channel::Spindle(Axis::Y, Motion::Velocity)).unwrap().to_vec()
+    };
+    let (long, short) = (velocity(None), velocity(Some(1.25e-6)));
+    assert_eq!((long.len(), short.len(), short[0]), (2048, 2048, 0.0));
+    let apart = |range: std::ops::Range<usize>| {
+        range.map(|i| (long[i] - short[i]).abs()).fold(0.0, f64::max)
+            / short.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
+    };
+    assert!(apart(8..200) < 0.02, "{} {}", apart(8..200), apart(0..8));
+}
+
 /// G 6.3 on 50 g adds the acceleration 6.3 mm/s · ω in all directions, and a ramp ends at its speed.
 #[test]
 fn unbalance_and_ramps_run_in_time() {
@@ -144,5 +174,5 @@ fn unbalance_and_ramps_run_in_time() {
     scene.operation.speed = raceway::physics::operation::SpeedProfile::new(points).unwrap();
     let (ramp, statistics) = simulate(&scene, &base, &QUIET).unwrap();
     assert!((ramp.shaft_speed - 2750.0).abs() < 1.0);
-    assert!(levels(&ramp).iter().all(|level| level.is_finite() && *level > 0.0) && statistics.steps > 10_000);
+    assert!(levels(&ramp).iter().all(|level| level.is_finite() && *level > 0.0) && statistics.steps > 5000);
 }

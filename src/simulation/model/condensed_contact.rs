@@ -119,8 +119,9 @@ impl CondensedContact {
         let middle = MIDDLE * free.root;
         let per_sum = 1.0 / (u + middle);
         let t = u * per_sum;
-        let x = t + t - 1.0;
-        let inner_root = u * polynomial(&self.root, x).0;
+        // 2t − 1.
+        let x = (u - middle) * per_sum;
+        let inner_root = u * in_pairs(&self.root, x);
         let (a, a_slope) = polynomial(&self.share, x);
         let inner = inner_root * inner_root;
         let stiffness = self.stiffness.inner * inner_root;
@@ -142,6 +143,17 @@ impl CondensedContact {
             damped_load: inner_share * inner_share * load + outer_share * outer_share * (load + free.force),
         }
     }
+}
+
+/// Value of a polynomial, coefficients by rising powers: in pairs, and pairs of these (Estrin), for it is waited for.
+#[inline(always)]
+fn in_pairs(coefficients: &[f64; ROOT_TERMS], x: f64) -> f64 {
+    let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o] = *coefficients;
+    let square = x * x;
+    let fourth = square * square;
+    let low = ((a + b * x) + (c + d * x) * square) + ((e + f * x) + (g + h * x) * square) * fourth;
+    let high = ((i + j * x) + (k + l * x) * square) + ((m + n * x) + o * square) * fourth;
+    low + high * (fourth * fourth)
 }
 
 /// Value and slope, coefficients by rising powers. Four chains in powers of x⁴: Horner's one would have every term wait

@@ -84,7 +84,7 @@ struct Group {
 
 /// The spindle's turning at a time: orbit speed [rad/s], direction of the first pocket, and what acts besides balls [N].
 #[derive(Debug, Clone, Copy, Default)]
-struct Driven {
+pub struct Driven {
     orbit: f64,
     cosine: f64,
     sine: f64,
@@ -191,17 +191,43 @@ impl SpindleOnly {
         self.balls
     }
 
-    /// The spindle's turning at a time, and the forces that do not come from balls.
+    /// What drives the spindle at the times of a row of steps.
     #[inline(always)]
-    fn driven(&self, time: f64) -> Driven {
-        let (angle, speed, acceleration) = match self.constant {
+    pub fn drives(&self, time: impl Fn(usize) -> f64, drives: &mut [Driven]) {
+        for (eight, drives) in drives.chunks_exact_mut(LANES).enumerate() {
+            let (mut turnings, mut azimuths) = ([(0.0, 0.0, 0.0); LANES], Lanes::<LANES>::default());
+            for lane in 0..LANES {
+                turnings[lane] = self.turning(time(eight * LANES + lane));
+                azimuths[lane] = self.first_ball(&turnings[lane]);
+            }
+            let (mut sines, mut cosines) = (Lanes::<LANES>::default(), Lanes::<LANES>::default());
+            for lane in 0..LANES {
+                (sines[lane], cosines[lane]) = sine_cosine(azimuths[lane]);
+            }
+            for (lane, drive) in drives.iter_mut().enumerate() {
+                *drive = self.driven(&turnings[lane], (sines[lane], cosines[lane]));
+            }
+        }
+    }
+
+    /// Angle, speed and acceleration of the spindle.
+    #[inline(always)]
+    fn turning(&self, time: f64) -> (f64, f64, f64) {
+        match self.constant {
             Some(speed) => (speed * time, speed, 0.0),
             None => self.speed.at(time),
-        };
-        // Balls are alike: the nearest to azimuth 0 may pass for the first.
+        }
+    }
+
+    /// Azimuth of a ball: they are alike, and the nearest to azimuth 0 may pass for the first.
+    #[inline(always)]
+    fn first_ball(&self, (angle, _, _): &(f64, f64, f64)) -> f64 {
         let turned = self.orbit_ratio * angle;
-        let nearest = turned - (turned * self.spacing.1).round_ties_even() * self.spacing.0;
-        let (sine, cosine) = sine_cosine(nearest);
+        turned - (turned * self.spacing.1).round_ties_even() * self.spacing.0
+    }
+
+    #[inline(always)]
+    fn driven(&self, &(angle, speed, acceleration): &(f64, f64, f64), (sine, cosine): (f64, f64)) -> Driven {
         let mut force = self.force;
         if self.unbalance != 0.0 {
             let unbalance = unbalance_force(self.unbalance, angle, speed, acceleration);
@@ -264,17 +290,24 @@ impl SpindleOnly {
 }
 
 impl EquationsOfMotion for SpindleOnly {
-    /// Of the spindle, time [s]. The slope is that of elastic loads over the approach and of damping over its rate.
+    type Drive = Driven;
+
     #[inline(always)]
-    fn defect(&self, time: f64, motion: &SpindleMotion, acceleration: [f64; 2], shares: Shares) -> Defect {
-        let driven = self.driven(time);
+    fn drive(&self, time: f64) -> Driven {
+        let turning = self.turning(time);
+        self.driven(&turning, sine_cosine(self.first_ball(&turning)))
+    }
+
+    /// Of the spindle. The slope is that of elastic loads over the approach and of damping over its rate.
+    #[inline(always)]
+    fn defect(&self, driven: &Driven, motion: &SpindleMotion, acceleration: [f64; 2], shares: Shares) -> Defect {
         let [ay, az] = acceleration;
         let force = [driven.force[0] - self.mass * ay, driven.force[1] - self.mass * az];
         let slope = [self.mass, 0.0, self.mass];
         // The first group by itself: in a loop the processor would be made to fill its registers anew with what all lanes share.
-        let mut all = Defect { force, slope }.and(&self.group(&self.first, &driven, motion, acceleration, shares));
+        let mut all = Defect { force, slope }.and(&self.group(&self.first, driven, motion, acceleration, shares));
         for group in &self.others {
-            all = all.and(&self.group(group, &driven, motion, acceleration, shares));
+            all = all.and(&self.group(group, driven, motion, acceleration, shares));
         }
         all
     }

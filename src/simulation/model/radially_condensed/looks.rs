@@ -19,12 +19,17 @@ use super::recording::{Pace, Schedule};
 /// Spindle signals: place, velocity, acceleration of y, then of z.
 pub(super) const SIGNALS: usize = 6;
 
+/// Frames that are interpolated between at once.
+const FRAMES: usize = 64;
+
 /// What was seen so far.
 pub(super) struct Looks<'a> {
     model: &'a RadiallyCondensed,
     schedule: Schedule,
     decimator: Decimator,
     interpolator: Interpolator<SIGNALS>,
+    /// Frames for it: some at once are quicker.
+    frames: Vec<[f64; SIGNALS]>,
     /// The first frame stands for what was before: the run has none.
     primed: bool,
     filtered: Recorder,
@@ -96,6 +101,7 @@ impl<'a> Looks<'a> {
             schedule,
             decimator: Decimator::new(if schedule.pace.is_long() { 1 } else { schedule.pace.steps }, SIGNALS),
             interpolator: Interpolator::new(schedule.pace.steps, schedule.pace.values),
+            frames: Vec::with_capacity(FRAMES),
             primed,
             filtered: recorder(&spindle_channels()),
             picked: recorder(&channels),
@@ -158,12 +164,20 @@ impl<'a> Looks<'a> {
     /// are longer.
     fn keep_spindle(&mut self, frame: &[f64; SIGNALS]) {
         if self.schedule.pace.is_long() {
-            self.interpolator.push(frame, |value| self.filtered.push(value));
+            self.frames.push(*frame);
+            if self.frames.len() == FRAMES {
+                self.interpolate();
+            }
         } else if self.schedule.pace.steps == 1 {
             self.filtered.push(frame);
         } else if let Some(frame) = self.decimator.push(frame) {
             self.filtered.push(frame);
         }
+    }
+
+    fn interpolate(&mut self) {
+        self.interpolator.push(&self.frames, self.model.instructions, |value| self.filtered.push(value));
+        self.frames.clear();
     }
 
     /// Speeds and all channels besides the spindle's, as they stand.
@@ -226,6 +240,7 @@ impl<'a> Looks<'a> {
 
     /// What was seen.
     pub fn finish(mut self, start: f64) -> Recording {
+        self.interpolate();
         if self.schedule.pace.is_long() && !self.channels.is_empty() {
             // The last value of all may fall on the last step.
             self.picked.push(&self.pick[0]);
