@@ -196,6 +196,10 @@ impl Worker {
             Some(status) => self.store.figures.ended(status),
             None => self.store.figures.claim_lost(),
         }
+        match &end {
+            End::Failed(failure) => tracing::info!(job = %claim.job, cause = %failure.cause, "a run has failed"),
+            end => tracing::debug!(job = %claim.job, status = end.status().name(), "a run has ended"),
+        }
         self.running.ended(claim.job);
         Ok(Delivered::Done)
     }
@@ -249,7 +253,8 @@ fn solve(
     };
     figures.succeeded(solved, factor);
     let stored = StoredResult::of(&outcome).map_err(|error| internal(error.to_string()));
-    tracing::debug!(?solved, encoded = ?begin.elapsed() - solved, "a run has ended");
+    let ms = |time: Duration| 1e3 * time.as_secs_f64();
+    tracing::debug!(solved_ms = ms(solved), encoded_ms = ms(begin.elapsed() - solved), "a result is there");
     stored
 }
 
