@@ -183,7 +183,7 @@ fn steps() {
         (found, times[RUNS / 2])
     };
     let exact: Vec<[f64; 4]> = SCENES.iter().map(|p| run(*p, 1.0 / (8.0 * RATE)).0).collect();
-    for per_value in [4.0, 3.0, 2.0, 1.0] {
+    for per_value in [4.0, 2.0, 1.0, 4.0 / 5.0, 2.0 / 3.0, 4.0 / 7.0, 1.0 / 2.0] {
         let step = 1.0 / (per_value * RATE);
         let runs: Vec<([f64; 4], f64)> = SCENES.iter().map(|p| run(*p, step)).collect();
         let mut errors: Vec<f64> = runs
