@@ -154,15 +154,8 @@ pub struct ServeOptions {
     /// Address to listen on; port 0 picks a free one
     #[arg(long, env = "RACEWAY_LISTEN", default_value = "127.0.0.1:8080", value_name = "ADDRESS:PORT")]
     pub listen: SocketAddr,
-    /// Database: sqlite://FILE, made when it does not exist, or postgres://USER@HOST/NAME
-    #[arg(
-        long,
-        env = "RACEWAY_DATABASE",
-        default_value = "sqlite://raceway.db",
-        value_name = "URL",
-        hide_env_values = true
-    )]
-    pub database: String,
+    #[command(flatten)]
+    pub database: DatabaseOptions,
     /// Simulations at a time [default: number of cores]; on PostgreSQL 0 leaves them to workers
     #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub workers: Option<u16>,
@@ -324,7 +317,7 @@ pub enum ConfigError {
 impl ServeOptions {
     /// Settings of queue and store.
     pub fn job_settings(&self) -> Result<Settings, ConfigError> {
-        let database = location(&self.database)?;
+        let database = self.database.location()?;
         if self.workers == Some(0) && matches!(database, Location::File(_)) {
             return Err(ConfigError::NobodyWorks);
         }

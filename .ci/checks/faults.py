@@ -31,7 +31,7 @@ NOBODY = 65534
 def run(seconds, number):
     """A job of about so many seconds of computing, of one thread of an ordinary machine; each a work of its own."""
     operation = {"speed_rpm": 50000, "radial_load_y_n": 200 + number}
-    return ARTICLE | {"scene": ARTICLE["scene"] | {"operation": operation}, "settle_s": 0, "duration_s": 0.05 * seconds,
+    return ARTICLE | {"scene": ARTICLE["scene"] | {"operation": operation}, "settle_s": 0, "duration_s": 0.12 * seconds,
                       "reuse": False, "solver": {"rung": "full", "relative_tolerance": 1e-6}}
 
 

@@ -153,7 +153,7 @@ def on_postgres(expected, server):
             # Asleep past its claim, then awake: what has ended stays as it is.
             service, sleeper, other = processes
             other.kill()
-            path = service.submit({**job(0), "duration_s": 20})[0]
+            path = service.submit({**job(0), "duration_s": 100})[0]
             service.until(path, lambda job: job["status"] == "running")
             sleeper.process.send_signal(signal.SIGSTOP)
             processes[2] = start[2]()

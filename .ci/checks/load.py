@@ -57,20 +57,20 @@ def load(name, service, path, connections, script=None):
 
 
 def busy(directory, queue_limit):
-    """A service whose only worker computes, and a job that has ended."""
+    """A service whose only worker computes, a job that has ended, and a script by which wrk submits."""
     service = Service(directory, "--workers", "1", "--queue-limit", str(queue_limit))
     path, _ = service.submit(SMALL)
     check(service.ended(path)["status"] == "succeeded", "a job has ended")
     running, _ = service.submit(ARTICLE | {"duration_s": 1000, "settle_s": 100, "solver": {"rung": "full"}})
     service.until(running, lambda job: job["status"] == "running")
-    return service, path
-
-
-with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     script = os.path.join(directory, "post.lua")
     with open(script, "w", encoding="utf-8") as file:
         file.write(LUA % json.dumps(SMALL))
-    service, path = busy(directory, 1_000_000)
+    return service, path, script
+
+
+with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
+    service, path, script = busy(directory, 1_000_000)
     try:
         for connections in (50, 500):
             check(load("a probe", service, "/health/live", connections)[1] == 0, "none is refused")
@@ -91,10 +91,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         service.stop()
 
 with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
-    script = os.path.join(directory, "post.lua")
-    with open(script, "w", encoding="utf-8") as file:
-        file.write(LUA % json.dumps(SMALL))
-    service, path = busy(directory, 1)
+    service, path, script = busy(directory, 1)
     try:
         service.submit(SMALL)
         for connections in (50, 500):

@@ -8,9 +8,12 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
 from service import ARTICLE, Service, check  # noqa: E402
 
+# Seconds of computing: the kill meets it on a quick machine, too.
+LONG = ARTICLE | {"duration_s": 2, "solver": {"rung": "full"}}
+
 with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     first = Service(directory, "--workers", "1")
-    long, _ = first.submit(ARTICLE | {"duration_s": 0.25, "labels": ["killed"]})
+    long, _ = first.submit(LONG | {"labels": ["killed"]})
     waiting, _ = first.submit(ARTICLE | {"duration_s": 0.02, "labels": ["waiting"]})
     job = first.until(long, lambda job: job["progress"] > 0.05)
     check(job["status"] == "running", f"the job runs ({100 * job['progress']:.0f} % done)")
@@ -28,7 +31,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         check(len(jobs) == 2, "there are two jobs, no more")
         metrics = second.request("GET", f"{long}/metrics")[2]
         check(metrics["channels"]["spindle.y.acceleration"]["level_db"] > 0, "its metrics are there")
-        again = second.request("POST", "/v1/jobs", ARTICLE | {"duration_s": 0.25})[2]
+        again = second.request("POST", "/v1/jobs", LONG)[2]
         check(again["status"] == "succeeded" and again["reused"], "its result answers the same work")
     finally:
         second.stop()

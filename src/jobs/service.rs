@@ -96,6 +96,7 @@ pub struct Jobs {
 }
 
 /// The parts.
+#[derive(Clone)]
 pub(super) struct Inner {
     /// This process among those that share the database.
     pub worker: Uuid,
@@ -107,7 +108,7 @@ pub(super) struct Inner {
     pub tokens: Arc<KnownTokens>,
     intake: Intake,
     stopping: CancellationToken,
-    _lock: Option<DatabaseLock>,
+    _lock: Option<Arc<DatabaseLock>>,
 }
 
 impl Inner {
@@ -120,7 +121,7 @@ impl Jobs {
     /// Opens the database, brings back what a dead process left, and begins to run jobs.
     pub async fn start(settings: Settings, simulator: Simulator) -> Result<Self, JobError> {
         let lock = match &settings.database {
-            Location::File(path) => Some(DatabaseLock::take(path)?),
+            Location::File(path) => Some(Arc::new(DatabaseLock::take(path)?)),
             Location::Server(_) => None,
         };
         let opening = |error| JobError::opening(&settings.database, error);
@@ -191,23 +192,8 @@ impl Jobs {
     /// What another process on the same database would be, as long as it only sweeps and answers requests.
     #[cfg(test)]
     pub(super) fn twin(&self, worker: Uuid, settings: Settings) -> Self {
-        let Inner { store, queue, runner, tokens, intake, .. } = &*self.inner;
-        let (store, queue, tokens, intake) = (store.clone(), Arc::clone(queue), Arc::clone(tokens), intake.clone());
-        let (running, runner, stopping) = (Arc::default(), Arc::clone(runner), CancellationToken::new());
-        Self {
-            inner: Arc::new(Inner {
-                worker,
-                settings,
-                store,
-                queue,
-                running,
-                runner,
-                tokens,
-                intake,
-                stopping,
-                _lock: None,
-            }),
-        }
+        let (running, stopping) = (Arc::default(), CancellationToken::new());
+        Self { inner: Arc::new(Inner { worker, settings, running, stopping, ..Inner::clone(&self.inner) }) }
     }
 
     /// Hands in a job; it is safe on the disk when this returns. With a key, once: the same key answers again as it did first.

@@ -33,6 +33,15 @@ pub fn weights<const N: usize>(latest: f64, known: usize) -> Weights<N> {
     weights
 }
 
+/// Of the `known` ≤ N last values, latest first, in the next one by the polynomial through them: (−1)ⁱ⁺¹ `known` over i.
+pub fn ahead<const N: usize>(known: usize) -> [f64; N] {
+    let mut binomial = -1.0;
+    std::array::from_fn(|i| {
+        binomial *= -(known.saturating_sub(i) as f64) / (i as f64 + 1.0);
+        binomial
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,5 +61,14 @@ mod tests {
         close(moulton.velocity, 24.0, [9.0, 19.0, -5.0, 1.0]);
         close(moulton.place, 360.0, [38.0, 171.0, -36.0, 7.0]);
         close(weights::<4>(1.0, 2).velocity, 2.0, [1.0, 1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_next_value_continues_the_polynomial() {
+        assert_eq!(ahead(4), [4.0, -6.0, 4.0, -1.0]);
+        assert_eq!(ahead(2), [2.0, -1.0, 0.0, 0.0]);
+        let cube = |x: f64| x * x * x - x;
+        let next: f64 = ahead::<7>(7).iter().enumerate().map(|(i, weight)| weight * cube(-(i as f64))).sum();
+        assert!((next - cube(1.0)).abs() < 1e-12);
     }
 }

@@ -9,7 +9,7 @@
 //! With 4 nodes stable up to ω h = 0.35 without damping and 1.8 with a tenth of the critical one, with 7 up to 1 and 1.7, where the
 //! slope is right.
 
-use super::adams::{Weights, weights};
+use super::adams::{Weights, ahead, weights};
 
 /// Nodes that there is room for.
 const MOST_NODES: usize = 8;
@@ -68,15 +68,6 @@ pub trait EquationsOfMotion {
 pub fn solve(Defect { force: [y, z], slope: [yy, yz, zz] }: &Defect) -> [f64; 2] {
     let per_determinant = 1.0 / (yy * zz - yz * yz);
     [(zz * y - yz * z) * per_determinant, (yy * z - yz * y) * per_determinant]
-}
-
-/// The next value by the polynomial through the last `N`, latest first: (−1)ⁱ⁺¹ N over i.
-fn ahead<const N: usize>() -> [f64; N] {
-    let mut binomial = -1.0;
-    std::array::from_fn(|i| {
-        binomial *= -((N - i) as f64) / (i as f64 + 1.0);
-        binomial
-    })
 }
 
 /// Accelerations at the last times, latest first, in a ring that stands there twice, so that they follow each other from `latest`
@@ -138,7 +129,7 @@ impl<const N: usize> AdamsMoulton<N> {
             acceleration,
             past,
             known: 1,
-            ahead: ahead(),
+            ahead: ahead(N),
             predict: Weights {
                 place: predict.place.map(|weight| step * step * weight),
                 velocity: predict.velocity.map(|weight| step * weight),

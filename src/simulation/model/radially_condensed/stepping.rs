@@ -17,7 +17,7 @@
 use super::evaluation::Scratch;
 use super::{BallRates, BallState, Border, RadiallyCondensed, Rates, Seen};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
-use crate::numerics::ode::adams::{Weights, weights};
+use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::adams_moulton::{Shares, solve};
 
 /// Short steps to one of full length at the start.
@@ -40,10 +40,6 @@ const IMPLICIT: [Implicit; 3] = [
     Implicit { leading: 1.5, past: [0.5, 0.0], ahead: [1.0, 0.0], rates: [2.0, -1.0, 0.0] },
     Implicit { leading: 11.0 / 6.0, past: [7.0 / 6.0, -1.0 / 3.0], ahead: [2.0, -1.0], rates: [3.0, -3.0, 1.0] },
 ];
-
-/// The next value by the polynomial through so many known ones, newest first.
-const AHEAD: [[f64; NODES]; NODES] =
-    [[1.0, 0.0, 0.0, 0.0], [2.0, -1.0, 0.0, 0.0], [3.0, -3.0, 1.0, 0.0], [4.0, -6.0, 4.0, -1.0]];
 
 /// Formulas with as many nodes as are known.
 #[derive(Debug, Clone, Copy)]
@@ -71,7 +67,7 @@ impl Formulas {
             } else {
                 Weights { velocity: [0.0; NODES], place: [0.0; NODES] }
             },
-            ahead: AHEAD[known - 1],
+            ahead: ahead(known),
         }
     }
 }
