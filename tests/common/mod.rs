@@ -106,7 +106,7 @@ pub trait Server {
             if statuses.iter().any(|status| job["status"] == *status) {
                 return job;
             }
-            assert!(begin.elapsed() < Duration::from_secs(40), "{path} is still {job}");
+            assert!(begin.elapsed() < Duration::from_secs(180), "{path} is still {job}");
             std::thread::sleep(Duration::from_millis(10));
         }
     }
