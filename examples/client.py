@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-# Submits a job, follows it, prints levels and labelled lines, saves spectrum.csv and spectrum.svg; standard library only.
-# Run: python3 examples/client.py [URL]   (default http://127.0.0.1:8080; a token, where the service wants one, in RACEWAY_TOKEN)
+"""Submits a job to a running service, follows it, prints levels and labelled lines, and saves spectrum.csv and spectrum.svg in the
+current folder. Standard library only. A token, where the service wants one, is read from RACEWAY_TOKEN."""
 
+import argparse
 import json
 import os
 import sys
@@ -10,7 +11,6 @@ import urllib.error
 import urllib.parse
 import urllib.request
 
-API = (sys.argv[1] if len(sys.argv) > 1 else "http://127.0.0.1:8080").rstrip("/")
 TOKEN = os.environ.get("RACEWAY_TOKEN")
 # Answers that say: later, after `Retry-After` seconds.
 LATER = (429, 503)
@@ -24,6 +24,15 @@ JOB = {
         "spindle": {"balance_grade": 6.3},
     },
 }
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("url", nargs="?", default="http://127.0.0.1:8080", help="address of the service (default: %(default)s)")
+    return parser.parse_args()
+
+
+API = arguments().url.rstrip("/")
 
 
 class Problem(Exception):
@@ -88,13 +97,13 @@ def main():
         metrics, _ = ask("GET", links["metrics"])
         for name, channel in metrics["channels"].items():
             if "level_db" in channel:
-                print(f"{name}: {channel['level_db']:.1f} dB, {channel['rms']:.3g} {channel['unit']} rms")
+                print(f"{name}: {channel['level_db']:.1f} dB re 9.81 mm/s², {channel['rms']:.3g} {channel['unit']} rms")
         print(f"the worst level is known within {metrics['accuracy'].get('level_error_db', float('nan')):.2g} dB")
         for line in metrics["lines"]:
             if line["label"]:
                 print(f"{line['channel']}: {line['frequency_hz']:8.1f} Hz  {line['amplitude']:9.3g}  {line['label']}")
-        query = urllib.parse.urlencode({"channel": "spindle.y.acceleration", "max_frequency_hz": 5000})
-        save("spectrum.csv", call("GET", f"{links['spectrum']}?{query}", accept="text/csv")[0])
+        # Of the first channel; `channel` names another one of links["channels"].
+        save("spectrum.csv", call("GET", f"{links['spectrum']}?max_frequency_hz=5000", accept="text/csv")[0])
         save("spectrum.svg", call("GET", links["spectrum_svg"], accept="image/svg+xml")[0])
     except Problem as problem:
         for field in problem.fields:

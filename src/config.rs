@@ -368,9 +368,9 @@ fn tokens_of(list: &OsStr) -> Result<Tokens, ConfigError> {
     if tokens.is_empty() { Err(ConfigError::NoTokens) } else { Ok(tokens) }
 }
 
-/// How much is logged: `RACEWAY_LOG` is one of error, warn, info, debug, trace.
-pub fn log_level() -> Result<tracing::Level, ConfigError> {
-    let Some(level) = std::env::var_os("RACEWAY_LOG") else { return Ok(tracing::Level::INFO) };
+/// How much is logged: `RACEWAY_LOG` is one of error, warn, info, debug, trace; `usual` where it is not set.
+pub fn log_level(usual: tracing::Level) -> Result<tracing::Level, ConfigError> {
+    let Some(level) = std::env::var_os("RACEWAY_LOG") else { return Ok(usual) };
     let level = level.to_string_lossy();
     level.parse().map_err(|_| ConfigError::UnknownLogLevel(level.into_owned()))
 }

@@ -129,7 +129,7 @@ const SHOWN: [(&str, &[(&str, &str)]); 4] = [
         &[("spindle Y", "/channels/spindle.y.velocity/rms"), ("spindle Z", "/channels/spindle.z.velocity/rms")],
     ),
     (
-        "acceleration level in dB",
+        "acceleration level in dB re 9.81 mm/s²",
         &[
             ("spindle Y", "/channels/spindle.y.acceleration/level_db"),
             ("spindle Z", "/channels/spindle.z.acceleration/level_db"),

@@ -134,6 +134,12 @@ def check_lines(log):
     lines = [json.loads(line) for line in log.splitlines()]
     mine = [line["message"] for line in lines if line.get("span", {}).get("id") == REQUEST]
     check({"accepted", "answered"} <= set(mine), f"lines of a request name it: {mine}")
+    check(not any("spans" in line for line in lines), "and once")
+    said = {line["message"]: line for line in lines if line["level"] == "INFO"}
+    check({"version", "address", "database", "workers"} <= set(said["serving"]), "the start is told")
+    check("stopping; running jobs go back into the queue" in said and "stopped" in said, "and the stop")
+    ended = said.get("a run has succeeded", {})
+    check({"job", "seconds", "rung"} <= set(ended), f"and the end of a run: {ended}")
 
 
 def check_secrets(name, log, answers, rows):

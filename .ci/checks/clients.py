@@ -113,6 +113,8 @@ def examples(portal, url, place):
             check(os.path.getsize(os.path.join(place, name)) > 1000, f"{os.path.basename(command[-2])} saves {name}")
     check("5·BPFO" in run(*[sys.executable, os.path.join(EXAMPLES, "client.py"), url], environment=environment, cwd=place,
                           shown=False), "client.py names lines")
+    told = run(sys.executable, os.path.join(EXAMPLES, "client.py"), "--help", environment=clean_environment(), shown=False)
+    check("RACEWAY_TOKEN" in told and "http://127.0.0.1:8080" in told, "client.py --help tells what it does and takes")
     refused = subprocess.run([sys.executable, os.path.join(EXAMPLES, "client.py"), url], capture_output=True, text=True,
                              timeout=60, env=clean_environment(RACEWAY_TOKEN="wrong"), cwd=place)
     check(refused.returncode == 1 and "401 A token is needed" in refused.stderr, "client.py tells of a wrong token")

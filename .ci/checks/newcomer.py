@@ -22,6 +22,7 @@ with service() as running, tempfile.TemporaryDirectory() as directory:
     done = subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=directory, stdin=subprocess.DEVNULL,
                           capture_output=True, text=True, timeout=180)
     check(done.returncode == 0, f"the block ends well {done.stderr}")
+    check(block.count("curl ") == 2 and "sleep" not in block, "two requests, and no loop")
     check('"status":"succeeded"' in done.stdout, "the job has succeeded")
     check('"level_db"' in done.stdout, "the metrics hold levels")
     labels = set(re.findall(r'"label":"([^"]*)"', done.stdout))

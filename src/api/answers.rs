@@ -117,11 +117,11 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub channels: Option<String>,
-    /// Of a simulation that has succeeded; takes a channel.
+    /// Of a simulation that keeps spectra and has succeeded: of the first channel; `?channel=` names another.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum: Option<String>,
-    /// Of a simulation that has succeeded; takes a channel.
+    /// Of a simulation that keeps series and has succeeded: of the first channel; `?channel=` names another.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub series: Option<String>,

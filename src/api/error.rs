@@ -241,6 +241,7 @@ impl ApiError {
 fn not_kept(channel: &str, kept: &[String]) -> String {
     let channel: String = channel.chars().take(100).collect();
     match kept {
+        [] if channel.is_empty() => "nothing of this sort is kept; see outputs in the request".to_owned(),
         [] => format!("nothing of this sort is kept for `{channel}` or any other channel; see outputs in the request"),
         kept => format!("`{channel}` is not kept; kept are {}", listed(kept.iter().map(String::as_str))),
     }

@@ -9,6 +9,8 @@ use axum::http::header::{HeaderName, LINK, LOCATION, RETRY_AFTER};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error as ValueError;
 use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
@@ -237,25 +239,66 @@ struct SubmitHeaders {
     idempotency_key: Option<String>,
 }
 
-/// Which jobs a list shows.
-#[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
+/// Which jobs a list shows. A parameter that takes several values is repeated, for a label may hold a comma.
+#[derive(Debug, Default, Deserialize, IntoParams)]
+#[serde(try_from = "Vec<(String, String)>")]
 #[into_params(parameter_in = Query)]
 pub struct ListQuery {
-    /// Only jobs with this status.
-    #[param(inline = false)]
-    status: Option<StatusName>,
-    /// Only jobs of this kind.
-    #[param(inline = false)]
-    kind: Option<JobKindName>,
-    /// Only jobs with this label.
-    label: Option<String>,
+    /// Only jobs with this status; repeated (`status=failed&status=cancelled`), with any of these.
+    #[param(inline = false, required = false, style = Form, explode, max_items = 16)]
+    status: Vec<StatusName>,
+    /// Only jobs of this kind; repeated, of any of these.
+    #[param(inline = false, required = false, style = Form, explode, max_items = 16)]
+    kind: Vec<JobKindName>,
+    /// Only jobs with this label; repeated (`label=a&label=b`), with all of these.
+    #[param(required = false, style = Form, explode, max_items = 16)]
+    label: Vec<String>,
+    /// Only jobs without this label; repeated, without any of these.
+    #[param(required = false, style = Form, explode, max_items = 16)]
+    without_label: Vec<String>,
     /// Jobs a page has at most; 50 unless told.
     #[param(minimum = 1, maximum = 200)]
     limit: Option<u32>,
     /// Where the page begins, from `next` of the page before.
     #[param(format = Uuid)]
     cursor: Option<String>,
+}
+
+/// Values that a parameter takes at most: a job has no more labels.
+const MOST_VALUES: usize = 16;
+
+impl TryFrom<Vec<(String, String)>> for ListQuery {
+    type Error = String;
+
+    fn try_from(pairs: Vec<(String, String)>) -> Result<Self, String> {
+        let mut query = Self::default();
+        for (name, value) in pairs {
+            let of = |fault: &dyn std::fmt::Display| format!("{name}: {fault}");
+            match &*name {
+                "status" => query.status.push(named(&value).map_err(|fault| of(&fault))?),
+                "kind" => query.kind.push(named(&value).map_err(|fault| of(&fault))?),
+                "label" => query.label.push(value),
+                "without_label" => query.without_label.push(value),
+                "limit" if query.limit.is_none() => query.limit = Some(value.parse().map_err(|fault| of(&fault))?),
+                "cursor" if query.cursor.is_none() => query.cursor = Some(value),
+                "limit" | "cursor" => return Err(of(&"stands there twice")),
+                _ => return Err(format!("unknown field `{name}`, expected one of {LIST_PARAMETERS}")),
+            }
+        }
+        let most =
+            [query.status.len(), query.kind.len(), query.label.len(), query.without_label.len()].into_iter().max();
+        if most > Some(MOST_VALUES) {
+            return Err(format!("a parameter takes at most {MOST_VALUES} values"));
+        }
+        Ok(query)
+    }
+}
+
+const LIST_PARAMETERS: &str = "`status`, `kind`, `label`, `without_label`, `limit`, `cursor`";
+
+/// A word as a value of an enumeration.
+fn named<'v, T: Deserialize<'v>>(word: &'v str) -> Result<T, ValueError> {
+    T::deserialize(word.into_deserializer())
 }
 
 impl ListQuery {
@@ -266,9 +309,10 @@ impl ListQuery {
         }
         let cursor = self.cursor.as_ref().map(|cursor| cursor.parse::<Uuid>()).transpose();
         Ok(Filter {
-            status: self.status.map(Status::from),
-            kind: self.kind.map(|kind| JobKind::from(kind).name().to_owned()),
-            label: self.label.clone(),
+            statuses: self.status.iter().copied().map(Status::from).collect(),
+            kinds: self.kind.iter().map(|kind| JobKind::from(*kind).name().to_owned()).collect(),
+            labels: self.label.clone(),
+            without_labels: self.without_label.clone(),
             before: cursor.map_err(|_| ApiError::BadRequest("query: cursor: not one of this service".into()))?,
             limit,
         })
@@ -277,13 +321,11 @@ impl ListQuery {
     /// The path of the page that goes on behind a job, with the same filters.
     pub(super) fn page_after(&self, last: Uuid) -> String {
         let mut path = format!("/v1/jobs?limit={}&cursor={last}", self.limit.unwrap_or(50));
-        let status = self.status.map(|status| Status::from(status).name().to_owned());
-        let kind = self.kind.map(|kind| JobKind::from(kind).name().to_owned());
-        for (name, value) in [("status", &status), ("kind", &kind), ("label", &self.label)] {
-            if let Some(value) = value {
-                path.push_str(&format!("&{name}={}", percent_encoded(value)));
-            }
-        }
+        let mut add = |name: &str, value: &str| path.push_str(&format!("&{name}={}", percent_encoded(value)));
+        self.status.iter().for_each(|status| add("status", Status::from(*status).name()));
+        self.kind.iter().for_each(|kind| add("kind", JobKind::from(*kind).name()));
+        self.label.iter().for_each(|label| add("label", label));
+        self.without_label.iter().for_each(|label| add("without_label", label));
         path
     }
 }

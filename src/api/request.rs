@@ -104,7 +104,7 @@ pub fn header<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> 
     headers.get(name)?.to_str().ok()
 }
 
-/// The query; unknown and repeated parameters are refused.
+/// The query; unknown parameters are refused, and repeated ones that take one value.
 pub struct Query<T>(pub T);
 
 impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {

@@ -83,7 +83,7 @@ pub struct ChannelsAnswer {
 
 /// Get a spectrum
 ///
-/// One-sided amplitude spectrum of a channel that the request asked for: a sine of amplitude 1 reads 1. As
+/// One-sided amplitude spectrum of a channel that the request asked for, of the first one unless told: a sine of amplitude 1 reads 1. As
 /// JSON, or as CSV with the header `Accept: text/csv`.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/spectrum", tag = describe::RESULTS, operation_id = "getSpectrum",
@@ -106,13 +106,13 @@ pub async fn spectrum(
         None | Some(SpectrumKind::Amplitude) => Signal::Amplitude,
         Some(SpectrumKind::Envelope) => Signal::Envelope,
     };
-    let stored = signal_of(&app, &owner, id, signal, &query.channel).await?;
+    let stored = signal_or_first(&app, &owner, id, signal, query.channel.as_deref()).await?;
     shaped(move || query.shape(format, &stored)).await
 }
 
 /// Get a time series
 ///
-/// A channel whose series the request asked for, thinned to `max_points` in such a way that peaks survive.
+/// A channel whose series the request asked for, the first one unless told, thinned to `max_points` or fewer in such a way that peaks survive.
 /// As JSON; as CSV with the header `Accept: text/csv`; as NPY, for NumPy's `load`, with `Accept: application/x-npy`: an array of records with the
 /// fields `time_s` and `value`, doubles.
 #[utoipa::path(
@@ -133,7 +133,7 @@ pub async fn series(
     let format = negotiated(&headers, &[JSON, CSV, NPY])?;
     let query = unless_of_other_kind(&app, &owner, id, query.and_then(SeriesQuery::checked)).await?;
     let place = app.load.series()?;
-    let stored = signal_of(&app, &owner, id, Signal::Series, &query.channel).await?;
+    let stored = signal_or_first(&app, &owner, id, Signal::Series, query.channel.as_deref()).await?;
     if format == JSON && query.from_s.is_none() && query.to_s.is_none() && query.max_points.is_none() {
         return Ok(load::holding(place, sent(JSON, stored)));
     }
@@ -183,9 +183,9 @@ pub async fn optimum(
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct SpectrumQuery {
-    /// The channel.
+    /// The channel; the first that is kept (`…/channels`), where none is named.
     #[param(example = "spindle.y.acceleration")]
-    channel: String,
+    channel: Option<String>,
     /// `amplitude` unless told.
     #[param(inline = false)]
     kind: Option<SpectrumKind>,
@@ -198,14 +198,15 @@ pub struct SpectrumQuery {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct SeriesQuery {
-    /// The channel.
+    /// The channel; the first that is kept (`…/channels`), where none is named.
     #[param(example = "cage.y.displacement")]
-    channel: String,
-    /// Begin of the answer, in time since the start of the run [s].
+    channel: Option<String>,
+    /// Begin of the answer, in time since the start of the run, settling included [s]: the first kept value stands at `settle_s`.
     from_s: Option<f64>,
-    /// End of the answer [s].
+    /// End of the answer, in the same time [s].
     to_s: Option<f64>,
-    /// Points of the answer at most.
+    /// Points of the answer at most. Of each of half as many stretches of equal length the least and the greatest value are kept, so
+    /// that there may be fewer points, at uneven distances: one less where this is odd, or where both are one value.
     #[param(minimum = 1, example = 2000)]
     max_points: Option<u32>,
 }
@@ -266,6 +267,22 @@ async fn unless_of_other_kind<T>(app: &App, owner: &str, id: Uuid, query: Result
             _ => Err(refused),
         },
     }
+}
+
+/// A stored signal, the first one where no channel is named, so that the links of a job can be followed as they stand.
+async fn signal_or_first(
+    app: &App,
+    owner: &str,
+    id: Uuid,
+    signal: Signal,
+    channel: Option<&str>,
+) -> Result<Vec<u8>, ApiError> {
+    let Some(channel) = channel else {
+        let kept = app.jobs.channels(owner, id, signal).await?;
+        let first = kept.first().ok_or(ApiError::UnknownChannel { channel: String::new(), kept: Vec::new() })?;
+        return signal_of(app, owner, id, signal, first).await;
+    };
+    signal_of(app, owner, id, signal, channel).await
 }
 
 /// A stored signal, or which there are.

@@ -109,7 +109,8 @@ fn judged_metric(
             let after: Vec<usize> = std::iter::once(least.point).chain(after).collect();
             let falls = part(&before).is_some_and(|trend| trend.monotony < -MOSTLY);
             let rises = part(&after).is_some_and(|trend| trend.monotony > MOSTLY);
-            let as_good: Vec<f64> = least.as_good.iter().map(|point| axis[*point]).collect();
+            let as_good = least.as_good.unwrap_or_else(|| vec![least.point]);
+            let as_good: Vec<f64> = as_good.iter().map(|point| axis[*point]).collect();
             let (low, high) = (
                 as_good.iter().copied().fold(f64::INFINITY, f64::min),
                 as_good.iter().copied().fold(f64::NEG_INFINITY, f64::max),

@@ -1,7 +1,6 @@
 //! `raceway accuracy`: error against run time for a scene.
 
 use std::io::Write;
-use std::path::Path;
 
 use super::local::{self, Directory, badly, json};
 use super::{Ended, table};
@@ -12,14 +11,14 @@ use crate::render;
 /// Runs the study, prints it as a table, and writes `accuracy.json` and `work-precision.svg`.
 pub fn run(options: &AccuracyOptions) -> Ended {
     let parse = |body: &[u8]| contract::parse_accuracy_request(body, options.repetitions);
-    match local::read(&options.scene, parse).and_then(|job| local::execute(&job, options.quiet)) {
-        Ok(Outcome::Accuracy(answer)) => finish(&answer, &options.output),
+    match local::read(&options.scene, parse).and_then(|job| local::execute_into(&job, &options.output, options.quiet)) {
+        Ok((Outcome::Accuracy(answer), output)) => finish(&answer, &output),
         Ok(_) => badly("the job was no accuracy job"),
         Err(ended) => ended,
     }
 }
 
-fn finish(answer: &WorkPrecisionAnswer, output: &Path) -> Ended {
+fn finish(answer: &WorkPrecisionAnswer, output: &Directory) -> Ended {
     let mut stdout = std::io::stdout().lock();
     if let Err(error) = write!(stdout, "{}", table::work_precision(answer)) {
         return badly(&format!("stdout: {error}"));
@@ -28,8 +27,7 @@ fn finish(answer: &WorkPrecisionAnswer, output: &Path) -> Ended {
 }
 
 /// The answer and its plot, as files.
-pub fn write(answer: &WorkPrecisionAnswer, directory: &Path) -> Result<(), String> {
-    let directory = Directory::at(directory)?;
+pub fn write(answer: &WorkPrecisionAnswer, directory: &Directory) -> Result<(), String> {
     directory.write("accuracy.json", &json(answer))?;
     directory.write("work-precision.svg", &render::work_precision(answer))
 }

@@ -28,6 +28,10 @@ pub fn run(options: &ArticleOptions) -> Ended {
     if chosen.is_empty() {
         return badly("no run shows this figure: 5 to 18 are there");
     }
+    let output = match Directory::at(&options.output) {
+        Ok(output) => output,
+        Err(error) => return badly(&error),
+    };
     let mut all = Vec::new();
     for figure in chosen {
         if !options.quiet {
@@ -42,10 +46,8 @@ pub fn run(options: &ArticleOptions) -> Ended {
         None => ("ARTICLE.md".to_owned(), document(&all, PLOTS)),
         Some(number) => (format!("FIGURE-{number}.md"), document_of_one(&all, number, PLOTS)),
     };
-    let written = Directory::at(&options.output)
-        .and_then(|directory| directory.write(&file, &text))
-        .and_then(|()| Directory::at(&options.output.join(PLOTS)))
-        .and_then(|plots| {
+    let written =
+        output.write(&file, &text).and_then(|()| Directory::at(&options.output.join(PLOTS))).and_then(|plots| {
             let mut pictures = all.iter().flat_map(|(figure, evidence)| pictures(figure, evidence));
             pictures.try_for_each(|(name, svg)| plots.write(&name, &svg))
         });
@@ -113,6 +115,10 @@ fn robustness(options: &ArticleOptions) -> Ended {
     };
     let all: Vec<(&Study, usize)> =
         varied.iter().flatten().flat_map(|study| (0..study.points).map(move |point| (study, point))).collect();
+    let output = match Directory::at(&options.output) {
+        Ok(output) => output,
+        Err(error) => return badly(&error),
+    };
     let announcement = || format!("{} sets, {} runs of tens to hundreds of milliseconds each", sets.len(), all.len());
     let rows = progress::announced(announcement, options.quiet, |progress| {
         parallel::map(all.len(), parallel::cores(), progress, |number| study::row_of(all[number].0, all[number].1))
@@ -123,9 +129,8 @@ fn robustness(options: &ArticleOptions) -> Ended {
         Judged::of(*set, &studies.iter().map(table).collect::<Vec<_>>())
     });
     let judged: Vec<Judged> = judged.collect();
-    let written = Directory::at(&options.output).and_then(|directory| {
-        directory.write("ROBUSTNESS.md", &robustness_document(&judged, &chosen))?;
-        directory.write("robustness.csv", &robustness_csv(&judged))
-    });
+    let written = output
+        .write("ROBUSTNESS.md", &robustness_document(&judged, &chosen))
+        .and_then(|()| output.write("robustness.csv", &robustness_csv(&judged)));
     written.map_or_else(|error| badly(&error), |()| Ended::Well)
 }

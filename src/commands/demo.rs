@@ -9,6 +9,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::client::{Client, ClientError};
+use super::local::Directory;
 use super::serve::{Signals, announce, log_to_stderr, simulator};
 use super::{Ended, table};
 use crate::api::Access;
@@ -41,7 +42,8 @@ pub async fn run(options: DemoOptions) -> Ended {
 }
 
 async fn start(place: &Place) -> Result<(Service, Signals), Box<dyn std::error::Error>> {
-    log_to_stderr()?;
+    // What it prints tells how its jobs go.
+    log_to_stderr(tracing::Level::WARN)?;
     let signals = Signals::listen()?;
     let settings = Settings::new(place.0.join("raceway.db"));
     let listen = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
@@ -71,6 +73,7 @@ async fn show(url: &str, options: &DemoOptions) -> Ended {
 }
 
 async fn try_show(url: &str, options: &DemoOptions) -> Result<Ended, Box<dyn std::error::Error>> {
+    let output = Directory::at(&options.output)?;
     let client = Client::new(url.to_owned());
     let mut submitted = Vec::new();
     for (name, job) in cases() {
@@ -88,13 +91,11 @@ async fn try_show(url: &str, options: &DemoOptions) -> Result<Ended, Box<dyn std
         }
         ended.push((name, job));
     }
-    let picture = options.output.join("spectrum.svg");
     let path = ended[0].1["links"]["spectrum_svg"].as_str().unwrap_or_default().to_owned();
-    fs::create_dir_all(&options.output)?;
-    fs::write(&picture, client.get_text(&path).await?)?;
+    output.write("spectrum.svg", &client.get_text(&path).await?)?;
     println!("\n{}", table::metrics(&ended));
     ended.iter().for_each(|(name, job)| println!("{}", table::lines(name, job)));
-    println!("The spectrum of the first is drawn in {}.", picture.display());
+    println!("The spectrum of the first is drawn in {}.", options.output.join("spectrum.svg").display());
     Ok(Ended::Well)
 }
 

@@ -38,15 +38,25 @@ pub fn execute(job: &Job, quiet: bool) -> Result<Outcome, Ended> {
     })
 }
 
+/// The same for a directory that takes the results: without one, nothing is run.
+pub fn execute_into(job: &Job, output: &Path, quiet: bool) -> Result<(Outcome, Directory), Ended> {
+    let output = Directory::at(output).map_err(|error| badly(&error))?;
+    Ok((execute(job, quiet)?, output))
+}
+
 /// A directory that results go to.
 pub struct Directory {
     path: PathBuf,
 }
 
 impl Directory {
-    /// Makes it where it is missing; otherwise says why not.
+    /// Makes it where it is missing, and sees whether it takes files, so that nobody learns that only after a long run; otherwise
+    /// says why not.
     pub fn at(path: &Path) -> Result<Self, String> {
         fs::create_dir_all(path).map_err(|error| cannot_write(path, &error))?;
+        let trial = path.join(format!(".raceway-{}", uuid::Uuid::now_v7()));
+        let tried = fs::File::create_new(&trial).and_then(|_| fs::remove_file(&trial));
+        tried.map_err(|error| cannot_write(path, &error))?;
         Ok(Self { path: path.to_owned() })
     }
 

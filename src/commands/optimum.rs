@@ -1,7 +1,6 @@
 //! `raceway optimum`: the best point of one range or two, in this process.
 
 use std::io::Write;
-use std::path::Path;
 
 use super::local::{self, Directory, badly, json};
 use super::{Ended, table};
@@ -11,15 +10,15 @@ use crate::render;
 
 /// Searches, prints what was found, and writes it with its plot.
 pub fn run(options: &OptimumOptions) -> Ended {
-    match local::read(&options.job, contract::parse_optimum_request).and_then(|job| local::execute(&job, options.quiet))
-    {
-        Ok(Outcome::Optimum(answer)) => finish(&answer, &options.output),
+    let job = local::read(&options.job, contract::parse_optimum_request);
+    match job.and_then(|job| local::execute_into(&job, &options.output, options.quiet)) {
+        Ok((Outcome::Optimum(answer), output)) => finish(&answer, &output),
         Ok(_) => badly("the job was no optimum job"),
         Err(ended) => ended,
     }
 }
 
-fn finish(answer: &OptimumAnswer, output: &Path) -> Ended {
+fn finish(answer: &OptimumAnswer, output: &Directory) -> Ended {
     let mut stdout = std::io::stdout().lock();
     if let Err(error) = write!(stdout, "{}", table::optimum(answer)) {
         return badly(&format!("stdout: {error}"));
@@ -28,8 +27,7 @@ fn finish(answer: &OptimumAnswer, output: &Path) -> Ended {
 }
 
 /// The answer and its plot, as files.
-pub fn write(answer: &OptimumAnswer, directory: &Path) -> Result<(), String> {
-    let directory = Directory::at(directory)?;
+pub fn write(answer: &OptimumAnswer, directory: &Directory) -> Result<(), String> {
     directory.write("optimum.json", &json(answer))?;
     directory.write("optimum.svg", &render::optimum(answer))
 }

@@ -28,14 +28,17 @@ pub async fn run(options: ServeOptions) -> Ended {
     tracing::info!("stopping; running jobs go back into the queue");
     // Whoever asks twice does not want to wait.
     tokio::select! {
-        () = service.stop() => Ended::Well,
+        () = service.stop() => {
+            tracing::info!("stopped");
+            Ended::Well
+        }
         () = signals.next() => Ended::Badly,
     }
 }
 
 /// Signals are heard before anyone learns that there is a service: whoever reads its address may stop it at once.
 async fn start(options: &ServeOptions) -> Result<(Service, Signals), Box<dyn std::error::Error>> {
-    log_to_stderr()?;
+    log_to_stderr(tracing::Level::INFO)?;
     let signals = Signals::listen()?;
     let tokens = config::tokens()?;
     let settings = options.job_settings()?;
@@ -48,7 +51,10 @@ async fn start(options: &ServeOptions) -> Result<(Service, Signals), Box<dyn std
     }
     let rates = Rates::new(options.rate_limit);
     let access = Access { tokens, is_local, rates, origins: options.allowed_origins.clone() };
-    Ok((Service::start(options.listen, settings, access, simulator()).await?, signals))
+    let (database, workers) = (settings.database.kind(), settings.workers);
+    let service = Service::start(options.listen, settings, access, simulator()).await?;
+    tracing::info!(version = env!("CARGO_PKG_VERSION"), address = service.url(), database, workers, "serving");
+    Ok((service, signals))
 }
 
 /// Whether there has ever been a token in the database. One that is not there yet is not made for it.
@@ -73,16 +79,17 @@ pub fn announce(url: &str) {
     let _ = writeln!(stdout, "listening on {url}").and_then(|()| stdout.flush());
 }
 
-/// Logs go to stderr; stdout carries only what a command is asked for.
-pub fn log_to_stderr() -> Result<(), ConfigError> {
+/// Logs go to stderr; stdout carries only what a command is asked for. `usual`: how much, where the environment does not say.
+pub fn log_to_stderr(usual: tracing::Level) -> Result<(), ConfigError> {
     use tracing_subscriber::filter::Targets;
     use tracing_subscriber::prelude::*;
-    let level = config::log_level()?;
+    let level = config::log_level(usual)?;
     // What the libraries tell is only of interest when something is wrong with them.
     let targets = Targets::new().with_default(tracing::Level::WARN.min(level)).with_target("raceway", level);
     let layer = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
     let layer = if config::logs_json()? {
-        layer.json().flatten_event(true).boxed()
+        // A request has one span; a list of it would say the same twice.
+        layer.json().flatten_event(true).with_span_list(false).boxed()
     } else {
         // Colours are for people; a file would keep their codes.
         layer.with_ansi(std::io::stderr().is_terminal()).boxed()

@@ -1,7 +1,6 @@
 //! `raceway simulate`: a job without a server.
 
 use std::io::Write;
-use std::path::Path;
 
 use super::local::{self, Directory, badly, json};
 use super::{Ended, accuracy, optimum};
@@ -11,16 +10,20 @@ use crate::render;
 
 /// Runs the job and prints its metrics.
 pub fn run(options: &SimulateOptions) -> Ended {
-    local::read(&options.job, contract::parse_job_or_scene)
+    let done = local::read(&options.job, contract::parse_job_or_scene)
         .and_then(|job| match job.kind {
             JobKind::Study => Err(local::refused("a job of kind `study`: run it with `raceway study`")),
             _ => Ok(job),
         })
-        .and_then(|job| local::execute(&job, options.quiet))
-        .map_or_else(|ended| ended, |outcome| finish(&outcome, options.output.as_deref()))
+        .and_then(|job| {
+            let output = options.output.as_deref().map(Directory::at).transpose();
+            let output = output.map_err(|error| badly(&error))?;
+            Ok((local::execute(&job, options.quiet)?, output))
+        });
+    done.map_or_else(|ended| ended, |(outcome, output)| finish(&outcome, output.as_ref()))
 }
 
-fn finish(outcome: &Outcome, output: Option<&Path>) -> Ended {
+fn finish(outcome: &Outcome, output: Option<&Directory>) -> Ended {
     let text = match outcome {
         Outcome::Simulation(simulated) => json(&simulated.metrics),
         Outcome::Accuracy(answer) => json(answer),
@@ -42,8 +45,7 @@ fn finish(outcome: &Outcome, output: Option<&Path>) -> Ended {
 }
 
 /// Everything the run left, as files.
-fn write(outcome: &Simulated, directory: &Path) -> Result<(), String> {
-    let directory = Directory::at(directory)?;
+fn write(outcome: &Simulated, directory: &Directory) -> Result<(), String> {
     directory.write("metrics.json", &json(&outcome.metrics))?;
     for spectrum in &outcome.spectra {
         let sort = match spectrum.kind {

@@ -1,7 +1,6 @@
 //! `raceway study`: a scene over a grid of values, in this process.
 
 use std::io::Write;
-use std::path::Path;
 
 use super::local::{self, Directory, badly, json};
 use super::{Ended, parallel, progress, table};
@@ -17,13 +16,17 @@ pub fn run(options: &StudyOptions) -> Ended {
         Err(ended) => return ended,
     };
     let Some(study) = &job.study else { return badly("the job was no study") };
+    let output = match Directory::at(&options.output) {
+        Ok(output) => output,
+        Err(error) => return badly(&error),
+    };
     let workers = options.workers.map_or_else(parallel::cores, usize::from);
     let answer = table_of(&job, study, workers, options.quiet);
     let mut stdout = std::io::stdout().lock();
     if let Err(error) = write!(stdout, "{}", table::study(&answer)) {
         return badly(&format!("stdout: {error}"));
     }
-    match write(&answer, &options.output) {
+    match write(&answer, &output) {
         Err(error) => badly(&error),
         Ok(()) if answer.succeeded == 0 => badly("no point succeeded"),
         Ok(()) => Ended::Well,
@@ -49,8 +52,7 @@ pub fn row_of(study: &Study, point: usize) -> Row {
 }
 
 /// The table and its plots, as files.
-pub fn write(answer: &TableAnswer, directory: &Path) -> Result<(), String> {
-    let directory = Directory::at(directory)?;
+pub fn write(answer: &TableAnswer, directory: &Directory) -> Result<(), String> {
     directory.write("table.json", &json(answer))?;
     directory.write("table.csv", &render::table_csv(answer))?;
     for (name, picture) in [("trend.svg", render::trend(answer)), ("map.svg", render::map(answer))] {

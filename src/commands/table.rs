@@ -9,11 +9,12 @@ use crate::contract::recommended::WANTED_DB;
 use crate::contract::report::MotionName;
 use crate::contract::work_precision::{MeasuredAnswer, PointAnswer};
 use crate::contract::{OptimumAnswer, PointStatus, TableAnswer, WorkPrecisionAnswer};
+use crate::simulation::metrics::LEVEL_UNIT;
 
 /// What the table shows: name, pointer into the metrics, unit, digits.
 const ROWS: [(&str, &str, &str, usize); 16] = [
-    ("acceleration level, Y", "/channels/spindle.y.acceleration/level_db", "dB", 2),
-    ("acceleration level, Z", "/channels/spindle.z.acceleration/level_db", "dB", 2),
+    ("acceleration level, Y", "/channels/spindle.y.acceleration/level_db", LEVEL_UNIT, 2),
+    ("acceleration level, Z", "/channels/spindle.z.acceleration/level_db", LEVEL_UNIT, 2),
     ("acceleration, rms, Y", "/channels/spindle.y.acceleration/rms", "m/s²", 3),
     ("acceleration, peak, Y", "/channels/spindle.y.acceleration/peak", "m/s²", 3),
     ("velocity, rms, Y", "/channels/spindle.y.velocity/rms", "mm/s", 4),
@@ -134,8 +135,8 @@ pub fn study(table: &TableAnswer) -> String {
         let at: Vec<String> = at.map(|(axis, value)| format!("{axis} = {}", short(value))).collect();
         let error = best.error.map_or(String::new(), |error| format!(" ± {error:.1e}"));
         let _ = write!(text, "\nbest {name}: {:.digits$}{error} {unit} at {}", best.value, at.join(", "));
-        if best.as_good > 1 {
-            let _ = write!(text, "; {} points may be as good", best.as_good);
+        if let Some(as_good) = best.as_good.filter(|as_good| *as_good > 1) {
+            let _ = write!(text, "; {as_good} points may be as good");
         }
         match table.trends.get(pointer).and_then(|trend| trend.resolved) {
             Some(true) => {}

@@ -21,7 +21,10 @@ pub async fn run(options: WorkerOptions) -> Ended {
     // Whoever asks twice does not want to wait.
     tokio::select! {
         stopped = jobs.stop() => match stopped {
-            Ok(()) => Ended::Well,
+            Ok(()) => {
+                tracing::info!("stopped");
+                Ended::Well
+            }
             Err(error) => {
                 tracing::error!(%error, "the queue did not stop as it should; its jobs are run elsewhere after a while");
                 Ended::Badly
@@ -32,11 +35,12 @@ pub async fn run(options: WorkerOptions) -> Ended {
 }
 
 async fn start(options: &WorkerOptions) -> Result<(Jobs, Signals), Box<dyn std::error::Error>> {
-    log_to_stderr()?;
+    log_to_stderr(tracing::Level::INFO)?;
     let signals = Signals::listen()?;
     let settings = options.job_settings()?;
-    let place = settings.database.to_string();
+    let (place, database, workers) = (settings.database.to_string(), settings.database.kind(), settings.workers);
     let jobs = Jobs::start(settings, simulator()).await?;
+    tracing::info!(version = env!("CARGO_PKG_VERSION"), database, workers, "working");
     // The one line that programs wait for. Nobody may be reading, which is no reason to end.
     let mut stdout = std::io::stdout().lock();
     let _ = writeln!(stdout, "working for {place}").and_then(|()| stdout.flush());

@@ -1,5 +1,7 @@
 //! Fields and metrics as headings of pictures say them: in words, with the unit that their names end in.
 
+use crate::simulation::metrics::LEVEL_UNIT;
+
 /// Endings of field names, and the units they stand for; longer ones before those that they end in.
 const UNITS: [(&str, &str); 22] = [
     ("_n_s_per_m", "N s/m"),
@@ -41,11 +43,12 @@ pub fn field_in_words(pointer: &str) -> String {
     unit.map_or_else(|| format!("{of}{words}"), |unit| format!("{of}{words} in {unit}"))
 }
 
-/// What a pointer into the metrics leads to: `/channels/spindle.y.acceleration/level_db` is `acceleration of spindle Y: level in dB`.
+/// What a pointer into the metrics leads to: `/channels/spindle.y.acceleration/level_db` is `acceleration of spindle Y: level in dB re 9.81 mm/s²`.
 pub fn metric_in_words(pointer: &str) -> String {
     let parts: Vec<&str> = pointer.split('/').skip(1).collect();
     let [of @ .., name] = &parts[..] else { return pointer.to_owned() };
     let (words, unit) = parted(name);
+    let unit = if *name == "level_db" { Some(LEVEL_UNIT) } else { unit };
     let (of, of_channel) = match of {
         ["channels", channel] => match &channel.split('.').collect::<Vec<_>>()[..] {
             ["spindle", axis, quantity] => {
@@ -93,7 +96,8 @@ mod tests {
             assert_eq!(field_in_words(pointer), words);
         }
         for (pointer, words) in [
-            ("/channels/spindle.y.acceleration/level_db", "acceleration of spindle Y: level in dB"),
+            ("/channels/spindle.y.acceleration/level_db", "acceleration of spindle Y: level in dB re 9.81 mm/s²"),
+            ("/accuracy/level_error_db", "level error in dB"),
             ("/channels/spindle.z.velocity/rms", "velocity of spindle Z: rms in mm/s"),
             ("/contacts/inner/max_load_n", "inner raceway: max load in N"),
             ("/contacts/pocket/max_load_n", "cage pocket: max load in N"),

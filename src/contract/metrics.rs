@@ -31,7 +31,8 @@ pub struct Metrics {
     pub cage: Option<CageAnswer>,
     /// Of ideal rolling at the operating speed.
     pub frequencies_hz: FrequenciesAnswer,
-    /// Strongest lines of the spectra (`vibration`), strongest first within a channel.
+    /// Strongest lines of each amplitude spectrum that was asked for (`outputs.spectra`), at most 20 of a channel, strongest first;
+    /// of any channel, in its unit. Empty where no spectrum is kept, and where nothing stands out of its floor (`vibration`).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub lines: Option<Vec<LineAnswer>>,

@@ -97,18 +97,23 @@ pub struct BestAnswer {
     pub point: Map<String, Value>,
     /// The metric there, in its own unit.
     pub value: f64,
-    /// Whether the least or the largest value is the best.
+    /// Which value is the best: the least (`minimum`), the largest (`maximum`), or the one of least magnitude (`nearest_zero`: the
+    /// cage's slip, which has either sign).
     #[schema(example = "minimum")]
     pub goal: String,
     /// Estimated error of the value; absent where nobody knows it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub error: Option<f64>,
-    /// Number of points that may be as good, the best among them: they differ from it by no more than both errors together.
-    pub as_good: u64,
-    /// Where these lie, by axis: values from … to, in the order of the axis.
-    #[schema(value_type = BTreeMap<String, Vec<AxisValue>>)]
-    pub within: Map<String, Value>,
+    /// Number of points that may be as good, the best among them: they differ from it by no more than both errors together, or
+    /// their own error is not known. Absent where the error of the best is not known: then nobody can tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 1)]
+    pub as_good: Option<u64>,
+    /// Where these lie, by axis: values from … to, in the order of the axis. Absent as `as_good` is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<BTreeMap<String, Vec<AxisValue>>>)]
+    pub within: Option<Map<String, Value>>,
 }
 
 /// How a metric changes along an axis.
@@ -195,10 +200,10 @@ impl TableAnswer {
         let count = |wanted: &[PointStatus]| rows.iter().filter(|row| wanted.contains(&row.status)).count() as u64;
         let mut best = BTreeMap::new();
         let mut trends = BTreeMap::new();
-        for (pointer, goal) in wished_for(&rows) {
+        for (pointer, wish) in wished_for(&rows) {
             let values: Vec<_> = rows.iter().map(|row| uncertain(row.metrics.as_ref()?, &pointer)).collect();
-            if let Some(found) = study::best(&values, goal) {
-                best.insert(pointer.clone(), best_answer(study, &found, &values, goal));
+            if let Some(found) = wish.best(&values) {
+                best.insert(pointer.clone(), best_answer(study, &found, &values, wish));
             }
             if let ([_], Some(trend)) = (&study.axes[..], study::trend(&values)) {
                 let (span, error, resolved) = (trend.span, trend.error, trend.is_resolved());
@@ -239,26 +244,60 @@ impl TableAnswer {
     }
 }
 
-fn best_answer(study: &Study, found: &study::Best, values: &[Option<study::Uncertain>], goal: Goal) -> BestAnswer {
-    let mut within = Map::new();
-    for (number, axis) in study.axes.iter().enumerate() {
-        let places = || found.as_good.iter().map(|point| study.grid.places(*point)[number]);
-        let ends = [places().min(), places().max()].map(|place| axis.values[place.unwrap_or(0)].clone());
-        within.insert(axis.varied.name.clone(), ends.to_vec().into());
-    }
+fn best_answer(study: &Study, found: &study::Best, values: &[Option<study::Uncertain>], wish: Wish) -> BestAnswer {
+    let within = |points: &Vec<usize>| {
+        let ends = study.axes.iter().enumerate().map(|(number, axis)| {
+            let places = || points.iter().map(|point| study.grid.places(*point)[number]);
+            let ends = [places().min(), places().max()].map(|place| axis.values[place.unwrap_or(0)].clone());
+            (axis.varied.name.clone(), ends.to_vec().into())
+        });
+        ends.collect()
+    };
+    let (value, error) = values[found.point].unwrap_or((found.value, None));
     BestAnswer {
         point: named(study, found.point),
-        value: found.value,
-        goal: if goal == Goal::Least { "minimum" } else { "maximum" }.to_owned(),
-        error: values[found.point].and_then(|(_, error)| error),
-        as_good: found.as_good.len() as u64,
-        within,
+        value,
+        goal: wish.name().to_owned(),
+        error,
+        as_good: found.as_good.as_ref().map(|points| points.len() as u64),
+        within: found.as_good.as_ref().map(within),
+    }
+}
+
+/// Which end of a metric is the better one.
+#[derive(Debug, Clone, Copy)]
+enum Wish {
+    Least,
+    Largest,
+    /// Of a metric that has either sign and is best at 0.
+    NearestZero,
+}
+
+impl Wish {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Least => "minimum",
+            Self::Largest => "maximum",
+            Self::NearestZero => "nearest_zero",
+        }
+    }
+
+    fn best(self, values: &[Option<study::Uncertain>]) -> Option<study::Best> {
+        match self {
+            Self::Least => study::best(values, Goal::Least),
+            Self::Largest => study::best(values, Goal::Largest),
+            Self::NearestZero => {
+                let magnitudes: Vec<_> =
+                    values.iter().map(|value| value.map(|(value, error)| (value.abs(), error))).collect();
+                study::best(&magnitudes, Goal::Least)
+            }
+        }
     }
 }
 
 /// Metrics that have a better end, by pointer.
-fn wished_for(rows: &[Row]) -> Vec<(String, Goal)> {
-    const LEAST: [&str; 10] = [
+fn wished_for(rows: &[Row]) -> Vec<(String, Wish)> {
+    const LEAST: [&str; 9] = [
         "rms",
         "peak",
         "crest_factor",
@@ -268,19 +307,19 @@ fn wished_for(rows: &[Row]) -> Vec<(String, Goal)> {
         "max_pressure_mpa",
         "max_slip_m_s",
         "orbit_radius_um",
-        "cage_slip",
     ];
-    let mut wished: Vec<(String, Goal)> = Vec::new();
+    let mut wished: Vec<(String, Wish)> = Vec::new();
     for metrics in rows.iter().filter_map(|row| row.metrics.as_ref()) {
         numbers(metrics, String::new(), &mut |pointer, _| {
             let name = pointer.rsplit('/').next().unwrap_or_default();
-            let goal = match name {
-                "min_film_thickness_um" => Goal::Largest,
-                name if LEAST.contains(&name) => Goal::Least,
+            let wish = match name {
+                "min_film_thickness_um" => Wish::Largest,
+                "cage_slip" => Wish::NearestZero,
+                name if LEAST.contains(&name) => Wish::Least,
                 _ => return,
             };
             if !wished.iter().any(|(known, _)| *known == pointer) {
-                wished.push((pointer, goal));
+                wished.push((pointer, wish));
             }
         });
     }
@@ -288,7 +327,7 @@ fn wished_for(rows: &[Row]) -> Vec<(String, Goal)> {
 }
 
 /// A metric with its error: that of the level for all that follows from the vibration, those of the largest load and of
-/// the cage speed for these.
+/// the cage speed for these and for the slip that follows.
 pub fn uncertain(metrics: &Value, pointer: &str) -> Option<study::Uncertain> {
     let value = metrics.pointer(pointer)?.as_f64()?;
     let accuracy = |field: &str| metrics.pointer(&format!("/accuracy/{field}")).and_then(Value::as_f64);
@@ -298,6 +337,8 @@ pub fn uncertain(metrics: &Value, pointer: &str) -> Option<study::Uncertain> {
         "rms" => accuracy("level_error_db").map(|db| value * (10_f64.powf(db / 20.0) - 1.0)),
         "max_load_n" if !pointer.contains("pocket") => accuracy("max_load_error").map(|share| share * value),
         "cage_speed_hz" => accuracy("cage_speed_error").map(|share| share * value),
+        // 1 − cage speed / ideal cage speed.
+        "cage_slip" => accuracy("cage_speed_error").map(|share| share * (1.0 - value).abs()),
         _ => None,
     };
     Some((value, error))

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use tokio::sync::Notify;
@@ -30,6 +30,16 @@ pub struct Run {
     stop: AtomicU8,
     progress: AtomicU64,
     view: Mutex<View>,
+    solved: OnceLock<Solved>,
+}
+
+/// How a run that has succeeded was made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solved {
+    /// Wall time.
+    pub time: Duration,
+    /// Of a simulation.
+    pub rung: Option<String>,
 }
 
 /// How a run goes, for those who watch it.
@@ -60,6 +70,15 @@ impl Run {
             4 => Some(StopReason::TimeLimit),
             _ => None,
         }
+    }
+
+    /// Notes how the run was made; once.
+    pub fn note(&self, solved: Solved) {
+        let _ = self.solved.set(solved);
+    }
+
+    pub fn solved(&self) -> Option<&Solved> {
+        self.solved.get()
     }
 
     pub fn set_progress(&self, share: f64) {

@@ -10,7 +10,7 @@ use super::ahead::{Ahead, Begun, DELIVERED_WITHIN, Solution};
 use super::figures::Figures;
 use super::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
 use super::queue::{Delivered, Ticket};
-use super::running::{Run, Running, StopReason};
+use super::running::{Run, Running, Solved, StopReason};
 use super::service::{Settings, Simulator};
 use super::store::claims::{self, Pulse};
 use super::store::database::Dialect;
@@ -100,7 +100,7 @@ impl Worker {
                 self.run(&claim, &guard.run, solution, ticket).await
             }
         };
-        self.conclude(&claim, outcome, guard.run.progress(), ticket).await
+        self.conclude(&claim, outcome, &guard.run, ticket).await
     }
 
     /// One slot, or all of them for a job that may have taken its process down and for one that measures time; none
@@ -164,7 +164,7 @@ impl Worker {
         &self,
         claim: &Claim,
         outcome: Outcome,
-        progress: f64,
+        run: &Run,
         ticket: &Ticket,
     ) -> Result<Delivered, JobError> {
         let end = match outcome {
@@ -180,7 +180,7 @@ impl Worker {
         };
         let mut pause = Duration::from_millis(100);
         let written = loop {
-            match self.store.note(self.write_end(claim, &end, progress).await) {
+            match self.store.note(self.write_end(claim, &end, run.progress()).await) {
                 Ok(written) => break written,
                 Err(error) => {
                     tracing::error!(%error, job = %claim.job, "the end of a run could not be written; trying again");
@@ -193,12 +193,11 @@ impl Worker {
             pause = (2 * pause).min(Duration::from_secs(5));
         };
         match written {
-            Some(status) => self.store.figures.ended(status),
+            Some(status) => {
+                self.store.figures.ended(status);
+                tell(claim.job, &end, run);
+            }
             None => self.store.figures.claim_lost(),
-        }
-        match &end {
-            End::Failed(failure) => tracing::info!(job = %claim.job, cause = %failure.cause, "a run has failed"),
-            end => tracing::debug!(job = %claim.job, status = end.status().name(), "a run has ended"),
         }
         self.running.ended(claim.job);
         Ok(Delivered::Done)
@@ -213,6 +212,18 @@ impl Worker {
             tx.commit().await?;
         }
         Ok(written)
+    }
+}
+
+/// Notes the end of a run in the log.
+fn tell(job: Uuid, end: &End, run: &Run) {
+    match (end, run.solved()) {
+        (End::Failed(failure), _) => tracing::info!(%job, cause = %failure.cause, "a run has failed"),
+        (End::Succeeded(_), Some(Solved { time, rung })) => {
+            let seconds = (1e3 * time.as_secs_f64()).round() / 1e3;
+            tracing::info!(%job, seconds, rung, "a run has succeeded");
+        }
+        (end, _) => tracing::info!(%job, status = end.status().name(), "a run has ended"),
     }
 }
 
@@ -247,21 +258,22 @@ fn solve(
     let (progress, live) = (|share| run.set_progress(share), |live: &Live<'_>| run.show(live));
     let outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
     let solved = begin.elapsed();
-    let factor = match &outcome {
-        contract::Outcome::Simulation(simulated) => Some(simulated.metrics.solver.real_time_factor),
+    let solver = match &outcome {
+        contract::Outcome::Simulation(simulated) => Some(&simulated.metrics.solver),
         _ => None,
     };
-    figures.succeeded(solved, factor);
+    figures.succeeded(solved, solver.map(|solver| solver.real_time_factor));
+    run.note(Solved { time: solved, rung: solver.map(|solver| solver.rung.clone()) });
     let stored = StoredResult::of(&outcome).map_err(|error| internal(error.to_string()));
     let ms = |time: Duration| 1e3 * time.as_secs_f64();
     tracing::debug!(solved_ms = ms(solved), encoded_ms = ms(begin.elapsed() - solved), "a result is there");
     stored
 }
 
-pub(super) type Solved = Result<Result<StoredResult, RunFailure>, oneshot::error::RecvError>;
+pub(super) type Found = Result<Result<StoredResult, RunFailure>, oneshot::error::RecvError>;
 
-pub(super) fn ended(solved: Solved, run: &Run, time_limit: Duration) -> Outcome {
-    Outcome::Ended(match solved {
+pub(super) fn ended(found: Found, run: &Run, time_limit: Duration) -> Outcome {
+    Outcome::Ended(match found {
         Ok(Ok(result)) => End::Succeeded(result),
         Ok(Err(RunFailure::Failed { cause, detail })) => End::Failed(Failure::new(cause, detail)),
         Ok(Err(RunFailure::Cancelled)) => match run.stopped() {

@@ -135,6 +135,8 @@ pub struct Summary {
 pub const BAND: f64 = 20_000.0;
 /// Reference of the acceleration level, equation (15) [m/s²].
 pub const REFERENCE_ACCELERATION: f64 = 9.81e-3;
+/// The unit of a level in full, as headings say it.
+pub const LEVEL_UNIT: &str = "dB re 9.81 mm/s²";
 /// Band whose envelope is analysed [Hz]: above the shaft and ball-pass lines, where impacts ring.
 pub(super) const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
 
@@ -233,7 +235,7 @@ pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpec
     settings.outputs.spectra.iter().filter_map(one).collect()
 }
 
-/// Lines of the accelerations among the spectra.
+/// Lines of all spectra.
 ///
 /// Where the speed varies no frequency is characteristic, and lines are not named.
 pub fn lines(
@@ -245,7 +247,6 @@ pub fn lines(
     let name = |line: Line| if named { line } else { Line { label: String::new(), deviation: 0.0, ..line } };
     spectra
         .iter()
-        .filter(|spectra| matches!(spectra.channel, Channel::Spindle(_, Motion::Acceleration)))
         .flat_map(|spectra| {
             find_lines(&spectra.amplitude, frequencies, BAND).into_iter().map(move |line| (spectra.channel, name(line)))
         })
@@ -270,5 +271,6 @@ mod tests {
     fn one_metre_per_second_squared_is_40_17_db() {
         assert!((level_db(1.0).unwrap() - 40.17).abs() < 0.005);
         assert_eq!(level_db(0.0), None);
+        assert_eq!(LEVEL_UNIT, format!("dB re {} mm/s²", 1e3 * REFERENCE_ACCELERATION));
     }
 }

@@ -25,20 +25,22 @@ pub type Uncertain = (f64, Option<f64>);
 pub struct Best {
     pub point: usize,
     pub value: f64,
-    /// Points, the best among them, that may be as good: their values differ from the best by no more than both errors together.
-    /// Where an error is unknown, the best alone.
-    pub as_good: Vec<usize>,
+    /// Points, the best among them, that may be as good: their values differ from the best by no more than both errors together, or
+    /// by who knows how much, where their own error is unknown. `None` where that of the best is.
+    pub as_good: Option<Vec<usize>>,
 }
 
 /// The best point; points without a value do not compete, of equal ones the first wins.
 pub fn best(values: &[Option<Uncertain>], goal: Goal) -> Option<Best> {
     let known = || values.iter().enumerate().filter_map(|(point, value)| value.map(|value| (point, value)));
     let (point, (value, error)) = known().reduce(|a, b| if goal.cost(b.1.0) < goal.cost(a.1.0) { b } else { a })?;
-    let as_good = |&(other, (its, its_error)): &(usize, Uncertain)| match (error, its_error) {
-        (Some(error), Some(its_error)) => goal.cost(its) - goal.cost(value) <= error + its_error,
-        _ => other == point,
-    };
-    Some(Best { point, value, as_good: known().filter(as_good).map(|(other, _)| other).collect() })
+    let as_good = error.map(|error| {
+        let may_be = |&(_, (its, its_error)): &(usize, Uncertain)| {
+            its_error.is_none_or(|its_error| goal.cost(its) - goal.cost(value) <= error + its_error)
+        };
+        known().filter(may_be).map(|(other, _)| other).collect()
+    });
+    Some(Best { point, value, as_good })
 }
 
 /// How a metric changes over the points of one axis.
@@ -103,10 +105,12 @@ mod tests {
     fn the_best_point_and_those_that_may_be_as_good() {
         let values = of(&[3.0, 1.0, 1.15, 1.3, 5.0], 0.1);
         let least = best(&values, Goal::Least).unwrap();
-        assert_eq!((least.point, least.value, least.as_good), (1, 1.0, vec![1, 2]));
+        assert_eq!((least.point, least.value, least.as_good), (1, 1.0, Some(vec![1, 2])));
         assert_eq!(best(&values, Goal::Largest).unwrap().point, 4);
         let unknown = [None, Some((2.0, None)), Some((2.0, Some(0.1)))];
-        assert_eq!(best(&unknown, Goal::Least), Some(Best { point: 1, value: 2.0, as_good: vec![1] }));
+        assert_eq!(best(&unknown, Goal::Least), Some(Best { point: 1, value: 2.0, as_good: None }));
+        let beside = [Some((2.0, Some(0.1))), Some((9.0, None)), Some((3.0, Some(0.1)))];
+        assert_eq!(best(&beside, Goal::Least).unwrap().as_good, Some(vec![0, 1]), "nobody knows of the second");
         assert_eq!(best(&[None], Goal::Least), None);
     }
 

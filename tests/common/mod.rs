@@ -148,7 +148,7 @@ pub fn postgres_database() -> Option<String> {
 /// The real program, killed when it is dropped.
 pub struct Process {
     pub child: Child,
-    address: String,
+    pub address: String,
 }
 
 impl Server for Process {

@@ -54,4 +54,41 @@ fn filters_choose() {
     {
         server.get(&format!("/v1/jobs?{query}")).problem(400);
     }
+    let many = ["label=x"; 17].join("&");
+    server.get(&format!("/v1/jobs?{many}")).problem(400);
+    let detail = |query: &str| server.get(&format!("/v1/jobs?{query}")).problem(400)["detail"].clone();
+    assert_eq!(detail("limit=x"), "query: limit: must be a whole number");
+    assert!(detail("status=done").as_str().is_some_and(|detail| detail.contains("unknown value `done`")));
+    assert!(detail("colour=red").as_str().is_some_and(|detail| detail.contains("unknown parameter `colour`")));
+}
+
+#[test]
+fn several_labels_kinds_and_statuses_choose() {
+    let server = start();
+    let submit = |labels: Value| server.submit(&job_with(json!({ "labels": labels, "reuse": false })));
+    let failed = submit(json!(["fail", "a, b", "é"]));
+    let running = submit(json!(["slow", "a, b"]));
+    let waiting = submit(json!(["slow", "a"]));
+    server.wait_for(&failed, &["failed"]);
+    server.wait_for(&running, &["running"]);
+    server.wait_for(&waiting, &["running", "queued"]);
+    let found = |query: &str| {
+        let mut paths: Vec<String> = ids(&server.get(&format!("/v1/jobs?{query}")).json());
+        paths.iter_mut().for_each(|id| *id = format!("/v1/jobs/{id}"));
+        paths
+    };
+    let all = vec![waiting.clone(), running.clone(), failed.clone()];
+    assert_eq!(found("status=failed&status=running&status=queued"), all);
+    assert_eq!(found("kind=study&kind=simulation"), all);
+    assert_eq!(found("kind=study&kind=optimum"), Vec::<String>::new());
+    assert_eq!(found("label=slow&label=a%2C%20b"), [running.clone()]);
+    assert_eq!(found("label=slow&label=fail"), Vec::<String>::new());
+    assert_eq!(found("without_label=slow"), [failed.clone()]);
+    assert_eq!(found("label=a%2C+b&without_label=%C3%A9&without_label=a"), [running]);
+    assert_eq!(found("without_label=a&without_label=a%2C%20b"), Vec::<String>::new());
+    // The next page goes on with the same filters.
+    let page = server.get("/v1/jobs?label=slow&without_label=x%26y&status=running&status=queued&limit=1").json();
+    let next = page["next"].as_str().expect("another page");
+    assert!(next.contains("&status=running&status=queued&label=slow&without_label=x%26y"), "{next}");
+    assert_eq!(ids(&server.get(next).json()).len(), 1);
 }

@@ -82,11 +82,37 @@ fn plots_are_drawn() {
 }
 
 #[test]
+fn every_link_of_a_job_can_be_followed() {
+    let server = start();
+    let path = finished(&server);
+    let job = server.get(&path).json();
+    let links = job["links"].as_object().expect("links").iter();
+    for (name, link) in links.filter(|(name, _)| *name != "events") {
+        assert_eq!(server.get(link.as_str().expect("a path")).status, 200, "{name}");
+    }
+    let (spectrum, series) =
+        (server.get(&format!("{path}/spectrum")), server.get(&format!("{path}/series?max_points=9")));
+    assert_eq!(
+        (&spectrum.json()["channel"], &series.json()["channel"]),
+        (&json!("spindle.y.acceleration"), &json!("spindle.y.velocity"))
+    );
+    let none = server.submit(&job_with(json!({ "outputs": { "spectra": [] } })));
+    server.wait_for(&none, &["succeeded"]);
+    let problem = server.get(&format!("{none}/spectrum")).problem(404);
+    assert_eq!(
+        (&problem["type"], &problem["detail"]),
+        (
+            &json!("urn:raceway:problem:unknown-channel"),
+            &json!("nothing of this sort is kept; see outputs in the request")
+        )
+    );
+}
+
+#[test]
 fn wrong_queries_are_refused() {
     let server = start();
     let path = finished(&server);
     for query in [
-        "spectrum",
         "spectrum?channel=spindle.y.acceleration&max_frequency_hz=-1",
         "spectrum?channel=spindle.y.acceleration&max_frequency_hz=NaN",
         "spectrum?channel=spindle.y.acceleration&kind=power",

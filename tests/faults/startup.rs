@@ -1,12 +1,12 @@
 //! Careless starts.
 
-use std::io::{Read, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::common::{Process, Server};
+use crate::common::{Process, Server, job_with};
 
 fn refused(arguments: &[&str], environment: &[(&str, &str)]) -> String {
     let place = tempfile::tempdir().expect("a directory");
@@ -71,6 +71,37 @@ fn logs_for_programs_are_an_object_a_line() {
     let stderr = refused(&["serve", "--listen", "0.0.0.0:0", "--database", database], &environment);
     let line: Value = serde_json::from_str(stderr.lines().next().expect("a line")).expect("an object");
     assert!(line["level"] == "WARN" && line["listen"] == "0.0.0.0:0" && line["message"].is_string(), "{stderr}");
+}
+
+/// What one reads of a usual session: where it is, what has run, that it has gone.
+#[test]
+fn a_session_is_logged_in_a_few_lines() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = format!("sqlite://{}", place.path().join("a.db").display());
+    let mut command =
+        Process::command(&["serve", "--listen", "127.0.0.1:0", "--workers", "1", "--database", &database]);
+    let mut child = command.env("RACEWAY_LOG_FORMAT", "json").spawn().expect("the program starts");
+    let mut line = String::new();
+    let stdout = child.stdout.take().expect("stdout is a pipe");
+    BufReader::new(stdout).read_line(&mut line).expect("the program says that it is there");
+    let stderr = child.stderr.take().expect("stderr is a pipe");
+    let server = Process { child, address: line.trim().trim_start_matches("listening on http://").to_owned() };
+    let path = server.submit(&job_with(serde_json::json!({ "duration_s": 0.002 })));
+    server.wait_for(&path, &["succeeded"]);
+    server.signal("-TERM");
+    let lines = BufReader::new(stderr).lines().map_while(Result::ok);
+    let lines: Vec<Value> = lines.map(|line| serde_json::from_str(&line).expect("an object")).collect();
+    let said: Vec<&str> = lines.iter().filter_map(|line| line["message"].as_str()).collect();
+    assert_eq!(said, ["serving", "a run has succeeded", "stopping; running jobs go back into the queue", "stopped"]);
+    let (start, run) = (&lines[0], &lines[1]);
+    assert_eq!(
+        (&start["version"], &start["database"]),
+        (&env!("CARGO_PKG_VERSION").into(), &"SQLite".into()),
+        "{start}"
+    );
+    assert!(start["address"] == format!("http://{}", server.address).as_str() && start["workers"] == 1, "{start}");
+    assert!(path.ends_with(run["job"].as_str().expect("an id")) && run["rung"].is_string(), "{run}");
+    assert!(run["seconds"].is_f64() && lines.iter().all(|line| line.get("spans").is_none()), "{run}");
 }
 
 #[test]

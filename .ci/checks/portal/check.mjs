@@ -289,6 +289,39 @@ async function study(page) {
   ok('a study of one parameter shows its trend');
 }
 
+/** Links that say no more than a run, or not even that. `hash`: that of a page with a run of 50 000 r/min. */
+async function links(browser, url, hash) {
+  const { page, context, faults } = await open(browser, {}, (status, path) => status === 404 && path.startsWith('/v1/jobs/'));
+  const run = new URLSearchParams(hash.slice(1)).get('run');
+  const to = async (said) => {
+    await page.goto('about:blank');
+    await page.goto(`${url}/#${said}`);
+    await page.locator('.drawing svg').waitFor();
+  };
+  await to(`run=${run}`);
+  await page.locator('#panel-result .line-label').first().waitFor();
+  assert.equal(await field(page, '/scene/operation/speed_rpm').inputValue(), '50000', 'the form has the scene of the run');
+  for (const [said, told] of [
+    ['run=', 'names no run'],
+    ['run=..%2Fpresets', 'names no run'],
+    [`run=${run.slice(0, -4)}0000`, 'is gone'],
+  ]) {
+    await to(said);
+    await page.locator('#panel-result .empty', { hasText: told }).waitFor();
+    assert.ok(!page.url().includes('run='), page.url());
+  }
+  const { jobs } = await (await fetch(`${url}/v1/jobs?kind=study&status=succeeded`)).json();
+  await to(`run=${jobs[0].id}`);
+  await page.locator('#panel-study .uplot canvas').waitFor();
+  assert.equal(await page.locator('#tab-study').getAttribute('aria-selected'), 'true');
+  // A link that is pasted over this one.
+  await page.evaluate((id) => { location.hash = `run=${id}`; }, run);
+  await page.locator('#panel-result .line-label').first().waitFor();
+  assert.deepEqual(faults, []);
+  await context.close();
+  ok('a link to a run alone opens it on its tab with its scene; one to none says so');
+}
+
 async function everywhere(browser, url, from) {
   for (const colorScheme of ['light', 'dark']) {
     for (const [name, viewport] of [
@@ -375,6 +408,7 @@ try {
   await troubles(page, context);
   assert.deepEqual(faults, [], 'nothing in the console, no other host');
   await context.close();
+  await links(browser, service.url, plain.hash);
   await everywhere(browser, service.url, `/${plain.hash}`);
   await service.stop();
   if (!process.env.PORTAL_URL) await withToken(browser);

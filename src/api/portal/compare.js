@@ -3,7 +3,7 @@
 import * as api from './api.js';
 import { h, labelled, options, select, small, table, tools } from './dom.js';
 import { csv, save } from './download.js';
-import { channelName, level, measured, moment, title } from './format.js';
+import { channelName, LEVEL_UNIT, level, measured, moment, title } from './format.js';
 import { usualLimit } from './metrics.js';
 import { SpectrumPlot } from './plots.js';
 
@@ -123,7 +123,7 @@ function pairs(a, b) {
   for (const [name, channel] of Object.entries(a.channels ?? {})) {
     const other = b.channels?.[name];
     if (!other) continue;
-    if (channel.level_db !== undefined) rows.push([`${channelName(name)}, level`, 'dB', channel.level_db, other.level_db]);
+    if (channel.level_db !== undefined) rows.push([`${channelName(name)}, level`, LEVEL_UNIT, channel.level_db, other.level_db]);
     rows.push([`${channelName(name)}, rms`, channel.unit, channel.rms, other.rms]);
   }
   const at = (metrics, path) => path.split('.').reduce((value, step) => value?.[step], metrics);

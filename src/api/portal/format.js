@@ -26,6 +26,9 @@ export function quantity(value, unit, digits) {
   return unit ? `${number(value, digits)}${unit === '°' ? '' : '\u00a0'}${unit}` : number(value, digits);
 }
 
+/** The unit of a level in full. */
+export const LEVEL_UNIT = 'dB re 9.81 mm/s²';
+
 /** Level with a fixed number of decimals, as levels are read. */
 export const level = (value) => (typeof value === 'number' ? minus(value.toFixed(1)) : '–');
 

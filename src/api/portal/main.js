@@ -7,7 +7,7 @@ import { button, h } from './dom.js';
 import { command, curl } from './download.js';
 import { title } from './format.js';
 import { JobList } from './jobs.js';
-import { fromAddress, START, toAddress } from './request.js';
+import { fromAddress, isId, START, toAddress } from './request.js';
 import { Result } from './result.js';
 import { SceneForm } from './scene.js';
 import { Slider } from './slider.js';
@@ -22,8 +22,8 @@ const PAUSE = 180;
 const RETRY = 3000;
 
 const at = (id) => document.getElementById(id);
-const state = { ...fromAddress(), resolved: null };
-state.job ??= START;
+const said = fromAddress();
+const state = { ...said, job: said.job ?? START, resolved: null };
 if (!TABS.includes(state.tab)) state.tab = 'result';
 
 /** Tells what happens; a remark goes by itself, what is still waited for stays. */
@@ -239,31 +239,47 @@ async function start() {
   }
   // A link that is pasted over the old one.
   addEventListener('hashchange', () => {
-    const { job } = fromAddress();
+    const { job, run, tab } = fromAddress();
+    const other = run !== null && run !== state.run;
     if (job && JSON.stringify(job) !== JSON.stringify(state.job)) {
       form.show(job);
       change(job);
     }
+    if (other) reopen({ job, run, tab });
   });
 
   form.show(state.job);
-  const shown = state.run;
+  if (said.run !== null && !isId(said.run)) state.run = null;
   choose(state.tab);
   change(state.job);
-  if (shown) await reopen(shown);
+  if (said.run !== null) await reopen(said);
 
-  /** The run that the address names, unless it has gone. */
-  async function reopen(id) {
+  /** The run that an address names, on its tab and, where the address says no request, with its scene in the form. */
+  async function reopen({ job: request, run: id, tab }) {
+    if (!isId(id)) {
+      nothing(id ? 'The link names no run: its address was cut off.' : 'The link names no run.');
+      return;
+    }
+    let job;
     try {
-      const job = await api.get(`/v1/jobs/${id}`);
-      state.run = id;
-      if (job.kind === 'study') await study.show(job);
-      else await result.show(job);
+      job = await api.get(`/v1/jobs/${id}`);
     } catch (error) {
       state.run = null;
       remember();
-      say(error.status === 404 ? 'The run of this link is gone.' : error.message);
+      nothing(error.status === 404 ? 'The run of this link is gone, or another token owns it.' : error.message);
+      return;
     }
+    if (!request && job.request.scene) edit(job.request);
+    state.run = id;
+    const own = job.kind === 'study' ? 'study' : 'result';
+    if (!TABS.includes(tab) || tab === 'result') choose(own);
+    await (own === 'study' ? study.show(job) : result.show(job));
+  }
+
+  /** Says in the place of a result why there is none. */
+  function nothing(why) {
+    say(why);
+    result.clear(why);
   }
 }
 

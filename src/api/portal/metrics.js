@@ -2,14 +2,16 @@
 
 import { leftOut } from './derived.js';
 import { h, more, table } from './dom.js';
-import { channelName, level, measured, number, seconds, words } from './format.js';
+import { channelName, LEVEL_UNIT, level, measured, number, seconds, words } from './format.js';
 
 /** Up to where the strong lines stand, rounded up: the part of a spectrum that one looks at first. */
 export function usualLimit(metrics) {
   const lines = metrics.lines ?? [];
-  const strongest = Math.max(...lines.map((line) => line.amplitude), 0);
+  // Only lines of one unit can be told apart by strength.
+  const motion = (line) => line.channel.split('.').at(-1);
+  const strongest = (line) => Math.max(...lines.filter((other) => motion(other) === motion(line)).map((other) => other.amplitude));
   const last = Math.max(
-    ...lines.filter((line) => line.amplitude > strongest * 0.01).map((line) => line.frequency_hz),
+    ...lines.filter((line) => line.amplitude > strongest(line) * 0.01).map((line) => line.frequency_hz),
     10 * metrics.frequencies_hz.ball_pass_outer,
   );
   const step = 10 ** Math.floor(Math.log10(last));
@@ -60,8 +62,8 @@ export function summary(metrics) {
       'dl',
       { class: 'figures' },
       [
-        of('y') !== undefined && figure('Level y', level(of('y')), 'dB', within),
-        of('z') !== undefined && figure('Level z', level(of('z')), 'dB', within),
+        of('y') !== undefined && figure('Level y', level(of('y')), LEVEL_UNIT, within),
+        of('z') !== undefined && figure('Level z', level(of('z')), LEVEL_UNIT, within),
         contacts?.inner && figure('Largest ball load', number(contacts.inner.max_load_n), 'N'),
         contacts?.inner &&
           figure('Largest pressure', number(Math.max(contacts.inner.max_pressure_mpa, contacts.outer.max_pressure_mpa)), 'MPa'),
@@ -109,7 +111,7 @@ export function tables(metrics) {
       h('h3', {}, 'Vibration, 0 to 20 kHz'),
       table(
         'Channels',
-        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', 'Level, dB'],
+        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`],
         Object.entries(channels).map(([name, c]) => [
           channelName(name),
           c.unit,

@@ -68,6 +68,9 @@ export function fromAddress() {
   return { job: job && typeof job === 'object' ? job : null, run: said.get('run'), tab: said.get('tab') };
 }
 
+/** Whether a word can be the id of a job. */
+export const isId = (word) => /^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$/.test(word);
+
 export function toAddress({ job, run, tab }) {
   const said = new URLSearchParams({ job: JSON.stringify(job) });
   if (run) said.set('run', run);

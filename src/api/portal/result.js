@@ -44,6 +44,13 @@ export class Result {
     }
   }
 
+  /** Shows nothing but a remark. */
+  clear(remark) {
+    this.controller?.abort();
+    this.head = null;
+    this.host.replaceChildren(h('p', { class: 'empty' }, remark, ' Press Run, or open a job.'));
+  }
+
   #progress(job) {
     if (this.head?.id !== job.id) this.#frame(job);
     const { chip, bar, note, stop } = this.head;

@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { h, labelled, more, select, small, table, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
 import { rangeAround, schemaAt, VARIED } from './fields.js';
-import { number, quantity, title, words } from './format.js';
+import { LEVEL_UNIT, number, quantity, title, words } from './format.js';
 import { CurvePlot } from './plots.js';
 import { read } from './request.js';
 
@@ -13,7 +13,7 @@ const METRICS = [
   ...['y', 'z'].map((axis) => [
     `/channels/spindle.${axis}.acceleration/level_db`,
     `Level ${axis}`,
-    'dB',
+    LEVEL_UNIT,
     (m) => m.accuracy?.level_error_db,
   ]),
   ...['y', 'z'].map((axis) => [`/channels/spindle.${axis}.velocity/rms`, `Velocity ${axis}, rms`, 'mm/s']),
@@ -187,7 +187,7 @@ export class Study {
       const text = [
         `${yLabel} over ${xLabel}, ${answer.succeeded} of ${answer.points} points.`,
         best &&
-          `Best (${best.goal}): ${quantity(best.value, unit)} at ${quantity(best.point[axis.axis], spec.unit)}${best.as_good > 1 ? `, with ${best.as_good - 1} as good within their errors` : ''}.`,
+          `Best (${best.goal.replace('_', ' ')}): ${quantity(best.value, unit)} at ${quantity(best.point[axis.axis], spec.unit)}${best.as_good > 1 ? `, with ${best.as_good - 1} as good within their errors` : ''}.`,
         trend?.resolved === false && 'The trend is not resolved: errors exceed a tenth of its span.',
         failed > 0 && `${failed} without a result: ${answer.rows.find((row) => row.error)?.error.detail ?? 'not run'}.`,
       ]

@@ -49,6 +49,27 @@ fn a_short_run_gives_what_was_asked_for() {
     assert_eq!(outcome.series[0].value.len(), outcome.series[0].time_s.len());
 }
 
+/// Whatever spectra are asked for, their lines are named, in their units.
+#[test]
+fn every_spectrum_has_its_lines() {
+    let mut request = article();
+    request["duration_s"] = json!(0.02);
+    request["scene"]["spindle"] = json!({ "balance_grade": 6.3 });
+    request["outputs"] = json!({ "spectra": ["spindle.y.velocity", "ball.1.inner.load"] });
+    let job = parse_job(request.to_string().as_bytes()).unwrap();
+    let Ok(Outcome::Simulation(outcome)) = execute(&job, &Control::until(&|| false)) else { panic!("the run failed") };
+    let lines = outcome.metrics.lines.as_ref().unwrap();
+    let of = |channel: &str| lines.iter().filter(|line| line.channel == channel).collect::<Vec<_>>();
+    let velocity = of("spindle.y.velocity");
+    assert!(velocity.iter().any(|line| line.label.contains("BPFO") || line.label.contains("f_r")), "{velocity:?}");
+    let spectrum = outcome.spectra.iter().find(|s| s.channel == "spindle.y.velocity" && s.is_amplitude()).unwrap();
+    let largest = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
+    assert!((velocity[0].amplitude / largest - 1.0).abs() < 0.2, "{} {largest} mm/s", velocity[0].amplitude);
+    assert!(!of("ball.1.inner.load").is_empty() && of("spindle.y.acceleration").is_empty(), "{lines:?}");
+    let svg = crate::render::pictures(&outcome).into_iter().find(|(name, _)| *name == "spectrum.svg").unwrap().1;
+    assert!(svg.contains(&velocity[0].label), "the picture names them");
+}
+
 #[test]
 fn an_accuracy_job_compares_methods_with_a_reference() {
     let request = json!({"kind": "accuracy", "settle_s": 0.002, "duration_s": 0.003, "repetitions": 3,

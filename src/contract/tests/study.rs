@@ -154,8 +154,9 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
     let study = study(json!([{ "path": "/spindle/mass_kg", "values": [0.02, 0.05, 0.1, 0.2] }]));
     let row = |point: usize, level: f64, error: f64| {
         let metrics = json!({
-            "channels": { "spindle.y.acceleration": { "level_db": level, "rms": 1.0 } },
-            "accuracy": { "level_error_db": error }
+            "channels": { "spindle.y.acceleration": { "level_db": level, "peak": level } },
+            "kinematics": { "cage_slip": level - 60.1 },
+            "accuracy": { "level_error_db": error, "cage_speed_error": 0.01 }
         });
         Row::queued(&study, point).ended(PointEnd::Succeeded(metrics))
     };
@@ -165,15 +166,36 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
     assert_eq!((table.points, table.ended, table.succeeded), (4, 4, 3));
     let level = "/channels/spindle.y.acceleration/level_db";
     let best = &table.best[level];
-    assert_eq!((&best.point["/spindle/mass_kg"], best.value, best.as_good), (&json!(0.05), 60.0, 2));
-    assert_eq!(best.within["/spindle/mass_kg"], json!([0.05, 0.1]));
+    assert_eq!((&best.point["/spindle/mass_kg"], best.value, best.as_good), (&json!(0.05), 60.0, Some(2)));
+    assert_eq!(best.within.as_ref().unwrap()["/spindle/mass_kg"], json!([0.05, 0.1]));
     assert_eq!((best.goal.as_str(), best.error), ("minimum", Some(0.1)));
+    let peak = &table.best["/channels/spindle.y.acceleration/peak"];
+    assert_eq!(
+        (peak.value, peak.error, peak.as_good, &peak.within),
+        (60.0, None, None, &None),
+        "its error is not known"
+    );
+    let slip = &table.best["/kinematics/cage_slip"];
+    assert_eq!(
+        (slip.goal.as_str(), &slip.point["/spindle/mass_kg"], slip.as_good),
+        ("nearest_zero", &json!(0.1), Some(1))
+    );
+    let either_sign = vec![row(0, 60.0, 0.1), row(1, 60.12, 0.1), row(2, 60.15, 0.1), row(3, 63.0, 0.1)];
+    let slip = TableAnswer::of(&study, either_sign).best["/kinematics/cage_slip"].clone();
+    assert!((slip.value - 0.02).abs() < 1e-9 && (slip.error.unwrap() - 0.0098).abs() < 1e-9, "{slip:?}");
     let trend = &table.trends[level];
     assert_eq!((trend.span, trend.resolved), (3.0, Some(true)));
-    assert_eq!(table.columns(), ["/accuracy/level_error_db", level, "/channels/spindle.y.acceleration/rms"]);
+    let columns = [
+        "/accuracy/cage_speed_error",
+        "/accuracy/level_error_db",
+        level,
+        "/channels/spindle.y.acceleration/peak",
+        "/kinematics/cage_slip",
+    ];
+    assert_eq!(table.columns(), columns);
     let csv = crate::render::table_csv(&table);
     assert_eq!(csv.lines().count(), 5);
-    assert!(csv.lines().nth(2).unwrap().starts_with("0.05,succeeded,,0.1,60.0,1.0"), "{csv}");
+    assert!(csv.lines().nth(2).unwrap().starts_with("0.05,succeeded,,0.01,0.1,60.0,60.0,-0.1"), "{csv}");
     assert!(csv.lines().nth(4).unwrap().starts_with("0.2,failed,the run was told to stop,,,"), "{csv}");
 }
 

@@ -32,6 +32,14 @@ impl Location {
     pub fn server(url: &str) -> Option<Self> {
         PgConnectOptions::from_str(url).ok().map(|options| Self::Server(Box::new(options)))
     }
+
+    /// The product behind it.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::File(_) => "SQLite",
+            Self::Server(_) => "PostgreSQL",
+        }
+    }
 }
 
 /// Without user and password.

@@ -4,16 +4,19 @@ use jiff::Timestamp;
 use sqlx::FromRow;
 use uuid::Uuid;
 
-use super::database::{Tx, statement};
+use super::database::{Dialect, Statement, Tx, Value, statement};
 use super::{Store, results, stored, time};
 use crate::jobs::{Failure, JobError, JobRecord, Status};
 
 /// Which jobs a list shows.
 #[derive(Debug, Clone, Default)]
 pub struct Filter {
-    pub status: Option<Status>,
-    pub kind: Option<String>,
-    pub label: Option<String>,
+    /// One of these; any, where there are none.
+    pub statuses: Vec<Status>,
+    pub kinds: Vec<String>,
+    /// All of these, and none of those.
+    pub labels: Vec<String>,
+    pub without_labels: Vec<String>,
     /// Only jobs older than this one.
     pub before: Option<Uuid>,
     pub limit: u32,
@@ -95,18 +98,7 @@ impl Store {
 
     /// A page of this owner's jobs, newest first, and whether there are more.
     pub async fn jobs(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, bool), JobError> {
-        let has_label = self.dialect().has_label(5);
-        let sql = format!(
-            "SELECT {COLUMNS} FROM jobs WHERE owner = $1 AND ($2 IS NULL OR id < $2) AND ($3 IS NULL OR status = $3) \
-             AND ($4 IS NULL OR kind = $4) AND ($5 IS NULL OR {has_label}) ORDER BY id DESC LIMIT $6"
-        );
-        let list = statement(sql)
-            .bind(owner)
-            .bind(filter.before)
-            .bind(filter.status.map(Status::name))
-            .bind(filter.kind.as_ref())
-            .bind(filter.label.as_ref())
-            .bind(i64::from(filter.limit) + 1);
+        let list = list(owner, filter, self.dialect());
         let (mut page, mut bytes, mut more) = (Vec::new(), 0, false);
         let takes_more = |row: Row| {
             more = page.len() == filter.limit as usize || bytes > PAGE_BYTES;
@@ -119,6 +111,36 @@ impl Store {
         list.each(&self.readers, takes_more).await?;
         Ok((page, more))
     }
+}
+
+/// What lists a page and one job more.
+fn list(owner: &str, filter: &Filter, dialect: Dialect) -> Statement {
+    let mut values = vec![owner.into()];
+    let mut place = |value| {
+        values.push(value);
+        values.len()
+    };
+    let mut sql = format!("SELECT {COLUMNS} FROM jobs WHERE owner = $1");
+    if let Some(before) = filter.before {
+        sql += &format!(" AND id < ${}", place(before.into()));
+    }
+    let statuses = filter.statuses.iter().map(|status| status.name().into()).collect();
+    let kinds = filter.kinds.iter().map(Into::into).collect();
+    for (column, any) in [("status", statuses), ("kind", kinds)] {
+        let any: Vec<Value> = any;
+        if !any.is_empty() {
+            let places: Vec<String> = any.into_iter().map(|value| format!("${}", place(value))).collect();
+            sql += &format!(" AND {column} IN ({})", places.join(", "));
+        }
+    }
+    for label in &filter.labels {
+        sql += &format!(" AND {}", dialect.has_label(place(label.into())));
+    }
+    for label in &filter.without_labels {
+        sql += &format!(" AND NOT {}", dialect.has_label(place(label.into())));
+    }
+    sql += &format!(" ORDER BY id DESC LIMIT ${}", place((i64::from(filter.limit) + 1).into()));
+    values.into_iter().fold(statement(sql), Statement::bind)
 }
 
 /// A job's status, delivery and kind, in a transaction that may change them.

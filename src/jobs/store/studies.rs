@@ -331,7 +331,9 @@ async fn end(tx: &mut Tx, job: Uuid, succeeded: bool, keep_s: f64) -> Result<(),
         .run(&mut *tx)
         .await?;
     tx.tell_ended(job).await?;
-    remove_strands(tx, job).await
+    remove_strands(tx, job).await?;
+    tracing::info!(%job, status = status.name(), "a study has ended");
+    Ok(())
 }
 
 /// Ends a study that someone wants to end: what has been computed stays, what runs waits.
