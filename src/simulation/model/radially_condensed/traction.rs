@@ -15,9 +15,9 @@ const ACROSS: usize = 3;
 /// Largest (a / ball radius)² for which the series is good to 3e-5 of the radius.
 pub(super) const WIDEST: f64 = 0.25;
 /// Slip up to which μ/u is a polynomial, in units of 1/C of the law.
-const REACH: f64 = 1.0;
-/// Its terms: good to 2e-5.
-const TERMS: usize = 5;
+const REACH: f64 = 2.0;
+/// Its terms: good to 4e-5 of its value at rest.
+const TERMS: usize = 6;
 /// Points of the quadrature on one side of the contact.
 const POINTS: usize = 3;
 /// Places t = η/a and weights of ∫ ¾ (1 − t²) g(t²) dt over −1 … 1, exact for g up to degree 5 (Gauss–Jacobi; the places are the
@@ -163,9 +163,9 @@ fn powers_of_the_argument(scaled: [f64; TERMS], reach: f64) -> [f64; TERMS] {
 }
 
 #[inline(always)]
-fn polynomial([a, b, c, d, e]: &[f64; TERMS], u: f64) -> f64 {
+fn polynomial([a, b, c, d, e, f]: &[f64; TERMS], u: f64) -> f64 {
     let square = u * u;
-    (a + b * u) + square * ((c + d * u) + square * e)
+    (a + b * u) + square * ((c + d * u) + square * (e + f * u))
 }
 
 /// μ/u of the four-parameter law with A = −D at x = C u, D C (1 − e^−x)/x + B e^−x.
@@ -234,5 +234,35 @@ impl General<'_> {
         let change = slip_there - slip;
         let slope = if change.abs() > 0.0 { larger((force_there - force) / change, 0.0) } else { 0.0 };
         Sums { force, moment, slope, slip }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::contact::traction::four_parameters;
+
+    /// The short form is the law, to 4e-5 of its value at rest, and says where it ends.
+    #[test]
+    fn the_short_form_is_the_law_up_to_its_reach() {
+        for (maximum, at_slip, limit) in [(0.05, 1.0, 0.036), (0.06, 0.2, 0.04), (0.0501, 3.0, 0.05), (0.1, 1.0, 0.0)] {
+            let law = four_parameters(0.0, maximum, at_slip, limit);
+            let traction = RisingTraction::new(law, true, 1.2e-3, 1.6e-3);
+            let slip = |base: f64| Contact { load: 1.0, axis_square: 4e-8, base, per_height: 0.01 * at_slip / 1.2e-3 };
+            let mut ends = false;
+            for k in -250..=250 {
+                let contact = slip(0.01 * f64::from(k) * traction.reach);
+                let (found, beyond) = traction.fitted(&contact);
+                if beyond > 0.0 {
+                    ends |= k > 90;
+                    continue;
+                }
+                let exact = |u: f64| over_speed(&law, law.c * u, (-law.c * u).exp());
+                let (sums, fastest) = traction.sums_by(&contact, exact);
+                assert!(fastest <= traction.reach);
+                assert!((found.force - sums.force).abs() < 4e-5 * traction.steepest() * fastest, "{maximum} {k}");
+            }
+            assert!(ends, "{maximum}");
+        }
     }
 }
