@@ -253,6 +253,12 @@ pub struct WorkerOptions {
     pub workers: Option<u16>,
     #[command(flatten)]
     pub runs: RunOptions,
+    /// Address for /health/live, /health/ready and /metrics of this worker; port 0 picks a free one [default: none]
+    #[arg(long, env = "RACEWAY_PROBES", value_name = "ADDRESS:PORT")]
+    pub probes: Option<SocketAddr>,
+    /// Probes beyond loopback without tokens: everyone who reaches the port may read how busy the worker is
+    #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH", value_parser = BoolishValueParser::new())]
+    pub insecure_no_auth: bool,
 }
 
 /// What holds for every run.

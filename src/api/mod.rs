@@ -139,10 +139,16 @@ pub fn document_text() -> String {
 /// The whole service.
 pub fn router(app: App) -> Router {
     let (described, _) = routes(&Some(app.clone())).split_for_parts();
-    let guarded = described
+    let open = described
         .route("/", get(portal::page))
         .route("/portal/{*file}", get(portal::file))
-        .merge(SwaggerUi::new("/docs").config(Config::from("/openapi.json")))
+        .merge(SwaggerUi::new("/docs").config(Config::from("/openapi.json")));
+    enclosed(open, app)
+}
+
+/// Routes within what holds for every request: who may ask, how much at a time, and how errors look.
+fn enclosed(routes: Router<App>, app: App) -> Router {
+    let guarded = routes
         .layer(middleware::from_fn_with_state(app.clone(), load::limit))
         .layer(middleware::from_fn_with_state(app.clone(), auth::guard));
     // Browsers ask before they send a token.
@@ -160,12 +166,19 @@ pub fn router(app: App) -> Router {
         .with_state(app)
 }
 
+/// What a worker answers, which takes no jobs: how it is.
+fn probes(app: App) -> Router {
+    enclosed(health_routes().route("/metrics", get(health::figures)), app)
+}
+
 /// What is answered where all connections are taken: how the service is, to those who would restart it otherwise.
 pub fn lobby(app: App) -> Router {
-    Router::new()
-        .route("/health/live", get(health::live))
-        .route("/health/ready", get(health::ready))
+    health_routes()
         .fallback(|| std::future::ready(ApiError::Overloaded))
         .layer(middleware::from_fn_with_state(app.clone(), auth::guard))
         .with_state(app)
+}
+
+fn health_routes() -> Router<App> {
+    Router::new().route("/health/live", get(health::live)).route("/health/ready", get(health::ready))
 }

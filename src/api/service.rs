@@ -2,18 +2,30 @@
 
 use std::net::SocketAddr;
 
+use axum::Router;
 use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
 pub use super::server::url;
-use super::{Access, App, lobby, router, server};
+use super::{Access, App, lobby, probes, router, server};
 use crate::jobs::{JobError, Jobs, Settings, Simulator};
 
 /// A running service.
 pub struct Service {
-    address: SocketAddr,
     jobs: Jobs,
+    door: Door,
+}
+
+/// A running worker, which tells how it is where it has an address for that.
+pub struct Worker {
+    jobs: Jobs,
+    door: Option<Door>,
+}
+
+/// What requests come in by.
+struct Door {
+    address: SocketAddr,
     stop: CancellationToken,
     serving: JoinHandle<()>,
 }
@@ -36,30 +48,78 @@ impl Service {
         access: Access,
         simulator: Simulator,
     ) -> Result<Self, StartError> {
-        let refused = |source| StartError::Listen { address: listen, source };
-        let listener = TcpListener::bind(listen).await.map_err(refused)?;
-        let address = listener.local_addr().map_err(refused)?;
+        let listener = bind(listen).await?;
         let jobs = Jobs::start(settings, simulator).await?;
-        let stop = CancellationToken::new();
         let app = App::new(jobs.clone(), access);
-        let serving = tokio::spawn(server::serve(listener, router(app.clone()), lobby(app), stop.clone()));
-        Ok(Self { address, jobs, stop, serving })
+        Ok(Self { jobs, door: Door::open(listener, router(app.clone()), lobby(app)) })
     }
 
     /// Where it is reached.
     pub fn url(&self) -> String {
-        server::url(self.address)
+        server::url(self.door.address)
     }
 
     /// Stops: no more jobs, no more connections, running jobs back into the queue, database closed.
     pub async fn stop(self) {
         self.jobs.refuse_new();
+        self.door.close().await;
+        if let Err(error) = self.jobs.stop().await {
+            tracing::error!(%error, "the queue did not stop as it should; its jobs run again at the next start");
+        }
+    }
+}
+
+impl Worker {
+    /// Starts to run jobs and, at the address of the probes, to tell how that goes.
+    pub async fn start(
+        settings: Settings,
+        simulator: Simulator,
+        probed: Option<(SocketAddr, Access)>,
+    ) -> Result<Self, StartError> {
+        let Some((listen, access)) = probed else {
+            return Ok(Self { jobs: Jobs::start(settings, simulator).await?, door: None });
+        };
+        let listener = bind(listen).await?;
+        let jobs = Jobs::start(settings, simulator).await?;
+        let app = App::new(jobs.clone(), access);
+        let door = Door::open(listener, probes(app.clone()), lobby(app));
+        Ok(Self { jobs, door: Some(door) })
+    }
+
+    /// Where it is probed.
+    pub fn url(&self) -> Option<String> {
+        self.door.as_ref().map(|door| server::url(door.address))
+    }
+
+    /// Stops: running jobs back into the queue, database closed. It is alive until then, but not ready.
+    pub async fn stop(self) -> Result<(), JobError> {
+        self.jobs.refuse_new();
+        let stopped = self.jobs.stop().await;
+        if let Some(door) = self.door {
+            door.close().await;
+        }
+        stopped
+    }
+}
+
+async fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartError> {
+    let refused = |source| StartError::Listen { address, source };
+    let listener = TcpListener::bind(address).await.map_err(refused)?;
+    let bound = listener.local_addr().map_err(refused)?;
+    Ok((listener, bound))
+}
+
+impl Door {
+    fn open((listener, address): (TcpListener, SocketAddr), router: Router, lobby: Router) -> Self {
+        let stop = CancellationToken::new();
+        let serving = tokio::spawn(server::serve(listener, router, lobby, stop.clone()));
+        Self { address, stop, serving }
+    }
+
+    async fn close(self) {
         self.stop.cancel();
         if let Err(error) = self.serving.await {
             tracing::error!(%error, "the server broke off");
-        }
-        if let Err(error) = self.jobs.stop().await {
-            tracing::error!(%error, "the queue did not stop as it should; its jobs run again at the next start");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `raceway serve`.
 
 use std::io::{IsTerminal, Write};
+use std::net::SocketAddr;
 use std::sync::Arc;
 
 use tokio::signal::unix::{Signal, SignalKind, signal};
@@ -40,21 +41,30 @@ pub async fn run(options: ServeOptions) -> Ended {
 async fn start(options: &ServeOptions) -> Result<(Service, Signals), Box<dyn std::error::Error>> {
     log_to_stderr(tracing::Level::INFO)?;
     let signals = Signals::listen()?;
-    let tokens = config::tokens()?;
     let settings = options.job_settings()?;
-    let is_local = config::is_loopback(options.listen.ip());
-    if !is_local && tokens.is_empty() && !has_tokens(&settings.database).await? {
-        if !options.insecure_no_auth {
-            return Err(ConfigError::OpenToEveryone(options.listen).into());
-        }
-        tracing::warn!(listen = %options.listen, "there are no tokens: whoever reaches the port may do everything");
-    }
+    let access = access(options.listen, &settings.database, options.insecure_no_auth).await?;
     let rates = Rates::new(options.rate_limit);
-    let access = Access { tokens, is_local, rates, origins: options.allowed_origins.clone() };
+    let access = Access { rates, origins: options.allowed_origins.clone(), ..access };
     let (database, workers) = (settings.database.kind(), settings.workers);
     let service = Service::start(options.listen, settings, access, simulator()).await?;
     tracing::info!(version = env!("CARGO_PKG_VERSION"), address = service.url(), database, workers, "serving");
     Ok((service, signals))
+}
+
+/// Who may ask at an address. Where that would be everyone who reaches it, someone must have said that it is meant.
+pub async fn access(
+    listen: SocketAddr,
+    database: &Location,
+    insecure_no_auth: bool,
+) -> Result<Access, Box<dyn std::error::Error>> {
+    let (tokens, is_local) = (config::tokens()?, config::is_loopback(listen.ip()));
+    if !is_local && tokens.is_empty() && !has_tokens(database).await? {
+        if !insecure_no_auth {
+            return Err(ConfigError::OpenToEveryone(listen).into());
+        }
+        tracing::warn!(%listen, "there are no tokens: whoever reaches the port may do everything");
+    }
+    Ok(Access { tokens, is_local, ..Access::default() })
 }
 
 /// Whether there has ever been a token in the database. One that is not there yet is not made for it.

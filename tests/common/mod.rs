@@ -181,22 +181,33 @@ impl Process {
     pub fn serve_on(database: &str, more: &[&str], environment: &[(&str, &str)]) -> Self {
         let mut command = Self::command(&["serve", "--database", database]);
         command.args(more).envs(environment.iter().copied());
-        Self::announced(command, "listening on http://")
+        Self::announced(command, &["listening on http://"])
     }
 
     /// `raceway worker` on a database, once it works.
     pub fn worker(database: &str, more: &[&str]) -> Self {
         let mut command = Self::command(&["worker", "--database", database]);
         command.args(more);
-        Self::announced(command, "working for postgres://")
+        Self::announced(command, &["working for postgres://"])
     }
 
-    fn announced(mut command: Command, words: &str) -> Self {
+    /// The same with probes, at its address.
+    pub fn probed_worker(database: &str, more: &[&str]) -> Self {
+        let mut command = Self::command(&["worker", "--database", database, "--probes", "127.0.0.1:0"]);
+        command.args(more);
+        Self::announced(command, &["working for postgres://", "probes at http://"])
+    }
+
+    /// Once it has said these lines; the last one ends with its address.
+    fn announced(mut command: Command, lines: &[&str]) -> Self {
         let mut child = command.stderr(Stdio::null()).spawn().expect("the program starts");
-        let mut line = String::new();
-        let stdout = child.stdout.take().expect("stdout is a pipe");
-        BufReader::new(stdout).read_line(&mut line).expect("the program says that it is there");
-        let address = line.trim().strip_prefix(words).expect("the first line").to_owned();
+        let mut stdout = BufReader::new(child.stdout.take().expect("stdout is a pipe"));
+        let mut address = String::new();
+        for words in lines {
+            let mut line = String::new();
+            stdout.read_line(&mut line).expect("the program says that it is there");
+            address = line.trim().strip_prefix(words).expect("the line").to_owned();
+        }
         Self { child, address }
     }
 

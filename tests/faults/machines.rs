@@ -149,6 +149,31 @@ fn what_nobody_runs_any_more_can_be_cancelled() {
 }
 
 #[test]
+fn a_worker_tells_how_it_is_and_nothing_else() {
+    let Some((url, server)) = server() else { return };
+    let mut worker = Process::probed_worker(&url, &["--workers", "1", SOON[0], SOON[1]]);
+    server.wait_for(&server.submit(&short_job()), &["succeeded"]);
+    assert_eq!((worker.get("/health/live").status, worker.get("/health/ready").status), (200, 200));
+    let figures = |process: &Process| process.get("/metrics").body;
+    assert!(figures(&worker).contains("\nraceway_runs_total{end=\"succeeded\"} 1\n"));
+    assert!(!figures(&server).contains("raceway_runs_total{"), "the server has run nothing");
+    for path in ["/v1/jobs", "/", "/docs/", "/openapi.json"] {
+        assert_eq!(worker.get(path).status, 404, "{path}");
+    }
+    // A token made for the service closes the figures of its workers, too, but not how they are.
+    let mut token = Process::command(&["token", "create", "--database", &url]);
+    assert!(token.status().is_ok_and(|status| status.success()));
+    let begin = Instant::now();
+    while worker.get("/metrics").status != 401 {
+        assert!(begin.elapsed() < Duration::from_secs(20), "the figures are open");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    assert_eq!(worker.get("/health/ready").status, 200);
+    worker.signal("-TERM");
+    assert!(worker.child.wait().is_ok_and(|status| status.success()));
+}
+
+#[test]
 fn a_study_goes_on_with_the_workers_that_are_left_and_with_those_that_come() {
     let Some((url, server)) = server() else { return };
     let study = json!({
