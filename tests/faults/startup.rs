@@ -86,7 +86,7 @@ fn a_session_is_logged_in_a_few_lines() {
     BufReader::new(stdout).read_line(&mut line).expect("the program says that it is there");
     let stderr = child.stderr.take().expect("stderr is a pipe");
     let server = Process { child, address: line.trim().trim_start_matches("listening on http://").to_owned() };
-    let path = server.submit(&job_with(serde_json::json!({ "duration_s": 0.002 })));
+    let path = server.submit(&job_with(serde_json::json!({ "settle_s": 0.0, "duration_s": 0.001 })));
     server.wait_for(&path, &["succeeded"]);
     server.signal("-TERM");
     let lines = BufReader::new(stderr).lines().map_while(Result::ok);
