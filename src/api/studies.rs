@@ -10,6 +10,7 @@ use super::answers::{JobAnswer, path_of};
 use super::auth::Owner;
 use super::describe::{Anywhere, BadQuery, CannotResume, NoJob, NoResult, NoSpace, NotAccepted, Unchanged};
 use super::error::ApiError;
+use super::load::{self, Place};
 use super::request::{JobId, Nothing, Query, negotiated};
 use super::results::{read, shaped};
 use super::{App, describe};
@@ -35,27 +36,30 @@ const CSV: &str = "text/csv";
 pub async fn table(
     State(app): State<App>,
     Owner(owner): Owner,
+    place: Place,
     headers: HeaderMap,
     JobId(id): JobId,
     _: Query<Nothing>,
 ) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV])?;
+    let held = place.load().series()?;
     let (request, points) = app.jobs.points(&owner, id).await?;
-    shaped(move || {
+    let response = shaped(move || {
         let table = table_of(&request, points)?;
         let body = match format {
             CSV => render::table_csv(&table),
             _ => serde_json::to_string(&table).map_err(|error| JobError::Corrupt(error.to_string()))?,
         };
         Ok(([(VARY, "Accept"), (CONTENT_TYPE, format)], body).into_response())
-    })
-    .await
+    });
+    // Of ten thousand points it takes a hundred megabytes, and is sent as slowly as a client reads.
+    Ok(load::holding(held, response.await?))
 }
 
 /// Resume a study
 ///
-/// A study that was cancelled goes on; so does one that failed by a time limit, a lost worker or an error of the service. Points that
-/// have ended are kept.
+/// A study that was cancelled goes on; so does one with points that failed by a time limit, a lost worker or an error of the service.
+/// Points that have ended otherwise are kept.
 #[utoipa::path(
     post, path = "/v1/jobs/{id}/resume", tag = describe::JOBS, operation_id = "resumeStudy",
     params(("id" = Uuid, Path, description = "The job, of kind `study`")),

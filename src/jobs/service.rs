@@ -331,7 +331,7 @@ impl Jobs {
         Ok(if status == Status::Running { Cancelled::Soon(record) } else { Cancelled::Now(record) })
     }
 
-    /// Lets a study go on that was cancelled or has failed; points that have ended are kept.
+    /// Lets a study go on that was cancelled or has points that could end otherwise; points that have ended are kept.
     pub async fn resume(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
         self.inner.store.note(self.try_resume(owner, id).await)
     }
@@ -345,7 +345,7 @@ impl Jobs {
         if kind != JobKind::Study.name() {
             return Err(JobError::NoStudy { kind });
         }
-        if !matches!(status, Status::Cancelled | Status::Failed) || !studies::resume(&mut tx, id).await? {
+        if !status.is_final() || !studies::resume(&mut tx, id).await? {
             return Err(JobError::CannotResume(status));
         }
         let strands = Delivery::strands(id, upkeep::slots(&mut tx).await?);

@@ -94,6 +94,23 @@ fn a_cancelled_study_keeps_its_points_and_goes_on() {
     }
 }
 
+/// A point that was lost is run once more, though the study has succeeded with the others.
+#[test]
+fn lost_points_of_a_study_that_has_succeeded_can_be_had_again() {
+    let server = start();
+    let path = server.submit(&study_of(3));
+    server.wait_for(&path, &["succeeded"]);
+    server.post(&format!("{path}/resume"), &json!({})).problem(409);
+    let whole = server.get(&format!("{path}/table")).json();
+    let lost = "UPDATE points SET status = 'failed', cause = 'worker-lost', content_hash = NULL WHERE number = 1";
+    server.sql(lost, lost);
+    assert_eq!(server.post(&format!("{path}/resume"), &json!({})).status, 202);
+    server.wait_for(&path, &["succeeded"]);
+    let again = server.get(&format!("{path}/table")).json();
+    assert_eq!(again["succeeded"], 3);
+    assert_eq!(again["rows"][1]["metrics"]["channels"], whole["rows"][1]["metrics"]["channels"]);
+}
+
 /// A single job does not wait for the end of a study that keeps every worker busy.
 #[test]
 fn single_jobs_go_before_studies() {

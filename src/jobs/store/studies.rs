@@ -359,7 +359,7 @@ pub async fn is_under_way(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
     Ok(statement(sql).bind(job).value(&mut *tx).await?.unwrap_or(false))
 }
 
-/// Lets a study go on that was cancelled, or that failed by what may pass: such points wait again. False: nothing is left to do.
+/// Lets a study go on that was cancelled, or that has points which failed by what may pass: they wait again. False: nothing is left to do.
 pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
     let sql = "UPDATE points SET status = 'queued', cause = NULL, answer = NULL, lost = 0 \
                WHERE job = $1 AND status = 'failed' AND cause IN ($2, $3, $4)";
@@ -370,10 +370,15 @@ pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
     if left != Some(true) {
         return Ok(false);
     }
+    let result: Option<Option<Uuid>> =
+        statement("SELECT result_id FROM jobs WHERE id = $1").bind(job).value(&mut *tx).await?;
     let sql = "UPDATE jobs SET status = 'queued', started_at = NULL, finished_at = NULL, expires_at = NULL, \
-               cancel_requested_at = NULL, error_cause = NULL, error_detail = NULL, \
+               cancel_requested_at = NULL, error_cause = NULL, error_detail = NULL, result_id = NULL, \
                progress = (SELECT ended * 1.0 / points FROM studies WHERE job = $1) WHERE id = $1";
     statement(sql).bind(job).run(&mut *tx).await?;
+    if let Some(result) = result.flatten() {
+        results::remove_orphan(tx, result).await?;
+    }
     Ok(true)
 }
 
