@@ -82,6 +82,19 @@ struct Node {
     acceleration: [f64; 2],
 }
 
+/// Who looks at the motion. What is always inlined there is compiled for the instructions of the steps.
+pub trait Look {
+    /// At a time whose rates are known.
+    fn look(&mut self, stepper: &Stepper<'_>);
+}
+
+impl<F: FnMut(&Stepper<'_>)> Look for F {
+    #[inline(always)]
+    fn look(&mut self, stepper: &Stepper<'_>) {
+        self(stepper);
+    }
+}
+
 /// The motion on its way.
 pub struct Stepper<'m> {
     model: &'m RadiallyCondensed,
@@ -125,7 +138,7 @@ impl<'m> Stepper<'m> {
         for _ in 0..NODES - 1 {
             for _ in 0..START {
                 let first = stepper.count.is_multiple_of(START as u64);
-                stepper.advance(1, &mut |at| {
+                stepper.advance(1, &mut |at: &Stepper<'_>| {
                     if first {
                         past.push(at.nodes[0].clone());
                     }
@@ -182,7 +195,7 @@ impl<'m> Stepper<'m> {
     }
 
     /// Some steps on, with a look before each, once its rates are known.
-    pub fn advance(&mut self, steps: u64, look: &mut dyn FnMut(&Self)) {
+    pub fn advance(&mut self, steps: u64, look: &mut impl Look) {
         self.model.instructions.run(Stretch { stepper: self, steps, look });
     }
 
@@ -193,7 +206,7 @@ impl<'m> Stepper<'m> {
         let (time, h) = (self.time(), self.step);
         let Weights { velocity, place } = &self.formulas.correct;
         let shares = Shares { place: h * h * place[0], velocity: h * velocity[0] };
-        let node = &mut self.nodes[0];
+        let node = &mut *self.nodes[0];
         let predicted = node.acceleration;
         self.model.rates(time, &node.balls, &node.border, predicted, shares, &mut node.rates, &mut self.scratch);
         self.evaluations += 1;
@@ -212,7 +225,7 @@ impl<'m> Stepper<'m> {
         let moulton = &formulas.correct.velocity;
         // The oldest makes room for the newest.
         self.nodes.rotate_right(1);
-        let [new, now, before, earlier] = &mut self.nodes;
+        let [new, now, before, earlier] = self.nodes.each_mut().map(|node| &mut **node);
         let oldest = new.acceleration;
         for group in 0..now.balls.len() {
             let past = Past {
@@ -247,20 +260,20 @@ impl<'m> Stepper<'m> {
 }
 
 /// Steps between two changes of instructions.
-struct Stretch<'a, 's, 'm> {
+struct Stretch<'a, 's, 'm, L> {
     stepper: &'s mut Stepper<'m>,
     steps: u64,
-    look: &'a mut dyn FnMut(&Stepper<'m>),
+    look: &'a mut L,
 }
 
-impl Task for Stretch<'_, '_, '_> {
+impl<L: Look> Task for Stretch<'_, '_, '_, L> {
     type Answer = ();
 
     #[inline(always)]
     fn run(self) {
         for _ in 0..self.steps {
             self.stepper.rate();
-            (self.look)(self.stepper);
+            self.look.look(self.stepper);
             self.stepper.step();
         }
     }
