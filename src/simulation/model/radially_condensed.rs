@@ -17,7 +17,7 @@ mod traction;
 pub use ball::{BallRates, BallState};
 pub use evaluation::{Rates, Seen};
 pub use recording::{MOST_STEPS, Pace, simulate, simulate_beside};
-pub use stepping::Stepper;
+pub use stepping::{Look, Stepper};
 
 use super::Mechanism;
 use super::condensed_contact::CondensedContact;
@@ -208,6 +208,12 @@ impl RadiallyCondensed {
             model.constant = Some((speed, model.ideal(speed)));
         }
         Ok(model)
+    }
+
+    /// Speed of the spindle at a time [rad/s].
+    #[inline(always)]
+    fn speed_at(&self, time: f64) -> f64 {
+        self.constant.map_or_else(|| self.mechanism.speed.at(time).1, |(speed, _)| speed)
     }
 
     /// Drag about ideal rolling and √δ of a ball that only the outer raceway holds, at a spindle speed [rad/s].

@@ -57,12 +57,11 @@ struct Plain {
     seen: Seen,
 }
 
-/// Sums over the balls: on the spindle, and on the cage (y, z, moment) with the damping there.
+/// Sums over the groups of balls, lane by lane: on the spindle and on the cage.
 #[derive(Clone, Copy, Default)]
 struct AllBalls {
-    spindle: Defect,
-    cage: [f64; 3],
-    cage_damping: [f64; 3],
+    spindle: Passed<Lanes>,
+    cage: OnCage<Lanes>,
 }
 
 impl RadiallyCondensed {
@@ -253,7 +252,11 @@ impl RadiallyCondensed {
     #[inline(always)]
     fn border_rates(&self, drive: &Drive, border: &Border, sums: &AllBalls, rates: &mut Rates) {
         let m = &self.mechanism;
-        let mut spindle = sums.spindle;
+        let on_spindle = &sums.spindle;
+        let mut spindle = Defect {
+            force: [total(&on_spindle.force.0), total(&on_spindle.force.1)],
+            slope: on_spindle.slope.each_ref().map(total),
+        };
         let [ay, az] = drive.spindle_acceleration;
         spindle.force[0] += m.load[1] + m.spindle_mass * (m.gravity - ay);
         spindle.force[1] += m.load[2] - m.spindle_mass * az;
@@ -267,7 +270,7 @@ impl RadiallyCondensed {
         if !m.layout.cage {
             return;
         }
-        let [mut y, mut z, mut moment] = sums.cage;
+        let [mut y, mut z, mut moment] = sums.cage.force.each_ref().map(total);
         if let Some(land) = &m.land {
             let spin = m.orbit_ratio * drive.speed + border.cage_velocity[2] / m.pitch_radius;
             let (force, braking) = land.load([0.0, border.cage[0], border.cage[1]], spin);
@@ -276,7 +279,7 @@ impl RadiallyCondensed {
         let (per_mass, arm, per_inertia) = (1.0 / m.cage.mass, m.pitch_radius, 1.0 / m.cage.axial_inertia);
         rates.cage =
             [y * per_mass + m.gravity, z * per_mass, arm * (moment * per_inertia - m.orbit_ratio * drive.acceleration)];
-        let [d_y, d_z, d_arc] = sums.cage_damping;
+        let [d_y, d_z, d_arc] = sums.cage.damping.each_ref().map(total);
         rates.cage_damping = [d_y * per_mass, d_z * per_mass, d_arc * (arm * arm * per_inertia)];
     }
 }
@@ -284,21 +287,25 @@ impl RadiallyCondensed {
 impl AllBalls {
     #[inline(always)]
     fn add(&mut self, spindle: &Passed<Lanes>, cage: &OnCage<Lanes>) {
-        self.spindle.force[0] += total(&spindle.force.0);
-        self.spindle.force[1] += total(&spindle.force.1);
-        for i in 0..3 {
-            self.spindle.slope[i] += total(&spindle.slope[i]);
-            self.cage[i] += total(&cage.force[i]);
-            self.cage_damping[i] += total(&cage.damping[i]);
+        for lane in 0..LANES {
+            self.spindle.force.0[lane] += spindle.force.0[lane];
+            self.spindle.force.1[lane] += spindle.force.1[lane];
+            for i in 0..3 {
+                self.spindle.slope[i][lane] += spindle.slope[i][lane];
+                self.cage.force[i][lane] += cage.force[i][lane];
+                self.cage.damping[i][lane] += cage.damping[i][lane];
+            }
         }
     }
 }
 
-/// Sum over the lanes in pairs, always in the same order.
+/// Sum over the lanes, always in the same order: of the halves, of their halves, and so on, each in one go.
 #[inline(always)]
 pub(super) fn total(lanes: &Lanes) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes.0;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
+    let [i, j, k, l] = [a + e, b + f, c + g, d + h];
+    let [m, n] = [i + k, j + l];
+    m + n
 }
 
 /// An azimuth on its way: turned on by small angles, anew after some of them.

@@ -1,6 +1,6 @@
 //! Looks at the motion, one a step: what of it is kept.
 
-use super::{RadiallyCondensed, Seen, Stepper};
+use super::{Look, RadiallyCondensed, Seen, Stepper};
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, larger};
 use crate::numerics::spectrum::Decimator;
@@ -16,10 +16,10 @@ use crate::simulation::windows::Recorder;
 use super::evaluation::total;
 use super::recording::{Pace, Schedule};
 
-/// Spindle signals: place, velocity, acceleration of y, then of z.
+/// Spindle signals: place in y and z, velocity, acceleration.
 pub(super) const SIGNALS: usize = 6;
 
-/// Frames that are interpolated between at once.
+/// Frames that are taken in at once.
 const FRAMES: usize = 64;
 
 /// What was seen so far.
@@ -28,8 +28,9 @@ pub(super) struct Looks<'a> {
     schedule: Schedule,
     decimator: Decimator,
     interpolator: Interpolator<SIGNALS>,
-    /// Frames for it: some at once are quicker.
+    /// Frames that wait, one a step, and the step of the first of them: some at once are quicker.
     frames: Vec<[f64; SIGNALS]>,
+    waiting_from: u64,
     /// The first frame stands for what was before: the run has none.
     primed: bool,
     filtered: Recorder,
@@ -40,18 +41,19 @@ pub(super) struct Looks<'a> {
     /// Room for those between two looks, and the next of them, in parts of a step from the last look.
     between: Vec<f64>,
     next_pick: usize,
-    /// Of the spindle's signals, from the first one on, and what they are counted from.
-    sums: [[f64; 2]; SIGNALS],
+    /// Of the spindle's signals and of their squares, from the first one on, and what they are counted from.
+    sums: [f64; SIGNALS],
+    squares: [f64; SIGNALS],
     origin: [f64; SIGNALS],
-    /// Sums of speeds at the kept values, and their number.
+    /// Sums at the kept values, and their number: of the shaft's speed, of the cage's velocity along the arc, and, lane by lane, of the
+    /// balls' velocities along it and of their spins.
     shaft: f64,
     cage: f64,
-    spin: f64,
+    arc_velocity: Lanes,
+    spin: Lanes,
     kept: f64,
     /// Largest distance of a ball from the middle of its pocket, along the orbit [m].
     wander: Lanes,
-    /// 1 over the number of balls.
-    per_ball: f64,
     extremes: Option<Extremes>,
     loads: Option<LoadsTaken>,
     thinnest: Option<PerRaceway<ThinnestFilm>>,
@@ -64,11 +66,7 @@ struct Extremes {
     pocket: Lanes,
 }
 
-/// Sum over the balls that are no copies.
-fn present_total(values: &Lanes, present: &Lanes) -> f64 {
-    total(&Lanes(std::array::from_fn(|lane| values[lane] * present[lane])))
-}
-
+#[inline(always)]
 fn grow(largest: &mut Lanes, seen: impl Fn(usize) -> f64) {
     for lane in 0..LANES {
         largest[lane] = larger(largest[lane], seen(lane));
@@ -76,6 +74,7 @@ fn grow(largest: &mut Lanes, seen: impl Fn(usize) -> f64) {
 }
 
 impl Extremes {
+    #[inline(always)]
     fn look(&mut self, group: usize, seen: &Seen) {
         let (load, slip) = (&seen.load, &seen.slip);
         grow(&mut self.load[group].inner, |lane| load.inner[lane]);
@@ -102,6 +101,7 @@ impl<'a> Looks<'a> {
             decimator: Decimator::new(if schedule.pace.is_long() { 1 } else { schedule.pace.steps }, SIGNALS),
             interpolator: Interpolator::new(schedule.pace.steps, schedule.pace.values),
             frames: Vec::with_capacity(FRAMES),
+            waiting_from: 0,
             primed,
             filtered: recorder(&spindle_channels()),
             picked: recorder(&channels),
@@ -109,14 +109,15 @@ impl<'a> Looks<'a> {
             between: Vec::with_capacity(channels.len()),
             next_pick: 0,
             channels,
-            sums: [[0.0; 2]; SIGNALS],
+            sums: [0.0; SIGNALS],
+            squares: [0.0; SIGNALS],
             origin: [0.0; SIGNALS],
             shaft: 0.0,
             cage: 0.0,
-            spin: 0.0,
+            arc_velocity: Lanes::default(),
+            spin: Lanes::default(),
             kept: 0.0,
             wander: Lanes::default(),
-            per_ball: 1.0 / model.mechanism().layout.balls as f64,
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
             loads: (outputs.contacts && outputs.keep_signals()).then(|| LoadsTaken::new(schedule.values)),
             thinnest: model
@@ -126,79 +127,66 @@ impl<'a> Looks<'a> {
         }
     }
 
-    /// One look, in the order of the steps.
-    pub fn look(&mut self, stepper: &Stepper<'_>) {
-        let (now, schedule) = (stepper.steps(), self.schedule);
-        if now + (schedule.delay as u64) < schedule.first {
-            return;
-        }
-        let frame = frame(stepper);
-        let counts = (schedule.first..=schedule.last).contains(&now);
-        if now == schedule.first {
-            self.origin = frame;
-            if self.primed {
-                self.decimator.prime(&frame);
-                self.interpolator.prime(&frame);
-            }
-        }
-        if counts {
-            for ((sum, value), origin) in self.sums.iter_mut().zip(frame).zip(self.origin) {
-                let off = value - origin;
-                sum[0] += off;
-                sum[1] += off * off;
-            }
-            if let Some(extremes) = &mut self.extremes {
-                stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.look(group, seen));
-            }
-        }
-        if !self.primed || now >= schedule.first {
-            self.keep_spindle(&frame);
-        }
-        let pace = schedule.pace;
-        if counts && (pace.is_long() || (now - schedule.first).is_multiple_of(pace.steps as u64)) {
-            self.keep(stepper);
+    /// At the first kept value.
+    #[inline(never)]
+    fn begin(&mut self, frame: &[f64; SIGNALS]) {
+        self.origin = *frame;
+        if self.primed {
+            self.decimator.prime(frame);
+            self.interpolator.prime(frame);
         }
     }
 
-    /// Through the filter where steps are shorter than the interval of the kept values; with the values between steps where they
-    /// are longer.
-    fn keep_spindle(&mut self, frame: &[f64; SIGNALS]) {
+    /// Takes in the frames that wait: those of the kept time into the sums, and all of them through the filter where steps are shorter
+    /// than the interval of the kept values, or with the values between steps where they are longer.
+    #[inline(never)]
+    fn keep_frames(&mut self) {
+        let (mut sums, mut squares) = (self.sums, self.squares);
+        for (step, frame) in (self.waiting_from..).zip(&self.frames) {
+            if (self.schedule.first..=self.schedule.last).contains(&step) {
+                for i in 0..SIGNALS {
+                    let off = frame[i] - self.origin[i];
+                    sums[i] += off;
+                    squares[i] += off * off;
+                }
+            }
+        }
+        (self.sums, self.squares) = (sums, squares);
         if self.schedule.pace.is_long() {
-            self.frames.push(*frame);
-            if self.frames.len() == FRAMES {
-                self.interpolate();
+            self.interpolator.push(&self.frames, self.model.instructions, |value| self.filtered.push(value));
+        } else {
+            for frame in &self.frames {
+                if self.schedule.pace.steps == 1 {
+                    self.filtered.push(frame);
+                } else if let Some(frame) = self.decimator.push(frame) {
+                    self.filtered.push(frame);
+                }
             }
-        } else if self.schedule.pace.steps == 1 {
-            self.filtered.push(frame);
-        } else if let Some(frame) = self.decimator.push(frame) {
-            self.filtered.push(frame);
         }
-    }
-
-    fn interpolate(&mut self) {
-        self.interpolator.push(&self.frames, self.model.instructions, |value| self.filtered.push(value));
         self.frames.clear();
     }
 
     /// Speeds and all channels besides the spindle's, as they stand.
+    #[inline(always)]
     fn keep(&mut self, stepper: &Stepper<'_>) {
         let model = self.model;
         let m = model.mechanism();
-        let (_, speed, _) = m.speed.at(stepper.time());
-        let (mut arc_velocity, mut own) = (0.0, 0.0);
+        let speed = model.speed_at(stepper.time());
         let cage_arc = stepper.border().cage_arc;
+        // Copies: what is stored in the loop cannot change them.
+        let (mut wander, mut arc_velocity, mut spin) = (self.wander, self.arc_velocity, self.spin);
         for (balls, present) in stepper.balls().iter().zip(&model.present) {
-            // Copies of the last ball are as far as it is.
-            grow(&mut self.wander, |lane| (balls.arc[lane] - cage_arc).abs());
-            arc_velocity += present_total(&balls.arc_velocity, present);
-            own += present_total(&balls.spin, present);
+            let (balls, present) = (*balls, *present);
+            for lane in 0..LANES {
+                // Copies of the last ball are as far as it is.
+                wander[lane] = larger(wander[lane], (balls.arc[lane] - cage_arc).abs());
+                arc_velocity[lane] += balls.arc_velocity[lane] * present[lane];
+                spin[lane] += balls.spin[lane] * present[lane];
+            }
         }
-        (arc_velocity, own) = (arc_velocity * self.per_ball, own * self.per_ball);
-        // Without a cage the balls' mean orbit speed stands for it.
-        let cage_velocity = if m.layout.cage { stepper.border().cage_velocity[2] } else { arc_velocity };
+        (self.wander, self.arc_velocity, self.spin) = (wander, arc_velocity, spin);
         self.shaft += speed;
-        self.cage += m.orbit_ratio * speed + cage_velocity / m.pitch_radius;
-        self.spin += (m.spin_ratio - m.orbit_ratio) * speed + own - arc_velocity / m.pitch_radius;
+        self.cage += stepper.border().cage_velocity[2];
         let [last, now] = &mut self.pick;
         for (channel, now) in self.channels.iter().zip(now.iter_mut()) {
             *now = value(model, *channel, stepper, speed);
@@ -240,31 +228,39 @@ impl<'a> Looks<'a> {
 
     /// What was seen.
     pub fn finish(mut self, start: f64) -> Recording {
-        self.interpolate();
+        self.keep_frames();
         if self.schedule.pace.is_long() && !self.channels.is_empty() {
             // The last value of all may fall on the last step.
             self.picked.push(&self.pick[0]);
         }
         let count = (self.schedule.last - self.schedule.first + 1) as f64;
-        let variance = |[sum, squares]: [f64; 2]| ((squares - sum * sum / count) / count).max(0.0);
+        let variance = |signal: usize| {
+            let (sum, squares) = (self.sums[signal], self.squares[signal]);
+            ((squares - sum * sum / count) / count).max(0.0)
+        };
+        let m = self.model.mechanism();
+        let per_ball = 1.0 / (self.kept * m.layout.balls as f64);
         let shaft = self.shaft / self.kept;
+        let orbit = total(&self.arc_velocity) * per_ball / m.pitch_radius;
+        // Without a cage the balls' mean orbit speed stands for it.
+        let cage = if m.layout.cage { self.cage / self.kept / m.pitch_radius } else { orbit };
         let contacts = self.contacts();
         let (spindle, _) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
         Recording {
             start,
-            total_variance: spindle_channels().into_iter().zip(self.sums.map(variance)).collect(),
+            total_variance: spindle_channels().into_iter().zip((0..SIGNALS).map(variance)).collect(),
             contacts,
             max_pocket_load: self.extremes.map_or(0.0, |seen| seen.pocket.0.into_iter().fold(0.0, f64::max)),
             signals: spindle.into_iter().chain(picked).collect(),
             whirl,
             direction: if shaft < 0.0 { -1.0 } else { 1.0 },
             shaft_speed: shaft.abs(),
-            cage_speed: (self.cage / self.kept).abs(),
-            ball_spin: (self.spin / self.kept).abs(),
+            cage_speed: (m.orbit_ratio * shaft + cage).abs(),
+            ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             parts: Vec::new(),
             loads: self.loads.map(LoadsTaken::finish),
-            wander: self.model.mechanism().layout.cage.then(|| self.wander.0.into_iter().fold(0.0, f64::max)),
+            wander: m.layout.cage.then(|| self.wander.0.into_iter().fold(0.0, f64::max)),
         }
     }
 
@@ -291,16 +287,48 @@ impl<'a> Looks<'a> {
     }
 }
 
-fn spindle_channels() -> Vec<Channel> {
-    let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
-    [Axis::Y, Axis::Z].into_iter().flat_map(|axis| motions.map(|motion| Channel::Spindle(axis, motion))).collect()
+/// One look after the other, in the order of the steps.
+impl Look for Looks<'_> {
+    #[inline(always)]
+    fn look(&mut self, stepper: &Stepper<'_>) {
+        let (now, schedule) = (stepper.steps(), self.schedule);
+        if now + (schedule.delay as u64) < schedule.first {
+            return;
+        }
+        let counts = (schedule.first..=schedule.last).contains(&now);
+        if now == schedule.first {
+            self.begin(&frame(stepper));
+        }
+        if let (true, Some(extremes)) = (counts, &mut self.extremes) {
+            stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.look(group, seen));
+        }
+        if !self.primed || now >= schedule.first {
+            if self.frames.is_empty() {
+                self.waiting_from = now;
+            }
+            self.frames.push(frame(stepper));
+            if self.frames.len() == FRAMES {
+                self.keep_frames();
+            }
+        }
+        let pace = schedule.pace;
+        if counts && (pace.is_long() || (now - schedule.first).is_multiple_of(pace.steps as u64)) {
+            self.keep(stepper);
+        }
+    }
 }
 
-/// The spindle's signals at a look.
+fn spindle_channels() -> Vec<Channel> {
+    let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
+    motions.into_iter().flat_map(|motion| [Axis::Y, Axis::Z].map(|axis| Channel::Spindle(axis, motion))).collect()
+}
+
+/// The spindle's signals at a look, as they stand in the stepper: what has just been stored in pairs can be read at once only so.
+#[inline(always)]
 fn frame(stepper: &Stepper<'_>) -> [f64; SIGNALS] {
-    let (border, acceleration) = (stepper.border(), stepper.spindle_acceleration());
+    let (border, [ay, az]) = (stepper.border(), stepper.spindle_acceleration());
     let ([y, z], [vy, vz]) = (border.spindle, border.spindle_velocity);
-    [y, vy, acceleration[0], z, vz, acceleration[1]]
+    [y, z, vy, vz, ay, az]
 }
 
 /// A channel besides the spindle's.

@@ -180,7 +180,7 @@ impl RadiallyCondensed {
             if (control.stop)() {
                 return Err(SimulationError::Stopped { time: stepper.time() });
             }
-            stepper.advance(STEPS_PER_LOOK.min(all - stepper.steps()), &mut |stepper| looks.look(stepper));
+            stepper.advance(STEPS_PER_LOOK.min(all - stepper.steps()), &mut looks);
             finite(&stepper)?;
             (control.progress)(stepper.steps() as f64 / all as f64);
             let phase = if stepper.steps() < first { Phase::Settling } else { Phase::Recording };

@@ -82,6 +82,19 @@ struct Node {
     acceleration: [f64; 2],
 }
 
+/// Who looks at the motion. What is always inlined there is compiled for the instructions of the steps.
+pub trait Look {
+    /// At a time whose rates are known.
+    fn look(&mut self, stepper: &Stepper<'_>);
+}
+
+impl<F: FnMut(&Stepper<'_>)> Look for F {
+    #[inline(always)]
+    fn look(&mut self, stepper: &Stepper<'_>) {
+        self(stepper);
+    }
+}
+
 /// The motion on its way.
 pub struct Stepper<'m> {
     model: &'m RadiallyCondensed,
@@ -125,7 +138,7 @@ impl<'m> Stepper<'m> {
         for _ in 0..NODES - 1 {
             for _ in 0..START {
                 let first = stepper.count.is_multiple_of(START as u64);
-                stepper.advance(1, &mut |at| {
+                stepper.advance(1, &mut |at: &Stepper<'_>| {
                     if first {
                         past.push(at.nodes[0].clone());
                     }
@@ -182,7 +195,7 @@ impl<'m> Stepper<'m> {
     }
 
     /// Some steps on, with a look before each, once its rates are known.
-    pub fn advance(&mut self, steps: u64, look: &mut dyn FnMut(&Self)) {
+    pub fn advance(&mut self, steps: u64, look: &mut impl Look) {
         self.model.instructions.run(Stretch { stepper: self, steps, look });
     }
 
@@ -193,16 +206,15 @@ impl<'m> Stepper<'m> {
         let (time, h) = (self.time(), self.step);
         let Weights { velocity, place } = &self.formulas.correct;
         let shares = Shares { place: h * h * place[0], velocity: h * velocity[0] };
-        let node = &mut self.nodes[0];
+        let node = &mut *self.nodes[0];
         let predicted = node.acceleration;
         self.model.rates(time, &node.balls, &node.border, predicted, shares, &mut node.rates, &mut self.scratch);
         self.evaluations += 1;
         let change = solve(&node.rates.spindle);
-        for (i, change) in change.into_iter().enumerate() {
-            node.acceleration[i] = predicted[i] + change;
-            node.border.spindle[i] += shares.place * change;
-            node.border.spindle_velocity[i] += shares.velocity * change;
-        }
+        let Border { spindle, spindle_velocity, .. } = node.border;
+        node.acceleration = std::array::from_fn(|i| predicted[i] + change[i]);
+        node.border.spindle = std::array::from_fn(|i| spindle[i] + shares.place * change[i]);
+        node.border.spindle_velocity = std::array::from_fn(|i| spindle_velocity[i] + shares.velocity * change[i]);
     }
 
     /// One step, after `rate`.
@@ -212,7 +224,7 @@ impl<'m> Stepper<'m> {
         let moulton = &formulas.correct.velocity;
         // The oldest makes room for the newest.
         self.nodes.rotate_right(1);
-        let [new, now, before, earlier] = &mut self.nodes;
+        let [new, now, before, earlier] = self.nodes.each_mut().map(|node| &mut **node);
         let oldest = new.acceleration;
         for group in 0..now.balls.len() {
             let past = Past {
@@ -221,54 +233,56 @@ impl<'m> Stepper<'m> {
             };
             new.balls[group] = past.stepped(&formulas.balls, moulton, h);
         }
-        let mut border = Border::default();
+        // Both directions of each quantity at once: what is stored in pairs can be read in pairs.
         let (a, b, c) = (&now.border, &before.border, &earlier.border);
-        for i in 0..3 {
-            let damping = h * now.rates.cage_damping[i];
-            let rates = [now.rates.cage[i], before.rates.cage[i], earlier.rates.cage[i]];
-            let values = [a.cage_velocity[i], b.cage_velocity[i], c.cage_velocity[i]];
-            let (pushed, ahead) = formulas.cage.pushed(h, values, rates);
-            border.cage_velocity[i] = values[0] + (pushed + damping * ahead) / (formulas.cage.leading + damping);
-        }
-        for (i, oldest) in oldest.into_iter().enumerate() {
-            let accelerations = [now.acceleration[i], before.acceleration[i], earlier.acceleration[i], oldest];
-            let (w, p) = (&formulas.predict.velocity, &formulas.predict.place);
-            border.spindle_velocity[i] = a.spindle_velocity[i] + h * weighed(w, accelerations);
-            border.spindle[i] = a.spindle[i] + h * (a.spindle_velocity[i] + h * weighed(p, accelerations));
-            new.acceleration[i] = weighed(&formulas.ahead, accelerations);
-            let velocities = [border.cage_velocity[i], a.cage_velocity[i], b.cage_velocity[i], c.cage_velocity[i]];
-            border.cage[i] = a.cage[i] + h * weighed(moulton, velocities);
-        }
-        let velocities = [border.cage_velocity[2], a.cage_velocity[2], b.cage_velocity[2], c.cage_velocity[2]];
-        border.cage_arc = a.cage_arc + h * weighed(moulton, velocities);
-        new.border = border;
+        let accelerations = [now.acceleration, before.acceleration, earlier.acceleration, oldest];
+        let rise = weighed(&formulas.predict.velocity, &accelerations);
+        let lift = weighed(&formulas.predict.place, &accelerations);
+        new.acceleration = weighed(&formulas.ahead, &accelerations);
+        let cage_rates = [now.rates.cage, before.rates.cage, earlier.rates.cage];
+        let cage_damping = now.rates.cage_damping;
+        let cage_velocities = [a.cage_velocity, b.cage_velocity, c.cage_velocity];
+        let cage_velocity: [f64; 3] = std::array::from_fn(|i| {
+            let damping = h * cage_damping[i];
+            let (pushed, ahead) = formulas.cage.pushed(h, cage_velocities.map(|v| v[i]), cage_rates.map(|f| f[i]));
+            cage_velocities[0][i] + (pushed + damping * ahead) / (formulas.cage.leading + damping)
+        });
+        let moved = weighed(moulton, &[cage_velocity, a.cage_velocity, b.cage_velocity, c.cage_velocity]);
+        new.border = Border {
+            spindle: std::array::from_fn(|i| a.spindle[i] + h * (a.spindle_velocity[i] + h * lift[i])),
+            spindle_velocity: std::array::from_fn(|i| a.spindle_velocity[i] + h * rise[i]),
+            cage: std::array::from_fn(|i| a.cage[i] + h * moved[i]),
+            cage_arc: a.cage_arc + h * moved[2],
+            cage_velocity,
+        };
         self.count += 1;
     }
 }
 
 /// Steps between two changes of instructions.
-struct Stretch<'a, 's, 'm> {
+struct Stretch<'a, 's, 'm, L> {
     stepper: &'s mut Stepper<'m>,
     steps: u64,
-    look: &'a mut dyn FnMut(&Stepper<'m>),
+    look: &'a mut L,
 }
 
-impl Task for Stretch<'_, '_, '_> {
+impl<L: Look> Task for Stretch<'_, '_, '_, L> {
     type Answer = ();
 
     #[inline(always)]
     fn run(self) {
         for _ in 0..self.steps {
             self.stepper.rate();
-            (self.look)(self.stepper);
+            self.look.look(self.stepper);
             self.stepper.step();
         }
     }
 }
 
 #[inline(always)]
-fn weighed(weights: &[f64; NODES], values: [f64; NODES]) -> f64 {
-    (weights[0] * values[0] + weights[1] * values[1]) + (weights[2] * values[2] + weights[3] * values[3])
+fn weighed<const N: usize>(weights: &[f64; NODES], values: &[[f64; N]; NODES]) -> [f64; N] {
+    let [a, b, c, d] = values;
+    std::array::from_fn(|i| (weights[0] * a[i] + weights[1] * b[i]) + (weights[2] * c[i] + weights[3] * d[i]))
 }
 
 impl Implicit {
@@ -307,8 +321,9 @@ impl Past {
             let per_determinant = 1.0 / (vv * pp - b * d);
             let arc_velocity = now.arc_velocity + per_determinant * (pp * right_v + b * right_p);
             let spin = now.spin + per_determinant * (vv * right_p + d * right_v);
-            let arrived = [arc_velocity, now.arc_velocity, before.arc_velocity, earlier.arc_velocity];
-            new.put(lane, BallState { arc: now.arc + h * weighed(&moulton, arrived), arc_velocity, spin });
+            let [moved] =
+                weighed(&moulton, &[[arc_velocity], [now.arc_velocity], [before.arc_velocity], [earlier.arc_velocity]]);
+            new.put(lane, BallState { arc: now.arc + h * moved, arc_velocity, spin });
         }
         new
     }
