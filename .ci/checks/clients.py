@@ -84,7 +84,8 @@ def description():
 def types(place):
     """Types for TypeScript compile, and the portal's example with them; returns where its program is."""
     shutil.copytree(EXAMPLES, place)
-    run(tool("openapi-typescript"), DOCUMENT, "--output", os.path.join(place, "raceway.d.ts"))
+    # Fields with a default need not be given; it is what requests are made of.
+    run(tool("openapi-typescript"), DOCUMENT, "--default-non-nullable=false", "--output", os.path.join(place, "raceway.d.ts"))
     run(tool("tsc"), "--strict", "--noEmit", os.path.join(place, "raceway.d.ts"))
     run(tool("tsc"), "--project", place)
     return os.path.join(place, "portal.js")

@@ -8,14 +8,15 @@ use serde_json::Value;
 use utoipa::openapi::example::Example;
 use utoipa::openapi::header::{Header, HeaderBuilder};
 use utoipa::openapi::link::Link;
+use utoipa::openapi::path::{Operation, ParameterBuilder, ParameterIn};
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityScheme};
-use utoipa::openapi::{ContentBuilder, OpenApi as Document, Ref, RefOr, Response, ResponseBuilder};
+use utoipa::openapi::{ContentBuilder, OpenApi as Document, Ref, RefOr, Required, Response, ResponseBuilder};
 use utoipa::{IntoResponses, Modify, OpenApi};
 
 use super::error::{ApiError, PROBLEM_JSON, Problem};
 use super::request::BODY_LIMIT;
-use crate::contract::{FieldError, Refusal};
+use crate::contract::{FieldError, Refusal, schema};
 use crate::jobs::{JobError, Status};
 
 pub const JOBS: &str = "jobs";
@@ -189,17 +190,53 @@ pub fn completed(mut document: Document) -> Document {
     let components = document.components.get_or_insert_default();
     components.responses.extend(problems().into_iter().map(|(name, response)| (name.to_owned(), response.into())));
     components.links.extend(links_of_job().map(|(name, link)| (name.to_owned(), link.into())));
-    for item in document.paths.paths.values_mut() {
-        let operations = [&mut item.get, &mut item.post, &mut item.delete];
-        for operation in operations.into_iter().flatten() {
-            let examples = &examples[operation.operation_id.as_deref().unwrap_or_default()];
-            for (status, response) in &mut operation.responses.responses {
-                let RefOr::T(response) = response else { continue };
-                complete(response, &examples[status.as_str()]);
-            }
+    schema::complete(&mut components.schemas);
+    name_requests(&mut document);
+    for operation in operations(&mut document) {
+        let examples = &examples[operation.operation_id.as_deref().unwrap_or_default()];
+        for (status, response) in &mut operation.responses.responses {
+            let RefOr::T(response) = response else { continue };
+            complete(response, &examples[status.as_str()]);
         }
     }
     document
+}
+
+/// Every request may bring a name, and every answer has it.
+fn name_requests(document: &mut Document) {
+    const NAME: &str = "X-Request-Id";
+    let text = || ObjectBuilder::new().schema_type(Type::String).build();
+    let parameter = ParameterBuilder::new()
+        .name(NAME)
+        .parameter_in(ParameterIn::Header)
+        .required(Required::False)
+        .description(Some(
+            "A name of the client's for this request, at most 128 visible ASCII characters, which the answer and the log repeat; \
+             in the place of another, or of none, the service makes one",
+        ))
+        .schema(Some(text()))
+        .example(Some("portal-17".into()));
+    let header = HeaderBuilder::new().schema(Some(text())).description(Some("The request's name, as in the log"));
+    let components = document.components.get_or_insert_default();
+    components.parameters.insert(NAME.to_owned(), parameter.build().into());
+    components.headers.insert(NAME.to_owned(), header.build().into());
+    let named = |response: &mut RefOr<Response>| {
+        if let RefOr::T(response) = response {
+            let header = Ref::new(format!("#/components/headers/{NAME}"));
+            response.headers.insert(NAME.to_owned(), RefOr::Ref(header));
+        }
+    };
+    components.responses.values_mut().for_each(named);
+    for operation in operations(document) {
+        let parameter = Ref::new(format!("#/components/parameters/{NAME}"));
+        operation.parameters.get_or_insert_default().push(RefOr::Ref(parameter));
+        operation.responses.responses.values_mut().for_each(named);
+    }
+}
+
+fn operations(document: &mut Document) -> impl Iterator<Item = &mut Operation> {
+    let items = document.paths.paths.values_mut();
+    items.flat_map(|item| [&mut item.get, &mut item.post, &mut item.delete].into_iter().flatten())
 }
 
 fn complete(response: &mut Response, example: &Value) {

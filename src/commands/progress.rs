@@ -50,26 +50,33 @@ pub fn announced<T>(announcement: impl FnOnce() -> String, quiet: bool, work: im
 /// What will be done, and about how long that takes.
 fn announcement(job: &Job) -> String {
     let simulated = format!("{} s after {} s", job.settings.duration, job.settings.settle);
+    let cost = contract::estimate(job);
+    let (kind, estimate) = (job.kind.name(), estimated(cost.estimated_wall_time_s, cost.most_wall_time_s));
     let points = job.study.as_ref().map_or(1, |study| study.points);
     if points > 1 {
-        let each = contract::estimated_wall_time(job)
-            .map_or("no estimate".to_owned(), |time| format!("estimated {} each at most", duration(time)));
-        return format!("{}: {points} points of {simulated}; {each}", job.kind.name());
+        return format!("{kind}: {points} points of {simulated}; {estimate} for each");
     }
     if let Some(sought) = &job.sought {
-        let each = contract::estimated_wall_time(job)
-            .map_or("no estimate".to_owned(), |time| format!("estimated {} each at most", duration(time)));
-        return format!("{}: up to about {} runs of {simulated}; {each}", job.kind.name(), sought.most_runs());
+        return format!("{kind}: up to about {} runs of {simulated}; {estimate} for each", sought.most_runs());
     }
     let runs = job.plan.as_ref().map_or(String::new(), |plan| {
         let runs = plan.methods.len() * plan.relative_tolerances.len();
         format!(", {runs} runs{} and their references", times(plan.repetitions))
     });
-    let estimate = contract::estimated_wall_time(job)
-        .map_or("no estimate: no equilibrium to start from".to_owned(), |time| {
-            format!("estimated {}, an order of magnitude", duration(time))
-        });
-    format!("{}: {simulated}{runs}; {estimate}", job.kind.name())
+    format!("{kind}: {simulated}{runs}; {estimate}")
+}
+
+/// An estimate [s] in words, with what it may become where no reduced model serves.
+fn estimated(estimate: Option<f64>, most: Option<f64>) -> String {
+    match (estimate, most) {
+        (Some(estimate), Some(most)) if most > estimate => format!(
+            "estimated {}, or {} where no reduced model is confirmed, by an order of magnitude",
+            duration(estimate),
+            duration(most)
+        ),
+        (Some(estimate), _) => format!("estimated {}, an order of magnitude", duration(estimate)),
+        _ => "no estimate: no equilibrium to start from".to_owned(),
+    }
 }
 
 fn times(repetitions: u32) -> String {
@@ -90,7 +97,9 @@ fn line(share: f64, gone: Duration) -> String {
 /// A time [s] as people say it.
 fn duration(time: f64) -> String {
     match time {
-        0.0..0.1 => "0 s".into(),
+        0.0 => "0 s".into(),
+        0.0..0.01 => "less than 0.01 s".into(),
+        0.01..0.1 => format!("{time:.2} s"),
         0.1..10.0 => format!("{time:.1} s"),
         10.0..120.0 => format!("{time:.0} s"),
         120.0..7200.0 => format!("{:.0} min", time / 60.0),
@@ -127,5 +136,7 @@ mod tests {
         assert!(told.contains("estimated "), "{told}");
         let told = announcement(&contract::parse_job_or_scene(scene).unwrap());
         assert!(told.starts_with("simulation: ") && !told.contains("runs"), "{told}");
+        // What it may become on the richer rung is told, too, and nothing takes no time at all.
+        assert!(told.contains(" where no reduced model is confirmed") && !told.contains(" 0 s"), "{told}");
     }
 }

@@ -3,7 +3,7 @@
 use super::filling::Filling;
 use super::job::{JobInput, JobKind};
 use super::outputs::OutputsInput;
-use super::solver::{SolverInput, TOLERANCES, method_of};
+use super::solver::{SolverInput, method_of};
 use crate::simulation::run::Method;
 use crate::simulation::work_precision::Plan;
 
@@ -27,7 +27,7 @@ pub fn plan(input: &mut JobInput, filling: &mut Filling) -> Plan {
         filling.take("/relative_tolerances", &mut input.relative_tolerances, RELATIVE_TOLERANCES.to_vec());
     check_tolerances(&relative_tolerances, filling);
     let repetitions = filling.take("/repetitions", &mut input.repetitions, 1);
-    filling.within("/repetitions", f64::from(repetitions), 1.0, f64::from(MOST_REPETITIONS), "");
+    filling.check("/repetitions", f64::from(repetitions));
     Plan { methods, relative_tolerances, repetitions: repetitions.clamp(1, MOST_REPETITIONS) }
 }
 
@@ -59,7 +59,7 @@ fn check_tolerances(tolerances: &[f64], filling: &mut Filling) {
         if tolerances[..index].contains(tolerance) {
             filling.refuse(pointer, "given more than once");
         } else {
-            filling.within(&pointer, *tolerance, TOLERANCES.0, TOLERANCES.1, "");
+            filling.check(&pointer, *tolerance);
         }
     }
 }

@@ -10,7 +10,7 @@ use super::presets::{self, BearingPreset};
 use super::problem::listed;
 use super::scaling;
 use super::strict::{NameOr, optional_object};
-use super::units::{DEG, MM, UM};
+use super::units::{DEG, MM, UM, short};
 use crate::physics::bearing::{BearingKind, BearingParameters, Fit, PerRaceway};
 use crate::physics::material::Material;
 
@@ -27,37 +27,37 @@ pub struct BearingInput {
     #[schema(nullable = false)]
     pub kind: Option<BearingType>,
     /// Outer diameter D [mm].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 12000, example = 18.0)]
+    #[schema(nullable = false, example = 18.0)]
     pub outer_diameter_mm: Option<f64>,
     /// Bore; of an integrated bearing the diameter of its spindle [mm].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 10000, example = 8.5)]
+    #[schema(nullable = false, example = 8.5)]
     pub inner_diameter_mm: Option<f64>,
     /// Width B [mm].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 2000, example = 5.9)]
+    #[schema(nullable = false, example = 5.9)]
     pub width_mm: Option<f64>,
     /// Number of balls Z [-].
     #[serde(default, deserialize_with = "super::strict::whole_number::<_, 2, 64>")]
-    #[schema(nullable = false, minimum = 2, maximum = 64, example = 7)]
+    #[schema(nullable = false, example = 7)]
     pub ball_count: Option<u32>,
     /// Ball diameter d [mm].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 500, example = 2.778)]
+    #[schema(nullable = false, example = 2.778)]
     pub ball_diameter_mm: Option<f64>,
     /// Pitch diameter D_m [mm].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 10000, example = 13.0)]
+    #[schema(nullable = false, example = 13.0)]
     pub pitch_diameter_mm: Option<f64>,
     /// Groove radius of the inner raceway over ball diameter [-]. Default 0.52.
-    #[schema(nullable = false, exclusive_minimum = 0.5, maximum = 1, example = 0.529)]
+    #[schema(nullable = false, example = 0.529)]
     pub inner_groove_curvature: Option<f64>,
     /// Groove radius of the outer raceway over ball diameter [-]. Default 0.53.
-    #[schema(nullable = false, exclusive_minimum = 0.5, maximum = 1, example = 0.529)]
+    #[schema(nullable = false, example = 0.529)]
     pub outer_groove_curvature: Option<f64>,
     /// Diametral radial clearance [µm]; negative: a radial preload. At least −2 % of the ball diameter, at most what leaves a free contact
-    /// angle of 60°; a refusal names both. Default: middle of ISO 5753-1
+    /// angle of 60°, the groove curvatures less 1 times the ball diameter; a refusal names both. Default: middle of ISO 5753-1
     /// group N for the bore; 15° instead for `angular_contact`.
     #[schema(nullable = false, example = 5.0)]
     pub radial_clearance_um: Option<f64>,
     /// Free contact angle [°]. Either this or `radial_clearance_um`.
-    #[schema(nullable = false, minimum = 0, maximum = 60)]
+    #[schema(nullable = false)]
     pub contact_angle_deg: Option<f64>,
     /// Materials of balls, raceways and cage.
     #[serde(default, deserialize_with = "optional_object")]
@@ -87,14 +87,21 @@ pub enum BearingType {
     AngularContact,
 }
 
+/// Outer diameter of the smallest ball bearings that are made, and of the largest that is accepted [mm]; and how far the lengths of a
+/// bearing are apart at most: the balls of large thin rings are a hundredth of them.
+const SMALLEST_MM: f64 = 1.0;
+const LARGEST_MM: f64 = 12_000.0;
+const FARTHEST_APART: f64 = 500.0;
+
 /// What the request says of the bearing, and what fills the gaps.
 pub struct ChosenBearing {
     pub own: BearingInput,
     pub base: BearingPreset,
 }
 
-/// The named preset, or the defaults of a bearing with these dimensions; `None` after an error.
-pub fn choose(bearing: NameOr<String, BearingInput>, filling: &mut Filling) -> Option<ChosenBearing> {
+/// The named preset, or the defaults of a bearing with these dimensions. After an error some other bearing stands in, so that what
+/// is said of the rest can be checked.
+pub fn choose(bearing: NameOr<String, BearingInput>, filling: &mut Filling) -> ChosenBearing {
     let (name, pointer, own) = match bearing {
         NameOr::Name(name) => (Some(name), "/scene/bearing", BearingInput::default()),
         NameOr::Object(mut own) => (own.preset.take(), "/scene/bearing/preset", own),
@@ -106,29 +113,36 @@ pub fn choose(bearing: NameOr<String, BearingInput>, filling: &mut Filling) -> O
                 let known = listed(presets::bearing_names());
                 filling.refuse(pointer, format!("no bearing is called `{name}`; known are {known}"));
             }
-            preset?
+            preset
         }
+        None if filling.is_unread("/scene/bearing/preset") => None,
         None => {
-            let known_errors = filling.errors.len();
-            let mut number = |name: &str, field| filling.require(format!("/scene/bearing/{name}"), field, f64::NAN);
-            let size = scaling::Size {
-                bore_mm: number("inner_diameter_mm", &own.inner_diameter_mm),
-                ball_diameter_mm: number("ball_diameter_mm", &own.ball_diameter_mm),
-                pitch_diameter_mm: number("pitch_diameter_mm", &own.pitch_diameter_mm),
-            };
-            number("outer_diameter_mm", &own.outer_diameter_mm);
-            number("width_mm", &own.width_mm);
-            filling.require("/scene/bearing/ball_count", &own.ball_count, 0);
-            if filling.errors.len() > known_errors {
-                return None;
-            }
-            scaling::defaults(size, own.kind.unwrap_or(BearingType::DeepGroove))
+            own.dimensions(filling).map(|size| scaling::defaults(size, own.kind.unwrap_or(BearingType::DeepGroove)))
         }
     };
-    Some(ChosenBearing { own, base })
+    let base = base.unwrap_or_else(|| {
+        filling.stand_in();
+        presets::integrated()
+    });
+    ChosenBearing { own, base }
 }
 
 impl BearingInput {
+    /// Dimensions of a bearing without a preset; `None` after errors that some are missing.
+    fn dimensions(&self, filling: &mut Filling) -> Option<scaling::Size> {
+        let known_errors = filling.errors.len();
+        let mut number = |name: &str, field| filling.require(format!("/scene/bearing/{name}"), field, f64::NAN);
+        let size = scaling::Size {
+            bore_mm: number("inner_diameter_mm", &self.inner_diameter_mm),
+            ball_diameter_mm: number("ball_diameter_mm", &self.ball_diameter_mm),
+            pitch_diameter_mm: number("pitch_diameter_mm", &self.pitch_diameter_mm),
+        };
+        number("outer_diameter_mm", &self.outer_diameter_mm);
+        number("width_mm", &self.width_mm);
+        filling.require("/scene/bearing/ball_count", &self.ball_count, 0);
+        (filling.errors.len() == known_errors).then_some(size)
+    }
+
     /// Fills in what is left out from `base`.
     pub fn resolve(
         &mut self,
@@ -149,6 +163,11 @@ impl BearingInput {
         let width = take("width_mm", &mut self.width_mm, base.width_mm);
         let ball = take("ball_diameter_mm", &mut self.ball_diameter_mm, base.ball_diameter_mm);
         let pitch = take("pitch_diameter_mm", &mut self.pitch_diameter_mm, base.pitch_diameter_mm);
+        let inner_curvature =
+            take("inner_groove_curvature", &mut self.inner_groove_curvature, base.inner_groove_curvature);
+        let outer_curvature =
+            take("outer_groove_curvature", &mut self.outer_groove_curvature, base.outer_groove_curvature);
+        self.refuse_metres(filling);
         BearingParameters {
             kind: kind.in_physics(),
             outer_diameter: MM.to_si(outer),
@@ -157,13 +176,40 @@ impl BearingInput {
             ball_count: ball_count as usize,
             ball_diameter: MM.to_si(ball),
             pitch_diameter: MM.to_si(pitch),
-            groove_curvature: PerRaceway {
-                inner: take("inner_groove_curvature", &mut self.inner_groove_curvature, base.inner_groove_curvature),
-                outer: take("outer_groove_curvature", &mut self.outer_groove_curvature, base.outer_groove_curvature),
-            },
+            groove_curvature: PerRaceway { inner: inner_curvature, outer: outer_curvature },
             fit,
             ball_material,
             raceway_material,
+        }
+    }
+
+    /// Refuses lengths that no bearing has in mm, but every one in m, where they stand: what does not fit because of them would be
+    /// told of other fields.
+    fn refuse_metres(&self, filling: &mut Filling) {
+        let lengths = [
+            ("outer_diameter_mm", self.outer_diameter_mm),
+            ("inner_diameter_mm", self.inner_diameter_mm),
+            ("width_mm", self.width_mm),
+            ("ball_diameter_mm", self.ball_diameter_mm),
+            ("pitch_diameter_mm", self.pitch_diameter_mm),
+        ]
+        .map(|(name, length)| (name, length.unwrap_or(f64::NAN)));
+        let sound = lengths.into_iter().filter(|length| length.1 > 0.0 && length.1 < LARGEST_MM);
+        let Some(largest) = sound.clone().max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+        let all_small = largest.1 < SMALLEST_MM;
+        for (name, length) in sound.filter(|length| all_small || length.1 * FARTHEST_APART < largest.1) {
+            let pointer = format!("/scene/bearing/{name}");
+            if filling.defaults.contains(&pointer) {
+                continue;
+            }
+            let small = if all_small {
+                "no ball bearing is as small as that".to_owned()
+            } else {
+                format!("less than a {FARTHEST_APART}th of `{}`, {} mm", largest.0, short(largest.1))
+            };
+            let perhaps = short(length * 1e3);
+            filling.refuse(pointer, format!("{} mm: {small}; lengths are in mm, not in m: {perhaps}?", short(length)));
+            filling.stand_in();
         }
     }
 

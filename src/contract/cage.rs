@@ -17,40 +17,40 @@ use crate::physics::material::Material;
 #[serde(deny_unknown_fields)]
 pub struct CageInput {
     /// Diametral clearance of a ball in its pocket [mm].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 100, example = 0.051)]
+    #[schema(nullable = false, example = 0.051)]
     pub pocket_clearance_mm: Option<f64>,
     /// Mass [g].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 1000000, example = 0.13)]
+    #[schema(nullable = false, example = 0.13)]
     pub mass_g: Option<f64>,
     /// Moment of inertia about the bearing axis [kg m²].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 10000, example = 5.5e-9)]
+    #[schema(nullable = false, example = 5.5e-9)]
     pub axial_inertia_kg_m2: Option<f64>,
     /// Moment of inertia about a transverse axis [kg m²].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 10000, example = 3e-9)]
+    #[schema(nullable = false, example = 3e-9)]
     pub transverse_inertia_kg_m2: Option<f64>,
     /// Distance from the centre of mass to the plane of the pockets, along +X [mm].
-    #[schema(nullable = false, minimum = -1000, maximum = 1000, example = 0.7)]
+    #[schema(nullable = false, example = 0.7)]
     pub offset_mm: Option<f64>,
     /// Shape of a pocket. Default `open`.
     #[schema(nullable = false)]
     pub seat: Option<SeatName>,
     /// Angle between the axis of the pocket's mouth and its rim [°]. Default 65.
-    #[schema(nullable = false, minimum = 5.73, maximum = 85.9, example = 65.0)]
+    #[schema(nullable = false, example = 65.0)]
     pub rim_angle_deg: Option<f64>,
     /// Half width of the pocket's seat for the film [mm].
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 1000, example = 1.0)]
+    #[schema(nullable = false, example = 1.0)]
     pub seat_half_width_mm: Option<f64>,
     /// Lubricant film in the pockets. Default: `none` when dry, else `wedge`.
     #[schema(nullable = false, value_type = Option<FilmChoice>)]
     pub film: Option<NameOr<FilmName, FilmInput>>,
     /// Coefficient of dry friction in the pockets [-]. Default 0.08.
-    #[schema(nullable = false, minimum = 0, maximum = 2, example = 0.08)]
+    #[schema(nullable = false, example = 0.08)]
     pub friction: Option<f64>,
     /// Slip speed at which that friction is fully developed [m/s]. Default 0.05.
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 100, example = 0.05)]
+    #[schema(nullable = false, example = 0.05)]
     pub friction_speed_m_s: Option<f64>,
     /// Stiffness of the cage bars in series with the pocket contacts [N/m]. Left out: rigid bars.
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 1e12)]
+    #[schema(nullable = false)]
     pub bar_stiffness_n_per_m: Option<f64>,
     /// Guidance by the outer ring's shoulder. Left out: guided by the balls.
     #[serde(default, deserialize_with = "optional_object")]
@@ -90,10 +90,10 @@ pub enum FilmChoice {
 #[serde(deny_unknown_fields)]
 pub struct FilmInput {
     /// [N/m]
-    #[schema(minimum = 0, maximum = 1e10, example = 38000.0)]
+    #[schema(example = 38000.0)]
     pub stiffness_n_per_m: f64,
     /// [N·s/m]
-    #[schema(minimum = 0, maximum = 100000, example = 3.0)]
+    #[schema(example = 3.0)]
     pub damping_n_s_per_m: f64,
 }
 
@@ -102,13 +102,13 @@ pub struct FilmInput {
 #[serde(deny_unknown_fields)]
 pub struct LandInput {
     /// Diametral clearance [mm].
-    #[schema(exclusive_minimum = 0, maximum = 100, example = 0.1)]
+    #[schema(example = 0.1)]
     pub clearance_mm: f64,
     /// Diameter [mm].
-    #[schema(exclusive_minimum = 0, maximum = 10000, example = 15.0)]
+    #[schema(example = 15.0)]
     pub diameter_mm: f64,
     /// Axial width [mm].
-    #[schema(exclusive_minimum = 0, maximum = 1000, example = 0.5)]
+    #[schema(example = 0.5)]
     pub width_mm: f64,
 }
 

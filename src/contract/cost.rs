@@ -29,11 +29,6 @@ const REFERENCE_RUNS: f64 = 20.0;
 /// Longest step that accuracy allows where stability does not bind [s].
 const SMOOTH_STEP: f64 = 20e-6;
 
-/// Estimated wall time of a job [s], as `CostAnswer` has it.
-pub fn estimated_wall_time(job: &Job) -> Option<f64> {
-    estimate(job).estimated_wall_time_s
-}
-
 /// Stability holds the explicit method to short steps, however smooth the motion is: those of the fastest mode of the
 /// equations at the start of the run; a stiff method goes its own pace, and `auto` takes the cheaper one. An order of magnitude:
 /// impacts, and loads that grow later, are not foreseen. No time is given where the run has no equilibrium to start from.
@@ -59,9 +54,14 @@ pub fn estimate(job: &Job) -> CostAnswer {
         [estimate, most].map(|time| significant(time.min(LONGEST), 2))
     });
     let (estimated_wall_time_s, most_wall_time_s) = (times.map(|t| t[0]), times.map(|t| t[1]));
-    let of_all = |simulations| Some(significant(estimated_wall_time_s? * simulations as f64, 2).min(LONGEST));
-    let all_wall_time_s = job.simulations().and_then(of_all);
-    CostAnswer { states, estimated_wall_time_s, most_wall_time_s, all_wall_time_s }
+    let of_all = |each: Option<f64>| Some(significant(each? * job.simulations()? as f64, 2).min(LONGEST));
+    CostAnswer {
+        states,
+        estimated_wall_time_s,
+        most_wall_time_s,
+        all_wall_time_s: of_all(estimated_wall_time_s),
+        most_all_wall_time_s: of_all(most_wall_time_s),
+    }
 }
 
 /// Evaluations of the equations for a second of motion.

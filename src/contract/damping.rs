@@ -29,13 +29,13 @@ pub struct DampingLawInput {
     #[schema(nullable = false)]
     pub law: Option<DampingLawName>,
     /// Speed after an impact over speed before it [-]. Default 0.9 on raceways, 0.6 in pockets.
-    #[schema(nullable = false, minimum = 0.05, maximum = 1, example = 0.9)]
+    #[schema(nullable = false, example = 0.9)]
     pub restitution: Option<f64>,
     /// Impact speed at which the restitution holds [m/s]. Default 0.1.
-    #[schema(nullable = false, minimum = 0.000001, maximum = 100, example = 0.1)]
+    #[schema(nullable = false, example = 0.1)]
     pub at_speed_m_s: Option<f64>,
     /// Damper of the law `viscous`, which requires it [N·s/m].
-    #[schema(nullable = false, minimum = 0, maximum = 1e9)]
+    #[schema(nullable = false)]
     pub viscous_n_s_per_m: Option<f64>,
 }
 

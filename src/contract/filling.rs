@@ -1,9 +1,8 @@
 //! Fills in defaults and remembers which fields got one.
 
 use super::problem::{FieldError, listed};
+use super::{limits, units};
 use crate::physics::InvalidParameter;
-
-use super::units;
 
 /// Fields that were left to their default, and what was wrong with the others.
 #[derive(Debug, Default)]
@@ -11,9 +10,30 @@ pub struct Filling {
     /// Pointers, in the order of filling.
     pub defaults: Vec<String>,
     pub errors: Vec<FieldError>,
+    /// Values that do not fit each other.
+    together: Vec<FieldError>,
+    /// Parts that could not be read, and were left out.
+    unread: Vec<FieldError>,
+    /// Another bearing stands in the place of the one that is meant.
+    has_stand_in: bool,
 }
 
 impl Filling {
+    /// For a request of which parts could not be read.
+    pub fn without(unread: &[FieldError]) -> Self {
+        Self { unread: unread.to_vec(), ..Self::default() }
+    }
+
+    /// Whether this was given, but could not be read.
+    pub fn is_unread(&self, pointer: &str) -> bool {
+        self.unread.iter().any(|fault| fault.concerns(pointer))
+    }
+
+    /// Notes that another bearing stands in the place of the one that is meant.
+    pub fn stand_in(&mut self) {
+        self.has_stand_in = true;
+    }
+
     /// The field's value; a field left out gets its default, for good.
     pub fn take<T: Clone>(&mut self, pointer: impl Into<String>, field: &mut Option<T>, default: T) -> T {
         if field.is_none() {
@@ -37,22 +57,35 @@ impl Filling {
         self.errors.push(FieldError::new(pointer, detail));
     }
 
-    /// Notes what physics refuses.
-    pub fn check(&mut self, result: Result<(), InvalidParameter>) {
-        if let Err(error) = result {
-            self.errors.push(units::field_error(&error));
+    /// What physics builds; `None` after notes of all that it refuses.
+    pub fn built<T>(&mut self, result: Result<T, Vec<InvalidParameter>>) -> Option<T> {
+        result
+            .map_err(|faults| {
+                for fault in &faults {
+                    let notes = match fault {
+                        InvalidParameter::OutOfRange { .. } => &mut self.errors,
+                        InvalidParameter::Inconsistent { .. } => &mut self.together,
+                    };
+                    notes.push(units::field_error(fault));
+                }
+            })
+            .ok()
+    }
+
+    /// Refuses a number outside the limits of its field.
+    pub fn check(&mut self, pointer: &str, value: f64) {
+        let Some(limits) = limits::of_field(pointer) else { return };
+        if !(limits.lowest..=limits.highest).contains(&value) {
+            self.refuse(pointer, units::out_of_range(value, limits.lowest, limits.highest, false, limits.unit));
         }
     }
 
-    /// Refuses a number outside `lowest ..= highest`.
-    pub fn within(&mut self, pointer: &str, value: f64, lowest: f64, highest: f64, unit: &str) {
-        if !(lowest..=highest).contains(&value) {
-            self.refuse(pointer, units::out_of_range(value, lowest, highest, false, unit));
-        }
-    }
-
-    /// Refuses fields of `object` that its `law` does not use: `fields` are (name, is given, is used).
+    /// Refuses fields of `object` that its `law` does not use: `fields` are (name, is given, is used). Where the law could not be
+    /// read, this is another one.
     pub fn only_used(&mut self, object: &str, law: &str, fields: &[(&str, bool, bool)]) {
+        if self.is_unread(&format!("{object}/law")) {
+            return;
+        }
         for (name, _, _) in fields.iter().filter(|(_, given, used)| *given && !used) {
             let used = fields.iter().filter(|field| field.2).map(|field| field.0).collect::<Vec<_>>();
             let takes = if used.is_empty() { "no other field".to_owned() } else { listed(used) };
@@ -61,13 +94,17 @@ impl Filling {
     }
 
     /// The errors worth telling: those of defaults only when nothing else is wrong, since a default
-    /// that was computed from a wrong value is wrong as well.
-    pub fn into_result(self) -> Result<Vec<String>, Vec<FieldError>> {
-        if self.errors.is_empty() {
+    /// that was computed from a wrong value is wrong as well. What does not fit a value that is not there is not told either.
+    pub fn into_result(mut self) -> Result<Vec<String>, Vec<FieldError>> {
+        let fits = |error: &FieldError| {
+            self.unread.is_empty() && !(self.has_stand_in && error.pointer.starts_with("/scene/bearing/"))
+        };
+        self.errors.extend(self.together.into_iter().filter(fits));
+        if self.errors.is_empty() && self.unread.is_empty() {
             return Ok(self.defaults);
         }
         let (followers, causes): (Vec<_>, Vec<_>) =
             self.errors.into_iter().partition(|error| self.defaults.contains(&error.pointer));
-        Err(if causes.is_empty() { followers } else { causes })
+        Err(if causes.is_empty() && self.unread.is_empty() { followers } else { causes })
     }
 }

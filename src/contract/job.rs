@@ -11,8 +11,9 @@ use super::outputs::{OutputsInput, USUAL_SPECTRA};
 use super::problem::{FieldError, Refusal, listed};
 use super::scene::{ResolvedScene, SceneInput};
 use super::solver::{MethodName, Solver, SolverInput};
-use super::strict::{self, object, optional_object};
+use super::strict::{self, ObjectOnly, object, optional_object};
 use super::study::{self, StrictAxis, Study};
+use super::variation::Variation;
 use super::{accuracy, given_fields, times};
 use crate::simulation::ladder::{self, Rung};
 use crate::simulation::needs::{Needs, Unmet};
@@ -21,7 +22,7 @@ use crate::simulation::scene::Scene;
 use crate::simulation::work_precision::{Plan, SETTLING};
 
 /// A request: one simulation, a study of many, the optimum of a metric over one or two ranges, or the error of several methods against
-/// their run time.
+/// their run time. `kind` decides which fields it takes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobInput {
@@ -35,33 +36,33 @@ pub struct JobInput {
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub solver: Option<SolverInput>,
-    /// Only for `study`: what is varied; several axes span a grid of at most 10 000 points. Only for `optimum`: one range or two,
-    /// each by `from` and `to`.
+    /// What is varied. Several axes of a study span a grid of at most 10 000 points; an optimum job takes one range or two, each by
+    /// `from` and `to`.
     #[schema(nullable = false, value_type = Option<Vec<study::AxisInput>>, min_items = 1, max_items = 4)]
     pub axes: Option<Vec<StrictAxis>>,
-    /// Only for `optimum`: JSON pointer to the number in the metrics whose best value is sought.
+    /// JSON pointer to the number in the metrics whose best value is sought.
     #[schema(nullable = false, max_length = 200, example = "/channels/spindle.y.acceleration/level_db")]
     pub metric: Option<String>,
-    /// Only for `optimum`: which end of the metric is the best. Default `minimum`.
+    /// Which end of the metric is the best. Default `minimum`.
     #[schema(nullable = false)]
     pub goal: Option<GoalName>,
     /// Time simulated and kept, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for
     /// `accuracy`. With `outputs.series` the longest is 23.4 s, and 327.6 s over their number where they are more than 14.
-    #[schema(nullable = false, minimum = 1e-6, maximum = 1000, example = 0.1)]
+    #[schema(nullable = false, example = 0.1)]
     pub duration_s: Option<f64>,
     /// Time simulated before anything is kept [s]. Default: 3 cage turns, at least 0.02 and at most 1;
     /// 0.02 for `accuracy`.
-    #[schema(nullable = false, minimum = 0, maximum = 1000, example = 0.02)]
+    #[schema(nullable = false, example = 0.02)]
     pub settle_s: Option<f64>,
-    /// Only for `accuracy`: methods to compare. Default: all.
+    /// Methods to compare. Default: all.
     #[schema(nullable = false, value_type = Option<Vec<MethodName>>, min_items = 1, max_items = 5)]
     pub methods: Option<Vec<String>>,
-    /// Only for `accuracy`: relative tolerances to run each method at, each from 1e-12 to 1e-2. Default: 1e-3 to 1e-7.
+    /// Relative tolerances to run each method at, each from 1e-12 to 1e-2. Default: 1e-3 to 1e-7.
     #[schema(nullable = false, min_items = 1, max_items = 12, example = json!([1e-3, 1e-4, 1e-5, 1e-6, 1e-7]))]
     pub relative_tolerances: Option<Vec<f64>>,
-    /// Only for `accuracy`: timed runs of each method at each tolerance. Default 1.
+    /// Timed runs of each method at each tolerance. Default 1.
     #[serde(default, deserialize_with = "strict::whole_number::<_, 1, { accuracy::MOST_REPETITIONS }>")]
-    #[schema(nullable = false, minimum = 1, maximum = 9, example = 5)]
+    #[schema(nullable = false, example = 5)]
     pub repetitions: Option<u32>,
     /// What to keep of it.
     #[serde(default, deserialize_with = "optional_object")]
@@ -72,13 +73,13 @@ pub struct JobInput {
     pub labels: Option<Vec<String>>,
     /// 1 (first) to 4 (last). Default 2.
     #[serde(default, deserialize_with = "strict::whole_number::<_, 1, 4>")]
-    #[schema(nullable = false, minimum = 1, maximum = 4, example = 2)]
+    #[schema(nullable = false, example = 2)]
     pub priority: Option<u32>,
     /// Whether the result of identical finished work may answer this job. Default true; never for `accuracy`.
     #[schema(nullable = false)]
     pub reuse: Option<bool>,
     /// How long job and result are kept after it has ended [s]. Default: the service's.
-    #[schema(nullable = false, minimum = 1, maximum = 315360000)]
+    #[schema(nullable = false)]
     pub keep_for_s: Option<f64>,
 }
 
@@ -222,14 +223,20 @@ pub fn parse_batch(body: &[u8]) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
         #[serde(borrow)]
         jobs: Vec<&'a RawValue>,
     }
-    let jobs = match serde_json::from_slice::<Batch<'_>>(body) {
-        Ok(batch) => batch.jobs,
+    let jobs = match serde_json::from_slice::<ObjectOnly<Batch<'_>>>(body) {
+        Ok(batch) => batch.0.jobs,
         // What is wrong with it, and where.
         Err(error) => {
-            strict::read(body)?;
-            let detail = error.to_string();
-            let detail = detail.split(" at line").next().unwrap_or_default();
-            return Err(FieldError::new("", format!("must be `{{\"jobs\": […]}}`: {detail}")).into());
+            const WANTED: &str = "must be an object `{\"jobs\": […]}`";
+            let detail = match strict::read(body)? {
+                Value::Object(_) => {
+                    let detail = error.to_string();
+                    format!("{WANTED}: {}", detail.split(" at line").next().unwrap_or_default())
+                }
+                Value::Array(_) => format!("an array: {WANTED}, with this array as its field `jobs`"),
+                _ => WANTED.to_owned(),
+            };
+            return Err(FieldError::new("", detail).into());
         }
     };
     if jobs.is_empty() || jobs.len() > MOST_JOBS {
@@ -311,9 +318,8 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
     let (input, faults) = strict::typed_with_faults::<JobInput>(&request);
     let Some(mut input) = input else { return Err(Refusal::Invalid { errors: faults }) };
     let mut filling = Filling::default();
-    // A scene with a part left out is another scene: nothing that it is told would be true of this one.
     let (resolved, mut errors) = if faults.iter().any(|fault| fault.concerns("/scene")) {
-        (None, Vec::new())
+        (None, input.scene.clone().faults_beside(&faults))
     } else {
         match input.scene.clone().resolve() {
             Ok(resolved) => (Some(resolved), Vec::new()),
@@ -347,45 +353,60 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
     let labels = input.labels.unwrap_or_default();
     check_labels(&labels, &mut filling);
     let priority = filling.take("/priority", &mut input.priority, 2);
-    filling.within("/priority", f64::from(priority), 1.0, 4.0, "");
+    filling.check("/priority", f64::from(priority));
     if let Some(keep) = input.keep_for_s {
-        filling.within("/keep_for_s", keep, 1.0, 315_360_000.0, "s");
+        filling.check("/keep_for_s", keep);
     }
+    let variation = resolved.as_ref().map(|resolved| Variation::new(&request, given_fields(&resolved.input)));
+    if let (Some((axes, _)), Some(variation)) = (&varied, &variation) {
+        study::refuse_values(axes, variation, &mut filling);
+    }
+    // What could not be read may be what is missing.
+    let model = scene.filter(|_| faults.is_empty()).map(|scene| model(scene, &settings, plan.is_some()));
+    let model = match model {
+        Some(Err(error)) if !filling.errors.iter().any(|told| told.pointer == error.pointer) => {
+            filling.errors.push(error);
+            None
+        }
+        model => model.and_then(Result::ok),
+    };
     errors.append(&mut filling.errors);
     errors.retain(|error| !faults.iter().any(|fault| fault.concerns(&error.pointer)));
     errors.splice(0..0, faults);
-    match resolved {
-        Some(mut resolved) if errors.is_empty() => {
-            let needs = ladder::needs(&resolved.scene, &settings.outputs, settings.rung, settings.model_tolerance_db)
-                .map_err(unmet)?;
-            let rungs = match &plan {
-                Some(_) => vec![needs.rung],
-                None => ladder::tried(&resolved.scene, &settings).map_err(unmet)?,
-            };
-            resolved.defaults.append(&mut filling.defaults);
-            let complete = || given_fields(&resolved.input);
-            let study = varied.map(|(axes, points)| Study::new(axes, points, &request, complete())).transpose()?;
-            let sought = wish.map(|wish| Sought::new(wish, &request, complete())).transpose()?;
-            Ok(Job {
-                kind,
-                request,
-                resolved,
-                settings,
-                plan,
-                study,
-                sought,
-                rungs,
-                needs,
-                solver: input.solver.unwrap_or_default(),
-                outputs: input.outputs.unwrap_or_default(),
-                labels,
-                priority: u8::try_from(priority).unwrap_or(2),
-                reuse: kind != JobKind::Accuracy && input.reuse.unwrap_or(true),
-                keep_for_s: input.keep_for_s,
-            })
-        }
-        _ => Err(Refusal::Invalid { errors }),
-    }
+    let (Some(mut resolved), Some(variation), Some((needs, rungs)), true) =
+        (resolved, variation, model, errors.is_empty())
+    else {
+        return Err(Refusal::Invalid { errors });
+    };
+    resolved.defaults.append(&mut filling.defaults);
+    let reuse = kind != JobKind::Accuracy && input.reuse.unwrap_or(true);
+    let study = varied.map(|(axes, points)| Study::new(axes, points, reuse, variation)).transpose()?;
+    let complete = || given_fields(&resolved.input);
+    let sought = wish.map(|wish| Sought::new(wish, &request, complete())).transpose()?;
+    Ok(Job {
+        kind,
+        request,
+        resolved,
+        settings,
+        plan,
+        study,
+        sought,
+        rungs,
+        needs,
+        solver: input.solver.unwrap_or_default(),
+        outputs: input.outputs.unwrap_or_default(),
+        labels,
+        priority: u8::try_from(priority).unwrap_or(2),
+        reuse,
+        keep_for_s: input.keep_for_s,
+    })
+}
+
+/// What the equations hold, and the rungs that are tried.
+fn model(scene: &Scene, settings: &RunSettings, is_compared: bool) -> Result<(Needs, Vec<Rung>), FieldError> {
+    let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db).map_err(unmet)?;
+    let rungs = if is_compared { vec![needs.rung] } else { ladder::tried(scene, settings).map_err(unmet)? };
+    Ok((needs, rungs))
 }
 
 /// How to run a simulation.
@@ -439,7 +460,8 @@ fn compared(input: &mut JobInput, filling: &mut Filling) -> RunSettings {
 fn kind_of(request: &Value) -> Result<JobKind, FieldError> {
     let refuse = |detail: String| Err(FieldError::new("/kind", detail));
     let Some(fields) = request.as_object() else {
-        return Err(FieldError::new("", "must be an object"));
+        let several = "; several jobs are a batch, `{\"jobs\": […]}`";
+        return Err(FieldError::new("", format!("must be an object{}", if request.is_array() { several } else { "" })));
     };
     let known = listed(KINDS.map(JobKind::name));
     match fields.get("kind") {

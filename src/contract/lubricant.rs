@@ -19,16 +19,16 @@ pub struct LubricantInput {
     #[schema(nullable = false)]
     pub kind: Option<LubricantKindName>,
     /// Dynamic viscosity of the (base) oil at running temperature [Pa·s]; 0: no film.
-    #[schema(nullable = false, minimum = 0, maximum = 100, example = 0.02)]
+    #[schema(nullable = false, example = 0.02)]
     pub viscosity_pa_s: Option<f64>,
     /// Pressure–viscosity coefficient [1/Pa].
-    #[schema(nullable = false, minimum = 0, maximum = 0.000001, example = 2e-8)]
+    #[schema(nullable = false, example = 2e-8)]
     pub pressure_viscosity_per_pa: Option<f64>,
     /// Share of the free volume filled with lubricant [-]; sets drag and churning.
-    #[schema(nullable = false, minimum = 0, maximum = 1, example = 0.05)]
+    #[schema(nullable = false, example = 0.05)]
     pub fill: Option<f64>,
     /// Distance of the inlet meniscus from the contact [mm]. Default: a quarter of the ball diameter.
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 1000)]
+    #[schema(nullable = false)]
     pub inlet_distance_mm: Option<f64>,
     /// Traction coefficient over slip speed. Default: the law of the lubricant's preset.
     #[serde(default, deserialize_with = "optional_object")]
@@ -62,38 +62,38 @@ pub struct TractionInput {
     #[schema(nullable = false)]
     pub law: Option<TractionLawName>,
     /// `four_parameter`: coefficient at rest [-]. Default 0.
-    #[schema(nullable = false, minimum = 0, maximum = 2)]
+    #[schema(nullable = false)]
     pub at_rest: Option<f64>,
     /// `four_parameter`: largest coefficient [-]. Default 0.05.
-    #[schema(nullable = false, minimum = 0, maximum = 2)]
+    #[schema(nullable = false)]
     pub maximum: Option<f64>,
     /// `four_parameter`: slip speed at which the largest coefficient is reached [m/s]. Default 1.
-    #[schema(nullable = false, minimum = 0.00001, maximum = 1000)]
+    #[schema(nullable = false)]
     pub at_slip_m_s: Option<f64>,
     /// `four_parameter`: coefficient at high slip [-], default 0.036. `eyring`: largest shear stress over pressure [-], default 0.08.
-    #[schema(nullable = false, minimum = 0, maximum = 2)]
+    #[schema(nullable = false)]
     pub limit: Option<f64>,
     /// `eyring`: Eyring stress [Pa]. Default 5e6.
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 1e9)]
+    #[schema(nullable = false)]
     pub stress_pa: Option<f64>,
     /// `coulomb`: coefficient [-]. Default 0.1.
-    #[schema(nullable = false, minimum = 0, maximum = 2)]
+    #[schema(nullable = false)]
     pub coefficient: Option<f64>,
     /// `coulomb`: slip speed over which friction builds up [m/s]. Default 0.05.
-    #[schema(nullable = false, minimum = 0.00001, maximum = 100)]
+    #[schema(nullable = false)]
     pub regularisation_m_s: Option<f64>,
     /// `slide_roll`: A in (A + B s) e^(−C s) + D over the slide/roll ratio s [-]. Required, as are B, C, D.
-    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
+    #[schema(nullable = false)]
     pub a: Option<f64>,
     /// `slide_roll`: B [-].
-    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
+    #[schema(nullable = false)]
     pub b: Option<f64>,
     /// `slide_roll`: C [-].
-    #[schema(nullable = false, minimum = 0, maximum = 1000000)]
+    #[schema(nullable = false)]
     pub c: Option<f64>,
     // Last: clients of openapi-python-client lose the fields that follow one called `d`.
     /// `slide_roll`: D [-].
-    #[schema(nullable = false, minimum = -10000, maximum = 10000)]
+    #[schema(nullable = false)]
     pub d: Option<f64>,
 }
 
@@ -173,6 +173,7 @@ impl TractionInput {
     /// Fills in the defaults of the law; `slide_roll` has none, because no fit for a real oil is public.
     pub fn resolve(&mut self, filling: &mut Filling, default: TractionLawName) -> TractionLaw {
         const AT: &str = "/scene/lubricant/traction";
+        let law_is_given = self.law.is_some();
         let law = filling.take(format!("{AT}/law"), &mut self.law, default);
         let four = law == TractionLawName::FourParameter;
         let slide_roll = law == TractionLawName::SlideRoll;
@@ -184,10 +185,9 @@ impl TractionInput {
             TractionLawName::Eyring => "eyring",
             TractionLawName::Coulomb => "coulomb",
         };
-        filling.only_used(
-            AT,
-            name,
-            &[
+        // Without a law of its own it is that of the kind.
+        if law_is_given || !filling.is_unread("/scene/lubricant/kind") {
+            let used = [
                 ("at_rest", self.at_rest.is_some(), four),
                 ("maximum", self.maximum.is_some(), four),
                 ("at_slip_m_s", self.at_slip_m_s.is_some(), four),
@@ -199,8 +199,9 @@ impl TractionInput {
                 ("stress_pa", self.stress_pa.is_some(), eyring),
                 ("coefficient", self.coefficient.is_some(), coulomb),
                 ("regularisation_m_s", self.regularisation_m_s.is_some(), coulomb),
-            ],
-        );
+            ];
+            filling.only_used(AT, name, &used);
+        }
         let mut take =
             |field: &str, value: &mut Option<f64>, default| filling.take(format!("{AT}/{field}"), value, default);
         match law {

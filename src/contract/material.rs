@@ -15,13 +15,13 @@ use crate::physics::material::Material;
 #[serde(deny_unknown_fields)]
 pub struct MaterialInput {
     /// Young's modulus [GPa].
-    #[schema(exclusive_minimum = 0, maximum = 2000, example = 219.0)]
+    #[schema(example = 219.0)]
     pub elastic_modulus_gpa: f64,
     /// Poisson's ratio [-].
-    #[schema(minimum = 0, maximum = 0.5, example = 0.3)]
+    #[schema(example = 0.3)]
     pub poisson_ratio: f64,
     /// Density [kg/m³].
-    #[schema(exclusive_minimum = 0, maximum = 30000, example = 7830.0)]
+    #[schema(example = 7830.0)]
     pub density_kg_m3: f64,
 }
 

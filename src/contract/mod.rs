@@ -35,14 +35,16 @@ pub mod work_precision;
 mod accuracy;
 mod cost;
 mod filling;
+mod limits;
 mod scaling;
+pub mod schema;
 mod strict;
 mod times;
 mod units;
 mod variation;
 mod words;
 
-pub use cost::estimated_wall_time;
+pub use cost::estimate;
 pub use execute::{Outcome, RunFailure, Simulated, execute, execute_point};
 pub use job::{
     Job, JobKind, parse_accuracy_request, parse_batch, parse_job, parse_job_or_scene, parse_optimum_request,

@@ -8,10 +8,10 @@ use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
 use super::filling::Filling;
+use super::problem::FieldError;
 use super::strict::{ObjectOnly, optional_object};
 use super::units::{self, MRAD, RPM};
-use crate::physics::InvalidParameter;
-use crate::physics::operation::{Operation, SpeedProfile};
+use crate::physics::operation::{MOST_POINTS, Operation, SpeedProfile};
 
 /// How the bearing is driven and loaded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -20,13 +20,13 @@ pub struct OperationInput {
     /// Speed of the inner ring.
     pub speed_rpm: SpeedInput,
     /// Radial load on the spindle along +Y, the direction of gravity [N]. Default 0.
-    #[schema(nullable = false, minimum = -1e7, maximum = 1e7, example = 200.0)]
+    #[schema(nullable = false, example = 200.0)]
     pub radial_load_y_n: Option<f64>,
     /// Radial load on the spindle along +Z [N]. Default 0.
-    #[schema(nullable = false, minimum = -1e7, maximum = 1e7)]
+    #[schema(nullable = false)]
     pub radial_load_z_n: Option<f64>,
     /// Axial load on the spindle along +X [N]; only a spindle whose axial direction is free carries one. Default 0.
-    #[schema(nullable = false, minimum = -1e7, maximum = 1e7)]
+    #[schema(nullable = false)]
     pub axial_load_n: Option<f64>,
     /// Imposed tilt of the spindle.
     #[serde(default, deserialize_with = "optional_object")]
@@ -47,10 +47,10 @@ pub enum SpeedInput {
 #[serde(deny_unknown_fields)]
 pub struct SpeedPointInput {
     /// Time since the start, settling included [s]; rises from point to point.
-    #[schema(minimum = 0, maximum = 1000000, example = 0.0)]
+    #[schema(example = 0.0)]
     pub at_s: f64,
     /// [r/min]
-    #[schema(minimum = -500000, maximum = 500000, example = 50000.0)]
+    #[schema(example = 50000.0)]
     pub rpm: f64,
 }
 
@@ -59,16 +59,16 @@ pub struct SpeedPointInput {
 #[serde(deny_unknown_fields)]
 pub struct MisalignmentInput {
     /// About Y [mrad]. Default 0.
-    #[schema(nullable = false, minimum = -20, maximum = 20)]
+    #[schema(nullable = false)]
     pub y: Option<f64>,
     /// About Z [mrad]. Default 0.
-    #[schema(nullable = false, minimum = -20, maximum = 20)]
+    #[schema(nullable = false)]
     pub z: Option<f64>,
 }
 
 impl OperationInput {
-    /// `None` when the speed is refused.
-    pub fn resolve(&mut self, filling: &mut Filling) -> Option<Operation> {
+    /// After an error of the speed the spindle stands.
+    pub fn resolve(&mut self, filling: &mut Filling) -> Operation {
         let mut take =
             |name: &str, field: &mut Option<f64>| filling.take(format!("/scene/operation/{name}"), field, 0.0);
         let load = [
@@ -81,40 +81,39 @@ impl OperationInput {
             MRAD.to_si(take("misalignment_mrad/y", &mut tilt.y)),
             MRAD.to_si(take("misalignment_mrad/z", &mut tilt.z)),
         ];
-        let speed = self.speed_rpm.resolve(filling)?;
-        Some(Operation { speed, load, misalignment })
+        let speed = self.speed_rpm.resolve(filling).unwrap_or_else(SpeedProfile::at_rest);
+        Operation { speed, load, misalignment }
     }
 }
 
 impl SpeedInput {
+    /// `None` when it is refused.
     fn resolve(&self, filling: &mut Filling) -> Option<SpeedProfile> {
-        let profile = match self {
-            Self::Constant(rpm) => SpeedProfile::constant(RPM.to_si(*rpm)),
-            Self::Profile(points) => {
-                let points: Vec<_> = points.iter().map(|point| (point.at_s, RPM.to_si(point.rpm))).collect();
-                refuse_points(&points, filling)?;
-                SpeedProfile::new(points)
-            }
+        const POINTER: &str = "/scene/operation/speed_rpm";
+        let points: Vec<_> = match self {
+            Self::Constant(rpm) => vec![(0.0, RPM.to_si(*rpm))],
+            Self::Profile(points) => points.iter().map(|point| (point.at_s, RPM.to_si(point.rpm))).collect(),
         };
-        profile.map_err(|error| filling.errors.push(units::field_error(&error))).ok()
-    }
-}
-
-/// Checks each point by itself, so that the error names it.
-fn refuse_points(points: &[(f64, f64)], filling: &mut Filling) -> Option<()> {
-    let fault = points.iter().enumerate().find_map(|(index, point)| {
-        let error = SpeedProfile::new(vec![*point]).err()?;
-        let of_time = matches!(error, InvalidParameter::OutOfRange { parameter: "operation.speed.at", .. });
-        let mut error = units::field_error(&error);
-        error.pointer += &format!("/{index}/{}", if of_time { "at_s" } else { "rpm" });
-        Some(error)
-    });
-    match fault {
-        Some(error) => {
-            filling.errors.push(error);
-            None
+        let known_errors = filling.errors.len();
+        if let Self::Profile(_) = self {
+            // Each point by itself, so that the error names it.
+            for (index, point) in points.iter().enumerate().take(MOST_POINTS) {
+                for fault in SpeedProfile::new(vec![*point]).err().iter().flatten() {
+                    let FieldError { pointer, detail } = units::field_error(fault);
+                    let name = if pointer.ends_with("/at_s") { "at_s" } else { "rpm" };
+                    filling.refuse(format!("{POINTER}/{index}/{name}"), detail);
+                }
+            }
         }
-        None => Some(()),
+        if filling.errors.len() > known_errors {
+            return None;
+        }
+        let faults = match SpeedProfile::new(points) {
+            Ok(profile) => return Some(profile),
+            Err(faults) => faults,
+        };
+        filling.errors.extend(faults.iter().map(units::field_error));
+        None
     }
 }
 

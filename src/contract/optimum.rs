@@ -176,6 +176,11 @@ impl Sought {
             }
         }
         let sought = Self { axes, metric, goal, variation: Variation::new(&request, complete) };
+        for (place, (varied, _)) in sought.axes.iter().enumerate() {
+            if let Some(detail) = sought.variation.refuses(varied) {
+                return Err(FieldError::new(format!("/axes/{place}/path"), detail).into());
+            }
+        }
         let inside = vec![NO_ROUND_SHARE; sought.axes.len()];
         for axis in 0..sought.axes.len() {
             sought.check_ends(axis, &inside)?;
@@ -198,7 +203,8 @@ impl Sought {
             (None, Some(refusal)) => ("to", refusal),
             _ => return Ok(()),
         };
-        Err(refusal.each(|error| FieldError::new(format!("/axes/{axis}/{end}"), error.detail)))
+        let varied = &self.axes[axis].0;
+        Err(refusal.each(|error| FieldError::new(format!("/axes/{axis}/{end}"), varied.told(&error))))
     }
 
     fn values(&self, at: &[f64]) -> Vec<f64> {

@@ -126,11 +126,7 @@ pub fn bearing_names() -> impl Iterator<Item = &'static str> {
 /// The bearing of that name.
 pub fn bearing(name: &str) -> Option<BearingPreset> {
     let preset = match name {
-        "article-integrated" => article(
-            "integrated bearing of the article (Table 1) with this program's choices for what it leaves open",
-            (BearingType::Integrated, 18.0, 8.5, 5.9),
-            (2.778, 13.0),
-        ),
+        "article-integrated" => integrated(),
         "article-deep-groove" => article(
             "deep-groove bearing the article compares with (Table 4), otherwise as the integrated one",
             (BearingType::DeepGroove, 20.0, 8.0, 6.3),
@@ -143,6 +139,15 @@ pub fn bearing(name: &str) -> Option<BearingPreset> {
         _ => return None,
     };
     Some(BearingPreset { name: name.to_owned(), ..preset })
+}
+
+/// The article's own bearing.
+pub fn integrated() -> BearingPreset {
+    article(
+        "integrated bearing of the article (Table 1) with this program's choices for what it leaves open",
+        (BearingType::Integrated, 18.0, 8.5, 5.9),
+        (2.778, 13.0),
+    )
 }
 
 /// A bearing of the article: (type, D, bore, B), (d, D_m) in mm.

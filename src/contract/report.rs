@@ -36,9 +36,11 @@ pub struct SolverAnswer {
     pub rung: String,
     /// How the rung was checked against the next richer one, in words.
     pub check: String,
-    /// The tolerance that was taken [-]; tighter than asked for where `auto` found more noise than level.
-    #[schema(minimum = 0)]
-    pub relative_tolerance: f64,
+    /// The tolerance that was taken [-]; tighter than asked for where `auto` found more noise than level. Absent where the integrator
+    /// follows none: those of the reduced rungs, and fixed steps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub relative_tolerance: Option<f64>,
     /// Accepted steps.
     pub steps: u64,
     /// Steps that were tried again with a smaller size.
@@ -169,7 +171,7 @@ impl From<&SolverReport> for SolverAnswer {
             wall_time_s: report.wall_time,
             simulated_time_s: report.simulated_time,
             real_time_factor: report.simulated_time / report.wall_time.max(1e-9),
-            relative_tolerance: significant(report.relative_tolerance, 3),
+            relative_tolerance: report.relative_tolerance.map(|tolerance| significant(tolerance, 3)),
             states: report.states as u64,
             strips: report.strips as u64,
             mean_step_s: work.advanced / work.steps.max(1) as f64,

@@ -139,6 +139,10 @@ pub struct CostAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub all_wall_time_s: Option<f64>,
+    /// The same of `most_wall_time_s` [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub most_all_wall_time_s: Option<f64>,
 }
 
 /// Resolves a checked job.

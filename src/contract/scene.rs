@@ -12,9 +12,7 @@ use super::problem::FieldError;
 use super::spindle::SpindleInput;
 use super::strict::{NameOr, object, optional_object};
 use super::terms::TermsInput;
-use super::units::field_error;
-use crate::physics::bearing::{Bearing, PerRaceway};
-use crate::physics::within;
+use crate::physics::bearing::PerRaceway;
 use crate::simulation::scene::{Scene, SceneParameters};
 
 /// What to simulate. Only `bearing` and `operation.speed_rpm` are required.
@@ -44,7 +42,7 @@ pub struct SceneInput {
     #[schema(nullable = false)]
     pub terms: Option<TermsInput>,
     /// Acceleration of gravity along +Y [m/s²]. Default 9.81.
-    #[schema(nullable = false, minimum = -1000, maximum = 1000, example = 9.81)]
+    #[schema(nullable = false, example = 9.81)]
     pub gravity_m_s2: Option<f64>,
 }
 
@@ -59,26 +57,31 @@ pub struct ResolvedScene {
 
 impl SceneInput {
     /// Fills in every default and checks the whole.
-    pub fn resolve(mut self) -> Result<ResolvedScene, Vec<FieldError>> {
-        let mut filling = Filling::default();
-        let parameters = self.parameters(&mut filling);
-        if let Some(parameters) = &parameters {
-            check_parts(parameters, &mut filling);
-        }
-        let defaults = filling.into_result()?;
-        let unbuildable = || vec![FieldError::new("/scene", "cannot be built")];
-        let scene = Scene::new(parameters.ok_or_else(unbuildable)?).map_err(|error| vec![field_error(&error)])?;
-        Ok(ResolvedScene { input: self, defaults, scene })
+    pub fn resolve(self) -> Result<ResolvedScene, Vec<FieldError>> {
+        self.resolve_in(Filling::default())
     }
 
-    /// The scene in SI; `None` after an error that leaves no scene to check.
-    fn parameters(&mut self, filling: &mut Filling) -> Option<SceneParameters> {
+    /// What is wrong beside the parts that could not be read, and are left out here: of the others each by itself, for nothing
+    /// that is told of the whole would be true of the scene that is meant.
+    pub fn faults_beside(self, unread: &[FieldError]) -> Vec<FieldError> {
+        self.resolve_in(Filling::without(unread)).err().unwrap_or_default()
+    }
+
+    fn resolve_in(mut self, mut filling: Filling) -> Result<ResolvedScene, Vec<FieldError>> {
+        let parameters = self.parameters(&mut filling);
+        let scene = filling.built(Scene::new(parameters));
+        let defaults = filling.into_result()?;
+        let unbuildable = || vec![FieldError::new("/scene", "cannot be built")];
+        Ok(ResolvedScene { input: self, defaults, scene: scene.ok_or_else(unbuildable)? })
+    }
+
+    /// The scene in SI, with something else in the place of what cannot be had.
+    fn parameters(&mut self, filling: &mut Filling) -> SceneParameters {
         let operation = self.operation.resolve(filling);
         let terms = self.terms.get_or_insert_default().resolve(filling);
         let gravity = filling.take("/scene/gravity_m_s2", &mut self.gravity_m_s2, 9.81);
         let damping = self.damping.get_or_insert_default().resolve(filling);
-        let chosen = bearing::choose(self.bearing.clone(), filling)?;
-        let (mut own, base) = (chosen.own, chosen.base);
+        let bearing::ChosenBearing { mut own, base } = bearing::choose(self.bearing.clone(), filling);
 
         let base_materials = base.bearing.materials.clone().unwrap_or_default();
         let materials = own.materials.get_or_insert_default().resolve(filling, &base_materials);
@@ -92,33 +95,7 @@ impl SceneInput {
         let axial_load = self.operation.axial_load_n.unwrap_or_default();
         let spindle = self.spindle.get_or_insert_default().resolve(filling, base.spindle_mass_kg, axial_load);
         self.bearing = NameOr::Object(own);
-        Some(SceneParameters {
-            bearing,
-            cage,
-            spindle,
-            operation: operation?,
-            lubricant,
-            raceway_damping: damping.raceway,
-            terms,
-            gravity,
-        })
-    }
-}
-
-/// Checks each part by itself, so that the first wrong one does not hide the others.
-fn check_parts(p: &SceneParameters, filling: &mut Filling) {
-    filling.check(Bearing::new(p.bearing).map(drop));
-    filling.check(p.cage.check());
-    filling.check(p.spindle.check());
-    filling.check(p.operation.check());
-    filling.check(p.lubricant.check());
-    filling.check(p.raceway_damping.check([
-        "damping.raceway.restitution",
-        "damping.raceway.at_speed",
-        "damping.raceway.viscous",
-    ]));
-    filling.check(within("gravity", p.gravity, -1000.0, 1000.0));
-    if filling.errors.is_empty() {
-        filling.check(Scene::new(p.clone()).map(drop));
+        let raceway_damping = damping.raceway;
+        SceneParameters { bearing, cage, spindle, operation, lubricant, raceway_damping, terms, gravity }
     }
 }

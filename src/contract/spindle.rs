@@ -12,13 +12,13 @@ use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
 #[serde(deny_unknown_fields)]
 pub struct SpindleInput {
     /// Mass [kg]. Default: that of the bearing's preset, else a solid steel shaft of the bore, 7 bores long.
-    #[schema(nullable = false, exclusive_minimum = 0, maximum = 1000000, example = 0.05)]
+    #[schema(nullable = false, example = 0.05)]
     pub mass_kg: Option<f64>,
     /// Mass times eccentricity [g·mm]. Either this or `balance_grade`. Default 0.
-    #[schema(nullable = false, minimum = 0, maximum = 1e9)]
+    #[schema(nullable = false)]
     pub unbalance_g_mm: Option<f64>,
     /// Balance quality grade G of ISO 21940: eccentricity times operating speed [mm/s].
-    #[schema(nullable = false, minimum = 0, maximum = 5000, example = 6.3)]
+    #[schema(nullable = false, example = 6.3)]
     pub balance_grade: Option<f64>,
     /// How the axial direction is held. Default: `free` with an axial load, else `fixed`.
     #[schema(nullable = false)]

@@ -14,7 +14,7 @@ use serde_path_to_error::Segment;
 use super::problem::{FieldError, Refusal, escape};
 
 /// Reports no more faults than this of one body.
-const MOST_FAULTS: usize = 32;
+pub const MOST_FAULTS: usize = 32;
 
 /// The value of a JSON text without duplicate keys, `null` and numbers beyond double precision.
 pub fn read(body: &[u8]) -> Result<Value, Refusal> {

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 use super::filling::Filling;
 use super::job::{Job, JobInput, JobKind};
 use super::problem::{FieldError, Refusal};
-use super::strict::{self, object};
+use super::strict::{self, MOST_FAULTS, object};
 use super::variation::{LONGEST_NAME, Range, Variation, Varied, of_an_axis};
 use crate::study::Grid;
 
@@ -82,6 +82,10 @@ pub enum AxisValue {
 pub struct Axis {
     pub varied: Varied,
     pub values: Vec<Value>,
+    /// Place among the axes of the request.
+    place: usize,
+    /// Whether the request lists the values; else it has their ends.
+    is_listed: bool,
 }
 
 /// The study of a job.
@@ -104,9 +108,9 @@ pub fn axes(input: &mut JobInput, filling: &mut Filling) -> (Vec<Axis>, usize) {
         return (Vec::new(), 0);
     }
     let mut axes: Vec<Axis> = Vec::new();
-    for (number, axis) in given.into_iter().enumerate() {
-        let pointer = format!("/axes/{number}");
-        let Some(axis) = axis_of(axis.0, &pointer, filling) else { continue };
+    for (place, axis) in given.into_iter().enumerate() {
+        let pointer = format!("/axes/{place}");
+        let Some(axis) = axis_of(axis.0, place, filling) else { continue };
         if let Some(other) = axes.iter().find(|other| other.varied.overlaps(&axis.varied)) {
             filling.refuse(pointer, already_varied(&axis.varied, &other.varied));
         } else {
@@ -133,8 +137,10 @@ pub fn already_varied(varied: &Varied, other: &Varied) -> String {
     }
 }
 
-fn axis_of(axis: AxisInput, pointer: &str, filling: &mut Filling) -> Option<Axis> {
+fn axis_of(axis: AxisInput, place: usize, filling: &mut Filling) -> Option<Axis> {
+    let pointer = &format!("/axes/{place}");
     let at = |field: &str| format!("{pointer}/{field}");
+    let is_listed = axis.values.is_some();
     let varied = Varied::of(axis.path, axis.quantity, pointer, filling)?;
     let values = match (axis.values, axis.from, axis.to, axis.count) {
         (Some(values), None, None, None) => {
@@ -152,7 +158,7 @@ fn axis_of(axis: AxisInput, pointer: &str, filling: &mut Filling) -> Option<Axis
         }
     };
     if varied.takes_words() || values.iter().all(Value::is_number) {
-        return Some(Axis { varied, values });
+        return Some(Axis { varied, values, place, is_listed });
     }
     filling.refuse(at("values"), format!("`{}` takes numbers", varied.name));
     None
@@ -163,23 +169,25 @@ fn listed_values(values: Vec<Value>, pointer: &str, filling: &mut Filling) -> Op
         filling.refuse(pointer, format!("{} values: must be from 1 to {MOST_POINTS}", values.len()));
         return None;
     }
+    let known_errors = filling.errors.len();
     for (place, value) in values.iter().enumerate() {
-        if value.as_str().is_some_and(|word| word.chars().count() > LONGEST_NAME) {
-            filling.refuse(format!("{pointer}/{place}"), format!("more than {LONGEST_NAME} characters"));
-            return None;
-        }
-        if !(value.is_number() || value.is_string()) {
-            filling.refuse(format!("{pointer}/{place}"), "must be a number or a word");
-            return None;
-        }
         let same =
             |other: &Value| other == value || other.as_f64().is_some_and(|number| value.as_f64() == Some(number));
-        if values[..place].iter().any(same) {
-            filling.refuse(format!("{pointer}/{place}"), "given more than once");
-            return None;
+        let detail = if value.as_str().is_some_and(|word| word.chars().count() > LONGEST_NAME) {
+            format!("more than {LONGEST_NAME} characters")
+        } else if !(value.is_number() || value.is_string()) {
+            "must be a number or a word".to_owned()
+        } else if values[..place].iter().any(same) {
+            "given more than once".to_owned()
+        } else {
+            continue;
+        };
+        filling.refuse(format!("{pointer}/{place}"), detail);
+        if filling.errors.len() >= known_errors + MOST_FAULTS {
+            break;
         }
     }
-    Some(values)
+    (filling.errors.len() == known_errors).then_some(values)
 }
 
 fn spaced(range: &Range, count: u32, pointer: &str, filling: &mut Filling) -> Option<Vec<Value>> {
@@ -193,6 +201,49 @@ fn spaced(range: &Range, count: u32, pointer: &str, filling: &mut Filling) -> Op
         return None;
     }
     Some(values.into_iter().map(Value::from).collect())
+}
+
+/// Refuses values that cannot be, each by itself beside the middle values of the other axes. Where it cannot be there, the first and
+/// the last values of the others are tried, too: some values fit each other only in places, and the points elsewhere say so.
+pub fn refuse_values(axes: &[Axis], variation: &Variation, filling: &mut Filling) {
+    let most = filling.errors.len() + MOST_FAULTS;
+    for axis in axes {
+        let pointer = format!("/axes/{}", axis.place);
+        if let Some(detail) = variation.refuses(&axis.varied) {
+            filling.refuse(format!("{pointer}/path"), detail);
+            continue;
+        }
+        for (place, value) in axis.values.iter().enumerate() {
+            let Some(detail) = refused_value(axis, value, axes, variation) else { continue };
+            if axis.is_listed {
+                filling.refuse(format!("{pointer}/values/{place}"), detail);
+            } else if place == 0 {
+                filling.refuse(format!("{pointer}/from"), detail);
+            } else if place + 1 == axis.values.len() {
+                filling.refuse(format!("{pointer}/to"), detail);
+            }
+            if filling.errors.len() >= most {
+                return;
+            }
+        }
+    }
+}
+
+/// Why a value of an axis cannot be, beside whichever values of the others; `None`: it can, or it is they that cannot.
+fn refused_value(axis: &Axis, value: &Value, axes: &[Axis], variation: &Variation) -> Option<String> {
+    let others = || axes.iter().filter(|other| other.place != axis.place);
+    let beside = |choose: &dyn Fn(usize) -> usize| {
+        let others = others().map(|other| (&other.varied, other.values[choose(other.values.len())].clone()));
+        variation.scene(others.chain([(&axis.varied, value.clone())])).err()
+    };
+    let refusal = beside(&|count| count / 2)?;
+    if axes.len() > 1 {
+        beside(&|_| 0)?;
+        beside(&|count| count - 1)?;
+    }
+    let Refusal::Invalid { errors } = refusal else { return None };
+    let its_own = |error: &&FieldError| !others().any(|other| other.varied.sets(&error.pointer));
+    errors.iter().find(its_own).map(|error| axis.varied.told(error))
 }
 
 /// Refuses, in a job of another kind, what is varied.
@@ -216,12 +267,10 @@ pub fn refuse_signals(kind: JobKind, input: &JobInput, filling: &mut Filling) {
 }
 
 impl Study {
-    /// A study whose axes are checked, of a request whose scene with every default is `complete`. Refused where none of the points
-    /// next to the first can be built: then it is the axes that are wrong.
-    pub fn new(axes: Vec<Axis>, points: usize, request: &Value, complete: Value) -> Result<Self, Refusal> {
+    /// A study whose axes and their values are checked. Refused where none of some points spread over the grid can be built: then it
+    /// is the axes that are wrong.
+    pub fn new(axes: Vec<Axis>, points: usize, reuse: bool, variation: Variation) -> Result<Self, Refusal> {
         let grid = Grid::new(axes.iter().map(|axis| axis.values.len()).collect());
-        let reuse = request.get("reuse").and_then(Value::as_bool).unwrap_or(true);
-        let variation = Variation::new(request, complete);
         let study = Self { axes, grid, points, reuse, variation };
         study.probe()?;
         Ok(study)

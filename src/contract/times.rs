@@ -1,6 +1,7 @@
 //! How long to simulate.
 
 use super::filling::Filling;
+use super::limits::DURATION;
 use super::units;
 use crate::physics::kinematics::{CharacteristicFrequencies, ideal_frequencies};
 use crate::simulation::observe::RATE;
@@ -9,12 +10,7 @@ use crate::simulation::scene::Scene;
 
 /// Longest default [s].
 const LONGEST_DEFAULT: f64 = 1.0;
-/// Longest settling time [s].
-const LONGEST_SETTLE: f64 = 1000.0;
-/// Shortest and longest time that is kept [s]. Stand in the schema, too.
-const SHORTEST: f64 = 1e-6;
-const LONGEST: f64 = 1000.0;
-/// The longest with up to `FEW_SERIES` series: these take 1 GiB then, at four doubles a sample for the value itself, its time
+/// The longest time that is kept [s] with up to `FEW_SERIES` series: these take 1 GiB then, at four doubles a sample for the value itself, its time
 /// and copies on the way.
 const LONGEST_SERIES: f64 = 23.4;
 const FEW_SERIES: usize = 14;
@@ -33,7 +29,7 @@ pub fn default_duration(scene: Option<&Scene>) -> f64 {
 /// Time before anything is kept [s].
 pub fn settle(field: &mut Option<f64>, default: f64, filling: &mut Filling) -> f64 {
     let settle = filling.take("/settle_s", field, default);
-    filling.within("/settle_s", settle, 0.0, LONGEST_SETTLE, "s");
+    filling.check("/settle_s", settle);
     settle
 }
 
@@ -41,9 +37,9 @@ pub fn settle(field: &mut Option<f64>, default: f64, filling: &mut Filling) -> f
 pub fn duration(field: &mut Option<f64>, default: f64, outputs: &Outputs, filling: &mut Filling) -> f64 {
     let duration = filling.take("/duration_s", field, default);
     let longest = longest_kept(outputs.series.len());
-    if !(SHORTEST..=longest).contains(&duration) {
-        let mut detail = units::out_of_range(duration, SHORTEST, longest, false, "s");
-        if duration > longest && longest < LONGEST {
+    if !(DURATION.lowest..=longest).contains(&duration) {
+        let mut detail = units::out_of_range(duration, DURATION.lowest, longest, false, DURATION.unit);
+        if duration > longest && longest < DURATION.highest {
             detail += ": /outputs/series would take more than 1 GiB";
         }
         filling.refuse("/duration_s", detail);
@@ -54,7 +50,7 @@ pub fn duration(field: &mut Option<f64>, default: f64, outputs: &Outputs, fillin
 /// Longest time that is kept with so many series [s], in whole milliseconds, so that it is what messages say.
 fn longest_kept(series: usize) -> f64 {
     if series == 0 {
-        return LONGEST;
+        return DURATION.highest;
     }
     let longest = LONGEST_SERIES * FEW_SERIES as f64 / series.max(FEW_SERIES) as f64;
     // Rounding must not take a millisecond from a whole number of them.

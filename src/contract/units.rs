@@ -56,7 +56,7 @@ const PER_PA: Unit = si("1/Pa");
 const S: Unit = si("s");
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 70] = [
+const FIELDS: [(&str, &str, Unit); 72] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -126,19 +126,24 @@ const FIELDS: [(&str, &str, Unit); 70] = [
     ("operation.misalignment.y", "/operation/misalignment_mrad/y", MRAD),
     ("operation.misalignment.z", "/operation/misalignment_mrad/z", MRAD),
     ("operation.speed", "/operation/speed_rpm", RPM),
-    ("operation.speed.at", "/operation/speed_rpm", S),
+    ("operation.speed", "/operation/speed_rpm/rpm", RPM),
+    ("operation.speed.at", "/operation/speed_rpm/at_s", S),
+    ("gravity", "/gravity_m_s2", M_S2),
 ];
+
+/// Parameter, field under `/scene` and the field's unit. Where a parameter has several fields, that of its faults is the first;
+/// places in lists are left out.
+pub fn fields() -> impl Iterator<Item = (&'static str, &'static str, Unit)> {
+    FIELDS.iter().copied()
+}
 
 /// The field, in the user's unit, of what physics refuses.
 pub fn field_error(error: &InvalidParameter) -> FieldError {
     let parameter = match error {
         InvalidParameter::OutOfRange { parameter, .. } | InvalidParameter::Inconsistent { parameter, .. } => *parameter,
     };
-    let (pointer, unit) = if parameter == "gravity" {
-        ("/gravity_m_s2", M_S2)
-    } else {
-        FIELDS.iter().find(|field| field.0 == parameter).map_or(("", NUMBER), |field| (field.1, field.2))
-    };
+    let (pointer, unit) =
+        FIELDS.iter().find(|field| field.0 == parameter).map_or(("", NUMBER), |field| (field.1, field.2));
     let detail = match error {
         InvalidParameter::OutOfRange { value, lowest, highest, exclusive, .. } => {
             out_of_range(unit.to_user(*value), unit.to_user(*lowest), unit.to_user(*highest), *exclusive, unit.name)

@@ -5,6 +5,8 @@ use serde_json::{Map, Value, json};
 use super::filling::Filling;
 use super::job::{Job, JobKind, simulation_of};
 use super::problem::{FieldError, Refusal, escape, listed};
+use super::scene::{ResolvedScene, SceneInput};
+use super::strict;
 use super::units::significant;
 use crate::physics::rating::dynamic_load_rating;
 
@@ -73,7 +75,7 @@ impl Varied {
     }
 
     /// Whether the field at a pointer into the request is what is set, or a part of it.
-    fn sets(&self, pointer: &str) -> bool {
+    pub fn sets(&self, pointer: &str) -> bool {
         let field = pointer.strip_prefix("/scene").and_then(tokens);
         field.is_some_and(|field| field.starts_with(&self.way()))
     }
@@ -82,14 +84,23 @@ impl Varied {
     pub fn takes_words(&self) -> bool {
         self.target != Target::AxialLoadOverRating
     }
+
+    /// What is wrong with the field at a pointer into the request, as an axis may say it: by the path into the scene, unless that
+    /// is what it varies.
+    pub fn told(&self, error: &FieldError) -> String {
+        let path = error.pointer.strip_prefix("/scene").unwrap_or(&error.pointer);
+        if path == self.name { error.detail.clone() } else { format!("`{path}`: {}", error.detail) }
+    }
 }
 
 /// An error of a simulation with these values, told of the axis that has set the field: in the request there may be none.
-pub fn of_an_axis<'a>(error: FieldError, mut axes: impl Iterator<Item = &'a Varied>) -> FieldError {
-    match axes.position(|varied| varied.sets(&error.pointer)) {
-        Some(axis) => FieldError::new(format!("/axes/{axis}"), format!("`{}`: {}", error.pointer, error.detail)),
-        None => error,
+pub fn of_an_axis<'a>(error: FieldError, axes: impl Iterator<Item = &'a Varied>) -> FieldError {
+    for (place, varied) in axes.enumerate() {
+        if varied.sets(&error.pointer) {
+            return FieldError::new(format!("/axes/{place}"), varied.told(&error));
+        }
     }
+    error
 }
 
 /// Reference tokens of a pointer to a field; `None` of no such pointer.
@@ -188,6 +199,27 @@ impl Variation {
 
     /// The simulation with these values.
     pub fn job<'a>(&self, values: impl Iterator<Item = (&'a Varied, Value)>) -> Result<Job, Refusal> {
+        simulation_of(self.request(values)?)
+    }
+
+    /// Its scene alone, which is sooner there.
+    pub fn scene<'a>(&self, values: impl Iterator<Item = (&'a Varied, Value)>) -> Result<ResolvedScene, Refusal> {
+        scene_of(&self.request(values)?)
+    }
+
+    /// Why nothing in the scene can be varied by this name, whatever its value is.
+    pub fn refuses(&self, varied: &Varied) -> Option<String> {
+        let Target::Field(tokens) = &varied.target else { return None };
+        let mut scene = self.base.get("scene").cloned().unwrap_or_default();
+        if let Err(detail) = set(&mut scene, &self.complete, tokens, Value::Bool(true)) {
+            return Some(detail);
+        }
+        // No field takes this value, so that there is an error, and it is of the name or of the value.
+        let error = strict::typed::<SceneInput>(&scene, "").err()?;
+        (error.pointer == varied.name && error.detail.starts_with("unknown field")).then_some(error.detail)
+    }
+
+    fn request<'a>(&self, values: impl Iterator<Item = (&'a Varied, Value)>) -> Result<Value, Refusal> {
         let mut request = self.base.clone();
         let mut load_over_rating = None;
         for (varied, value) in values {
@@ -199,11 +231,17 @@ impl Variation {
         }
         if let Some(share) = load_over_rating {
             // The rating follows from what the other axes have made of the bearing.
-            let rating = dynamic_load_rating(&simulation_of(request.clone())?.scene().bearing);
+            let rating = dynamic_load_rating(&scene_of(&request)?.scene.bearing);
             request["scene"]["operation"]["axial_load_n"] = (share * rating).into();
         }
-        simulation_of(request)
+        Ok(request)
     }
+}
+
+/// The scene of a request.
+fn scene_of(request: &Value) -> Result<ResolvedScene, Refusal> {
+    let scene = request.get("scene").unwrap_or(&Value::Null);
+    strict::typed::<SceneInput>(scene, "/scene")?.resolve().map_err(|errors| Refusal::Invalid { errors })
 }
 
 /// Parts of a scene that fill themselves in around a field.

@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
+use super::InvalidParameter;
+use super::limits::Faults;
 use super::material::Material;
-use super::{InvalidParameter, above, within};
 
 /// Inner and outer, always as a pair, so that one formula serves both.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -76,96 +77,141 @@ pub struct Bearing {
     pub ball_inertia: f64,
 }
 
+/// Largest radial preload over ball diameter [-].
+const MOST_PRELOAD: f64 = 0.02;
+
+impl BearingParameters {
+    /// Distance `A = (f_i + f_e − 1) d` of the groove centres [m].
+    fn groove_centre_distance(&self) -> f64 {
+        (self.groove_curvature.inner + self.groove_curvature.outer - 1.0) * self.ball_diameter
+    }
+
+    /// Cosine of the free contact angle that a clearance [m] leaves; above 1 with a preload.
+    fn cosine_of_contact(&self, clearance: f64) -> f64 {
+        1.0 - clearance / (2.0 * self.groove_centre_distance())
+    }
+
+    fn check_materials(&self, faults: &mut Faults) {
+        self.ball_material.check(
+            [
+                "bearing.materials.ball.elastic_modulus",
+                "bearing.materials.ball.poisson_ratio",
+                "bearing.materials.ball.density",
+            ],
+            faults,
+        );
+        self.raceway_material.inner.check(
+            [
+                "bearing.materials.inner_raceway.elastic_modulus",
+                "bearing.materials.inner_raceway.poisson_ratio",
+                "bearing.materials.inner_raceway.density",
+            ],
+            faults,
+        );
+        self.raceway_material.outer.check(
+            [
+                "bearing.materials.outer_raceway.elastic_modulus",
+                "bearing.materials.outer_raceway.poisson_ratio",
+                "bearing.materials.outer_raceway.density",
+            ],
+            faults,
+        );
+    }
+
+    /// Clearance or contact angle; whether a clearance fits ball and grooves, only where these are good.
+    fn check_fit(&self, has_grooves: bool, faults: &mut Faults) {
+        let clearance = match self.fit {
+            Fit::ContactAngle(angle) => {
+                faults.check("bearing.contact_angle", angle);
+                return;
+            }
+            Fit::RadialClearance(clearance) => clearance,
+        };
+        const CLEARANCE: &str = "bearing.radial_clearance";
+        if !faults.check(CLEARANCE, clearance) || !has_grooves {
+            return;
+        }
+        let least = -MOST_PRELOAD * self.ball_diameter;
+        if clearance < least {
+            let reason = format!(
+                "{:.3} µm: must be at least {:.3} µm, a preload of {MOST_PRELOAD} ball diameters",
+                clearance * 1e6,
+                least * 1e6
+            );
+            faults.inconsistent(CLEARANCE, reason);
+        } else if self.cosine_of_contact(clearance) < 0.5 {
+            let reason = format!(
+                "{:.3} µm leaves no contact angle up to 60°; at most {:.3} µm with these groove curvatures",
+                clearance * 1e6,
+                self.groove_centre_distance() * 1e6
+            );
+            faults.inconsistent(CLEARANCE, reason);
+        }
+    }
+}
+
 /// Largest number of balls accepted.
 pub const MAX_BALLS: usize = 64;
 
 impl Bearing {
     /// Checks the parameters and derives the geometry (`docs/MODEL.md`, contact geometry).
-    pub fn new(parameters: BearingParameters) -> Result<Self, InvalidParameter> {
+    pub fn new(parameters: BearingParameters) -> Result<Self, Vec<InvalidParameter>> {
         let p = &parameters;
-        above("bearing.ball_diameter", p.ball_diameter, 0.0, 0.5)?;
-        above("bearing.pitch_diameter", p.pitch_diameter, 0.0, 10.0)?;
-        above("bearing.outer_diameter", p.outer_diameter, 0.0, 12.0)?;
-        above("bearing.inner_diameter", p.inner_diameter, 0.0, 10.0)?;
-        above("bearing.width", p.width, 0.0, 2.0)?;
-        within("bearing.ball_count", p.ball_count as f64, 2.0, MAX_BALLS as f64)?;
-        above("bearing.inner_groove_curvature", p.groove_curvature.inner, 0.5, 1.0)?;
-        above("bearing.outer_groove_curvature", p.groove_curvature.outer, 0.5, 1.0)?;
-        p.ball_material.check([
-            "bearing.materials.ball.elastic_modulus",
-            "bearing.materials.ball.poisson_ratio",
-            "bearing.materials.ball.density",
-        ])?;
-        p.raceway_material.inner.check([
-            "bearing.materials.inner_raceway.elastic_modulus",
-            "bearing.materials.inner_raceway.poisson_ratio",
-            "bearing.materials.inner_raceway.density",
-        ])?;
-        p.raceway_material.outer.check([
-            "bearing.materials.outer_raceway.elastic_modulus",
-            "bearing.materials.outer_raceway.poisson_ratio",
-            "bearing.materials.outer_raceway.density",
-        ])?;
-        let inconsistent = |parameter, reason: String| Err(InvalidParameter::Inconsistent { parameter, reason });
+        let mut faults = Faults::default();
+        let has_ball = faults.check("bearing.ball_diameter", p.ball_diameter);
+        let has_pitch = faults.check("bearing.pitch_diameter", p.pitch_diameter) && has_ball;
+        let has_outer = faults.check("bearing.outer_diameter", p.outer_diameter) && has_pitch;
+        let has_inner = faults.check("bearing.inner_diameter", p.inner_diameter) && has_pitch;
+        faults.check("bearing.width", p.width);
+        let has_balls = faults.check("bearing.ball_count", p.ball_count as f64) && has_pitch;
+        let has_grooves = [
+            has_ball,
+            faults.check("bearing.inner_groove_curvature", p.groove_curvature.inner),
+            faults.check("bearing.outer_groove_curvature", p.groove_curvature.outer),
+        ] == [true; 3];
+        p.check_materials(&mut faults);
         let (d, pitch) = (p.ball_diameter, p.pitch_diameter);
-        let chord = pitch * (PI / p.ball_count as f64).sin();
-        if chord <= d {
+        if has_balls && pitch * (PI / p.ball_count as f64).sin() <= d {
             let most = (PI / (d / pitch).min(1.0).asin()).ceil() as usize - 1;
-            return inconsistent(
-                "bearing.ball_count",
-                format!(
-                    "{} balls of {:.4} mm overlap on a pitch circle of {:.4} mm; at most {most} fit",
-                    p.ball_count,
-                    d * 1e3,
-                    pitch * 1e3
-                ),
+            let reason = format!(
+                "{} balls of {:.4} mm overlap on a pitch circle of {:.4} mm; at most {most} fit",
+                p.ball_count,
+                d * 1e3,
+                pitch * 1e3
             );
+            faults.inconsistent("bearing.ball_count", reason);
         }
-        if p.outer_diameter <= pitch + d {
-            return inconsistent(
-                "bearing.outer_diameter",
-                format!(
-                    "{:.4} mm leaves no outer ring outside pitch and ball diameter ({:.4} mm)",
-                    p.outer_diameter * 1e3,
-                    (pitch + d) * 1e3
-                ),
+        if has_outer && p.outer_diameter <= pitch + d {
+            let reason = format!(
+                "{:.4} mm leaves no outer ring outside pitch and ball diameter ({:.4} mm)",
+                p.outer_diameter * 1e3,
+                (pitch + d) * 1e3
             );
+            faults.inconsistent("bearing.outer_diameter", reason);
         }
-        if p.inner_diameter >= pitch - d {
-            return inconsistent(
-                "bearing.inner_diameter",
-                format!(
-                    "{:.4} mm leaves no inner raceway inside pitch less ball diameter ({:.4} mm)",
-                    p.inner_diameter * 1e3,
-                    (pitch - d) * 1e3
-                ),
+        if has_inner && p.inner_diameter >= pitch - d {
+            let reason = format!(
+                "{:.4} mm leaves no inner raceway inside pitch less ball diameter ({:.4} mm)",
+                p.inner_diameter * 1e3,
+                (pitch - d) * 1e3
             );
+            faults.inconsistent("bearing.inner_diameter", reason);
         }
-        let f = p.groove_curvature;
-        let distance = (f.inner + f.outer - 1.0) * d;
+        p.check_fit(has_grooves, &mut faults);
+        faults.or(|| Self::of_checked(parameters))
+    }
+
+    /// The geometry that follows from parameters that fit together.
+    fn of_checked(parameters: BearingParameters) -> Self {
+        let p = &parameters;
+        let (d, pitch, f) = (p.ball_diameter, p.pitch_diameter, p.groove_curvature);
+        let distance = p.groove_centre_distance();
         let (radial_clearance, free_contact_angle) = match p.fit {
-            Fit::RadialClearance(clearance) => {
-                within("bearing.radial_clearance", clearance, -0.02 * d, f64::MAX)?;
-                let cosine = 1.0 - clearance / (2.0 * distance);
-                if cosine < 0.5 {
-                    return inconsistent(
-                        "bearing.radial_clearance",
-                        format!(
-                            "{:.3} µm leaves no contact angle up to 60°; at most {:.3} µm with these groove curvatures",
-                            clearance * 1e6,
-                            distance * 1e6
-                        ),
-                    );
-                }
-                (clearance, cosine.min(1.0).acos())
-            }
-            Fit::ContactAngle(angle) => {
-                within("bearing.contact_angle", angle, 0.0, PI / 3.0)?;
-                (2.0 * distance * (1.0 - angle.cos()), angle)
-            }
+            Fit::RadialClearance(clearance) => (clearance, p.cosine_of_contact(clearance).min(1.0).acos()),
+            Fit::ContactAngle(angle) => (2.0 * distance * (1.0 - angle.cos()), angle),
         };
         let ball_mass = p.ball_material.density * PI * d.powi(3) / 6.0;
-        Ok(Self {
+        Self {
             radial_clearance,
             free_contact_angle,
             groove_centre_radius: PerRaceway {
@@ -176,7 +222,7 @@ impl Bearing {
             ball_mass,
             ball_inertia: 0.1 * ball_mass * d * d,
             parameters,
-        })
+        }
     }
 
     /// `γ = d cos α / D_m` with the angle that the kinematics use: the free contact angle of an

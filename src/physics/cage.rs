@@ -2,8 +2,8 @@
 
 use super::contact::damping::DampingLaw;
 use super::frames::{Tilt, Vector, scale};
+use super::limits::Faults;
 use super::material::Material;
-use super::{InvalidParameter, above, within};
 
 /// Shape of a pocket seat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,35 +72,38 @@ pub struct CageParameters {
 }
 
 impl CageParameters {
-    /// Refuses what no cage has.
-    pub fn check(&self) -> Result<(), InvalidParameter> {
-        self.material.check([
-            "bearing.materials.cage.elastic_modulus",
-            "bearing.materials.cage.poisson_ratio",
-            "bearing.materials.cage.density",
-        ])?;
-        above("bearing.cage.mass", self.mass, 0.0, 1000.0)?;
-        above("bearing.cage.axial_inertia", self.axial_inertia, 0.0, 1e4)?;
-        above("bearing.cage.transverse_inertia", self.transverse_inertia, 0.0, 1e4)?;
-        within("bearing.cage.offset", self.offset, -1.0, 1.0)?;
-        above("bearing.cage.pocket_clearance", self.pocket_clearance, 0.0, 0.1)?;
-        within("bearing.cage.rim_angle", self.rim_angle, 0.1, 1.5)?;
-        above("bearing.cage.seat_half_width", self.seat_half_width, 0.0, 1.0)?;
-        within("bearing.cage.friction", self.friction, 0.0, 2.0)?;
-        above("bearing.cage.friction_speed", self.friction_speed, 0.0, 100.0)?;
+    /// Notes what no cage has.
+    pub fn check(&self, faults: &mut Faults) {
+        self.material.check(
+            [
+                "bearing.materials.cage.elastic_modulus",
+                "bearing.materials.cage.poisson_ratio",
+                "bearing.materials.cage.density",
+            ],
+            faults,
+        );
+        faults.check("bearing.cage.mass", self.mass);
+        faults.check("bearing.cage.axial_inertia", self.axial_inertia);
+        faults.check("bearing.cage.transverse_inertia", self.transverse_inertia);
+        faults.check("bearing.cage.offset", self.offset);
+        faults.check("bearing.cage.pocket_clearance", self.pocket_clearance);
+        faults.check("bearing.cage.rim_angle", self.rim_angle);
+        faults.check("bearing.cage.seat_half_width", self.seat_half_width);
+        faults.check("bearing.cage.friction", self.friction);
+        faults.check("bearing.cage.friction_speed", self.friction_speed);
         if let Some(stiffness) = self.bar_stiffness {
-            above("bearing.cage.bar_stiffness", stiffness, 0.0, 1e12)?;
+            faults.check("bearing.cage.bar_stiffness", stiffness);
         }
         if let Some(land) = self.land {
-            above("bearing.cage.land.clearance", land.clearance, 0.0, 0.1)?;
-            above("bearing.cage.land.diameter", land.diameter, 0.0, 10.0)?;
-            above("bearing.cage.land.width", land.width, 0.0, 1.0)?;
+            faults.check("bearing.cage.land.clearance", land.clearance);
+            faults.check("bearing.cage.land.diameter", land.diameter);
+            faults.check("bearing.cage.land.width", land.width);
         }
         if let PocketFilm::Given { stiffness, damping } = self.film {
-            within("bearing.cage.film.stiffness", stiffness, 0.0, 1e10)?;
-            within("bearing.cage.film.damping", damping, 0.0, 1e5)?;
+            faults.check("bearing.cage.film.stiffness", stiffness);
+            faults.check("bearing.cage.film.damping", damping);
         }
-        self.damping.check(["damping.pocket.restitution", "damping.pocket.at_speed", "damping.pocket.viscous"])
+        self.damping.check(["damping.pocket.restitution", "damping.pocket.at_speed", "damping.pocket.viscous"], faults);
     }
 }
 

@@ -1,7 +1,7 @@
 //! What lies between the surfaces.
 
 use super::contact::traction::TractionLaw;
-use super::{InvalidParameter, above, within};
+use super::limits::Faults;
 
 /// Kind of lubrication. For grease the hydrodynamic forces are left out by convention.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,15 +32,15 @@ pub const AIR_DENSITY: f64 = 1.2;
 pub const AIR_VISCOSITY: f64 = 1.8e-5;
 
 impl Lubricant {
-    /// Refuses values that no lubricant has.
-    pub fn check(&self) -> Result<(), InvalidParameter> {
-        within("lubricant.viscosity", self.viscosity, 0.0, 100.0)?;
-        within("lubricant.pressure_viscosity", self.pressure_viscosity, 0.0, 1e-6)?;
-        within("lubricant.fill", self.fill, 0.0, 1.0)?;
+    /// Notes values that no lubricant has.
+    pub fn check(&self, faults: &mut Faults) {
+        faults.check("lubricant.viscosity", self.viscosity);
+        faults.check("lubricant.pressure_viscosity", self.pressure_viscosity);
+        faults.check("lubricant.fill", self.fill);
         if let Some(distance) = self.inlet_distance {
-            above("lubricant.inlet_distance", distance, 0.0, 1.0)?;
+            faults.check("lubricant.inlet_distance", distance);
         }
-        self.traction.check()
+        self.traction.check(faults);
     }
 
     /// Distance of the inlet meniscus from a contact of balls of that diameter [m].

@@ -1,6 +1,6 @@
 //! Elastic isotropic materials.
 
-use super::{InvalidParameter, above, within};
+use super::limits::Faults;
 
 /// An elastic isotropic material.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,12 +14,12 @@ pub struct Material {
 }
 
 impl Material {
-    /// Refuses what no solid has; `path` names the material's fields in the error
+    /// Notes what no solid has; `path` names the material's fields in the faults
     /// (elastic modulus, Poisson's ratio, density).
-    pub fn check(&self, path: [&'static str; 3]) -> Result<(), InvalidParameter> {
-        above(path[0], self.elastic_modulus, 0.0, 2e12)?;
-        within(path[1], self.poisson_ratio, 0.0, 0.5)?;
-        above(path[2], self.density, 0.0, 30_000.0)
+    pub fn check(&self, path: [&'static str; 3], faults: &mut Faults) {
+        faults.check(path[0], self.elastic_modulus);
+        faults.check(path[1], self.poisson_ratio);
+        faults.check(path[2], self.density);
     }
 }
 

@@ -9,6 +9,7 @@ pub mod drag;
 pub mod frames;
 pub mod kinematics;
 pub mod land;
+pub mod limits;
 pub mod lubricant;
 pub mod material;
 pub mod operation;
@@ -28,24 +29,6 @@ pub enum InvalidParameter {
     /// Each value is allowed by itself, but together they fit no bearing.
     #[error("{parameter}: {reason}")]
     Inconsistent { parameter: &'static str, reason: String },
-}
-
-/// Refuses a value outside `lowest ..= highest`, NaN included.
-pub fn within(parameter: &'static str, value: f64, lowest: f64, highest: f64) -> Result<(), InvalidParameter> {
-    if value >= lowest && value <= highest {
-        Ok(())
-    } else {
-        Err(InvalidParameter::OutOfRange { parameter, value, lowest, highest, exclusive: false })
-    }
-}
-
-/// Refuses a value outside `lowest < value ≤ highest`, NaN included.
-pub fn above(parameter: &'static str, value: f64, lowest: f64, highest: f64) -> Result<(), InvalidParameter> {
-    if value > lowest && value <= highest {
-        Ok(())
-    } else {
-        Err(InvalidParameter::OutOfRange { parameter, value, lowest, highest, exclusive: true })
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! How the bearing is driven and loaded.
 
-use super::{InvalidParameter, within};
+use super::InvalidParameter;
+use super::limits::Faults;
 
 /// Spindle speed over time: constant, or straight lines between points, constant outside them.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,35 +17,43 @@ pub struct SpeedProfile {
 /// Largest angular speed accepted [rad/s]: 500 000 r/min.
 pub const MAX_SPEED: f64 = 500_000.0 * std::f64::consts::PI / 30.0;
 
+/// Points of a profile at most.
+pub const MOST_POINTS: usize = 1000;
 /// Shortest time between two points of a profile [s].
 const SHORTEST_RAMP: f64 = 1e-9;
 
 impl SpeedProfile {
     /// A constant angular speed [rad/s]; negative turns the other way.
-    pub fn constant(speed: f64) -> Result<Self, InvalidParameter> {
+    pub fn constant(speed: f64) -> Result<Self, Vec<InvalidParameter>> {
         Self::new(vec![(0.0, speed)])
     }
 
+    /// No speed at all.
+    pub fn at_rest() -> Self {
+        Self::of_points(vec![(0.0, 0.0)])
+    }
+
     /// Straight lines between points of (time [s], angular speed [rad/s]).
-    pub fn new(points: Vec<(f64, f64)>) -> Result<Self, InvalidParameter> {
-        let inconsistent =
-            |reason: String| Err(InvalidParameter::Inconsistent { parameter: "operation.speed", reason });
+    pub fn new(points: Vec<(f64, f64)>) -> Result<Self, Vec<InvalidParameter>> {
+        let mut faults = Faults::default();
+        let mut refuse = |reason: String| faults.inconsistent("operation.speed", reason);
         if points.is_empty() {
-            return inconsistent("needs at least one point".into());
-        }
-        if points.len() > 1000 {
-            return inconsistent(format!("{} points; at most 1000", points.len()));
-        }
-        for &(time, speed) in &points {
-            within("operation.speed", speed, -MAX_SPEED, MAX_SPEED)?;
-            within("operation.speed.at", time, 0.0, 1e6)?;
+            refuse("needs at least one point".into());
+        } else if points.len() > MOST_POINTS {
+            refuse(format!("{} points; at most {MOST_POINTS}", points.len()));
         }
         if let Some(pair) = points.windows(2).find(|pair| pair[1].0 < pair[0].0 + SHORTEST_RAMP) {
-            return inconsistent(format!(
-                "times must rise by at least 1 ns: {:e} s is followed by {:e} s",
-                pair[0].0, pair[1].0
-            ));
+            refuse(format!("times must rise by at least 1 ns: {:e} s is followed by {:e} s", pair[0].0, pair[1].0));
         }
+        for &(time, speed) in points.iter().take(MOST_POINTS) {
+            faults.check("operation.speed", speed);
+            faults.check("operation.speed.at", time);
+        }
+        faults.or(|| Self::of_points(points))
+    }
+
+    /// Of points that are checked.
+    fn of_points(points: Vec<(f64, f64)>) -> Self {
         let mut angles = vec![0.0];
         for pair in points.windows(2) {
             let turned = 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0);
@@ -52,7 +61,7 @@ impl SpeedProfile {
         }
         let mut profile = Self { points, angles, first_angle: 0.0 };
         profile.first_angle = profile.since_first_point(0.0).0;
-        Ok(profile)
+        profile
     }
 
     /// Angle turned since time 0 [rad], angular speed [rad/s] and angular acceleration [rad/s²].
@@ -112,15 +121,13 @@ pub struct Operation {
 }
 
 impl Operation {
-    /// Refuses loads and tilts beyond what any bearing of this program carries.
-    pub fn check(&self) -> Result<(), InvalidParameter> {
-        for (parameter, value) in
-            ["operation.axial_load", "operation.radial_load_y", "operation.radial_load_z"].into_iter().zip(self.load)
-        {
-            within(parameter, value, -1e7, 1e7)?;
-        }
-        within("operation.misalignment.y", self.misalignment[0], -0.02, 0.02)?;
-        within("operation.misalignment.z", self.misalignment[1], -0.02, 0.02)
+    /// Notes loads and tilts beyond what any bearing of this program carries.
+    pub fn check(&self, faults: &mut Faults) {
+        faults.check("operation.axial_load", self.load[0]);
+        faults.check("operation.radial_load_y", self.load[1]);
+        faults.check("operation.radial_load_z", self.load[2]);
+        faults.check("operation.misalignment.y", self.misalignment[0]);
+        faults.check("operation.misalignment.z", self.misalignment[1]);
     }
 }
 

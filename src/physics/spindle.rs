@@ -1,7 +1,7 @@
 //! The spindle: a rigid mass at prescribed speed that moves in Y and Z, and in X when it is free.
 
 use super::frames::Vector;
-use super::{InvalidParameter, above, within};
+use super::limits::Faults;
 use crate::numerics::angle::sin_cos;
 
 /// How the axial direction is held.
@@ -33,16 +33,16 @@ pub struct Spindle {
 }
 
 impl Spindle {
-    pub fn check(&self) -> Result<(), InvalidParameter> {
-        above("spindle.mass", self.mass, 0.0, 1e6)?;
+    /// Notes what no spindle has.
+    pub fn check(&self, faults: &mut Faults) {
+        faults.check("spindle.mass", self.mass);
         match self.unbalance {
-            Unbalance::None => {}
-            Unbalance::Product(product) => within("spindle.unbalance", product, 0.0, 1e3)?,
-            Unbalance::Grade(grade) => within("spindle.balance_grade", grade, 0.0, 5.0)?,
-        }
-        match self.axial {
-            AxialHold::Offset(offset) => within("spindle.axial.offset", offset, -0.01, 0.01),
-            AxialHold::Fixed | AxialHold::Free => Ok(()),
+            Unbalance::None => true,
+            Unbalance::Product(product) => faults.check("spindle.unbalance", product),
+            Unbalance::Grade(grade) => faults.check("spindle.balance_grade", grade),
+        };
+        if let AxialHold::Offset(offset) = self.axial {
+            faults.check("spindle.axial.offset", offset);
         }
     }
 

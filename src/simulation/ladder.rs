@@ -566,7 +566,7 @@ fn summarise(
         statistics: made.statistics,
         wall_time: begin.elapsed().as_secs_f64(),
         simulated_time: settings.settle + settings.duration,
-        relative_tolerance: settings.tightest(),
+        relative_tolerance: None,
         states: made.states,
         strips: needs.raceway.strips,
     };

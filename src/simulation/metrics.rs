@@ -77,8 +77,8 @@ pub struct SolverReport {
     pub wall_time: f64,
     /// [s]
     pub simulated_time: f64,
-    /// The tolerance that was taken [-].
-    pub relative_tolerance: f64,
+    /// The tolerance that was taken [-]; `None` where the integrator follows none.
+    pub relative_tolerance: Option<f64>,
     /// Number of first-order states.
     pub states: usize,
     /// Strips a raceway contact is cut into for traction.

@@ -468,7 +468,7 @@ fn summarise(
         simulated_time: settings.settle + settings.duration,
         states: model.mechanism().layout.dimension(),
         strips: needs.raceway.strips,
-        relative_tolerance: attempt.relative_tolerance,
+        relative_tolerance: settings.fixed_step.is_none().then_some(attempt.relative_tolerance),
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
     RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out)

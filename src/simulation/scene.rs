@@ -1,12 +1,13 @@
 //! What to simulate, checked once on construction.
 
+use crate::physics::InvalidParameter;
 use crate::physics::bearing::{Bearing, BearingParameters};
 use crate::physics::cage::CageParameters;
 use crate::physics::contact::damping::DampingLaw;
+use crate::physics::limits::Faults;
 use crate::physics::lubricant::Lubricant;
 use crate::physics::operation::Operation;
 use crate::physics::spindle::{AxialHold, Spindle};
-use crate::physics::{InvalidParameter, within};
 
 /// Whether a term of the equations is in the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -110,29 +111,25 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Checks that everything can be built and fits together.
-    pub fn new(p: SceneParameters) -> Result<Self, InvalidParameter> {
-        let bearing = Bearing::new(p.bearing)?;
-        p.cage.check()?;
-        p.spindle.check()?;
-        p.operation.check()?;
-        p.lubricant.check()?;
-        p.raceway_damping.check([
-            "damping.raceway.restitution",
-            "damping.raceway.at_speed",
-            "damping.raceway.viscous",
-        ])?;
-        within("gravity", p.gravity, -1000.0, 1000.0)?;
+    /// Checks that everything can be built and fits together; tells all that does not.
+    pub fn new(p: SceneParameters) -> Result<Self, Vec<InvalidParameter>> {
+        let mut faults = Faults::default();
+        let bearing = faults.part(Bearing::new(p.bearing));
+        p.cage.check(&mut faults);
+        p.spindle.check(&mut faults);
+        p.operation.check(&mut faults);
+        p.lubricant.check(&mut faults);
+        p.raceway_damping
+            .check(["damping.raceway.restitution", "damping.raceway.at_speed", "damping.raceway.viscous"], &mut faults);
+        faults.check("gravity", p.gravity);
         if p.operation.load[0] != 0.0 && p.spindle.axial != AxialHold::Free {
-            return Err(InvalidParameter::Inconsistent {
-                parameter: "spindle.axial",
-                reason: format!(
-                    "an axial load of {} N acts only on a spindle whose axial direction is free",
-                    p.operation.load[0]
-                ),
-            });
+            let load = p.operation.load[0];
+            faults.inconsistent(
+                "spindle.axial",
+                format!("an axial load of {load} N acts only on a spindle whose axial direction is free"),
+            );
         }
-        Ok(Self {
+        faults.of(bearing, |bearing| Self {
             bearing,
             cage: p.cage,
             spindle: p.spindle,

@@ -52,16 +52,30 @@ fn a_study_fills_its_table() {
 fn a_point_that_cannot_be_built_is_a_row_that_says_so() {
     let server = start();
     let mut study = study_of(2);
-    study["axes"] = json!([{ "path": "/operation/speed_rpm", "values": [1e9, 3000] }]);
+    // Twelve of the larger balls overlap.
+    study["axes"] = json!([
+        { "path": "/bearing/ball_count", "values": [7, 12] },
+        { "path": "/bearing/ball_diameter_mm", "values": [2.778, 4] },
+    ]);
+    study["scene"]["bearing"] = json!("article-integrated");
     let path = server.submit(&study);
     assert_eq!(server.wait_for(&path, &["succeeded", "failed"])["status"], "succeeded");
     let table = server.get(&format!("{path}/table")).json();
-    assert_eq!(statuses(&table), ["failed", "succeeded"]);
-    let error = &table["rows"][0]["error"];
+    assert_eq!(statuses(&table), ["succeeded", "succeeded", "succeeded", "failed"]);
+    let error = &table["rows"][3]["error"];
     assert_eq!(
         (&error["cause"], &error["errors"][0]["pointer"]),
-        (&json!("invalid"), &json!("/scene/operation/speed_rpm"))
+        (&json!("invalid"), &json!("/scene/bearing/ball_count"))
     );
+}
+
+#[test]
+fn a_value_that_can_be_nowhere_is_refused_with_its_place() {
+    let server = start();
+    let mut study = study_of(2);
+    study["axes"] = json!([{ "path": "/bearing", "values": ["608", "6250"] }]);
+    let refused = server.post("/v1/jobs", &study).problem(422);
+    assert_eq!(refused["errors"][0]["pointer"], "/axes/0/values/1");
 }
 
 #[test]

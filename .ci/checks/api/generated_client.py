@@ -10,8 +10,8 @@ from raceway_client.api.jobs import list_jobs, show_job, submit_job
 from raceway_client.api.results import get_metrics, get_plot, get_spectrum
 from raceway_client.api.scenes import resolve_scene
 from raceway_client.models import (
-    BearingName, JobAnswer, JobInput, JobKindName, JobList, Metrics, OperationInput, Problem, ResolveAnswer, SceneInput,
-    SceneRequest, SpectrumAnswer, StatusName,
+    BearingName, JobAnswer, JobKindName, JobList, Metrics, OperationInput, Problem, ResolveAnswer, SceneInput, SceneRequest,
+    SimulationJob, SimulationJobKind, SpectrumAnswer, StatusName,
 )
 
 
@@ -26,17 +26,23 @@ def scene(speed_rpm):
     return SceneInput(bearing=BearingName("6205"), operation=OperationInput(speed_rpm=speed_rpm, radial_load_y_n=500))
 
 
+def simulation(speed_rpm):
+    return SimulationJob(kind=SimulationJobKind.SIMULATION, scene=scene(speed_rpm))
+
+
 client = Client(base_url=sys.argv[1])
 resolved = of(ResolveAnswer, resolve_scene.sync(client=client, body=SceneRequest(scene=scene(6000))))
 print(f"BPFO: {resolved.derived.frequencies_hz.ball_pass_outer:.1f} Hz")
 
-refused = of(Problem, submit_job.sync(client=client, body=JobInput(kind=JobKindName.SIMULATION, scene=scene(6e6))))
+refused = of(Problem, submit_job.sync(client=client, body=simulation(6e6)))
 print(f"refused: {refused.status}, {refused.errors[0].pointer}: {refused.errors[0].detail}")
 
-job = of(JobAnswer, submit_job.sync(client=client, body=JobInput(kind=JobKindName.SIMULATION, scene=scene(6000))))
+job = of(JobAnswer, submit_job.sync(client=client, body=simulation(6000)))
 while job.status in (StatusName.QUEUED, StatusName.RUNNING):
     time.sleep(0.1)
     job = of(JobAnswer, show_job.sync(job.id, client=client))
+if not isinstance(job.request, SimulationJob):
+    sys.exit(f"FAILED: the request has become {job.request}")
 if job.status != StatusName.SUCCEEDED:
     sys.exit(f"FAILED: {job.error}")
 listed = of(JobList, list_jobs.sync(client=client, kind=JobKindName.SIMULATION, limit=1))

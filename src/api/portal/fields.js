@@ -90,7 +90,8 @@ export function schemaAt(document, pointer) {
   const schemas = document.components.schemas;
   const plain = (schema) => {
     if (schema.$ref) return plain({ ...schemas[schema.$ref.split('/').pop()], ...described(schema) });
-    const inner = schema.oneOf?.map(plain).find((one) => one.properties);
+    // A field that refers to a type and has a default says so by `allOf`.
+    const inner = schema.allOf ? plain(schema.allOf[0]) : schema.oneOf?.map(plain).find((one) => one.properties);
     return inner ? { ...inner, ...described(schema) } : schema;
   };
   const described = (schema) => (schema.description ? { description: schema.description } : {});

@@ -1,6 +1,6 @@
 //! Wrong requests, each with the field that is named and words of the reason.
 
-use crate::contract::{Refusal, parse_accuracy_request, parse_job, parse_job_or_scene};
+use crate::contract::{Refusal, parse_accuracy_request, parse_batch, parse_job, parse_job_or_scene};
 
 /// A job of the article's bearing with `operation` replaced.
 fn operation(fields: &str) -> String {
@@ -71,7 +71,7 @@ fn impossible_bearings_are_refused() {
         (r#""inner_groove_curvature":0.5"#, b("inner_groove_curvature"), "0.5: must be above 0.5 and at most 1"),
         (r#""outer_groove_curvature":0.4"#, b("outer_groove_curvature"), "0.4: must be above 0.5"),
         (r#""radial_clearance_um":500"#, b("radial_clearance_um"), "leaves no contact angle"),
-        (r#""radial_clearance_um":-500"#, b("radial_clearance_um"), "at least -55.56 µm"),
+        (r#""radial_clearance_um":-500"#, b("radial_clearance_um"), "at least -55.560 µm"),
         (r#""contact_angle_deg":61"#, b("contact_angle_deg"), "61 °: must be from 0 to 60 °"),
         (r#""contact_angle_deg":15,"radial_clearance_um":5"#, b("contact_angle_deg"), "give either"),
         (r#""type":"roller""#, b("type"), "unknown variant"),
@@ -313,6 +313,118 @@ fn several_faults_are_told_at_once() {
     );
     let missing = parse_job(bearing(r#""ball_count":9"#).as_bytes());
     assert!(matches!(missing, Err(Refusal::Invalid { errors }) if errors.len() == 5));
+}
+
+/// Every wrong field of every part, whatever else is wrong: ranges, names, what is missing and what does not fit.
+#[test]
+fn all_faults_are_told_in_one_answer() {
+    let body = r#"{"kind":"simulation","duration_s":-1,"settle_s":-1,"solver":{"model_tolerance_db":-1},"outputs":{"series":["cage.speed"]},
+        "scene":{"bearing":{"preset":"6205","width_mm":-1,"inner_groove_curvature":0.4,"outer_groove_curvature":0.4,"ball_count":30,
+            "materials":{"ball":{"elastic_modulus_gpa":0,"poisson_ratio":1,"density_kg_m3":0}},
+            "cage":{"mass_g":-1,"friction":3,"land":{"clearance_mm":0,"diameter_mm":0,"width_mm":0}}},
+        "operation":{"speed_rpm":[{"at_s":-1,"rpm":1},{"at_s":1,"rpm":6e5}],"radial_load_y_n":1e8,"radial_load_z_n":1e8},
+        "spindle":{"mass_kg":0,"unbalance_g_mm":-1},
+        "lubricant":{"viscosity_pa_s":-1,"fill":2,"traction":{"maximum":3}},
+        "damping":{"raceway":{"restitution":2},"pocket":{"restitution":2,"at_speed_m_s":0}},"gravity_m_s2":1001}}"#;
+    let wanted = [
+        "/duration_s",
+        "/scene/bearing/ball_count",
+        "/scene/bearing/cage/friction",
+        "/scene/bearing/cage/land/clearance_mm",
+        "/scene/bearing/cage/land/diameter_mm",
+        "/scene/bearing/cage/land/width_mm",
+        "/scene/bearing/cage/mass_g",
+        "/scene/bearing/inner_groove_curvature",
+        "/scene/bearing/materials/ball/density_kg_m3",
+        "/scene/bearing/materials/ball/elastic_modulus_gpa",
+        "/scene/bearing/materials/ball/poisson_ratio",
+        "/scene/bearing/outer_groove_curvature",
+        "/scene/bearing/width_mm",
+        "/scene/damping/pocket/at_speed_m_s",
+        "/scene/damping/pocket/restitution",
+        "/scene/damping/raceway/restitution",
+        "/scene/gravity_m_s2",
+        "/scene/lubricant/fill",
+        "/scene/lubricant/traction/maximum",
+        "/scene/lubricant/viscosity_pa_s",
+        "/scene/operation/radial_load_y_n",
+        "/scene/operation/radial_load_z_n",
+        "/scene/operation/speed_rpm/0/at_s",
+        "/scene/operation/speed_rpm/1/rpm",
+        "/scene/spindle/mass_kg",
+        "/scene/spindle/unbalance_g_mm",
+        "/settle_s",
+        "/solver/model_tolerance_db",
+    ];
+    let mut told = pointers(parse_job(body.as_bytes()));
+    told.sort();
+    assert_eq!(told, wanted);
+}
+
+/// A bearing that is not known, or a part that cannot be read, keeps no other fault from being told, and makes none of its own.
+#[test]
+fn what_stands_in_for_a_wrong_part_is_not_judged() {
+    let told = |bearing: &str| {
+        let body = format!(
+            r#"{{"kind":"simulation","scene":{{"bearing":{bearing},"operation":{{"speed_rpm":1}},"spindle":{{"mass_kg":0}}}}}}"#
+        );
+        pointers(parse_job(body.as_bytes()))
+    };
+    assert_eq!(told(r#""6250""#), ["/scene/bearing", "/scene/spindle/mass_kg"]);
+    assert_eq!(
+        told(r#"{"preset":"6250","ball_diameter_mm":30,"radial_clearance_um":90,"cage":{"mass_g":0}}"#),
+        ["/scene/bearing/preset", "/scene/bearing/cage/mass_g", "/scene/spindle/mass_kg"]
+    );
+    assert_eq!(
+        told(r#"{"preset":6205,"ball_count":65}"#),
+        ["/scene/bearing/preset", "/scene/bearing/ball_count", "/scene/spindle/mass_kg"]
+    );
+    let damping = scene(r#""damping":{"raceway":{"law":"viscos","viscous_n_s_per_m":10},"pocket":{"restitution":2}}"#);
+    assert_eq!(
+        pointers(parse_job(damping.as_bytes())),
+        ["/scene/damping/raceway/law", "/scene/damping/pocket/restitution"]
+    );
+}
+
+/// A length in metres is told of where it stands, not of what does not fit because of it.
+#[test]
+fn lengths_in_metres_are_told_of_themselves() {
+    let told = |fields: &str| {
+        let Err(Refusal::Invalid { errors }) = parse_job(bearing(fields).as_bytes()) else {
+            panic!("accepted: {fields}")
+        };
+        errors.into_iter().map(|error| (error.pointer, error.detail)).collect::<Vec<_>>()
+    };
+    let ball = told(r#""preset":"6205","ball_diameter_mm":0.0127"#);
+    assert_eq!(ball.len(), 1, "{ball:?}");
+    assert_eq!(ball[0].0, "/scene/bearing/ball_diameter_mm");
+    assert_eq!(
+        ball[0].1,
+        "0.0127 mm: less than a 500th of `outer_diameter_mm`, 52 mm; lengths are in mm, not in m: 12.7?"
+    );
+    for (name, length) in
+        [("outer_diameter_mm", "52"), ("inner_diameter_mm", "25"), ("width_mm", "15"), ("pitch_diameter_mm", "39.04")]
+    {
+        let wrong = DIMENSIONS
+            .replace(&format!(r#""{name}":{length}"#), &format!(r#""{name}":0.0{}"#, length.replace('.', "")));
+        let told = told(&format!(r#"{wrong},"radial_clearance_um":12.5"#));
+        assert!(told.len() == 1 && told[0].0.ends_with(name) && told[0].1.contains("lengths are in mm"), "{told:?}");
+    }
+    let all = told(
+        r#""outer_diameter_mm":0.052,"inner_diameter_mm":0.025,"width_mm":0.015,"ball_count":9,"ball_diameter_mm":0.00794,"pitch_diameter_mm":0.03904"#,
+    );
+    assert!(all.len() == 5 && all.iter().all(|(_, detail)| detail.contains("lengths are in mm")), "{all:?}");
+}
+
+#[test]
+fn a_bare_array_is_told_what_a_batch_is() {
+    let told = |body: &str| parse_batch(body.as_bytes()).map(|_| ()).unwrap_err().to_string();
+    let wanted = "must be an object `{\"jobs\": […]}`";
+    let array = told(&format!("[{}]", job(r#""priority":1"#)));
+    assert!(array.contains(&format!("an array: {wanted}, with this array as its field `jobs`")), "{array}");
+    assert!(told("[[]]").contains(wanted) && told("7").contains(wanted) && told(r#"{"job":[]}"#).contains(wanted));
+    let single = parse_job(b"[]").map(|_| ()).unwrap_err().to_string();
+    assert!(single.contains(r#"several jobs are a batch, `{"jobs": […]}`"#), "{single}");
 }
 
 fn pointers(refused: Result<crate::contract::Job, Refusal>) -> Vec<String> {

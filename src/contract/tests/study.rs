@@ -104,14 +104,8 @@ fn wrong_axes_are_refused_with_their_place() {
             json!([{ "path": path, "from": 1, "to": 2, "count": 101 }, { "path": "/operation/speed_rpm", "from": 1, "to": 2, "count": 100 }]),
             "/axes: a grid of 10100 points: at most 10000",
         ),
-        (
-            json!([{ "path": "/spindle/colour", "values": [1, 2] }]),
-            "/axes/0: `/scene/spindle/colour`: at the first point: unknown field",
-        ),
-        (
-            json!([{ "path": "/nothing/here", "values": [1] }]),
-            "/axes/0: `/scene/nothing/here`: at the first point: the scene has no `/nothing`",
-        ),
+        (json!([{ "path": "/spindle/colour", "values": [1, 2] }]), "/axes/0/path: unknown field `colour`"),
+        (json!([{ "path": "/nothing/here", "values": [1] }]), "/axes/0/path: the scene has no `/nothing`"),
         (json!([[]]), "/axes/0"),
         (json!([{ "path": path, "values": [1, 1.0] }]), "/axes/0/values/1: given more than once"),
         (json!([{ "path": path, "values": ["x".repeat(201)] }]), "/axes/0/values/0: more than 200 characters"),
@@ -139,14 +133,52 @@ fn wrong_axes_are_refused_with_their_place() {
     assert!(refused(&simulation).contains("/axes: goes with the kinds `study` and `optimum`"));
 }
 
-/// A scene that cannot be built is a row; only where none can, it is the axes.
+/// Values that fit each other only in places make rows; a value that can be nowhere is refused.
 #[test]
 fn a_point_that_cannot_be_built_says_why() {
-    let study = study(json!([{ "path": "/operation/speed_rpm", "values": [1e9, 1000] }]));
-    assert!(study.point(0).is_err() && study.point(1).is_ok());
-    let row = Row::queued(&study, 0).ended(PointEnd::Failed(study.point(0).unwrap_err().into()));
+    let study = study(json!([
+        { "path": "/bearing/ball_count", "values": [7, 12] },
+        { "path": "/bearing/ball_diameter_mm", "values": [2.778, 4.0] }
+    ]));
+    assert!(study.point(3).is_err() && (0..3).all(|point| study.point(point).is_ok()));
+    let row = Row::queued(&study, 3).ended(PointEnd::Failed(study.point(3).unwrap_err().into()));
     let error = row.error.expect("an error");
-    assert_eq!((error.cause.as_str(), error.errors[0].pointer.as_str()), ("invalid", "/scene/operation/speed_rpm"));
+    assert_eq!((error.cause.as_str(), error.errors[0].pointer.as_str()), ("invalid", "/scene/bearing/ball_count"));
+}
+
+#[test]
+fn values_that_can_be_nowhere_are_refused_one_by_one() {
+    for (axes, told) in [
+        (
+            json!([{ "path": "/bearing", "values": ["6205", "608", "6250"] }]),
+            vec!["/axes/0/values/2: no bearing is called `6250`; known are `article-integrated`"],
+        ),
+        (
+            json!([{ "path": "/lubricant", "values": ["greese", "oil"] }, { "path": "/spindle/mass_kg", "values": [0.05, -1, "much"] }]),
+            vec![
+                "/axes/0/values/0: no lubricant is called `greese`",
+                "/axes/1/values/1: -1 kg: must be above 0",
+                "/axes/1/values/2: invalid type: string",
+            ],
+        ),
+        (
+            json!([{ "path": "/bearing/ball_diameter_mm", "values": [2.778, 6] }]),
+            vec!["/axes/0/values/1: `/bearing/ball_count`: 7 balls of 6.0000 mm overlap"],
+        ),
+        (
+            json!([{ "path": "/bearing/inner_groove_curvature", "from": 0.4, "to": 0.53, "count": 10000 }]),
+            vec!["/axes/0/from: 0.4: must be above 0.5 and at most 1"],
+        ),
+        (json!([{ "path": "/scene/spindle/mass_kg", "values": [1] }]), vec!["/axes/0/path: the scene has no `/scene`"]),
+    ] {
+        let found = refused(&request(axes.clone()));
+        assert!(told.iter().all(|told| found.contains(told)) && !found.contains("`/scene/"), "{axes}: {found}");
+        assert_eq!(found.matches("/axes/").count(), told.len(), "{found}");
+    }
+    let mut request = request(json!([{ "path": "/bearing", "values": ["6205", "6250"] }]));
+    request["priority"] = json!(9);
+    let both = refused(&request);
+    assert!(both.contains("/axes/0/values/1") && both.contains("/priority"), "{both}");
 }
 
 #[test]

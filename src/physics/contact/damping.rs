@@ -2,7 +2,7 @@
 
 use crate::numerics::lanes::{larger, smaller};
 use crate::numerics::roots::bracketed_root;
-use crate::physics::{InvalidParameter, within};
+use crate::physics::limits::Faults;
 
 /// Laws for the damping of an elastic contact `Q = K δ^1.5 (1 + χ δ̇)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,18 +48,18 @@ impl DampingLaw {
         DampingFactor { chi, viscous }
     }
 
-    /// Refuses what no contact has; `path` names restitution, speed and coefficient in the error.
-    pub fn check(&self, path: [&'static str; 3]) -> Result<(), InvalidParameter> {
+    /// Notes what no contact has; `path` names restitution, speed and coefficient in the faults.
+    pub fn check(&self, path: [&'static str; 3], faults: &mut Faults) {
         match *self {
             Self::Restitution { restitution, at_speed }
             | Self::HuntCrossley { restitution, at_speed }
             | Self::LankaraniNikravesh { restitution, at_speed }
             | Self::Flores { restitution, at_speed } => {
-                within(path[0], restitution, 0.05, 1.0)?;
-                within(path[1], at_speed, 1e-6, 100.0)
+                faults.check(path[0], restitution);
+                faults.check(path[1], at_speed);
             }
-            Self::Viscous { coefficient } => within(path[2], coefficient, 0.0, 1e9),
-            Self::None => Ok(()),
+            Self::Viscous { coefficient } => drop(faults.check(path[2], coefficient)),
+            Self::None => {}
         }
     }
 }

@@ -5,7 +5,7 @@ use std::array::from_fn;
 use crate::numerics::exponential::{binary_saturations, exponential, hyperbolic_tangent, inverse_hyperbolic_sine};
 use crate::numerics::lanes::{larger, side_by_side, smaller};
 use crate::numerics::roots::bracketed_root;
-use crate::physics::{InvalidParameter, above, within};
+use crate::physics::limits::Faults;
 
 /// Traction coefficient μ as a function of slip speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,39 +22,37 @@ pub enum TractionLaw {
 }
 
 impl TractionLaw {
-    /// Refuses coefficients that no contact has.
-    pub fn check(&self) -> Result<(), InvalidParameter> {
+    /// Notes coefficients that no contact has.
+    pub fn check(&self, faults: &mut Faults) {
         match *self {
             Self::FourParameter { at_rest, maximum, at_slip, limit } => {
-                within("lubricant.traction.at_rest", at_rest, 0.0, 2.0)?;
-                within("lubricant.traction.maximum", maximum, 0.0, 2.0)?;
-                within("lubricant.traction.at_slip", at_slip, 1e-5, 1000.0)?;
-                within("lubricant.traction.limit", limit, 0.0, 2.0)?;
-                if maximum < at_rest || maximum < limit {
-                    return Err(InvalidParameter::Inconsistent {
-                        parameter: "lubricant.traction.maximum",
-                        reason: format!(
-                            "{maximum} must be at least the value at rest ({at_rest}) and the limit ({limit})"
-                        ),
-                    });
+                let coefficients = [
+                    ("lubricant.traction.at_rest", at_rest),
+                    ("lubricant.traction.maximum", maximum),
+                    ("lubricant.traction.limit", limit),
+                ];
+                let are_inside = coefficients.map(|(parameter, value)| faults.check(parameter, value));
+                faults.check("lubricant.traction.at_slip", at_slip);
+                if are_inside == [true; 3] && (maximum < at_rest || maximum < limit) {
+                    faults.inconsistent(
+                        "lubricant.traction.maximum",
+                        format!("{maximum} must be at least the value at rest ({at_rest}) and the limit ({limit})"),
+                    );
                 }
-                Ok(())
             }
             Self::SlideRoll { a, b, c, d } => {
-                for (parameter, value) in
-                    [("lubricant.traction.a", a), ("lubricant.traction.b", b), ("lubricant.traction.d", d)]
-                {
-                    within(parameter, value, -1e4, 1e4)?;
-                }
-                within("lubricant.traction.c", c, 0.0, 1e6)
+                faults.check("lubricant.traction.a", a);
+                faults.check("lubricant.traction.b", b);
+                faults.check("lubricant.traction.c", c);
+                faults.check("lubricant.traction.d", d);
             }
             Self::Eyring { stress, limit } => {
-                above("lubricant.traction.stress", stress, 0.0, 1e9)?;
-                within("lubricant.traction.limit", limit, 0.0, 2.0)
+                faults.check("lubricant.traction.stress", stress);
+                faults.check("lubricant.traction.limit", limit);
             }
             Self::Coulomb { coefficient, regularisation } => {
-                within("lubricant.traction.coefficient", coefficient, 0.0, 2.0)?;
-                within("lubricant.traction.regularisation", regularisation, 1e-5, 100.0)
+                faults.check("lubricant.traction.coefficient", coefficient);
+                faults.check("lubricant.traction.regularisation", regularisation);
             }
         }
     }

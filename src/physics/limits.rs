@@ -1,0 +1,152 @@
+//! The values that each parameter may take, and all that is wrong with those that were given.
+
+use std::f64::consts::PI;
+
+use super::InvalidParameter;
+use super::bearing::MAX_BALLS;
+use super::operation::MAX_SPEED;
+
+/// The values that a parameter may take: `lowest ..= highest`, in SI. `exclusive`: the lowest itself is refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Path in dots, as `InvalidParameter` has it. One that begins with a dot stands for all that end in it: the same quantity of
+    /// several materials or contacts.
+    parameter: &'static str,
+    pub lowest: f64,
+    pub highest: f64,
+    pub exclusive: bool,
+}
+
+const fn within(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
+    Limits { parameter, lowest, highest, exclusive: false }
+}
+
+const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
+    Limits { parameter, lowest, highest, exclusive: true }
+}
+
+/// What no bearing has, or what this program cannot compute. Some values must fit others, too; that is checked where they meet.
+const LIMITS: [Limits; 58] = [
+    above("bearing.ball_diameter", 0.0, 0.5),
+    above("bearing.pitch_diameter", 0.0, 10.0),
+    above("bearing.outer_diameter", 0.0, 12.0),
+    above("bearing.inner_diameter", 0.0, 10.0),
+    above("bearing.width", 0.0, 2.0),
+    within("bearing.ball_count", 2.0, MAX_BALLS as f64),
+    above("bearing.inner_groove_curvature", 0.5, 1.0),
+    above("bearing.outer_groove_curvature", 0.5, 1.0),
+    // A fiftieth of the largest ball; all that the widest grooves leave it.
+    within("bearing.radial_clearance", -0.01, 0.5),
+    within("bearing.contact_angle", 0.0, PI / 3.0),
+    above(".elastic_modulus", 0.0, 2e12),
+    within(".poisson_ratio", 0.0, 0.5),
+    above(".density", 0.0, 30_000.0),
+    above("bearing.cage.mass", 0.0, 1000.0),
+    above("bearing.cage.axial_inertia", 0.0, 1e4),
+    above("bearing.cage.transverse_inertia", 0.0, 1e4),
+    within("bearing.cage.offset", -1.0, 1.0),
+    above("bearing.cage.pocket_clearance", 0.0, 0.1),
+    within("bearing.cage.rim_angle", 0.1, 1.5),
+    above("bearing.cage.seat_half_width", 0.0, 1.0),
+    within("bearing.cage.friction", 0.0, 2.0),
+    above("bearing.cage.friction_speed", 0.0, 100.0),
+    above("bearing.cage.bar_stiffness", 0.0, 1e12),
+    above("bearing.cage.land.clearance", 0.0, 0.1),
+    above("bearing.cage.land.diameter", 0.0, 10.0),
+    above("bearing.cage.land.width", 0.0, 1.0),
+    within("bearing.cage.film.stiffness", 0.0, 1e10),
+    within("bearing.cage.film.damping", 0.0, 1e5),
+    above("spindle.mass", 0.0, 1e6),
+    within("spindle.unbalance", 0.0, 1e3),
+    within("spindle.balance_grade", 0.0, 5.0),
+    within("spindle.axial.offset", -0.01, 0.01),
+    within("operation.speed", -MAX_SPEED, MAX_SPEED),
+    within("operation.speed.at", 0.0, 1e6),
+    within("operation.axial_load", -1e7, 1e7),
+    within("operation.radial_load_y", -1e7, 1e7),
+    within("operation.radial_load_z", -1e7, 1e7),
+    within("operation.misalignment.y", -0.02, 0.02),
+    within("operation.misalignment.z", -0.02, 0.02),
+    within("lubricant.viscosity", 0.0, 100.0),
+    within("lubricant.pressure_viscosity", 0.0, 1e-6),
+    within("lubricant.fill", 0.0, 1.0),
+    above("lubricant.inlet_distance", 0.0, 1.0),
+    within("lubricant.traction.at_rest", 0.0, 2.0),
+    within("lubricant.traction.maximum", 0.0, 2.0),
+    within("lubricant.traction.at_slip", 1e-5, 1000.0),
+    within("lubricant.traction.limit", 0.0, 2.0),
+    within("lubricant.traction.a", -1e4, 1e4),
+    within("lubricant.traction.b", -1e4, 1e4),
+    within("lubricant.traction.c", 0.0, 1e6),
+    within("lubricant.traction.d", -1e4, 1e4),
+    above("lubricant.traction.stress", 0.0, 1e9),
+    within("lubricant.traction.coefficient", 0.0, 2.0),
+    within("lubricant.traction.regularisation", 1e-5, 100.0),
+    within(".restitution", 0.05, 1.0),
+    within(".at_speed", 1e-6, 100.0),
+    within(".viscous", 0.0, 1e9),
+    within("gravity", -1000.0, 1000.0),
+];
+
+/// The limits of a parameter; `None`: nothing is called so.
+pub fn limits_of(parameter: &str) -> Option<&'static Limits> {
+    let is_it = |limits: &&Limits| match limits.parameter.starts_with('.') {
+        true => parameter.ends_with(limits.parameter),
+        false => parameter == limits.parameter,
+    };
+    LIMITS.iter().find(is_it)
+}
+
+/// All that is wrong with the parameters of something that is to be built.
+#[derive(Debug, Default)]
+pub struct Faults(Vec<InvalidParameter>);
+
+impl Faults {
+    /// Notes a value outside its limits, NaN included; says whether it is inside. A parameter without limits has no good value.
+    pub fn check(&mut self, parameter: &'static str, value: f64) -> bool {
+        let (lowest, highest, exclusive) =
+            limits_of(parameter).map_or((f64::NAN, f64::NAN, false), |l| (l.lowest, l.highest, l.exclusive));
+        let is_inside = value <= highest && if exclusive { value > lowest } else { value >= lowest };
+        if !is_inside {
+            self.0.push(InvalidParameter::OutOfRange { parameter, value, lowest, highest, exclusive });
+        }
+        is_inside
+    }
+
+    /// Notes that values, each allowed by itself, fit nothing together.
+    pub fn inconsistent(&mut self, parameter: &'static str, reason: String) {
+        self.0.push(InvalidParameter::Inconsistent { parameter, reason });
+    }
+
+    /// Notes what is wrong with a part.
+    pub fn part<T>(&mut self, part: Result<T, Vec<InvalidParameter>>) -> Option<T> {
+        part.map_err(|mut faults| self.0.append(&mut faults)).ok()
+    }
+
+    /// What is built where nothing is wrong.
+    pub fn or<T>(self, build: impl FnOnce() -> T) -> Result<T, Vec<InvalidParameter>> {
+        self.of(Some(()), |()| build())
+    }
+
+    /// The same around a part that is there where nothing is wrong with it.
+    pub fn of<P, T>(self, part: Option<P>, build: impl FnOnce(P) -> T) -> Result<T, Vec<InvalidParameter>> {
+        match part {
+            Some(part) if self.0.is_empty() => Ok(build(part)),
+            _ => Err(self.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lowest_value_is_allowed_unless_it_is_exclusive() {
+        let mut faults = Faults::default();
+        assert!(faults.check("lubricant.fill", 0.0) && faults.check("lubricant.fill", 1.0));
+        assert!(!faults.check("bearing.width", 0.0) && !faults.check("lubricant.fill", f64::NAN));
+        assert!(faults.check("bearing.materials.cage.density", 1100.0) && !faults.check("nothing", 1.0));
+        assert_eq!(faults.or(|| ()).unwrap_err().len(), 3);
+    }
+}
