@@ -132,7 +132,7 @@ fn steps_are_of_third_order() {
         let mut stepper = Stepper::new(&model, 0.0, balls, border, end / f64::from(steps));
         let to_go = u64::from(steps) - stepper.steps();
         let (every, mut step, mut seen) = (u64::from(steps / PLACES), stepper.steps(), Vec::new());
-        stepper.advance(to_go + 1, &mut |stepper| {
+        stepper.advance(to_go + 1, &mut |stepper: &Stepper<'_>| {
             if step % every == 0 && 2 * step >= u64::from(steps) {
                 let [y, z] = stepper.border().spindle_velocity;
                 seen.push([y, z, stepper.balls()[0].arc[2]]);
