@@ -271,6 +271,6 @@ mod tests {
     fn one_metre_per_second_squared_is_40_17_db() {
         assert!((level_db(1.0).unwrap() - 40.17).abs() < 0.005);
         assert_eq!(level_db(0.0), None);
-        assert_eq!(LEVEL_UNIT, format!("dB re {} mm/s²", 1e3 * REFERENCE_ACCELERATION));
+        assert_eq!(LEVEL_UNIT, format!("dB re {:.2} mm/s²", 1e3 * REFERENCE_ACCELERATION));
     }
 }
