@@ -82,7 +82,7 @@ fn each_kind_has_its_own_results() {
         assert_eq!(problem["type"], "urn:raceway:problem:no-result", "{below}");
         assert!(problem["detail"].as_str().is_some_and(|detail| detail.contains("/accuracy")), "{problem}");
     }
-    server.get(&format!("{simulation}/spectrum")).problem(400);
+    server.get(&format!("{simulation}/spectrum?max_frequency_hz=-1")).problem(400);
     server.get(&format!("{simulation}/series?channel=cage.speed&max_points=0")).problem(400);
     for below in ["accuracy", "plots/work-precision.svg"] {
         let problem = server.get(&format!("{simulation}/{below}")).problem(409);

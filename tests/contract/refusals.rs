@@ -36,7 +36,10 @@ fn wrong_bodies_are_refused_with_their_reason() {
             assert!(problem["errors"][0]["pointer"].is_string(), "{problem}");
         }
     }
-    assert_eq!(post(b"[]").problem(422)["detail"], "the body: must be an object");
+    assert_eq!(
+        post(b"[]").problem(422)["detail"],
+        "the body: must be an object; several jobs are a batch, `{\"jobs\": […]}`"
+    );
     assert_eq!(server.get("/v1/jobs").json()["jobs"], json!([]), "none of them is a job");
 }
 
