@@ -14,6 +14,8 @@ use crate::study::Grid;
 
 const MOST_AXES: usize = 4;
 const MOST_POINTS: usize = 10_000;
+/// Values of a range that are checked at most, ends apart, spread over it.
+const MOST_CHECKED: usize = 64;
 
 /// What is varied: a field of the scene, or a quantity made of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -203,7 +205,7 @@ fn spaced(range: &Range, count: u32, pointer: &str, filling: &mut Filling) -> Op
     Some(values.into_iter().map(Value::from).collect())
 }
 
-/// Refuses values that cannot be, each by itself beside the middle values of the other axes. Where it cannot be there, the first and
+/// Refuses values that cannot be, each by itself beside the middle values of the other axes; of a range, some. Where one cannot be there, the first and
 /// the last values of the others are tried, too: some values fit each other only in places, and the points elsewhere say so.
 pub fn refuse_values(axes: &[Axis], variation: &Variation, filling: &mut Filling) {
     let most = filling.errors.len() + MOST_FAULTS;
@@ -213,14 +215,22 @@ pub fn refuse_values(axes: &[Axis], variation: &Variation, filling: &mut Filling
             filling.refuse(format!("{pointer}/path"), detail);
             continue;
         }
-        for (place, value) in axis.values.iter().enumerate() {
+        let last = axis.values.len() - 1;
+        // What is listed takes room in the body; of what is spaced, a few words ask for thousands.
+        let checked = if axis.is_listed { last } else { last.min(MOST_CHECKED) };
+        let mut between = false;
+        for place in (0..=checked).map(|k| k * last / checked.max(1)) {
+            let value = &axis.values[place];
             let Some(detail) = refused_value(axis, value, axes, variation) else { continue };
             if axis.is_listed {
                 filling.refuse(format!("{pointer}/values/{place}"), detail);
             } else if place == 0 {
                 filling.refuse(format!("{pointer}/from"), detail);
-            } else if place + 1 == axis.values.len() {
+            } else if place == last {
                 filling.refuse(format!("{pointer}/to"), detail);
+            } else if !between {
+                between = true;
+                filling.refuse(format!("{pointer}/count"), format!("at {value}: {detail}"));
             }
             if filling.errors.len() >= most {
                 return;

@@ -167,7 +167,11 @@ fn values_that_can_be_nowhere_are_refused_one_by_one() {
         ),
         (
             json!([{ "path": "/bearing/inner_groove_curvature", "from": 0.4, "to": 0.53, "count": 10000 }]),
-            vec!["/axes/0/from: 0.4: must be above 0.5 and at most 1"],
+            vec!["/axes/0/from: 0.4: must be above 0.5 and at most 1", "/axes/0/count: at 0.40"],
+        ),
+        (
+            json!([{ "path": "/bearing/ball_count", "from": 6, "to": 8, "count": 4 }]),
+            vec!["/axes/0/count: at 6.66666667: 6.66666667: must be a whole number"],
         ),
         (json!([{ "path": "/scene/spindle/mass_kg", "values": [1] }]), vec!["/axes/0/path: the scene has no `/scene`"]),
     ] {
