@@ -7,7 +7,7 @@ type Schemas = components["schemas"];
 type Scene = Schemas["SceneInput"];
 type JobRequest = Schemas["JobInput"];
 type Job = Schemas["JobAnswer"];
-type Channel = operations["getSpectrum"]["parameters"]["query"]["channel"];
+type Channel = NonNullable<NonNullable<operations["getSpectrum"]["parameters"]["query"]>["channel"]>;
 
 /** An answer that is an error: what went wrong, and which fields of the body are wrong. */
 export class Refused extends Error {

@@ -251,10 +251,10 @@ pub struct ListQuery {
     #[param(inline = false, required = false, style = Form, explode, max_items = 16)]
     kind: Vec<JobKindName>,
     /// Only jobs with this label; repeated (`label=a&label=b`), with all of these.
-    #[param(required = false, style = Form, explode, max_items = 16)]
+    #[param(required = false, style = Form, explode, max_items = 16, value_type = Vec<LabelText>, inline)]
     label: Vec<String>,
     /// Only jobs without this label; repeated, without any of these.
-    #[param(required = false, style = Form, explode, max_items = 16)]
+    #[param(required = false, style = Form, explode, max_items = 16, value_type = Vec<LabelText>, inline)]
     without_label: Vec<String>,
     /// Jobs a page has at most; 50 unless told.
     #[param(minimum = 1, maximum = 200)]
@@ -266,6 +266,12 @@ pub struct ListQuery {
 
 /// Values that a parameter takes at most: a job has no more labels.
 const MOST_VALUES: usize = 16;
+
+/// A label as a query may name it: none holds a NUL.
+#[derive(ToSchema)]
+#[schema(value_type = String, pattern = r"^[^\u0000]*$")]
+#[expect(dead_code, reason = "only its schema is used")]
+struct LabelText(String);
 
 impl TryFrom<Vec<(String, String)>> for ListQuery {
     type Error = String;

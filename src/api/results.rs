@@ -207,7 +207,7 @@ pub struct SeriesQuery {
     to_s: Option<f64>,
     /// Points of the answer at most. Of each of half as many stretches of equal length the least and the greatest value are kept, so
     /// that there may be fewer points, at uneven distances: one less where this is odd, or where both are one value.
-    #[param(minimum = 1, example = 2000)]
+    #[param(value_type = Option<u64>, minimum = 1, maximum = 4_294_967_295_u32, example = 2000)]
     max_points: Option<u32>,
 }
 

@@ -45,7 +45,7 @@ if not isinstance(job.request, SimulationJob):
     sys.exit(f"FAILED: the request has become {job.request}")
 if job.status != StatusName.SUCCEEDED:
     sys.exit(f"FAILED: {job.error}")
-listed = of(JobList, list_jobs.sync(client=client, kind=JobKindName.SIMULATION, limit=1))
+listed = of(JobList, list_jobs.sync(client=client, kind=[JobKindName.SIMULATION], limit=1))
 if listed.jobs[0].id != job.id:
     sys.exit("FAILED: the job is not the first of the list")
 
