@@ -61,7 +61,7 @@ fn accepted(job: &Job) {
     let json = serde_json::to_value(&answer).expect("an answer is JSON");
     // JSON has no infinities: they are written as null, which no answer holds otherwise.
     assert_eq!(null_in(&json, String::new()), None, "{json}");
-    assert_eq!(contract::estimated_wall_time(job), answer.cost.estimated_wall_time_s);
+    assert_eq!(contract::estimate(job).estimated_wall_time_s, answer.cost.estimated_wall_time_s);
     again(job);
     if let Some(study) = &job.study {
         for point in [0, study.points / 2, study.points - 1] {
