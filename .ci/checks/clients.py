@@ -2,6 +2,7 @@
 """The API as others see it: linters and generators read its description, schemathesis holds the service to it, and the
 examples run. With words, only those parts: description, types, client, examples, schemathesis."""
 
+import contextlib
 import json
 import os
 import shutil
@@ -121,6 +122,19 @@ def examples(portal, url, place):
     check(refused.returncode == 1 and "401 A token is needed" in refused.stderr, "client.py tells of a wrong token")
 
 
+@contextlib.contextmanager
+def served(folder, time_limit_s):
+    """A service with a token. Fuzzed scenes may be costly: one at a time, and none for long."""
+    os.makedirs(folder)
+    running = Service(folder, "--workers", "1", "--time-limit-s", str(time_limit_s),
+                      environment=clean_environment(RACEWAY_API_TOKENS=TOKEN))
+    running.token = TOKEN
+    try:
+        yield running
+    finally:
+        running.stop()
+
+
 def schemathesis(running, place):
     """No request of thousands is answered otherwise than the description says."""
     sys.path.insert(0, HERE)
@@ -134,10 +148,15 @@ def schemathesis(running, place):
     without_ids = os.path.join(place, "schemathesis.toml")
     with open(settings, encoding="utf-8") as given, open(without_ids, "w", encoding="utf-8") as kept:
         kept.write(given.read().partition("# Jobs that have succeeded")[0])
-    for phases, config in (("coverage,fuzzing", settings), ("examples,stateful", without_ids)):
-        run(python("schemathesis"), "--config-file", config, "run", f"{running.url}/openapi.json", "--checks", "all",
+    def tried(url, phases, config):
+        run(python("schemathesis"), "--config-file", config, "run", f"{url}/openapi.json", "--checks", "all",
             "--phases", phases, "--no-color", environment=clean_environment(RACEWAY_TOKEN=TOKEN, **ids), timeout=600,
             cwd=place)
+
+    tried(running.url, "coverage,fuzzing", settings)
+    # Nothing here needs a job that has succeeded, and many are posted that take as long as they may, one after the other.
+    with served(os.path.join(place, "stateful"), 1) as brief:
+        tried(brief.url, "examples,stateful", without_ids)
 
 
 def main(parts):
@@ -158,18 +177,11 @@ def main(parts):
             with service() as running:
                 timed("client", generated_client, place("client"), running.url)
         if {"examples", "schemathesis"} & parts:
-            os.makedirs(place("service"))
-            environment = clean_environment(RACEWAY_API_TOKENS=TOKEN)
-            # Fuzzed scenes may be costly: one at a time, and none for long.
-            running = Service(place("service"), "--workers", "1", "--time-limit-s", "40", environment=environment)
-            running.token = TOKEN
-            try:
+            with served(place("service"), 40) as running:
                 if "examples" in parts:
                     timed("examples", examples, portal, running.url, place("saved"))
                 if "schemathesis" in parts:
                     timed("schemathesis", schemathesis, running, directory)
-            finally:
-                running.stop()
 
 
 if __name__ == "__main__":
