@@ -187,7 +187,10 @@ impl Variation {
             }
             fields.insert("kind".into(), JobKind::Simulation.name().into());
             let outputs = fields.entry("outputs").or_insert_with(|| Value::Object(Map::new()));
-            outputs["spectra"] = json!([]);
+            // Outputs that are none have been refused.
+            if let Value::Object(outputs) = outputs {
+                outputs.insert("spectra".into(), json!([]));
+            }
         }
         Self { base, complete }
     }
