@@ -171,8 +171,8 @@ impl Sought {
         let mut request = request.clone();
         if let (Some(part), Value::Object(fields)) = (part_of(&metric), &mut request) {
             let outputs = fields.entry("outputs").or_insert_with(|| Value::Object(Map::new()));
-            if outputs.get("metrics").is_none() {
-                outputs["metrics"] = json!([part]);
+            if let Value::Object(outputs) = outputs {
+                outputs.entry("metrics").or_insert_with(|| json!([part]));
             }
         }
         let sought = Self { axes, metric, goal, variation: Variation::new(&request, complete) };

@@ -473,3 +473,18 @@ fn errors_of_a_scene_alone_point_into_it() {
         ["/bearing", "/scene"]
     );
 }
+
+#[test]
+fn outputs_that_are_no_object_are_refused() {
+    use serde_json::json;
+    for kind in ["simulation", "study", "optimum", "accuracy"] {
+        for outputs in [json!("auto"), json!(["vibration"]), json!(1), json!(null)] {
+            let body = json!({
+                "kind": kind, "outputs": outputs, "metric": "/channels/spindle.y.acceleration/level_db",
+                "axes": [{ "path": "/operation/speed_rpm", "from": 3000, "to": 4000, "count": 2 }],
+                "scene": { "bearing": "608", "operation": { "speed_rpm": 3000 } },
+            });
+            assert!(parse_job(body.to_string().as_bytes()).is_err(), "{body}");
+        }
+    }
+}
