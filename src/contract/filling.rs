@@ -62,11 +62,14 @@ impl Filling {
         result
             .map_err(|faults| {
                 for fault in &faults {
-                    let notes = match fault {
-                        InvalidParameter::OutOfRange { .. } => &mut self.errors,
-                        InvalidParameter::Inconsistent { .. } => &mut self.together,
-                    };
-                    notes.push(units::field_error(fault));
+                    let error = units::field_error(fault);
+                    match fault {
+                        // Said already, and better: a length in metres.
+                        InvalidParameter::OutOfRange { .. }
+                            if self.errors.iter().any(|other| other.pointer == error.pointer) => {}
+                        InvalidParameter::OutOfRange { .. } => self.errors.push(error),
+                        InvalidParameter::Inconsistent { .. } => self.together.push(error),
+                    }
                 }
             })
             .ok()

@@ -67,6 +67,14 @@ mod tests {
             units::fields().filter(|field| limits_of(field.0).is_none()).map(|field| field.0).collect();
         // A choice, which has no range.
         assert_eq!(without, ["spindle.axial"]);
+        // What is told as a limit is allowed, to the last bit, when it comes back in the user's unit.
+        for (parameter, pointer, unit) in units::fields() {
+            let Some(limits) = limits_of(parameter) else { continue };
+            let told =
+                [limits.lowest, limits.highest].map(|limit| unit.to_si(units::significant(unit.to_user(limit), 9)));
+            let inside = told.map(|limit| (limits.lowest..=limits.highest).contains(&limit));
+            assert_eq!(inside, [true, true], "{pointer}: {told:?}");
+        }
         assert!(of_field("/relative_tolerances/3").is_some() && of_field("/duration_series").is_none());
     }
 }

@@ -53,11 +53,11 @@ fn check(cases: &[(String, &str, &str)]) {
 fn impossible_bearings_are_refused() {
     let b = |name: &str| format!("/scene/bearing/{name}");
     let cases = [
-        (r#""ball_diameter_mm":-1"#, b("ball_diameter_mm"), "-1 mm: must be above 0 and at most 500 mm"),
-        (r#""ball_diameter_mm":0"#, b("ball_diameter_mm"), "0 mm: must be above 0"),
-        (r#""pitch_diameter_mm":0"#, b("pitch_diameter_mm"), "must be above 0"),
+        (r#""ball_diameter_mm":-1"#, b("ball_diameter_mm"), "-1 mm: must be from 0.1 to 500 mm"),
+        (r#""ball_diameter_mm":0"#, b("ball_diameter_mm"), "0 mm: must be from 0.1 to 500 mm"),
+        (r#""pitch_diameter_mm":0"#, b("pitch_diameter_mm"), "must be from 0.1"),
         (r#""outer_diameter_mm":-18"#, b("outer_diameter_mm"), "-18 mm"),
-        (r#""inner_diameter_mm":0"#, b("inner_diameter_mm"), "above 0"),
+        (r#""inner_diameter_mm":0"#, b("inner_diameter_mm"), "from 0.1"),
         (r#""width_mm":-5.9"#, b("width_mm"), "-5.9 mm"),
         (r#""ball_count":0"#, b("ball_count"), "0: must be from 2 to 64"),
         (r#""ball_count":1"#, b("ball_count"), "1: must be"),
@@ -75,7 +75,12 @@ fn impossible_bearings_are_refused() {
         (r#""contact_angle_deg":61"#, b("contact_angle_deg"), "61 °: must be from 0 to 60 °"),
         (r#""contact_angle_deg":15,"radial_clearance_um":5"#, b("contact_angle_deg"), "give either"),
         (r#""type":"roller""#, b("type"), "unknown variant"),
-        (r#""cage":{"mass_g":0}"#, b("cage/mass_g"), "above 0"),
+        (r#""cage":{"mass_g":0}"#, b("cage/mass_g"), "from 1e-9"),
+        (
+            r#""cage":{"film":"wedge","pocket_clearance_mm":1e-6}"#,
+            b("cage/pocket_clearance_mm"),
+            "1e-6 mm: must be from 0.001",
+        ),
         (r#""cage":{"mass_g":-0.1}"#, b("cage/mass_g"), "-0.1 g"),
         (r#""cage":{"film":"oil"}"#, b("cage/film"), "unknown variant"),
         (
@@ -84,14 +89,18 @@ fn impossible_bearings_are_refused() {
             "-1 N/m",
         ),
         (r#""cage":{"film":{"stiffness_n_per_m":1}}"#, b("cage/film/damping_n_s_per_m"), "required"),
-        (r#""cage":{"land":{"clearance_mm":0,"diameter_mm":1,"width_mm":1}}"#, b("cage/land/clearance_mm"), "above 0"),
-        (r#""cage":{"bar_stiffness_n_per_m":0}"#, b("cage/bar_stiffness_n_per_m"), "above 0"),
+        (
+            r#""cage":{"land":{"clearance_mm":0,"diameter_mm":1,"width_mm":1}}"#,
+            b("cage/land/clearance_mm"),
+            "from 0.001 to 100 mm",
+        ),
+        (r#""cage":{"bar_stiffness_n_per_m":0}"#, b("cage/bar_stiffness_n_per_m"), "from 1 to"),
         (r#""materials":{"ball":"cheese"}"#, b("materials/ball"), "known are `gcr15`"),
         (r#""materials":{"ball":{"elastic_modulus_gpa":210}}"#, b("materials/ball/poisson_ratio"), "required"),
         (
             r#""materials":{"ball":{"elastic_modulus_gpa":0,"poisson_ratio":0.3,"density_kg_m3":7800}}"#,
             b("materials/ball/elastic_modulus_gpa"),
-            "0 GPa: must be above 0 and at most 2000 GPa",
+            "0 GPa: must be from 0.001 to 2000 GPa",
         ),
     ]
     .map(|(fields, pointer, words)| (preset(fields), pointer, words));
@@ -114,7 +123,7 @@ fn impossible_scenes_are_refused() {
         (operation(r#""speed_rpm":1,"radial_load_y_n":1e8"#), "/scene/operation/radial_load_y_n", "100000000 N"),
         (operation(r#""speed_rpm":1,"misalignment_mrad":{"y":21}"#), "/scene/operation/misalignment_mrad/y", "21 mrad"),
         (scene(r#""spindle":{"mass_kg":-1}"#), "/scene/spindle/mass_kg", "-1 kg"),
-        (scene(r#""spindle":{"mass_kg":0}"#), "/scene/spindle/mass_kg", "above 0"),
+        (scene(r#""spindle":{"mass_kg":0}"#), "/scene/spindle/mass_kg", "0 kg: must be from 1e-6 to 1000000 kg"),
         (scene(r#""spindle":{"unbalance_g_mm":1,"balance_grade":6.3}"#), "/scene/spindle/balance_grade", "not both"),
         (scene(r#""spindle":{"axial":"loose"}"#), "/scene/spindle/axial", "unknown variant"),
         (scene(r#""spindle":{"axial":{"offset_um":"1"}}"#), "/scene/spindle/axial/offset_um", "expected a number"),

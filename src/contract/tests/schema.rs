@@ -49,10 +49,11 @@ fn limits_stand_in_the_schema() {
         ["minimum", "exclusiveMinimum", "maximum"].map(|limit| field[limit].as_f64())
     };
     let bearing = |field: &'static str| limits("SimulationJob", &["scene", "bearing", field]);
-    assert_eq!(bearing("ball_diameter_mm"), [None, Some(0.0), Some(500.0)]);
+    assert_eq!(bearing("ball_diameter_mm"), [Some(0.1), None, Some(500.0)]);
+    assert_eq!(bearing("inner_groove_curvature"), [None, Some(0.5), Some(1.0)]);
     assert_eq!(bearing("radial_clearance_um"), [Some(-10_000.0), None, Some(500_000.0)]);
     assert_eq!(bearing("contact_angle_deg"), [Some(0.0), None, Some(60.0)]);
-    assert_eq!(limits("SimulationJob", &["scene", "bearing", "cage", "mass_g"]), [None, Some(0.0), Some(1e6)]);
+    assert_eq!(limits("SimulationJob", &["scene", "bearing", "cage", "mass_g"]), [Some(1e-9), None, Some(1e6)]);
     assert_eq!(limits("AccuracyJob", &["solver", "model_tolerance_db"]), [Some(0.0), None, Some(20.0)]);
     assert_eq!(limits("StudyJob", &["priority"]), [Some(1.0), None, Some(4.0)]);
     let tolerances = property("AccuracyJob", &["relative_tolerances"]);

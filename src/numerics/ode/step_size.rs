@@ -41,13 +41,15 @@ pub fn initial_step(
         *change = (*change - before) / guess;
     }
     let curvature = norm(&change);
+    // Rates that overflow leave no time at all: a step must move it all the same.
+    let shortest = f64::MIN_POSITIVE.max(16.0 * f64::EPSILON * time.abs());
     if !curvature.is_finite() {
-        return 1e-3 * guess;
+        return (1e-3 * guess).max(shortest).min(span);
     }
     let power = f64::from(order);
     let step = (0.01 / slope * (slope / curvature).powf(power)).powf(1.0 / (power + 1.0));
     let step = if step.is_nan() { guess } else { step.min(100.0 * guess) };
-    step.max(16.0 * f64::EPSILON * time.abs()).min(span)
+    step.max(shortest).min(span)
 }
 
 /// The component that errs most against its tolerance, for error messages.
