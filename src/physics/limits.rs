@@ -57,7 +57,7 @@ const LIMITS: [Limits; 58] = [
     within("bearing.cage.land.width", 1e-6, 1.0),
     within("bearing.cage.film.stiffness", 0.0, 1e10),
     within("bearing.cage.film.damping", 0.0, 1e5),
-    within("spindle.mass", 1e-6, 1e6),
+    within("spindle.mass", 1e-9, 1e6),
     within("spindle.unbalance", 0.0, 1e3),
     within("spindle.balance_grade", 0.0, 5.0),
     within("spindle.axial.offset", -0.01, 0.01),

@@ -123,7 +123,7 @@ fn impossible_scenes_are_refused() {
         (operation(r#""speed_rpm":1,"radial_load_y_n":1e8"#), "/scene/operation/radial_load_y_n", "100000000 N"),
         (operation(r#""speed_rpm":1,"misalignment_mrad":{"y":21}"#), "/scene/operation/misalignment_mrad/y", "21 mrad"),
         (scene(r#""spindle":{"mass_kg":-1}"#), "/scene/spindle/mass_kg", "-1 kg"),
-        (scene(r#""spindle":{"mass_kg":0}"#), "/scene/spindle/mass_kg", "0 kg: must be from 1e-6 to 1000000 kg"),
+        (scene(r#""spindle":{"mass_kg":0}"#), "/scene/spindle/mass_kg", "0 kg: must be from 1e-9 to 1000000 kg"),
         (scene(r#""spindle":{"unbalance_g_mm":1,"balance_grade":6.3}"#), "/scene/spindle/balance_grade", "not both"),
         (scene(r#""spindle":{"axial":"loose"}"#), "/scene/spindle/axial", "unknown variant"),
         (scene(r#""spindle":{"axial":{"offset_um":"1"}}"#), "/scene/spindle/axial/offset_um", "expected a number"),

@@ -157,7 +157,7 @@ fn values_that_can_be_nowhere_are_refused_one_by_one() {
             json!([{ "path": "/lubricant", "values": ["greese", "oil"] }, { "path": "/spindle/mass_kg", "values": [0.05, -1, "much"] }]),
             vec![
                 "/axes/0/values/0: no lubricant is called `greese`",
-                "/axes/1/values/1: -1 kg: must be from 1e-6",
+                "/axes/1/values/1: -1 kg: must be from 1e-9",
                 "/axes/1/values/2: invalid type: string",
             ],
         ),
