@@ -9,9 +9,8 @@ use tokio::sync::{mpsc, oneshot};
 use super::queue::{Delivery, Queue};
 use super::store::database::{Lock, Tx};
 use super::store::{Store, keys, submissions, upkeep};
-use super::worker::Worker;
+use super::worker::{Begun, Worker};
 use super::{JobError, JobRecord, NewJob};
-use crate::contract::JobKind;
 
 /// Submissions that one transaction takes at most.
 const BATCH: usize = 64;
@@ -103,12 +102,18 @@ async fn write_all(
         plans.push(plan(&mut tx, job, &mut places, limits.keep_s).await?);
     }
     let slots = if jobs.iter().any(|job| job.points.is_some()) { upkeep::slots(&mut tx).await? } else { 1 };
-    let queued = jobs.iter().zip(&plans).filter(|(_, plan)| matches!(plan, Plan::Queue));
-    let queued: Vec<_> = queued.flat_map(|(job, _)| deliveries_of(job, slots)).collect();
+    let to_run = |plan: &Plan| matches!(plan, Plan::Queue);
+    let begin = |(job, plan): (&NewJob, &Plan)| {
+        let may_begin = to_run(plan) && none_waited && job.points.is_none();
+        may_begin.then(|| worker.begin(job)).flatten()
+    };
+    // Before they are in the record: while that is written they run.
+    let mut begun: Vec<Option<Begun>> = jobs.iter().zip(&plans).map(begin).collect();
+    let queued = jobs.iter().zip(&plans).zip(&begun).filter(|((_, plan), begun)| to_run(plan) && begun.is_none());
+    let queued: Vec<_> = queued.flat_map(|((job, _), _)| deliveries_of(job, slots)).collect();
     let mut deliveries = queue.enqueue(&mut tx, &queued).await?.into_iter();
     let mut answers = Vec::with_capacity(jobs.len());
-    let mut begin = Vec::new();
-    for (job, plan) in jobs.iter().zip(plans) {
+    for ((job, plan), begun) in jobs.iter().zip(plans).zip(&begun) {
         let record = match plan {
             Plan::Made(first) => {
                 answers.push(first.map(|record| Submitted { record, replayed: true }));
@@ -121,21 +126,18 @@ async fn write_all(
                 let strands: Vec<i64> = deliveries.by_ref().take(strands_of(points, slots)).collect();
                 Ok(submissions::insert_study(&mut tx, job, points, &strands).await?)
             }
+            Plan::Queue if begun.is_some() => Ok(submissions::insert_begun(&mut tx, job).await?),
             Plan::Queue => {
                 let delivery = deliveries.next().ok_or_else(|| JobError::Corrupt("a delivery is missing".into()))?;
-                // One that measures time waits until it is alone.
-                if none_waited && job.kind != JobKind::Accuracy.name() {
-                    begin.push(job);
-                }
                 Ok(submissions::insert(&mut tx, job, delivery).await?)
             }
         };
         answers.push(record.map(|record| Submitted { record, replayed: false }));
     }
     tx.commit().await?;
-    queue.wake();
-    for job in begin {
-        worker.begin(job.id, job.request.clone());
+    begun.drain(..).flatten().for_each(|begun| worker.go_on(begun));
+    if !queued.is_empty() {
+        queue.wake();
     }
     Ok(answers)
 }

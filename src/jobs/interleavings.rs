@@ -15,12 +15,14 @@ use super::running::{Run, StopReason};
 use super::service::{Cancelled, Jobs, Settings, Simulator};
 use super::store::claims::{self, Pulse};
 use super::store::database::{Dialect, statement};
-use super::store::{Claim, Location, Store, StoredResult};
+use super::store::{Claim, Location, Store, StoredResult, submissions};
 use super::worker::{Outcome, Worker, ended, follow};
-use super::{JobError, Status, sweep};
+use super::{JobError, NewJob, Status, sweep};
 use crate::contract::{self, RunFailure};
 
 const OWNER: &str = "";
+const REQUEST: &str =
+    r#"{"kind": "simulation", "scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}, "keep_for_s": 900}"#;
 const MAX_LOST_RUNS: u32 = 2;
 /// Shorter than the hour that passes, also three times: so long is a silent process listed.
 const LOST_AFTER: Duration = Duration::from_secs(15 * 60);
@@ -74,6 +76,7 @@ struct Row {
     cancel: bool,
     lost: i64,
     claim: i64,
+    /// 0: it began with its acceptance, and has none.
     delivery: i64,
     /// Whether there was a sign of life lately.
     fresh: bool,
@@ -161,9 +164,12 @@ fn after(step: Step, before: &State, file: bool) -> Option<Row> {
             let delivery = before.seen.delivery(row.delivery);
             let orphaned = !file && !running && delivery.is_some_and(|delivery| delivery.orphaned);
             let runs_here = matches!(before.hands[process], Hand::Run { .. });
+            // In a file a run without a delivery is one of the process that sweeps, or of a dead one.
+            let never_had_one = !file && running && row.delivery == 0;
+            let gone = delivery.is_none() && !never_had_one;
             if row.cancel && (!running || silent) {
                 ended(Status::Cancelled)
-            } else if !runs_here && (delivery.is_none() || orphaned || running && silent) {
+            } else if !runs_here && (gone || orphaned || running && silent) {
                 // `check` sees to it that this is a new one.
                 Row { status: Status::Queued, lost, delivery: 0, fresh: false, ..row }
             } else {
@@ -257,7 +263,9 @@ fn promises(step: Step, before: &Seen, now: &State) {
     if let (Step::Sweep(process) | Step::LateSweep(process), false) = (step, row.status.is_final()) {
         let delivery = now.seen.delivery(row.delivery);
         let runs_here = matches!(now.hands[process], Hand::Run { .. });
-        assert!(delivery.is_some() || runs_here, "nothing will run it");
+        // Also one that another process runs, as its heartbeat tells.
+        let runs_there = row.delivery == 0 && row.status == Status::Running && row.fresh;
+        assert!(delivery.is_some() || runs_here || runs_there, "nothing will run it");
         assert!(row.status == Status::Queued || row.fresh || runs_here, "nobody runs it");
     }
 }
@@ -304,8 +312,7 @@ impl World {
         settings.workers = 1;
         settings.lost_after = LOST_AFTER;
         settings.max_lost_runs = MAX_LOST_RUNS;
-        let request = r#"{"kind": "simulation", "scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}, "keep_for_s": 900}"#;
-        let job = contract::parse_job(request.as_bytes()).expect("a good job");
+        let job = contract::parse_job(REQUEST.as_bytes()).expect("a good job");
         let job = jobs.submit(&job, OWNER, None).await?.record.id;
         let store = jobs.inner().store.clone();
         let mut world = Self { jobs, store, job, settings, keeping: Vec::new(), saved: 0 };
@@ -325,6 +332,24 @@ impl World {
         state.seen = world.look().await?;
         world.save(&mut state).await?;
         Ok((world, state))
+    }
+
+    /// Another job in the place of the first: the first process has begun it as it was accepted.
+    async fn begun(&mut self, first: &State) -> Result<State, JobError> {
+        let request = contract::parse_job(REQUEST.as_bytes()).expect("a good job");
+        let job = NewJob { id: self.job, ..NewJob::new(&request, OWNER, None) };
+        let claim = Claim::with_acceptance(&job);
+        let mut tx = self.store.begin().await?;
+        for table in ["jobs", "river_job"] {
+            statement(format!("DELETE FROM {table}")).run(&mut tx).await?;
+        }
+        submissions::insert_begun(&mut tx, &job).await?;
+        tx.commit().await?;
+        let hands = [Hand::Run { delivery: 0, claim, stopped: None }, Hand::Nothing];
+        let mut state = State { seen: self.look().await?, hands, ..first.clone() };
+        assert!(state.holds(0));
+        self.save(&mut state).await?;
+        Ok(state)
     }
 
     fn is_file(&self) -> bool {
@@ -379,7 +404,7 @@ impl World {
     async fn look(&self) -> Result<Seen, JobError> {
         let writer = self.store.writer();
         let sql = format!(
-            "SELECT status, cancel_requested_at IS NOT NULL, lost, claim, delivery, \
+            "SELECT status, cancel_requested_at IS NOT NULL, lost, claim, coalesce(delivery, 0), \
              status = 'running' AND heartbeat_at > {} - $2, result_id IS NOT NULL, error_cause FROM jobs WHERE id = $1",
             self.store.dialect().now()
         );
@@ -659,11 +684,12 @@ impl World {
     }
 }
 
-/// Makes every step from every state, to so many steps from a job that waits, however often it was lost before; answers with
-/// how many states that were.
+/// Makes every step from every state, to so many steps from a job that waits, however often it was lost before, and from one that began
+/// with its acceptance; answers with how many states that were.
 async fn explore(database: Location, depth: usize) -> Result<usize, JobError> {
     let (mut world, first) = World::new(database).await?;
-    let mut frontier = vec![first.clone()];
+    let mut frontier = vec![first.clone(), world.begun(&first).await?];
+    world.restore(&first).await?;
     let mut lost = first;
     for losses in 1..=MAX_LOST_RUNS {
         for step in [Step::Deliver(0), Step::Take(0), Step::LateSweep(1), Step::Finish(0, Solved::Result)] {

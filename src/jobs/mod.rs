@@ -7,8 +7,6 @@ pub mod job;
 /// What the rest of the service asks for: submit, look, cancel, delete.
 pub mod service;
 
-/// Runs that begin before the queue delivers them.
-mod ahead;
 /// What can go wrong, with what the caller may do about it.
 pub mod error;
 /// What operators watch.
@@ -34,7 +32,7 @@ mod sweep;
 mod threads;
 /// Bearer tokens of the database.
 pub mod tokens;
-/// One delivered job from claim to result.
+/// One job from claim to result.
 mod worker;
 
 pub use error::JobError;

@@ -14,6 +14,7 @@ use riverqueue::{
 };
 use serde::{Deserialize, Serialize};
 use tokio::sync::Mutex;
+use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
 use super::JobError;
@@ -77,9 +78,9 @@ pub struct Ticket {
 }
 
 impl Ticket {
-    /// Ends when the process stops.
-    pub async fn stopping(&self) {
-        self.context.cancellation_token().cancelled().await;
+    /// Is cancelled when the process stops.
+    pub fn stopping(&self) -> &CancellationToken {
+        self.context.cancellation_token()
     }
 }
 

@@ -69,6 +69,11 @@ impl Settings {
             max_pages: None,
         }
     }
+
+    /// Time after which a run is given up that does not even hear its stop flag; its own limit comes first.
+    pub fn rescue_after(&self) -> Duration {
+        self.time_limit.saturating_add(Duration::from_secs(30))
+    }
 }
 
 /// How long a stopping process waits for a server that does not answer.
@@ -140,8 +145,7 @@ impl Jobs {
             })
         };
         let worker_id = Uuid::now_v7();
-        // The run's own limit comes first; this is for a worker that does not even hear its stop flag.
-        let rescue_after = settings.time_limit + Duration::from_secs(30);
+        let rescue_after = settings.rescue_after();
         let queue = Queue::new(store.writer().clone(), worker_id, settings.workers, rescue_after, handler)?;
         let queue = Arc::new(queue);
         let limits = IntakeLimits {
@@ -434,7 +438,6 @@ impl Jobs {
     /// Hands running jobs back, so that they run again at the next start, and closes the database.
     pub async fn stop(&self) -> Result<(), JobError> {
         self.refuse_new();
-        self.inner.runner.stop_ahead();
         self.inner.running.stop_all(StopReason::HandedBack);
         if self.inner.store.dialect() == Dialect::Sqlite {
             return self.settle().await;
@@ -445,7 +448,11 @@ impl Jobs {
 
     /// Hands back what has run, and closes the database.
     async fn settle(&self) -> Result<(), JobError> {
-        let drained = self.inner.queue.drain().await;
+        let (drained, ()) = tokio::join!(self.inner.queue.drain(), self.inner.runner.drain());
+        // What was handed back and never queued goes to other processes at once.
+        if let Err(error) = sweep::sweep(&self.inner).await {
+            tracing::warn!(%error, "what was handed back waits for the next start, or for another process");
+        }
         if let Err(error) = self.inner.store.leave(self.inner.worker).await {
             tracing::warn!(%error, "this process is listed for a while although it has ended");
         }

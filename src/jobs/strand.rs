@@ -38,7 +38,9 @@ impl Worker {
     }
 
     async fn points(&self, ticket: &Ticket, strand: Strand) -> Result<Delivered, JobError> {
-        let Some(_slot) = self.slots(strand.losses, false, ticket).await else { return Ok(Delivered::HandedBack) };
+        let Some(_slot) = self.slots(strand.losses, false, ticket.stopping()).await else {
+            return Ok(Delivered::HandedBack);
+        };
         let Some(study) = contract::parse_job(strand.request.as_bytes()).ok().and_then(|job| job.study) else {
             return Err(JobError::Corrupt(format!("the request of study {}", strand.job)));
         };
@@ -118,7 +120,7 @@ impl Worker {
             }
             tokio::select! {
                 () = tokio::time::sleep(pause) => {}
-                () = ticket.stopping() => return Ok(None),
+                () = ticket.stopping().cancelled() => return Ok(None),
             }
             pause = (2 * pause).min(Duration::from_secs(5));
         }
@@ -148,7 +150,7 @@ impl Worker {
             tokio::select! {
                 end = &mut solved => break end,
                 _ = pulse.tick() => follow(self.store.strand_beat(strand).await, run),
-                () = ticket.stopping(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
+                () = ticket.stopping().cancelled(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
             }
         };
         Ok(match end {

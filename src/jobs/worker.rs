@@ -1,22 +1,25 @@
-//! One delivered job: claim it, run it on a thread of its own, write how it ended.
+//! One job: claim it, run it on a thread of its own, write how it ended. Most come from the queue; one that is accepted while a slot
+//! is free and nobody waits is claimed with its acceptance and never queued: whoever waits for a short job waits for many ways to
+//! the database less.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
 use uuid::Uuid;
 
-use super::ahead::{Ahead, Begun, DELIVERED_WITHIN, Solution};
 use super::figures::Figures;
 use super::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
 use super::queue::{Delivered, Ticket};
-use super::running::{Run, Running, Solved, StopReason};
+use super::running::{Run, RunGuard, Running, Solved, StopReason};
 use super::service::{Settings, Simulator};
 use super::store::claims::{self, Pulse};
 use super::store::database::Dialect;
 use super::store::{Claim, End, Store, StoredResult};
 use super::threads::SolverThreads;
-use super::{Failure, JobError, Status};
+use super::{Failure, JobError, NewJob, Status};
 use crate::contract::{self, JobKind, RunFailure};
 use crate::simulation::run::{Control, Live};
 
@@ -27,8 +30,29 @@ pub struct Worker {
     pub simulator: Simulator,
     pub settings: Settings,
     slots: Arc<Semaphore>,
-    ahead: Ahead,
+    /// The runs that no delivery stands for, and what tells them that the process stops.
+    unqueued: TaskTracker,
+    stopping: CancellationToken,
     pub(super) threads: SolverThreads,
+}
+
+/// Where the solver's thread leaves what it has found.
+type Solution = oneshot::Receiver<Result<StoredResult, RunFailure>>;
+
+/// A run that began with the acceptance of its job. Where that is not committed, nobody claims it and it stops.
+pub(super) struct Begun {
+    _slot: OwnedSemaphorePermit,
+    claim: Claim,
+    guard: RunGuard,
+    solution: Option<Solution>,
+}
+
+impl Drop for Begun {
+    fn drop(&mut self) {
+        if self.solution.is_some() {
+            self.guard.run.stop(StopReason::ClaimLost);
+        }
+    }
 }
 
 /// What became of a run.
@@ -44,25 +68,47 @@ const LOSSES_TO_RUN_ALONE: u32 = 2;
 impl Worker {
     pub fn new(store: Store, running: Arc<Running>, simulator: Simulator, settings: Settings) -> Self {
         let slots = Arc::new(Semaphore::new(settings.workers));
-        Self { store, running, simulator, settings, slots, ahead: Ahead::default(), threads: SolverThreads::default() }
+        let (unqueued, stopping, threads) = (TaskTracker::new(), CancellationToken::new(), SolverThreads::default());
+        Self { store, running, simulator, settings, slots, unqueued, stopping, threads }
     }
 
-    /// Begins with a job that is about to be delivered, where a slot is free.
-    pub fn begin(self: &Arc<Self>, job: Uuid, request: String) {
-        let Ok(slot) = Arc::clone(&self.slots).try_acquire_owned() else { return };
-        let run = Arc::new(Run::default());
-        let solution = self.solver_thread(request, &run);
-        self.ahead.enter(job, Begun { _slot: slot, run, solution: Some(solution) });
+    /// Begins with a job that is being accepted, where a slot is free.
+    pub fn begin(&self, job: &NewJob) -> Option<Begun> {
+        // One that measures time waits until it is alone.
+        if self.stopping.is_cancelled() || job.kind == JobKind::Accuracy.name() {
+            return None;
+        }
+        let slot = Arc::clone(&self.slots).try_acquire_owned().ok()?;
+        let claim = Claim::with_acceptance(job);
+        // Before the job is in the record: no sweep may find it there and nobody at it.
+        let guard = self.running.enter(job.id, Arc::default());
+        let solution = Some(self.solver_thread(job.request.clone(), &guard.run));
+        Some(Begun { _slot: slot, claim, guard, solution })
+    }
+
+    /// Works what has begun to its end, once its job is in the record.
+    pub fn go_on(self: &Arc<Self>, mut begun: Begun) {
+        let Some(solution) = begun.solution.take() else { return };
+        self.store.figures.claimed();
         let worker = Arc::clone(self);
-        tokio::spawn(async move {
-            tokio::time::sleep(DELIVERED_WITHIN).await;
-            drop(worker.ahead.take(job));
+        self.unqueued.spawn(async move {
+            let (claim, run, stopping) = (&begun.claim, &begun.guard.run, &worker.stopping);
+            let ended = worker.run(claim, run, solution, stopping);
+            // A solver that does not even hear its stop flag is left alone: the run falls silent, and is found by that.
+            let Ok(outcome) = tokio::time::timeout(worker.settings.rescue_after(), ended).await else {
+                return tracing::error!(job = %claim.job, "a run did not hear that its time is over");
+            };
+            if let Err(error) = worker.conclude(claim, outcome, run, stopping).await {
+                tracing::warn!(%error, job = %claim.job, "a run could not be handed back");
+            }
         });
     }
 
-    /// Ends what was begun without a claim.
-    pub fn stop_ahead(&self) {
-        self.ahead.stop();
+    /// Has the runs that no delivery stands for hand their jobs back, and waits until they have.
+    pub async fn drain(&self) {
+        self.stopping.cancel();
+        self.unqueued.close();
+        self.unqueued.wait().await;
     }
 
     /// Works a delivery to its end.
@@ -77,41 +123,39 @@ impl Worker {
                 None => Ok(Delivered::Done),
             };
         }
-        let mut begun = match self.ahead.take(ticket.job) {
-            Some(begun) => begun,
-            None => {
-                let outlook = self.store.outlook(ticket.job, ticket.delivery).await?;
-                let Some(outlook) = outlook else { return Ok(Delivered::Done) };
-                let measures = outlook.kind == JobKind::Accuracy.name();
-                let slot = self.slots(outlook.losses, measures, ticket).await;
-                let Some(slot) = slot else { return Ok(Delivered::HandedBack) };
-                Begun { _slot: slot, run: Arc::default(), solution: None }
-            }
-        };
+        let outlook = self.store.outlook(ticket.job, ticket.delivery).await?;
+        let Some(outlook) = outlook else { return Ok(Delivered::Done) };
+        let measures = outlook.kind == JobKind::Accuracy.name();
+        let slot = self.slots(outlook.losses, measures, ticket.stopping()).await;
+        let Some(_slot) = slot else { return Ok(Delivered::HandedBack) };
         let claim = self.store.claim(ticket.job, ticket.delivery, self.settings.max_lost_runs).await?;
         let Some(claim) = claim else { return Ok(Delivered::Done) };
         self.store.figures.claimed();
-        let guard = self.running.enter(claim.job, Arc::clone(&begun.run));
+        let guard = self.running.enter(claim.job, Arc::default());
         let outcome = match self.without_running(&claim) {
             Some(end) => Outcome::Ended(end),
             None => {
-                let solution = begun.solution.take();
-                let solution = solution.unwrap_or_else(|| self.solver_thread(claim.request.clone(), &guard.run));
-                self.run(&claim, &guard.run, solution, ticket).await
+                let solution = self.solver_thread(claim.request.clone(), &guard.run);
+                self.run(&claim, &guard.run, solution, ticket.stopping()).await
             }
         };
-        self.conclude(&claim, outcome, &guard.run, ticket).await
+        self.conclude(&claim, outcome, &guard.run, ticket.stopping()).await
     }
 
     /// One slot, or all of them for a job that may have taken its process down and for one that measures time; none
     /// once the service stops.
-    pub(super) async fn slots(&self, losses: u32, measures: bool, ticket: &Ticket) -> Option<OwnedSemaphorePermit> {
+    pub(super) async fn slots(
+        &self,
+        losses: u32,
+        measures: bool,
+        stopping: &CancellationToken,
+    ) -> Option<OwnedSemaphorePermit> {
         let alone = losses >= LOSSES_TO_RUN_ALONE || measures;
         let slots = if alone { self.settings.workers } else { 1 };
         let slots = u32::try_from(slots).unwrap_or(1);
         tokio::select! {
             slot = Arc::clone(&self.slots).acquire_many_owned(slots) => slot.ok(),
-            () = ticket.stopping() => None,
+            () = stopping.cancelled() => None,
         }
     }
 
@@ -126,14 +170,14 @@ impl Worker {
         })
     }
 
-    async fn run(&self, claim: &Claim, run: &Run, mut solution: Solution, ticket: &Ticket) -> Outcome {
+    async fn run(&self, claim: &Claim, run: &Run, mut solution: Solution, stopping: &CancellationToken) -> Outcome {
         // The claim was the first beat.
         let between = self.between_beats();
         let mut pulse = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
         loop {
             tokio::select! {
                 end = &mut solution => return ended(end, run, self.settings.time_limit),
-                () = ticket.stopping(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
+                () = stopping.cancelled(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
                 _ = pulse.tick() => self.beat(claim, run).await,
             }
         }
@@ -165,7 +209,7 @@ impl Worker {
         claim: &Claim,
         outcome: Outcome,
         run: &Run,
-        ticket: &Ticket,
+        stopping: &CancellationToken,
     ) -> Result<Delivered, JobError> {
         let end = match outcome {
             Outcome::Ended(end) => end,
@@ -188,7 +232,7 @@ impl Worker {
             }
             tokio::select! {
                 () = tokio::time::sleep(pause) => {}
-                () = ticket.stopping() => return Ok(Delivered::HandedBack),
+                () = stopping.cancelled() => return Ok(Delivered::HandedBack),
             }
             pause = (2 * pause).min(Duration::from_secs(5));
         };

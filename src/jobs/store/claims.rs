@@ -7,7 +7,7 @@ use uuid::Uuid;
 use super::database::{Tx, statement};
 use super::results::{self, StoredResult};
 use super::{Store, stored};
-use crate::jobs::{Failure, JobError, Status};
+use crate::jobs::{Failure, JobError, NewJob, Status};
 
 /// A job in the hands of this process.
 #[derive(Debug, Clone)]
@@ -19,6 +19,20 @@ pub struct Claim {
     /// Earlier runs that ended with their process.
     pub lost: u32,
     pub cancel_requested: bool,
+}
+
+impl Claim {
+    /// The first one, of a job that begins with its acceptance.
+    pub fn with_acceptance(job: &NewJob) -> Self {
+        Self {
+            job: job.id,
+            number: 1,
+            request: job.request.clone(),
+            keep_for_s: job.keep_for_s,
+            lost: 0,
+            cancel_requested: false,
+        }
+    }
 }
 
 /// What is known of a job before it is claimed.

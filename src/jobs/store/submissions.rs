@@ -39,6 +39,14 @@ pub async fn insert(tx: &mut Tx, job: &NewJob, delivery: i64) -> Result<JobRecor
     Ok(record)
 }
 
+/// Adds a job that has begun with its acceptance, as `Claim::with_acceptance` has it. It has no delivery; the answer is that of any other.
+pub async fn insert_begun(tx: &mut Tx, job: &NewJob) -> Result<JobRecord, JobError> {
+    let record = job.record();
+    let running = JobRecord { status: Status::Running, started_at: Some(job.created_at), ..record.clone() };
+    insert_row(tx, job, &running, None, None).await?;
+    Ok(record)
+}
+
 /// Adds a study with its points and strands.
 pub async fn insert_study(tx: &mut Tx, job: &NewJob, points: usize, strands: &[i64]) -> Result<JobRecord, JobError> {
     let record = job.record();
@@ -75,9 +83,13 @@ async fn insert_row(
     delivery: Option<i64>,
     result: Option<Uuid>,
 ) -> Result<(), JobError> {
-    let sql = "INSERT INTO jobs (id, owner, kind, status, request, labels, priority, keep_for_s, created_at, \
-               started_at, finished_at, expires_at, progress, delivery, content_hash, reused, result_id) \
-               VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17)";
+    let now = tx.dialect().now();
+    let sql = format!(
+        "INSERT INTO jobs (id, owner, kind, status, request, labels, priority, keep_for_s, created_at, \
+               started_at, finished_at, expires_at, progress, delivery, content_hash, reused, result_id, claim, heartbeat_at) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, \
+         CASE WHEN $4 = 'running' THEN {now} END)"
+    );
     let labels = serde_json::to_string(&job.labels).map_err(|error| JobError::Corrupt(error.to_string()))?;
     statement(sql)
         .bind(job.id)
@@ -97,6 +109,7 @@ async fn insert_row(
         .bind(&job.content_hash)
         .bind(record.reused)
         .bind(result)
+        .bind(i64::from(record.status == Status::Running))
         .run(&mut *tx)
         .await?;
     Ok(())

@@ -12,12 +12,17 @@ use crate::jobs::queue::Delivery;
 const ROUND: i64 = 500;
 
 /// Unfinished jobs that nothing will run any more: their delivery is gone or ended, or in the hands of a process that has died before
-/// it took them up, or their run gave no sign of life for `lost_after`. `alive` are the runs of this process, which need no sign.
+/// it took them up, or their run, with a delivery or without, gave no sign of life for `lost_after`. `alive` are the runs of this process, which need no sign.
 pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<Delivery>, JobError> {
     let (now, orphaned) = (tx.dialect().now(), tx.dialect().is_orphaned());
+    // What began with its acceptance never had a delivery; in a file it can only be a run of this process, or of one that is dead.
+    let had_none = match tx.dialect() {
+        Dialect::Sqlite => "FALSE",
+        Dialect::Postgres => "jobs.status = 'running' AND jobs.delivery IS NULL",
+    };
     let sql = format!(
         "SELECT jobs.id, jobs.priority FROM jobs LEFT JOIN river_job ON river_job.id = jobs.delivery \
-         WHERE jobs.kind <> 'study' AND jobs.status IN ('queued', 'running') AND (river_job.id IS NULL \
+         WHERE jobs.kind <> 'study' AND jobs.status IN ('queued', 'running') AND ((river_job.id IS NULL AND NOT ({had_none})) \
          OR river_job.state IN ('completed', 'cancelled', 'discarded') \
          OR (jobs.status = 'queued' AND {orphaned}) \
          OR (jobs.status = 'running' AND jobs.heartbeat_at < {now} - $1)) LIMIT $2"
