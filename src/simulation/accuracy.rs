@@ -49,6 +49,8 @@ const SILENCE: f64 = 1e-6;
 /// Level error from which a result warns of itself [dB], and error of a load or speed [-].
 const DOUBTFUL: f64 = 1.0;
 const DOUBTFUL_SHARE: f64 = 0.1;
+/// How near to the largest contact load the peak of a ball counts as one that may be the largest of a longer run [-].
+const NEAR_LARGEST: f64 = 0.01;
 /// Contact loads [N] and cage speeds [rad/s] below these count as so large in a relative error.
 const LEAST_LOAD: f64 = 0.1;
 const LEAST_SPEED: f64 = 0.06;
@@ -395,9 +397,10 @@ impl Distance {
     /// Of two recordings of the same stretch. `unseen`: root of the share of a run that they do not show.
     pub fn of_recordings(a: &Recording, b: &Recording, unseen: f64) -> Self {
         let levels = twice(a, b);
+        let of_all = quantity_errors(&[a.quantities()], &[b.quantities()]);
         Self {
             level_db: levels.iter().filter_map(|twice| twice.error_db(unseen)).reduce(f64::max),
-            quantities: Some(quantity_errors(&[a.quantities()], &[b.quantities()])),
+            quantities: Some(QuantityErrors { max_load: of_all.max_load.max(peaks_apart(a, b)), ..of_all }),
         }
     }
 
@@ -425,6 +428,16 @@ fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErrors {
         max_load: rms_about_zero(&loads).max(relative(largest(a), largest(b), LEAST_LOAD).abs()),
         cage_speed: mean_or_luck(&speeds),
     }
+}
+
+/// What the peaks of single balls on a raceway differ by at most, as a share of the largest, of those that come near it: any of them
+/// may be the largest of a longer run, and in the largest alone two short runs may agree by luck.
+fn peaks_apart(a: &Recording, b: &Recording) -> f64 {
+    let largest = a.quantities().max_load.max(b.quantities().max_load).max(LEAST_LOAD);
+    let peaks = |of: &Recording| [of.contacts.inner.max_load.clone(), of.contacts.outer.max_load.clone()].concat();
+    let both = peaks(a).into_iter().zip(peaks(b));
+    let near = both.filter(|(a, b)| a.max(*b) > (1.0 - NEAR_LARGEST) * largest);
+    near.map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max)
 }
 
 /// Size of the mean of some differences; at least what it would be if their signs were a matter of chance.
