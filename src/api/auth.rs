@@ -65,25 +65,58 @@ impl<S: Sync> FromRequestParts<S> for Owner {
     }
 }
 
+/// What a request came in by, for those who stay longer than the token may hold.
+#[derive(Clone, Default)]
+pub struct Pass(Option<TokenDigest>);
+
+impl Pass {
+    /// Whether it would still be let in.
+    pub fn holds(&self, app: &App) -> bool {
+        match &self.0 {
+            Some(digest) => known(app, digest).is_some(),
+            None => !is_closed(app),
+        }
+    }
+}
+
+impl<S: Sync> FromRequestParts<S> for Pass {
+    type Rejection = Infallible;
+
+    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Infallible> {
+        Ok(parts.extensions.get::<Pass>().cloned().unwrap_or_default())
+    }
+}
+
 /// Lets in who may ask as often as it does, and notes who it is. Where there has ever been a token, one is needed.
 pub async fn guard(State(app): State<App>, mut request: Request, next: Next) -> Result<Response, ApiError> {
     let access = &app.access;
-    let is_closed = !access.tokens.is_empty() || !app.jobs.tokens().is_empty();
+    let is_closed = is_closed(&app);
     if access.is_local && !is_closed {
         check_host(request.uri(), request.headers())?;
     }
     if is_closed && !is_open(request.uri().path()) {
         let token = bearer(request.headers()).ok_or(ApiError::Unauthorized)?;
-        let owner = owner(&app, &digest_of(token)).await?;
+        let digest = digest_of(token);
+        let owner = owner(&app, &digest).await?;
         access.rates.check(&owner)?;
         request.extensions_mut().insert(owner);
+        request.extensions_mut().insert(Pass(Some(digest)));
     }
     Ok(next.run(request).await)
 }
 
+/// Whether a token is needed: there is one, or has ever been.
+fn is_closed(app: &App) -> bool {
+    !app.access.tokens.is_empty() || !app.jobs.tokens().is_empty()
+}
+
+/// The owner behind a digest, as tokens stood a second ago at most.
+fn known(app: &App, digest: &TokenDigest) -> Option<Owner> {
+    app.access.tokens.owner(digest).or_else(|| owner_among(&app.jobs.tokens(), digest))
+}
+
 async fn owner(app: &App, digest: &TokenDigest) -> Result<Owner, ApiError> {
-    let known = app.access.tokens.owner(digest).or_else(|| owner_among(&app.jobs.tokens(), digest));
-    match known {
+    match known(app, digest) {
         Some(owner) => Ok(owner),
         // It may have been made a moment ago.
         None => owner_among(&app.jobs.tokens_now().await?, digest).ok_or(ApiError::Unauthorized),

@@ -90,6 +90,9 @@ pub enum ApiError {
     TooLarge {
         limit: usize,
     },
+    HeaderTooLarge {
+        limit: usize,
+    },
     UnsupportedMediaType(String),
     ForeignHost(String),
     /// More is asked for than is done at a time.
@@ -194,6 +197,10 @@ impl ApiError {
                 let title = "The body is not in a format that is understood";
                 of(S::UNSUPPORTED_MEDIA_TYPE, "unsupported-media-type", title, detail.clone())
             }
+            Self::HeaderTooLarge { limit } => {
+                let detail = format!("the header and its first line must not be longer than {limit} bytes");
+                of(S::REQUEST_HEADER_FIELDS_TOO_LARGE, "header-too-large", "The header is too large", detail)
+            }
             Self::ForeignHost(host) => {
                 let detail = format!(
                     "without tokens the service answers only to localhost and to addresses, not to `{}`",
@@ -208,7 +215,9 @@ impl ApiError {
             Self::Job(error) => of_job(error),
             Self::NotReady(error) => {
                 let detail = match error {
-                    JobError::Stopping | JobError::DiskFull | JobError::NotWritable => error.to_string(),
+                    JobError::Stopping | JobError::DiskFull | JobError::NotWritable | JobError::Displaced => {
+                        error.to_string()
+                    }
                     _ => "the database does not answer".into(),
                 };
                 of(S::SERVICE_UNAVAILABLE, "not-ready", "The service takes no jobs now", detail)
@@ -308,6 +317,7 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
             let detail = "nothing was written; try again once there is space".into();
             of(S::INSUFFICIENT_STORAGE, "disk-full", "No space is left for the database", detail)
         }
+        JobError::Displaced => of(S::SERVICE_UNAVAILABLE, "database-away", "The database is away", error.to_string()),
         away if away.is_away() => {
             let detail = "the database does not answer; try again".into();
             of(S::SERVICE_UNAVAILABLE, "database-away", "The database is away", detail)
@@ -352,6 +362,7 @@ pub fn of_bare(status: StatusCode) -> Option<ApiError> {
         StatusCode::METHOD_NOT_ALLOWED => ApiError::MethodNotAllowed,
         StatusCode::PAYLOAD_TOO_LARGE => ApiError::TooLarge { limit: super::request::BODY_LIMIT },
         StatusCode::UNSUPPORTED_MEDIA_TYPE => ApiError::UnsupportedMediaType("application/json is".into()),
+        StatusCode::NOT_ACCEPTABLE => ApiError::NotAcceptable { offered: &["gzip", "no encoding at all"] },
         status if status.is_client_error() => ApiError::BadRequest("the request could not be read".into()),
         status if status.is_server_error() => ApiError::Internal,
         _ => return None,

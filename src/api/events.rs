@@ -15,7 +15,7 @@ use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::answers::JobAnswer;
-use super::auth::Owner;
+use super::auth::{Owner, Pass};
 use super::describe::{Anywhere, BadQuery, NoJob, NotAccepted};
 use super::error::ApiError;
 use super::load::Place;
@@ -41,7 +41,7 @@ const ALIVE: Duration = Duration::from_secs(15);
 /// Server-sent events. `progress`, whenever something has changed: the job without its request, with `phase` (`queued`, `starting`,
 /// `checking` a reduced model, `settling`, `recording`, `judging` the accuracy, `computing` the points of a study, `running` in another process) and, while it is
 /// recorded, `level_db`: the acceleration levels so far by channel [dB], of all frequencies. Then one of `succeeded`, `failed`, `cancelled`, and the
-/// stream ends; a job that has ended gets that at once. Of all that follow jobs at a time, 256 are served; more get 503 and look at the job instead. With `Last-Event-ID` what that event said is not said again. The stream also ends when the service stops.
+/// stream ends; a job that has ended gets that at once. Of all that follow jobs at a time, 256 are served; more get 503 and look at the job instead. With `Last-Event-ID` what that event said is not said again. The stream also ends when the service stops, and when the token is revoked or expires.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/events", tag = describe::JOBS, operation_id = "followJob",
     params(
@@ -58,6 +58,7 @@ const ALIVE: Duration = Duration::from_secs(15);
 pub async fn events(
     State(app): State<App>,
     Owner(owner): Owner,
+    pass: Pass,
     headers: HeaderMap,
     JobId(id): JobId,
     place: Place,
@@ -71,7 +72,7 @@ pub async fn events(
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
     let follows = place.load().follow().ok_or(ApiError::Overloaded)?;
-    let watch = Watch { app, owner, id, record, read_at: Instant::now(), seen, first: true, _follows: follows };
+    let watch = Watch { app, owner, pass, id, record, read_at: Instant::now(), seen, first: true, _follows: follows };
     let stream = stream::unfold(watch, |mut watch| async move { Some((watch.next().await?, watch)) });
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(ALIVE)).into_response())
 }
@@ -94,6 +95,7 @@ pub struct JobEvent {
 struct Watch {
     app: App,
     owner: String,
+    pass: Pass,
     id: Uuid,
     /// As it was read last.
     record: JobRecord,
@@ -105,7 +107,7 @@ struct Watch {
 }
 
 impl Watch {
-    /// The next event; `None` after the last one, when the job is deleted, and when the service stops.
+    /// The next event; `None` after the last one, when the job is deleted, when the token does not hold any more, and when the service stops.
     async fn next(&mut self) -> Option<Result<Event, Infallible>> {
         loop {
             if !self.first && self.record.status.is_final() || self.app.jobs.is_stopping() {
@@ -119,6 +121,9 @@ impl Watch {
             // A look at once after the end, one now and then before.
             let now = std::mem::take(&mut self.first) || tokio::time::timeout(LOOK, rings).await.is_ok();
             if (now || self.is_stale()) && !self.read().await {
+                return None;
+            }
+            if !self.pass.holds(&self.app) {
                 return None;
             }
             let record = self.app.jobs.live(self.record.clone());

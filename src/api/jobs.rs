@@ -15,7 +15,7 @@ use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
 use super::answers::{JobAnswer, JobList, StatusName, path_of};
-use super::auth::Owner;
+use super::auth::{Owner, Pass};
 use super::describe::{Anywhere, BadBody, BadQuery, HasEnded, HasNotEnded, NoJob, NoSpace, NotAccepted, QueueFull};
 use super::error::ApiError;
 use super::load::Place;
@@ -61,6 +61,7 @@ const LONGEST_WAIT_S: u64 = 60;
 pub async fn submit(
     State(app): State<App>,
     Owner(owner): Owner,
+    pass: Pass,
     headers: HeaderMap,
     place: Place,
     _: Query<Nothing>,
@@ -93,6 +94,10 @@ pub async fn submit(
         }
         now => now?,
     };
+    // The token may have been revoked meanwhile.
+    if !pass.holds(&app) {
+        return Err(ApiError::Unauthorized);
+    }
     let status = if record.status.is_final() { StatusCode::OK } else { StatusCode::ACCEPTED };
     let look_again = waiting(&record);
     let answer = JobAnswer::of(record)?.with_metrics(metrics)?;

@@ -157,9 +157,10 @@ fn enclosed(routes: Router<App>, app: App) -> Router {
         origins => guarded.layer(origins::allowed(origins)),
     };
     shared
-        .layer(middleware::from_fn(refusals::as_problems))
         .layer(CatchPanicLayer::custom(refusals::of_panic))
+        .layer(middleware::from_fn(request::limit_header))
         .layer(CompressionLayer::new())
+        .layer(middleware::from_fn(refusals::as_problems))
         .layer(middleware::from_fn(request_id::named))
         // Bodies are read by our own extractor, which has the limit.
         .layer(DefaultBodyLimit::disable())

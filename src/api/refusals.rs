@@ -3,12 +3,15 @@
 use std::any::Any;
 
 use axum::extract::Request;
-use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, X_CONTENT_TYPE_OPTIONS};
-use axum::http::{HeaderValue, Method};
+use axum::http::header::{CACHE_CONTROL, CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE, ETAG, X_CONTENT_TYPE_OPTIONS};
+use axum::http::{HeaderName, HeaderValue, Method};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::error::{self, ApiError, PROBLEM_JSON};
+
+/// Headers that tell of the body that is replaced.
+const OF_THE_BODY: [HeaderName; 5] = [CONTENT_TYPE, CONTENT_LENGTH, CONTENT_ENCODING, ETAG, CACHE_CONTROL];
 
 /// Gives every error that is no problem yet the form of one, keeping its headers.
 pub async fn as_problems(request: Request, next: Next) -> Response {
@@ -18,7 +21,7 @@ pub async fn as_problems(request: Request, next: Next) -> Response {
     if let (false, Some(error)) = (is_problem || is_head, error::of_bare(response.status())) {
         let mut problem = error.into_response();
         for (name, value) in response.headers() {
-            if *name != CONTENT_TYPE && *name != CONTENT_LENGTH {
+            if !OF_THE_BODY.contains(name) {
                 problem.headers_mut().insert(name, value.clone());
             }
         }

@@ -7,7 +7,10 @@ use axum::extract::{FromRequest, FromRequestParts, Path, Request};
 use axum::http::header::{ACCEPT, CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName};
+use axum::middleware::Next;
+use axum::response::Response;
 use http_body_util::{BodyExt, LengthLimitError, Limited};
+use percent_encoding::percent_decode_str;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use tokio::sync::OwnedSemaphorePermit;
@@ -18,6 +21,18 @@ use super::load::{Load, Place};
 
 /// Bytes of a body at most.
 pub const BODY_LIMIT: usize = 1 << 20;
+
+/// Bytes of a request's header at most, with its first line.
+pub const HEADER_LIMIT: usize = 64 << 10;
+
+/// Refuses longer ones: hyper's own limit is of its buffer, which may hold twice as much.
+pub async fn limit_header(request: Request, next: Next) -> Result<Response, ApiError> {
+    let fields = request.headers().iter().map(|(name, value)| name.as_str().len() + value.len() + 4);
+    if request.uri().to_string().len() + fields.sum::<usize>() > HEADER_LIMIT {
+        return Err(ApiError::HeaderTooLarge { limit: HEADER_LIMIT });
+    }
+    Ok(next.run(request).await)
+}
 
 /// Time that a body has to arrive.
 const BODY_TIME: Duration = Duration::from_secs(30);
@@ -111,9 +126,13 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
-        // No name or label has one, and PostgreSQL takes none.
-        if parts.uri.query().is_some_and(|query| query.contains("%00")) {
-            return Err(ApiError::BadRequest("query: holds a NUL character".into()));
+        match percent_decode_str(parts.uri.query().unwrap_or_default()).decode_utf8() {
+            // No name or label has one, and PostgreSQL takes none.
+            Ok(query) if query.contains('\0') => {
+                return Err(ApiError::BadRequest("query: holds a NUL character".into()));
+            }
+            Ok(_) => {}
+            Err(_) => return Err(ApiError::BadRequest("query: is not UTF-8".into())),
         }
         match axum::extract::Query::from_request_parts(parts, state).await {
             Ok(axum::extract::Query(query)) => Ok(Self(query)),

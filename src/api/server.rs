@@ -15,6 +15,7 @@ use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
 use super::patience::Patient;
+use super::request::HEADER_LIMIT;
 
 /// Time in which a new connection has to begin its first request.
 const FIRST_BYTE_TIME: Duration = Duration::from_secs(10);
@@ -22,9 +23,6 @@ const FIRST_BYTE_TIME: Duration = Duration::from_secs(10);
 /// Time for a whole request header, from the first moment of waiting for it: also the longest silence
 /// between two requests of a connection.
 const HEADER_TIME: Duration = Duration::from_secs(30);
-
-/// Bytes of a request header at most, and of what is read ahead of a connection.
-const HEADER_BYTES: usize = 64 << 10;
 
 /// Longest time in which a client may take nothing of its answer.
 const READING_TIME: Duration = Duration::from_secs(30);
@@ -35,8 +33,9 @@ const CONNECTIONS: usize = 1024;
 /// Connections beyond, which are soon closed and only told how the service is; more wait to be accepted.
 const LOBBY: usize = 64;
 
-/// All the time that those in the lobby have.
+/// All the time that those in the lobby have, and for their first byte: those who only hold a place there make way at once.
 const LOBBY_TIME: Duration = Duration::from_secs(2);
+const LOBBY_FIRST_BYTE_TIME: Duration = Duration::from_millis(200);
 
 /// Open files beside connections: database, pages of the portal, the runtime's own.
 const OTHER_FILES: u64 = 128;
@@ -136,8 +135,9 @@ async fn converse(stream: TcpStream, router: Router, guest: &Guest, stop: &Cance
     // Answers are short and complete: waiting for more to send only delays them.
     let _ = stream.set_nodelay(true);
     let mut first = [0];
+    let first_byte_time = if guest.is_in_lobby { LOBBY_FIRST_BYTE_TIME } else { FIRST_BYTE_TIME };
     let begun = tokio::select! {
-        begun = tokio::time::timeout(FIRST_BYTE_TIME, stream.peek(&mut first)) => matches!(begun, Ok(Ok(1))),
+        begun = tokio::time::timeout(first_byte_time, stream.peek(&mut first)) => matches!(begun, Ok(Ok(1))),
         () = stop.cancelled() => false,
     };
     if !begun {
@@ -146,7 +146,8 @@ async fn converse(stream: TcpStream, router: Router, guest: &Guest, stop: &Cance
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEADER_TIME)
-        .max_buf_size(HEADER_BYTES)
+        // Also what is read ahead of a connection.
+        .max_buf_size(HEADER_LIMIT)
         .keep_alive(!guest.is_in_lobby)
         .serve_connection(TokioIo::new(Patient::new(stream, READING_TIME)), TowerToHyperService::new(router));
     tokio::pin!(connection);

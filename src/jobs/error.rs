@@ -43,6 +43,9 @@ pub enum JobError {
     DiskFull,
     #[error("the database takes no writes")]
     NotWritable,
+    /// What is written to it goes with this process.
+    #[error("the database file was moved, removed or replaced; put it back, or restart")]
+    Displaced,
     #[error("another server uses the database {0}")]
     Locked(String),
     #[error("database: {0}")]
@@ -65,10 +68,15 @@ impl JobError {
         Self::CannotOpen { path: place.to_string(), reason: reason.to_string() }
     }
 
+    /// Whether the database is there without our tables: it was made anew.
+    pub fn lacks_tables(&self) -> bool {
+        matches!(self, Self::Database(sqlx::Error::Database(error)) if error.code().is_some_and(|code| code == NO_TABLE))
+    }
+
     /// Whether the database cannot be reached for now, or takes no writes.
     pub fn is_away(&self) -> bool {
         let error = match self {
-            Self::NotWritable => return true,
+            Self::NotWritable | Self::Displaced => return true,
             Self::Database(error) => error,
             _ => return false,
         };
@@ -82,8 +90,9 @@ impl JobError {
                 if error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>().is_none() {
                     return code.parse::<i64>().is_ok_and(|code| SQLITE_AWAY.contains(&(code & 0xff)));
                 }
-                // PostgreSQL: no connection, too many of them, shutting down or starting, read-only, not let in, no such database.
-                ["08", "53300", "57P", "25006", "28", "3D000"].iter().any(|class| code.starts_with(class))
+                // PostgreSQL: no connection, too many of them, shutting down or starting, read-only, not let in, no such database, none of
+                // our tables in it.
+                ["08", "53300", "57P", "25006", "28", "3D000", NO_TABLE].iter().any(|class| code.starts_with(class))
             }
             _ => false,
         }
@@ -95,6 +104,8 @@ const SQLITE_FULL: [i64; 7] = [13, 778, 1034, 1290, 1546, 4874, 5386];
 /// SQLite's "attempt to write a readonly database", "disk I/O error" and "unable to open database file"; extended codes carry them in
 /// the low byte.
 const SQLITE_AWAY: [i64; 3] = [8, 10, 14];
+/// PostgreSQL's `undefined_table`.
+const NO_TABLE: &str = "42P01";
 /// PostgreSQL's `disk_full`.
 const POSTGRES_DISK_FULL: &str = "53100";
 

@@ -113,12 +113,18 @@ pub(super) struct Inner {
     pub tokens: Arc<KnownTokens>,
     intake: Intake,
     stopping: CancellationToken,
-    _lock: Option<Arc<DatabaseLock>>,
+    lock: Option<Arc<DatabaseLock>>,
 }
 
 impl Inner {
     pub fn is_stopping(&self) -> bool {
         self.stopping.is_cancelled()
+    }
+
+    /// Whether what is written is there after the next start.
+    pub fn check_place(&self) -> Result<(), JobError> {
+        let is_in_place = self.lock.as_ref().is_none_or(|lock| lock.is_in_place());
+        if is_in_place { Ok(()) } else { Err(JobError::Displaced) }
     }
 }
 
@@ -130,6 +136,9 @@ impl Jobs {
             Location::Server(_) => None,
         };
         let opening = |error| JobError::opening(&settings.database, error);
+        if let (Location::Server(options), 1..) = (&settings.database, settings.workers) {
+            database::check_room(options).await.map_err(opening)?;
+        }
         let store = Store::open(&settings.database, settings.workers, settings.max_pages).await.map_err(opening)?;
         store.migrate().await.map_err(opening)?;
         // A file that may only be read would be found out later, and not by its name.
@@ -165,7 +174,7 @@ impl Jobs {
             tokens,
             intake,
             stopping,
-            _lock: lock,
+            lock,
         });
         if let Pool::Postgres(pool) = inner.store.writer() {
             listen(pool.clone(), &inner);
@@ -205,6 +214,7 @@ impl Jobs {
         if self.inner.is_stopping() {
             return Err(JobError::Stopping);
         }
+        self.inner.check_place()?;
         self.inner.store.note(self.inner.intake.submit(NewJob::new(job, owner, key)).await)
     }
 
@@ -414,6 +424,7 @@ impl Jobs {
         if self.inner.store.disk_is_full() {
             return Err(JobError::DiskFull);
         }
+        self.inner.check_place()?;
         let answered = tokio::time::timeout(LONGEST_PING, self.inner.store.ping()).await;
         answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))?;
         if self.inner.store.is_unwritable() { Err(JobError::NotWritable) } else { Ok(()) }

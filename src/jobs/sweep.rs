@@ -22,13 +22,25 @@ pub fn start(inner: &Arc<Inner>) {
             inner.store.note_sweep(swept.is_ok());
             if let Err(error) = swept {
                 tracing::warn!(%error, "a sweep was broken off");
+                if error.lacks_tables() {
+                    bring_tables_back(&inner).await;
+                }
             }
         }
     });
 }
 
+/// What a start does: someone has made the database anew, and its jobs are gone.
+async fn bring_tables_back(inner: &Inner) {
+    match inner.store.migrate().await {
+        Ok(()) => tracing::warn!("the database was made anew, and has its tables again"),
+        Err(error) => tracing::error!(%error, "the database was made anew, and its tables cannot be made"),
+    }
+}
+
 /// One sweep.
 pub async fn sweep(inner: &Inner) -> Result<(), JobError> {
+    inner.check_place()?;
     if inner.store.disk_is_full() {
         inner.store.note(inner.store.try_write().await)?;
     }

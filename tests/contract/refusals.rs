@@ -12,6 +12,21 @@ fn queries_hold_no_nul() {
 }
 
 #[test]
+fn what_no_extractor_reads_is_refused_in_the_same_form() {
+    let server = start();
+    let problem = server.get("/v1/jobs?label=%ff").problem(400);
+    assert_eq!(problem["detail"], "query: is not UTF-8");
+    let get = |headers: &[(&str, &str)]| request(server.address(), "GET", "/v1/presets", headers, b"");
+    let long = "a".repeat(70_000);
+    let problem = get(&[("X-Long", &long)]).problem(431);
+    assert_eq!(problem["detail"], "the header and its first line must not be longer than 65536 bytes");
+    assert_eq!(get(&[("X-Long", &long[..60_000])]).status, 200);
+    let answer = get(&[("Accept-Encoding", "gzip;q=0, *;q=0")]);
+    assert!(answer.header("etag").is_none());
+    assert!(answer.problem(406)["detail"].as_str().is_some_and(|detail| detail.contains("gzip")), "{answer:?}");
+}
+
+#[test]
 fn wrong_bodies_are_refused_with_their_reason() {
     let server = start();
     let json = [("Content-Type", "application/json")];

@@ -100,16 +100,47 @@ fn two_servers_do_not_share_a_database() {
     let place = tempfile::tempdir().expect("a directory");
     let database = place.path().join("raceway.db");
     let first = Process::serve(&database, &[]);
-    let url = format!("sqlite://{}", database.display());
-    let second = Process::command(&["serve", "--listen", "127.0.0.1:0", "--database", &url])
-        .stdout(Stdio::piped())
-        .output()
-        .expect("the program starts");
-    assert!(!second.status.success());
-    let stderr = String::from_utf8_lossy(&second.stderr);
-    assert!(stderr.contains("another server uses the database"), "{stderr}");
-    assert!(second.stdout.is_empty());
+    // By whatever name.
+    let (hard, soft) = (place.path().join("hard.db"), place.path().join("soft.db"));
+    std::fs::hard_link(&database, &hard).expect("a link");
+    std::os::unix::fs::symlink(&database, &soft).expect("a link");
+    for name in [&database, &hard, &soft] {
+        let url = format!("sqlite://{}", name.display());
+        let second = Process::command(&["serve", "--listen", "127.0.0.1:0", "--database", &url])
+            .stdout(Stdio::piped())
+            .output()
+            .expect("the program starts");
+        assert!(!second.status.success());
+        let stderr = String::from_utf8_lossy(&second.stderr);
+        assert!(stderr.contains("another server uses the database"), "{stderr}");
+        assert!(second.stdout.is_empty());
+    }
     assert_eq!(first.get("/health/ready").status, 200);
+}
+
+#[test]
+fn nothing_is_accepted_into_a_file_that_goes_with_the_process() {
+    let place = tempfile::tempdir().expect("a directory");
+    let [database, aside] = ["raceway.db", "aside.db"].map(|name| place.path().join(name));
+    let server = Process::serve(&database, &["--workers", "1"]);
+    let kept = server.submit(&short_job());
+    server.wait_for(&kept, &["succeeded"]);
+    std::fs::rename(&database, &aside).expect("it can be moved");
+    for replaced in [false, true] {
+        if replaced {
+            std::fs::write(&database, b"something else").expect("it can be written");
+        }
+        let refused = server.post("/v1/jobs", &long_job()).problem(503);
+        assert_eq!(refused["type"], "urn:raceway:problem:database-away");
+        let ready = server.get("/health/ready").problem(503);
+        assert!(
+            ready["detail"].as_str().is_some_and(|detail| detail.contains("moved, removed or replaced")),
+            "{ready}"
+        );
+    }
+    std::fs::rename(&aside, &database).expect("it can be moved back");
+    assert_eq!(server.get("/health/ready").status, 200);
+    assert_eq!(server.post("/v1/jobs", &long_job()).status, 202);
 }
 
 /// Without what a clock has measured.

@@ -72,6 +72,35 @@ fn a_service_follows_what_becomes_of_its_tokens() {
 }
 
 #[test]
+fn who_stays_longer_than_a_token_holds_sees_no_more() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = database(place.path());
+    let token = created(&["portal"], &database);
+    let server = Process::serve_on(&database, &["--listen", "127.0.0.1:0"], &[]);
+    let bearer = format!("Bearer {token}");
+    let headers = [("Authorization", bearer.as_str()), ("Content-Type", "application/json"), ("Prefer", "wait=4")];
+    let post = |headers: &[(&str, &str)], job: &Value| {
+        request(server.address(), "POST", "/v1/jobs", headers, job.to_string().as_bytes())
+    };
+    let long_job = job_with(json!({ "duration_s": 100.0, "solver": { "rung": "full" }, "reuse": false }));
+    let path = post(&headers[..2], &long_job).header("location").expect("a 202 has a location").to_owned();
+    std::thread::scope(|scope| {
+        let waits = scope.spawn(|| post(&headers, &long_job).status);
+        let follows = scope.spawn(|| {
+            let begin = Instant::now();
+            let answer = request(server.address(), "GET", &format!("{path}/events"), &headers[..1], b"");
+            (answer.status, begin.elapsed())
+        });
+        std::thread::sleep(Duration::from_millis(500));
+        assert!(raceway(&["token", "revoke", "portal"], &database).status.success());
+        assert_eq!(waits.join().expect("an answer"), 401);
+        let (status, time) = follows.join().expect("an answer");
+        // The job goes on for a minute and more.
+        assert!(status == 200 && time < Duration::from_secs(20), "{status} {time:?}");
+    });
+}
+
+#[test]
 fn a_service_that_has_had_tokens_is_not_open_again() {
     let place = tempfile::tempdir().expect("a directory");
     let database = database(place.path());
@@ -172,6 +201,41 @@ fn execute(database: &str, sql: &str) {
         connection.execute(sqlx::AssertSqlSafe(sql.to_owned())).await.expect("the statement is right");
         connection.close().await.expect("the connection ends");
     });
+}
+
+#[test]
+fn a_database_that_is_made_anew_has_its_tables_again() {
+    let Some(database) = postgres_database() else { return };
+    let (server_url, name) = database.rsplit_once('/').expect("a URL with a database");
+    let server = Process::serve_on(&database, &["--listen", "127.0.0.1:0"], &[]);
+    server.wait_for(&server.submit(&short_job()), &["succeeded"]);
+    let postgres = format!("{server_url}/postgres");
+    execute(&postgres, &format!("DROP DATABASE {name} WITH (FORCE)"));
+    execute(&postgres, &format!("CREATE DATABASE {name}"));
+    let begin = Instant::now();
+    loop {
+        let answer = server.post("/v1/jobs", &short_job());
+        if answer.status == 202 {
+            let path = answer.header("location").expect("a 202 has a location");
+            assert_eq!(server.wait_for(path, &["succeeded", "failed"])["status"], "succeeded");
+            break;
+        }
+        assert_eq!(answer.problem(503)["type"], "urn:raceway:problem:database-away");
+        assert!(begin.elapsed() < Duration::from_secs(60), "it does not come back");
+        std::thread::sleep(Duration::from_millis(500));
+    }
+}
+
+#[test]
+fn a_user_with_too_few_connections_is_told_at_the_start() {
+    let Some(database) = postgres_database() else { return };
+    let user = format!("few_{}", uuid::Uuid::now_v7().simple());
+    execute(&database, &format!("CREATE ROLE {user} LOGIN SUPERUSER CONNECTION LIMIT 3"));
+    execute(&database, &format!("ALTER ROLE {user} NOSUPERUSER; GRANT CREATE ON SCHEMA public TO {user}"));
+    let as_user = database.replacen("raceway@", &format!("{user}@"), 1);
+    let refused = raceway(&["serve", "--listen", "127.0.0.1:0"], &as_user);
+    let told = String::from_utf8_lossy(&refused.stderr);
+    assert!(!refused.status.success() && told.contains("needs 4 connections at least"), "{told}");
 }
 
 #[test]

@@ -511,6 +511,31 @@ fn is_outside_transactions(connection: &SqliteConnection) -> bool {
     !connection.is_in_transaction()
 }
 
+/// Connections that a process needs which runs jobs: two hear what others tell, one takes deliveries, one writes.
+const LEAST_CONNECTIONS: usize = 4;
+
+/// Refuses a server that gives so few connections that runs would wait for each other's.
+pub async fn check_room(options: &PgConnectOptions) -> Result<(), JobError> {
+    let mut held = Vec::new();
+    while held.len() < LEAST_CONNECTIONS {
+        match PgConnection::connect_with(options).await {
+            Ok(connection) => held.push(connection),
+            Err(error) if held.is_empty() => return Err(error.into()),
+            Err(error) => {
+                let given = held.len();
+                let needed = format!(
+                    "{error}; a process that runs jobs needs {LEAST_CONNECTIONS} connections at least, and got {given}"
+                );
+                return Err(JobError::Migration(needed));
+            }
+        }
+    }
+    for connection in held {
+        connection.close().await?;
+    }
+    Ok(())
+}
+
 /// Connects to a server.
 pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgPool, JobError> {
     // A process that is frozen within a transaction would keep its locks, and with them all others.
