@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 
 use axum::Router;
-use tokio::net::TcpListener;
+use tokio::net::{TcpListener, TcpSocket};
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
@@ -48,7 +48,7 @@ impl Service {
         access: Access,
         simulator: Simulator,
     ) -> Result<Self, StartError> {
-        let listener = bind(listen).await?;
+        let listener = bind(listen)?;
         let jobs = Jobs::start(settings, simulator).await?;
         let app = App::new(jobs.clone(), access);
         Ok(Self { jobs, door: Door::open(listener, router(app.clone()), lobby(app)) })
@@ -79,7 +79,7 @@ impl Worker {
         let Some((listen, access)) = probed else {
             return Ok(Self { jobs: Jobs::start(settings, simulator).await?, door: None });
         };
-        let listener = bind(listen).await?;
+        let listener = bind(listen)?;
         let jobs = Jobs::start(settings, simulator).await?;
         let app = App::new(jobs.clone(), access);
         let door = Door::open(listener, probes(app.clone()), lobby(app));
@@ -102,11 +102,21 @@ impl Worker {
     }
 }
 
-async fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartError> {
-    let refused = |source| StartError::Listen { address, source };
-    let listener = TcpListener::bind(address).await.map_err(refused)?;
-    let bound = listener.local_addr().map_err(refused)?;
-    Ok((listener, bound))
+/// Connections that wait in the kernel to be accepted. Of those that find no room there a client tries again after a second, then two.
+const BACKLOG: u32 = 1024;
+
+fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartError> {
+    let listen = || {
+        let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
+        // A port that was in use a moment ago can be taken again.
+        #[cfg(unix)]
+        socket.set_reuseaddr(true)?;
+        socket.bind(address)?;
+        let listener = socket.listen(BACKLOG)?;
+        let bound = listener.local_addr()?;
+        Ok((listener, bound))
+    };
+    listen().map_err(|source| StartError::Listen { address, source })
 }
 
 impl Door {
