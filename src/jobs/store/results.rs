@@ -1,6 +1,7 @@
 //! Results: metrics as they are sent, spectra and series compressed, one row a channel; reports of other jobs than
 //! simulations, compressed.
 
+use std::cell::RefCell;
 use std::io::{Read, Write};
 
 use flate2::Compression;
@@ -91,9 +92,15 @@ const LEVEL: Compression = Compression::new(3);
 pub(super) fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
     // As one piece: the compressor takes ten times as long for the few bytes at a time that serde_json writes.
     let text = serde_json::to_vec(answer).map_err(|error| JobError::Corrupt(error.to_string()))?;
-    let mut encoder = ZlibEncoder::new(Vec::new(), LEVEL);
-    encoder.write_all(&text)?;
-    Ok(encoder.finish()?)
+    ENCODER.with_borrow_mut(|encoder| {
+        encoder.write_all(&text)?;
+        Ok(encoder.reset(Vec::new())?)
+    })
+}
+
+thread_local! {
+    /// Making one takes as long as compressing a spectrum.
+    static ENCODER: RefCell<ZlibEncoder<Vec<u8>>> = RefCell::new(ZlibEncoder::new(Vec::new(), LEVEL));
 }
 
 /// What adds a result.
