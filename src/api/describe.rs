@@ -149,7 +149,7 @@ problems! {
 }
 
 fn wrong_diameter() -> Refusal {
-    FieldError::new("/scene/bearing/ball_diameter_mm", "-1 mm: must be above 0 and at most 500 mm").into()
+    FieldError::new("/scene/bearing/ball_diameter_mm", "-1 mm: must be from 0.1 to 500 mm").into()
 }
 
 /// A response with what is answered in each case, by the kind of problem.

@@ -36,6 +36,7 @@ mod accuracy;
 mod cost;
 mod filling;
 mod limits;
+mod plausible;
 mod scaling;
 pub mod schema;
 mod strict;

@@ -18,7 +18,7 @@ pub struct FieldError {
     #[schema(example = "/scene/bearing/ball_diameter_mm")]
     pub pointer: String,
     /// What is wrong, in the user's units.
-    #[schema(example = "-1 mm: must be above 0 and at most 500 mm")]
+    #[schema(example = "-1 mm: must be from 0.1 to 500 mm")]
     pub detail: String,
 }
 

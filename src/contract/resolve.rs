@@ -9,6 +9,8 @@ use super::given_fields;
 use super::job::Job;
 use super::metrics::{FrequenciesAnswer, LeftOutAnswer};
 use super::outputs::OutputsInput;
+use super::plausible;
+use super::problem::FieldError;
 use super::scene::SceneInput;
 use super::solver::SolverInput;
 use super::units::{DEG, UM};
@@ -62,6 +64,9 @@ pub struct ResolveAnswer {
     pub defaults: Vec<String>,
     /// Quantities that follow from the scene.
     pub derived: DerivedAnswer,
+    /// What is so far from what is built that a unit may have been misread, by field; the job runs all the same.
+    #[schema(example = json!([{ "pointer": "/scene/lubricant/viscosity_pa_s", "detail": "32 Pa·s: oils, also those in greases, have 0.001 to 1 Pa·s at work; 1 mPa·s is 0.001" }]))]
+    pub warnings: Vec<FieldError>,
     /// Rungs of the ladder of models that are tried, the leanest first: a reduced one makes the result where its check holds.
     #[schema(example = json!(["radially_condensed", "full"]))]
     pub rungs: Vec<String>,
@@ -170,6 +175,7 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
         left_out: left_out.iter().map(LeftOutAnswer::from).collect(),
         cost: cost::estimate(job),
         derived: derived(job, at_rest.as_ref()),
+        warnings: plausible::warnings(job, at_rest.as_ref()),
     }
 }
 

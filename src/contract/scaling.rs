@@ -70,7 +70,7 @@ pub fn crown_cage(size: Size) -> CageInput {
 }
 
 /// Mass of a solid steel shaft of the bore, 7 bores long [kg].
-fn shaft_mass_kg(bore_mm: f64) -> f64 {
+pub fn shaft_mass_kg(bore_mm: f64) -> f64 {
     let bore = bore_mm / 1e3;
     significant(7830.0 * std::f64::consts::FRAC_PI_4 * bore * bore * 7.0 * bore, 4)
 }

@@ -131,8 +131,8 @@ pub struct KnownTokens {
     read_at: tokio::sync::Mutex<Instant>,
 }
 
-/// Age up to which an unknown token is not worth another look: whoever guesses asks the database this often at most.
-const FRESH: Duration = Duration::from_millis(50);
+/// Between two looks on behalf of unknown tokens: whoever guesses asks the database this often at most, and waits for it.
+const APART: Duration = Duration::from_millis(50);
 
 impl KnownTokens {
     pub async fn read(store: &Store) -> Result<Self, JobError> {
@@ -145,13 +145,16 @@ impl KnownTokens {
         Arc::clone(&self.known.read().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Reads them again, unless that has just been done.
+    /// Has them read since it was called, and no more often than may be: those who wait for it share one look.
     pub async fn refresh(&self, store: &Store) -> Result<(), JobError> {
+        let called = Instant::now();
         let mut read_at = self.read_at.lock().await;
-        if read_at.elapsed() > FRESH {
+        if *read_at < called {
+            tokio::time::sleep(APART.saturating_sub(read_at.elapsed())).await;
+            let begin = Instant::now();
             let tokens: Arc<[Token]> = store.tokens().await?.into();
             *self.known.write().unwrap_or_else(PoisonError::into_inner) = tokens;
-            *read_at = Instant::now();
+            *read_at = begin;
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::process::Output;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
@@ -69,6 +70,26 @@ fn a_service_follows_what_becomes_of_its_tokens() {
     }
     assert_eq!(status(&server, &path, &same_owner), 200);
     assert!(stdout(&raceway(&["token", "list"], &database)).contains("revoked 2"));
+}
+
+/// Whoever guesses has the tokens read again and again; one that is made between two looks lets in at once.
+#[test]
+fn a_token_lets_in_from_its_first_moment() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = database(place.path());
+    created(&[], &database);
+    let server = Process::serve_on(&database, &["--listen", "127.0.0.1:0"], &[]);
+    let is_over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !is_over.load(Ordering::Relaxed) {
+                assert_eq!(status(&server, "/v1/jobs", "guess"), 401);
+            }
+        });
+        let answers: Vec<u16> = (0..8).map(|_| status(&server, "/v1/jobs", &created(&[], &database))).collect();
+        is_over.store(true, Ordering::Relaxed);
+        assert_eq!(answers, [200; 8]);
+    });
 }
 
 #[test]

@@ -60,6 +60,14 @@ export function showDerived(host, resolved) {
         ]),
       ),
     ),
+    resolved.warnings.length
+      ? h(
+          'div',
+          { class: 'note', role: 'status' },
+          h('h3', {}, 'Is this meant?'),
+          h('ul', {}, ...resolved.warnings.map(({ pointer, detail }) => h('li', {}, h('code', {}, pointer), ` ${detail}`))),
+        )
+      : null,
     h(
       'details',
       { open: opened },
