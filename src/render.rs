@@ -287,38 +287,36 @@ pub fn forces(forces: &[[f64; 4]]) -> String {
     trend_svg("Ball in its pocket", "forces over those of CalculiX, converged", &axis, &[panel])
 }
 
-/// A study as CSV: axes, status, then every number of the metrics under its pointer.
+/// A study as CSV: axes, status, why a point failed, rung, method, motion and warning, then every number of the metrics, each under
+/// its pointer.
 pub fn table_csv(table: &TableAnswer) -> String {
+    let heads = ["status", "error"].into_iter().chain(table.words());
     let columns = table.columns();
-    let quoted = |text: &str| {
-        if text.contains([',', '"', '\n', '\r']) {
-            format!("\"{}\"", text.replace('"', "\"\""))
-        } else {
-            text.to_owned()
-        }
-    };
-    let heads = table.axes.iter().map(|axis| quoted(&axis.axis));
-    let mut lines = vec![
-        heads
-            .chain(["status".to_owned(), "error".to_owned()])
-            .chain(columns.iter().map(|column| quoted(column)))
-            .collect::<Vec<_>>()
-            .join(","),
-    ];
+    let axes = || table.axes.iter().map(|axis| &axis.axis);
+    let heads = axes().map(|axis| quoted(axis)).chain(heads.map(quoted)).chain(columns.iter().map(|head| quoted(head)));
+    let mut lines = vec![heads.collect::<Vec<_>>().join(",")];
     for row in &table.rows {
-        let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), quoted);
-        let values = table.axes.iter().map(|axis| row.point.get(&axis.axis).map_or(String::new(), word));
+        let values = axes().map(|axis| row.point.get(axis).map_or(String::new(), cell));
+        let status = serde_json::to_value(row.status).map_or(String::new(), |status| cell(&status));
         let error = row.error.as_ref().map_or(String::new(), |error| quoted(&error.detail));
-        let status = serde_json::to_value(row.status).ok().and_then(|status| status.as_str().map(str::to_owned));
-        let metric = |column: &String| {
-            let value = row.metrics.as_ref().and_then(|metrics| metrics.pointer(column));
-            value.map_or(String::new(), ToString::to_string)
-        };
-        let cells = values.chain([status.unwrap_or_default(), error]).chain(columns.iter().map(metric));
+        let metric =
+            |column| row.metrics.as_ref().and_then(|metrics| metrics.pointer(column)).map_or(String::new(), cell);
+        let words = table.words().into_iter().map(metric);
+        let cells = values.chain([status, error]).chain(words).chain(columns.iter().map(|column| metric(column)));
         lines.push(cells.collect::<Vec<_>>().join(","));
     }
     lines.push(String::new());
     lines.join("\n")
+}
+
+/// A value in a table: words as they are, numbers as JSON has them.
+fn cell(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), quoted)
+}
+
+/// In quotation marks where commas, line ends or quotation marks would be misread.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 /// All pictures of a simulation, by the names that the service gives them; those that it has nothing for are missing.
@@ -349,13 +347,12 @@ pub fn is_of_spindle(channel: &str, quantity: &str) -> bool {
     matches!(parts.as_slice(), ["spindle", _, of] if *of == quantity)
 }
 
-/// Two columns below their names.
-fn csv(head: &str, first: &[f64], second: &[f64]) -> String {
-    let mut text = String::with_capacity(32 * first.len());
-    text.push_str(head);
-    text.push('\n');
-    for (a, b) in first.iter().zip(second) {
-        // Writing to a string cannot fail.
+/// Two columns, the second below its channel and unit.
+fn csv(first: &str, (channel, unit): (&str, &str), columns: [&[f64]; 2]) -> String {
+    let mut text = String::with_capacity(32 * columns[0].len());
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{first},{}", quoted(&format!("{channel} [{unit}]")));
+    for (a, b) in columns[0].iter().zip(columns[1]) {
         let _ = writeln!(text, "{a},{b}");
     }
     text
@@ -363,7 +360,7 @@ fn csv(head: &str, first: &[f64], second: &[f64]) -> String {
 
 /// A spectrum as CSV.
 pub fn spectrum_csv(spectrum: &SpectrumAnswer) -> String {
-    csv("frequency_hz,amplitude", &spectrum.frequency_hz, &spectrum.amplitude)
+    csv("frequency_hz", (&spectrum.channel, &spectrum.unit), [&spectrum.frequency_hz, &spectrum.amplitude])
 }
 
 /// A series as NumPy's array file, version 1.0: records of `time_s` and `value`.
@@ -385,5 +382,5 @@ pub fn series_npy(series: &SeriesAnswer) -> Vec<u8> {
 
 /// A series as CSV.
 pub fn series_csv(series: &SeriesAnswer) -> String {
-    csv("time_s,value", &series.time_s, &series.value)
+    csv("time_s", (&series.channel, &series.unit), [&series.time_s, &series.value])
 }

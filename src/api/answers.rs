@@ -9,6 +9,7 @@ use uuid::Uuid;
 
 use super::error::{ApiError, Problem};
 use crate::contract::job::{JobInput, JobKindName};
+use crate::contract::outputs::MetricsPart;
 use crate::contract::{JobKind, Metrics};
 use crate::jobs::{JobError, JobRecord, Status};
 
@@ -129,14 +130,26 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum_svg: Option<String>,
-    /// Of a study.
+    /// Velocity of the spindle over time.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub table: Option<String>,
+    pub velocity_svg: Option<String>,
+    /// Acceleration of the spindle over time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub acceleration_svg: Option<String>,
     /// Paths of the centres of spindle and cage.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub orbit_svg: Option<String>,
+    /// Loads of a ball along its way, where contacts were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub loads_svg: Option<String>,
+    /// Of a study.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub table: Option<String>,
     /// Of a study over one axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -228,6 +241,8 @@ struct AskedOutputs {
     /// The usual ones where it does not say.
     spectra: Option<Vec<IgnoredAny>>,
     series: Vec<IgnoredAny>,
+    /// All of them where it does not say.
+    metrics: Option<Vec<MetricsPart>>,
 }
 
 impl Asked {
@@ -243,10 +258,12 @@ impl Links {
         let asked = Asked::of(&record.request);
         let spectra = asked.outputs.spectra.as_ref().is_none_or(|spectra| !spectra.is_empty());
         let series = !asked.outputs.series.is_empty();
+        let contacts = asked.outputs.metrics.as_ref().is_none_or(|parts| parts.contains(&MetricsPart::Contacts));
         let axes = if kind == JobKind::Study.name() { asked.axes.len() } else { 0 };
         let below = |name: &str, when: bool| when.then(|| format!("{this}/{name}"));
         let succeeded = |of: JobKind| status == Status::Succeeded && kind == of.name();
         let (simulated, compared) = (succeeded(JobKind::Simulation), succeeded(JobKind::Accuracy));
+        let drawn = simulated && (spectra || series);
         Self {
             events: format!("{this}/events"),
             cancel: below("cancel", !status.is_final()),
@@ -255,7 +272,10 @@ impl Links {
             channels: below("channels", simulated),
             series: below("series", simulated && series),
             spectrum_svg: below("plots/spectrum.svg", simulated && spectra),
-            orbit_svg: below("plots/orbit.svg", simulated && (spectra || series)),
+            velocity_svg: below("plots/velocity.svg", drawn),
+            acceleration_svg: below("plots/acceleration.svg", drawn),
+            orbit_svg: below("plots/orbit.svg", drawn),
+            loads_svg: below("plots/loads.svg", drawn && contacts),
             table: below("table", kind == JobKind::Study.name()),
             trend_svg: below("plots/trend.svg", axes == 1),
             map_svg: below("plots/map.svg", axes == 2),

@@ -89,7 +89,7 @@ pub struct ChannelsAnswer {
     get, path = "/v1/jobs/{id}/spectrum", tag = describe::RESULTS, operation_id = "getSpectrum",
     params(("id" = Uuid, Path, description = "The job"), SpectrumQuery),
     responses(
-        (status = 200, description = "The spectrum", content((SpectrumAnswer = "application/json"), (String = "text/csv", example = json!("frequency_hz,amplitude\n0,0\n8,0.0123\n")))),
+        (status = 200, description = "The spectrum", content((SpectrumAnswer = "application/json"), (String = "text/csv", example = json!("frequency_hz,spindle.y.acceleration [m/s²]\n0,0\n8,0.0123\n")))),
         Unchanged, BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
     )
 )]
@@ -119,7 +119,7 @@ pub async fn spectrum(
     get, path = "/v1/jobs/{id}/series", tag = describe::RESULTS, operation_id = "getSeries",
     params(("id" = Uuid, Path, description = "The job"), SeriesQuery),
     responses(
-        (status = 200, description = "The series", content((SeriesAnswer = "application/json"), (String = "text/csv", example = json!("time_s,value\n0.02,0.31\n")), (String = "application/x-npy", example = json!("(bytes) NUMPY {'descr': [('time_s', '<f8'), ('value', '<f8')], …")))),
+        (status = 200, description = "The series", content((SeriesAnswer = "application/json"), (String = "text/csv", example = json!("time_s,spindle.y.displacement [µm]\n0.02,0.31\n")), (String = "application/x-npy", example = json!("(bytes) NUMPY {'descr': [('time_s', '<f8'), ('value', '<f8')], …")))),
         Unchanged, BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
     )
 )]

@@ -29,7 +29,7 @@ const CSV: &str = "text/csv";
     get, path = "/v1/jobs/{id}/table", tag = describe::RESULTS, operation_id = "getTable",
     params(("id" = Uuid, Path, description = "The job, of kind `study`")),
     responses(
-        (status = 200, description = "The table", content((TableAnswer = "application/json"), (String = "text/csv", example = json!("/spindle/mass_kg,status,error,/channels/spindle.y.acceleration/level_db\n0.05,succeeded,,66.9\n")))),
+        (status = 200, description = "The table", content((TableAnswer = "application/json"), (String = "text/csv", example = json!("/spindle/mass_kg,status,error,/solver/rung,/channels/spindle.y.acceleration/level_db\n0.05,succeeded,,radially_condensed,66.9\n")))),
         Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere
     )
 )]

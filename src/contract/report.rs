@@ -93,7 +93,8 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub motion: Option<MotionName>,
-    /// Rate at which neighbouring runs part; negative: they meet [1/s]. Absent where `motion` is: too short to tell.
+    /// Rate at which neighbouring runs part; negative: they meet [1/s]. Slightly positive is no chaos: azimuths drift apart in the
+    /// steadiest motion. Absent where `motion` is: too short to tell.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub divergence_rate_per_s: Option<f64>,
@@ -105,7 +106,8 @@ pub struct AccuracyAnswer {
     pub warning: Option<String>,
 }
 
-/// `decaying`: neighbouring runs meet. `diverging`: they part, the motion is chaotic.
+/// `decaying`: neighbouring runs meet, or part by less than a factor of e² over the stretch that is watched (10 ms, or the run).
+/// `diverging`: they part by more, the motion is chaotic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MotionName {

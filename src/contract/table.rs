@@ -230,6 +230,14 @@ impl TableAnswer {
         self.rows.iter().map(|row| uncertain(row.metrics.as_ref()?, pointer)).collect()
     }
 
+    /// Pointers to the words that tell on what the numbers of a point rest, where any point has them.
+    pub fn words(&self) -> Vec<&'static str> {
+        const WORDS: [&str; 4] = ["/solver/rung", "/solver/method", "/accuracy/motion", "/accuracy/warning"];
+        let has =
+            |word: &&str| self.rows.iter().any(|row| row.metrics.as_ref().and_then(|m| m.pointer(word)).is_some());
+        WORDS.into_iter().filter(has).collect()
+    }
+
     /// Pointers to all numbers of the metrics, in the order of the metrics.
     pub fn columns(&self) -> Vec<String> {
         let mut columns = Vec::new();

@@ -35,7 +35,7 @@ pub enum AxisPlaces {
 }
 
 const WIDTH: f64 = 640.0;
-const LEFT: f64 = 80.0;
+const LEFT: f64 = 94.0;
 const RIGHT: f64 = 18.0;
 const TOP: f64 = 100.0;
 const PANEL: f64 = 150.0;
@@ -175,7 +175,12 @@ fn draw_panel(drawing: &mut Drawing, panel: &TrendPanel<'_>, places: &Places, (b
         drawing.line("grid", (left, at), (right, at));
         drawing.text("", Anchor::End, left - 7.0, at + 4.5, &text);
     }
-    drawing.upright_text("", 18.0, 0.5 * (top + bottom), panel.quantity);
+    // The unit below its quantity: both in one line would be longer than their panel.
+    let (quantity, unit) = panel.quantity.rsplit_once(" in ").unwrap_or((panel.quantity, ""));
+    drawing.upright_text("", 18.0, 0.5 * (top + bottom), quantity.trim_end_matches(','));
+    if !unit.is_empty() {
+        drawing.upright_text("", 34.0, 0.5 * (top + bottom), unit);
+    }
     let mut legend = left;
     for (colour, curve) in panel.curves.iter().enumerate() {
         drawing.dot(colour, legend + 4.0, top - 12.0);
@@ -222,7 +227,7 @@ mod tests {
         let axis = VariedAxis { name: "/operation/speed_rpm", values: AxisPlaces::Numbers(vec![1.0, 2.0, 3.0, 4.0]) };
         let svg = trend_svg("Trend", "one bearing", &axis, &panel(values));
         assert_well_formed(&svg);
-        for text in ["level in dB", "/operation/speed_rpm", "y &lt;&amp;&gt;", ">60<", "class=\"band\""] {
+        for text in [">level<", ">dB<", "/operation/speed_rpm", "y &lt;&amp;&gt;", ">60<", "class=\"band\""] {
             assert!(svg.contains(text), "{text}");
         }
         assert_eq!((svg.matches("<circle").count(), svg.matches("<path").count()), (4, 4));

@@ -32,7 +32,7 @@ fn a_spectrum_comes_as_json_and_csv() {
     let csv = format!("{path}/spectrum?channel=spindle.y.acceleration&max_frequency_hz=3000");
     let csv = request(server.address(), "GET", &csv, &[("Accept", "text/csv")], b"");
     assert_eq!(csv.header("content-type"), Some("text/csv"));
-    assert_eq!(csv.body.lines().next(), Some("frequency_hz,amplitude"));
+    assert_eq!(csv.body.lines().next(), Some("frequency_hz,spindle.y.acceleration [m/s²]"));
     assert_eq!(csv.body.lines().count(), 1 + expected.len());
     let envelope = server.get(&format!("{path}/spectrum?channel=spindle.y.acceleration&kind=envelope")).json();
     assert_eq!(envelope["kind"], "envelope");
@@ -85,10 +85,14 @@ fn plots_are_drawn() {
 fn every_link_of_a_job_can_be_followed() {
     let server = start();
     let path = finished(&server);
-    let job = server.get(&path).json();
-    let links = job["links"].as_object().expect("links").iter();
-    for (name, link) in links.filter(|(name, _)| *name != "events") {
-        assert_eq!(server.get(link.as_str().expect("a path")).status, 200, "{name}");
+    let other = [json!({ "metrics": ["vibration"] }), json!({ "metrics": ["vibration"], "spectra": [] })]
+        .map(|outputs| server.submit(&job_with(json!({ "outputs": outputs }))));
+    for path in [&path].into_iter().chain(&other) {
+        let job = server.wait_for(path, &["succeeded"]);
+        let links = job["links"].as_object().expect("links").iter();
+        for (name, link) in links.filter(|(name, _)| *name != "events") {
+            assert_eq!(server.get(link.as_str().expect("a path")).status, 200, "{name} of {job}");
+        }
     }
     let (spectrum, series) =
         (server.get(&format!("{path}/spectrum")), server.get(&format!("{path}/series?max_points=9")));

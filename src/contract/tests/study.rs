@@ -192,6 +192,7 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
         let metrics = json!({
             "channels": { "spindle.y.acceleration": { "level_db": level, "peak": level } },
             "kinematics": { "cage_slip": level - 60.1 },
+            "solver": { "rung": "full" },
             "accuracy": { "level_error_db": error, "cage_speed_error": 0.01 }
         });
         Row::queued(&study, point).ended(PointEnd::Succeeded(metrics))
@@ -231,8 +232,9 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
     assert_eq!(table.columns(), columns);
     let csv = crate::render::table_csv(&table);
     assert_eq!(csv.lines().count(), 5);
-    assert!(csv.lines().nth(2).unwrap().starts_with("0.05,succeeded,,0.01,0.1,60.0,60.0,-0.1"), "{csv}");
-    assert!(csv.lines().nth(4).unwrap().starts_with("0.2,failed,the run was told to stop,,,"), "{csv}");
+    assert!(csv.starts_with("/spindle/mass_kg,status,error,/solver/rung,/accuracy/cage_speed_error,"), "{csv}");
+    assert!(csv.lines().nth(2).unwrap().starts_with("0.05,succeeded,,full,0.01,0.1,60.0,60.0,-0.1"), "{csv}");
+    assert!(csv.lines().nth(4).unwrap().starts_with("0.2,failed,the run was told to stop,,,,"), "{csv}");
 }
 
 #[test]
