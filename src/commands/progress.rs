@@ -66,11 +66,11 @@ fn announcement(job: &Job) -> String {
     format!("{kind}: {simulated}{runs}; {estimate}")
 }
 
-/// An estimate [s] in words, with what it may become where no reduced model serves.
+/// An estimate [s] in words, with what it may become.
 fn estimated(estimate: Option<f64>, most: Option<f64>) -> String {
     match (estimate, most) {
         (Some(estimate), Some(most)) if most > estimate => format!(
-            "estimated {}, or {} where no reduced model is confirmed, by an order of magnitude",
+            "estimated {}, up to {} where models or tolerances do not serve at once, by an order of magnitude",
             duration(estimate),
             duration(most)
         ),
@@ -136,7 +136,7 @@ mod tests {
         assert!(told.contains("estimated "), "{told}");
         let told = announcement(&contract::parse_job_or_scene(scene).unwrap());
         assert!(told.starts_with("simulation: ") && !told.contains("runs"), "{told}");
-        // What it may become on the richer rung is told, too, and nothing takes no time at all.
-        assert!(told.contains(" where no reduced model is confirmed") && !told.contains(" 0 s"), "{told}");
+        // What it may become is told, too, and nothing takes no time at all.
+        assert!(told.contains(", up to ") && !told.contains(" 0 s"), "{told}");
     }
 }

@@ -6,8 +6,11 @@ use super::units::significant;
 use crate::simulation::divergence::judged_stretch;
 use crate::simulation::ladder::{self, Rung};
 use crate::simulation::model::Model;
+use crate::simulation::needs::Grounds;
+use crate::simulation::observe::kept_values;
 use crate::simulation::run::{Method, RunSettings, start_state};
 use crate::simulation::stiffness::{FastestMode, fastest_mode};
+use crate::simulation::work_precision::Plan;
 
 /// Time of one ball in one evaluation of the equations, and of each strip of its two contacts on top [s]:
 /// of the order of `cargo bench --bench contact` on one core of a shared server with AVX2.
@@ -22,8 +25,12 @@ const EVALUATIONS: f64 = 6.0;
 const STIFF_EVALUATIONS: f64 = 6.0;
 const STIFF_STEP: f64 = 1e-6;
 const STIFF_TOLERANCE: f64 = 1e-5;
-/// Speed of a reduced rung with its check by another, times real time.
+/// Speed of a reduced rung with its own repetition, times real time.
 const REDUCED_REAL_TIME_FACTOR: f64 = 20.0;
+/// What the dynamics beside which a reduced rung is checked cost, in runs over that time: they are repeated, too.
+const CHECKS: f64 = 3.0;
+/// What a look at the contacts costs that is taken for every kept value, in evaluations of the equations.
+const LOOK: f64 = 2.0;
 /// Runs that the references of an accuracy job are worth.
 const REFERENCE_RUNS: f64 = 20.0;
 /// Longest step that accuracy allows where stability does not bind [s].
@@ -31,7 +38,8 @@ const SMOOTH_STEP: f64 = 20e-6;
 
 /// Stability holds the explicit method to short steps, however smooth the motion is: those of the fastest mode of the
 /// equations at the start of the run; a stiff method goes its own pace, and `auto` takes the cheaper one. An order of magnitude:
-/// impacts, and loads that grow later, are not foreseen. No time is given where the run has no equilibrium to start from.
+/// impacts, loads that grow later, and levels that drown in noise are not foreseen. No time is given where the run has no equilibrium to
+/// start from.
 pub fn estimate(job: &Job) -> CostAnswer {
     let scene = job.scene();
     let model = Model::new(scene, &job.needs);
@@ -40,17 +48,20 @@ pub fn estimate(job: &Job) -> CostAnswer {
     let times = mode.ok().map(|mode| {
         let balls = scene.bearing.parameters.ball_count as f64;
         let evaluation = balls * (SECONDS_PER_BALL + 2.0 * job.needs.raceway.strips as f64 * SECONDS_PER_STRIP);
-        let (settle, duration) = (job.settings.settle, job.settings.duration);
-        let (time, reduced) = match job.rungs.first().filter(|rung| rung.is_reduced()) {
-            Some(rung) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => (0.0, settle + duration),
-            Some(_) => (ladder::check_time(scene), settle + duration),
-            None => (simulated_time(job, judged_stretch(&job.settings)), 0.0),
-        };
         let by_dynamics = |time: f64| time * evaluations_per_second(&job.settings, &mode) * evaluation;
-        let estimate = by_dynamics(time) + reduced / REDUCED_REAL_TIME_FACTOR;
-        let fails = reduced > 0.0 && job.rungs.len() > 1;
-        let most =
-            if fails { estimate + by_dynamics(simulated_time(job, judged_stretch(&job.settings))) } else { estimate };
+        let (settle, duration) = (job.settings.settle, job.settings.duration);
+        let looks = LOOK * kept_values(duration) as f64 * evaluation;
+        // The run, and its repetition that tells the error.
+        let judged = 2.0 * (by_dynamics(settle + duration) + looks);
+        let reduced = (settle + duration) / REDUCED_REAL_TIME_FACTOR;
+        let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene));
+        let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {
+            (Some(plan), _) => [by_dynamics(compared_time(job, plan)); 2],
+            (None, None) => [judged, attempts(job) * judged],
+            (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => [reduced; 2],
+            (None, Some(_)) if job.rungs.len() == 1 => [checked; 2],
+            (None, Some(_)) => [checked, checked + attempts(job) * judged],
+        };
         [estimate, most].map(|time| significant(time.min(LONGEST), 2))
     });
     let (estimated_wall_time_s, most_wall_time_s) = (times.map(|t| t[0]), times.map(|t| t[1]));
@@ -62,6 +73,12 @@ pub fn estimate(job: &Job) -> CostAnswer {
         all_wall_time_s: of_all(estimated_wall_time_s),
         most_all_wall_time_s: of_all(most_wall_time_s),
     }
+}
+
+/// How often a run of the dynamics may be made: as asked for, with all that judgement has left out, and at a tighter tolerance.
+fn attempts(job: &Job) -> f64 {
+    let judged = job.needs.left_out.iter().any(|left_out| left_out.by == Grounds::Judgement);
+    [true, judged, job.settings.tightened.is_some()].into_iter().filter(|may_come| *may_come).count() as f64
 }
 
 /// Evaluations of the equations for a second of motion.
@@ -76,15 +93,8 @@ fn evaluations_per_second(settings: &RunSettings, mode: &FastestMode) -> f64 {
     }
 }
 
-/// Time that all runs of a job simulate together [s].
-fn simulated_time(job: &Job, stretch: f64) -> f64 {
-    let (settle, duration) = (job.settings.settle, job.settings.duration);
-    match &job.plan {
-        // Judging the accuracy follows two copies over a stretch, and repeats it once, mostly with the time to settle.
-        None => settle + duration + 3.0 * stretch + if settle <= duration { settle } else { 0.0 },
-        Some(plan) => {
-            let runs = (plan.methods.len() * plan.relative_tolerances.len()) as f64 * f64::from(plan.repetitions);
-            settle + 2.0 * stretch + (runs + REFERENCE_RUNS) * duration
-        }
-    }
+/// Time that all runs of a comparison simulate together [s].
+fn compared_time(job: &Job, plan: &Plan) -> f64 {
+    let runs = (plan.methods.len() * plan.relative_tolerances.len()) as f64 * f64::from(plan.repetitions);
+    job.settings.settle + 2.0 * judged_stretch(&job.settings) + (runs + REFERENCE_RUNS) * job.settings.duration
 }

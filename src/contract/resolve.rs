@@ -135,7 +135,8 @@ pub struct CostAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub estimated_wall_time_s: Option<f64>,
-    /// The same where no reduced rung is confirmed, and the last of `rungs` makes the result [s].
+    /// The same where no reduced rung is confirmed, and the last of `rungs` makes the result, with all that judgement has left out and at
+    /// a tighter tolerance in the end [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub most_wall_time_s: Option<f64>,
