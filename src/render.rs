@@ -67,7 +67,7 @@ pub fn orbits(orbits: &[OrbitView]) -> String {
 pub fn loads(loads: &LoadsView) -> String {
     let curve = |name, load| LoadCurve { name, azimuth: &loads.azimuth_deg, load };
     let curves = [curve("inner raceway", &loads.inner_n), curve("outer raceway", &loads.outer_n)];
-    loads_svg("Loads of a ball along its way", "ball 1, turn over turn", &curves)
+    loads_svg("Loads of a ball along its way", "ball 1, turns over each other", &curves)
 }
 
 /// Time series above each other.
@@ -200,7 +200,9 @@ pub fn map(table: &TableAnswer) -> Option<String> {
 /// both, the scan as fields and every other run as a dot.
 pub fn optimum(answer: &OptimumAnswer) -> String {
     let metric = metric_in_words(&answer.metric);
-    let title = format!("{} of {metric}", if answer.goal == GoalName::Minimum { "Minimum" } else { "Maximum" });
+    // The unit stands beside the axis.
+    let named = metric.rsplit_once(" in ").map_or(&*metric, |(named, _)| named);
+    let title = format!("{} of {named}", if answer.goal == GoalName::Minimum { "Minimum" } else { "Maximum" });
     let place = |axis: &RangeAnswer| {
         let within = answer.within.as_ref().and_then(|within| within.get(&axis.axis));
         let within = within.map_or(String::new(), |[low, high]| format!(" ({low} … {high})"));

@@ -248,7 +248,12 @@ pub fn parse_batch(body: &[u8]) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
 
 /// Reads a job, or `{ "scene": … }` for a simulation of it.
 pub fn parse_scene_request(body: &[u8]) -> Result<Job, Refusal> {
-    simulation_of(strict::read(body)?)
+    let request = strict::read(body)?;
+    if is_scene(&request) {
+        let detail = "a scene alone: must be an object `{\"scene\": …}`, with this as its field `scene`";
+        return Err(FieldError::new("", detail).into());
+    }
+    simulation_of(request)
 }
 
 /// Reads a job, `{ "scene": … }` for a simulation of it, or the scene alone.
@@ -290,11 +295,16 @@ fn of_kind(wanted: JobKind, mut request: Value) -> Result<Job, Refusal> {
 /// Checks what has been read by `job`, a scene alone as one of `{ "scene": … }`. Told apart by their fields; pointers
 /// of errors are those of what was read.
 pub fn job_or_scene(request: Value, job: impl FnOnce(Value) -> Result<Job, Refusal>) -> Result<Job, Refusal> {
-    let has = |field: &str| request.get(field).is_some();
-    if has("kind") || has("scene") || !(has("bearing") || has("operation")) {
-        return job(request);
+    if is_scene(&request) {
+        return job(json!({ "scene": request })).map_err(|refusal| refusal.each(without_scene));
     }
-    job(json!({ "scene": request })).map_err(|refusal| refusal.each(without_scene))
+    job(request)
+}
+
+/// Whether it is a scene where a job, or an object with a scene, may stand.
+fn is_scene(request: &Value) -> bool {
+    let has = |field: &str| request.get(field).is_some();
+    !has("kind") && !has("scene") && (has("bearing") || has("operation"))
 }
 
 fn without_scene(error: FieldError) -> FieldError {

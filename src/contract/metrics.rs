@@ -29,7 +29,7 @@ pub struct Metrics {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cage: Option<CageAnswer>,
-    /// Of ideal rolling at the operating speed.
+    /// At the simulated speeds of cage and balls, as the lines of spectra lie; `POST /v1/scenes/resolve` has those of ideal rolling.
     pub frequencies_hz: FrequenciesAnswer,
     /// Strongest lines of each amplitude spectrum that was asked for (`outputs.spectra`), at most 20 of a channel, strongest first;
     /// of any channel, in its unit. Empty where no spectrum is kept, and where nothing stands out of its floor (`vibration`).

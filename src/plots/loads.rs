@@ -6,7 +6,7 @@ use super::svg::{Anchor, Drawing};
 /// Load over azimuth, in the order of time.
 pub struct LoadCurve<'a> {
     pub name: &'a str,
-    /// [°], 0 to 360
+    /// [°], 0 to 360; drawn from −180 to 180, so that the load stands in the middle
     pub azimuth: &'a [f64],
     /// [N]
     pub load: &'a [f64],
@@ -19,8 +19,9 @@ const TOP: f64 = 88.0;
 const PANEL: f64 = 190.0;
 const PITCH: f64 = PANEL + 46.0;
 const BOTTOM: f64 = 48.0;
-/// Degrees between two labels.
+/// Degrees between two labels, and on either side of the load.
 const LABELS: usize = 45;
+const HALF: i32 = 180;
 
 /// A panel a contact; every turn of the ball is a curve of its own.
 pub fn loads_svg(title: &str, subtitle: &str, curves: &[LoadCurve<'_>]) -> String {
@@ -28,7 +29,7 @@ pub fn loads_svg(title: &str, subtitle: &str, curves: &[LoadCurve<'_>]) -> Strin
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
     let description = format!("{subtitle}. Load over azimuth of {}.", names.join(", "));
     let mut drawing = Drawing::new(WIDTH, height, title, subtitle, &description);
-    let x = Scale { values: (0.0, 360.0), positions: (LEFT, WIDTH - RIGHT) };
+    let x = Scale { values: (f64::from(-HALF), f64::from(HALF)), positions: (LEFT, WIDTH - RIGHT) };
     let mut bottom = TOP;
     for (number, curve) in curves.iter().enumerate() {
         let top = TOP + number as f64 * PITCH;
@@ -36,10 +37,10 @@ pub fn loads_svg(title: &str, subtitle: &str, curves: &[LoadCurve<'_>]) -> Strin
         let y = Scale { values: range_of(curve.load.iter().chain(&[0.0])), positions: (bottom, top) };
         drawing.text("name", Anchor::Start, LEFT, top - 8.0, curve.name);
         drawing.rectangle("panel", LEFT, top, WIDTH - LEFT - RIGHT, PANEL);
-        for degrees in (0..=360).step_by(LABELS) {
-            let at = x.at(degrees as f64);
+        for degrees in (-HALF..=HALF).step_by(LABELS) {
+            let at = x.at(f64::from(degrees));
             drawing.line("grid", (at, top), (at, bottom));
-            drawing.text("", Anchor::Middle, at, bottom + 17.0, &degrees.to_string());
+            drawing.text("", Anchor::Middle, at, bottom + 17.0, &degrees.to_string().replace('-', "−"));
         }
         for (value, text) in ticks(y.values, 5) {
             drawing.line("grid", (LEFT, y.at(value)), (WIDTH - RIGHT, y.at(value)));
@@ -56,16 +57,17 @@ pub fn loads_svg(title: &str, subtitle: &str, curves: &[LoadCurve<'_>]) -> Strin
     drawing.finish()
 }
 
-/// The way of the ball, cut where it passes 0°.
+/// The way of the ball, cut where it passes ±180°.
 fn turns(curve: &LoadCurve<'_>) -> Vec<Vec<(f64, f64)>> {
     let mut turns: Vec<Vec<(f64, f64)>> = vec![Vec::new()];
     for (azimuth, load) in curve.azimuth.iter().zip(curve.load) {
+        let azimuth = (azimuth + 180.0).rem_euclid(360.0) - 180.0;
         let passes = turns.last().and_then(|turn| turn.last()).is_some_and(|last| (azimuth - last.0).abs() > 180.0);
         if passes {
             turns.push(Vec::new());
         }
         if let Some(turn) = turns.last_mut() {
-            turn.push((*azimuth, *load));
+            turn.push((azimuth, *load));
         }
     }
     turns
@@ -78,12 +80,12 @@ mod tests {
 
     #[test]
     fn every_turn_is_a_curve() {
-        let azimuth = [300.0, 350.0, 20.0, 90.0, 350.0, 10.0];
+        let azimuth = [120.0, 170.0, 200.0, 350.0, 10.0, 90.0];
         let curve = LoadCurve { name: "inner <raceway>", azimuth: &azimuth, load: &[1.0, 2.0, 3.0, 2.0, 1.0, 0.0] };
         let svg = loads_svg("Loads", "ball 1", &[curve]);
         assert_well_formed(&svg);
-        assert_eq!(svg.matches("<path").count(), 4);
-        assert!(svg.contains("load in N") && svg.contains(">315<"));
+        assert_eq!(svg.matches("<path").count(), 2);
+        assert!(svg.contains("load in N") && svg.contains(">−135<"));
         assert_well_formed(&loads_svg("t", "s", &[]));
     }
 }

@@ -244,6 +244,7 @@ pub fn lines(
     frequencies: &CharacteristicFrequencies,
 ) -> Vec<(Channel, Line)> {
     let named = scene.operation.speed.is_constant();
+    let frequencies = &marked(scene, frequencies);
     let name = |line: Line| if named { line } else { Line { label: String::new(), deviation: 0.0, ..line } };
     spectra
         .iter()
@@ -251,6 +252,17 @@ pub fn lines(
             find_lines(&spectra.amplitude, frequencies, BAND).into_iter().map(move |line| (spectra.channel, name(line)))
         })
         .collect()
+}
+
+/// The frequencies that can show, others 0: nothing but an unbalance marks how the inner ring turns, and nothing how a smooth ball does.
+fn marked(scene: &Scene, frequencies: &CharacteristicFrequencies) -> CharacteristicFrequencies {
+    let ring = if scene.spindle.unbalance_product(scene.operating_speed()) != 0.0 { 1.0 } else { 0.0 };
+    CharacteristicFrequencies {
+        shaft: ring * frequencies.shaft,
+        ball_pass_inner: ring * frequencies.ball_pass_inner,
+        ball_spin: 0.0,
+        ..*frequencies
+    }
 }
 
 /// The asked-for time series, in their units.

@@ -296,7 +296,8 @@ impl<'m> Observer<'m> {
                 out_of_plane: 0.0,
                 counts: false,
             },
-            loads: (settings.outputs.contacts && settings.outputs.keep_signals()).then(|| LoadsTaken::new(values)),
+            loads: (settings.outputs.contacts && settings.outputs.keep_signals())
+                .then(|| LoadsTaken::new(values, model.mechanism().steady_orbit_speed())),
             shaft: Moments::default(),
             cage: Moments::default(),
             spin: Moments::default(),

@@ -487,9 +487,11 @@ impl RunResult {
     ) -> Self {
         let outputs = &settings.outputs;
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
+        let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
+        let views = || Views::of(recording, balls, is_steady);
         // Together they take as long as a short run.
         let (spectra, (channels, views)) = match outputs.keep_signals() {
-            true => both(|| metrics::spectra(recording, settings), || (channels(), Views::of(recording))),
+            true => both(|| metrics::spectra(recording, settings), || (channels(), views())),
             false => (Vec::new(), (channels(), Views::default())),
         };
         let frequencies = metrics::frequencies(scene, recording);

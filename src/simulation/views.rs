@@ -6,13 +6,15 @@ use super::observe::{RATE, Recording};
 use super::windows::Signal;
 use crate::numerics::statistics::thin;
 
-/// Values of a signal that a picture of some hundred dots across shows.
+/// Values of a signal that a picture of some hundred dots across shows, and ball passages that they can show.
 const MOST_VALUES: usize = 500;
+const PASSAGES: f64 = 40.0;
 /// Points of an orbit, and turns that it shows: those of the shaft for the spindle, those of the cage for the cage.
 const TURNS: f64 = 4.0;
 const MOST_POINTS: usize = 500;
-/// Places of a ball at which its loads are kept.
+/// Places of a ball at which its loads are kept, and turns of it that they can show.
 const MOST_PLACES: usize = 600;
+const BALL_TURNS: f64 = 3.0;
 
 /// A signal, thinned so that peaks survive.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,9 +67,10 @@ pub struct LoadsTaken {
 }
 
 impl LoadsTaken {
-    /// Of a run that keeps so many values, ours among them as far as one window goes.
-    pub fn new(values: usize) -> Self {
-        let window = values.min(RATE as usize);
+    /// Of a run that keeps so many values, ours among them as far as one window goes; of a steady one, whose balls go round at `orbit_speed`
+    /// [rad/s], the first turns.
+    pub fn new(values: usize, orbit_speed: Option<f64>) -> Self {
+        let window = stretch(values.min(RATE as usize), BALL_TURNS, orbit_speed);
         Self { every: window.div_ceil(MOST_PLACES).max(1), seen: 0, loads: LoadsAlong::default() }
     }
 
@@ -87,13 +90,20 @@ impl LoadsTaken {
     }
 }
 
+/// Values that so many turns at a speed [rad/s] take, of those that there are; without a speed, and at rest, all.
+fn stretch(values: usize, turns: f64, speed: Option<f64>) -> usize {
+    let of_turns = |speed: f64| turns * std::f64::consts::TAU * RATE / speed.abs().max(f64::MIN_POSITIVE);
+    speed.map_or(values, |speed| of_turns(speed).min(values as f64) as usize)
+}
+
 impl Views {
-    /// Of what a run has shown.
-    pub fn of(recording: &Recording) -> Self {
+    /// Of what a run has shown: of a steady one as much as can be told apart, its end.
+    pub fn of(recording: &Recording, balls: usize, is_steady: bool) -> Self {
+        let passage = is_steady.then_some(recording.cage_speed * balls as f64);
         let moves = [Motion::Velocity, Motion::Acceleration];
         let channels =
             [Axis::Y, Axis::Z].into_iter().flat_map(|axis| moves.map(|motion| Channel::Spindle(axis, motion)));
-        let traces = channels.filter_map(|channel| Some(trace(recording.start, recording.of(channel)?)));
+        let traces = channels.filter_map(|channel| Some(trace(recording.start, recording.of(channel)?, passage)));
         let spindle = |axis| Channel::Spindle(axis, Motion::Displacement);
         let orbits = [
             orbit("spindle", recording.shaft_speed, recording.of(spindle(Axis::Y)), recording.of(spindle(Axis::Z))),
@@ -109,14 +119,16 @@ impl Views {
     }
 }
 
-fn trace(start: f64, signal: &Signal) -> Trace {
+/// `passage`: of balls [rad/s].
+fn trace(start: f64, signal: &Signal, passage: Option<f64>) -> Trace {
     let (scale, values) = (signal.channel.scale(), signal.first_window());
-    let kept = thin(values, MOST_VALUES);
+    let first = values.len() - stretch(values.len(), PASSAGES, passage);
+    let kept = thin(&values[first..], MOST_VALUES);
     Trace {
         channel: signal.channel,
-        start,
+        start: start + first as f64 / RATE,
         step: 1.0 / RATE,
-        value: kept.iter().map(|place| scale * values[*place]).collect(),
+        value: kept.iter().map(|place| scale * values[first + place]).collect(),
         place: kept,
     }
 }
@@ -125,8 +137,7 @@ fn trace(start: f64, signal: &Signal) -> Trace {
 fn orbit(body: &'static str, speed: f64, y: Option<&Signal>, z: Option<&Signal>) -> Option<Orbit> {
     let (y, z) = (y?, z?);
     let all = y.first_window().len();
-    // Of a bearing at rest, everything.
-    let turns = (TURNS * std::f64::consts::TAU * RATE / speed.max(f64::MIN_POSITIVE)).min(all as f64) as usize;
+    let turns = stretch(all, TURNS, Some(speed));
     let every = turns.div_ceil(MOST_POINTS).max(1);
     let points = |signal: &Signal| {
         let scale = signal.channel.scale();

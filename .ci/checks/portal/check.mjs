@@ -241,6 +241,19 @@ async function orbitAndRest(page) {
   ]);
   assert.match(await readFile(await download.path(), 'utf8'), /^frequency_hz/m);
   ok('velocity, ball loads and a CSV of the spectrum are there');
+  await noLeftovers(page);
+}
+
+/** What a page says where a value was forgotten. */
+async function noLeftovers(page) {
+  const found = await page.evaluate(() => {
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    const texts = [];
+    while (walker.nextNode()) texts.push(walker.currentNode.data.trim());
+    return texts.filter((text) => /\b(null|undefined|NaN)\b|\[object /.test(text));
+  });
+  assert.deepEqual(found, [], 'no value is missing on the page');
+  ok('nothing on the page says null, undefined or NaN');
 }
 
 async function compareTwo(page) {

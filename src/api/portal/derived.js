@@ -60,14 +60,7 @@ export function showDerived(host, resolved) {
         ]),
       ),
     ),
-    resolved.warnings.length
-      ? h(
-          'div',
-          { class: 'note', role: 'status' },
-          h('h3', {}, 'Is this meant?'),
-          h('ul', {}, ...resolved.warnings.map(({ pointer, detail }) => h('li', {}, h('code', {}, pointer), ` ${detail}`))),
-        )
-      : null,
+    ...doubts(resolved.warnings),
     h(
       'details',
       { open: opened },
@@ -75,6 +68,13 @@ export function showDerived(host, resolved) {
       leftOut(resolved.left_out),
     ),
   );
+}
+
+/** Values that a misread unit would give. */
+function doubts(warnings) {
+  if (!warnings.length) return [];
+  const items = warnings.map(({ pointer, detail }) => h('li', {}, h('code', {}, pointer), ` ${detail}`));
+  return [h('div', { class: 'note', role: 'status' }, h('h3', {}, 'Is this meant?'), h('ul', {}, ...items))];
 }
 
 /** Terms that are not in the equations, and on which grounds. */

@@ -4,6 +4,8 @@ import { leftOut } from './derived.js';
 import { h, more, table } from './dom.js';
 import { channelName, LEVEL_UNIT, level, measured, number, seconds, words } from './format.js';
 
+const MOTIONS = { decaying: 'regular motion', diverging: 'chaotic motion' };
+
 /** Up to where the strong lines stand, rounded up: the part of a spectrum that one looks at first. */
 export function usualLimit(metrics) {
   const lines = metrics.lines ?? [];
@@ -94,7 +96,7 @@ export function tables(metrics) {
     cage && ['Cage orbit radius, rms', cage.orbit_radius_um, 'µm'],
     cage && ['Whirl ratio', cage.whirl_ratio, ''],
     ['Shaft', f.shaft, 'Hz'],
-    ['Cage at ideal rolling (FTF)', f.cage, 'Hz'],
+    ['Cage (FTF)', f.cage, 'Hz'],
     ['BPFO', f.ball_pass_outer, 'Hz'],
     ['BPFI', f.ball_pass_inner, 'Hz'],
     ['BSF', f.ball_spin, 'Hz'],
@@ -141,7 +143,7 @@ export function tables(metrics) {
         ),
       ),
     ),
-    more(`How accurate: ${accuracy.motion ?? 'not judged'}`, h('p', {}, accuracy.how), h('p', {}, solver.check)),
+    more(`How accurate: ${MOTIONS[accuracy.motion] ?? 'not judged'}`, h('p', {}, accuracy.how), h('p', {}, solver.check)),
     more(`Left out of the equations: ${metrics.left_out.length} terms`, leftOut(metrics.left_out)),
   ];
 }

@@ -83,6 +83,11 @@ impl StartAzimuths {
 }
 
 impl Mechanism {
+    /// Speed at which balls go round where the shaft turns steadily and they roll [rad/s].
+    pub fn steady_orbit_speed(&self) -> Option<f64> {
+        self.speed.is_constant().then(|| self.orbit_ratio * self.speed.at(0.0).1)
+    }
+
     /// The constants of a scene with what it needs.
     pub fn new(scene: &Scene, needs: &Needs) -> Self {
         let bearing = &scene.bearing;

@@ -119,7 +119,8 @@ impl<'a> Looks<'a> {
             kept: 0.0,
             wander: Lanes::default(),
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
-            loads: (outputs.contacts && outputs.keep_signals()).then(|| LoadsTaken::new(schedule.values)),
+            loads: (outputs.contacts && outputs.keep_signals())
+                .then(|| LoadsTaken::new(schedule.values, model.mechanism().steady_orbit_speed())),
             thinnest: model
                 .needs()
                 .film_thickness
