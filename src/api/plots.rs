@@ -58,7 +58,7 @@ const BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 ///
 /// `spectrum.svg`: the amplitude spectra that are kept, with labelled lines. `velocity.svg`,
 /// `acceleration.svg`: the spindle's, thinned so that peaks survive. `orbit.svg`: the paths of the centres of spindle and cage. `loads.svg`: of ball 1 along its way,
-/// where contacts were asked for. They show what can be told apart: at a steady speed the last 40 ball passages, four turns, and the first three turns of the ball; else the run. Of a run longer than a second they show its first part, a second at most. `work-precision.svg`: of an accuracy
+/// where contacts were asked for. They show what can be told apart: at a steady speed the last 12 ball passages, four turns, and the first three turns of the ball; else the run. Of a run longer than a second they show its first part, a second at most. `work-precision.svg`: of an accuracy
 /// job, error against run time, a curve a method. `optimum.svg`: of an optimum job, its runs and the best of them. `trend.svg`, `map.svg`: of a study over one axis or two, with what has been
 /// computed so far.
 #[utoipa::path(

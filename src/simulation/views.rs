@@ -8,7 +8,7 @@ use crate::numerics::statistics::thin;
 
 /// Values of a signal that a picture of some hundred dots across shows, and ball passages that they can show.
 const MOST_VALUES: usize = 500;
-const PASSAGES: f64 = 40.0;
+const PASSAGES: f64 = 12.0;
 /// Points of an orbit, and turns that it shows: those of the shaft for the spindle, those of the cage for the cage.
 const TURNS: f64 = 4.0;
 const MOST_POINTS: usize = 500;
