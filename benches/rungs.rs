@@ -171,6 +171,7 @@ fn chosen() {
 }
 
 fn main() {
+    raceway::commands::memory::keep_for_the_next_run();
     if std::env::args().any(|argument| argument == "chosen") {
         return chosen();
     }

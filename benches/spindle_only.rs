@@ -2,7 +2,8 @@
 //!
 //! `cargo bench --bench spindle_only -- reference FILE` runs the full dynamics once (some minutes) and keeps their levels,
 //! `cargo bench --bench spindle_only -- against FILE` compares rungs 3 and 4 with them, and
-//! `cargo bench --bench spindle_only` shows error and run time over the step. Times are processor time of one thread, medians of five.
+//! `cargo bench --bench spindle_only` shows error and run time over the step, with `-- trimmed` where the C library
+//! gives free memory back to the kernel as it usually does. Times are processor time of one thread, medians of five.
 
 use std::fmt::Write as _;
 
@@ -227,6 +228,9 @@ fn parts() {
 }
 
 fn main() {
+    if !std::env::args().any(|argument| argument == "trimmed") {
+        raceway::commands::memory::keep_for_the_next_run();
+    }
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["reference", file] => reference(file),

@@ -8,6 +8,8 @@ pub mod demo;
 pub mod health;
 /// A job in this process.
 mod local;
+/// What the process keeps of memory that is given back.
+pub mod memory;
 pub mod optimum;
 /// Many runs, some at a time.
 mod parallel;
@@ -49,6 +51,7 @@ impl From<Ended> for ExitCode {
 
 /// Does what the command line says.
 pub fn run(cli: Cli) -> Ended {
+    memory::keep_for_the_next_run();
     match cli.command {
         Command::Demo(options) => on_runtime(demo::run(options)),
         Command::Serve(options) => on_runtime(serve::run(options)),

@@ -18,6 +18,8 @@ pub struct Interpolator<const N: usize> {
     frames: Vec<[f64; N]>,
     /// Parts of a sample from the fourth of them to the next value.
     next: usize,
+    /// Values that the frames of the last call have made known.
+    known: Vec<[f64; N]>,
 }
 
 impl<const N: usize> Interpolator<N> {
@@ -27,7 +29,7 @@ impl<const N: usize> Interpolator<N> {
     pub fn new(steps: usize, values: usize) -> Self {
         let weights = (0..values).map(|part| lagrange(part as f64 / values as f64)).collect();
         // As if it had begun a frame earlier, with a value that nobody sees.
-        Self { steps, values, weights, frames: Vec::new(), next: values }
+        Self { steps, values, weights, frames: Vec::new(), next: values, known: Vec::new() }
     }
 
     /// Takes `frame` as having stood still until now: the first value then belongs to the first frame pushed from here.
@@ -35,33 +37,28 @@ impl<const N: usize> Interpolator<N> {
         self.frames = vec![*frame; POINTS / 2];
     }
 
-    /// Takes frames, and gives the values that they make known, by these instructions.
-    pub fn push(&mut self, frames: &[[f64; N]], instructions: InstructionSet, give: impl FnMut(&[f64; N])) {
+    /// Takes frames; the values that they make known, by these instructions.
+    pub fn push(&mut self, frames: &[[f64; N]], instructions: InstructionSet) -> &[[f64; N]] {
         self.frames.extend_from_slice(frames);
-        instructions.run(Between { interpolator: self, give });
+        self.known.clear();
+        instructions.run(Between(self));
+        &self.known
     }
 }
 
 /// Every value that frames are there for.
-struct Between<'a, const N: usize, G> {
-    interpolator: &'a mut Interpolator<N>,
-    give: G,
-}
+struct Between<'a, const N: usize>(&'a mut Interpolator<N>);
 
-impl<const N: usize, G: FnMut(&[f64; N])> Task for Between<'_, N, G> {
+impl<const N: usize> Task for Between<'_, N> {
     type Answer = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { interpolator: Interpolator { steps, values, weights, frames, next }, mut give } = self;
+        let Interpolator { steps, values, weights, frames, next, known } = self.0;
         let mut passed = 0;
         for around in frames.windows(POINTS) {
             while *next < *values {
-                if *next == 0 {
-                    give(&around[POINTS / 2 - 1]);
-                } else {
-                    give(&weighed(&weights[*next], around));
-                }
+                known.push(if *next == 0 { around[POINTS / 2 - 1] } else { weighed(&weights[*next], around) });
                 *next += *steps;
             }
             *next -= *values;
@@ -100,7 +97,7 @@ mod tests {
     fn between(steps: usize, values: usize, from: i32, to: i32, signal: impl Fn(f64) -> [f64; 2]) -> Vec<[f64; 2]> {
         let (mut interpolator, mut found) = (Interpolator::new(steps, values), Vec::new());
         for k in from..=to {
-            interpolator.push(&[signal(f64::from(k))], InstructionSet::best(), |value| found.push(*value));
+            found.extend(interpolator.push(&[signal(f64::from(k))], InstructionSet::best()));
         }
         found
     }
@@ -136,7 +133,7 @@ mod tests {
         let (mut interpolator, mut found) = (Interpolator::new(2, 3), Vec::new());
         interpolator.prime(&[5.0]);
         for _ in 0..=Interpolator::<1>::DELAY {
-            interpolator.push(&[[5.0]], InstructionSet::best(), |value| found.push(value[0]));
+            found.extend(interpolator.push(&[[5.0]], InstructionSet::best()).iter().map(|value| value[0]));
         }
         assert_eq!(found.len(), 2);
         assert!(found.iter().all(|value: &f64| (value - 5.0).abs() < 1e-14));

@@ -76,6 +76,9 @@ fn draw(drawing: &mut Drawing, axes: [&VariedAxis<'_>; 2], panel: &MapPanel<'_>,
     });
     drawing.text("", Anchor::Middle, 0.5 * (LEFT + right), bottom + 38.0, axes[0].name);
     drawing.upright_text("", 16.0, 0.5 * (top + bottom), axes[1].name);
+    if known.len() < panel.values.len() {
+        drawing.text("small", Anchor::End, right, top - 10.0, "no colour: no value");
+    }
     if !known.is_empty() {
         bar(drawing, range_of(&[least, most]), (least, most), (right + BAR.0, top, bottom));
     }
@@ -134,7 +137,7 @@ mod tests {
         );
         assert_well_formed(&svg);
         assert_eq!(svg.matches("fill=\"#").count(), 4 + SHADES);
-        for text in ["level in dB", ">speed<", ">kind<", "a&lt;b", ">20000<"] {
+        for text in ["level in dB", ">speed<", ">kind<", "a&lt;b", ">20000<", "no colour"] {
             assert!(svg.contains(text), "{text}");
         }
         let empty = MapPanel { name: "n", values: vec![None; 6], best: None, runs: Vec::new() };

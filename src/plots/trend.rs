@@ -151,7 +151,9 @@ pub fn trend_svg(title: &str, subtitle: &str, axis: &VariedAxis<'_>, panels: &[T
         bottom = top + PANEL;
         draw_panel(&mut drawing, panel, &places, (bottom, top));
     }
-    drawing.text("", Anchor::Middle, 0.5 * (LEFT + WIDTH - RIGHT), bottom + 40.0, axis.name);
+    let logarithmic = places.scale.as_ref().is_some_and(|(_, logarithmic)| *logarithmic);
+    let name = if logarithmic { format!("{}, logarithmic", axis.name) } else { axis.name.to_owned() };
+    drawing.text("", Anchor::Middle, 0.5 * (LEFT + WIDTH - RIGHT), bottom + 40.0, &name);
     drawing.finish()
 }
 

@@ -89,12 +89,14 @@ pub fn work_precision_svg(
         drawing.text("", Anchor::Start, x + 9.0, y, name);
     }
     let x = Scale { values: time_range(curves), positions: (LEFT, WIDTH - RIGHT) };
+    let mut has_floor = false;
     for (index, ErrorPanel { name, unit, floor }) in panels.into_iter().enumerate() {
         let top = top + index as f64 * PITCH;
         let (range, floor) = error_range(curves, index, floor);
         let y = Scale { values: range, positions: (top + PANEL, top + STRIP) };
         drawing.text("name", Anchor::Start, LEFT, top - 9.0, name);
         frame(&mut drawing, top, &x, &y, unit);
+        has_floor |= floor.is_some();
         if let Some(floor) = floor {
             drawing.line("floor", (LEFT, y.at(floor)), (WIDTH - RIGHT, y.at(floor)));
         }
@@ -102,7 +104,8 @@ pub fn work_precision_svg(
     }
     let middle = 0.5 * (LEFT + WIDTH - RIGHT);
     drawing.text("", Anchor::Middle, middle, bottom + 37.0, "run time in s");
-    let marks = "numbers: relative tolerances; dashed line: below it an error says nothing (hollow marks)";
+    let below = if has_floor { "; dashed line: below it an error says nothing (hollow marks)" } else { "" };
+    let marks = &format!("numbers: relative tolerances{below}");
     drawing.text("small", Anchor::Middle, 0.5 * WIDTH, bottom + 60.0, marks);
     for (line, (number, curve)) in failed.into_iter().enumerate() {
         let at = bottom + 84.0 + LINE * line as f64;

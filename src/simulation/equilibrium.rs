@@ -71,6 +71,9 @@ pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, Sim
 
 /// Most iterations of the minimiser; a loaded bearing needs ten to thirty.
 const ITERATIONS: usize = 2000;
+/// What applied load moves before anything touches [m]: of the size of clearances, for a longer step meets contacts far too deep
+/// and is taken back.
+const FIRST_STEP: f64 = 1e-5;
 
 /// A damped Newton search (Levenberg–Marquardt) over [axial, radial] of each ball, then the free
 /// directions of the spindle.
@@ -200,16 +203,16 @@ impl<'a> Search<'a> {
                 // Entries of the unknowns that move this contact, and how they move it.
                 let spindle_towards = self.azimuths[ball].to_inertial(touch.towards);
                 let spindle_across = self.azimuths[ball].to_inertial(touch.across);
-                let mut entries =
-                    vec![(at, touch.towards[0], touch.across[0]), (at + 1, touch.towards[1], touch.across[1])];
-                if moves_spindle {
-                    for (k, &direction) in self.free.iter().enumerate() {
-                        entries.push((border + k, -spindle_towards[direction], -spindle_across[direction]));
-                    }
+                let mut entries = [(at, touch.towards[0], touch.across[0]); 5];
+                entries[1] = (at + 1, touch.towards[1], touch.across[1]);
+                let moved = if moves_spindle { self.free } else { &[] };
+                for (k, &direction) in moved.iter().enumerate() {
+                    entries[2 + k] = (border + k, -spindle_towards[direction], -spindle_across[direction]);
                 }
-                for &(i, towards_i, across_i) in &entries {
+                let entries = &entries[..2 + moved.len()];
+                for &(i, towards_i, across_i) in entries {
                     gradient[i] += touch.load * towards_i;
-                    for &(j, towards_j, across_j) in &entries {
+                    for &(j, towards_j, across_j) in entries {
                         hessian[(i, j)] += touch.slope * towards_i * towards_j + touch.turning * across_i * across_j;
                     }
                 }
@@ -228,7 +231,7 @@ impl<'a> Search<'a> {
         let scale = dot(self.spindle_force(), self.spindle_force()).sqrt() + self.body_force(0, m.pitch_radius).0.abs();
         let converged = 1e-11 * scale + 1e-12;
         let longest_step = 0.01 * m.pitch_radius;
-        let mut damping = 1e4;
+        let mut damping = scale / FIRST_STEP;
         let mut energy = self.energy(&self.place);
         let mut residual = f64::INFINITY;
         for _ in 0..ITERATIONS {

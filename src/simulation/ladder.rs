@@ -132,6 +132,9 @@ impl Rung {
 /// terms that it can do without by judgement. Reduced rungs, which would save nothing by that, have all.
 pub fn needs(scene: &Scene, outputs: &Outputs, rung: Option<Rung>, model_tolerance_db: f64) -> Result<Needs, Unmet> {
     let Some(rung) = rung.filter(|rung| rung.is_reduced()) else {
+        if rung == Some(Rung::Full) && scene.terms.get(Term::CageTilt) == TermChoice::Off {
+            return Err(Unmet::Rung { rung: Rung::Full, reason: "terms.cage_tilt is off".into() });
+        }
         return Ok(judgement::within(Needs::of(scene, outputs, rung)?, scene, outputs, model_tolerance_db));
     };
     if let Some(reason) = rung.refusal(scene, &Needs::of(scene, outputs, Some(Rung::Full))?, outputs) {
@@ -491,7 +494,7 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
 /// it; `None`: its own.
 fn longer_step(scene: &Scene, short: &RunSettings, own: &Recording, control: &Control<'_>) -> Option<(f64, Recording)> {
     let model = RadiallyCondensed::new(scene, &short.outputs).ok()?;
-    model.longer_paces().find_map(|pace| {
+    model.longer_paces(short.model_tolerance_db).find_map(|pace| {
         let (stepped, _) = model.run(short, pace, control).ok()?;
         let apart = accuracy::Distance::of_recordings(&stepped, own, 0.0);
         apart.within(&short.outputs, SHARE_OF_STEPS * short.model_tolerance_db).then(|| (pace.step(), stepped))
@@ -573,6 +576,7 @@ fn summarise(
         states: made.states,
         strips: needs.raceway.strips,
     };
+    made.recording.evaluate(&settings.outputs);
     let motion = parted.and_then(|parted| parted.motion());
     let by_chance = motion == Some(MotionKind::Diverging);
     let chaotic =

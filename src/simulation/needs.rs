@@ -214,11 +214,11 @@ impl Decision<'_> {
             (Some(Rung::Planar), None) if choice == TermChoice::On => {
                 return Err(Unmet::Rung { rung: planar, reason: "terms.cage_tilt is on".into() });
             }
-            (Some(Rung::Full), _) => return Ok(Rung::Full),
-            (None, Some(_)) if choice == TermChoice::Off => {
+            (_, Some(_)) if choice == TermChoice::Off => {
                 let reason = "the scene moves along X; only a planar scene can do without";
                 return Err(Unmet::Term { term: Term::CageTilt, choice: "off", reason });
             }
+            (Some(Rung::Full), _) => return Ok(Rung::Full),
             (None, Some(_)) => return Ok(Rung::Full),
             _ => {}
         }

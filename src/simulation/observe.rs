@@ -11,6 +11,7 @@ use super::run::{Outputs, RunSettings};
 use super::views::{LoadsAlong, LoadsTaken};
 use super::windows::{Recorder, Signal, Whirl};
 use crate::numerics::ode::Integrator;
+use crate::numerics::parallel::both;
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
@@ -79,6 +80,22 @@ impl Recording {
     /// What is known of a channel.
     pub fn of(&self, channel: Channel) -> Option<&Signal> {
         self.signals.iter().find(|signal| signal.channel == channel)
+    }
+
+    /// Works out on two cores what levels and spectra ask of the spindle's signals, which takes as long as a short run. Where no signals
+    /// are kept, many such runs go side by side, and each does what it is asked for when it is asked.
+    pub fn evaluate(&self, outputs: &Outputs) {
+        let one = |signal: &Signal| {
+            if outputs.vibration {
+                signal.in_band();
+            }
+            signal.spectra();
+        };
+        let is_of_y = |signal: &&Signal| matches!(signal.channel, Channel::Spindle(Axis::Y, _));
+        if outputs.keep_signals() {
+            let others = || self.signals.iter().filter(|signal| !is_of_y(signal)).for_each(one);
+            both(|| self.signals.iter().filter(is_of_y).for_each(one), others);
+        }
     }
 
     /// Every kept value of a channel [SI], in a run of one window or where the series is asked for.

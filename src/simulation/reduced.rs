@@ -178,7 +178,7 @@ pub fn simulate(
                 interpolator.prime(frame);
                 primed = true;
             }
-            interpolator.push(kept, set, |value| recorder.push(value));
+            recorder.extend(interpolator.push(kept, set));
         }
         let time = method.time();
         if let Some(component) = not_finite(method.motion()) {

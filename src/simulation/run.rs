@@ -18,7 +18,6 @@ use super::views::Views;
 pub use crate::numerics::ode::Method;
 use crate::numerics::ode::stability::{self, StabilityWatch};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Statistics};
-use crate::numerics::parallel::both;
 use crate::numerics::spectrum::Spectrum;
 
 /// What a run must produce; it decides what the model must contain.
@@ -471,6 +470,7 @@ fn summarise(
         relative_tolerance: settings.fixed_step.is_none().then_some(attempt.relative_tolerance),
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
+    recording.evaluate(&settings.outputs);
     RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out)
 }
 
@@ -489,14 +489,13 @@ impl RunResult {
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
         let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
         let views = || Views::of(recording, balls, is_steady);
-        // Together they take as long as a short run.
-        let (spectra, (channels, views)) = match outputs.keep_signals() {
-            true => both(|| metrics::spectra(recording, settings), || (channels(), views())),
-            false => (Vec::new(), (channels(), Views::default())),
+        let (spectra, views) = match outputs.keep_signals() {
+            true => (metrics::spectra(recording, settings), views()),
+            false => (Vec::new(), Views::default()),
         };
         let frequencies = metrics::frequencies(scene, recording);
         let summary = Summary {
-            channels,
+            channels: channels(),
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
             cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
             frequencies,

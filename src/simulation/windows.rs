@@ -260,22 +260,40 @@ impl Recorder {
 
     /// Takes a value of each channel; none after the last.
     pub fn push(&mut self, frame: &[f64]) {
-        if self.taken == self.values {
-            return;
-        }
-        if self.taken == (self.done + 1) * self.windows.length {
-            self.reduce();
-        }
-        let counts = self.done < self.windows.count;
-        for (signal, &value) in self.signals.iter_mut().zip(frame) {
-            if counts {
-                signal.window.push(value);
+        self.take(1, |_, channel| frame[channel]);
+    }
+
+    /// Takes several values of each channel, frame after frame.
+    pub fn extend<const N: usize>(&mut self, frames: &[[f64; N]]) {
+        self.take(frames.len(), |place, channel| frames[place][channel]);
+    }
+
+    /// Takes so many values, channel after channel as far as a window goes.
+    #[inline(always)]
+    fn take(&mut self, count: usize, value: impl Fn(usize, usize) -> f64) {
+        let count = count.min(self.values - self.taken);
+        let mut from = 0;
+        while from < count {
+            let window_end = (self.done + 1) * self.windows.length;
+            if self.taken == window_end {
+                self.reduce();
+                continue;
             }
-            if let Some(series) = &mut signal.series {
-                series.push(value);
+            // What is left over after the last window counts in series alone.
+            let counts = self.done < self.windows.count;
+            let to = if counts { count.min(from + window_end - self.taken) } else { count };
+            for (channel, signal) in self.signals.iter_mut().enumerate() {
+                let values = (from..to).map(|place| value(place, channel));
+                if let Some(series) = &mut signal.series {
+                    series.extend(values.clone());
+                }
+                if counts {
+                    signal.window.extend(values);
+                }
             }
+            self.taken += to - from;
+            from = to;
         }
-        self.taken += 1;
     }
 
     fn reduce(&mut self) {

@@ -249,7 +249,8 @@ fn a_peak_that_is_not_resolved_is_stated() {
         (contacts.inner.max_load.max(contacts.outer.max_load), summary.accuracy)
     };
     let (right, _) = of(1e-7);
-    for tolerance in [1e-4, 1e-5] {
+    // 1e-4 happens to meet it, to 0.2 per cent.
+    for tolerance in [3e-4, 3e-5, 1e-5] {
         let (load, accuracy) = of(tolerance);
         let (off, stated) = ((load / right - 1.0).abs(), accuracy.quantity_errors.unwrap().max_load);
         println!("{tolerance:e}: {load:.0} N for {right:.0} N, stated {stated:.3}: {:?}", accuracy.warning);

@@ -69,8 +69,12 @@ pub struct CondensedLoad {
 
 /// √(δ_i/δ₀) at w = √(D/δ₀ − 1): solves w² = γ² + (1 + K_i/K_e γ³)^⅔ − 1.
 fn exact_root(ratio: f64, w: f64) -> f64 {
-    // (1 + q)^⅔ − 1 without cancellation.
-    let outer = |gamma: f64| (2.0 / 3.0 * (ratio * gamma * gamma * gamma).ln_1p()).exp_m1();
+    // (1 + q)^⅔ − 1 = c² − 1 with c³ = 1 + q, without cancellation.
+    let outer = |gamma: f64| {
+        let q = ratio * gamma * gamma * gamma;
+        let c = (1.0 + q).cbrt();
+        q * (c + 1.0) / (c * c + c + 1.0)
+    };
     bracketed_root(|gamma| gamma * gamma + outer(gamma) - w * w, 0.0, w)
 }
 

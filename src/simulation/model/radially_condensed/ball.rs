@@ -345,13 +345,19 @@ impl OneBall {
 
 /// On the spindle; `present`: 1, or 0 for a copy that only fills a lane.
 #[inline(always)]
-pub(super) fn passed(held: &Held, loaded: &Loaded, inner_traction: f64, present: f64) -> Passed {
-    let (q, t) = (loaded.inner.load, loaded.inner.load * inner_traction);
+pub(super) fn passed(drive: &Drive, held: &Held, loaded: &Loaded, inner: &Sums, present: f64) -> Passed {
+    let (q, t) = (loaded.inner.load, loaded.inner.load * inner.force);
     let (along, across) = (-(q + held.lean * t), held.lean * q - t);
     let (c, s) = (held.azimuth.cosine, held.azimuth.sine);
     let (c_present, s_present) = (c * present, s * present);
+    // Along the radius, and by traction across it.
+    let (radial, tangential) = (loaded.slope, drive.shares.velocity * (q * inner.slope));
     Passed {
         force: (along * c_present - across * s_present, along * s_present + across * c_present),
-        slope: [loaded.slope * (c * c_present), loaded.slope * (c * s_present), loaded.slope * (s * s_present)],
+        slope: [
+            radial * (c * c_present) + tangential * (s * s_present),
+            (radial - tangential) * (c * s_present),
+            radial * (s * s_present) + tangential * (c * c_present),
+        ],
     }
 }

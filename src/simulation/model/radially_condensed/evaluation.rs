@@ -184,7 +184,7 @@ impl RadiallyCondensed {
             let (held, loaded) = (held.at(lane), loaded.at(lane));
             let traction = PerRaceway { inner: inner.at(lane), outer: outer.at(lane) };
             rates_now.put(lane, one.rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction));
-            on_spindle.put(lane, passed(&held, &loaded, traction.inner.force, present[lane]));
+            on_spindle.put(lane, passed(&drive, &held, &loaded, &traction.inner, present[lane]));
         }
         *rates = rates_now;
         sums.add(&on_spindle, &OnCage { force: pushed.cage, damping: pushed.cage_damping });
@@ -221,7 +221,7 @@ impl RadiallyCondensed {
             let (outer, skids) = outer.fitted(&loaded.outer);
             let traction = PerRaceway { inner, outer };
             found.rates.put(lane, one.rates(&drive, &ball, &held, &loaded, &pushed, &traction));
-            found.passed.put(lane, passed(&held, &loaded, inner.force, present[lane]));
+            found.passed.put(lane, passed(&drive, &held, &loaded, &inner, present[lane]));
             found.on_cage.force.put(lane, pushed.cage);
             found.on_cage.damping.put(lane, pushed.cage_damping);
             found.seen.load.inner[lane] = loaded.inner.load;

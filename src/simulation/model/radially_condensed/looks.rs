@@ -154,12 +154,12 @@ impl<'a> Looks<'a> {
         }
         (self.sums, self.squares) = (sums, squares);
         if self.schedule.pace.is_long() {
-            self.interpolator.push(&self.frames, self.model.instructions, |value| self.filtered.push(value));
+            self.filtered.extend(self.interpolator.push(&self.frames, self.model.instructions));
+        } else if self.schedule.pace.steps == 1 {
+            self.filtered.extend(&self.frames);
         } else {
             for frame in &self.frames {
-                if self.schedule.pace.steps == 1 {
-                    self.filtered.push(frame);
-                } else if let Some(frame) = self.decimator.push(frame) {
+                if let Some(frame) = self.decimator.push(frame) {
                     self.filtered.push(frame);
                 }
             }

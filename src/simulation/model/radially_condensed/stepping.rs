@@ -22,8 +22,10 @@ use crate::numerics::ode::adams_moulton::{Shares, solve};
 
 /// Short steps to one of full length at the start.
 const START: usize = 16;
-/// Nodes that are remembered: order of the spindle's motion.
-const NODES: usize = 4;
+/// Nodes that are remembered: highest order of the spindle's motion.
+pub(super) const NODES: usize = 5;
+/// Order of the places of balls and cage.
+const PLACE_NODES: usize = 4;
 
 /// y_{n+1} − y_n in backward differentiation of order k, times `leading`: Σ past_i Δ_i + h Σ rates_i f_i, and the implicit part's
 /// extrapolation Σ ahead_i Δ_i.
@@ -50,6 +52,8 @@ struct Formulas {
     /// Through the known nodes, and through the new one and the others but the oldest.
     predict: Weights<NODES>,
     correct: Weights<NODES>,
+    /// Of the velocities of balls and cage.
+    moulton: [f64; PLACE_NODES],
     /// The acceleration with which the one formula is the other.
     ahead: [f64; NODES],
 }
@@ -57,16 +61,18 @@ struct Formulas {
 impl Formulas {
     fn new(known: usize) -> Self {
         let known = known.min(NODES);
+        // From a single node there is nothing to correct by.
+        let corrects = known > 1;
         Self {
             balls: IMPLICIT[known.min(3) - 1],
             cage: IMPLICIT[known.min(2) - 1],
             predict: weights(0.0, known),
-            // From a single node there is nothing to correct by.
-            correct: if known > 1 {
+            correct: if corrects {
                 weights(1.0, known)
             } else {
                 Weights { velocity: [0.0; NODES], place: [0.0; NODES] }
             },
+            moulton: if corrects { weights(1.0, known).velocity } else { [0.0; PLACE_NODES] },
             ahead: ahead(known),
         }
     }
@@ -143,7 +149,7 @@ impl<'m> Stepper<'m> {
                         past.push(at.nodes[0].clone());
                     }
                 });
-                if stepper.known < NODES {
+                if stepper.known < model.nodes(step) {
                     stepper.known += 1;
                     stepper.formulas = Formulas::new(stepper.known);
                 }
@@ -221,11 +227,12 @@ impl<'m> Stepper<'m> {
     #[inline(always)]
     fn step(&mut self) {
         let (h, formulas) = (self.step, &self.formulas);
-        let moulton = &formulas.correct.velocity;
+        let moulton = &formulas.moulton;
         // The oldest makes room for the newest.
         self.nodes.rotate_right(1);
-        let [new, now, before, earlier] = self.nodes.each_mut().map(|node| &mut **node);
-        let oldest = new.acceleration;
+        // The newest first: the oldest still stands where the new one will.
+        let accelerations = std::array::from_fn(|i| self.nodes[(i + 1) % NODES].acceleration);
+        let [new, now, before, earlier, ..] = self.nodes.each_mut().map(|node| &mut **node);
         for group in 0..now.balls.len() {
             let past = Past {
                 states: (now.balls[group], before.balls[group], earlier.balls[group]),
@@ -235,7 +242,6 @@ impl<'m> Stepper<'m> {
         }
         // Both directions of each quantity at once: what is stored in pairs can be read in pairs.
         let (a, b, c) = (&now.border, &before.border, &earlier.border);
-        let accelerations = [now.acceleration, before.acceleration, earlier.acceleration, oldest];
         let rise = weighed(&formulas.predict.velocity, &accelerations);
         let lift = weighed(&formulas.predict.place, &accelerations);
         new.acceleration = weighed(&formulas.ahead, &accelerations);
@@ -279,10 +285,16 @@ impl<L: Look> Task for Stretch<'_, '_, '_, L> {
     }
 }
 
+/// Σ weight · value, the newest last: it is what a step waits for.
 #[inline(always)]
-fn weighed<const N: usize>(weights: &[f64; NODES], values: &[[f64; N]; NODES]) -> [f64; N] {
-    let [a, b, c, d] = values;
-    std::array::from_fn(|i| (weights[0] * a[i] + weights[1] * b[i]) + (weights[2] * c[i] + weights[3] * d[i]))
+fn weighed<const N: usize, const NODES: usize>(weights: &[f64; NODES], values: &[[f64; N]; NODES]) -> [f64; N] {
+    let mut sums = [0.0; N];
+    for (weight, value) in weights.iter().zip(values).rev() {
+        for (sum, value) in sums.iter_mut().zip(value) {
+            *sum += weight * value;
+        }
+    }
+    sums
 }
 
 impl Implicit {
@@ -304,7 +316,7 @@ struct Past {
 impl Past {
     /// A step on.
     #[inline(always)]
-    fn stepped(&self, formulas: &Implicit, moulton: &[f64; NODES], h: f64) -> BallState<Lanes> {
+    fn stepped(&self, formulas: &Implicit, moulton: &[f64; PLACE_NODES], h: f64) -> BallState<Lanes> {
         let (c, moulton) = (*formulas, *moulton);
         let mut new = BallState::<Lanes>::default();
         for lane in 0..LANES {
