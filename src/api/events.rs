@@ -113,13 +113,9 @@ impl Watch {
             if !self.first && self.record.status.is_final() || self.app.jobs.is_stopping() {
                 return None;
             }
-            let bell = self.app.jobs.bell(self.id);
-            let rings = bell.notified();
-            tokio::pin!(rings);
-            // Listens before it looks, or an end between the two would be told late.
-            rings.as_mut().enable();
+            let mut bell = self.app.jobs.bell(self.id);
             // A look at once after the end, one now and then before.
-            let now = std::mem::take(&mut self.first) || tokio::time::timeout(LOOK, rings).await.is_ok();
+            let now = std::mem::take(&mut self.first) || tokio::time::timeout(LOOK, bell.changed()).await.is_ok();
             if (now || self.is_stale()) && !self.read().await {
                 return None;
             }

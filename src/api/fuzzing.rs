@@ -144,7 +144,7 @@ async fn spectrum(headers: HeaderMap, _: JobId, query: Query<SpectrumQuery>) -> 
         frequency_hz: Vec::new(),
         amplitude: (0..40).map(f64::from).collect(),
     };
-    SpectrumQuery::checked(query)?.shape(format, &serde_json::to_vec(&stored).unwrap_or_default())
+    SpectrumQuery::checked(query)?.shape(format, stored)
 }
 
 async fn series(headers: HeaderMap, _: JobId, query: Query<SeriesQuery>) -> Result<Response, ApiError> {

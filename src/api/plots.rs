@@ -11,12 +11,12 @@ use super::auth::Owner;
 use super::describe::{Anywhere, BadQuery, NoPlot, NoResult, NotAccepted, Unchanged};
 use super::error::ApiError;
 use super::request::{JobId, Nothing, PlotFile, Query, negotiated};
-use super::results::{read, shaped, signal_of};
+use super::results::{read, series_of, shaped, spectrum_of};
 use super::studies::table_of;
 use super::{App, describe};
 use crate::contract::views::TraceView;
 use crate::contract::{
-    JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, TableAnswer, ViewsAnswer, WorkPrecisionAnswer,
+    JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumKind, TableAnswer, ViewsAnswer, WorkPrecisionAnswer,
 };
 use crate::jobs::Signal;
 use crate::render;
@@ -111,19 +111,15 @@ pub async fn plot(
 
 async fn spectra(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
     let metrics = app.jobs.metrics(owner, id).await?;
-    let mut stored = Vec::new();
+    let mut spectra = Vec::new();
     for channel in app.jobs.channels(owner, id, Signal::Amplitude).await? {
-        stored.push(signal_of(app, owner, id, Signal::Amplitude, &channel).await?);
+        spectra.push(spectrum_of(app, owner, id, SpectrumKind::Amplitude, &channel).await?);
     }
-    if stored.is_empty() {
+    if spectra.is_empty() {
         return Err(ApiError::UnknownChannel { channel: "spindle.y.acceleration".into(), kept: Vec::new() });
     }
     shaped(move || {
         let metrics: Metrics = read(metrics.as_bytes())?;
-        let spectra = stored
-            .iter()
-            .map(|stored| Ok(read::<SpectrumAnswer>(stored)?.with_frequencies()))
-            .collect::<Result<Vec<_>, ApiError>>()?;
         Ok(drawn(render::spectra(&metrics, &spectra)))
     })
     .await
@@ -154,7 +150,7 @@ async fn series(app: &App, owner: &str, id: Uuid, quantity: &'static str) -> Res
     let wanted = kept.iter().filter(|channel| render::is_of_spindle(channel, quantity));
     let mut stored = Vec::new();
     for channel in wanted {
-        stored.push(signal_of(app, owner, id, Signal::Series, channel).await?);
+        stored.push(series_of(app, owner, id, channel).await?);
     }
     if stored.is_empty() {
         return view(app, owner, id, move |views| {

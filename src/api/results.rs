@@ -102,12 +102,10 @@ pub async fn spectrum(
 ) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV])?;
     let query = unless_of_other_kind(&app, &owner, id, query.and_then(SpectrumQuery::checked)).await?;
-    let signal = match query.kind {
-        None | Some(SpectrumKind::Amplitude) => Signal::Amplitude,
-        Some(SpectrumKind::Envelope) => Signal::Envelope,
-    };
-    let stored = signal_or_first(&app, &owner, id, signal, query.channel.as_deref()).await?;
-    shaped(move || query.shape(format, &stored)).await
+    let kind = query.kind.unwrap_or(SpectrumKind::Amplitude);
+    let channel = named_or_first(&app, &owner, id, kind.into(), query.channel.clone()).await?;
+    let spectrum = spectrum_of(&app, &owner, id, kind, &channel).await?;
+    shaped(move || query.shape(format, spectrum)).await
 }
 
 /// Get a time series
@@ -133,7 +131,8 @@ pub async fn series(
     let format = negotiated(&headers, &[JSON, CSV, NPY])?;
     let query = unless_of_other_kind(&app, &owner, id, query.and_then(SeriesQuery::checked)).await?;
     let place = app.load.series()?;
-    let stored = signal_or_first(&app, &owner, id, Signal::Series, query.channel.as_deref()).await?;
+    let channel = named_or_first(&app, &owner, id, Signal::Series, query.channel.clone()).await?;
+    let stored = series_of(&app, &owner, id, &channel).await?;
     if format == JSON && query.from_s.is_none() && query.to_s.is_none() && query.max_points.is_none() {
         return Ok(load::holding(place, sent(JSON, stored)));
     }
@@ -212,10 +211,9 @@ pub struct SeriesQuery {
 }
 
 impl SpectrumQuery {
-    /// What is asked for of a stored spectrum.
-    pub(super) fn shape(&self, format: &'static str, stored: &[u8]) -> Result<Response, ApiError> {
-        let highest = self.max_frequency_hz.unwrap_or(f64::INFINITY);
-        let spectrum = read::<SpectrumAnswer>(stored)?.with_frequencies().up_to(highest);
+    /// What is asked for of a spectrum.
+    pub(super) fn shape(&self, format: &'static str, spectrum: SpectrumAnswer) -> Result<Response, ApiError> {
+        let spectrum = spectrum.up_to(self.max_frequency_hz.unwrap_or(f64::INFINITY));
         Ok(match format {
             CSV => sent(CSV, render::spectrum_csv(&spectrum)),
             _ => sent(JSON, written(&spectrum)?),
@@ -269,28 +267,44 @@ async fn unless_of_other_kind<T>(app: &App, owner: &str, id: Uuid, query: Result
     }
 }
 
-/// A stored signal, the first one where no channel is named, so that the links of a job can be followed as they stand.
-async fn signal_or_first(
+/// The channel that is named, the first one that is kept where there is none, so that the links of a job can be followed as they stand.
+async fn named_or_first(
     app: &App,
     owner: &str,
     id: Uuid,
     signal: Signal,
-    channel: Option<&str>,
-) -> Result<Vec<u8>, ApiError> {
-    let Some(channel) = channel else {
-        let kept = app.jobs.channels(owner, id, signal).await?;
-        let first = kept.first().ok_or(ApiError::UnknownChannel { channel: String::new(), kept: Vec::new() })?;
-        return signal_of(app, owner, id, signal, first).await;
-    };
-    signal_of(app, owner, id, signal, channel).await
+    named: Option<String>,
+) -> Result<String, ApiError> {
+    match named {
+        Some(channel) => Ok(channel),
+        None => {
+            let first = app.jobs.channels(owner, id, signal).await?.into_iter().next();
+            first.ok_or(ApiError::UnknownChannel { channel: String::new(), kept: Vec::new() })
+        }
+    }
 }
 
-/// A stored signal, or which there are.
-pub async fn signal_of(app: &App, owner: &str, id: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, ApiError> {
-    app.jobs.signal(owner, id, signal, channel).await.map_err(|error| match error {
+/// A spectrum, or of which channels there are.
+pub async fn spectrum_of(
+    app: &App,
+    owner: &str,
+    id: Uuid,
+    kind: SpectrumKind,
+    channel: &str,
+) -> Result<SpectrumAnswer, ApiError> {
+    app.jobs.spectrum(owner, id, kind, channel).await.map_err(|error| of_channel(error, channel))
+}
+
+/// A stored series, or of which channels there are.
+pub async fn series_of(app: &App, owner: &str, id: Uuid, channel: &str) -> Result<Vec<u8>, ApiError> {
+    app.jobs.series(owner, id, channel).await.map_err(|error| of_channel(error, channel))
+}
+
+fn of_channel(error: JobError, channel: &str) -> ApiError {
+    match error {
         JobError::UnknownChannel { kept } => ApiError::UnknownChannel { channel: channel.to_owned(), kept },
         other => other.into(),
-    })
+    }
 }
 
 /// Shapes an answer away from the threads that serve HTTP: it may hold a million numbers.

@@ -12,7 +12,7 @@ use super::table::PointEnd;
 use super::views::ViewsAnswer;
 use super::work_precision::WorkPrecisionAnswer;
 use crate::numerics::ode::IntegrationError;
-use crate::simulation::run::{self, Control, RunResult, SimulationError};
+use crate::simulation::run::{self, ChannelSpectra, Control, RunResult, SimulationError};
 use crate::simulation::work_precision;
 
 /// The results of a job, by its kind.
@@ -99,13 +99,13 @@ pub fn execute_point(
 
 fn simulated(job: &Job, result: &RunResult) -> Simulated {
     let solver = &result.summary.solver;
-    let spectra = result.spectra.iter().flat_map(|of| {
+    let of_channel = |of: &ChannelSpectra| {
         [(SpectrumKind::Amplitude, &of.amplitude), (SpectrumKind::Envelope, &of.envelope)]
             .map(|(kind, spectrum)| SpectrumAnswer::of(of.channel, kind, spectrum, solver))
-    });
+    };
     Simulated {
         metrics: Metrics::of(result, &job.settings.outputs),
-        spectra: spectra.collect(),
+        spectra: result.spectra.iter().flat_map(of_channel).collect(),
         series: result.series.iter().map(SeriesAnswer::of).collect(),
         views: ViewsAnswer::of(&result.views),
     }

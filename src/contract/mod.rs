@@ -41,7 +41,7 @@ mod scaling;
 pub mod schema;
 mod strict;
 mod times;
-mod units;
+pub(crate) mod units;
 mod variation;
 mod words;
 

@@ -11,8 +11,6 @@ use crate::simulation::run::Series;
 
 /// Frequency up to which spectra are kept [Hz]: levels end at 20 kHz.
 const HIGHEST: f64 = 25_600.0;
-/// Significant digits of an amplitude: rounding adds 0.004 dB at worst.
-const DIGITS: i32 = 4;
 
 /// A one-sided amplitude spectrum: a sine of amplitude 1 reads 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -55,6 +53,9 @@ pub enum SpectrumKind {
 }
 
 impl SpectrumAnswer {
+    /// Significant digits of an amplitude: rounding adds 0.004 dB at worst.
+    pub const DIGITS: i32 = 4;
+
     pub fn is_amplitude(&self) -> bool {
         self.kind == SpectrumKind::Amplitude
     }
@@ -75,7 +76,7 @@ impl SpectrumAnswer {
                 .amplitude
                 .iter()
                 .take((HIGHEST / spectrum.resolution) as usize + 1)
-                .map(|amplitude| rounded(*amplitude, DIGITS))
+                .map(|amplitude| rounded(*amplitude, Self::DIGITS))
                 .collect(),
         }
         .with_frequencies()
@@ -87,9 +88,16 @@ impl SpectrumAnswer {
         self
     }
 
-    /// The same without them, as it is stored.
-    pub fn without_frequencies(&self) -> Self {
-        Self { frequency_hz: Vec::new(), ..self.clone() }
+    /// What is said of the spectrum as a whole.
+    pub fn head(&self) -> Self {
+        Self {
+            channel: self.channel.clone(),
+            unit: self.unit.clone(),
+            window: self.window.clone(),
+            frequency_hz: Vec::new(),
+            amplitude: Vec::new(),
+            ..*self
+        }
     }
 
     /// The part up to this frequency [Hz].

@@ -183,18 +183,27 @@ pub fn short(number: f64) -> String {
 
 /// The number nearest to one of so many significant digits; quick, for many.
 pub fn rounded(number: f64, digits: i32) -> f64 {
-    if number == 0.0 || !number.is_finite() {
+    if !number.is_finite() {
         return number;
     }
-    // Powers of ten are exact where the factor is a whole number, so that the quotient is the nearest double.
-    let places = digits - 1 - number.abs().log10().floor() as i32;
-    if places >= 0 {
-        let factor = 10_f64.powi(places.min(300));
-        (number * factor).round() / factor
-    } else {
-        let factor = 10_f64.powi(-places);
-        (number / factor).round() * factor
+    let (whole, places) = decimal(number, digits);
+    of_decimal(whole, places)
+}
+
+/// The whole number of so many digits that is nearest to a number whose decimal point is moved by so many places, and these places.
+pub fn decimal(number: f64, digits: i32) -> (f64, i32) {
+    if number == 0.0 {
+        return (number, 0);
     }
+    let places = (digits - 1 - number.abs().log10().floor() as i32).min(300);
+    // Powers of ten are exact where the factor is a whole number, so that the quotient is the nearest double.
+    let whole = if places >= 0 { number * 10_f64.powi(places) } else { number / 10_f64.powi(-places) };
+    (whole.round(), places)
+}
+
+/// The number whose decimal point was moved.
+pub fn of_decimal(whole: f64, places: i32) -> f64 {
+    if places >= 0 { whole / 10_f64.powi(places) } else { whole * 10_f64.powi(-places) }
 }
 
 /// The number rounded to so many significant digits.

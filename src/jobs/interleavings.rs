@@ -13,7 +13,7 @@ use uuid::Uuid;
 
 use super::running::{Run, StopReason};
 use super::service::{Cancelled, Jobs, Settings, Simulator};
-use super::store::claims::{self, Pulse};
+use super::store::claims::Pulse;
 use super::store::database::{Dialect, statement};
 use super::store::{Claim, Location, Store, StoredResult, submissions};
 use super::worker::{Outcome, Worker, ended, follow};
@@ -642,10 +642,9 @@ impl World {
         };
         match outcome {
             Outcome::Ended(end) => {
-                let mut tx = self.store.begin().await?;
-                let written = claims::finish(&mut tx, claim, &end, run.progress(), self.settings.keep_s).await?;
+                let written = self.store.finish(claim, &end, run.progress(), self.settings.keep_s).await?;
                 assert_eq!(written.is_some(), holds);
-                if holds { tx.commit().await } else { Ok(()) }
+                Ok(())
             }
             Outcome::HandedBack => self.store.hand_back(claim).await,
             Outcome::ClaimLost => Ok(()),

@@ -1,13 +1,14 @@
 //! Runs of this process: stop flags, progress, and who waits for an end.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use tokio::sync::Notify;
+use tokio::sync::watch;
 use uuid::Uuid;
 
+use super::JobRecord;
 use crate::simulation::run::{Live, Phase};
 
 /// Why a run is asked to stop.
@@ -31,6 +32,7 @@ pub struct Run {
     progress: AtomicU64,
     view: Mutex<View>,
     solved: OnceLock<Solved>,
+    concludes: AtomicBool,
 }
 
 /// How a run that has succeeded was made.
@@ -81,6 +83,15 @@ impl Run {
         self.solved.get()
     }
 
+    /// Notes that this process writes the end of the job, and tells it to those who wait.
+    pub fn conclude(&self) {
+        self.concludes.store(true, Ordering::Release);
+    }
+
+    pub fn concludes(&self) -> bool {
+        self.concludes.load(Ordering::Acquire)
+    }
+
     pub fn set_progress(&self, share: f64) {
         self.progress.store(share.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
     }
@@ -108,12 +119,23 @@ impl Run {
     }
 }
 
+/// How a job has ended.
+#[derive(Debug, Clone)]
+pub struct Ended {
+    pub record: JobRecord,
+    /// Of a simulation that has succeeded, as JSON text.
+    pub metrics: Option<String>,
+}
+
+/// Changes once the job has ended; `None` then, too, where the end was written elsewhere.
+pub type Bell = watch::Receiver<Option<Arc<Ended>>>;
+
 /// The runs of this process.
 #[derive(Debug, Default)]
 pub struct Running {
     /// With the number of those who hold the run.
     runs: Mutex<HashMap<Uuid, (Arc<Run>, usize)>>,
-    waiting: Mutex<HashMap<Uuid, Arc<Notify>>>,
+    waiting: Mutex<HashMap<Uuid, watch::Sender<Option<Arc<Ended>>>>>,
 }
 
 impl Running {
@@ -160,18 +182,27 @@ impl Running {
         locked(&self.runs).values().for_each(|(run, _)| run.stop(reason));
     }
 
-    /// A bell that rings once the job has ended; to be taken before the job is looked at.
-    pub fn bell(&self, id: Uuid) -> Arc<Notify> {
+    /// What changes once the job has ended; to be taken before the job is looked at.
+    pub fn bell(&self, id: Uuid) -> Bell {
         let mut waiting = locked(&self.waiting);
-        // Bells that nobody waits for any more are only held by this map.
-        waiting.retain(|_, bell| Arc::strong_count(bell) > 1);
-        Arc::clone(waiting.entry(id).or_default())
+        waiting.retain(|_, bell| bell.receiver_count() > 0);
+        waiting.entry(id).or_insert_with(|| watch::channel(None).0).subscribe()
     }
 
     /// Tells those who wait that the job has ended.
     pub fn ended(&self, id: Uuid) {
-        if let Some(bell) = locked(&self.waiting).remove(&id) {
-            bell.notify_waiters();
+        self.ring(id, None);
+    }
+
+    /// Tells them how, so that they need not ask the database.
+    pub fn ended_as(&self, ended: Ended) {
+        self.ring(ended.record.id, Some(Arc::new(ended)));
+    }
+
+    fn ring(&self, id: Uuid, ended: Option<Arc<Ended>>) {
+        let bell = locked(&self.waiting).remove(&id);
+        if let Some(bell) = bell {
+            bell.send_replace(ended);
         }
     }
 }

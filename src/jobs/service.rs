@@ -5,21 +5,20 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
 use super::intake::{Intake, IntakeLimits, Submitted};
 use super::lock::DatabaseLock;
 use super::queue::{Delivery, Handler, Queue, QueueStats};
-use super::running::{Running, StopReason, View};
+use super::running::{Bell, Running, StopReason, View};
 use super::store::database::{self, Dialect, Pool};
 use super::store::studies::StoredPoint;
 use super::store::{Filter, Location, Signal, Store, records, studies, upkeep};
 use super::tokens::{KnownTokens, Token};
 use super::worker::Worker;
 use super::{IdempotencyKey, JobError, JobRecord, NewJob, Status, sweep, tokens};
-use crate::contract::{Job, JobKind, Outcome, RunFailure};
+use crate::contract::{Job, JobKind, Outcome, RunFailure, SpectrumAnswer, SpectrumKind};
 use crate::simulation::run::Control;
 
 /// What computes a job: the contract's `execute`, or a stand-in of a test.
@@ -252,8 +251,8 @@ impl Jobs {
         self.inner.running.get(id).map(|run| run.view())
     }
 
-    /// What rings once the job has ended; to be taken before the job is looked at.
-    pub fn bell(&self, id: Uuid) -> Arc<Notify> {
+    /// What changes once the job has ended; to be taken before the job is looked at.
+    pub fn bell(&self, id: Uuid) -> Bell {
         self.inner.running.bell(id)
     }
 
@@ -269,11 +268,7 @@ impl Jobs {
         id: Uuid,
         at_most: Duration,
     ) -> Result<(JobRecord, Option<String>), JobError> {
-        let bell = self.inner.running.bell(id);
-        let rings = bell.notified();
-        tokio::pin!(rings);
-        // Listens before it looks, or an end between the two would be missed.
-        rings.as_mut().enable();
+        let mut bell = self.inner.running.bell(id);
         let until = tokio::time::Instant::now() + at_most;
         loop {
             let looked = self.get_with_metrics(owner, id).await;
@@ -287,7 +282,14 @@ impl Jobs {
                 return looked;
             }
             tokio::select! {
-                () = &mut rings => return self.get_with_metrics(owner, id).await,
+                _ = bell.changed() => {
+                    let ended = bell.borrow().clone();
+                    return match ended {
+                        // Whoever has seen the job may see how it ended.
+                        Some(ended) if looked.is_ok() => Ok((ended.record.clone(), ended.metrics.clone())),
+                        _ => self.get_with_metrics(owner, id).await,
+                    };
+                }
                 // A bell that is rung by another process may be lost on the way.
                 () = tokio::time::sleep(left.min(LOOK_AGAIN)) => {}
                 // The job goes on after the next start; whoever waits gets its id before this one ends.
@@ -391,9 +393,20 @@ impl Jobs {
         self.inner.store.metrics(owner, id).await
     }
 
-    /// A spectrum or series of a succeeded job, as JSON text.
-    pub async fn signal(&self, owner: &str, id: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
-        self.inner.store.signal(owner, id, signal, channel).await
+    /// A spectrum of a succeeded job.
+    pub async fn spectrum(
+        &self,
+        owner: &str,
+        id: Uuid,
+        kind: SpectrumKind,
+        channel: &str,
+    ) -> Result<SpectrumAnswer, JobError> {
+        self.inner.store.spectrum(owner, id, kind, channel).await
+    }
+
+    /// A series of a succeeded job, as JSON text.
+    pub async fn series(&self, owner: &str, id: Uuid, channel: &str) -> Result<Vec<u8>, JobError> {
+        self.inner.store.series(owner, id, channel).await
     }
 
     /// Channels of which a succeeded job keeps a signal.
@@ -483,6 +496,8 @@ fn listen(pool: sqlx::PgPool, inner: &Arc<Inner>) {
             {
                 while let Ok(told) = listener.recv().await {
                     match (told.channel(), told.payload().parse()) {
+                        // This process tells it by itself, and how.
+                        (database::ENDED, Ok(job)) if running.get(job).is_some_and(|run| run.concludes()) => {}
                         (database::ENDED, Ok(job)) => running.ended(job),
                         (_, Ok(job)) => running.cancel(job),
                         (_, Err(_)) => {}

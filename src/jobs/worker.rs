@@ -13,9 +13,9 @@ use uuid::Uuid;
 use super::figures::Figures;
 use super::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
 use super::queue::{Delivered, Ticket};
-use super::running::{Run, RunGuard, Running, Solved, StopReason};
+use super::running::{Ended, Run, RunGuard, Running, Solved, StopReason};
 use super::service::{Settings, Simulator};
-use super::store::claims::{self, Pulse};
+use super::store::claims::Pulse;
 use super::store::database::Dialect;
 use super::store::{Claim, End, Store, StoredResult};
 use super::threads::SolverThreads;
@@ -222,9 +222,11 @@ impl Worker {
                 return Ok(Delivered::HandedBack);
             }
         };
+        run.conclude();
         let mut pause = Duration::from_millis(100);
         let written = loop {
-            match self.store.note(self.write_end(claim, &end, run.progress()).await) {
+            // River notes by itself that the delivery is done. Should this process end before, it delivers a job that nobody can claim.
+            match self.store.note(self.store.finish(claim, &end, run.progress(), self.settings.keep_s).await) {
                 Ok(written) => break written,
                 Err(error) => {
                     tracing::error!(%error, job = %claim.job, "the end of a run could not be written; trying again");
@@ -237,25 +239,18 @@ impl Worker {
             pause = (2 * pause).min(Duration::from_secs(5));
         };
         match written {
-            Some(status) => {
-                self.store.figures.ended(status);
+            Some(record) => {
+                self.store.figures.ended(record.status);
                 tell(claim.job, &end, run);
+                let metrics = if record.status == Status::Succeeded { end.into_metrics() } else { None };
+                self.running.ended_as(Ended { record, metrics });
             }
-            None => self.store.figures.claim_lost(),
+            None => {
+                self.store.figures.claim_lost();
+                self.running.ended(claim.job);
+            }
         }
-        self.running.ended(claim.job);
         Ok(Delivered::Done)
-    }
-
-    /// The end as it stands in the record; `None`: the claim is lost.
-    async fn write_end(&self, claim: &Claim, end: &End, progress: f64) -> Result<Option<Status>, JobError> {
-        let mut tx = self.store.begin().await?;
-        let written = claims::finish(&mut tx, claim, end, progress, self.settings.keep_s).await?;
-        if written.is_some() {
-            // River notes by itself that the delivery is done. Should this process end before, it delivers a job that nobody can claim.
-            tx.commit().await?;
-        }
-        Ok(written)
     }
 }
 

@@ -39,11 +39,22 @@ export class Compare {
 
   /** Puts a run beside the one that was chosen before. */
   async add(job) {
+    this.added = true;
     await this.refresh();
     const [a, b] = this.chosen;
     const place = !a.value || (b.value && b.value !== job.id) ? a : b;
     if (place === a && b.value) a.value = b.value;
     (place === a && !b.value ? a : b).value = job.id;
+    await this.#draw();
+  }
+
+  /** The last two runs, where nothing is chosen yet. */
+  async show() {
+    await this.refresh();
+    const [a, b] = this.chosen;
+    if (this.added || a.value || b.value || a.options.length < 3) return;
+    // The newest first, behind "none".
+    [a.value, b.value] = [a.options[2].value, a.options[1].value];
     await this.#draw();
   }
 

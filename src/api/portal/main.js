@@ -103,7 +103,7 @@ async function start() {
   const opened = {
     slider: () => slider.reset(),
     study: () => study.reset(),
-    compare: () => compare.refresh(),
+    compare: () => compare.show(),
     jobs: () => jobs.refresh(),
   };
 

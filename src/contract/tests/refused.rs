@@ -193,6 +193,12 @@ fn impossible_jobs_are_refused() {
             "/solver/rung",
             "without a fixed step",
         ),
+        (scene(r#""terms":{"cage_tilt":"off"}},"solver":{"rung":"full""#), "/solver/rung", "terms.cage_tilt is off"),
+        (
+            scene(r#""spindle":{"axial":{"offset_um":5}},"terms":{"cage_tilt":"off"}"#),
+            "/scene/terms/cage_tilt",
+            "the scene moves along X",
+        ),
         (job(r#""solver":{"rung":"condensed"}"#), "/solver/rung", "available: `full`, `planar`, `radially_condensed`"),
         (
             job(r#""solver":{"relative_tolerance":1e-13}"#),

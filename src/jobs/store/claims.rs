@@ -4,10 +4,11 @@
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
-use super::database::{Tx, statement};
+use super::database::{Dialect, ENDED, statement};
+use super::records::{self, Row};
 use super::results::{self, StoredResult};
 use super::{Store, stored};
-use crate::jobs::{Failure, JobError, NewJob, Status};
+use crate::jobs::{Failure, JobError, JobRecord, NewJob, Status};
 
 /// A job in the hands of this process.
 #[derive(Debug, Clone)]
@@ -57,6 +58,14 @@ impl End {
             Self::Succeeded(_) => Status::Succeeded,
             Self::Failed(_) => Status::Failed,
             Self::Cancelled => Status::Cancelled,
+        }
+    }
+
+    /// Of a simulation that has succeeded, as JSON text.
+    pub fn into_metrics(self) -> Option<String> {
+        match self {
+            Self::Succeeded(StoredResult::Simulation { metrics, .. }) => Some(metrics),
+            _ => None,
         }
     }
 }
@@ -135,53 +144,71 @@ impl Store {
     }
 }
 
-/// Writes how the run ended, and says as what it stands in the record; `None`: the claim is lost, and the transaction must not be
-/// committed.
-pub async fn finish(
-    tx: &mut Tx,
-    claim: &Claim,
-    end: &End,
-    progress: f64,
-    keep_s: f64,
-) -> Result<Option<Status>, JobError> {
-    let (result, failure) = match end {
-        End::Succeeded(result) => (Some((Uuid::now_v7(), result)), None),
-        End::Failed(failure) => (None, Some(failure)),
-        End::Cancelled => (None, None),
-    };
-    let insertion = result.map(|(id, result)| results::insertion(id, result)).unwrap_or_default();
-    let result = result.map(|(id, _)| id);
-    let now = Timestamp::now();
-    // Whoever asked for the cancellation was promised it, also when the run was a little faster.
-    let tells = tx.dialect().tells_ended();
-    let sql = format!(
-        "UPDATE jobs SET status = CASE WHEN cancel_requested_at IS NULL THEN $3 ELSE 'cancelled' END, \
-         result_id = CASE WHEN cancel_requested_at IS NULL THEN $4 END, \
-         error_cause = CASE WHEN cancel_requested_at IS NULL THEN $5 END, \
-         error_detail = CASE WHEN cancel_requested_at IS NULL THEN $6 END, \
-         progress = CASE WHEN cancel_requested_at IS NULL AND $3 = 'succeeded' THEN 1.0 ELSE $9 END, \
-         finished_at = $7, expires_at = $8 \
-         WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING status, {tells}"
-    );
-    let update = statement(sql)
-        .bind(claim.job)
-        .bind(claim.number)
-        .bind(end.status().name())
-        .bind(result)
-        .bind(failure.map(|failure| &failure.cause))
-        .bind(failure.map(|failure| &failure.detail))
-        .bind(stored(now))
-        .bind(stored(expiry(now, claim.keep_for_s.unwrap_or(keep_s))))
-        .bind(progress);
-    let status: Option<String> = tx.value_after(insertion, update).await?;
-    let Some(status) = status else { return Ok(None) };
-    let status = Status::parse(&status).ok_or_else(|| JobError::Corrupt(format!("status {status}")))?;
-    if let Some(result) = result
-        && status == Status::Cancelled
-    {
-        results::remove_orphan(tx, result).await?;
+impl Store {
+    /// Writes how the run ended, and gives the job as it stands in the record then; `None`: the claim is lost, and nothing is written.
+    pub async fn finish(
+        &self,
+        claim: &Claim,
+        end: &End,
+        progress: f64,
+        keep_s: f64,
+    ) -> Result<Option<JobRecord>, JobError> {
+        let (result, failure) = match end {
+            End::Succeeded(result) => (Some((Uuid::now_v7(), result)), None),
+            End::Failed(failure) => (None, Some(failure)),
+            End::Cancelled => (None, None),
+        };
+        let insertion =
+            |provided| result.map(|(id, result)| results::insertion(id, result, provided)).unwrap_or_default();
+        let now = Timestamp::now();
+        // Whoever asked for the cancellation was promised it, also when the run was a little faster.
+        let sql = format!(
+            "UPDATE jobs SET status = CASE WHEN cancel_requested_at IS NULL THEN $3 ELSE 'cancelled' END, \
+             result_id = CASE WHEN cancel_requested_at IS NULL THEN $4 END, \
+             error_cause = CASE WHEN cancel_requested_at IS NULL THEN $5 END, \
+             error_detail = CASE WHEN cancel_requested_at IS NULL THEN $6 END, \
+             progress = CASE WHEN cancel_requested_at IS NULL AND $3 = 'succeeded' THEN 1.0 ELSE $9 END, \
+             finished_at = $7, expires_at = $8 \
+             WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING {}",
+            records::COLUMNS
+        );
+        let update = statement(sql)
+            .bind(claim.job)
+            .bind(claim.number)
+            .bind(end.status().name())
+            .bind(result.map(|(id, _)| id))
+            .bind(failure.map(|failure| &failure.cause))
+            .bind(failure.map(|failure| &failure.detail))
+            .bind(stored(now))
+            .bind(stored(expiry(now, claim.keep_for_s.unwrap_or(keep_s))))
+            .bind(progress);
+        let row: Option<Row> = match self.dialect() {
+            // In one way to the server and back, its flush included.
+            Dialect::Postgres => {
+                let tell = format!("SELECT {}, pg_notify('{ENDED}', CAST(id AS TEXT)) FROM ended", records::COLUMNS);
+                let inserts = insertion(" FROM ended WHERE status = 'succeeded'");
+                let inserts = inserts.into_iter().enumerate().map(|(k, insert)| (format!("insert{k}"), insert));
+                let before = std::iter::once(("ended".to_owned(), update)).chain(inserts);
+                statement(tell).with(before).optional(&self.writer).await?
+            }
+            Dialect::Sqlite => {
+                let mut tx = self.begin().await?;
+                for insert in insertion("") {
+                    insert.run(&mut tx).await?;
+                }
+                let row: Option<Row> = update.optional(&mut tx).await?;
+                // Not committed where the claim is lost.
+                if let Some(row) = &row {
+                    if let (Some((id, _)), false) = (result, row.is_succeeded()) {
+                        results::remove_orphan(&mut tx, id).await?;
+                    }
+                    tx.commit().await?;
+                }
+                row
+            }
+        };
+        row.map(Row::record).transpose()
     }
-    Ok(Some(status))
 }
 
 /// When something that ended at a time and is kept for so many seconds goes.

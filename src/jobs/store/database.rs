@@ -106,14 +106,6 @@ impl Dialect {
         }
     }
 
-    /// A column that tells all processes, once the transaction is committed, that the job of this row has ended.
-    pub fn tells_ended(self) -> String {
-        match self {
-            Self::Sqlite => "NULL".to_owned(),
-            Self::Postgres => format!("pg_notify('{ENDED}', CAST(id AS TEXT))"),
-        }
-    }
-
     /// Keeps the rows that a statement reads from being changed until its transaction ends. On SQLite nobody else writes.
     pub fn for_share(self) -> &'static str {
         match self {
@@ -191,23 +183,6 @@ impl Tx {
             Self::Postgres(tx) => tx.commit().await?,
         }
         Ok(())
-    }
-
-    /// Runs statements one after the other, and gives the first column of the last one's first row. To a server they go as one, which
-    /// saves a way there and back each; there, none sees what the others do.
-    pub async fn value_after<T>(&mut self, before: Vec<Statement>, last: Statement) -> Result<Option<T>, JobError>
-    where
-        (T,): Record,
-    {
-        match self.dialect() {
-            Dialect::Sqlite => {
-                for statement in before {
-                    statement.run(&mut *self).await?;
-                }
-                last.value(self).await
-            }
-            Dialect::Postgres => last.with(before).value(self).await,
-        }
     }
 
     /// Tells all processes that a job has ended, once the transaction is committed.
@@ -367,18 +342,14 @@ impl Statement {
         self
     }
 
-    /// The same with others that change rows, as PostgreSQL has them in one.
-    fn with(mut self, before: Vec<Self>) -> Self {
-        if before.is_empty() {
-            return self;
-        }
-        let mut sql = String::from("WITH ");
-        for (k, statement) in before.into_iter().enumerate() {
-            let text = shifted(statement.sql.as_str(), self.values.len());
-            sql += &format!("{}step{k} AS ({text})", if k > 0 { ", " } else { "" });
+    /// The same with others before it, each by a name that those after it may ask, as PostgreSQL has them in one.
+    pub fn with(mut self, before: impl IntoIterator<Item = (String, Self)>) -> Self {
+        let mut steps = Vec::new();
+        for (name, statement) in before {
+            steps.push(format!("{name} AS ({})", shifted(statement.sql.as_str(), self.values.len())));
             self.values.extend(statement.values);
         }
-        sql += &format!(" {}", self.sql.as_str());
+        let sql = format!("WITH {} {}", steps.join(", "), self.sql.as_str());
         Self { sql: AssertSqlSafe(sql).into_sql_str(), ..self }
     }
 
@@ -415,11 +386,9 @@ impl Statement {
         })
     }
 
-    /// The first row, if there is one.
+    /// The first row, if there is one. All are read: a statement outside of transactions is committed after its last.
     pub async fn optional<'a, T: Record>(self, place: impl Into<Place<'a>>) -> Result<Option<T>, JobError> {
-        at!(self, place, |sql, arguments, executor| {
-            Ok(sqlx::query_as_with::<Db, T, _>(sql, arguments).fetch_optional(executor).await?)
-        })
+        Ok(self.all(place).await?.into_iter().next())
     }
 
     /// The one row that there is.
@@ -633,10 +602,11 @@ mod tests {
     fn statements_that_go_as_one_keep_their_values() {
         let insert = |table: &str| statement(format!("INSERT INTO {table} VALUES ($1, $2)")).bind(1_i64).bind("a");
         let last = statement("UPDATE jobs SET a = $10, b = '$' WHERE id = $1").bind(2_i64);
-        let whole = last.with(vec![insert("x"), insert("y")]);
+        let before = [("a", insert("x")), ("b", insert("y"))];
+        let whole = last.with(before.map(|(name, insert)| (name.to_owned(), insert)));
         assert_eq!(
             whole.sql.as_str(),
-            "WITH step0 AS (INSERT INTO x VALUES ($2, $3)), step1 AS (INSERT INTO y VALUES ($4, $5)) \
+            "WITH a AS (INSERT INTO x VALUES ($2, $3)), b AS (INSERT INTO y VALUES ($4, $5)) \
              UPDATE jobs SET a = $10, b = '$' WHERE id = $1"
         );
         assert_eq!(whole.values.len(), 5);

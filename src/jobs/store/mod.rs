@@ -11,6 +11,8 @@ pub mod keys;
 /// Links that have gone silent.
 #[cfg(target_os = "linux")]
 mod link;
+/// Spectra as they are stored.
+mod packed;
 /// Jobs looked up and listed, cancelled and deleted.
 pub mod records;
 /// Results written and read.

@@ -25,11 +25,13 @@ pub struct Filter {
 /// A page ends early when its requests are larger than this, so that no list takes the memory of the service.
 const PAGE_BYTES: usize = 4 << 20;
 
-const COLUMNS: &str = "id, kind, status, request, labels, priority, created_at, started_at, finished_at, expires_at, \
+/// What `Row` is read from.
+pub(super) const COLUMNS: &str = "id, kind, status, request, labels, priority, created_at, started_at, finished_at, expires_at, \
                        cancel_requested_at, progress, reused, error_cause, error_detail";
 
+/// A job as the tables have it.
 #[derive(FromRow)]
-struct Row {
+pub(super) struct Row {
     id: Uuid,
     kind: String,
     status: String,
@@ -55,7 +57,11 @@ struct RowWithMetrics {
 }
 
 impl Row {
-    fn record(self) -> Result<JobRecord, JobError> {
+    pub(super) fn is_succeeded(&self) -> bool {
+        self.status == Status::Succeeded.name()
+    }
+
+    pub(super) fn record(self) -> Result<JobRecord, JobError> {
         let corrupt = |what: &str| JobError::Corrupt(format!("{what} of job {}", self.id));
         Ok(JobRecord {
             status: Status::parse(&self.status).ok_or_else(|| corrupt("status"))?,

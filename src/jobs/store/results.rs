@@ -1,4 +1,4 @@
-//! Results: metrics as they are sent, spectra and series compressed, one row a channel; reports of other jobs than
+//! Results: metrics as they are sent, spectra packed and series compressed, one row a channel; reports of other jobs than
 //! simulations, compressed.
 
 use std::cell::RefCell;
@@ -12,6 +12,7 @@ use uuid::Uuid;
 
 use super::Store;
 use super::database::{Dialect, Statement, Tx, statement};
+use super::packed::{packed, unpacked};
 use crate::contract::{JobKind, Outcome, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind};
 use crate::jobs::{JobError, Status};
 use crate::numerics::parallel::both;
@@ -22,6 +23,15 @@ pub enum Signal {
     Amplitude,
     Envelope,
     Series,
+}
+
+impl From<SpectrumKind> for Signal {
+    fn from(kind: SpectrumKind) -> Self {
+        match kind {
+            SpectrumKind::Amplitude => Self::Amplitude,
+            SpectrumKind::Envelope => Self::Envelope,
+        }
+    }
 }
 
 impl Signal {
@@ -70,14 +80,8 @@ impl StoredResult {
 type Signals = Vec<(Signal, String, Vec<u8>)>;
 
 fn spectra_of(spectra: &[SpectrumAnswer]) -> Result<Signals, JobError> {
-    let stored = |spectrum: &SpectrumAnswer| {
-        let signal = match spectrum.kind {
-            SpectrumKind::Amplitude => Signal::Amplitude,
-            SpectrumKind::Envelope => Signal::Envelope,
-        };
-        // They follow from the resolution.
-        Ok((signal, spectrum.channel.clone(), compressed(&spectrum.without_frequencies())?))
-    };
+    let stored =
+        |spectrum: &SpectrumAnswer| Ok((Signal::from(spectrum.kind), spectrum.channel.clone(), packed(spectrum)?));
     spectra.iter().map(stored).collect()
 }
 
@@ -103,29 +107,31 @@ thread_local! {
     static ENCODER: RefCell<ZlibEncoder<Vec<u8>>> = RefCell::new(ZlibEncoder::new(Vec::new(), LEVEL));
 }
 
-/// What adds a result.
-pub(super) fn insertion(id: Uuid, result: &StoredResult) -> Vec<Statement> {
-    let (metrics, signals, views) = match result {
-        StoredResult::Simulation { metrics, signals, views } => (metrics.as_str(), signals.as_slice(), views.as_ref()),
-        StoredResult::Report(_) => ("", &[][..], None),
-    };
-    let sql = "INSERT INTO results (id, metrics) VALUES ($1, $2)";
-    let mut statements = vec![statement(sql).bind(id).bind(metrics)];
-    if !signals.is_empty() {
-        let rows: Vec<String> =
-            (0..signals.len()).map(|k| 3 * k + 2).map(|k| format!("($1, ${k}, ${}, ${})", k + 1, k + 2)).collect();
-        let insert = format!("INSERT INTO signals (result_id, sort, channel, answer) VALUES {}", rows.join(", "));
-        statements.push(signals.iter().fold(statement(insert).bind(id), |insert, (signal, channel, answer)| {
-            insert.bind(signal.name()).bind(channel).bind(answer)
-        }));
+/// What adds a result; `provided`: the rest of a query that has one row where it shall be added.
+pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<Statement> {
+    let insert = |into: &str| statement(format!("INSERT INTO {into} SELECT $1, $2{provided}")).bind(id);
+    match result {
+        StoredResult::Report(answer) => {
+            vec![insert("results (id, metrics)").bind(""), insert("reports (result_id, answer)").bind(answer)]
+        }
+        StoredResult::Simulation { metrics, signals, views } => {
+            let mut statements = vec![insert("results (id, metrics)").bind(metrics)];
+            if !signals.is_empty() {
+                statements.push(insertion_of_signals(id, signals, provided));
+            }
+            statements.extend(views.iter().map(|views| insert("views (result_id, answer)").bind(views)));
+            statements
+        }
     }
-    if let Some(views) = views {
-        statements.push(statement("INSERT INTO views (result_id, answer) VALUES ($1, $2)").bind(id).bind(views));
-    }
-    if let StoredResult::Report(answer) = result {
-        statements.push(statement("INSERT INTO reports (result_id, answer) VALUES ($1, $2)").bind(id).bind(answer));
-    }
-    statements
+}
+
+fn insertion_of_signals(id: Uuid, signals: &[(Signal, String, Vec<u8>)], provided: &str) -> Statement {
+    let row = |k| format!("SELECT $1, ${}, ${}, ${}{provided}", 3 * k + 2, 3 * k + 3, 3 * k + 4);
+    let rows: Vec<String> = (0..signals.len()).map(row).collect();
+    let insert = format!("INSERT INTO signals (result_id, sort, channel, answer) {}", rows.join(" UNION ALL "));
+    signals.iter().fold(statement(insert).bind(id), |insert, (signal, channel, answer)| {
+        insert.bind(signal.name()).bind(channel).bind(answer)
+    })
 }
 
 /// Adds the result of a job that keeps its results elsewhere.
@@ -158,14 +164,31 @@ impl Store {
         metrics.ok_or(JobError::NotFound)
     }
 
-    /// A signal of a succeeded job, as JSON text.
-    pub async fn signal(&self, owner: &str, job: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
+    /// A spectrum of a succeeded job.
+    pub async fn spectrum(
+        &self,
+        owner: &str,
+        job: Uuid,
+        kind: SpectrumKind,
+        channel: &str,
+    ) -> Result<SpectrumAnswer, JobError> {
+        let stored = self.signal(owner, job, kind.into(), channel).await?;
+        aside(stored, |stored| unpacked(&stored)).await
+    }
+
+    /// A series of a succeeded job, as JSON text.
+    pub async fn series(&self, owner: &str, job: Uuid, channel: &str) -> Result<Vec<u8>, JobError> {
+        let stored = self.signal(owner, job, Signal::Series, channel).await?;
+        aside(stored, |stored| decompressed(&stored)).await
+    }
+
+    async fn signal(&self, owner: &str, job: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
         let sql = "SELECT answer FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
         let answer: Option<Vec<u8>> =
             statement(sql).bind(result).bind(signal.name()).bind(channel).value(&self.readers).await?;
         match answer {
-            Some(answer) => decompressed_aside(answer).await,
+            Some(answer) => Ok(answer),
             None => Err(JobError::UnknownChannel { kept: self.kept(result, signal).await? }),
         }
     }
@@ -228,16 +251,16 @@ fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: Job
     }
 }
 
-/// The same; what takes long holds up no request.
-async fn decompressed_aside(answer: Vec<u8>) -> Result<Vec<u8>, JobError> {
-    if answer.len() < LONG {
-        return decompressed(&answer);
+/// Reads what is stored; what takes long holds up no request.
+async fn aside<T: Send + 'static>(stored: Vec<u8>, read: fn(Vec<u8>) -> Result<T, JobError>) -> Result<T, JobError> {
+    if stored.len() < LONG {
+        return read(stored);
     }
-    let text = tokio::task::spawn_blocking(move || decompressed(&answer)).await;
-    text.unwrap_or_else(|error| Err(JobError::Corrupt(error.to_string())))
+    let read = tokio::task::spawn_blocking(move || read(stored)).await;
+    read.unwrap_or_else(|error| Err(JobError::Corrupt(error.to_string())))
 }
 
-/// Compressed bytes that are text after some milliseconds.
+/// Stored bytes that take some milliseconds to read.
 const LONG: usize = 256 << 10;
 
 pub fn decompressed(answer: &[u8]) -> Result<Vec<u8>, JobError> {
