@@ -1,9 +1,11 @@
 //! One formula for one ball or for several side by side.
 //!
-//! A formula is written once, for one ball, in `f64`. Where many balls need it, it runs over columns of numbers, [`Lanes`], in a loop
+//! A formula is written once, for one ball. Where many balls need it, it runs over columns of numbers, [`Lanes`], in a loop
 //! whose body has no branch and whose turns know nothing of each other. The compiler then lays the balls side by side in
 //! the registers of the processor: two, four or eight at once, by the instruction set that [`InstructionSet::run`] compiles
 //! for. Rust never contracts or reorders sums of floats, so that the bits are the same on all of them.
+//! In single precision, [`Singles`], a register holds twice as many; a loop with numbers of both precisions takes as many at once as the
+//! wider ones let it, so that conversions stand in loops of their own.
 //!
 //! What such loops may contain: + − × ÷, √, comparisons that choose a value, own functions made of these (`exponential`,
 //! `angle`). A call into the platform's mathematics or an early return would bring the balls back one behind the other; so
@@ -11,7 +13,7 @@
 //! bench --bench contact` shows whether balls are side by side.
 
 use std::fmt;
-use std::ops::{Index, IndexMut};
+use std::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
 
 /// Balls that stand side by side: one register of AVX-512, two of AVX2, four of SSE2. The same on every machine, so that
 /// sums, and with them bits, are the same, too.
@@ -20,26 +22,63 @@ pub const LANES: usize = 8;
 /// A number of each of `N` balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
-pub struct Lanes<const N: usize = LANES>(pub [f64; N]);
+pub struct Lanes<const N: usize = LANES, T = f64>(pub [T; N]);
 
-impl<const N: usize> Lanes<N> {
+/// The same in single precision, where seven digits serve.
+pub type Singles = Lanes<LANES, f32>;
+
+/// What formulas calculate with, in double or in single precision.
+pub trait Real:
+    Copy
+    + Default
+    + PartialOrd
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+{
+    /// The number nearest to a constant.
+    fn of(constant: f64) -> Self;
+    fn sqrt(self) -> Self;
+}
+
+macro_rules! real {
+    ($number:ty) => {
+        impl Real for $number {
+            #[inline(always)]
+            fn of(constant: f64) -> Self {
+                constant as Self
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+        }
+    };
+}
+real!(f32);
+real!(f64);
+
+impl<const N: usize, T: Copy + Default> Lanes<N, T> {
     /// The same number for all.
     #[inline(always)]
-    pub fn all(value: f64) -> Self {
+    pub fn all(value: T) -> Self {
         Self([value; N])
     }
 
     /// `N` numbers of a list, from `first` on.
     #[inline(always)]
-    pub fn of(list: &[f64], first: usize) -> Self {
-        let mut lanes = [0.0; N];
+    pub fn of(list: &[T], first: usize) -> Self {
+        let mut lanes = [T::default(); N];
         lanes.copy_from_slice(&list[first..first + N]);
         Self(lanes)
     }
 
     /// Whether it holds for at least one.
     #[inline(always)]
-    pub fn any(&self, holds: impl Fn(f64) -> bool) -> bool {
+    pub fn any(&self, holds: impl Fn(T) -> bool) -> bool {
         // No short cut: eight comparisons cost less than one branch that is hard to foresee.
         let mut any = false;
         for lane in 0..N {
@@ -49,25 +88,33 @@ impl<const N: usize> Lanes<N> {
     }
 }
 
-impl<const N: usize> Default for Lanes<N> {
+impl<const N: usize> Lanes<N> {
+    /// In single precision.
     #[inline(always)]
-    fn default() -> Self {
-        Self([0.0; N])
+    pub fn single(&self) -> Lanes<N, f32> {
+        Lanes(self.0.map(|value| value as f32))
     }
 }
 
-impl<const N: usize> Index<usize> for Lanes<N> {
-    type Output = f64;
+impl<const N: usize, T: Copy + Default> Default for Lanes<N, T> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self([T::default(); N])
+    }
+}
+
+impl<const N: usize, T> Index<usize> for Lanes<N, T> {
+    type Output = T;
 
     #[inline(always)]
-    fn index(&self, lane: usize) -> &f64 {
+    fn index(&self, lane: usize) -> &T {
         &self.0[lane]
     }
 }
 
-impl<const N: usize> IndexMut<usize> for Lanes<N> {
+impl<const N: usize, T> IndexMut<usize> for Lanes<N, T> {
     #[inline(always)]
-    fn index_mut(&mut self, lane: usize) -> &mut f64 {
+    fn index_mut(&mut self, lane: usize) -> &mut T {
         &mut self.0[lane]
     }
 }
@@ -82,16 +129,16 @@ pub trait SideBySide {
     fn put(&mut self, lane: usize, one: Self::One);
 }
 
-impl<const N: usize> SideBySide for Lanes<N> {
-    type One = f64;
+impl<const N: usize, T: Copy> SideBySide for Lanes<N, T> {
+    type One = T;
 
     #[inline(always)]
-    fn at(&self, lane: usize) -> f64 {
+    fn at(&self, lane: usize) -> T {
         self.0[lane]
     }
 
     #[inline(always)]
-    fn put(&mut self, lane: usize, one: f64) {
+    fn put(&mut self, lane: usize, one: T) {
         self.0[lane] = one;
     }
 }
@@ -128,11 +175,11 @@ impl<C: SideBySide> SideBySide for [C; 3] {
     }
 }
 
-/// Lets a struct `S<T>` stand for one ball as `S<f64>` and for several as `S<Lanes>`.
+/// Lets a struct `S<T>` stand for one ball as `S<f64>` or `S<f32>` and for several as `S<Lanes>` or `S<Singles>`.
 macro_rules! side_by_side {
     ($name:ident { $($field:ident),* $(,)? }) => {
-        impl<const N: usize> $crate::numerics::lanes::SideBySide for $name<$crate::numerics::lanes::Lanes<N>> {
-            type One = $name<f64>;
+        impl<const N: usize, T: Copy> $crate::numerics::lanes::SideBySide for $name<$crate::numerics::lanes::Lanes<N, T>> {
+            type One = $name<T>;
 
             #[inline(always)]
             fn at(&self, lane: usize) -> Self::One {
@@ -150,13 +197,13 @@ pub(crate) use side_by_side;
 
 /// The larger of two numbers, neither NaN: one instruction, where `f64::max` looks for NaN first.
 #[inline(always)]
-pub fn larger(a: f64, b: f64) -> f64 {
+pub fn larger<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }
 
 /// The smaller of two numbers, neither NaN.
 #[inline(always)]
-pub fn smaller(a: f64, b: f64) -> f64 {
+pub fn smaller<T: PartialOrd>(a: T, b: T) -> T {
     if a < b { a } else { b }
 }
 

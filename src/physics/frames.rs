@@ -6,6 +6,8 @@
 //!   x × r = t. Vectors in it are written `[x, r, t]`.
 //! * Positive spindle speed turns +Y towards +Z; a rolling ball then spins negatively about x.
 
+use std::ops::{Add, Mul, Sub};
+
 use crate::numerics::angle::sin_cos;
 use crate::numerics::lanes::side_by_side;
 
@@ -56,6 +58,17 @@ pub struct Azimuth<T = f64> {
 }
 side_by_side!(Azimuth { cosine, sine });
 
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Azimuth<T> {
+    /// The sum of two azimuths.
+    #[inline(always)]
+    pub fn turned(self, by: Self) -> Self {
+        Self {
+            cosine: self.cosine * by.cosine - self.sine * by.sine,
+            sine: self.sine * by.cosine + self.cosine * by.sine,
+        }
+    }
+}
+
 impl Azimuth {
     /// Of an angle [rad].
     #[inline(always)]
@@ -64,13 +77,10 @@ impl Azimuth {
         Self { cosine, sine }
     }
 
-    /// The sum of two azimuths.
+    /// In single precision.
     #[inline(always)]
-    pub fn turned(self, by: Azimuth) -> Self {
-        Self {
-            cosine: self.cosine * by.cosine - self.sine * by.sine,
-            sine: self.sine * by.cosine + self.cosine * by.sine,
-        }
+    pub fn single(self) -> Azimuth<f32> {
+        Azimuth { cosine: self.cosine as f32, sine: self.sine as f32 }
     }
 
     /// A vector of the inertial frame, in the orbit frame at this azimuth.

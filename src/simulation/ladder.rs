@@ -494,7 +494,7 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
 /// it; `None`: its own.
 fn longer_step(scene: &Scene, short: &RunSettings, own: &Recording, control: &Control<'_>) -> Option<(f64, Recording)> {
     let model = RadiallyCondensed::new(scene, &short.outputs).ok()?;
-    model.longer_paces(short.model_tolerance_db).find_map(|pace| {
+    model.longer_paces().find_map(|pace| {
         let (stepped, _) = model.run(short, pace, control).ok()?;
         let apart = accuracy::Distance::of_recordings(&stepped, own, 0.0);
         apart.within(&short.outputs, SHARE_OF_STEPS * short.model_tolerance_db).then(|| (pace.step(), stepped))

@@ -1,6 +1,6 @@
 //! Dissipation in a contact.
 
-use crate::numerics::lanes::{larger, smaller};
+use crate::numerics::lanes::{Real, larger, smaller};
 use crate::numerics::roots::bracketed_root;
 use crate::physics::limits::Faults;
 
@@ -90,9 +90,9 @@ pub fn normal_load(stiffness: f64, penetration: f64, rate: f64, damping: &Dampin
 
 /// Share of a viscous damper that acts at a depth [m], not negative.
 #[inline(always)]
-pub fn viscous_ramp(depth: f64) -> f64 {
-    let s = smaller(depth * (1.0 / VISCOUS_RAMP), 1.0);
-    s * s * (3.0 - 2.0 * s)
+pub fn viscous_ramp<T: Real>(depth: T) -> T {
+    let s = smaller(depth * T::of(1.0 / VISCOUS_RAMP), T::of(1.0));
+    s * s * (T::of(3.0) - (s + s))
 }
 
 /// `c = χ v₀` with which an impact at v₀ on Q = K δ^1.5 (1 + χ δ̇) returns with e v₀ [-], 0 < e ≤ 1.

@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use crate::numerics::lanes::larger;
+use crate::numerics::lanes::{Real, larger};
 use crate::numerics::roots::bracketed_root;
 use crate::physics::bearing::PerRaceway;
 
@@ -24,47 +24,47 @@ const LEAST_TOUCH: f64 = 1e-13;
 
 /// The polynomials.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CondensedContact {
+pub struct CondensedContact<T = f64> {
     /// K [N/m^1.5].
-    stiffness: PerRaceway<f64>,
+    stiffness: PerRaceway<T>,
     /// √δ_i/u, by rising powers of 2t − 1.
-    root: [f64; ROOT_TERMS],
+    root: [T; ROOT_TERMS],
     /// Outer share of an approach over t.
-    share: [f64; SHARE_TERMS],
+    share: [T; SHARE_TERMS],
 }
 
 /// The outer contact under the centrifugal force alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unloaded {
+pub struct Unloaded<T = f64> {
     /// F [N].
-    pub force: f64,
+    pub force: T,
     /// δ₀ [m], the approach at which the inner raceway touches, and its root.
-    pub penetration: f64,
-    pub root: f64,
+    pub penetration: T,
+    pub root: T,
 }
 
 /// What the pair of contacts does at an approach; all 0 where the inner raceway is free, but for the outer penetration, and for
 /// the inner share, which is 1 then.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct CondensedLoad {
+pub struct CondensedLoad<T = f64> {
     /// Approach beyond that at which the inner raceway touches [m].
-    pub pressed: f64,
+    pub pressed: T,
     /// Penetrations [m].
-    pub inner: f64,
-    pub outer: f64,
+    pub inner: T,
+    pub outer: T,
     /// Load of the inner raceway Q_i [N].
-    pub load: f64,
+    pub load: T,
     /// dQ_i/d(approach) = k_i k_e/(k_i + k_e) [N/m].
-    pub stiffness: f64,
+    pub stiffness: T,
     /// Share of an approach that the inner contact takes, a_i = k_e/(k_i + k_e) [-].
-    pub inner_share: f64,
+    pub inner_share: T,
     /// Share that the outer contact takes, a_e = 1 − a_i: how far the ball goes with the inner raceway [-].
-    pub outer_share: f64,
+    pub outer_share: T,
     /// ½ d(a_e²)/d(approach) [1/m].
-    pub outer_share_slope: f64,
+    pub outer_share_slope: T,
     /// a_i² Q_i + a_e² Q_e [N]: times χ and the rate of approach it is the damping force of two contacts Q (1 + χ δ̇) in
     /// series, whose power is that of both.
-    pub damped_load: f64,
+    pub damped_load: T,
 }
 
 /// √(δ_i/δ₀) at w = √(D/δ₀ − 1): solves w² = γ² + (1 + K_i/K_e γ³)^⅔ − 1.
@@ -107,23 +107,35 @@ impl CondensedContact {
         Unloaded { force: outer * penetration * root, penetration, root }
     }
 
+    /// The same in single precision.
+    pub fn single(&self) -> CondensedContact<f32> {
+        CondensedContact {
+            stiffness: self.stiffness.map(|stiffness| *stiffness as f32),
+            root: self.root.map(|coefficient| coefficient as f32),
+            share: self.share.map(|coefficient| coefficient as f32),
+        }
+    }
+}
+
+impl<T: Real> CondensedContact<T> {
     /// The same under a force [N] near that of a known root: ∛ by one step of Halley, to 5e-4 of itself where the forces are within
     /// a third of each other, to 1e-6 within a thirtieth.
     #[inline(always)]
-    pub fn unloaded_near(&self, root: f64, force: f64) -> Unloaded {
-        let (cube, known) = (force * (1.0 / self.stiffness.outer), root * root * root);
-        let root = root * (known + 2.0 * cube) / (2.0 * known + cube);
+    pub fn unloaded_near(&self, root: T, force: T) -> Unloaded<T> {
+        let (cube, known) = (force * (T::of(1.0) / self.stiffness.outer), root * root * root);
+        let root = root * (known + cube + cube) / (known + known + cube);
         Unloaded { force, penetration: root * root, root }
     }
 
     /// The pair of contacts at an approach [m] (inner and outer penetration together; negative where there is play). No
     /// branch, so that a loop over balls has none.
     #[inline(always)]
-    pub fn load(&self, approach: f64, free: &Unloaded) -> CondensedLoad {
-        let pressed = larger(approach - free.penetration, 0.0);
+    pub fn load(&self, approach: T, free: &Unloaded<T>) -> CondensedLoad<T> {
+        let pressed = larger(approach - free.penetration, T::of(0.0));
         let u = pressed.sqrt();
-        let middle = MIDDLE * free.root;
-        let per_sum = 1.0 / (u + middle);
+        let (one, half) = (T::of(1.0), T::of(0.5));
+        let middle = T::of(MIDDLE) * free.root;
+        let per_sum = one / (u + middle);
         let t = u * per_sum;
         // 2t − 1.
         let x = (u - middle) * per_sum;
@@ -133,19 +145,19 @@ impl CondensedContact {
         let stiffness = self.stiffness.inner * inner_root;
         let load = stiffness * inner;
         let outer_share = t * a;
-        let inner_share = 1.0 - outer_share;
+        let inner_share = one - outer_share;
         // dt/d(approach) = c √δ₀/(u + c √δ₀)²/(2u): with a_e/u = a/(u + c √δ₀) finite at touch.
-        let turning = 0.5 * middle * (per_sum * per_sum * per_sum);
-        let slope = turning * a * (a + 2.0 * t * a_slope);
+        let turning = half * middle * (per_sum * per_sum * per_sum);
+        let slope = turning * a * (a + (t + t) * a_slope);
         CondensedLoad {
             pressed,
             inner,
             outer: free.penetration + (pressed - inner),
             load,
-            stiffness: 1.5 * stiffness * inner_share,
+            stiffness: T::of(1.5) * stiffness * inner_share,
             inner_share,
             outer_share,
-            outer_share_slope: if pressed > 0.0 { slope } else { 0.0 },
+            outer_share_slope: if pressed > T::of(0.0) { slope } else { T::of(0.0) },
             damped_load: inner_share * inner_share * load + outer_share * outer_share * (load + free.force),
         }
     }
@@ -153,7 +165,7 @@ impl CondensedContact {
 
 /// Value of a polynomial, coefficients by rising powers: in pairs, and pairs of these (Estrin), for it is waited for.
 #[inline(always)]
-fn in_pairs(coefficients: &[f64; ROOT_TERMS], x: f64) -> f64 {
+fn in_pairs<T: Real>(coefficients: &[T; ROOT_TERMS], x: T) -> T {
     let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o] = *coefficients;
     let square = x * x;
     let fourth = square * square;
@@ -165,10 +177,10 @@ fn in_pairs(coefficients: &[f64; ROOT_TERMS], x: f64) -> f64 {
 /// Value and slope, coefficients by rising powers. Four chains in powers of x⁴: Horner's one would have every term wait
 /// for the last.
 #[inline(always)]
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> (f64, f64) {
+fn polynomial<T: Real, const N: usize>(coefficients: &[T; N], x: T) -> (T, T) {
     let (square, chains) = (x * x, 4);
     let fourth = square * square;
-    let (mut value, mut slope) = ([0.0; 4], [0.0; 4]);
+    let (mut value, mut slope) = ([T::of(0.0); 4], [T::of(0.0); 4]);
     for k in (0..N.div_ceil(chains)).rev() {
         for (chain, (value, slope)) in value.iter_mut().zip(&mut slope).enumerate() {
             let at = k * chains + chain;
@@ -184,7 +196,7 @@ fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> (f64, f64) {
     let [da, db, dc, dd] = slope;
     let sum = (a + b * x) + (c + d * x) * square;
     let in_fourth = (da + db * x) + (dc + dd * x) * square;
-    (sum, in_fourth * (4.0 * square * x) + (b + c * (x + x)) + 3.0 * d * square)
+    (sum, in_fourth * (T::of(4.0) * square * x) + (b + c * (x + x)) + T::of(3.0) * d * square)
 }
 
 /// Polynomial through the Chebyshev nodes of 0 < t < 1, by rising powers of 2t − 1.

@@ -14,14 +14,14 @@ mod recording;
 mod stepping;
 mod traction;
 
-pub use ball::{BallRates, BallState};
+pub use ball::{BallRates, BallState, Balls};
 pub use evaluation::{Rates, Seen};
 pub use recording::{MOST_STEPS, Pace, simulate, simulate_beside};
 pub use stepping::{Look, Stepper};
 
 use super::Mechanism;
 use super::condensed_contact::CondensedContact;
-use crate::numerics::lanes::{InstructionSet, LANES, Lanes};
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, Singles};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::PocketFilm;
 use crate::physics::contact::traction::{TractionLaw, four_parameters};
@@ -43,13 +43,27 @@ const LOAD_MARGIN: f64 = 1.5;
 
 /// Spindle and cage, (y, z).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Border {
-    pub spindle: [f64; 2],
-    pub spindle_velocity: [f64; 2],
-    pub cage: [f64; 2],
-    pub cage_arc: f64,
+pub struct Border<T = f64> {
+    pub spindle: [T; 2],
+    pub spindle_velocity: [T; 2],
+    pub cage: [T; 2],
+    pub cage_arc: T,
     /// y, z, along the arc [m/s].
-    pub cage_velocity: [f64; 3],
+    pub cage_velocity: [T; 3],
+}
+
+impl Border {
+    /// In single precision, as the balls see it.
+    #[inline(always)]
+    fn single(&self) -> Border<f32> {
+        Border {
+            spindle: self.spindle.map(|x| x as f32),
+            spindle_velocity: self.spindle_velocity.map(|x| x as f32),
+            cage: self.cage.map(|x| x as f32),
+            cage_arc: self.cage_arc as f32,
+            cage_velocity: self.cage_velocity.map(|x| x as f32),
+        }
+    }
 }
 
 /// The equations of the rung: made once a scene.
@@ -58,8 +72,9 @@ pub struct RadiallyCondensed {
     mechanism: Mechanism,
     needs: Needs,
     /// Azimuths at which the balls start, eight at a time; 1 for each ball, 0 for the copies of the last one that fill up.
-    start: Vec<Azimuth<Lanes>>,
-    present: Vec<Lanes>,
+    start: Vec<Azimuth<Singles>>,
+    present: Vec<Singles>,
+    contact: CondensedContact,
     one: OneBall,
     traction: PerRaceway<RacewayTraction>,
     film: Film,
@@ -68,7 +83,7 @@ pub struct RadiallyCondensed {
     /// Whether a cage is there, its pockets are plain and raceways are without a viscous damper.
     is_plain: bool,
     /// Where the speed never changes: it [rad/s], and what is made anew elsewhere.
-    constant: Option<(f64, (Mixture, f64))>,
+    constant: Option<(f64, (Mixture, f32))>,
     /// Where the spindle starts [m].
     rest: [f64; 2],
     /// Damping over mass and frequency of the spindle on its contacts at rest, as if all lay in one direction [1/s, rad/s].
@@ -82,7 +97,7 @@ impl Mixture {
     fn at(m: &Mechanism, speed: f64) -> Self {
         let line = |f: &dyn Fn(f64) -> f64, at: f64| {
             let step = 1e-3 * at.abs() + 1e-9;
-            [f(at), (f(at + step) - f(at - step)) / (2.0 * step)]
+            [f(at) as f32, ((f(at + step) - f(at - step)) / (2.0 * step)) as f32]
         };
         Self {
             drag: m.drag.map_or([0.0; 2], |drag| line(&|v| drag.force(v), m.pitch_radius * m.orbit_ratio * speed)),
@@ -155,12 +170,15 @@ impl RadiallyCondensed {
             PocketFilm::Given { damping, .. } => damping,
             PocketFilm::None | PocketFilm::Empirical11 => 0.0,
         };
+        let contact = CondensedContact::new(m.raceway.map(|contact| contact.hertz().stiffness));
+        // Of a ball that touches the outer raceway without load over the pitch circle.
+        let lift = 0.25 * scene.bearing.radial_clearance;
         let mut model = Self {
             start: (0..balls)
                 .step_by(LANES)
                 .map(|first| Azimuth {
-                    cosine: Lanes::of(&m.start.cosine, first),
-                    sine: Lanes::of(&m.start.sine, first),
+                    cosine: Lanes::of(&m.start.cosine, first).single(),
+                    sine: Lanes::of(&m.start.sine, first).single(),
                 })
                 .collect(),
             present: (0..balls)
@@ -168,25 +186,30 @@ impl RadiallyCondensed {
                 .map(|first| Lanes(std::array::from_fn(|lane| if first + lane < balls { 1.0 } else { 0.0 })))
                 .collect(),
             one: OneBall {
-                contact: CondensedContact::new(m.raceway.map(|contact| contact.hertz().stiffness)),
-                pitch_radius: m.pitch_radius,
-                nominal: m.pitch_radius + 0.25 * scene.bearing.radial_clearance,
-                clearance: 0.5 * scene.bearing.radial_clearance,
-                orbit_ratio: m.orbit_ratio,
-                spin_ratio: m.spin_ratio,
-                mass: m.ball_mass,
-                inertia: m.ball_inertia,
-                radius: 0.5 * scene.bearing.parameters.ball_diameter,
-                weight: m.ball_mass * m.gravity,
-                damping,
-                axis_square: m.raceway.map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2)),
+                contact: contact.single(),
+                pitch_radius: m.pitch_radius as f32,
+                nominal: (m.pitch_radius + lift) as f32,
+                lift: lift as f32,
+                clearance: (0.5 * scene.bearing.radial_clearance) as f32,
+                orbit_ratio: m.orbit_ratio as f32,
+                spin_ratio: m.spin_ratio as f32,
+                mass: m.ball_mass as f32,
+                inertia: m.ball_inertia as f32,
+                radius: (0.5 * scene.bearing.parameters.ball_diameter) as f32,
+                weight: (m.ball_mass * m.gravity) as f32,
+                chi: damping.chi as f32,
+                viscous: damping.viscous as f32,
+                axis_square: m
+                    .raceway
+                    .map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2) as f32),
             },
+            contact,
             traction: m.raceway.map(|contact| traction(scene, &needs, contact, LOAD_MARGIN * largest)),
             film: Film {
-                stiffness: m.pocket.film_stiffness(),
-                damping: if needs.pocket.film { film_damping } else { 0.0 },
-                clearance: m.pocket.clearance(),
-                pitch_radius: m.pitch_radius,
+                stiffness: m.pocket.film_stiffness() as f32,
+                damping: if needs.pocket.film { film_damping as f32 } else { 0.0 },
+                clearance: m.pocket.clearance() as f32,
+                pitch_radius: m.pitch_radius as f32,
             },
             plain_pocket: !needs.pocket.hydrodynamics,
             is_plain: needs.cage && !needs.pocket.hydrodynamics && damping.viscous == 0.0,
@@ -200,9 +223,9 @@ impl RadiallyCondensed {
         };
         model.spindle_rates = model.rates_at_rest(&rest);
         let steepest = model.traction.map(RacewayTraction::steepest);
-        let one = &model.one;
+        let (m, radius) = (&model.mechanism, 0.5 * scene.bearing.parameters.ball_diameter);
         model.traction_rate =
-            largest * (steepest.inner + steepest.outer) * (1.0 / one.mass + one.radius * one.radius / one.inertia);
+            largest * (steepest.inner + steepest.outer) * (1.0 / m.ball_mass + radius * radius / m.ball_inertia);
         if model.mechanism.speed.is_constant() {
             let speed = model.mechanism.speed.at(0.0).1;
             model.constant = Some((speed, model.ideal(speed)));
@@ -217,10 +240,10 @@ impl RadiallyCondensed {
     }
 
     /// Drag about ideal rolling and √δ of a ball that only the outer raceway holds, at a spindle speed [rad/s].
-    fn ideal(&self, speed: f64) -> (Mixture, f64) {
-        let one = &self.one;
-        let free = one.contact.unloaded(one.mass, one.nominal, one.orbit_ratio * speed, one.weight);
-        (Mixture::at(&self.mechanism, speed), free.root)
+    fn ideal(&self, speed: f64) -> (Mixture, f32) {
+        let (m, radius) = (&self.mechanism, f64::from(self.one.nominal));
+        let free = self.contact.unloaded(m.ball_mass, radius, m.orbit_ratio * speed, m.ball_mass * m.gravity);
+        (Mixture::at(m, speed), free.root as f32)
     }
 
     fn rates_at_rest(&self, rest: &Equilibrium) -> [f64; 2] {
@@ -230,7 +253,7 @@ impl RadiallyCondensed {
             // Two contacts in series: half of the slope and of the damping of one.
             let depth = (load.inner / hertz.stiffness).powf(2.0 / 3.0);
             held += 0.75 * load.inner / depth;
-            damped += 0.5 * (self.one.damping.chi * load.inner + self.one.damping.viscous);
+            damped += 0.5 * (f64::from(self.one.chi) * load.inner + f64::from(self.one.viscous));
         }
         let mass = self.mechanism.spindle_mass;
         [damped / mass, (held / mass).sqrt()]
@@ -268,7 +291,7 @@ impl RadiallyCondensed {
         let (m, balls) = (&self.mechanism, self.mechanism.layout.balls as f64);
         let turning = balls * m.pitch_radius * m.pitch_radius / m.cage.axial_inertia;
         let moving = 0.5 * balls / m.cage.mass;
-        (self.film.stiffness * (turning.max(moving) + 1.0 / self.one.mass)).sqrt()
+        (f64::from(self.film.stiffness) * (turning.max(moving) + 1.0 / m.ball_mass)).sqrt()
     }
 
     /// First-order states of the scene on this rung.
@@ -282,7 +305,7 @@ impl RadiallyCondensed {
     }
 
     /// Spindle in equilibrium under load, gravity and centrifugal force; balls rolling ideally, cage centred.
-    pub fn start(&self) -> (Vec<BallState<Lanes>>, Border) {
-        (vec![BallState::default(); self.groups()], Border { spindle: self.rest, ..Border::default() })
+    pub fn start(&self) -> (Vec<Balls>, Border) {
+        (vec![Balls::default(); self.groups()], Border { spindle: self.rest, ..Border::default() })
     }
 }

@@ -3,28 +3,56 @@
 
 use super::Border;
 use super::traction::Sums;
-use crate::numerics::lanes::{larger, side_by_side};
-use crate::numerics::ode::adams_moulton::Shares;
+use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, larger, side_by_side};
 use crate::physics::bearing::PerRaceway;
-use crate::physics::contact::damping::{DampingFactor, viscous_ramp};
+use crate::physics::contact::damping::viscous_ramp;
 use crate::physics::frames::Azimuth;
 use crate::simulation::model::condensed_contact::CondensedContact;
 
-/// Deviations from ideal rolling, as in `state.rs`.
+/// Deviations from ideal rolling, as in `state.rs`. The way along the orbit grows with time and keeps its digits; velocities are
+/// held near those of rolling, and do with fewer.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct BallState<T = f64> {
+pub struct BallState<P = f64, V = f32> {
     /// [m]
-    pub arc: T,
+    pub arc: P,
     /// [m/s]
-    pub arc_velocity: T,
+    pub arc_velocity: V,
     /// About X [rad/s].
-    pub spin: T,
+    pub spin: V,
 }
-side_by_side!(BallState { arc, arc_velocity, spin });
+
+/// Eight of them.
+pub type Balls = BallState<Lanes, Singles>;
+
+impl Balls {
+    /// How far the balls have gone further along the orbit than their pockets [m].
+    #[inline(always)]
+    pub fn past_pockets(&self, cage_arc: f64) -> Singles {
+        let mut past = Singles::default();
+        for lane in 0..LANES {
+            past[lane] = (self.arc[lane] - cage_arc) as f32;
+        }
+        past
+    }
+}
+
+impl SideBySide for Balls {
+    type One = BallState;
+
+    #[inline(always)]
+    fn at(&self, lane: usize) -> BallState {
+        BallState { arc: self.arc[lane], arc_velocity: self.arc_velocity[lane], spin: self.spin[lane] }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: BallState) {
+        (self.arc[lane], self.arc_velocity[lane], self.spin[lane]) = (one.arc, one.arc_velocity, one.spin);
+    }
+}
 
 /// Rates of the velocities of a ball, with what the implicit part of a step needs of their derivatives.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct BallRates<T = f64> {
+pub struct BallRates<T = f32> {
     pub arc_velocity: T,
     pub spin: T,
     /// −∂(arc rate)/∂(arc velocity), ∂(arc rate)/∂(spin), ∂(spin rate)/∂(arc velocity): each not negative.
@@ -39,38 +67,38 @@ side_by_side!(BallRates { arc_velocity, spin, arc_by_arc, arc_by_spin, spin_by_a
 /// What drives the motion at a time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Drive {
-    /// Of the spindle [rad], [rad/s], [rad/s²].
-    pub angle: f64,
-    pub speed: f64,
-    pub acceleration: f64,
+    /// Of the spindle [rad/s], [rad/s²].
+    pub speed: f32,
+    pub acceleration: f32,
     /// The cage's azimuth.
-    pub cage: Azimuth,
+    pub cage: Azimuth<f32>,
     pub mixture: Mixture,
     /// √δ of the outer contact under the centrifugal force of the ideal orbit.
-    pub unloaded_root: f64,
-    /// What the spindle's acceleration is taken to be [m/s²], and what place and velocity have of it.
-    pub spindle_acceleration: [f64; 2],
-    pub shares: Shares,
-    /// What the places of balls and cage have of their velocities [s].
-    pub place_share: f64,
+    pub unloaded_root: f32,
+    /// What the spindle's acceleration is taken to be [m/s²].
+    pub spindle_acceleration: [f32; 2],
+    /// What place and velocity of the spindle have of it [s², s]; the latter is what places of balls and cage have of velocities, too.
+    pub place_share: f32,
+    pub velocity_share: f32,
 }
 
 /// Drag [N] and churning [N m] = value + slope · deviation from the ideal orbit velocity and spin.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Mixture {
-    pub drag: [f64; 2],
-    pub churning: [f64; 2],
+    pub drag: [f32; 2],
+    pub churning: [f32; 2],
 }
 
 /// Where a ball is in its pocket and in space, and how the raceways hold it there.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Held<T = f64> {
+pub(super) struct Held<T = f32> {
     /// Of the ball, of its pocket, and of the one ahead of the other.
     pub azimuth: Azimuth<T>,
     pub pocket: Azimuth<T>,
     pub ahead: Azimuth<T>,
-    /// Orbit speed [rad/s].
+    /// Orbit speed, and by how much it is more than the cage's [rad/s].
     pub orbit: T,
+    pub past_cage: T,
     /// Radial force that no contact gives, outwards [N].
     pub centrifugal: T,
     /// Place and velocity of the spindle along the ball's direction [m, m/s], its velocity across.
@@ -81,8 +109,9 @@ pub(super) struct Held<T = f64> {
     pub lean: T,
     /// Rate of approach of the raceways [m/s].
     pub rate: T,
-    /// Orbit radius [m] and its rate [m/s].
+    /// Orbit radius, that less the pitch radius [m], its rate [m/s].
     pub radius: T,
+    pub lift: T,
     pub radial_velocity: T,
     /// Penetrations [m].
     pub inner: T,
@@ -99,6 +128,7 @@ side_by_side!(Held {
     pocket,
     ahead,
     orbit,
+    past_cage,
     centrifugal,
     along,
     along_velocity,
@@ -106,6 +136,7 @@ side_by_side!(Held {
     lean,
     rate,
     radius,
+    lift,
     radial_velocity,
     inner,
     outer,
@@ -117,7 +148,7 @@ side_by_side!(Held {
 
 /// What a pocket does to its ball and passes on to the cage.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Pushed<T = f64> {
+pub(super) struct Pushed<T = f32> {
     /// Normal load [N].
     pub load: T,
     /// On the ball, along the radius and along the orbit [N]; its moment about X [N m].
@@ -134,7 +165,7 @@ side_by_side!(Pushed { load, radial, along, moment, damping, cage, cage_damping 
 
 /// Loads of both contacts and the slip over them.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Loaded<T = f64> {
+pub(super) struct Loaded<T = f32> {
     pub inner: Contact<T>,
     pub outer: Contact<T>,
     /// By how much the inner load, where it presses, falls with the spindle's acceleration towards the ball, place and velocity
@@ -145,7 +176,7 @@ side_by_side!(Loaded { inner, outer, slope });
 
 /// Load of a contact [N], square of its semi-major axis [m²], and slip: base + height over the ball's centre · per_height.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Contact<T = f64> {
+pub(super) struct Contact<T = f32> {
     pub load: T,
     pub axis_square: T,
     pub base: T,
@@ -156,7 +187,7 @@ side_by_side!(Contact { load, axis_square, base, per_height });
 /// What a ball passes on to the spindle: force along Y and Z [N], and its slope over the acceleration with the sign turned (yy, yz,
 /// zz) [kg].
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Passed<T = f64> {
+pub(super) struct Passed<T = f32> {
     pub force: (T, T),
     pub slope: [T; 3],
 }
@@ -166,56 +197,67 @@ side_by_side!(Passed { force, slope });
 /// the loop changes it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OneBall {
-    pub contact: CondensedContact,
-    pub pitch_radius: f64,
+    pub contact: CondensedContact<f32>,
+    pub pitch_radius: f32,
     /// Orbit radius of a ball that touches the outer raceway without load [m].
-    pub nominal: f64,
+    pub nominal: f32,
+    /// That less the pitch radius [m].
+    pub lift: f32,
     /// Half the diametral clearance: approach at which a weightless ball touches both raceways [m], less what the place says.
-    pub clearance: f64,
-    pub orbit_ratio: f64,
-    pub spin_ratio: f64,
-    pub mass: f64,
-    pub inertia: f64,
-    pub radius: f64,
+    pub clearance: f32,
+    pub orbit_ratio: f32,
+    pub spin_ratio: f32,
+    pub mass: f32,
+    pub inertia: f32,
+    pub radius: f32,
     /// Mass times gravity [N].
-    pub weight: f64,
-    pub damping: DampingFactor,
+    pub weight: f32,
+    /// χ [s/m], viscous damper [N s/m].
+    pub chi: f32,
+    pub viscous: f32,
     /// a²/δ [m].
-    pub axis_square: PerRaceway<f64>,
+    pub axis_square: PerRaceway<f32>,
 }
 
 /// 1/(1 + x) for small x, to x³.
 #[inline(always)]
-fn reciprocal_near_one(x: f64) -> f64 {
+fn reciprocal_near_one(x: f32) -> f32 {
     1.0 - x * (1.0 - x)
 }
 
 /// Cosine and sine of a small angle, to 1e-12 at 0.1.
 #[inline(always)]
-pub(super) fn small_azimuth(x: f64) -> Azimuth {
-    let square = x * x;
+pub(super) fn small_azimuth<T: Real>(x: T) -> Azimuth<T> {
+    let (one, square) = (T::of(1.0), x * x);
     Azimuth {
-        cosine: 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0))),
-        sine: x * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5_040.0)))),
+        cosine: one - square * (T::of(0.5) - square * (T::of(1.0 / 24.0) - square * T::of(1.0 / 720.0))),
+        sine: x * (one - square * (T::of(1.0 / 6.0) - square * (T::of(1.0 / 120.0) - square * T::of(1.0 / 5_040.0)))),
     }
 }
 
 impl OneBall {
     /// How far a ball has gone further than the cage, which keeps it within a pocket's clearance.
     #[inline(always)]
-    pub fn ahead(&self, cage_arc: f64, ball: &BallState) -> Azimuth {
-        small_azimuth((ball.arc - cage_arc) * (1.0 / self.pitch_radius))
+    pub fn ahead(&self, past_pocket: f32) -> Azimuth<f32> {
+        small_azimuth(past_pocket * (1.0 / self.pitch_radius))
     }
 
     /// The same where no cage turns.
     #[inline(always)]
-    pub fn ahead_alone(&self, ball: &BallState) -> Azimuth {
-        Azimuth::new(ball.arc * (1.0 / self.pitch_radius))
+    pub fn ahead_alone(&self, ball: &BallState) -> Azimuth<f32> {
+        Azimuth::new(ball.arc * (1.0 / f64::from(self.pitch_radius))).single()
     }
 
     /// Between its raceways; `start`: where its pocket was.
     #[inline(always)]
-    pub fn held(&self, drive: &Drive, start: Azimuth, ahead: Azimuth, border: &Border, ball: &BallState) -> Held {
+    pub fn held(
+        &self,
+        drive: &Drive,
+        start: Azimuth<f32>,
+        ahead: Azimuth<f32>,
+        border: &Border<f32>,
+        ball: &BallState,
+    ) -> Held {
         let (per_pitch_radius, per_nominal) = (1.0 / self.pitch_radius, 1.0 / self.nominal);
         let pocket = start.turned(drive.cage);
         let azimuth = pocket.turned(ahead);
@@ -237,7 +279,7 @@ impl OneBall {
 
         // Both contacts; damping that takes what both dissipate; inertia of the ball's own motion.
         let contact = self.contact.load(approach, &unloaded);
-        let damping = self.damping.chi * contact.damped_load;
+        let damping = self.chi * contact.damped_load;
         let [ay, az] = drive.spindle_acceleration;
         let swing = (ay * c + az * s) + orbit * (2.0 * across_velocity - orbit * along);
         let inertia =
@@ -247,6 +289,7 @@ impl OneBall {
             pocket,
             ahead,
             orbit,
+            past_cage: (ball.arc_velocity - border.cage_velocity[2]) * per_pitch_radius,
             centrifugal,
             along,
             along_velocity,
@@ -254,6 +297,7 @@ impl OneBall {
             lean,
             rate,
             radius: self.nominal + contact.outer,
+            lift: self.lift + contact.outer,
             radial_velocity: contact.outer_share * rate,
             inner: contact.inner,
             outer: contact.outer,
@@ -268,7 +312,7 @@ impl OneBall {
     #[inline(always)]
     pub fn with_viscous(&self, held: &Held) -> Held {
         let inner_share = 1.0 - held.outer_share;
-        let damping = self.damping.viscous
+        let damping = self.viscous
             * (inner_share * inner_share * viscous_ramp(held.inner)
                 + held.outer_share * held.outer_share * viscous_ramp(held.outer));
         Held { normal: held.normal + damping * held.rate, damping: held.damping + damping, ..*held }
@@ -276,10 +320,10 @@ impl OneBall {
 
     /// Loads, with what the pocket pushes, and slip.
     #[inline(always)]
-    pub fn loaded(&self, drive: &Drive, ball: &BallState, held: &Held, pocket_radial: f64) -> Loaded {
+    pub fn loaded(&self, drive: &Drive, ball: &BallState, held: &Held, pocket_radial: f32) -> Loaded {
         let normal = held.normal - held.outer_share * pocket_radial;
         let presses = (normal > 0.0) & (held.outer_share > 0.0);
-        let pressed = |value: f64| if presses { value } else { 0.0 };
+        let pressed = |value: f32| if presses { value } else { 0.0 };
         let inner = pressed(normal);
         let outer = larger(inner + held.centrifugal + pocket_radial, 0.0);
         let share = pressed(held.outer_share);
@@ -305,7 +349,7 @@ impl OneBall {
                 per_height: -spin,
             },
             slope: self.mass * share * share
-                + pressed(drive.shares.place * held.stiffness + drive.shares.velocity * held.damping),
+                + pressed(drive.place_share * held.stiffness + drive.velocity_share * held.damping),
         }
     }
 
@@ -345,13 +389,13 @@ impl OneBall {
 
 /// On the spindle; `present`: 1, or 0 for a copy that only fills a lane.
 #[inline(always)]
-pub(super) fn passed(drive: &Drive, held: &Held, loaded: &Loaded, inner: &Sums, present: f64) -> Passed {
+pub(super) fn passed(drive: &Drive, held: &Held, loaded: &Loaded, inner: &Sums, present: f32) -> Passed {
     let (q, t) = (loaded.inner.load, loaded.inner.load * inner.force);
     let (along, across) = (-(q + held.lean * t), held.lean * q - t);
     let (c, s) = (held.azimuth.cosine, held.azimuth.sine);
     let (c_present, s_present) = (c * present, s * present);
     // Along the radius, and by traction across it.
-    let (radial, tangential) = (loaded.slope, drive.shares.velocity * (q * inner.slope));
+    let (radial, tangential) = (loaded.slope, drive.velocity_share * (q * inner.slope));
     Passed {
         force: (along * c_present - across * s_present, along * s_present + across * c_present),
         slope: [

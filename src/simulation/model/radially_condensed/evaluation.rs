@@ -1,9 +1,9 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
-use super::ball::{BallRates, BallState, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
+use super::ball::{BallRates, Balls, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
 use super::traction::{General, RacewayTraction, RisingTraction};
 use super::{Border, RadiallyCondensed};
-use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger};
+use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, larger};
 use crate::numerics::ode::adams_moulton::{Defect, Shares};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Azimuth;
@@ -12,7 +12,7 @@ use crate::physics::spindle::unbalance_force;
 /// Rates of the velocities at one time, with what the implicit part of a step needs of their derivatives.
 #[derive(Debug, Clone, Default)]
 pub struct Rates {
-    pub balls: Vec<BallRates<Lanes>>,
+    pub balls: Vec<BallRates<Singles>>,
     /// Of the spindle's acceleration.
     pub spindle: Defect,
     pub cage: [f64; 3],
@@ -23,9 +23,9 @@ pub struct Rates {
 /// What else was seen of eight balls in an evaluation.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Seen {
-    pub load: PerRaceway<Lanes>,
-    pub slip: PerRaceway<Lanes>,
-    pub pocket: Lanes,
+    pub load: PerRaceway<Singles>,
+    pub slip: PerRaceway<Singles>,
+    pub pocket: Singles,
 }
 
 /// Room for an evaluation, and what was seen in it.
@@ -51,17 +51,17 @@ struct OnCage<T> {
 /// What eight balls do in the plain case.
 #[derive(Clone, Copy, Default)]
 struct Plain {
-    rates: BallRates<Lanes>,
-    passed: Passed<Lanes>,
-    on_cage: OnCage<Lanes>,
+    rates: BallRates<Singles>,
+    passed: Passed<Singles>,
+    on_cage: OnCage<Singles>,
     seen: Seen,
 }
 
 /// Sums over the groups of balls, lane by lane: on the spindle and on the cage.
 #[derive(Clone, Copy, Default)]
 struct AllBalls {
-    spindle: Passed<Lanes>,
-    cage: OnCage<Lanes>,
+    spindle: Passed<Singles>,
+    cage: OnCage<Singles>,
 }
 
 impl RadiallyCondensed {
@@ -71,7 +71,7 @@ impl RadiallyCondensed {
     pub fn rates(
         &self,
         time: f64,
-        balls: &[BallState<Lanes>],
+        balls: &[Balls],
         border: &Border,
         spindle_acceleration: [f64; 2],
         shares: Shares,
@@ -79,30 +79,29 @@ impl RadiallyCondensed {
         scratch: &mut Scratch,
     ) {
         let m = &self.mechanism;
-        let ((angle, speed, acceleration), (mixture, unloaded_root)) = match self.constant {
+        let (turning, (mixture, unloaded_root)) = match self.constant {
             Some((speed, ideal)) => ((speed * time, speed, 0.0), ideal),
             None => {
-                let drive = m.speed.at(time);
-                (drive, self.ideal(drive.1))
+                let turning = m.speed.at(time);
+                (turning, self.ideal(turning.1))
             }
         };
-        let cage = scratch.cage.to(m.orbit_ratio * angle + border.cage_arc * (1.0 / self.one.pitch_radius));
+        let (angle, speed, acceleration) = turning;
         let drive = Drive {
-            angle,
-            speed,
-            acceleration,
-            cage,
+            speed: speed as f32,
+            acceleration: acceleration as f32,
+            cage: scratch.cage.to(m.orbit_ratio * angle + border.cage_arc * (1.0 / m.pitch_radius)).single(),
             mixture,
             unloaded_root,
-            spindle_acceleration,
-            shares,
-            place_share: shares.velocity,
+            spindle_acceleration: spindle_acceleration.map(|a| a as f32),
+            place_share: shares.place as f32,
+            velocity_share: shares.velocity as f32,
         };
         let mut sums = AllBalls::default();
         for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
             self.group(&drive, group, balls, border, rates, scratch, &mut sums);
         }
-        self.border_rates(&drive, border, &sums, rates);
+        self.border_rates(turning, spindle_acceleration, border, &sums, rates);
     }
 
     /// Rates of eight balls, and what they pass on.
@@ -112,9 +111,9 @@ impl RadiallyCondensed {
         &self,
         drive: &Drive,
         group: usize,
-        balls: &BallState<Lanes>,
+        balls: &Balls,
         border: &Border,
-        rates: &mut BallRates<Lanes>,
+        rates: &mut BallRates<Singles>,
         scratch: &mut Scratch,
         sums: &mut AllBalls,
     ) {
@@ -132,11 +131,12 @@ impl RadiallyCondensed {
         let cage = self.mechanism.layout.cage;
         // Copies: what is stored in the loops cannot change them.
         let (one, start, present) = (self.one, self.start[group], self.present[group]);
-        let (drive, balls, border) = (*drive, *balls, *border);
-        let (mut ahead, mut held) = (Azimuth::<Lanes>::default(), Held::<Lanes>::default());
+        let (drive, balls, cage_arc, border) = (*drive, *balls, border.cage_arc, border.single());
+        let (mut ahead, mut held) = (Azimuth::<Singles>::default(), Held::<Singles>::default());
         if cage {
+            let past = balls.past_pockets(cage_arc);
             for lane in 0..LANES {
-                ahead.put(lane, one.ahead(border.cage_arc, &balls.at(lane)));
+                ahead.put(lane, one.ahead(past[lane]));
             }
         } else {
             for lane in 0..LANES {
@@ -146,12 +146,12 @@ impl RadiallyCondensed {
         for lane in 0..LANES {
             held.put(lane, one.held(&drive, start.at(lane), ahead.at(lane), &border, &balls.at(lane)));
         }
-        if one.damping.viscous > 0.0 {
+        if one.viscous > 0.0 {
             for lane in 0..LANES {
                 held.put(lane, one.with_viscous(&held.at(lane)));
             }
         }
-        let mut pushed = Pushed::<Lanes>::default();
+        let mut pushed = Pushed::<Singles>::default();
         if cage {
             let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
             let displaced = self.film.displaced(&border, cage_spin, &held);
@@ -163,7 +163,7 @@ impl RadiallyCondensed {
                 pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present, drive.place_share);
             }
         }
-        let mut loaded = Loaded::<Lanes>::default();
+        let mut loaded = Loaded::<Singles>::default();
         for lane in 0..LANES {
             loaded.put(lane, one.loaded(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]));
         }
@@ -179,7 +179,7 @@ impl RadiallyCondensed {
                 self.general(&drive, false).sums(&loaded.outer, &balls.spin, &held.outer, &held.orbit)
             }
         };
-        let (mut rates_now, mut on_spindle) = (BallRates::<Lanes>::default(), Passed::<Lanes>::default());
+        let (mut rates_now, mut on_spindle) = (BallRates::<Singles>::default(), Passed::<Singles>::default());
         for lane in 0..LANES {
             let (held, loaded) = (held.at(lane), loaded.at(lane));
             let traction = PerRaceway { inner: inner.at(lane), outer: outer.at(lane) };
@@ -202,18 +202,20 @@ impl RadiallyCondensed {
         &self,
         drive: &Drive,
         group: usize,
-        balls: &BallState<Lanes>,
+        balls: &Balls,
         border: &Border,
         laws: PerRaceway<&RisingTraction>,
     ) -> Option<Plain> {
         let (one, start, present, film) = (self.one, self.start[group], self.present[group], self.film);
-        let (drive, balls, border, inner, outer) = (*drive, *balls, *border, *laws.inner, *laws.outer);
+        let (drive, balls, cage_arc, border) = (*drive, *balls, border.cage_arc, border.single());
+        let (inner, outer) = (*laws.inner, *laws.outer);
         let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
+        let past = balls.past_pockets(cage_arc);
         let mut found = Plain::default();
-        let mut beyond = Lanes::<LANES>::default();
+        let mut beyond = Singles::default();
         for lane in 0..LANES {
             let ball = balls.at(lane);
-            let held = one.held(&drive, start.at(lane), one.ahead(border.cage_arc, &ball), &border, &ball);
+            let held = one.held(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball);
             let displaced = film.displaced_one(&border, cage_spin, &held);
             let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.place_share);
             let loaded = one.loaded(&drive, &ball, &held, pushed.radial);
@@ -235,35 +237,41 @@ impl RadiallyCondensed {
     }
 
     fn general(&self, drive: &Drive, inner: bool) -> General<'_> {
-        let m = &self.mechanism;
+        let (m, speed) = (&self.mechanism, f64::from(drive.speed));
         let (contact, towards, raceway_speed) =
-            if inner { (&m.raceway.inner, -1.0, drive.speed) } else { (&m.raceway.outer, 1.0, 0.0) };
+            if inner { (&m.raceway.inner, -1.0, speed) } else { (&m.raceway.outer, 1.0, 0.0) };
         General {
             contact,
             towards,
             raceway_speed,
-            spin: m.spin_ratio * drive.speed,
-            touching: m.pitch_radius + towards * 0.5 * self.one.clearance,
-            chi: self.one.damping.chi,
-            ball_radius: self.one.radius,
+            spin: m.spin_ratio * speed,
+            touching: m.pitch_radius + towards * 0.5 * f64::from(self.one.clearance),
+            chi: self.one.chi.into(),
+            ball_radius: self.one.radius.into(),
         }
     }
 
     #[inline(always)]
-    fn border_rates(&self, drive: &Drive, border: &Border, sums: &AllBalls, rates: &mut Rates) {
+    fn border_rates(
+        &self,
+        (angle, speed, acceleration): (f64, f64, f64),
+        [ay, az]: [f64; 2],
+        border: &Border,
+        sums: &AllBalls,
+        rates: &mut Rates,
+    ) {
         let m = &self.mechanism;
         let on_spindle = &sums.spindle;
         let mut spindle = Defect {
             force: [total(&on_spindle.force.0), total(&on_spindle.force.1)],
             slope: on_spindle.slope.each_ref().map(total),
         };
-        let [ay, az] = drive.spindle_acceleration;
         spindle.force[0] += m.load[1] + m.spindle_mass * (m.gravity - ay);
         spindle.force[1] += m.load[2] - m.spindle_mass * az;
         spindle.slope[0] += m.spindle_mass;
         spindle.slope[2] += m.spindle_mass;
         if m.unbalance != 0.0 {
-            let [_, y, z] = unbalance_force(m.unbalance, drive.angle, drive.speed, drive.acceleration);
+            let [_, y, z] = unbalance_force(m.unbalance, angle, speed, acceleration);
             spindle.force = [spindle.force[0] + y, spindle.force[1] + z];
         }
         rates.spindle = spindle;
@@ -272,13 +280,13 @@ impl RadiallyCondensed {
         }
         let [mut y, mut z, mut moment] = sums.cage.force.each_ref().map(total);
         if let Some(land) = &m.land {
-            let spin = m.orbit_ratio * drive.speed + border.cage_velocity[2] / m.pitch_radius;
+            let spin = m.orbit_ratio * speed + border.cage_velocity[2] / m.pitch_radius;
             let (force, braking) = land.load([0.0, border.cage[0], border.cage[1]], spin);
             (y, z, moment) = (y + force[1], z + force[2], moment + braking);
         }
         let (per_mass, arm, per_inertia) = (1.0 / m.cage.mass, m.pitch_radius, 1.0 / m.cage.axial_inertia);
         rates.cage =
-            [y * per_mass + m.gravity, z * per_mass, arm * (moment * per_inertia - m.orbit_ratio * drive.acceleration)];
+            [y * per_mass + m.gravity, z * per_mass, arm * (moment * per_inertia - m.orbit_ratio * acceleration)];
         let [d_y, d_z, d_arc] = sums.cage.damping.each_ref().map(total);
         rates.cage_damping = [d_y * per_mass, d_z * per_mass, d_arc * (arm * arm * per_inertia)];
     }
@@ -286,7 +294,7 @@ impl RadiallyCondensed {
 
 impl AllBalls {
     #[inline(always)]
-    fn add(&mut self, spindle: &Passed<Lanes>, cage: &OnCage<Lanes>) {
+    fn add(&mut self, spindle: &Passed<Singles>, cage: &OnCage<Singles>) {
         for lane in 0..LANES {
             self.spindle.force.0[lane] += spindle.force.0[lane];
             self.spindle.force.1[lane] += spindle.force.1[lane];
@@ -301,11 +309,11 @@ impl AllBalls {
 
 /// Sum over the lanes, always in the same order: of the halves, of their halves, and so on, each in one go.
 #[inline(always)]
-pub(super) fn total(lanes: &Lanes) -> f64 {
+pub(super) fn total<T: Real + Into<f64>>(lanes: &Lanes<LANES, T>) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes.0;
     let [i, j, k, l] = [a + e, b + f, c + g, d + h];
     let [m, n] = [i + k, j + l];
-    m + n
+    (m + n).into()
 }
 
 /// An azimuth on its way: turned on by small angles, anew after some of them.

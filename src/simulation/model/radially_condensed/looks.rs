@@ -2,7 +2,7 @@
 
 use super::{Look, RadiallyCondensed, Seen, Stepper};
 use crate::numerics::interpolation::Interpolator;
-use crate::numerics::lanes::{LANES, Lanes, larger};
+use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
@@ -61,13 +61,13 @@ pub(super) struct Looks<'a> {
 
 /// Largest values so far, group by group.
 struct Extremes {
-    load: Vec<PerRaceway<Lanes>>,
-    slip: PerRaceway<Lanes>,
-    pocket: Lanes,
+    load: Vec<PerRaceway<Singles>>,
+    slip: PerRaceway<Singles>,
+    pocket: Singles,
 }
 
 #[inline(always)]
-fn grow(largest: &mut Lanes, seen: impl Fn(usize) -> f64) {
+fn grow(largest: &mut Singles, seen: impl Fn(usize) -> f32) {
     for lane in 0..LANES {
         largest[lane] = larger(largest[lane], seen(lane));
     }
@@ -80,7 +80,7 @@ impl Extremes {
         grow(&mut self.load[group].inner, |lane| load.inner[lane]);
         grow(&mut self.load[group].outer, |lane| load.outer[lane]);
         grow(&mut self.pocket, |lane| seen.pocket[lane]);
-        let under = |load: &Lanes, slip: &Lanes, lane: usize| if load[lane] > 0.0 { slip[lane].abs() } else { 0.0 };
+        let under = |load: &Singles, slip: &Singles, lane: usize| if load[lane] > 0.0 { slip[lane].abs() } else { 0.0 };
         grow(&mut self.slip.inner, |lane| under(&load.inner, &slip.inner, lane));
         grow(&mut self.slip.outer, |lane| under(&load.outer, &slip.outer, lane));
     }
@@ -93,7 +93,7 @@ impl<'a> Looks<'a> {
         let extremes = Extremes {
             load: vec![PerRaceway::default(); model.groups()],
             slip: PerRaceway::default(),
-            pocket: Lanes::default(),
+            pocket: Singles::default(),
         };
         Self {
             model,
@@ -181,8 +181,8 @@ impl<'a> Looks<'a> {
             for lane in 0..LANES {
                 // Copies of the last ball are as far as it is.
                 wander[lane] = larger(wander[lane], (balls.arc[lane] - cage_arc).abs());
-                arc_velocity[lane] += balls.arc_velocity[lane] * present[lane];
-                spin[lane] += balls.spin[lane] * present[lane];
+                arc_velocity[lane] += f64::from(balls.arc_velocity[lane] * present[lane]);
+                spin[lane] += f64::from(balls.spin[lane] * present[lane]);
             }
         }
         (self.wander, self.arc_velocity, self.spin) = (wander, arc_velocity, spin);
@@ -213,7 +213,7 @@ impl<'a> Looks<'a> {
                 let (angle, _, _) = m.speed.at(stepper.time());
                 let (arc, load) = (stepper.balls()[0].arc[0], &stepper.seen()[0].load);
                 let azimuth = m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius;
-                (azimuth, load.inner[0], load.outer[0])
+                (azimuth, load.inner[0].into(), load.outer[0].into())
             });
         }
         self.kept += 1.0;
@@ -252,7 +252,7 @@ impl<'a> Looks<'a> {
             start,
             total_variance: spindle_channels().into_iter().zip((0..SIGNALS).map(variance)).collect(),
             contacts,
-            max_pocket_load: self.extremes.map_or(0.0, |seen| seen.pocket.0.into_iter().fold(0.0, f64::max)),
+            max_pocket_load: self.extremes.map_or(0.0, |seen| seen.pocket.0.into_iter().fold(0.0, f32::max).into()),
             signals: spindle.into_iter().chain(picked).collect(),
             whirl,
             direction: if shaft < 0.0 { -1.0 } else { 1.0 },
@@ -271,13 +271,14 @@ impl<'a> Looks<'a> {
         let Some(extremes) = &self.extremes else {
             return PerRaceway { inner: none.clone(), outer: none };
         };
-        let one = |load: &dyn Fn(&PerRaceway<Lanes>) -> Lanes, slip: &Lanes, film: Option<ThinnestFilm>| {
-            let max_load: Vec<f64> = (0..balls).map(|ball| load(&extremes.load[ball / LANES])[ball % LANES]).collect();
+        let one = |load: &dyn Fn(&PerRaceway<Singles>) -> Singles, slip: &Singles, film: Option<ThinnestFilm>| {
+            let max_load: Vec<f64> =
+                (0..balls).map(|ball| load(&extremes.load[ball / LANES])[ball % LANES].into()).collect();
             let touched = max_load.iter().any(|load| *load > 0.0);
             ContactExtremes {
                 max_load,
                 angle: touched.then_some((0.0, 0.0)),
-                max_slip: slip.0.into_iter().fold(0.0, f64::max),
+                max_slip: slip.0.into_iter().fold(0.0, f32::max).into(),
                 least_film: film.map(|film| film.thickness).filter(|film| film.is_finite()),
             }
         };
@@ -343,16 +344,16 @@ fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, spe
         Channel::CageSpeed => m.orbit_ratio * speed + border.cage_velocity[2] / m.pitch_radius,
         Channel::BallSpin(ball) => {
             let (balls, lane) = (&stepper.balls()[ball / LANES], ball % LANES);
-            let orbit = m.orbit_ratio * speed + balls.arc_velocity[lane] / m.pitch_radius;
-            m.spin_ratio * speed + balls.spin[lane] - orbit
+            let orbit = m.orbit_ratio * speed + f64::from(balls.arc_velocity[lane]) / m.pitch_radius;
+            m.spin_ratio * speed + f64::from(balls.spin[lane]) - orbit
         }
         Channel::BallLoad(ball, contact) => {
             let (seen, lane) = (&stepper.seen()[ball / LANES], ball % LANES);
-            match contact {
+            f64::from(match contact {
                 BallContact::Inner => seen.load.inner[lane],
                 BallContact::Outer => seen.load.outer[lane],
                 BallContact::Pocket => seen.pocket[lane],
-            }
+            })
         }
     }
 }
@@ -363,7 +364,7 @@ fn meet_films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, thin
     for ball in 0..m.layout.balls {
         let (balls, lane) = (&stepper.balls()[ball / LANES], ball % LANES);
         let seen = &stepper.seen()[ball / LANES];
-        let orbit = m.orbit_ratio * speed + balls.arc_velocity[lane] / m.pitch_radius;
+        let orbit = m.orbit_ratio * speed + f64::from(balls.arc_velocity[lane]) / m.pitch_radius;
         let meet = |contact: &RacewayContact, raceway_speed: f64, normal: f64, thinnest: &mut ThinnestFilm| {
             if normal <= 0.0 {
                 return;
@@ -372,14 +373,14 @@ fn meet_films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, thin
                 axial: 0.0,
                 radius: m.pitch_radius,
                 velocity: [0.0, 0.0, m.pitch_radius * orbit],
-                spin: [m.spin_ratio * speed + balls.spin[lane], 0.0, 0.0],
+                spin: [m.spin_ratio * speed + f64::from(balls.spin[lane]), 0.0, 0.0],
                 raceway_speed,
                 orbit_speed: orbit,
                 azimuth: 0.0,
             };
             contact.meet_film(&motion, &RacewayLoad { normal, ..RacewayLoad::default() }, thinnest);
         };
-        meet(&m.raceway.inner, speed, seen.load.inner[lane], &mut thinnest.inner);
-        meet(&m.raceway.outer, 0.0, seen.load.outer[lane], &mut thinnest.outer);
+        meet(&m.raceway.inner, speed, seen.load.inner[lane].into(), &mut thinnest.inner);
+        meet(&m.raceway.outer, 0.0, seen.load.outer[lane].into(), &mut thinnest.outer);
     }
 }

@@ -2,25 +2,25 @@
 
 use super::Border;
 use super::ball::{Held, Pushed};
-use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side, smaller};
+use crate::numerics::lanes::{LANES, SideBySide, Singles, larger, side_by_side, smaller};
 use crate::physics::pocket::{DAMPING_ONSET, Pocket, PocketMotion};
 
 /// Stands in for no displacement at all where its direction is asked for [m²].
-const TINY: f64 = 1e-60;
+const TINY: f32 = 1e-30;
 
 /// The film of the pockets of a cage, and how the cage moves.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Film {
     /// [N/m], [N s/m], [m]
-    pub stiffness: f64,
-    pub damping: f64,
-    pub clearance: f64,
-    pub pitch_radius: f64,
+    pub stiffness: f32,
+    pub damping: f32,
+    pub clearance: f32,
+    pub pitch_radius: f32,
 }
 
 /// Of a ball in its pocket: n outwards, t along the orbit.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Displaced<T = f64> {
+pub(super) struct Displaced<T = f32> {
     displacement: (T, T),
     velocity: (T, T),
     distance: T,
@@ -30,30 +30,32 @@ side_by_side!(Displaced { displacement, velocity, distance });
 /// Force on the ball (n, t) [N].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Push {
-    load: f64,
-    force: (f64, f64),
-    moment: f64,
+    load: f32,
+    force: (f32, f32),
+    moment: f32,
     /// From the pocket's centre to where the cage is pushed.
-    lever: (f64, f64),
-    damping: f64,
+    lever: (f32, f32),
+    damping: f32,
     /// Force over distance [N/m].
-    held: f64,
+    held: f32,
     /// 1/distance², for the direction of the damping.
-    per_square: f64,
+    per_square: f32,
 }
 
 impl Film {
     #[inline(always)]
-    pub fn displaced_one(&self, border: &Border, cage_spin: f64, held: &Held) -> Displaced {
+    pub fn displaced_one(&self, border: &Border<f32>, cage_spin: f32, held: &Held) -> Displaced {
         let ([cy, cz], [vy, vz, _]) = (border.cage, border.cage_velocity);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
-        let tangential = held.radius * held.orbit;
-        let n = held.radius * dc - self.pitch_radius - (cy * nc + cz * ns);
-        let t = held.radius * ds - (cz * nc - cy * ns);
-        let v_n = held.radial_velocity * dc - tangential * ds - (vy * nc + vz * ns) + cage_spin * t;
-        let v_t =
-            held.radial_velocity * ds + tangential * dc - (vz * nc - vy * ns) - cage_spin * (self.pitch_radius + n);
+        // Differences of what is nearly the same are taken beforehand: 1 − cos, radius less pitch radius, orbit speed less the cage's.
+        let versine = 0.5 * ds * ds * (1.0 + 0.25 * ds * ds);
+        let (cage_n, cage_t) = (cy * nc + cz * ns, cz * nc - cy * ns);
+        let past = held.radius * held.past_cage;
+        let n = held.lift - held.radius * versine - cage_n;
+        let t = held.radius * ds - cage_t;
+        let v_n = held.radial_velocity * dc - past * ds - (vy * nc + vz * ns) - cage_spin * cage_t;
+        let v_t = held.radial_velocity * ds + past * dc - (vz * nc - vy * ns) + cage_spin * cage_n;
         Displaced { displacement: (n, t), velocity: (v_n, v_t), distance: (n * n + t * t).sqrt() }
     }
 
@@ -62,7 +64,7 @@ impl Film {
     pub fn push(&self, displaced: &Displaced) -> Push {
         let ((n, t), (v_n, v_t)) = (displaced.displacement, displaced.velocity);
         let per_square = 1.0 / (n * n + t * t + TINY);
-        let damping = self.damping * smaller(displaced.distance * (1.0 / DAMPING_ONSET), 1.0);
+        let damping = self.damping * smaller(displaced.distance * (1.0 / DAMPING_ONSET as f32), 1.0);
         let over_distance = larger(self.stiffness + damping * ((n * v_n + t * v_t) * per_square), 0.0);
         Push {
             load: over_distance * displaced.distance,
@@ -77,7 +79,7 @@ impl Film {
 
     /// Turned to the ball's own orbit and, with `present`, to the cage; `share`: of velocities in places [s].
     #[inline(always)]
-    pub fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f64, share: f64) -> Pushed {
+    pub fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f32, share: f32) -> Pushed {
         let ((n, t), (d_n, d_t)) = (push.force, displaced.displacement);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
@@ -109,14 +111,14 @@ impl Film {
 
     /// How far a ball is beyond the wall of its pocket [m].
     #[inline(always)]
-    pub fn beyond(&self, displaced: &Displaced) -> f64 {
+    pub fn beyond(&self, displaced: &Displaced) -> f32 {
         displaced.distance - self.clearance
     }
 
     /// Where balls are in their pockets.
     #[inline(always)]
-    pub fn displaced(self, border: &Border, cage_spin: f64, held: &Held<Lanes>) -> Displaced<Lanes> {
-        let mut displaced = Displaced::<Lanes>::default();
+    pub fn displaced(self, border: &Border<f32>, cage_spin: f32, held: &Held<Singles>) -> Displaced<Singles> {
+        let mut displaced = Displaced::<Singles>::default();
         for lane in 0..LANES {
             displaced.put(lane, self.displaced_one(border, cage_spin, &held.at(lane)));
         }
@@ -125,7 +127,7 @@ impl Film {
 
     /// Whether no ball has come to the wall of its pocket.
     #[inline(always)]
-    pub fn reaches(&self, displaced: &Displaced<Lanes>) -> bool {
+    pub fn reaches(&self, displaced: &Displaced<Singles>) -> bool {
         (0..LANES).all(|lane| self.beyond(&displaced.at(lane)) <= 0.0)
     }
 
@@ -133,12 +135,12 @@ impl Film {
     #[inline(always)]
     pub fn pushed(
         self,
-        held: &Held<Lanes>,
-        displaced: &Displaced<Lanes>,
-        present: &Lanes,
-        share: f64,
-    ) -> Pushed<Lanes> {
-        let mut pushed = Pushed::<Lanes>::default();
+        held: &Held<Singles>,
+        displaced: &Displaced<Singles>,
+        present: &Singles,
+        share: f32,
+    ) -> Pushed<Singles> {
+        let mut pushed = Pushed::<Singles>::default();
         for lane in 0..LANES {
             let one = displaced.at(lane);
             pushed.put(lane, self.turned(&held.at(lane), &one, &self.push(&one), present[lane], share));
@@ -151,26 +153,28 @@ impl Film {
     pub fn pushed_by_wall(
         &self,
         pocket: &Pocket,
-        spins: &Lanes,
-        held: &Held<Lanes>,
-        displaced: &Displaced<Lanes>,
-        present: &Lanes,
-        share: f64,
-    ) -> Pushed<Lanes> {
-        let mut pushed = Pushed::<Lanes>::default();
+        spins: &Singles,
+        held: &Held<Singles>,
+        displaced: &Displaced<Singles>,
+        present: &Singles,
+        share: f32,
+    ) -> Pushed<Singles> {
+        let mut pushed = Pushed::<Singles>::default();
         for lane in 0..LANES {
             let at = displaced.at(lane);
+            let double = |(n, t): (f32, f32)| [0.0, n.into(), t.into()];
             let motion = PocketMotion {
-                displacement: [0.0, at.displacement.0, at.displacement.1],
-                velocity: [0.0, at.velocity.0, at.velocity.1],
-                spin: [spins[lane], 0.0, 0.0],
+                displacement: double(at.displacement),
+                velocity: double(at.velocity),
+                spin: [spins[lane].into(), 0.0, 0.0],
             };
             let load = pocket.load(&motion);
+            let single = |[_, n, t]: [f64; 3]| (n as f32, t as f32);
             let push = Push {
-                load: load.normal,
-                force: (load.force[1], load.force[2]),
-                moment: load.moment[0],
-                lever: (load.lever[1], load.lever[2]),
+                load: load.normal as f32,
+                force: single(load.force),
+                moment: load.moment[0] as f32,
+                lever: single(load.lever),
                 ..self.push(&at)
             };
             pushed.put(lane, self.turned(&held.at(lane), &at, &push, present[lane], share));

@@ -28,9 +28,8 @@ const LARGEST_HOLD: f64 = 100.0;
 /// Largest product of the step with the frequency of the cage on its film. Beyond, that motion is wrong by more than else; with the
 /// film explicit it grew without bound from 1 on.
 const LARGEST_FILM_TURN: f64 = 0.75;
-/// The longest step that is tried [s], and from which tolerance on a longer one is [dB]: steps of 19.5 µs move levels by up to 0.08 dB.
-const LONGEST: f64 = 19e-6;
-const LOOSE: f64 = 0.1;
+/// The longest step that is tried [s]: with 19.5 µs nine balls and their cage were lost on their films, whatever the digits.
+const LONGEST: f64 = 18e-6;
 /// A spindle or cage beyond this is lost [m, m/s].
 const FARTHEST: f64 = 1.0;
 
@@ -138,10 +137,9 @@ impl RadiallyCondensed {
         Pace::of_steps(stable.max(if self.is_gentle() { 1 } else { 4 }))
     }
 
-    /// Longer steps that may serve at a tolerance [dB], the longest first: what they do to the levels has to be tried.
-    pub fn longer_paces(&self, tolerance_db: f64) -> impl Iterator<Item = Pace> {
-        let longest = if tolerance_db < LOOSE { LONGEST } else { f64::INFINITY };
-        let longest = if self.is_gentle() { longest.min(1.0 / self.fastest(LARGEST_TURN_TRIED)) } else { 0.0 };
+    /// Longer steps that may serve, the longest first: what they do to the levels has to be tried.
+    pub fn longer_paces(&self) -> impl Iterator<Item = Pace> {
+        let longest = if self.is_gentle() { LONGEST.min(1.0 / self.fastest(LARGEST_TURN_TRIED)) } else { 0.0 };
         Pace::LONG.into_iter().filter(move |pace| pace.step() <= longest)
     }
 

@@ -15,8 +15,8 @@
 //! the length.
 
 use super::evaluation::Scratch;
-use super::{BallRates, BallState, Border, RadiallyCondensed, Rates, Seen};
-use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
+use super::{BallRates, Balls, Border, RadiallyCondensed, Rates, Seen};
+use crate::numerics::lanes::{LANES, Real, SideBySide, Singles, Task};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::adams_moulton::{Shares, solve};
 
@@ -30,11 +30,11 @@ const PLACE_NODES: usize = 4;
 /// y_{n+1} − y_n in backward differentiation of order k, times `leading`: Σ past_i Δ_i + h Σ rates_i f_i, and the implicit part's
 /// extrapolation Σ ahead_i Δ_i.
 #[derive(Debug, Clone, Copy)]
-struct Implicit {
-    leading: f64,
-    past: [f64; 2],
-    ahead: [f64; 2],
-    rates: [f64; 3],
+struct Implicit<T = f64> {
+    leading: T,
+    past: [T; 2],
+    ahead: [T; 2],
+    rates: [T; 3],
 }
 
 const IMPLICIT: [Implicit; 3] = [
@@ -47,7 +47,7 @@ const IMPLICIT: [Implicit; 3] = [
 #[derive(Debug, Clone, Copy)]
 struct Formulas {
     /// For the balls, and for the cage, whose pockets would not bear extrapolation of order 3 over long steps.
-    balls: Implicit,
+    balls: Implicit<f32>,
     cage: Implicit,
     /// Through the known nodes, and through the new one and the others but the oldest.
     predict: Weights<NODES>,
@@ -64,7 +64,7 @@ impl Formulas {
         // From a single node there is nothing to correct by.
         let corrects = known > 1;
         Self {
-            balls: IMPLICIT[known.min(3) - 1],
+            balls: IMPLICIT[known.min(3) - 1].single(),
             cage: IMPLICIT[known.min(2) - 1],
             predict: weights(0.0, known),
             correct: if corrects {
@@ -81,7 +81,7 @@ impl Formulas {
 /// State and rates at one time.
 #[derive(Debug, Clone, Default)]
 struct Node {
-    balls: Vec<BallState<Lanes>>,
+    balls: Vec<Balls>,
     border: Border,
     rates: Rates,
     /// Of the spindle.
@@ -119,13 +119,7 @@ pub struct Stepper<'m> {
 
 impl<'m> Stepper<'m> {
     /// From a state at a time [s], in steps of a length [s].
-    pub fn new(
-        model: &'m RadiallyCondensed,
-        time: f64,
-        balls: Vec<BallState<Lanes>>,
-        border: Border,
-        step: f64,
-    ) -> Self {
+    pub fn new(model: &'m RadiallyCondensed, time: f64, balls: Vec<Balls>, border: Border, step: f64) -> Self {
         let rates = Rates { balls: vec![BallRates::default(); model.groups()], ..Rates::default() };
         let node = Node { balls, border, rates, acceleration: [0.0; 2] };
         let mut stepper = Self {
@@ -182,7 +176,7 @@ impl<'m> Stepper<'m> {
         self.evaluations
     }
 
-    pub fn balls(&self) -> &[BallState<Lanes>] {
+    pub fn balls(&self) -> &[Balls] {
         &self.nodes[0].balls
     }
 
@@ -287,20 +281,31 @@ impl<L: Look> Task for Stretch<'_, '_, '_, L> {
 
 /// Σ weight · value, the newest last: it is what a step waits for.
 #[inline(always)]
-fn weighed<const N: usize, const NODES: usize>(weights: &[f64; NODES], values: &[[f64; N]; NODES]) -> [f64; N] {
-    let mut sums = [0.0; N];
+fn weighed<T: Real, const N: usize, const NODES: usize>(weights: &[T; NODES], values: &[[T; N]; NODES]) -> [T; N] {
+    let mut sums = [T::of(0.0); N];
     for (weight, value) in weights.iter().zip(values).rev() {
         for (sum, value) in sums.iter_mut().zip(value) {
-            *sum += weight * value;
+            *sum = *sum + *weight * *value;
         }
     }
     sums
 }
 
 impl Implicit {
+    fn single(&self) -> Implicit<f32> {
+        Implicit {
+            leading: self.leading as f32,
+            past: self.past.map(|c| c as f32),
+            ahead: self.ahead.map(|c| c as f32),
+            rates: self.rates.map(|c| c as f32),
+        }
+    }
+}
+
+impl<T: Real> Implicit<T> {
     /// What pushes a value on, and the extrapolated change that the implicit part starts from; newest first.
     #[inline(always)]
-    fn pushed(&self, h: f64, values: [f64; 3], rates: [f64; 3]) -> (f64, f64) {
+    fn pushed(&self, h: T, values: [T; 3], rates: [T; 3]) -> (T, T) {
         let (delta, before) = (values[0] - values[1], values[1] - values[2]);
         let rate = self.rates[0] * rates[0] + self.rates[1] * rates[1] + self.rates[2] * rates[2];
         (self.past[0] * delta + self.past[1] * before + h * rate, self.ahead[0] * delta + self.ahead[1] * before)
@@ -309,16 +314,16 @@ impl Implicit {
 
 /// States and rates of eight balls, newest first.
 struct Past {
-    states: (BallState<Lanes>, BallState<Lanes>, BallState<Lanes>),
-    rates: (BallRates<Lanes>, BallRates<Lanes>, BallRates<Lanes>),
+    states: (Balls, Balls, Balls),
+    rates: (BallRates<Singles>, BallRates<Singles>, BallRates<Singles>),
 }
 
 impl Past {
     /// A step on.
     #[inline(always)]
-    fn stepped(&self, formulas: &Implicit, moulton: &[f64; PLACE_NODES], h: f64) -> BallState<Lanes> {
-        let (c, moulton) = (*formulas, *moulton);
-        let mut new = BallState::<Lanes>::default();
+    fn stepped(&self, formulas: &Implicit<f32>, moulton: &[f64; PLACE_NODES], h: f64) -> Balls {
+        let (c, moulton, h) = (*formulas, moulton.map(|weight| weight as f32), h as f32);
+        let (mut new, mut on) = (Balls::default(), Singles::default());
         for lane in 0..LANES {
             let (now, before, earlier) = (self.states.0.at(lane), self.states.1.at(lane), self.states.2.at(lane));
             let (f, f1, f2) = (self.rates.0.at(lane), self.rates.1.at(lane), self.rates.2.at(lane));
@@ -335,7 +340,12 @@ impl Past {
             let spin = now.spin + per_determinant * (vv * right_p + d * right_v);
             let [moved] =
                 weighed(&moulton, &[[arc_velocity], [now.arc_velocity], [before.arc_velocity], [earlier.arc_velocity]]);
-            new.put(lane, BallState { arc: now.arc + h * moved, arc_velocity, spin });
+            (new.arc_velocity[lane], new.spin[lane]) = (arc_velocity, spin);
+            on[lane] = h * moved;
+        }
+        // In double precision, so in a loop of its own.
+        for lane in 0..LANES {
+            new.arc[lane] = self.states.0.arc[lane] + f64::from(on[lane]);
         }
         new
     }

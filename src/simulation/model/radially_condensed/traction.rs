@@ -3,7 +3,7 @@
 
 use super::ball::Contact;
 use crate::numerics::exponential::exponential;
-use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side, smaller};
+use crate::numerics::lanes::{LANES, SideBySide, Singles, larger, side_by_side, smaller};
 use crate::physics::contact::traction::FourParameters;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
 use crate::simulation::model::condensed_contact::chebyshev;
@@ -29,7 +29,7 @@ const SLIP_STEP: f64 = 1e-3;
 
 /// Integrals over one contact, divided by its load.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Sums<T = f64> {
+pub(super) struct Sums<T = f32> {
     /// Force along the groove, raceway on ball.
     pub force: T,
     /// Its moment: force times height over the ball's centre [m].
@@ -53,22 +53,24 @@ pub(super) enum RacewayTraction {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RisingTraction {
     law: FourParameters,
+    /// Its slope at rest, B + C D [s/m].
+    steepest: f32,
     /// μ/u by powers of u, up to u = reach.
-    fit: [f64; TERMS],
-    reach: f64,
-    weights: [f64; POINTS],
+    fit: [f32; TERMS],
+    reach: f32,
+    weights: [f32; POINTS],
     /// Height of the middle of the contact over the ball's centre, less its radius, and rise from there to each point, by
     /// powers of a².
-    middle: [f64; SERIES.len()],
-    rise: [[f64; ACROSS]; POINTS],
-    ball_radius: f64,
+    middle: [f32; SERIES.len()],
+    rise: [[f32; ACROSS]; POINTS],
+    ball_radius: f32,
 }
 
 impl RacewayTraction {
     /// dμ/du at rest [s/m], where it is known.
     pub fn steepest(&self) -> f64 {
         match self {
-            Self::Rising(traction) => traction.steepest(),
+            Self::Rising(traction) => traction.steepest.into(),
             Self::General => 0.0,
         }
     }
@@ -84,26 +86,23 @@ impl RisingTraction {
         let scaled: [f64; TERMS] = chebyshev(|t| over_speed(&law, t * REACH, (-t * REACH).exp()));
         Self {
             law,
-            fit: powers_of_the_argument(scaled, reach),
-            reach,
-            weights: std::array::from_fn(|k| 1.5 * LOBATTO[k] * (1.0 - PLACES[k] * PLACES[k])),
-            middle: std::array::from_fn(|j| shape(ball_radius, j) - shape(deformed_radius, j)),
-            rise: PLACES
-                .map(|t| std::array::from_fn(|j| across * shape(deformed_radius, j) * t.powi(2 * j as i32 + 2))),
-            ball_radius,
+            steepest: (law.d * law.c + law.b) as f32,
+            fit: powers_of_the_argument(scaled, reach).map(|power| power as f32),
+            reach: reach as f32,
+            weights: std::array::from_fn(|k| (1.5 * LOBATTO[k] * (1.0 - PLACES[k] * PLACES[k])) as f32),
+            middle: std::array::from_fn(|j| (shape(ball_radius, j) - shape(deformed_radius, j)) as f32),
+            rise: PLACES.map(|t| {
+                std::array::from_fn(|j| (across * shape(deformed_radius, j) * t.powi(2 * j as i32 + 2)) as f32)
+            }),
+            ball_radius: ball_radius as f32,
         }
     }
 
     #[inline(always)]
-    fn steepest(&self) -> f64 {
-        self.law.d * self.law.c + self.law.b
-    }
-
-    #[inline(always)]
-    pub fn sums(&self, contact: &Contact<Lanes>) -> Sums<Lanes> {
+    pub fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
         let own = *self;
-        let mut sums = Sums::<Lanes>::default();
-        let mut beyond: Lanes = Lanes::default();
+        let mut sums = Sums::<Singles>::default();
+        let mut beyond: Singles = Singles::default();
         for lane in 0..LANES {
             let (one, over) = own.fitted(&contact.at(lane));
             sums.put(lane, one);
@@ -111,7 +110,10 @@ impl RisingTraction {
         }
         if beyond.any(|over| over > 0.0) {
             for lane in 0..LANES {
-                let exact = |speed: f64| over_speed(&own.law, own.law.c * speed, exponential(-own.law.c * speed));
+                let exact = |speed: f32| {
+                    let x = own.law.c * f64::from(speed);
+                    over_speed(&own.law, x, exponential(-x)) as f32
+                };
                 sums.put(lane, own.sums_by(&contact.at(lane), exact).0);
             }
         }
@@ -120,16 +122,16 @@ impl RisingTraction {
 
     /// The sums by the fit, and by how much the slip goes beyond it under load [m/s].
     #[inline(always)]
-    pub fn fitted(&self, contact: &Contact) -> (Sums, f64) {
+    pub fn fitted(&self, contact: &Contact) -> (Sums, f32) {
         let (one, fastest) = self.sums_by(contact, |speed| polynomial(&self.fit, smaller(speed, self.reach)));
         // dμ/du = μ/u + u (μ/u)', the latter a straight line: a few per cent serve.
-        let slope = larger(2.0 * one.slope - self.steepest(), 0.0);
+        let slope = larger(2.0 * one.slope - self.steepest, 0.0);
         (Sums { slope, ..one }, if contact.load > 0.0 { fastest - self.reach } else { 0.0 })
     }
 
     /// The sums, with the mean of μ/u, never less than the slope, in place of that, and the fastest slip; `over_speed`: μ(u)/u.
     #[inline(always)]
-    fn sums_by(&self, contact: &Contact, over_speed: impl Fn(f64) -> f64) -> (Sums, f64) {
+    fn sums_by(&self, contact: &Contact, over_speed: impl Fn(f32) -> f32) -> (Sums, f32) {
         let s = contact.axis_square;
         let [m0, m1, m2, m3] = self.middle;
         let middle = self.ball_radius + s * ((m0 + s * m1) + s * s * (m2 + s * m3));
@@ -163,7 +165,7 @@ fn powers_of_the_argument(scaled: [f64; TERMS], reach: f64) -> [f64; TERMS] {
 }
 
 #[inline(always)]
-fn polynomial([a, b, c, d, e, f]: &[f64; TERMS], u: f64) -> f64 {
+fn polynomial([a, b, c, d, e, f]: &[f32; TERMS], u: f32) -> f32 {
     let square = u * u;
     (a + b * u) + square * ((c + d * u) + square * (e + f * u))
 }
@@ -193,22 +195,28 @@ pub(super) struct General<'a> {
 impl General<'_> {
     /// `spin`: deviations from ideal rolling; `penetration`: of this contact.
     #[inline(never)]
-    pub fn sums(&self, contact: &Contact<Lanes>, spin: &Lanes, penetration: &Lanes, orbit: &Lanes) -> Sums<Lanes> {
+    pub fn sums(
+        &self,
+        contact: &Contact<Singles>,
+        spin: &Singles,
+        penetration: &Singles,
+        orbit: &Singles,
+    ) -> Sums<Singles> {
         let mut sums = Sums::default();
         for lane in 0..LANES {
-            let Contact { load, base, .. } = contact.at(lane);
+            let (load, base) = (f64::from(contact.load[lane]), f64::from(contact.base[lane]));
             if load <= 0.0 {
                 continue;
             }
             // The contact of the full model measures its own penetration from the radius.
-            let radius = self.touching + self.towards * penetration[lane];
+            let radius = self.touching + self.towards * f64::from(penetration[lane]);
             let motion = RelativeMotion {
                 axial: 0.0,
                 radius,
                 velocity: [0.0, 0.0, self.raceway_speed * radius - base],
-                spin: [self.spin + spin[lane], 0.0, 0.0],
+                spin: [self.spin + f64::from(spin[lane]), 0.0, 0.0],
                 raceway_speed: self.raceway_speed,
-                orbit_speed: orbit[lane],
+                orbit_speed: orbit[lane].into(),
                 azimuth: 0.0,
             };
             sums.put(lane, self.one(&motion, load));
@@ -233,7 +241,7 @@ impl General<'_> {
         let (force_there, _, slip_there) = at(spin + SLIP_STEP / self.ball_radius);
         let change = slip_there - slip;
         let slope = if change.abs() > 0.0 { larger((force_there - force) / change, 0.0) } else { 0.0 };
-        Sums { force, moment, slope, slip }
+        Sums { force: force as f32, moment: moment as f32, slope: slope as f32, slip: slip as f32 }
     }
 }
 
@@ -248,19 +256,20 @@ mod tests {
         for (maximum, at_slip, limit) in [(0.05, 1.0, 0.036), (0.06, 0.2, 0.04), (0.0501, 3.0, 0.05), (0.1, 1.0, 0.0)] {
             let law = four_parameters(0.0, maximum, at_slip, limit);
             let traction = RisingTraction::new(law, true, 1.2e-3, 1.6e-3);
-            let slip = |base: f64| Contact { load: 1.0, axis_square: 4e-8, base, per_height: 0.01 * at_slip / 1.2e-3 };
+            let slip =
+                |base: f32| Contact { load: 1.0, axis_square: 4e-8, base, per_height: 0.01 * at_slip as f32 / 1.2e-3 };
             let mut ends = false;
             for k in -250..=250 {
-                let contact = slip(0.01 * f64::from(k) * traction.reach);
+                let contact = slip(0.01 * k as f32 * traction.reach);
                 let (found, beyond) = traction.fitted(&contact);
                 if beyond > 0.0 {
                     ends |= k > 90;
                     continue;
                 }
-                let exact = |u: f64| over_speed(&law, law.c * u, (-law.c * u).exp());
+                let exact = |u: f32| over_speed(&law, law.c * f64::from(u), (-law.c * f64::from(u)).exp()) as f32;
                 let (sums, fastest) = traction.sums_by(&contact, exact);
                 assert!(fastest <= traction.reach);
-                assert!((found.force - sums.force).abs() < 4e-5 * traction.steepest() * fastest, "{maximum} {k}");
+                assert!((found.force - sums.force).abs() < 4e-5 * traction.steepest * fastest, "{maximum} {k}");
             }
             assert!(ends, "{maximum}");
         }
