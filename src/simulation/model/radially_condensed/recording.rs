@@ -28,7 +28,7 @@ const LARGEST_HOLD: f64 = 100.0;
 /// Largest product of the step with the frequency of the cage on its film. Beyond, that motion is wrong by more than else; with the
 /// film explicit it grew without bound from 1 on.
 const LARGEST_FILM_TURN: f64 = 0.75;
-/// The longest step that is tried [s]: with 19.5 µs nine balls and their cage were lost on their films, whatever the digits.
+/// The longest step that is tried [s]: with 19.5 µs nine balls and their cage were lost on their films.
 const LONGEST: f64 = 18e-6;
 /// A spindle or cage beyond this is lost [m, m/s].
 const FARTHEST: f64 = 1.0;
