@@ -19,7 +19,8 @@ use uuid::Uuid;
 
 use super::JobError;
 use super::store::PRIORITY_OF_STRANDS;
-use super::store::database::{Dialect, Pool, Tx, statement};
+use super::store::database::{Dialect, Pool, Tx};
+use super::store::statement::statement;
 
 /// What River stores of a job: our row has the rest.
 #[derive(Debug, Clone, Serialize, Deserialize, riverqueue::JobArgs)]

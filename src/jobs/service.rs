@@ -12,6 +12,7 @@ use super::intake::{Intake, IntakeLimits, Submitted};
 use super::lock::DatabaseLock;
 use super::queue::{Delivery, Handler, Queue, QueueStats};
 use super::running::{Bell, Running, StopReason, View};
+use super::store::connections;
 use super::store::database::{self, Dialect, Pool};
 use super::store::studies::StoredPoint;
 use super::store::{Filter, Location, Signal, Store, records, studies, upkeep};
@@ -136,7 +137,7 @@ impl Jobs {
         };
         let opening = |error| JobError::opening(&settings.database, error);
         if let (Location::Server(options), 1..) = (&settings.database, settings.workers) {
-            database::check_room(options).await.map_err(opening)?;
+            connections::check_room(options).await.map_err(opening)?;
         }
         let store = Store::open(&settings.database, settings.workers, settings.max_pages).await.map_err(opening)?;
         store.migrate().await.map_err(opening)?;

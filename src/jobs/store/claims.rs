@@ -4,9 +4,10 @@
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
-use super::database::{Dialect, ENDED, statement};
+use super::database::{Dialect, ENDED};
 use super::records::{self, Row};
 use super::results::{self, StoredResult};
+use super::statement::statement;
 use super::{Store, stored};
 use crate::jobs::{Failure, JobError, JobRecord, NewJob, Status};
 

@@ -4,7 +4,8 @@ use jiff::{SignedDuration, Timestamp};
 use sqlx::FromRow;
 use uuid::Uuid;
 
-use super::database::{Tx, statement};
+use super::database::Tx;
+use super::statement::statement;
 use super::{Store, stored, time};
 use crate::jobs::job::IdempotencyKey;
 use crate::jobs::{JobError, JobRecord, NewJob, Status};

@@ -4,19 +4,25 @@
 
 /// Claims, heartbeats and ends, all fenced.
 pub mod claims;
-/// The two databases, and statements that run on both.
+/// Connections to a file or a server.
+pub mod connections;
+/// The two databases, and what they say differently.
 pub mod database;
 /// What an idempotency key has made.
 pub mod keys;
 /// Links that have gone silent.
 #[cfg(target_os = "linux")]
 mod link;
+/// Our tables, brought up to date.
+mod migrations;
 /// Spectra as they are stored.
 mod packed;
 /// Jobs looked up and listed, cancelled and deleted.
 pub mod records;
 /// Results written and read.
 pub mod results;
+/// Statements that run on both databases.
+pub mod statement;
 /// Studies and their points.
 pub mod studies;
 /// Submissions.
@@ -34,7 +40,8 @@ use jiff::{SignedDuration, Timestamp};
 use super::JobError;
 use super::figures::Figures;
 use super::queue::Queue;
-use database::{Dialect, Lock, Pool, Tx, statement};
+use database::{Dialect, Lock, Pool, Tx};
+use statement::statement;
 
 pub use claims::{Claim, End};
 pub use database::Location;
@@ -65,12 +72,12 @@ impl Store {
     pub async fn open(location: &Location, workers: usize, max_pages: Option<u32>) -> Result<Self, JobError> {
         let (writer, readers) = match location {
             Location::File(path) => {
-                let (writer, readers) = database::open_file(path, READERS, max_pages).await?;
+                let (writer, readers) = connections::open_file(path, READERS, max_pages).await?;
                 (Pool::Sqlite(writer), Pool::Sqlite(readers))
             }
             Location::Server(options) => {
                 let workers = u32::try_from(workers).unwrap_or(u32::MAX);
-                let pool = Pool::Postgres(database::connect(options, CONNECTIONS.saturating_add(workers)).await?);
+                let pool = Pool::Postgres(connections::connect(options, CONNECTIONS.saturating_add(workers)).await?);
                 (pool.clone(), pool)
             }
         };
@@ -95,11 +102,11 @@ impl Store {
 
     async fn migrate_all(&self) -> Result<(), JobError> {
         Queue::migrate(&self.writer).await?;
-        database::migrate(&self.writer).await
+        migrations::migrate(&self.writer).await
     }
 
     async fn is_up_to_date(&self) -> Result<bool, JobError> {
-        Ok(database::is_up_to_date(&self.writer).await? && Queue::is_up_to_date(&self.writer).await?)
+        Ok(migrations::is_up_to_date(&self.writer).await? && Queue::is_up_to_date(&self.writer).await?)
     }
 
     /// The connections that write, for the queue.

@@ -4,7 +4,8 @@ use jiff::Timestamp;
 use sqlx::FromRow;
 use uuid::Uuid;
 
-use super::database::{Dialect, Statement, Tx, Value, statement};
+use super::database::{Dialect, Tx};
+use super::statement::{Statement, Value, statement};
 use super::{Store, results, stored, time};
 use crate::jobs::{Failure, JobError, JobRecord, Status};
 

@@ -11,8 +11,9 @@ use serde::Serialize;
 use uuid::Uuid;
 
 use super::Store;
-use super::database::{Dialect, Statement, Tx, statement};
+use super::database::{Dialect, Tx};
 use super::packed::{packed, unpacked};
+use super::statement::{Statement, statement};
 use crate::contract::{JobKind, Outcome, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind};
 use crate::jobs::{JobError, Status};
 use crate::numerics::parallel::both;

@@ -4,7 +4,8 @@ use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
 use super::claims::Pulse;
-use super::database::{Dialect, Tx, statement};
+use super::database::{Dialect, Tx};
+use super::statement::statement;
 use super::{Store, claims, micros, results, stored};
 use crate::contract::table::PointError;
 use crate::contract::{JobKind, PointEnd, PointStatus};

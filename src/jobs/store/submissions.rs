@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use uuid::Uuid;
 
 use super::super::{JobError, JobRecord, NewJob, Status};
-use super::database::{Tx, statement};
+use super::database::Tx;
+use super::statement::statement;
 use super::{stored, studies};
 
 /// A finished result of identical work.

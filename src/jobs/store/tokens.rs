@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use sqlx::FromRow;
 use uuid::Uuid;
 
-use super::database::statement;
+use super::statement::statement;
 use super::{Store, stored, time};
 use crate::jobs::JobError;
 

@@ -3,7 +3,8 @@
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
-use super::database::{Dialect, Tx, statement};
+use super::database::{Dialect, Tx};
+use super::statement::statement;
 use super::{Store, micros, records, stored};
 use crate::jobs::JobError;
 use crate::jobs::queue::Delivery;
