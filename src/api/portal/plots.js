@@ -225,10 +225,13 @@ export class SpectrumPlot extends Plot {
       if (!label || f < min || f > max) continue;
       const width = label.length * 6.6 + 6;
       const x = Math.min(Math.max(u.valToPos(f, 'x'), width / 2), u.over.clientWidth - width / 2);
-      const y = u.valToPos(Math.max(amplitude, this.top * 1e-6), 'y') - 18;
+      // Above whichever spectrum is higher there: a name on the other's line could be read as its own.
+      const at = u.valToIdx(f);
+      const there = u.data.slice(1).flatMap((column) => [...column.slice(Math.max(at - 1, 0), at + 2)].filter(Number.isFinite));
+      const y = u.valToPos(Math.max(amplitude, ...there, this.top * 1e-6), 'y') - 18;
       if (y > u.over.clientHeight - 20) continue;
       const box = [x - width / 2, x + width / 2, Math.max(y, 0)];
-      if (taken.some(([from, to, at]) => box[0] < to && box[1] > from && Math.abs(at - box[2]) < 17)) continue;
+      if (taken.some(([from, to, top]) => box[0] < to && box[1] > from && Math.abs(top - box[2]) < 17)) continue;
       taken.push(box);
       const element = this.#label(used, u);
       used += 1;
