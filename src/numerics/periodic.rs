@@ -3,7 +3,7 @@
 //! A fixed point says nothing of its own stability: an orbit whose multipliers leave the unit circle is a solution that no
 //! motion stays near. So the multipliers belong to the answer.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Schur};
 
 /// How a search goes on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +46,8 @@ pub enum NoOrbit {
     NotConverged { error: f64, iterations: usize },
     #[error("the periodic motion is not finite")]
     NotFinite,
+    #[error("the multipliers of the periodic motion were not found within {MOST_ROTATIONS} iterations")]
+    NoMultipliers,
 }
 
 /// Share by which a step with an old matrix has to reduce the error; and below which the matrix is taken for right.
@@ -54,6 +56,8 @@ const RIGHT: f64 = 0.02;
 /// Step of the difference quotients, and the longest of Newton's method, in sizes.
 const DIFFERENCE: f64 = 1e-5;
 const FARTHEST: f64 = 1e4;
+/// Iterations of the QR method for all multipliers; it takes a few for each, and can go in circles for ever.
+const MOST_ROTATIONS: usize = 200;
 
 impl<const N: usize> Search<N> {
     /// The periodic motion near a guess; `period` carries a state over one period.
@@ -71,10 +75,14 @@ impl<const N: usize> Search<N> {
     }
 
     /// With the multipliers of this flow.
-    pub fn measured(&self, orbit: PeriodicOrbit<N>, period: impl Fn(&[f64; N]) -> [f64; N]) -> PeriodicOrbit<N> {
+    pub fn measured(
+        &self,
+        orbit: PeriodicOrbit<N>,
+        period: impl Fn(&[f64; N]) -> [f64; N],
+    ) -> Result<PeriodicOrbit<N>, NoOrbit> {
         let monodromy = self.monodromy(&orbit.state, &period(&orbit.state), &period);
         let periods = orbit.periods + 1 + N as u64;
-        PeriodicOrbit { multipliers: multipliers(&monodromy), monodromy, periods, ..orbit }
+        Ok(PeriodicOrbit { multipliers: multipliers(&monodromy)?, monodromy, periods, ..orbit })
     }
 
     fn search(
@@ -116,7 +124,7 @@ impl<const N: usize> Search<N> {
             return Err(NoOrbit::NotConverged { error, iterations: self.iterations });
         }
         let monodromy = matrix.unwrap_or_else(|| self.monodromy(&state, &image, &period));
-        Ok(PeriodicOrbit { state, multipliers: multipliers(&monodromy), monodromy, periods })
+        Ok(PeriodicOrbit { state, multipliers: multipliers(&monodromy)?, monodromy, periods })
     }
 
     fn error(&self, state: &[f64; N], image: &[f64; N]) -> Result<f64, NoOrbit> {
@@ -141,10 +149,14 @@ impl<const N: usize> Search<N> {
 }
 
 /// Eigenvalues, largest modulus first.
-fn multipliers(monodromy: &DMatrix<f64>) -> Vec<(f64, f64)> {
-    let mut all: Vec<(f64, f64)> = monodromy.complex_eigenvalues().iter().map(|value| (value.re, value.im)).collect();
+fn multipliers(monodromy: &DMatrix<f64>) -> Result<Vec<(f64, f64)>, NoOrbit> {
+    if !monodromy.iter().all(|value| value.is_finite()) {
+        return Err(NoOrbit::NotFinite);
+    }
+    let schur = Schur::try_new(monodromy.clone(), f64::EPSILON, MOST_ROTATIONS).ok_or(NoOrbit::NoMultipliers)?;
+    let mut all: Vec<(f64, f64)> = schur.complex_eigenvalues().iter().map(|value| (value.re, value.im)).collect();
     all.sort_by(|a, b| b.0.hypot(b.1).total_cmp(&a.0.hypot(a.1)));
-    all
+    Ok(all)
 }
 
 #[cfg(test)]
@@ -229,7 +241,7 @@ mod tests {
         let direct = SEARCH.find([0.0; 2], |state| period(&equations, length, state)).unwrap();
         assert!((0..2).all(|i| (refined.state[i] - direct.state[i]).abs() < 1e-9));
         assert!((found.state[0] - direct.state[0]).abs() > 1e-7 && refined.periods < direct.periods);
-        let measured = SEARCH.measured(refined.clone(), |state| period(&equations, length, state));
+        let measured = SEARCH.measured(refined.clone(), |state| period(&equations, length, state)).unwrap();
         assert!((measured.radius() / direct.radius() - 1.0).abs() < 1e-5 && measured.radius() != refined.radius());
     }
 
@@ -237,5 +249,12 @@ mod tests {
     fn a_flow_that_only_drifts_has_no_orbit() {
         assert!(matches!(SEARCH.find([0.0; 2], |s| [s[0] + 1.0, 0.5 * s[1]]), Err(NoOrbit::NotConverged { .. })));
         assert_eq!(SEARCH.find([0.0; 2], |_| [f64::NAN; 2]), Err(NoOrbit::NotFinite));
+    }
+
+    /// The QR method would look for eigenvalues of what is no number for ever.
+    #[test]
+    fn a_flow_whose_slope_is_no_number_has_no_orbit() {
+        let nothing = Search { sizes: [0.0; 2], ..SEARCH };
+        assert_eq!(nothing.find([0.0; 2], |state| *state), Err(NoOrbit::NotFinite));
     }
 }

@@ -345,6 +345,12 @@ fn grows(orbit: &PeriodicOrbit<4>) -> String {
 
 fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
     let (rest, frequency) = model.rest();
+    if frequency == 0.0 {
+        return Err(SimulationError::Unable {
+            rung: "periodic",
+            reason: "nothing holds the spindle: where it rests it touches no ball".into(),
+        });
+    }
     let speed = model.speed(0.0).0;
     let length = std::f64::consts::TAU / (model.balls() as f64 * (model.orbit_ratio() * speed).abs());
     let longest = LONGEST_SHOT.min(LONGEST_TURN_OF_SHOT / frequency);
@@ -405,7 +411,13 @@ fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
             continue;
         }
         // Coarse steps may tell a stable orbit where there is none.
-        let orbit = search.measured(orbit, |state| shot(state, steps, None));
+        let orbit = match search.measured(orbit, |state| shot(state, steps, None)) {
+            Ok(orbit) => orbit,
+            Err(error) => {
+                refusal = error.to_string();
+                continue;
+            }
+        };
         evaluations += (1 + orbit.state.len() as u64) * (steps as u64 + RESTART);
         if orbit.radius() >= LARGEST_RADIUS {
             refusal = grows(&orbit);

@@ -141,6 +141,15 @@ fn a_periodic_motion_that_is_unstable_is_never_the_answer() {
     assert!(words.contains("the rung periodic does not serve"), "{words}");
 }
 
+/// Without load and weight the spindle floats between the balls: every place is as good, and no disturbance dies out.
+#[test]
+fn a_spindle_that_nothing_holds_has_no_periodic_motion() {
+    let json = changed(article(), json!({ "operation": { "radial_load_y_n": 0 }, "terms": { "gravity": "off" } }));
+    let words = run(&scene(&json), &asked(false, Some(Rung::Periodic)), &patient()).unwrap_err().to_string();
+    assert!(words.contains("it touches no ball"), "{words}");
+    assert_ne!(simulate(&json, &asked(false, None)).summary.solver.rung, "periodic");
+}
+
 /// A rung asked for by name is run and checked, and warns where it is not confirmed.
 #[test]
 fn a_rung_by_name_that_is_not_confirmed_warns() {
