@@ -1,0 +1,165 @@
+//! Scenes drawn at random, on the rung that is chosen by itself, beside the full dynamics: is any quietly wrong?
+//!
+//! `cargo bench --bench drawn_scenes [-- SEED COUNT]` draws catalogue bearings and variants of the article's (clearance, balls,
+//! groove), speeds, loads, spindles and balance grades, and runs each as a plain job with all metrics, with vibration only, and with
+//! vibration only at 0.2 dB. A result is quietly wrong where a level of a_y or a_z is off by more than `FACTOR` times what it and the
+//! full dynamics state themselves, and nothing warns of it. Two scenes at a time; the same seed gives the same lines.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use raceway::contract::{Metrics, Outcome, execute, parse_job};
+use raceway::simulation::run::Control;
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{RngCore, SeedableRng};
+use serde_json::{Value, json};
+
+const SCENES: usize = 100;
+const FACTOR: f64 = 3.0;
+/// Differences of levels that nobody hears [dB].
+const INAUDIBLE: f64 = 2e-3;
+const CHANNELS: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
+
+/// What is asked for: name, metrics, tolerance of the model [dB].
+const CASES: [(&str, &[&str], f64); 3] = [
+    ("all metrics", &["vibration", "contacts", "cage"], 0.05),
+    ("vibration only", &["vibration"], 0.05),
+    ("vibration only, 0.2 dB", &["vibration"], 0.2),
+];
+
+struct Draw(SplitMix64);
+
+impl Draw {
+    /// In 0 … 1.
+    fn share(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn chance(&mut self, share: f64) -> bool {
+        self.share() < share
+    }
+
+    fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[(self.share() * all.len() as f64) as usize]
+    }
+
+    /// Three digits, evenly between two ends, or between their logarithms.
+    fn between(&mut self, from: f64, to: f64) -> f64 {
+        three_digits(from + (to - from) * self.share())
+    }
+
+    fn between_decades(&mut self, from: f64, to: f64) -> f64 {
+        three_digits(from * (to / from).powf(self.share()))
+    }
+
+    fn scene(&mut self) -> Value {
+        let preset = self.one_of(&["article-integrated", "article-integrated", "article-deep-groove", "608", "6205"]);
+        let mut bearing = json!({ "preset": preset });
+        if self.chance(0.6) {
+            bearing["radial_clearance_um"] = self.between_decades(1.0, 40.0).into();
+        }
+        if preset.starts_with("article") && self.chance(0.5) {
+            bearing["ball_count"] = self.one_of(&[6, 7, 8, 9]).into();
+        }
+        if self.chance(0.3) {
+            bearing["inner_groove_curvature"] = self.between(0.51, 0.55).into();
+        }
+        let mut operation = json!({ "speed_rpm": self.between_decades(3e3, 6e4), "radial_load_y_n": self.between_decades(20.0, 600.0) });
+        if self.chance(0.3) {
+            operation["radial_load_z_n"] = self.between(-200.0, 200.0).into();
+        }
+        let mut spindle = json!({});
+        if self.chance(0.5) {
+            spindle["mass_kg"] = self.between_decades(0.02, 2.0).into();
+        }
+        if self.chance(0.4) {
+            spindle["balance_grade"] = self.one_of(&[0.4, 1.0, 2.5, 6.3, 16.0, 40.0]).into();
+        }
+        json!({ "bearing": bearing, "operation": operation, "spindle": spindle })
+    }
+}
+
+fn three_digits(value: f64) -> f64 {
+    format!("{value:.2e}").parse().expect("a number")
+}
+
+fn metrics(scene: &Value, solver: &Value, asked: &[&str]) -> Result<Metrics, String> {
+    let job = json!({
+        "kind": "simulation", "scene": scene, "solver": solver, "settle_s": 0.03, "duration_s": 0.1,
+        "outputs": { "metrics": asked },
+    });
+    let job = parse_job(job.to_string().as_bytes()).map_err(|refusal| refusal.to_string())?;
+    match execute(&job, &Control::until(&|| false)) {
+        Ok(Outcome::Simulation(simulated)) => Ok(simulated.metrics),
+        Ok(_) => Err("no simulation".into()),
+        Err(failure) => Err(format!("{failure:?}")),
+    }
+}
+
+/// What a scene shows: for each case its rung, how far it is off, what is stated, and whether that is quietly wrong.
+fn judged(scene: &Value) -> Result<Vec<(String, f64, f64, bool)>, String> {
+    let full = metrics(scene, &json!({ "rung": "full", "relative_tolerance": 1e-6 }), CASES[0].1)?;
+    let level = |metrics: &Metrics, channel: &str| -> Option<f64> { metrics.channels.as_ref()?.get(channel)?.level_db };
+    CASES
+        .iter()
+        .map(|(_, asked, tolerance)| {
+            let found = metrics(scene, &json!({ "model_tolerance_db": tolerance }), asked)?;
+            let off = CHANNELS
+                .iter()
+                .filter_map(|channel| Some((level(&found, channel)? - level(&full, channel)?).abs()))
+                .fold(0.0, f64::max);
+            let stated = |metrics: &Metrics| metrics.accuracy.level_error_db.unwrap_or(0.0);
+            let warned = found.accuracy.warning.is_some() || full.accuracy.warning.is_some();
+            let wrong = !warned && off > FACTOR * (stated(&found) + stated(&full)) + INAUDIBLE;
+            Ok((found.solver.rung.to_string(), off, stated(&found), wrong))
+        })
+        .collect()
+}
+
+fn main() {
+    raceway::commands::memory::keep_for_the_next_run();
+    let numbers: Vec<usize> = std::env::args().skip(1).filter_map(|argument| argument.parse().ok()).collect();
+    let (seed, count) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(SCENES));
+    let mut draw = Draw(SplitMix64::seed_from_u64(seed as u64));
+    let scenes: Vec<Value> = (0..count).map(|_| draw.scene()).collect();
+    let next = AtomicUsize::new(0);
+    let found = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                loop {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(scene) = scenes.get(number) else { break };
+                    let judged = judged(scene);
+                    found.lock().expect("whole").push((number, judged));
+                }
+            });
+        }
+    });
+    let mut found = found.into_inner().expect("whole");
+    found.sort_by_key(|(number, _)| *number);
+    let mut rungs = CASES.map(|_| std::collections::BTreeMap::<String, (usize, usize, usize, f64)>::new());
+    for (number, judged) in found {
+        match judged {
+            Err(fault) => println!("{fault}: {}", scenes[number]),
+            Ok(cases) => {
+                for (case, (rung, off, stated, wrong)) in cases.into_iter().enumerate() {
+                    if wrong {
+                        println!("{}, {rung}: {off:.4} dB off, {stated:.4} stated: {}", CASES[case].0, scenes[number]);
+                    }
+                    let of = rungs[case].entry(rung).or_default();
+                    let beyond = off > CASES[case].2;
+                    *of = (of.0 + 1, of.1 + usize::from(beyond), of.2 + usize::from(wrong), off.max(of.3));
+                }
+            }
+        }
+    }
+    println!(
+        "\n| asked for | rung | scenes | off by more than the tolerance | quietly wrong | largest error dB |\n|---|---|---|---|---|---|"
+    );
+    for ((name, ..), rungs) in CASES.iter().zip(rungs) {
+        for (rung, (count, beyond, wrong, off)) in rungs {
+            println!("| {name} | {rung} | {count} | {beyond} | {wrong} | {off:.3} |");
+        }
+    }
+}
