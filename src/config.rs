@@ -217,6 +217,9 @@ pub struct NewTokenOptions {
     /// Whose jobs it sees: tokens of one owner see the same jobs [default: an owner of its own]
     #[arg(long, value_name = "OWNER", value_parser = token_name)]
     pub owner: Option<String>,
+    /// Sees the jobs that were made while no token was needed, in place of those of an owner
+    #[arg(long, conflicts_with = "owner")]
+    pub open_jobs: bool,
     /// Days after which it is refused [default: never]
     #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
     pub expires_in_days: Option<u32>,

@@ -15,6 +15,7 @@ use utoipa::openapi::{ContentBuilder, OpenApi as Document, Ref, RefOr, Required,
 use utoipa::{IntoResponses, Modify, OpenApi};
 
 use super::error::{ApiError, PROBLEM_JSON, Problem};
+use super::jobs::wrong_wait;
 use super::request::BODY_LIMIT;
 use crate::contract::{FieldError, Refusal, schema};
 use crate::jobs::{JobError, Status};
@@ -110,7 +111,7 @@ problems! {
     BadBody {
         "400" BadRequest: "The body is not JSON, or a header or the query is wrong" => [
             Refused(Refusal::NotJson { detail: "expected `,` or `}` at line 3 column 5".into() }),
-            BadRequest("Prefer: wait takes a whole number of seconds".into()),
+            wrong_wait("1min"),
         ],
         "408" SlowBody: "The body did not arrive in time" => [SlowBody],
         "413" TooLarge: "The body is larger than 1 MiB" => [TooLarge { limit: BODY_LIMIT }],

@@ -7,7 +7,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::contract::problem::listed;
-use crate::contract::{FieldError, Refusal};
+use crate::contract::{FieldError, MOST_FAULTS, Refusal};
 use crate::jobs::{Failure, JobError, Status};
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
@@ -144,10 +144,14 @@ impl ApiError {
             Self::Refused(Refusal::Invalid { errors }) => {
                 let detail = match errors.as_slice() {
                     [only] => only.to_string(),
+                    several if several.len() > MOST_FAULTS => {
+                        format!("{} fields are wrong; the first {MOST_FAULTS} are told", several.len())
+                    }
                     several => format!("{} fields are wrong", several.len()),
                 };
+                let errors = errors.iter().take(MOST_FAULTS);
                 let problem = Problem::new("invalid-request", "The request is not valid", detail);
-                (S::UNPROCESSABLE_ENTITY, Problem { errors: errors.clone(), ..problem })
+                (S::UNPROCESSABLE_ENTITY, Problem { errors: errors.cloned().collect(), ..problem })
             }
             Self::BadRequest(detail) => of(S::BAD_REQUEST, "bad-request", "Header or query is wrong", detail.clone()),
             Self::Unauthorized => {

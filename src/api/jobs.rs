@@ -376,10 +376,20 @@ pub(super) fn preferred_wait(headers: &HeaderMap) -> Result<Option<u64>, ApiErro
     let preferences = header(headers, &PREFER).unwrap_or_default().split([',', ';']).map(str::trim);
     let mut wait = preferences.filter_map(|preference| preference.split_once('='));
     let Some((_, seconds)) = wait.find(|(name, _)| name.trim().eq_ignore_ascii_case("wait")) else { return Ok(None) };
-    match seconds.trim().trim_matches('"').parse::<u64>() {
+    let number = seconds.trim().trim_matches('"');
+    match number.parse::<u64>() {
+        // Longer than any number of seconds that has a name.
+        Err(_) if !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()) => Ok(Some(LONGEST_WAIT_S)),
         Ok(seconds) => Ok(Some(seconds.min(LONGEST_WAIT_S))),
-        Err(_) => Err(ApiError::BadRequest("Prefer: wait takes a whole number of seconds".into())),
+        Err(_) => Err(wrong_wait(seconds.trim())),
     }
+}
+
+pub(super) fn wrong_wait(given: &str) -> ApiError {
+    let given: String = given.chars().take(20).collect();
+    ApiError::BadRequest(format!(
+        "Prefer: wait={given}: takes a whole number of seconds; more than {LONGEST_WAIT_S} count as {LONGEST_WAIT_S}"
+    ))
 }
 
 /// The name that a client gives its submission.

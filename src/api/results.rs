@@ -221,10 +221,12 @@ impl SpectrumQuery {
     }
 
     pub(super) fn checked(Query(query): Query<Self>) -> Result<Self, ApiError> {
-        if query.max_frequency_hz.is_some_and(|highest| !highest.is_finite() || highest < 0.0) {
-            return Err(ApiError::BadRequest("query: max_frequency_hz: must be a number, 0 or more".into()));
+        match query.max_frequency_hz {
+            Some(highest) if !highest.is_finite() || highest < 0.0 => {
+                Err(ApiError::BadRequest(format!("query: max_frequency_hz: {highest} Hz: must be at least 0 Hz")))
+            }
+            _ => Ok(query),
         }
-        Ok(query)
     }
 }
 
@@ -250,7 +252,7 @@ impl SeriesQuery {
             (Some(from), _, _) if from.is_nan() => refuse("from_s: not a number"),
             (_, Some(to), _) if to.is_nan() => refuse("to_s: not a number"),
             (Some(from), Some(to), _) if from > to => refuse("from_s: after to_s"),
-            (_, _, Some(0)) => refuse("max_points: must be 1 or more"),
+            (_, _, Some(0)) => refuse("max_points: 0: must be at least 1"),
             _ => Ok(query),
         }
     }

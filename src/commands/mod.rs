@@ -24,6 +24,7 @@ pub mod token;
 pub mod worker;
 
 use std::process::ExitCode;
+use std::time::Duration;
 
 use tokio::runtime::{Builder, Runtime};
 
@@ -72,9 +73,17 @@ pub fn run(cli: Cli) -> Ended {
 }
 
 /// Two threads answer all requests; solvers have threads of their own.
+/// Time that work on threads aside has after a command has ended.
+const LAST_WORK: Duration = Duration::from_secs(1);
+
 fn on_runtime(command: impl Future<Output = Ended>) -> Ended {
     match runtime() {
-        Ok(runtime) => runtime.block_on(command),
+        Ok(runtime) => {
+            let ended = runtime.block_on(command);
+            // What is still being checked for clients that are gone is not waited for.
+            runtime.shutdown_timeout(LAST_WORK);
+            ended
+        }
         Err(error) => {
             eprintln!("raceway: no threads to work with: {error}");
             Ended::Badly

@@ -51,11 +51,13 @@ async fn create(options: NewTokenOptions) -> Result<(), Refused> {
     let book = TokenBook::open(&options.database.location()?).await?;
     let name = options.name.unwrap_or_else(|| format!("token-{}", &Uuid::now_v7().simple().to_string()[24..]));
     let holds_for = options.expires_in_days.map(|days| SignedDuration::from_hours(24 * i64::from(days)));
-    let new = NewToken { name: name.clone(), owner: options.owner, holds_for };
+    // Without tokens, jobs are of the owner without a name.
+    let owner = if options.open_jobs { Some(String::new()) } else { options.owner };
+    let new = NewToken { name: name.clone(), owner, holds_for };
     let made = book.create(new).await;
     book.close().await;
     let (secret, token) = made?.ok_or(Refused::NameTaken(name))?;
-    eprintln!("token {} of owner {}, shown this once:", token.name, token.owner);
+    eprintln!("token {} of owner {}, shown this once:", token.name, named(&token.owner));
     println!("{}", secret.reveal());
     Ok(())
 }
@@ -68,14 +70,20 @@ async fn list(options: &DatabaseOptions) -> Result<(), Refused> {
     let width = |column: fn(&Token) -> &str, head: &str| {
         tokens.iter().map(|token| column(token).len()).chain([head.len()]).max().unwrap_or(0)
     };
-    let (name, owner) = (width(|token| &token.name, "NAME"), width(|token| &token.owner, "OWNER"));
+    let (name, owner) = (width(|token| &token.name, "NAME"), width(|token| named(&token.owner), "OWNER"));
     println!("{:name$}  {:owner$}  {:36}  {:20}  {:20}  STATE", "NAME", "OWNER", "ID", "CREATED", "EXPIRES");
     for token in &tokens {
         let expires = token.expires_at.map_or_else(|| "never".to_owned(), seconds);
         let (created, state) = (seconds(token.created_at), state(token));
-        println!("{:name$}  {:owner$}  {}  {created:20}  {expires:20}  {state}", token.name, token.owner, token.id);
+        let of = named(&token.owner);
+        println!("{:name$}  {of:owner$}  {}  {created:20}  {expires:20}  {state}", token.name, token.id);
     }
     Ok(())
+}
+
+/// An owner as the lists show it.
+fn named(owner: &str) -> &str {
+    if owner.is_empty() { "(open)" } else { owner }
 }
 
 fn state(token: &Token) -> String {
@@ -96,7 +104,7 @@ async fn revoke(options: &RevokeOptions) -> Result<(), Refused> {
     let revoked = book.revoke(&options.token).await;
     book.close().await;
     let token = revoked?.ok_or_else(|| Refused::Unknown(options.token.clone()))?;
-    eprintln!("token {} of owner {}: {}", token.name, token.owner, state(&token));
+    eprintln!("token {} of owner {}: {}", token.name, named(&token.owner), state(&token));
     Ok(())
 }
 

@@ -14,7 +14,7 @@ use super::solver::{MethodName, Solver, SolverInput};
 use super::strict::{self, ObjectOnly, object, optional_object};
 use super::study::{self, StrictAxis, Study};
 use super::variation::Variation;
-use super::{accuracy, given_fields, times};
+use super::{accuracy, given_fields, limits, times};
 use crate::simulation::ladder::{self, Rung};
 use crate::simulation::needs::{Needs, Unmet};
 use crate::simulation::run::RunSettings;
@@ -326,6 +326,7 @@ pub fn simulation_of(mut request: Value) -> Result<Job, Refusal> {
 pub fn job_of(request: Value) -> Result<Job, Refusal> {
     let kind = kind_of(&request)?;
     let (input, faults) = strict::typed_with_faults::<JobInput>(&request);
+    let faults: Vec<FieldError> = faults.into_iter().map(limits::with_range).collect();
     let Some(mut input) = input else { return Err(Refusal::Invalid { errors: faults }) };
     let mut filling = Filling::default();
     let (resolved, mut errors) = if faults.iter().any(|fault| fault.concerns("/scene")) {

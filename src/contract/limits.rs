@@ -1,6 +1,7 @@
 //! The values that each field may take, in the user's units: those of a scene from physics, those of a job its own.
 
 use super::accuracy::MOST_REPETITIONS;
+use super::problem::FieldError;
 use super::units;
 use crate::physics::limits::limits_of;
 
@@ -55,6 +56,20 @@ pub fn all() -> impl Iterator<Item = (String, FieldLimits)> {
         Some((format!("/scene{pointer}"), FieldLimits { pointer, lowest, highest, exclusive, unit: unit.name }))
     });
     OF_A_JOB.iter().map(|limits| (limits.pointer.to_owned(), *limits)).chain(of_scene)
+}
+
+/// A fault of a number's type, with the unit and the range of its field.
+pub fn with_range(fault: FieldError) -> FieldError {
+    if !fault.detail.contains("expected a number") {
+        return fault;
+    }
+    match all().find(|(pointer, _)| *pointer == fault.pointer) {
+        Some((_, FieldLimits { lowest, highest, exclusive, unit, .. })) => {
+            let range = units::range(lowest, highest, exclusive, unit);
+            FieldError { detail: format!("{}, {range}", fault.detail), ..fault }
+        }
+        None => fault,
+    }
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ pub use presets::presets_answer;
 pub use problem::{FieldError, Refusal};
 pub use resolve::{ResolveAnswer, resolve_answer};
 pub use signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
-pub use strict::NameOr;
+pub use strict::{MOST_FAULTS, NameOr};
 pub use study::Study;
 pub use table::{PointEnd, PointStatus, Row, TableAnswer};
 pub use views::ViewsAnswer;

@@ -53,8 +53,12 @@ pub enum GoalName {
 /// The wish of a request; asks for no other metrics than the one it needs, where the request does not say which.
 pub fn wish(input: &mut JobInput, filling: &mut Filling) -> Wish {
     refuse_signals(JobKind::Optimum, input, filling);
-    let given = input.axes.take().unwrap_or_default();
-    if given.is_empty() || given.len() > MOST_AXES {
+    let axes = input.axes.take();
+    let is_missing = axes.is_none();
+    let given = axes.unwrap_or_default();
+    if is_missing {
+        filling.refuse("/axes", format!("required, but missing: 1 to {MOST_AXES} axes"));
+    } else if given.is_empty() || given.len() > MOST_AXES {
         filling.refuse("/axes", format!("{} axes: must be from 1 to {MOST_AXES}", given.len()));
     }
     let mut axes: Vec<(Varied, Range)> = Vec::new();
@@ -148,6 +152,10 @@ fn part_of(metric: &str) -> Option<MetricsPart> {
 }
 
 fn in_the_range(error: FieldError) -> FieldError {
+    if error.detail.contains("must be a whole number") {
+        let detail = "takes whole numbers: an optimum is sought between them, a study goes from one to the next";
+        return FieldError::new(error.pointer, detail);
+    }
     FieldError::new(error.pointer, format!("inside of the ranges, which all values must fit: {}", error.detail))
 }
 

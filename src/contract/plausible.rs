@@ -26,6 +26,9 @@ const MOST_TILT: f64 = 0.01;
 const FAINT_LOAD: f64 = 0.1;
 /// Softer than plastics [Pa].
 const SOFTEST: f64 = 1e9;
+/// Diameters of balls as a share of the radial section of their bearing [-]: less than any have, and usual.
+const LEAST_BALL: f64 = 0.25;
+const USUAL_BALL: f64 = 0.6;
 /// From foams to the heaviest metals [kg/m³].
 const DENSITIES: [f64; 2] = [500.0, 20_000.0];
 
@@ -99,6 +102,15 @@ fn of_operation(scene: &Scene, at_rest: Option<&StaticLoads>, warn: Warn<'_>) {
 fn of_bearing(scene: &Scene, warn: Warn<'_>) {
     let (bearing, parameters) = (&scene.bearing, &scene.bearing.parameters);
     let clearance = bearing.radial_clearance;
+    let (ball, section) = (parameters.ball_diameter, 0.5 * (parameters.outer_diameter - parameters.inner_diameter));
+    warn(ball < LEAST_BALL * section, "bearing/ball_diameter_mm", &|| {
+        format!(
+            "{} mm: between the bore and the outer diameter there are {} mm, of which balls have about {} mm",
+            short(MM.to_user(ball)),
+            short(MM.to_user(section)),
+            short(significant(MM.to_user(USUAL_BALL * section), 2))
+        )
+    });
     warn(clearance != 0.0 && clearance.abs() < LEAST_CLEARANCE, "bearing/radial_clearance_um", &|| {
         format!("{} µm: nothing is ground to that; clearances are in µm", short(UM.to_user(clearance)))
     });
@@ -119,6 +131,19 @@ fn of_bearing(scene: &Scene, warn: Warn<'_>) {
 
 fn of_cage(scene: &Scene, warn: Warn<'_>) {
     let (cage, parameters) = (&scene.cage, &scene.bearing.parameters);
+    let land = cage.land.as_ref().map_or(parameters.pitch_diameter, |land| land.diameter);
+    warn(
+        is_outside(land, [parameters.inner_diameter, parameters.outer_diameter]),
+        "bearing/cage/land/diameter_mm",
+        &|| {
+            format!(
+                "{} mm: lies outside the bearing, which has {} to {} mm",
+                short(MM.to_user(land)),
+                short(MM.to_user(parameters.inner_diameter)),
+                short(MM.to_user(parameters.outer_diameter))
+            )
+        },
+    );
     let ball = parameters.ball_diameter;
     warn(cage.pocket_clearance > 0.5 * ball, "bearing/cage/pocket_clearance_mm", &|| {
         format!(
@@ -166,6 +191,19 @@ mod tests {
     fn warned(scene: Value) -> Vec<String> {
         let job = parse_scene_request(json!({ "scene": scene }).to_string().as_bytes()).expect("it can be computed");
         resolve_answer(&job).warnings.into_iter().map(|warning| warning.pointer).collect()
+    }
+
+    #[test]
+    fn parts_that_do_not_fit_each_other_are_found() {
+        let operation = json!({ "speed_rpm": 1500, "radial_load_y_n": 500 });
+        let land =
+            json!({ "preset": "6205", "cage": { "land": { "clearance_mm": 0.2, "diameter_mm": 90, "width_mm": 2 } } });
+        for (field, bearing) in
+            [("cage/land/diameter_mm", land), ("ball_diameter_mm", json!({ "preset": "6205", "ball_diameter_mm": 2 }))]
+        {
+            let found = warned(json!({ "bearing": bearing, "operation": operation }));
+            assert!(found.contains(&format!("/scene/bearing/{field}")), "{field}: {found:?}");
+        }
     }
 
     /// Each quantity a thousand times as large as meant, or as small.

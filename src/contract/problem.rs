@@ -22,9 +22,22 @@ pub struct FieldError {
     pub detail: String,
 }
 
+/// Characters of a pointer and of a detail at most.
+const LONGEST_POINTER: usize = 250;
+const LONGEST_DETAIL: usize = 1000;
+
+/// The text, or its beginning where it has more characters.
+fn cut(text: String, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}
+
 impl FieldError {
+    /// Both are cut where they are longer than any field's: what a client sends must not come back manifold.
     pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
-        Self { pointer: pointer.into(), detail: detail.into() }
+        Self { pointer: cut(pointer.into(), LONGEST_POINTER), detail: cut(detail.into(), LONGEST_DETAIL) }
     }
 
     /// Whether the pointer leads to this field, into it or to what holds it.
@@ -71,4 +84,17 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 
 fn in_words(errors: &[FieldError]) -> String {
     errors.iter().map(FieldError::to_string).collect::<Vec<_>>().join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_long_is_cut() {
+        let error = FieldError::new("/é".repeat(500_000), "x".repeat(1_000_000));
+        assert_eq!(error.pointer.chars().count(), LONGEST_POINTER + 1);
+        assert!(error.detail.len() < LONGEST_DETAIL + 4 && error.detail.ends_with('…'));
+        assert_eq!(FieldError::new("/scene", "x").pointer, "/scene");
+    }
 }

@@ -137,8 +137,17 @@ impl SolverInput {
     }
 }
 
+/// Integrators that go with their rung.
+const OF_RUNGS: [(&str, Rung); 3] =
+    [("adams_moulton", Rung::SpindleOnly), ("semi_implicit", Rung::RadiallyCondensed), ("shooting", Rung::Periodic)];
+
 /// The method of that name; `None` with an error at `pointer` where there is none.
 pub fn method_of(filling: &mut Filling, pointer: &str, name: &str) -> Option<Method> {
+    if let Some((_, rung)) = OF_RUNGS.iter().find(|own| own.0 == name) {
+        let rung = rung.name();
+        filling.refuse(pointer, format!("`{name}` goes with the rung `{rung}` and cannot be chosen: leave it out"));
+        return None;
+    }
     chosen(filling, pointer, name, &METHODS)
 }
 

@@ -50,9 +50,20 @@ pub fn typed<T: DeserializeOwned>(value: &Value, base: &str) -> Result<T, FieldE
         let detail = error.inner().to_string();
         match detail.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`')) {
             Some(field) => FieldError::new(format!("{pointer}/{}", escape(field)), "required, but missing"),
-            None => FieldError::new(pointer, detail.replace("expected f64", "expected a number")),
+            None => FieldError::new(pointer, in_json(&detail)),
         }
     })
+}
+
+/// What serde says, in words of JSON.
+fn in_json(detail: &str) -> String {
+    const WORDS: [(&str, &str); 4] = [
+        ("expected f64", "expected a number"),
+        ("expected a sequence", "expected an array"),
+        ("expected string or map", "expected a string or an object"),
+        ("floating point", "number"),
+    ];
+    WORDS.iter().fold(detail.to_owned(), |detail, (of_serde, of_json)| detail.replace(of_serde, of_json))
 }
 
 /// The same, going on after a fault without the field that has it, so that one does not hide the others; `None` where
@@ -60,12 +71,16 @@ pub fn typed<T: DeserializeOwned>(value: &Value, base: &str) -> Result<T, FieldE
 pub fn typed_with_faults<T: DeserializeOwned>(value: &Value) -> (Option<T>, Vec<FieldError>) {
     let mut rest = value.clone();
     let mut faults: Vec<FieldError> = Vec::new();
+    let mut stood_in = false;
     while faults.len() < MOST_FAULTS {
         match typed(&rest, "") {
-            Ok(read) => return (Some(read), faults),
+            // A value that stands in for a missing one says nothing of the others.
+            Ok(read) => return (Some(read).filter(|_| !stood_in), faults),
             Err(fault) => {
                 let already_told = faults.iter().any(|told| told.concerns(&fault.pointer));
-                let removed = remove_field(&mut rest, &fault.pointer);
+                let stands_in = !already_told && put_number(&mut rest, &fault.pointer);
+                stood_in |= stands_in;
+                let removed = stands_in || remove_field(&mut rest, &fault.pointer);
                 if !already_told {
                     faults.push(fault);
                 }
@@ -76,6 +91,14 @@ pub fn typed_with_faults<T: DeserializeOwned>(value: &Value) -> (Option<T>, Vec<
         }
     }
     (None, faults)
+}
+
+/// Puts a number where an object has no such field; says whether it has put one.
+fn put_number(value: &mut Value, pointer: &str) -> bool {
+    let Some((object, key)) = pointer.rsplit_once('/') else { return false };
+    let Some(Value::Object(fields)) = value.pointer_mut(object) else { return false };
+    let key = key.replace("~1", "/").replace("~0", "~");
+    !fields.contains_key(&key) && fields.insert(key, 1.into()).is_none()
 }
 
 /// Removes the innermost field of an object that the pointer leads to or through, but never a member of an array, whose

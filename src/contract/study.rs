@@ -16,6 +16,11 @@ const MOST_AXES: usize = 4;
 const MOST_POINTS: usize = 10_000;
 /// Values of a range that are checked at most, ends apart, spread over it.
 const MOST_CHECKED: usize = 64;
+/// Of one that lists its values, evenly spread, too; less of a scene so large that together they would be more than so many bytes
+/// of JSON, but so many at least. What is not checked is found where its point is simulated.
+const MOST_LISTED: usize = 512;
+const CHECKED_BYTES: usize = 256 << 10;
+const LEAST_CHECKED: usize = 8;
 
 /// What is varied: a field of the scene, or a quantity made of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -104,8 +109,13 @@ pub struct Study {
 
 /// The axes of a request and their number of points.
 pub fn axes(input: &mut JobInput, filling: &mut Filling) -> (Vec<Axis>, usize) {
-    let given = input.axes.take().unwrap_or_default();
-    if given.is_empty() || given.len() > MOST_AXES {
+    let axes = input.axes.take();
+    let is_missing = axes.is_none();
+    let given = axes.unwrap_or_default();
+    if is_missing {
+        filling.refuse("/axes", format!("required, but missing: 1 to {MOST_AXES} axes"));
+        return (Vec::new(), 0);
+    } else if given.is_empty() || given.len() > MOST_AXES {
         filling.refuse("/axes", format!("{} axes: must be from 1 to {MOST_AXES}", given.len()));
         return (Vec::new(), 0);
     }
@@ -216,8 +226,9 @@ pub fn refuse_values(axes: &[Axis], variation: &Variation, filling: &mut Filling
             continue;
         }
         let last = axis.values.len() - 1;
-        // What is listed takes room in the body; of what is spaced, a few words ask for thousands.
-        let checked = if axis.is_listed { last } else { last.min(MOST_CHECKED) };
+        // Every value takes the whole scene to check, and of what is spaced a few words ask for thousands.
+        let enough = if axis.is_listed { MOST_LISTED } else { MOST_CHECKED };
+        let checked = last.min((CHECKED_BYTES / variation.bytes()).clamp(LEAST_CHECKED, enough));
         let mut between = false;
         for place in (0..=checked).map(|k| k * last / checked.max(1)) {
             let value = &axis.values[place];

@@ -162,16 +162,21 @@ pub fn out_of_range(value: f64, lowest: f64, highest: f64, exclusive: bool, unit
     } else {
         short(value)
     };
+    format!("{told}{space}{unit}: must be {}", range(lowest, highest, exclusive, unit))
+}
+
+/// An allowed range in words.
+pub fn range(lowest: f64, highest: f64, exclusive: bool, unit: &str) -> String {
+    let space = if unit.is_empty() { "" } else { " " };
     let quantity = |number: f64| format!("{}{space}{unit}", short(number));
     let bounded = |limit: f64| limit.is_finite() && limit.abs() < 1e300;
-    let range = match (bounded(lowest), bounded(highest)) {
+    match (bounded(lowest), bounded(highest)) {
         (true, true) if exclusive => format!("above {} and at most {}", short(lowest), quantity(highest)),
         (true, true) => format!("from {} to {}", short(lowest), quantity(highest)),
         (true, false) if exclusive => format!("above {}", quantity(lowest)),
         (true, false) => format!("at least {}", quantity(lowest)),
         _ => format!("at most {}", quantity(highest)),
-    };
-    format!("{told}{space}{unit}: must be {range}")
+    }
 }
 
 /// A number in at most nine significant digits, free of rounding dust.

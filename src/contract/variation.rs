@@ -210,6 +210,11 @@ impl Variation {
         scene_of(&self.request(values)?)
     }
 
+    /// Length of the scene as JSON.
+    pub fn bytes(&self) -> usize {
+        self.base.get("scene").map_or(0, |scene| scene.to_string().len()).max(1)
+    }
+
     /// Why nothing in the scene can be varied by this name, whatever its value is.
     pub fn refuses(&self, varied: &Varied) -> Option<String> {
         let Target::Field(tokens) = &varied.target else { return None };

@@ -41,7 +41,10 @@ impl Worker {
         let Some(_slot) = self.slots(strand.losses, false, ticket.stopping()).await else {
             return Ok(Delivered::HandedBack);
         };
-        let Some(study) = contract::parse_job(strand.request.as_bytes()).ok().and_then(|job| job.study) else {
+        let request = strand.request.clone();
+        // Reading a large one takes its time.
+        let job = tokio::task::spawn_blocking(move || contract::parse_job(request.as_bytes()).ok());
+        let Some(study) = job.await.ok().flatten().and_then(|job| job.study) else {
             return Err(JobError::Corrupt(format!("the request of study {}", strand.job)));
         };
         self.store.begin_strand(&strand, self.settings.max_lost_runs).await?;

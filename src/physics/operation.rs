@@ -43,7 +43,7 @@ impl SpeedProfile {
             refuse(format!("{} points; at most {MOST_POINTS}", points.len()));
         }
         if let Some(pair) = points.windows(2).find(|pair| pair[1].0 < pair[0].0 + SHORTEST_RAMP) {
-            refuse(format!("times must rise by at least 1 ns: {:e} s is followed by {:e} s", pair[0].0, pair[1].0));
+            refuse(format!("times must rise by at least 1 ns: {} s is followed by {} s", pair[0].0, pair[1].0));
         }
         for &(time, speed) in points.iter().take(MOST_POINTS) {
             faults.check("operation.speed", speed);

@@ -94,8 +94,7 @@ pub(super) fn judge(
         let Distance { level_db: level_error_db, quantities: quantity_errors } = distance;
         let by_chance = motion == Some(MotionKind::Diverging);
         let doubts = doubts(level_error_db, quantity_errors.filter(|_| !by_chance));
-        let settling = still_settling(&attempt.recording, constant_speed && !by_chance);
-        let warning = attempt.integrated.unstable.clone().or(failure.clone()).or(doubts).or(settling);
+        let warning = attempt.integrated.unstable.clone().or(failure.clone()).or(doubts);
         (attempt, AccuracyReport { level_error_db, quantity_errors, how, motion, divergence_rate, warning })
     };
     let of_repetition = repeated.as_ref().map_or(Distance::UNKNOWN, |repeated| repeated.distance);
@@ -163,17 +162,10 @@ const ENDS: usize = 3;
 const SETTLING: f64 = 0.5;
 const SCATTER: f64 = 0.25;
 
-/// What a result says where its level rises or falls throughout the kept time, although nothing drives it to: then what settling
-/// leaves behind is in it. `steady`: whether it should stand still.
-pub(super) fn still_settling(recording: &Recording, steady: bool) -> Option<String> {
-    let change = judged(recording)
-        .into_iter()
-        .filter_map(|channel| level_change(&in_parts(&recording.of(channel)?.in_band().mean_squares, BATCHES)))
-        .filter(|_| steady)
-        .max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-    Some(format!(
-        "still settling: the level changes by {change:+.1} dB from the beginning to the end of the kept time. Try a longer settle_s"
-    ))
+/// Change of the level [dB] where it rises or falls throughout the kept time: worst of the judged channels.
+fn trend(recording: &Recording) -> Option<f64> {
+    let of = |channel| level_change(&in_parts(&recording.of(channel)?.in_band().mean_squares, BATCHES));
+    judged(recording).into_iter().filter_map(of).max_by(|a: &f64, b: &f64| a.abs().total_cmp(&b.abs()))
 }
 
 /// Change of the level along equal parts of a run [dB], where it is one.
@@ -244,6 +236,27 @@ fn resolve(
 }
 
 impl AccuracyReport {
+    /// With what settling leaves behind, where the level rises or falls throughout the kept time although nothing drives it to: it is
+    /// no nearer to that of the steady motion than it changes by. `steady`: whether it should stand still.
+    pub(super) fn with_settling(self, recording: &Recording, steady: bool) -> Self {
+        let by_chance = self.motion == Some(MotionKind::Diverging);
+        let Some(change) = trend(recording).filter(|_| steady && !by_chance) else {
+            return self;
+        };
+        let warning = || {
+            format!(
+                "still settling: the level changes by {change:+.1} dB from the beginning to the end of the kept time. Try a longer \
+                 settle_s"
+            )
+        };
+        Self {
+            level_error_db: self.level_error_db.map(|error| error.max(change.abs())),
+            how: format!("{}; or what the level changes by along the kept time, if that is more", self.how),
+            warning: self.warning.or_else(|| Some(warning())),
+            ..self
+        }
+    }
+
     /// Whether a tighter tolerance would tell nothing that was asked for any better: what is stated is within so many decibels,
     /// or the motion is chaotic and the error, a small one, is that of any sample of it.
     pub(super) fn within(&self, outputs: &Outputs, tolerance_db: f64) -> bool {

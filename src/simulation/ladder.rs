@@ -387,7 +387,10 @@ fn on_rung(
         parted => parted.ok().filter(|_| turns),
     };
     if parted.and_then(|parted| parted.motion()) == Some(MotionKind::Diverging) && settings.rung.is_none() {
-        return Ok(Err("the motion is chaotic, and no check from the start tells of its statistics".into()));
+        return Ok(Err(
+            "on it two motions that start next to each other part, and no check tells of the statistics of chaos"
+                .into(),
+        ));
     }
     Ok(Ok(summarise(rung, scene, settings, &made, (&check, gone_on), parted, begin)?))
 }
@@ -581,11 +584,7 @@ fn summarise(
     let by_chance = motion == Some(MotionKind::Diverging);
     let chaotic =
         by_chance.then(|| "the motion is chaotic, and no check from the start tells of its statistics".to_owned());
-    let steady = scene.operation.speed.is_constant() && !by_chance;
-    let warning = warning
-        .or(gone_on.map(|what| format!("{what}: the error of the level is not known")))
-        .or(chaotic)
-        .or_else(|| accuracy::still_settling(&made.recording, steady));
+    let warning = warning.or(gone_on.map(|what| format!("{what}: the error of the level is not known"))).or(chaotic);
     let (mut level_error_db, mut how) = (check.distance.level_db, check.how());
     if by_chance {
         let sampling = accuracy::sampling_error(&made.recording, &accuracy::ACCELERATIONS);
@@ -600,7 +599,8 @@ fn summarise(
         motion,
         divergence_rate: parted.map_or(0.0, |parted| parted.rate),
         warning,
-    };
+    }
+    .with_settling(&made.recording, scene.operation.speed.is_constant());
     let mechanism = Mechanism::new(scene, &needs);
     Ok(RunResult::new(scene, settings, &mechanism, &made.recording, solver, accuracy, needs.left_out))
 }

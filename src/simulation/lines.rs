@@ -48,6 +48,8 @@ const OUTER_SIDEBANDS: i32 = 2;
 const CAGE_SIDEBANDS: i32 = 3;
 /// Highest order of a harmonic.
 const HIGHEST_ORDER: f64 = 1000.0;
+/// The same of the cage alone: beyond, orders are those of the ball passage and its sidebands, and anything would fit.
+const HIGHEST_CAGE_ORDER: f64 = 20.0;
 
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20: local maxima above the local
 /// floor, interpolated between bins, each labelled with the simplest combination of the bearing's frequencies that
@@ -158,7 +160,8 @@ fn combinations(frequency: f64, all: &CharacteristicFrequencies, tolerance: f64)
     let mut carry = |carrier: Term, sides: [Term; 2]| {
         let rest = frequency - sides.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
         let order = (rest / carrier.frequency).round();
-        if usable(&carrier) && (1.0..=HIGHEST_ORDER).contains(&order) {
+        let highest = if carrier.name == cage.name { HIGHEST_CAGE_ORDER } else { HIGHEST_ORDER };
+        if usable(&carrier) && (1.0..=highest).contains(&order) {
             found.push([carrier.times(order as i32), sides[0], sides[1]]);
         }
     };
@@ -297,6 +300,20 @@ mod tests {
     fn few_frequencies_get_a_label_by_chance() {
         let by_chance = (0..2000).filter(|i| !labelled(10.0 * f64::from(*i) + 5.0).is_empty()).count();
         assert!(by_chance < 400, "{by_chance} of 2000");
+    }
+
+    /// Ringing at 3199.9 Hz beside a cage of 82.03 Hz and twelve balls.
+    #[test]
+    fn no_high_harmonic_of_the_cage_stands_for_ringing() {
+        let of_twelve = CharacteristicFrequencies {
+            shaft: 0.0,
+            cage: 82.034,
+            ball_pass_outer: 984.41,
+            ball_pass_inner: 1415.6,
+            ball_spin: 0.0,
+        };
+        assert_eq!(label(3199.9, &of_twelve, 25.0).0, "");
+        assert_eq!(label(164.07, &of_twelve, 2.0).0, "2·FTF");
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub struct CageMetrics {
     pub speed: f64,
     /// 1 − speed/FTF; absent at rest.
     pub slip: Option<f64>,
-    /// Mean spin of the balls about X, as a magnitude [Hz].
+    /// Mean spin of the balls about their own axes [Hz].
     pub ball_spin: f64,
     /// Rms distance of the cage centre from its mean position [µm].
     pub orbit_radius: f64,

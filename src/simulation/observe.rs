@@ -66,7 +66,7 @@ pub struct Recording {
     /// Means over the kept time, absolute values [rad/s].
     pub shaft_speed: f64,
     pub cage_speed: f64,
-    /// About X, seen from the orbit frame.
+    /// Of a ball about its own axis, seen from the orbit frame.
     pub ball_spin: f64,
     /// Over each stretch of `PART` kept values.
     pub parts: Vec<Quantities>,
@@ -402,14 +402,16 @@ impl<'m> Observer<'m> {
         let (mut orbit, mut spin) = (0.0, 0.0);
         for state in states {
             orbit += state.arc_velocity / balls as f64;
-            spin += state.spin[0] / balls as f64;
+            // Seen from the orbit frame, about the axis that a contact angle leans.
+            let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
+            spin += about_x.hypot(state.spin[1].hypot(state.spin[2])) / balls as f64;
         }
         // Without a cage the balls' mean orbit speed stands for it.
         let arc_velocity = if m.layout.cage { m.layout.cage(&self.state).arc_velocity } else { orbit };
         self.shaft.add(speed);
         let cage_speed = m.orbit_ratio * speed + arc_velocity / m.pitch_radius;
         self.cage.add(cage_speed);
-        self.spin.add((m.spin_ratio - m.orbit_ratio) * speed + spin - orbit / m.pitch_radius);
+        self.spin.add(spin);
         cage_speed
     }
 
@@ -478,7 +480,7 @@ impl<'m> Observer<'m> {
             direction: if self.shaft.mean < 0.0 { -1.0 } else { 1.0 },
             shaft_speed: self.shaft.mean.abs(),
             cage_speed: self.cage.mean.abs(),
-            ball_spin: self.spin.mean.abs(),
+            ball_spin: self.spin.mean,
             parts: self.parts,
             loads: self.loads.map(LoadsTaken::finish),
             wander: None,

@@ -299,3 +299,25 @@ fn the_link_to_postgresql_can_be_encrypted() {
     let refused = raceway(&["migrate"], &foreign);
     assert!(!refused.status.success(), "{refused:?}");
 }
+
+/// What was submitted while no token was needed belongs to nobody's token but one that is made for it.
+#[test]
+fn jobs_from_before_the_first_token_have_a_token_of_their_own() {
+    let place = tempfile::tempdir().expect("a directory");
+    let database = database(place.path());
+    let server = Process::serve_on(&database, &["--listen", "127.0.0.1:0"], &[]);
+    let body = short_job().to_string();
+    let json = [("Content-Type", "application/json")];
+    let submitted = request(server.address(), "POST", "/v1/jobs", &json, body.as_bytes());
+    let path = submitted.header("location").expect("a location").to_owned();
+    drop(server);
+    let (own, open) = (created(&["own"], &database), created(&["before", "--open-jobs"], &database));
+    let listed = stdout(&raceway(&["token", "list"], &database));
+    assert!(listed.lines().any(|line| line.starts_with("before") && line.contains("(open)")), "{listed}");
+    let server = Process::serve_on(&database, &["--listen", "127.0.0.1:0"], &[]);
+    assert_eq!((status(&server, &path, &own), status(&server, &path, &open)), (404, 200));
+    // Of two tokens nobody knows which is meant.
+    let (own, open) = (format!("Bearer {own}"), format!("Bearer {open}"));
+    let both = [("Authorization", open.as_str()), ("Authorization", own.as_str())];
+    assert_eq!(request(server.address(), "GET", &path, &both, b"").status, 401);
+}

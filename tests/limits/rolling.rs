@@ -1,6 +1,8 @@
 //! Loaded balls roll, and carry cage and unloaded balls with them at the speed of rolling.
 
-use raceway::simulation::run::start_state;
+use raceway::contract::{Outcome, execute, parse_job};
+use raceway::physics::kinematics::ideal_frequencies;
+use raceway::simulation::run::{Control, start_state};
 use serde_json::json;
 
 use crate::article_run::balanced;
@@ -52,4 +54,20 @@ fn balls_without_a_load_keep_rolling() {
         let orbit = state.arc_velocity / (m.orbit_ratio * speed * m.pitch_radius);
         assert!(orbit.abs() < 1e-3 && (state.spin[0] / (m.spin_ratio * speed)).abs() < 1e-3);
     }
+}
+
+/// A ball under a contact angle turns about an axis that leans by it: BSF is what it turns by about that, and not about X, which is
+/// a quarter less under 40°.
+#[test]
+fn balls_under_a_contact_angle_spin_at_bsf() {
+    let job = json!({ "kind": "simulation", "settle_s": 0.03, "duration_s": 0.005,
+        "outputs": { "metrics": ["cage"], "spectra": [] },
+        "scene": { "operation": { "speed_rpm": 12000, "axial_load_n": 400 },
+            "bearing": { "type": "angular_contact", "outer_diameter_mm": 52, "inner_diameter_mm": 25, "width_mm": 15, "ball_count": 7,
+                "ball_diameter_mm": 7.94, "pitch_diameter_mm": 39.04, "contact_angle_deg": 40 } } });
+    let job = parse_job(job.to_string().as_bytes()).unwrap();
+    let Ok(Outcome::Simulation(simulated)) = execute(&job, &Control::until(&|| false)) else { panic!("it runs") };
+    let ideal = ideal_frequencies(&job.scene().bearing, job.scene().operating_speed()).ball_spin;
+    let found = simulated.metrics.frequencies_hz.ball_spin;
+    assert!((found / ideal - 1.0).abs() < 0.02, "{found} Hz for {ideal} Hz");
 }

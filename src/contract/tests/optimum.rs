@@ -48,7 +48,7 @@ fn wrong_wishes_are_refused_with_their_place() {
         (axis(json!({ "path": path, "from": 0.1, "to": 0.2, "count": 5 })), "/axes/0: takes `from` and `to`"),
         (axis(json!({ "path": path, "from": 0.1, "to": 0.1 })), "/axes/0/to: the same as `from`"),
         (axis(json!({ "path": path, "from": 0.0, "to": 0.1, "scale": "log" })), "/axes/0/scale: `log` needs"),
-        (axis(json!({ "path": "/bearing/ball_count", "from": 6, "to": 9 })), "inside of the ranges"),
+        (axis(json!({ "path": "/bearing/ball_count", "from": 6, "to": 9 })), "takes whole numbers: an optimum"),
         (axis(json!({ "path": "/spindle/colour", "from": 6, "to": 9 })), "/axes/0/path: unknown field `colour`"),
         (axis(json!({ "path": "/bearing/inner_groove_curvature", "from": 0.4, "to": 0.54 })), "/axes/0/from: 0.4"),
         (axis(json!({ "path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 9 })), "/axes/0/to: 9"),

@@ -245,3 +245,21 @@ fn a_study_resolves_to_its_points_and_the_cost_of_one() {
     let (estimate, most) = (answer.cost.estimated_wall_time_s.unwrap(), answer.cost.most_wall_time_s.unwrap());
     assert!(most > 2.0 * estimate, "{estimate} {most}");
 }
+
+/// Each value takes the whole scene to check: of a long list beside a large scene some are, the first and the last among them.
+#[test]
+fn long_lists_are_checked_in_places() {
+    let profile: Vec<Value> = (0..1000).map(|i| json!({ "at_s": i, "rpm": 1000 + i })).collect();
+    let refused = |wrong: usize| {
+        let mut values: Vec<f64> = (1..=10_000).map(f64::from).collect();
+        values[wrong] = -1e9;
+        let axes = json!([{ "path": "/operation/radial_load_y_n", "values": values }]);
+        let job = json!({ "kind": "study", "duration_s": 0.01, "axes": axes,
+            "scene": { "bearing": "6205", "operation": { "speed_rpm": profile.clone() } } });
+        parse_job(job.to_string().as_bytes()).err().map(|refusal| refusal.to_string())
+    };
+    for wrong in [0, 9999] {
+        assert!(refused(wrong).is_some_and(|told| told.contains(&format!("/axes/0/values/{wrong}"))), "{wrong}");
+    }
+    assert_eq!(refused(1), None);
+}

@@ -24,7 +24,7 @@ pub struct Filter {
 }
 
 /// A page ends early when its requests are larger than this, so that no list takes the memory of the service.
-const PAGE_BYTES: usize = 4 << 20;
+const PAGE_BYTES: usize = 1 << 20;
 
 /// What `Row` is read from.
 pub(super) const COLUMNS: &str = "id, kind, status, request, labels, priority, created_at, started_at, finished_at, expires_at, \
