@@ -89,7 +89,7 @@ fn evaluations_per_second(settings: &RunSettings, mode: &FastestMode) -> f64 {
         Method::DormandPrince => explicit,
         _ if settings.fixed_step.is_some() => explicit,
         Method::Auto => explicit.min(STIFF_EVALUATIONS / stiff_step),
-        Method::Gear | Method::FineAbm | Method::Radau => STIFF_EVALUATIONS / stiff_step,
+        Method::SemiImplicit | Method::Gear | Method::FineAbm | Method::Radau => STIFF_EVALUATIONS / stiff_step,
     }
 }
 

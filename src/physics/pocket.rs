@@ -5,7 +5,7 @@
 
 use super::bearing::Bearing;
 use super::cage::{CageParameters, PocketFilm, PocketSeat};
-use super::contact::damping::{DampingFactor, normal_load};
+use super::contact::damping::{DampingFactor, normal_load, normal_slopes};
 use super::contact::hertz::sphere_stiffness;
 use super::frames::{Vector, add, cross, dot, length, scale};
 use super::lubricant::Lubricant;
@@ -98,6 +98,17 @@ struct Approach<T = f64> {
 }
 side_by_side!(Approach { distance, rate, normal });
 
+/// How the normal load answers to a ball that moves along the contact's normal: what a linearly implicit method needs of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PocketSlopes<T = f64> {
+    /// Unit vector of the force on the ball.
+    pub normal: Vector<T>,
+    /// By displacement [N/m] and by its rate [N s/m].
+    pub stiffness: T,
+    pub damping: T,
+}
+side_by_side!(PocketSlopes { normal, stiffness, damping });
+
 impl Pocket {
     /// Constants at an operating spin of the balls [rad/s].
     pub fn new(
@@ -186,6 +197,26 @@ impl Pocket {
     /// Friction acts on the solid part only: on an undamped film force it would drive the cage unstable.
     #[inline(always)]
     pub fn loads<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>) -> PocketLoad<Lanes<N>> {
+        self.loads_at(motion, &self.approaches(motion))
+    }
+
+    /// The same, and how the normal loads answer to the balls' own motion.
+    #[inline(always)]
+    pub fn loads_and_slopes<const N: usize>(
+        &self,
+        motion: &PocketMotion<Lanes<N>>,
+    ) -> (PocketLoad<Lanes<N>>, PocketSlopes<Lanes<N>>) {
+        let approach = self.approaches(motion);
+        let pocket = *self;
+        let mut slopes = PocketSlopes::default();
+        for lane in 0..N {
+            slopes.put(lane, pocket.slopes(&approach.at(lane)));
+        }
+        (self.loads_at(motion, &approach), slopes)
+    }
+
+    #[inline(always)]
+    fn approaches<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>) -> Approach<Lanes<N>> {
         // A copy: what is stored in the loops cannot change it.
         let pocket = *self;
         let mut approach = Approach::<Lanes<N>>::default();
@@ -203,7 +234,17 @@ impl Pocket {
                 }
             }
         }
-        let solid = pocket.solid_loads(&approach);
+        approach
+    }
+
+    #[inline(always)]
+    fn loads_at<const N: usize>(
+        &self,
+        motion: &PocketMotion<Lanes<N>>,
+        approach: &Approach<Lanes<N>>,
+    ) -> PocketLoad<Lanes<N>> {
+        let pocket = *self;
+        let solid = pocket.solid_loads(approach);
         let mut load = PocketLoad::<Lanes<N>>::default();
         for lane in 0..N {
             load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
@@ -297,15 +338,34 @@ impl Pocket {
         root * root
     }
 
+    /// Share of the film's damping that acts.
+    #[inline(always)]
+    fn damping_share(&self, distance: f64) -> f64 {
+        larger(1.0 - larger(distance - self.clearance, 0.0) * (1.0 / DAMPING_END), 0.0)
+            * smaller(distance * (1.0 / DAMPING_ONSET), 1.0)
+    }
+
+    /// How the normal load answers to displacements along the normal; a bar in series is taken as rigid, which is stiffer.
+    #[inline(always)]
+    fn slopes(&self, &Approach { distance, rate, normal }: &Approach) -> PocketSlopes {
+        let penetration = distance - self.clearance;
+        let depth = larger(penetration, 0.0) * self.per_clearance;
+        let solid = self.solid_stiffness * conformity(depth.sqrt());
+        let (stiffness, damping) = normal_slopes(solid, penetration, rate, &self.solid_damping);
+        let film = if penetration < 0.0 { self.film_stiffness } else { 0.0 };
+        PocketSlopes {
+            normal,
+            stiffness: film + stiffness,
+            damping: self.film_damping * self.damping_share(distance) + damping,
+        }
+    }
+
     /// The load along the contact's normal, film and solid.
     #[inline(always)]
     fn normal_part(&self, approach: &Approach, solid: f64) -> PocketLoad {
         let Approach { distance, rate, normal } = *approach;
-        let penetration = distance - self.clearance;
-        let fade = larger(1.0 - larger(penetration, 0.0) * (1.0 / DAMPING_END), 0.0)
-            * smaller(distance * (1.0 / DAMPING_ONSET), 1.0);
-        let film =
-            larger(self.film_stiffness * smaller(distance, self.clearance) + self.film_damping * fade * rate, 0.0);
+        let damping = self.film_damping * self.damping_share(distance);
+        let film = larger(self.film_stiffness * smaller(distance, self.clearance) + damping * rate, 0.0);
         let load = if distance > 0.0 { film + solid } else { 0.0 };
         PocketLoad {
             normal: load,

@@ -7,7 +7,7 @@
 use std::array::from_fn;
 
 use super::bearing::{Bearing, PerRaceway};
-use super::contact::damping::{DampingFactor, normal_load};
+use super::contact::damping::{DampingFactor, normal_load, normal_slopes};
 use super::contact::film::{Film, Inlet, ThinnestFilm};
 use super::contact::hertz::{HertzContact, raceway_contacts};
 use super::contact::traction::{
@@ -99,8 +99,26 @@ pub struct RacewayLoad<T = f64> {
     pub moment: Vector<T>,
     /// Slip speed of the raceway over the ball at the contact's centre, along the groove and across it [m/s].
     pub slip: (T, T),
+    /// Traction over slip, Σ Q_k μ(u_k)/u_k of the strips [N s/m].
+    pub grip: T,
 }
-side_by_side!(RacewayLoad { penetration, normal, angle, force, moment, slip });
+side_by_side!(RacewayLoad { penetration, normal, angle, force, moment, slip, grip });
+
+/// How a contact's loads answer to a ball that moves on: what a linearly implicit method needs of them. Rates of slip are
+/// answered by the traction as a whole, with the same grip along the groove and across it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ContactSlopes<T = f64> {
+    /// Unit vector from the ball towards the contact, axial and radial.
+    pub towards: (T, T),
+    /// Of the normal load, by penetration [N/m] and by its rate [N s/m].
+    pub stiffness: T,
+    pub damping: T,
+    /// Of the force across the groove, by displacement across it: the normal load turns with its direction [N/m].
+    pub turning: T,
+    /// Of traction, by slip [N s/m].
+    pub grip: T,
+}
+side_by_side!(ContactSlopes { towards, stiffness, damping, turning, grip });
 
 /// Strips of a contact: those on the side of positive η, which stand for their mirror images, too, and the middle one.
 #[derive(Debug, Clone, Copy)]
@@ -176,8 +194,10 @@ struct StripSums<T = f64> {
     along_moment: T,
     across_moment: T,
     spin_moment: T,
+    /// Traction over slip [s/m].
+    grip: T,
 }
-side_by_side!(StripSums { along, across, along_moment, across_moment, spin_moment });
+side_by_side!(StripSums { along, across, along_moment, across_moment, spin_moment, grip });
 
 /// Slip in `P` strips, along the groove also in their images; across it that is the same.
 struct StripSlip<const P: usize, const S: usize> {
@@ -212,6 +232,7 @@ impl StripSums {
                 along += traction;
             }
             let across = both * slip.across[k];
+            self.grip += both;
             self.along += along;
             self.along_moment += along * slip.height[k];
             self.across += across;
@@ -546,6 +567,21 @@ impl RacewayContact {
         }
     }
 
+    /// How loads at a motion answer to the ball's own motion.
+    #[inline(always)]
+    pub fn slopes<const PLANAR: bool>(
+        &self,
+        motion: &RelativeMotion<Lanes>,
+        load: &RacewayLoad<Lanes>,
+    ) -> ContactSlopes<Lanes> {
+        let groove = self.groove;
+        let mut slopes = ContactSlopes::default();
+        for lane in 0..LANES {
+            slopes.put(lane, groove.slopes::<PLANAR>(&motion.at(lane), &load.at(lane)));
+        }
+        slopes
+    }
+
     /// Meets the minimum film of a loaded contact.
     pub fn meet_film(&self, motion: &RelativeMotion, load: &RacewayLoad, thinnest: &mut ThinnestFilm) {
         thinnest.meet(&self.groove.film, self.rolling_speed(motion), load.normal);
@@ -621,6 +657,19 @@ impl Groove {
         }
     }
 
+    /// How the loads at a motion answer to the ball's own motion. What a surface profile adds to the rate is left out.
+    #[inline(always)]
+    fn slopes<const PLANAR: bool>(&self, motion: &RelativeMotion, load: &RacewayLoad) -> ContactSlopes {
+        let (penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
+        let [va, vr, _] = motion.velocity;
+        let rate = if PLANAR { towards.1 * vr } else { towards.0 * va + towards.1 * vr };
+        let (stiffness, damping) = normal_slopes(self.hertz.stiffness, load.penetration, rate, &self.damping);
+        let turning = if PLANAR { 0.0 } else { load.normal / (penetration + self.touch_distance) };
+        // A ball in the middle of its groove touches nothing.
+        let turning = if load.normal > 0.0 { turning } else { 0.0 };
+        ContactSlopes { towards, stiffness, damping, turning, grip: load.grip }
+    }
+
     /// Slip in `P` strips, and in the images of the first `S − P`.
     #[inline(always)]
     fn slip<const P: usize, const S: usize>(&self, c: &Contact, strips: &[Strip; P]) -> StripSlip<P, S> {
@@ -663,6 +712,7 @@ impl Groove {
                 across_moment,
             ],
             slip: (c.base + c.apex * c.per_height, c.side - c.apex * c.roll),
+            grip: sums.grip * normal,
         }
     }
 

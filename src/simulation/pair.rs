@@ -1,10 +1,10 @@
 //! Two copies of a scene's equations as one system.
 
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::ops::Range;
 
 use super::model::Model;
-use crate::numerics::ode::OdeSystem;
+use crate::numerics::ode::{Choice, IntegrationError, Integrator, OdeSystem, Statistics};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 
 /// Two copies of a system side by side, so that both take the same steps: the balls of both, then spindle and cage of
@@ -79,6 +79,17 @@ impl OdeSystem for Pair<'_> {
         Structure { blocks: 2 * structure.blocks, border: 2 * border, ..structure }
     }
 
+    /// Steps of a fixed length are the same for both by themselves.
+    fn own_method<'s>(&'s self, time: f64, state: &[f64], step: f64) -> Option<Box<dyn Integrator + 's>> {
+        let start = |copy: usize| {
+            let mut own = vec![0.0; self.model.dimension()];
+            self.take(copy, state, &mut own);
+            self.model.own_method(time, &own, step)
+        };
+        let joint = OnceCell::new();
+        Some(Box::new(Twins { pair: self, copies: [start(0)?, start(1)?], joint }))
+    }
+
     fn jacobian(&self, time: f64, state: &[f64], rate: &[f64], displacement: &[f64], jacobian: &mut Jacobian) -> u64 {
         let structure = self.model.structure();
         let (blocks, block, border) = (structure.blocks, structure.block, structure.border);
@@ -110,5 +121,51 @@ impl OdeSystem for Pair<'_> {
             }
         }
         evaluations / 2
+    }
+}
+
+/// Both copies, each by an integrator of its own that takes the same steps as the other.
+struct Twins<'a> {
+    pair: &'a Pair<'a>,
+    copies: [Box<dyn Integrator + 'a>; 2],
+    joint: OnceCell<Vec<f64>>,
+}
+
+impl Integrator for Twins<'_> {
+    fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
+        self.joint.take();
+        self.copies.iter_mut().try_for_each(|copy| copy.step(limit))
+    }
+
+    fn time(&self) -> f64 {
+        self.copies[0].time()
+    }
+
+    fn previous_time(&self) -> f64 {
+        self.copies[0].previous_time()
+    }
+
+    fn state(&self) -> &[f64] {
+        self.joint.get_or_init(|| self.pair.joined(self.copies[0].state(), self.copies[1].state()))
+    }
+
+    fn interpolate(&self, time: f64, state: &mut [f64]) {
+        let mut own = vec![0.0; self.pair.model.dimension()];
+        for (index, copy) in self.copies.iter().enumerate() {
+            copy.interpolate(time, &mut own);
+            self.pair.put(index, &own, state);
+        }
+    }
+
+    fn restart(&mut self) {
+        self.copies.iter_mut().for_each(|copy| copy.restart());
+    }
+
+    fn statistics(&self) -> Statistics {
+        self.copies[0].statistics()
+    }
+
+    fn choice(&self) -> Choice {
+        self.copies[0].choice()
     }
 }

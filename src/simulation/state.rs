@@ -62,6 +62,23 @@ impl<T: Copy + Default> BallState<T> {
     }
 }
 
+impl BallState {
+    /// `a · self + b · other`.
+    #[inline(always)]
+    pub fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
+        let both = |one: f64, other: f64| a * one + b * other;
+        Self {
+            axial: both(self.axial, other.axial),
+            radial: both(self.radial, other.radial),
+            arc: both(self.arc, other.arc),
+            axial_velocity: both(self.axial_velocity, other.axial_velocity),
+            radial_velocity: both(self.radial_velocity, other.radial_velocity),
+            arc_velocity: both(self.arc_velocity, other.arc_velocity),
+            spin: std::array::from_fn(|i| both(self.spin[i], other.spin[i])),
+        }
+    }
+}
+
 /// Deviations of the cage, or their rates.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CageState {
@@ -76,6 +93,22 @@ pub struct CageState {
     pub arc_velocity: f64,
     /// Angular velocity about the tilted y and z axes [rad/s].
     pub tilt_rate: [f64; 2],
+}
+
+impl CageState {
+    /// `a · self + b · other`.
+    #[inline(always)]
+    pub fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
+        let both = |one: f64, other: f64| a * one + b * other;
+        Self {
+            centre: std::array::from_fn(|i| both(self.centre[i], other.centre[i])),
+            arc: both(self.arc, other.arc),
+            tilt: std::array::from_fn(|i| both(self.tilt[i], other.tilt[i])),
+            velocity: std::array::from_fn(|i| both(self.velocity[i], other.velocity[i])),
+            arc_velocity: both(self.arc_velocity, other.arc_velocity),
+            tilt_rate: std::array::from_fn(|i| both(self.tilt_rate[i], other.tilt_rate[i])),
+        }
+    }
 }
 
 /// Displacement and velocity of the spindle, or their rates.

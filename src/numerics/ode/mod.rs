@@ -36,6 +36,13 @@ pub trait OdeSystem {
         Structure::dense(self.dimension())
     }
 
+    /// A linearly implicit method with steps of a fixed length that knows how the system answers to its own motion; `None`: it
+    /// has none.
+    fn own_method<'a>(&'a self, time: f64, state: &[f64], step: f64) -> Option<Box<dyn Integrator + 'a>> {
+        let _ = (time, state, step);
+        None
+    }
+
     /// Writes `∂f/∂y` at `(time, state)`, where `f` is `rate`, and returns the evaluations of `f` it took.
     /// Unless told otherwise by difference quotients over `displacement`, which a system that knows better may ignore.
     fn jacobian(&self, time: f64, state: &[f64], rate: &[f64], displacement: &[f64], jacobian: &mut Jacobian) -> u64 {
@@ -83,6 +90,8 @@ pub enum Method {
     DormandPrince,
     /// Implicit Runge–Kutta of order 5: the reference.
     Radau,
+    /// A linearly implicit method with fixed steps that the system brings along; only `auto` may choose it.
+    SemiImplicit,
 }
 
 impl Method {
@@ -96,12 +105,13 @@ impl Method {
             Self::FineAbm => "fine_abm",
             Self::DormandPrince => "dormand_prince",
             Self::Radau => "radau",
+            Self::SemiImplicit => "semi_implicit",
         }
     }
 
     /// Can run with steps of a fixed size.
     pub fn takes_fixed_steps(self) -> bool {
-        matches!(self, Self::DormandPrince | Self::FineAbm)
+        matches!(self, Self::DormandPrince | Self::FineAbm | Self::SemiImplicit)
     }
 
     /// The method at the start of its way. `fixed_step` [s]: only for methods that take fixed steps.
@@ -118,6 +128,10 @@ impl Method {
             Self::Radau => Box::new(Radau::new(system, time, state, tolerances)),
             Self::FineAbm => Box::new(FineAbm::new(system, time, state, tolerances, fixed_step, LinearPart::Blocks)),
             Self::DormandPrince => Box::new(DormandPrince::new(system, time, state, tolerances, fixed_step)),
+            Self::SemiImplicit => match fixed_step.and_then(|step| system.own_method(time, state, step)) {
+                Some(own) => own,
+                None => Self::Gear.start(system, time, state, tolerances, None),
+            },
             Self::Auto => Box::new(Automatic::new(system, time, state, tolerances)),
         }
     }
@@ -177,7 +191,7 @@ pub struct Statistics {
 
 impl Statistics {
     /// Takes down an accepted step; `cut`: to end at a stop.
-    fn accept(&mut self, step: f64, cut: bool) {
+    pub(crate) fn accept(&mut self, step: f64, cut: bool) {
         self.steps += 1;
         self.advanced += step;
         if !cut {

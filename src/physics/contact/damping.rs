@@ -88,6 +88,21 @@ pub fn normal_load(stiffness: f64, penetration: f64, rate: f64, damping: &Dampin
     larger(elastic * (1.0 + damping.chi * rate) + viscous, 0.0)
 }
 
+/// How `normal_load` grows with the penetration [N/m] and with its rate [N s/m], neither below 0; the ramp of a viscous damper
+/// is taken as it stands. Both 0 where there is no load.
+#[inline(always)]
+pub fn normal_slopes(stiffness: f64, penetration: f64, rate: f64, damping: &DampingFactor) -> (f64, f64) {
+    let depth = larger(penetration, 0.0);
+    let root = depth.sqrt();
+    let elastic = stiffness * depth * root;
+    let viscous = damping.viscous * viscous_ramp(depth);
+    let grown = 1.0 + damping.chi * rate;
+    let is_loaded = elastic * grown + viscous * rate > 0.0;
+    let by_penetration = larger(1.5 * stiffness * root * grown, 0.0);
+    let by_rate = elastic * damping.chi + viscous;
+    (if is_loaded { by_penetration } else { 0.0 }, if is_loaded { by_rate } else { 0.0 })
+}
+
 /// Share of a viscous damper that acts at a depth [m], not negative.
 #[inline(always)]
 pub fn viscous_ramp<T: Real>(depth: T) -> T {

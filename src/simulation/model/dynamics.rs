@@ -3,15 +3,16 @@
 
 use super::Mechanism;
 use super::jacobian::DISPLACEMENT;
+use super::semi_implicit::SemiImplicit;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, side_by_side};
-use crate::numerics::ode::OdeSystem;
+use crate::numerics::ode::{Integrator, OdeSystem};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::physics::ball::{BallAcceleration, BallMotion};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, length, scale, subtract};
-use crate::physics::pocket::{PocketLoad, PocketMotion};
-use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
+use crate::physics::pocket::{PocketLoad, PocketMotion, PocketSlopes};
+use crate::physics::raceway::{ContactSlopes, RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
 use crate::simulation::channel::BallContact;
 use crate::simulation::state::{BallState, CageState, Layout, SpindleState};
@@ -122,6 +123,15 @@ pub(super) struct Balls {
     pub motion: BallMotion<Lanes>,
     pub rates: BallState<Lanes>,
     pub reaction: Reaction<Lanes>,
+}
+
+/// How what acts on balls side by side answers to their own motion, in their orbit frames.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Slopes<T = f64> {
+    pub raceway: PerRaceway<ContactSlopes<T>>,
+    pub pocket: PocketSlopes<T>,
+    /// From the cage's centre of mass to the contact, inertial frame [m].
+    pub arm: Vector<T>,
 }
 
 /// The cage in the form in which pockets need it.
@@ -326,7 +336,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let mut balls = Balls::default();
         for first in (0..layout.balls).step_by(LANES) {
             let state = layout.side_by_side::<PLANAR>(y, first);
-            self.balls(first, &state, &border, &mut balls, watch.as_deref_mut());
+            self.balls(first, &state, &border, &mut balls, watch.as_deref_mut(), None);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
         }
@@ -343,10 +353,11 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         border: &Border,
         balls: &mut Balls,
         watch: Option<&mut (dyn Watch + '_)>,
+        slopes: Option<&mut Slopes<Lanes>>,
     ) {
         match self.tilted_axis {
-            Some(axis) if !PLANAR => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, watch),
-            _ => self.balls_in::<StraightFrame>(first, state, border, &(), balls, watch),
+            Some(axis) if !PLANAR => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, watch, slopes),
+            _ => self.balls_in::<StraightFrame>(first, state, border, &(), balls, watch, slopes),
         }
     }
 
@@ -359,6 +370,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         axis: &F::Axis,
         balls: &mut Balls,
         watch: Option<&mut (dyn Watch + '_)>,
+        slopes: Option<&mut Slopes<Lanes>>,
     ) {
         let m = &self.mechanism;
         let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
@@ -385,8 +397,29 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 churning_factor[lane] = churning.churning_factor(length(balls.motion.spin.at(lane)));
             }
         }
-        let (in_pocket, places) = self.pockets(first, &balls.motion, &pose);
+        let (relative_pocket, places) = self.in_pockets(first, &balls.motion, &pose);
+        let mut of_pocket = PocketSlopes::default();
+        let in_pocket = match slopes {
+            _ if !m.layout.cage => PocketLoad::default(),
+            None => m.pocket.loads(&relative_pocket),
+            Some(_) => {
+                let (load, slopes) = m.pocket.loads_and_slopes(&relative_pocket);
+                of_pocket = slopes;
+                load
+            }
+        };
         let load = RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, self.instructions);
+        if let Some(slopes) = slopes {
+            slopes.raceway.outer = m.raceway.outer.slopes::<PLANAR>(&relative.outer, &load.outer);
+            slopes.raceway.inner = m.raceway.inner.slopes::<PLANAR>(&relative.inner, &load.inner);
+            let tilt = pose.motion.tilt;
+            for lane in 0..LANES {
+                let (azimuth, pocket) = (balls.motion.azimuth.at(lane), of_pocket.at(lane));
+                let normal = azimuth.to_orbit(tilt.to_inertial(pocket.normal));
+                slopes.pocket.put(lane, PocketSlopes { normal, ..pocket });
+                slopes.arm.put(lane, tilt.to_inertial(add(places.at(lane), in_pocket.lever.at(lane))));
+            }
+        }
         for lane in 0..LANES {
             let motion = balls.motion.at(lane);
             let (force, moment) = (load.outer.force.at(lane), load.outer.moment.at(lane));
@@ -417,24 +450,36 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Loads in the pockets of the balls from `first` on, and the balls' places in the cage; nothing without a cage.
+    /// Motions in the pockets of the balls from `first` on, and the balls' places in the cage; nothing without a cage.
     #[inline(always)]
-    fn pockets(&self, first: usize, motion: &BallMotion<Lanes>, pose: &CagePose) -> (PocketLoad<Lanes>, Vector<Lanes>) {
+    fn in_pockets(
+        &self,
+        first: usize,
+        motion: &BallMotion<Lanes>,
+        pose: &CagePose,
+    ) -> (PocketMotion<Lanes>, Vector<Lanes>) {
         let m = &self.mechanism;
-        let mut places = <Vector<Lanes>>::default();
+        let (mut relative, mut places) = (PocketMotion::<Lanes>::default(), <Vector<Lanes>>::default());
         if !m.layout.cage {
-            return (PocketLoad::default(), places);
+            return (relative, places);
         }
         let (one, pose) = (self.one, *pose);
         let start: Azimuth<Lanes> =
             Azimuth { cosine: Lanes::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
-        let mut relative = PocketMotion::<Lanes>::default();
         for lane in 0..LANES {
             let (motion, place) = one.in_pocket(&motion.at(lane), &pose, start.at(lane));
             relative.put(lane, motion);
             places.put(lane, place);
         }
-        (m.pocket.loads(&relative), places)
+        (relative, places)
+    }
+
+    /// Loads in the pockets of the balls from `first` on, and the balls' places in the cage; nothing without a cage.
+    #[inline(always)]
+    fn pockets(&self, first: usize, motion: &BallMotion<Lanes>, pose: &CagePose) -> (PocketLoad<Lanes>, Vector<Lanes>) {
+        let (relative, places) = self.in_pockets(first, motion, pose);
+        let loads = || self.mechanism.pocket.loads(&relative);
+        (if self.mechanism.layout.cage { loads() } else { PocketLoad::default() }, places)
     }
 
     /// The inner raceway alone on the balls, and the balls on the spindle.
@@ -716,6 +761,10 @@ impl<const PLANAR: bool> OdeSystem for Dynamics<PLANAR> {
 
     fn structure(&self) -> Structure {
         self.mechanism.layout.structure()
+    }
+
+    fn own_method<'a>(&'a self, time: f64, state: &[f64], step: f64) -> Option<Box<dyn Integrator + 'a>> {
+        Some(Box::new(SemiImplicit::new(self, time, state, step)))
     }
 
     fn jacobian(&self, time: f64, state: &[f64], _rate: &[f64], _displacement: &[f64], jacobian: &mut Jacobian) -> u64 {

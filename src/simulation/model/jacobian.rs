@@ -74,7 +74,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 if let Some(column) = displaced {
                     entries[column].0.iter_mut().for_each(|entry| *entry += of_ball[column]);
                 }
-                self.balls(first, &BallState::from_entries(entries, PLANAR), &at_rest, &mut moved, None);
+                self.balls(first, &BallState::from_entries(entries, PLANAR), &at_rest, &mut moved, None, None);
                 let Some(column) = displaced else {
                     balls = moved;
                     balls.reaction.sum_into(&mut sum, count);

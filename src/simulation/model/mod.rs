@@ -7,6 +7,7 @@ mod full;
 mod jacobian;
 mod planar;
 pub mod radially_condensed;
+mod semi_implicit;
 pub mod spindle_only;
 
 pub use dynamics::{Dynamics, Reaction, Watch, Wrench};
@@ -18,7 +19,7 @@ use super::run::Rung;
 use super::scene::Scene;
 use super::state::Layout;
 use crate::numerics::lanes::{InstructionSet, LANES};
-use crate::numerics::ode::OdeSystem;
+use crate::numerics::ode::{Integrator, OdeSystem};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageParameters;
@@ -45,6 +46,8 @@ pub struct Mechanism {
     pub start: StartAzimuths,
     pub ball_mass: f64,
     pub ball_inertia: f64,
+    /// [m]
+    pub ball_radius: f64,
     pub raceway: PerRaceway<RacewayContact>,
     pub pocket: Pocket,
     pub cage: CageParameters,
@@ -109,6 +112,7 @@ impl Mechanism {
             start: StartAzimuths::new(bearing.parameters.ball_count),
             ball_mass: bearing.ball_mass,
             ball_inertia: bearing.ball_inertia,
+            ball_radius: 0.5 * bearing.parameters.ball_diameter,
             raceway: RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway),
             pocket: Pocket::new(
                 bearing,
@@ -201,6 +205,13 @@ impl OdeSystem for Model {
         match self {
             Self::Full(model) => model.structure(),
             Self::Planar(model) => model.structure(),
+        }
+    }
+
+    fn own_method<'a>(&'a self, time: f64, state: &[f64], step: f64) -> Option<Box<dyn Integrator + 'a>> {
+        match self {
+            Self::Full(model) => model.own_method(time, state, step),
+            Self::Planar(model) => model.own_method(time, state, step),
         }
     }
 
