@@ -19,6 +19,7 @@ use super::reduced;
 use super::run::{
     self, Control, Live, Method, Outputs, Phase, RunResult, RunSettings, Setup, SimulationError, Stepping,
 };
+use super::stepped;
 use super::scene::{Scene, Term, TermChoice};
 use super::windows::Windows;
 use crate::numerics::ode::Statistics;
@@ -443,9 +444,17 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
         let start = run::start_state(&model)?;
         let tolerance = settings.tightest().max(CHECK_TOLERANCE);
         let stepping = Stepping { relative_tolerance: tolerance, ..Stepping::of(&short) };
-        let attempt = |settings: &RunSettings| {
+        let by = |settings: &RunSettings, stepping: &Stepping| {
             let setup = Setup { model: &model, needs: &needs, settings, start: &start, whole: None };
-            Ok::<_, SimulationError>(setup.attempt(&stepping, (0.0, 1.0), control)?.recording)
+            Ok(setup.attempt(stepping, (0.0, 1.0), control)?.recording)
+        };
+        let attempt = |settings: &RunSettings| {
+            let Some(stepped) = stepped::checking(settings) else { return by(settings, &stepping) };
+            match by(&stepped, &Stepping::of(&stepped)) {
+                // What is too stiff for steps of a fixed length blows up.
+                Err(SimulationError::Integration { .. }) => by(settings, &stepping),
+                recording => recording,
+            }
         };
         let richer = attempt(&short)?;
         leaves = leaving_the_plane(&richer, duration);

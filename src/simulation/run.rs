@@ -13,6 +13,7 @@ use super::model::{Mechanism, Model};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
 use super::observe::{Observer, Recording};
 use super::scene::Scene;
+use super::stepped::{self, Stepped};
 use super::state::{BallState, Layout, SpindleState};
 use super::views::Views;
 pub use crate::numerics::ode::Method;
@@ -211,18 +212,27 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
     // Progress counts all that may have to be done: an end that comes early is better than one that stands.
     let attempts = [true, whole.is_some(), tighter.is_some()].into_iter().filter(|may_come| *may_come).count() as f64;
+    let mut setup = Setup { model: &model, needs: &needs, settings, start: &start, whole };
+    // The first half of the progress: it mostly serves.
+    let allowed_db = SHARE_OF_ERROR * settings.model_tolerance_db;
+    let progress = |share: f64| (control.progress)(0.5 * share);
+    if let Some(stepped) = stepped::attempt(&setup, allowed_db, &Control { progress: &progress, ..*control })? {
+        (control.progress)(1.0);
+        let Stepped { attempt, accuracy, settings, model, needs } = stepped;
+        setup = Setup { model, needs, settings: &settings, ..setup };
+        return Ok(summarise(scene, &setup, &attempt, accuracy, &found, begin));
+    }
     let attempt = |setup: &Setup<'_>, before: f64| {
-        let progress = |share: f64| (control.progress)((before + share) / attempts);
+        let progress = |share: f64| (control.progress)(0.5 + 0.5 * (before + share) / attempts);
         let control = &Control { progress: &progress, ..*control };
         let first = setup.attempt(&Stepping::of(setup.settings), (0.0, MAIN_SHARE), control)?;
         accuracy::judge(setup, first, control)
     };
-    let mut setup = Setup { model: &model, needs: &needs, settings, start: &start, whole };
     let (mut made, mut accuracy) = attempt(&setup, 0.0)?;
     // A run that has been tightened for the noise of its steps is not run at a looser tolerance again.
     let looser = |made: &Attempt| tighter.as_ref().filter(|_| made.relative_tolerance == settings.relative_tolerance);
     let serves =
-        |accuracy: &AccuracyReport| accuracy.within(&settings.outputs, SHARE_OF_ERROR * settings.model_tolerance_db);
+        |accuracy: &AccuracyReport| accuracy.within(&settings.outputs, allowed_db);
     if let Some((model, needs)) = whole
         && !serves(&accuracy)
     {
@@ -247,7 +257,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
 const SHARE_OF_ERROR: f64 = 0.5;
 
 /// Share of the progress that the main integration stands for; the rest judges its accuracy.
-const MAIN_SHARE: f64 = 0.85;
+pub(super) const MAIN_SHARE: f64 = 0.85;
 
 /// Equilibrium of spindle and balls under load, gravity and centrifugal force; cage centred, ideal orbit and rolling.
 pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {

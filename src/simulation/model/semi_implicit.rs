@@ -579,6 +579,11 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
     }
 
     fn choice(&self) -> Choice {
-        Choice { method: Method::SemiImplicit, reason: None }
+        let reason = format!(
+            "steps of {:.2} µs, implicit in what is stiff: steps of half the length tell the same level, and error control takes \
+             longer",
+            1e6 * self.step
+        );
+        Choice { method: Method::SemiImplicit, reason: Some(reason) }
     }
 }

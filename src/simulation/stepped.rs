@@ -1,0 +1,88 @@
+//! The dynamics in steps of a fixed length, where `auto` may choose: tried first, for they take a fraction of what error control
+//! takes, and kept where half of the step tells the same level.
+
+use super::accuracy;
+use super::metrics::{AccuracyReport, MotionKind};
+use super::model::Model;
+use super::needs::Needs;
+use super::run::{Attempt, Control, MAIN_SHARE, Method, RunSettings, Setup, SimulationError, Stepping};
+
+/// First step that is tried [s]: levels of the article's bearing err by 0.02 dB at most.
+const STEP: f64 = 7.5e-6;
+/// Step by which a reduced rung is checked [s]: half of it, an eighth of its error.
+const CHECKING_STEP: f64 = 0.5 * STEP;
+/// Shortest step that is tried [s]: below it error control takes no longer.
+const SHORTEST: f64 = 1.8e-6;
+/// Order by which the error falls with the step, rounded down, and share of the allowed error that the next step aims at.
+const ORDER: f64 = 2.0;
+const AIM: f64 = 0.5;
+/// Attempts, the first one included.
+const ATTEMPTS: usize = 2;
+
+/// Whether the method is free and its error decides: a tolerance, or a model without judgement, asks for error control.
+fn may_choose(settings: &RunSettings) -> bool {
+    settings.method == Method::Auto && settings.fixed_step.is_none() && settings.tightened.is_some()
+}
+
+/// The run by which a reduced rung is checked, in steps; `None`: not where a tolerance was asked for.
+pub(super) fn checking(settings: &RunSettings) -> Option<RunSettings> {
+    may_choose(settings).then(|| in_steps(settings, CHECKING_STEP))
+}
+
+/// The same run in steps of a length [s].
+fn in_steps(settings: &RunSettings, step: f64) -> RunSettings {
+    RunSettings { method: Method::SemiImplicit, fixed_step: Some(step), tightened: None, ..settings.clone() }
+}
+
+/// A run in steps that serve.
+pub(super) struct Stepped<'a> {
+    pub attempt: Attempt,
+    pub accuracy: AccuracyReport,
+    pub settings: RunSettings,
+    /// The equations that ran.
+    pub model: &'a Model,
+    pub needs: &'a Needs,
+}
+
+/// A run in steps that serve; `None`: error control has to. `allowed_db`: error of the level that serves, as stated.
+pub(super) fn attempt<'a>(
+    setup: &Setup<'a>,
+    allowed_db: f64,
+    control: &Control<'_>,
+) -> Result<Option<Stepped<'a>>, SimulationError> {
+    if !may_choose(setup.settings) {
+        return Ok(None);
+    }
+    let mut step = STEP;
+    for number in 0..ATTEMPTS {
+        let settings = in_steps(setup.settings, step);
+        let progress = |share: f64| (control.progress)((number as f64 + share) / ATTEMPTS as f64);
+        let control = &Control { progress: &progress, ..*control };
+        // Where the first did not serve, nobody knows whether steps or terms left out are to blame: both are mended.
+        let (model, needs, whole) = match setup.whole.filter(|_| number > 0) {
+            Some((model, needs)) => (model, needs, None),
+            None => (setup.model, setup.needs, setup.whole),
+        };
+        let setup = Setup { model, needs, settings: &settings, whole, start: setup.start };
+        let judged = setup
+            .attempt(&Stepping::of(&settings), (0.0, MAIN_SHARE), control)
+            .and_then(|first| accuracy::judge(&setup, first, control));
+        let (attempt, accuracy) = match judged {
+            Ok(judged) => judged,
+            Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
+            // What is too stiff for the step blows up.
+            Err(_) => return Ok(None),
+        };
+        // Steps beyond the limit of stability part two motions, too: chaos is left to error control.
+        let is_steady = accuracy.motion != Some(MotionKind::Diverging) && accuracy.warning.is_none();
+        if is_steady && accuracy.within(&settings.outputs, allowed_db) {
+            return Ok(Some(Stepped { attempt, accuracy, settings, model, needs }));
+        }
+        let Some(error) = accuracy.level_error_db.filter(|_| is_steady) else { return Ok(None) };
+        step *= (AIM * allowed_db / error).powf(1.0 / ORDER).min(0.5);
+        if step < SHORTEST {
+            return Ok(None);
+        }
+    }
+    Ok(None)
+}
