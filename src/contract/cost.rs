@@ -9,6 +9,7 @@ use crate::simulation::model::Model;
 use crate::simulation::needs::Grounds;
 use crate::simulation::observe::kept_values;
 use crate::simulation::run::{Method, RunSettings, start_state};
+use crate::simulation::stepped;
 use crate::simulation::stiffness::{FastestMode, fastest_mode};
 use crate::simulation::work_precision::Plan;
 
@@ -25,6 +26,8 @@ const EVALUATIONS: f64 = 6.0;
 const STIFF_EVALUATIONS: f64 = 6.0;
 const STIFF_STEP: f64 = 1e-6;
 const STIFF_TOLERANCE: f64 = 1e-5;
+/// A step of fixed length, what it is implicit in included, and the repetition of a part of the run, in evaluations.
+const STEPPED_EVALUATIONS: f64 = 2.0;
 /// Speed of a reduced rung with its own repetition, times real time.
 const REDUCED_REAL_TIME_FACTOR: f64 = 20.0;
 /// What the dynamics beside which a reduced rung is checked cost, in runs over that time: they are repeated, too.
@@ -39,7 +42,7 @@ const SMOOTH_STEP: f64 = 20e-6;
 /// Stability holds the explicit method to short steps, however smooth the motion is: those of the fastest mode of the
 /// equations at the start of the run; a stiff method goes its own pace, and `auto` takes the cheaper one. An order of magnitude:
 /// impacts, loads that grow later, and levels that drown in noise are not foreseen. No time is given where the run has no equilibrium to
-/// start from.
+/// start from. Where steps of a fixed length are tried first, they mostly serve; the most is what error control adds.
 pub fn estimate(job: &Job) -> CostAnswer {
     let scene = job.scene();
     let model = Model::new(scene, &job.needs);
@@ -48,19 +51,24 @@ pub fn estimate(job: &Job) -> CostAnswer {
     let times = mode.ok().map(|mode| {
         let balls = scene.bearing.parameters.ball_count as f64;
         let evaluation = balls * (SECONDS_PER_BALL + 2.0 * job.needs.raceway.strips as f64 * SECONDS_PER_STRIP);
-        let by_dynamics = |time: f64| time * evaluations_per_second(&job.settings, &mode) * evaluation;
+        let by_error_control = |time: f64| time * evaluations_per_second(&job.settings, &mode) * evaluation;
+        let by_dynamics = |time: f64| match stepped::may_choose(&job.settings) {
+            true => time / stepped::STEP * STEPPED_EVALUATIONS * evaluation,
+            false => by_error_control(time),
+        };
         let (settle, duration) = (job.settings.settle, job.settings.duration);
         let looks = LOOK * kept_values(duration) as f64 * evaluation;
         // The run, and its repetition that tells the error.
-        let judged = 2.0 * (by_dynamics(settle + duration) + looks);
+        let judged = |by: &dyn Fn(f64) -> f64| 2.0 * (by(settle + duration) + looks);
+        let most = judged(&by_dynamics) + attempts(job) * judged(&by_error_control);
         let reduced = (settle + duration) / REDUCED_REAL_TIME_FACTOR;
         let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene));
         let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {
             (Some(plan), _) => [by_dynamics(compared_time(job, plan)); 2],
-            (None, None) => [judged, attempts(job) * judged],
+            (None, None) => [judged(&by_dynamics), most],
             (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => [reduced; 2],
             (None, Some(_)) if job.rungs.len() == 1 => [checked; 2],
-            (None, Some(_)) => [checked, checked + attempts(job) * judged],
+            (None, Some(_)) => [checked, checked + most],
         };
         [estimate, most].map(|time| significant(time.min(LONGEST), 2))
     });

@@ -145,7 +145,9 @@ const OF_RUNGS: [(&str, Rung); 3] =
 pub fn method_of(filling: &mut Filling, pointer: &str, name: &str) -> Option<Method> {
     if let Some((_, rung)) = OF_RUNGS.iter().find(|own| own.0 == name) {
         let rung = rung.name();
-        filling.refuse(pointer, format!("`{name}` goes with the rung `{rung}` and cannot be chosen: leave it out"));
+        let alike = if name == Method::SemiImplicit.name() { ", and with others by `auto`," } else { "" };
+        filling
+            .refuse(pointer, format!("`{name}` goes with the rung `{rung}`{alike} and cannot be chosen: leave it out"));
         return None;
     }
     chosen(filling, pointer, name, &METHODS)

@@ -19,8 +19,8 @@ use super::reduced;
 use super::run::{
     self, Control, Live, Method, Outputs, Phase, RunResult, RunSettings, Setup, SimulationError, Stepping,
 };
-use super::stepped;
 use super::scene::{Scene, Term, TermChoice};
+use super::stepped;
 use super::windows::Windows;
 use crate::numerics::ode::Statistics;
 use crate::physics::kinematics;

@@ -17,7 +17,7 @@ pub mod reduced;
 pub mod run;
 pub mod scene;
 pub mod state;
-mod stepped;
+pub mod stepped;
 pub mod stiffness;
 pub mod views;
 pub mod windows;

@@ -13,8 +13,8 @@ use super::model::{Mechanism, Model};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
 use super::observe::{Observer, Recording};
 use super::scene::Scene;
-use super::stepped::{self, Stepped};
 use super::state::{BallState, Layout, SpindleState};
+use super::stepped::{self, Stepped};
 use super::views::Views;
 pub use crate::numerics::ode::Method;
 use crate::numerics::ode::stability::{self, StabilityWatch};
@@ -231,8 +231,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let (mut made, mut accuracy) = attempt(&setup, 0.0)?;
     // A run that has been tightened for the noise of its steps is not run at a looser tolerance again.
     let looser = |made: &Attempt| tighter.as_ref().filter(|_| made.relative_tolerance == settings.relative_tolerance);
-    let serves =
-        |accuracy: &AccuracyReport| accuracy.within(&settings.outputs, allowed_db);
+    let serves = |accuracy: &AccuracyReport| accuracy.within(&settings.outputs, allowed_db);
     if let Some((model, needs)) = whole
         && !serves(&accuracy)
     {

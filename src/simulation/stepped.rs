@@ -8,7 +8,7 @@ use super::needs::Needs;
 use super::run::{Attempt, Control, MAIN_SHARE, Method, RunSettings, Setup, SimulationError, Stepping};
 
 /// First step that is tried [s]: levels of the article's bearing err by 0.02 dB at most.
-const STEP: f64 = 7.5e-6;
+pub const STEP: f64 = 7.5e-6;
 /// Step by which a reduced rung is checked [s]: half of it, an eighth of its error.
 const CHECKING_STEP: f64 = 0.5 * STEP;
 /// Shortest step that is tried [s]: below it error control takes no longer.
@@ -19,8 +19,8 @@ const AIM: f64 = 0.5;
 /// Attempts, the first one included.
 const ATTEMPTS: usize = 2;
 
-/// Whether the method is free and its error decides: a tolerance, or a model without judgement, asks for error control.
-fn may_choose(settings: &RunSettings) -> bool {
+/// Whether steps are tried: where the method is free and no tolerance was asked for.
+pub fn may_choose(settings: &RunSettings) -> bool {
     settings.method == Method::Auto && settings.fixed_step.is_none() && settings.tightened.is_some()
 }
 

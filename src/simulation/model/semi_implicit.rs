@@ -412,8 +412,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let inner = Answer::of(&inner, radius, share);
             let outer = Answer::of(&outer, radius, share);
 
-            let (mut meridian, mut orbit) =
-                ([mass, 0.0, 0.0, mass, 0.0, inertia].map(|m| m / share), [mass, 0.0, 0.0, inertia, 0.0, inertia].map(|m| m / share));
+            let (mut meridian, mut orbit) = (
+                [mass, 0.0, 0.0, mass, 0.0, inertia].map(|m| m / share),
+                [mass, 0.0, 0.0, inertia, 0.0, inertia].map(|m| m / share),
+            );
             inner.add_to(&mut meridian, &mut orbit);
             outer.add_to(&mut meridian, &mut orbit);
             add_product(&mut meridian, pocket, [normal[0], normal[1], 0.0]);
