@@ -60,7 +60,8 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let looks = LOOK * kept_values(duration) as f64 * evaluation;
         // The run, and its repetition that tells the error.
         let judged = |by: &dyn Fn(f64) -> f64| 2.0 * (by(settle + duration) + looks);
-        let most = judged(&by_dynamics) + attempts(job) * judged(&by_error_control);
+        let in_vain = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
+        let most = in_vain + attempts(job) * judged(&by_error_control);
         let reduced = (settle + duration) / REDUCED_REAL_TIME_FACTOR;
         let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene));
         let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {

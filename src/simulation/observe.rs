@@ -1,7 +1,7 @@
 //! Which signals are kept, and how often.
 //!
-//! The motion is looked at 409 600 times a second, by interpolation within the steps; a method whose steps of fixed length damp
-//! what is faster than that of half as many looks is looked at half as often. The spindle's signals pass a
+//! The motion is looked at 409 600 times a second, by interpolation within the steps, and less often where long steps damp what is
+//! so fast. The spindle's signals pass a
 //! low-pass filter on their way to 102 400 values a second (contact resonances lie above the band of interest and must not
 //! fold into it); all others are kept as they stand at those times, window by window (`windows.rs`). Extremes see every look.
 
@@ -16,6 +16,7 @@ use crate::numerics::parallel::both;
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
+use crate::physics::frames::length;
 use crate::physics::pocket::PocketLoad;
 use crate::physics::raceway::{RacewayLoad, RelativeMotion};
 
@@ -23,13 +24,18 @@ use crate::physics::raceway::{RacewayLoad, RelativeMotion};
 pub const RATE: f64 = 102_400.0;
 /// Kept values of a part whose largest load and cage speed are noted: eight parts in 10 ms.
 const PART: usize = 128;
-/// Looks per kept value.
+/// Looks per kept value, unless steps of a fixed length damp what so many would see.
 const OVERSAMPLING: usize = 4;
-/// The same where the steps are long and damp all that is faster: backward differentiation leaves a tenth of an oscillation of 100 kHz after
-/// four steps of 4 µs.
-const DAMPED_OVERSAMPLING: usize = 2;
-/// Shortest step of that [s].
-const DAMPING_STEP: f64 = 4e-6;
+/// Steps to a look from which one sees all that the steps have left: what is faster than half of the looks turns by 120° a step and
+/// more then, and loses half of its size or more with each.
+const STEPS_TO_A_LOOK: f64 = 1.0 / 0.75;
+
+/// Looks per kept value at the motion of a run.
+fn looks_per_value(settings: &RunSettings) -> usize {
+    let damping = settings.fixed_step.filter(|_| settings.method == Method::SemiImplicit);
+    let is_enough = |looks: &usize| damping.is_some_and(|step| STEPS_TO_A_LOOK * step * RATE * *looks as f64 >= 1.0);
+    [1, 2].into_iter().find(is_enough).unwrap_or(OVERSAMPLING)
+}
 
 /// What was seen of one kind of raceway contact, all balls, SI.
 #[derive(Debug, Clone, PartialEq)]
@@ -287,9 +293,7 @@ impl<'m> Observer<'m> {
             .collect();
         let channels = picked_channels(&settings.outputs, layout.cage);
         let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), &settings.outputs, values);
-        let is_damped =
-            settings.method == Method::SemiImplicit && settings.fixed_step.is_some_and(|step| step >= DAMPING_STEP);
-        let oversampling = if is_damped { DAMPED_OVERSAMPLING } else { OVERSAMPLING };
+        let oversampling = looks_per_value(settings);
         let decimator = Decimator::new(oversampling, spindle.len());
         let delay = decimator.delay();
         // A run without time to settle has no past for the filter: it starts from a standstill then.
@@ -414,7 +418,7 @@ impl<'m> Observer<'m> {
             orbit += state.arc_velocity / balls as f64;
             // Seen from the orbit frame, about the axis that a contact angle leans.
             let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
-            spin += about_x.hypot(state.spin[1].hypot(state.spin[2])) / balls as f64;
+            spin += length([about_x, state.spin[1], state.spin[2]]) / balls as f64;
         }
         // Without a cage the balls' mean orbit speed stands for it.
         let arc_velocity = if m.layout.cage { m.layout.cage(&self.state).arc_velocity } else { orbit };

@@ -16,6 +16,8 @@ const SHORTEST: f64 = 1.8e-6;
 /// Order by which the error falls with the step, rounded down, and share of the allowed error that the next step aims at.
 const ORDER: f64 = 2.0;
 const AIM: f64 = 0.5;
+/// The next step over the last, at most.
+const LARGEST_CHANGE: f64 = 0.75;
 /// Attempts, the first one included.
 const ATTEMPTS: usize = 2;
 
@@ -79,7 +81,7 @@ pub(super) fn attempt<'a>(
             return Ok(Some(Stepped { attempt, accuracy, settings, model, needs }));
         }
         let Some(error) = accuracy.level_error_db.filter(|_| is_steady) else { return Ok(None) };
-        step *= (AIM * allowed_db / error).powf(1.0 / ORDER).min(0.5);
+        step *= (AIM * allowed_db / error).powf(1.0 / ORDER).min(LARGEST_CHANGE);
         if step < SHORTEST {
             return Ok(None);
         }

@@ -46,6 +46,30 @@ const BACKWARD: [Backward; 2] = [
     Backward { past: [4.0 / 3.0, -1.0 / 3.0], rate: 2.0 / 3.0, ahead: [2.0, -1.0] },
 ];
 
+/// Formulas of a step after so many nodes.
+#[derive(Debug, Clone, Copy)]
+struct Formulas {
+    backward: Backward,
+    /// Of the spindle: through the known nodes, and through the new one and the others but the oldest.
+    predict: Weights<NODES>,
+    correct: Weights<NODES>,
+    /// The acceleration with which the one formula is the other.
+    ahead: [f64; NODES],
+}
+
+impl Formulas {
+    fn new(known: usize) -> Self {
+        // From a single node there is nothing to correct by.
+        let nothing = Weights { velocity: [0.0; NODES], place: [0.0; NODES] };
+        Self {
+            backward: BACKWARD[known.min(2) - 1],
+            predict: weights(0.0, known),
+            correct: if known > 1 { weights(1.0, known) } else { nothing },
+            ahead: ahead(known),
+        }
+    }
+}
+
 /// State and rates at one time.
 #[derive(Debug, Clone)]
 struct Node {
@@ -70,6 +94,7 @@ pub(super) struct SemiImplicit<'m, const PLANAR: bool> {
     nodes: [Box<Node>; NODES],
     /// How many of them count; 0: the method has to start.
     known: usize,
+    formulas: Formulas,
     work: Statistics,
     flat: OnceCell<Vec<f64>>,
 }
@@ -88,8 +113,9 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             acceleration: [0.0; 3],
         });
         let nodes = from_fn(|_| node.clone());
-        let work = Statistics::default();
-        Self { dynamics, asked: step, step, time, previous: time, nodes, known: 0, work, flat: OnceCell::new() }
+        let (work, formulas) = (Statistics::default(), Formulas::new(1));
+        let (previous, flat) = (time, OnceCell::new());
+        Self { dynamics, asked: step, step, time, previous, nodes, known: 0, formulas, work, flat }
     }
 
     /// Initial acceleration, then short steps of rising order, and every sixteenth of them as the past of the long ones.
@@ -98,6 +124,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let mut rates = vec![0.0; layout.dimension()];
         self.dynamics.evaluate(self.time, self.state(), &mut rates, None);
         self.nodes[0].acceleration = layout.spindle(&rates).velocity;
+        (self.known, self.formulas) = (1, Formulas::new(1));
         let whole = (limit - self.time) / ((limit - self.time) / self.asked - 1e-6).ceil().max(NODES as f64);
         self.step = whole / START as f64;
         let mut past = Vec::with_capacity(NODES);
@@ -117,7 +144,10 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
     /// One step, compiled for the processor's instructions.
     fn advance(&mut self) {
         self.dynamics.instructions().run(Step { integrator: self });
-        self.known = (self.known + 1).min(NODES);
+        if self.known < NODES {
+            self.known += 1;
+            self.formulas = Formulas::new(self.known);
+        }
         self.work.rhs_evaluations += 1;
         self.work.factorizations += 1;
         self.flat.take();
@@ -126,12 +156,9 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
     #[inline(always)]
     fn advance_by(&mut self) {
         let (dynamics, h, layout) = (self.dynamics, self.step, self.dynamics.mechanism().layout);
-        let known = self.known.max(1);
-        let formula = BACKWARD[known.min(2) - 1];
-        // From a single node there is nothing to correct by.
-        let correct = if self.known > 1 { weights::<NODES>(1.0, known) } else { NOTHING };
-        let predict = weights::<NODES>(0.0, known);
+        let Formulas { backward: formula, predict, correct, ahead } = self.formulas;
         let share = h * formula.rate;
+        let shares = (h * h * correct.place[0], h * correct.velocity[0]);
         self.nodes.rotate_right(1);
         let accelerations: [Vector; NODES] = from_fn(|i| self.nodes[(i + 1) % NODES].acceleration);
         let [new, now, before, ..] = self.nodes.each_mut().map(|node| &mut **node);
@@ -139,7 +166,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         // Prediction.
         let rise = weighed(&predict.velocity, &accelerations);
         let lift = weighed(&predict.place, &accelerations);
-        let foreseen = weighed(&ahead::<NODES>(known), &accelerations);
+        let foreseen = weighed(&ahead, &accelerations);
         let a = now.spindle;
         new.spindle = SpindleState {
             position: from_fn(|i| a.position[i] + h * (a.velocity[i] + h * lift[i])),
@@ -163,7 +190,6 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             corrected.reaction.sum_into(&mut sum, layout.balls - first);
-            let shares = (h * h * correct.place[0], h * correct.velocity[0]);
             dynamics.stiffness(&balls, &slopes, shares, share).sum_into(&mut stiff, layout.balls - first);
         }
 
@@ -180,16 +206,12 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let per_mass = 1.0 / dynamics.mechanism().spindle_mass;
         let change: Vector = from_fn(|i| (acceleration[i] - foreseen[i]) / (1.0 + stiff.spindle[i] * per_mass));
         new.acceleration = from_fn(|i| foreseen[i] + change[i]);
-        let (place, velocity) = (h * h * correct.place[0], h * correct.velocity[0]);
         for i in 0..3 {
-            new.spindle.position[i] += place * change[i];
-            new.spindle.velocity[i] += velocity * change[i];
+            new.spindle.position[i] += shares.0 * change[i];
+            new.spindle.velocity[i] += shares.1 * change[i];
         }
     }
 }
-
-/// Formulas of nothing.
-const NOTHING: Weights<NODES> = Weights { velocity: [0.0; NODES], place: [0.0; NODES] };
 
 /// One step, to be compiled for each instruction set.
 struct Step<'a, 'm, const PLANAR: bool> {
