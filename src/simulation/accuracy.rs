@@ -24,6 +24,8 @@ pub const FAINT: f64 = 60.0;
 /// Stretch that is repeated at a tighter tolerance [s], where disturbances die out and nothing else than at its beginning
 /// is to come; else all of the run.
 pub(super) const REPEATED: f64 = 0.01;
+/// Error over what half of the step differs by, where steps are of second order: the repetition has a quarter of it left.
+const HALVED: f64 = 4.0 / 3.0;
 /// How much tighter the repetition is.
 const TIGHTER: f64 = 10.0;
 /// Parts of the repeated stretch whose levels are compared one by one.
@@ -506,9 +508,11 @@ fn repeat(
     let again = Setup { model, needs, settings: &again, ..*setup }.attempt(&stepping, (0.88, 0.95), control)?.recording;
     let signals = twice(&run.recording, &again);
     let unseen = (1.0 - time / settings.duration).max(0.0).sqrt();
+    let whole = if settings.method == Method::SemiImplicit { HALVED } else { 1.0 };
+    let QuantityErrors { max_load, cage_speed } = quantity_errors(&run.recording.parts, &again.parts);
     let distance = Distance {
-        level_db: signals.iter().filter_map(|twice| twice.error_db(unseen)).reduce(f64::max),
-        quantities: Some(quantity_errors(&run.recording.parts, &again.parts)),
+        level_db: signals.iter().filter_map(|twice| Some(whole * twice.error_db(unseen)?)).reduce(f64::max),
+        quantities: Some(QuantityErrors { max_load: whole * max_load, cage_speed: whole * cage_speed }),
     };
     Ok(Some(Repeated { distance, noise: signals.iter().map(Twice::noise).fold(0.0, f64::max) }))
 }

@@ -25,4 +25,5 @@ mod rotation_symmetry;
 mod spindle_only;
 mod stability;
 mod static_distribution;
+mod steps_of_fixed_length;
 mod surface_profile;

@@ -1,0 +1,134 @@
+//! The dynamics in steps of a fixed length: how right they are, and where they are taken.
+
+use raceway::numerics::ode::OdeSystem;
+use raceway::simulation::metrics::MotionKind;
+use raceway::simulation::model::Model;
+use raceway::simulation::run::{Method, RunResult, RunSettings, Rung, run, start_state};
+use serde_json::{Value, json};
+
+use crate::article_run::{Y, Z, patient, settings};
+use crate::scenes::{advance, article, changed, model, scene};
+
+/// As a plain job asks, but for times: the method is free.
+fn free() -> RunSettings {
+    RunSettings {
+        rung: Some(Rung::Full),
+        relative_tolerance: 1e-3,
+        tightened: Some(1e-5),
+        model_tolerance_db: 0.05,
+        settle: 0.01,
+        duration: 0.02,
+        ..settings()
+    }
+}
+
+/// All terms, by error control.
+fn exact() -> RunSettings {
+    RunSettings { method: Method::Gear, relative_tolerance: 1e-7, tightened: None, model_tolerance_db: 0.0, ..free() }
+}
+
+fn simulate(json: &Value, settings: &RunSettings) -> RunResult {
+    run(&scene(json), settings, &patient()).unwrap_or_else(|error| panic!("{json}: {error}"))
+}
+
+/// Worst difference of the levels of y and z [dB].
+fn apart(a: &RunResult, b: &RunResult) -> f64 {
+    let level = |result: &RunResult, channel| {
+        let found = result.summary.channels.iter().find(|(of, _)| *of == channel);
+        found.and_then(|(_, metrics)| metrics.level_db).unwrap()
+    };
+    [Y, Z].into_iter().map(|channel| (level(a, channel) - level(b, channel)).abs()).fold(0.0, f64::max)
+}
+
+/// The state after some steps of a length [s], from the start of a run.
+fn stepped(model: &Model, end: f64, step: f64) -> Vec<f64> {
+    let start = start_state(model).unwrap();
+    let mut integrator = model.own_method(0.0, &start, step).unwrap();
+    while integrator.time() < end {
+        integrator.step(end).unwrap();
+    }
+    integrator.state().to_vec()
+}
+
+/// Second order and better, for the spindle is of fourth: 4, 2 and 1 µs over two ball passages, ball radii and spins and the
+/// spindle against Radau IIA at 1e-10, in sizes that matter. No contact opens or closes: without clearance, under the load of
+/// a press fit.
+#[test]
+fn halved_steps_err_by_a_quarter_or_less() {
+    let tight = changed(article(), json!({ "bearing": { "radial_clearance_um": -4.0 } }));
+    let model = model(&tight);
+    let end = 0.9e-3;
+    let start = start_state(&model).unwrap();
+    let expected = advance(&model, &start, (0.0, end), 1e-10, |_| {});
+    let sizes = model.mechanism().layout.sizes();
+    let errors = [4e-6, 2e-6, 1e-6].map(|step| {
+        let found = stepped(&model, end, step);
+        let off = |entry: usize| (found[entry] - expected[entry]) / sizes[entry];
+        ((0..found.len()).map(|entry| off(entry).powi(2)).sum::<f64>() / found.len() as f64).sqrt()
+    });
+    println!("{errors:?}");
+    assert!(errors[0] < 0.05, "{errors:?}");
+    assert!(errors.windows(2).all(|pair| pair[1] < pair[0] / 3.4), "{errors:?}");
+}
+
+/// Loads, clearances, preload along the axis, unbalance, leaning shafts, cages of other kinds and none, other laws: what the result
+/// states of itself is right within a factor of three, and no warning is needed.
+#[test]
+fn what_steps_state_of_themselves_is_right() {
+    for changes in [
+        json!({}),
+        json!({ "spindle": { "balance_grade": 6.3 }, "bearing": { "radial_clearance_um": 2.0 } }),
+        json!({ "operation": { "axial_load_n": 12 } }),
+        json!({ "operation": { "misalignment_mrad": { "y": 0.5, "z": -0.3 } } }),
+        json!({ "bearing": { "cage": { "seat": "closed", "offset_mm": 0 } } }),
+        json!({ "terms": { "cage": "off" } }),
+        json!({ "bearing": { "ball_count": 9, "pitch_diameter_mm": 14, "outer_diameter_mm": 19, "inner_diameter_mm": 9.5 } }),
+        json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 300 } } }),
+        json!({ "lubricant": { "traction": { "law": "coulomb", "coefficient": 0.05, "regularisation_m_s": 0.1 } } }),
+    ] {
+        let json = changed(article(), changes.clone());
+        let asked = if changes["bearing"]["cage"].is_object() { RunSettings { rung: None, ..free() } } else { free() };
+        // The dynamics that the scene needs, also where it needs less than all.
+        let asked = RunSettings { rung: asked.rung.or(Some(Rung::Planar)), ..asked };
+        let found = simulate(&json, &asked);
+        let off = apart(&found, &simulate(&json, &RunSettings { rung: asked.rung, ..exact() }));
+        let (solver, accuracy) = (&found.summary.solver, &found.summary.accuracy);
+        let stated = accuracy.level_error_db.unwrap();
+        println!("{changes}: {} by {}: {off:.4} dB off, {stated:.4} stated", solver.rung, solver.method);
+        assert_eq!((solver.method, accuracy.warning.as_deref()), ("semi_implicit", None), "{changes}");
+        assert!(stated <= 0.025 && off < 3.0 * stated + 1e-3, "{changes}: {off} {stated}");
+    }
+}
+
+/// A tolerance, a series, a model without judgement or a method that is asked for is what runs; chaos, of which a step that is too long
+/// has the looks, is left to error control.
+#[test]
+fn error_control_is_taken_where_it_is_asked_for_or_needed() {
+    let method = |json: &Value, settings: RunSettings| simulate(json, &settings).summary.solver.method;
+    let short = || RunSettings { settle: 2e-3, duration: 5e-3, ..free() };
+    assert_eq!(method(&article(), short()), "semi_implicit");
+    for settings in [
+        RunSettings { tightened: None, ..short() },
+        RunSettings { method: Method::Gear, tightened: None, ..short() },
+        RunSettings { model_tolerance_db: 0.0, tightened: None, ..short() },
+    ] {
+        assert_eq!(method(&article(), settings), "gear");
+    }
+    let rattling = changed(article(), json!({ "bearing": { "cage": { "film": "none" } } }));
+    let result = simulate(&rattling, &free());
+    assert_eq!(result.summary.accuracy.motion, Some(MotionKind::Diverging));
+    assert_ne!(result.summary.solver.method, "semi_implicit");
+}
+
+/// Steps end at the kinks of a speed profile and begin anew there.
+#[test]
+fn steps_follow_a_speed_that_varies() {
+    let profile =
+        json!([{ "at_s": 0.0, "rpm": 30_000 }, { "at_s": 0.0123, "rpm": 30_000 }, { "at_s": 0.0231, "rpm": 45_000 }]);
+    let ramp = changed(article(), json!({ "operation": { "speed_rpm": profile } }));
+    let found = simulate(&ramp, &free());
+    let off = apart(&found, &simulate(&ramp, &exact()));
+    let stated = found.summary.accuracy.level_error_db.unwrap();
+    assert_eq!(found.summary.solver.method, "semi_implicit");
+    assert!(off < 3.0 * stated + 1e-3, "{off} {stated}");
+}
