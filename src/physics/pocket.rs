@@ -176,7 +176,9 @@ impl Pocket {
     pub fn load(&self, motion: &PocketMotion) -> PocketLoad {
         let mut one = PocketMotion::<Lanes<1>>::default();
         one.put(0, *motion);
-        self.loads(&one).at(0)
+        let mut load = PocketLoad::<Lanes<1>>::default();
+        self.loads(&one, &mut load);
+        load.at(0)
     }
 
     /// Forces and moments of the pockets on their balls.
@@ -185,7 +187,7 @@ impl Pocket {
     /// falling to 0 over the first 1 µm of solid contact, Q_solid = K_n (s − C_p)^1.5 κ (1 + χ ṡ) with `conformity` κ, neither below 0.
     /// Friction acts on the solid part only: on an undamped film force it would drive the cage unstable.
     #[inline(always)]
-    pub fn loads<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>) -> PocketLoad<Lanes<N>> {
+    pub fn loads<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>, load: &mut PocketLoad<Lanes<N>>) {
         // A copy: what is stored in the loops cannot change it.
         let pocket = *self;
         let mut approach = Approach::<Lanes<N>>::default();
@@ -204,7 +206,6 @@ impl Pocket {
             }
         }
         let solid = pocket.solid_loads(&approach);
-        let mut load = PocketLoad::<Lanes<N>>::default();
         for lane in 0..N {
             load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
         }
@@ -227,7 +228,6 @@ impl Pocket {
             }
             None => {}
         }
-        load
     }
 
     /// To the cap as `seat`; where the displacement points out of the mouth, to the rim. Both agree at the rim's angle,

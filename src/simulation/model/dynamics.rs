@@ -321,11 +321,15 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     #[inline(always)]
     fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
         let layout = self.mechanism.layout;
+        // Before the border: what is written one by one has reached the cache when it is read side by side.
+        let mut state = layout.side_by_side::<PLANAR>(y, 0);
         let border = self.border(layout.cage(y), layout.spindle(y), self.mechanism.speed.at(time));
         let mut sum = Reaction::default();
         let mut balls = Balls::default();
         for first in (0..layout.balls).step_by(LANES) {
-            let state = layout.side_by_side::<PLANAR>(y, first);
+            if first > 0 {
+                state = layout.side_by_side::<PLANAR>(y, first);
+            }
             self.balls(first, &state, &border, &mut balls, watch.as_deref_mut());
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
@@ -385,8 +389,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 churning_factor[lane] = churning.churning_factor(length(balls.motion.spin.at(lane)));
             }
         }
-        let (in_pocket, places) = self.pockets(first, &balls.motion, &pose);
-        let load = RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, self.instructions);
+        let (mut in_pocket, mut places) = (PocketLoad::<Lanes>::default(), <Vector<Lanes>>::default());
+        self.pockets(first, &balls.motion, &pose, &mut in_pocket, &mut places);
+        let mut load: PerRaceway<RacewayLoad<Lanes>> = PerRaceway::default();
+        RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, &mut load, self.instructions);
         for lane in 0..LANES {
             let motion = balls.motion.at(lane);
             let (force, moment) = (load.outer.force.at(lane), load.outer.moment.at(lane));
@@ -417,13 +423,19 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Loads in the pockets of the balls from `first` on, and the balls' places in the cage; nothing without a cage.
+    /// Writes loads in the pockets of the balls from `first` on, and the balls' places in the cage; nothing without a cage.
     #[inline(always)]
-    fn pockets(&self, first: usize, motion: &BallMotion<Lanes>, pose: &CagePose) -> (PocketLoad<Lanes>, Vector<Lanes>) {
+    fn pockets(
+        &self,
+        first: usize,
+        motion: &BallMotion<Lanes>,
+        pose: &CagePose,
+        load: &mut PocketLoad<Lanes>,
+        places: &mut Vector<Lanes>,
+    ) {
         let m = &self.mechanism;
-        let mut places = <Vector<Lanes>>::default();
         if !m.layout.cage {
-            return (PocketLoad::default(), places);
+            return;
         }
         let (one, pose) = (self.one, *pose);
         let start: Azimuth<Lanes> =
@@ -434,7 +446,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             relative.put(lane, motion);
             places.put(lane, place);
         }
-        (m.pocket.loads(&relative), places)
+        m.pocket.loads(&relative, load);
     }
 
     /// The inner raceway alone on the balls, and the balls on the spindle.
@@ -461,7 +473,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             relative.put(lane, inner);
             frames.put(lane, frame);
         }
-        let load = self.mechanism.raceway.inner.loads::<PLANAR>(&relative, self.instructions);
+        let mut load = RacewayLoad::<Lanes>::default();
+        self.mechanism.raceway.inner.loads::<PLANAR>(&relative, &mut load, self.instructions);
         let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();
         for lane in 0..LANES {
             let (wrench, reaction) = on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane));
@@ -480,7 +493,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         pose: &CagePose,
     ) -> (Wrench<Lanes>, Vector<Lanes>, Vector<Lanes>) {
         let tilt = pose.motion.tilt;
-        let (load, places) = self.pockets(first, motion, pose);
+        let (mut load, mut places) = (PocketLoad::<Lanes>::default(), <Vector<Lanes>>::default());
+        self.pockets(first, motion, pose, &mut load, &mut places);
         let mut parts = <(Wrench<Lanes>, Vector<Lanes>, Vector<Lanes>)>::default();
         for lane in 0..LANES {
             let azimuth = motion.azimuth.at(lane);
