@@ -187,7 +187,9 @@ impl Pocket {
     pub fn load(&self, motion: &PocketMotion) -> PocketLoad {
         let mut one = PocketMotion::<Lanes<1>>::default();
         one.put(0, *motion);
-        self.loads(&one).at(0)
+        let mut load = PocketLoad::<Lanes<1>>::default();
+        self.loads(&one, &mut load);
+        load.at(0)
     }
 
     /// Forces and moments of the pockets on their balls.
@@ -196,8 +198,8 @@ impl Pocket {
     /// falling to 0 over the first 1 µm of solid contact, Q_solid = K_n (s − C_p)^1.5 κ (1 + χ ṡ) with `conformity` κ, neither below 0.
     /// Friction acts on the solid part only: on an undamped film force it would drive the cage unstable.
     #[inline(always)]
-    pub fn loads<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>) -> PocketLoad<Lanes<N>> {
-        self.loads_at(motion, &self.approaches(motion))
+    pub fn loads<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>, load: &mut PocketLoad<Lanes<N>>) {
+        self.loads_at(motion, &self.approaches(motion), load);
     }
 
     /// The same, and how the normal loads answer to the balls' own motion.
@@ -205,14 +207,15 @@ impl Pocket {
     pub fn loads_and_slopes<const N: usize>(
         &self,
         motion: &PocketMotion<Lanes<N>>,
-    ) -> (PocketLoad<Lanes<N>>, PocketSlopes<Lanes<N>>) {
+        load: &mut PocketLoad<Lanes<N>>,
+        slopes: &mut PocketSlopes<Lanes<N>>,
+    ) {
         let approach = self.approaches(motion);
         let pocket = *self;
-        let mut slopes = PocketSlopes::default();
         for lane in 0..N {
             slopes.put(lane, pocket.slopes(&approach.at(lane)));
         }
-        (self.loads_at(motion, &approach), slopes)
+        self.loads_at(motion, &approach, load);
     }
 
     #[inline(always)]
@@ -242,10 +245,10 @@ impl Pocket {
         &self,
         motion: &PocketMotion<Lanes<N>>,
         approach: &Approach<Lanes<N>>,
-    ) -> PocketLoad<Lanes<N>> {
+        load: &mut PocketLoad<Lanes<N>>,
+    ) {
         let pocket = *self;
         let solid = pocket.solid_loads(approach);
-        let mut load = PocketLoad::<Lanes<N>>::default();
         for lane in 0..N {
             load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
         }
@@ -268,7 +271,6 @@ impl Pocket {
             }
             None => {}
         }
-        load
     }
 
     /// To the cap as `seat`; where the displacement points out of the mouth, to the rim. Both agree at the rim's angle,

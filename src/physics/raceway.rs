@@ -242,19 +242,20 @@ impl StripSums {
     }
 }
 
-/// Loads of balls side by side, to be compiled for each instruction set.
+/// Loads of balls side by side, to be compiled for each instruction set. Written where they are wanted: no copies.
 struct Loads<'a, const PLANAR: bool> {
     raceway: &'a RacewayContact,
     motion: &'a RelativeMotion<Lanes>,
+    load: &'a mut RacewayLoad<Lanes>,
 }
 
 impl<const PLANAR: bool> Task for Loads<'_, PLANAR> {
-    type Answer = RacewayLoad<Lanes>;
+    type Answer = ();
 
     #[inline(always)]
     fn run(self) -> Self::Answer {
         let contact = self.raceway.contacts::<PLANAR, LANES>(self.motion);
-        self.raceway.loads_of::<PLANAR, LANES>(&contact, self.motion)
+        self.raceway.loads_of::<PLANAR, LANES>(&contact, self.motion, self.load);
     }
 }
 
@@ -262,21 +263,20 @@ impl<const PLANAR: bool> Task for Loads<'_, PLANAR> {
 struct PairOfLoads<'a, const PLANAR: bool> {
     raceway: &'a PerRaceway<RacewayContact>,
     motion: &'a PerRaceway<RelativeMotion<Lanes>>,
+    load: &'a mut PerRaceway<RacewayLoad<Lanes>>,
 }
 
 impl<const PLANAR: bool> Task for PairOfLoads<'_, PLANAR> {
-    type Answer = PerRaceway<RacewayLoad<Lanes>>;
+    type Answer = ();
 
     #[inline(always)]
     fn run(self) -> Self::Answer {
-        let Self { raceway, motion } = self;
+        let Self { raceway, motion, load } = self;
         // Both geometries first: each is a chain of roots, and two chains take no longer than one.
         let outer = raceway.outer.contacts::<PLANAR, LANES>(&motion.outer);
         let inner = raceway.inner.contacts::<PLANAR, LANES>(&motion.inner);
-        PerRaceway {
-            inner: raceway.inner.loads_of::<PLANAR, LANES>(&inner, &motion.inner),
-            outer: raceway.outer.loads_of::<PLANAR, LANES>(&outer, &motion.outer),
-        }
+        raceway.inner.loads_of::<PLANAR, LANES>(&inner, &motion.inner, &mut load.inner);
+        raceway.outer.loads_of::<PLANAR, LANES>(&outer, &motion.outer, &mut load.outer);
     }
 }
 
@@ -361,7 +361,9 @@ impl RacewayContact {
     pub fn load<const PLANAR: bool>(&self, motion: &RelativeMotion) -> RacewayLoad {
         let mut one = RelativeMotion::<Lanes<1>>::default();
         one.put(0, *motion);
-        self.loads_of::<PLANAR, 1>(&self.contacts::<PLANAR, 1>(&one), &one).at(0)
+        let mut load = RacewayLoad::<Lanes<1>>::default();
+        self.loads_of::<PLANAR, 1>(&self.contacts::<PLANAR, 1>(&one), &one, &mut load);
+        load.at(0)
     }
 
     /// Forces and moments of both raceways on balls side by side, by a set of instructions. `PLANAR`: nothing acts or moves
@@ -369,18 +371,20 @@ impl RacewayContact {
     pub fn pair_of_loads<const PLANAR: bool>(
         raceway: &PerRaceway<Self>,
         motion: &PerRaceway<RelativeMotion<Lanes>>,
+        load: &mut PerRaceway<RacewayLoad<Lanes>>,
         instructions: InstructionSet,
-    ) -> PerRaceway<RacewayLoad<Lanes>> {
-        instructions.run(PairOfLoads::<PLANAR> { raceway, motion })
+    ) {
+        instructions.run(PairOfLoads::<PLANAR> { raceway, motion, load });
     }
 
     /// The same of one raceway.
     pub fn loads<const PLANAR: bool>(
         &self,
         motion: &RelativeMotion<Lanes>,
+        load: &mut RacewayLoad<Lanes>,
         instructions: InstructionSet,
-    ) -> RacewayLoad<Lanes> {
-        instructions.run(Loads::<PLANAR> { raceway: self, motion })
+    ) {
+        instructions.run(Loads::<PLANAR> { raceway: self, motion, load });
     }
 
     #[inline(always)]
@@ -400,11 +404,11 @@ impl RacewayContact {
         &self,
         contact: &Contact<Lanes<N>>,
         motion: &RelativeMotion<Lanes<N>>,
-    ) -> RacewayLoad<Lanes<N>> {
-        let mut load = RacewayLoad::<Lanes<N>>::default();
+        load: &mut RacewayLoad<Lanes<N>>,
+    ) {
         if !contact.penetration.any(|penetration| penetration > 0.0) {
-            load.penetration = contact.penetration;
-            return load;
+            *load = RacewayLoad { penetration: contact.penetration, ..RacewayLoad::default() };
+            return;
         }
         let groove = self.groove;
         let sums = self.strip_sums::<PLANAR, N>(contact, motion);
@@ -418,7 +422,6 @@ impl RacewayContact {
                 load.put(lane, one);
             }
         }
-        load
     }
 
     /// Traction over load, summed over the strips. Where nothing spins about the normal, a strip and its image slip alike.
@@ -567,19 +570,18 @@ impl RacewayContact {
         }
     }
 
-    /// How loads at a motion answer to the ball's own motion.
+    /// Writes how loads at a motion answer to the balls' own motion.
     #[inline(always)]
     pub fn slopes<const PLANAR: bool>(
         &self,
         motion: &RelativeMotion<Lanes>,
         load: &RacewayLoad<Lanes>,
-    ) -> ContactSlopes<Lanes> {
+        slopes: &mut ContactSlopes<Lanes>,
+    ) {
         let groove = self.groove;
-        let mut slopes = ContactSlopes::default();
         for lane in 0..LANES {
             slopes.put(lane, groove.slopes::<PLANAR>(&motion.at(lane), &load.at(lane)));
         }
-        slopes
     }
 
     /// Meets the minimum film of a loaded contact.

@@ -251,7 +251,7 @@ fn a_bound_that_does_not_hold_is_found_out() {
     assert!(judged.left_out.iter().any(|one| one.term == "churning" && one.by == Grounds::Judgement));
     let result = simulate(&json, &settings);
     assert!(result.left_out.iter().all(|one| one.by != Grounds::Judgement), "{:?}", result.left_out);
-    assert_eq!(result.summary.solver.relative_tolerance, Some(1e-5));
     let whole = simulate(&json, &RunSettings { model_tolerance_db: 0.0, relative_tolerance: 1e-5, ..settings });
-    assert!(apart(&result, &whole) < 1e-3, "{}", apart(&result, &whole));
+    let stated = result.summary.accuracy.level_error_db.unwrap();
+    assert!(stated <= 0.025 && apart(&result, &whole) < 2.0 * stated + 1e-3, "{stated} {}", apart(&result, &whole));
 }

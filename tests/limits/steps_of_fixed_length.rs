@@ -83,7 +83,7 @@ fn what_steps_state_of_themselves_is_right() {
         json!({ "bearing": { "cage": { "seat": "closed", "offset_mm": 0 } } }),
         json!({ "terms": { "cage": "off" } }),
         json!({ "bearing": { "ball_count": 9, "pitch_diameter_mm": 14, "outer_diameter_mm": 19, "inner_diameter_mm": 9.5 } }),
-        json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 300 } } }),
+        json!({ "damping": { "raceway": { "law": "restitution", "restitution": 0.6, "at_speed_m_s": 0.1 } } }),
         json!({ "lubricant": { "traction": { "law": "coulomb", "coefficient": 0.05, "regularisation_m_s": 0.1 } } }),
     ] {
         let json = changed(article(), changes.clone());

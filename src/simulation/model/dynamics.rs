@@ -331,11 +331,15 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     #[inline(always)]
     fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
         let layout = self.mechanism.layout;
+        // Before the border: what is written one by one has reached the cache when it is read side by side.
+        let mut state = layout.side_by_side::<PLANAR>(y, 0);
         let border = self.border(layout.cage(y), layout.spindle(y), self.mechanism.speed.at(time));
         let mut sum = Reaction::default();
         let mut balls = Balls::default();
         for first in (0..layout.balls).step_by(LANES) {
-            let state = layout.side_by_side::<PLANAR>(y, first);
+            if first > 0 {
+                state = layout.side_by_side::<PLANAR>(y, first);
+            }
             self.balls(first, &state, &border, &mut balls, watch.as_deref_mut(), None);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
@@ -370,7 +374,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         axis: &F::Axis,
         balls: &mut Balls,
         watch: Option<&mut (dyn Watch + '_)>,
-        slopes: Option<&mut Slopes<Lanes>>,
+        mut slopes: Option<&mut Slopes<Lanes>>,
     ) {
         let m = &self.mechanism;
         let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
@@ -397,24 +401,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 churning_factor[lane] = churning.churning_factor(length(balls.motion.spin.at(lane)));
             }
         }
-        let (relative_pocket, places) = self.in_pockets(first, &balls.motion, &pose);
-        let mut of_pocket = PocketSlopes::default();
-        let in_pocket = match slopes {
-            _ if !m.layout.cage => PocketLoad::default(),
-            None => m.pocket.loads(&relative_pocket),
-            Some(_) => {
-                let (load, slopes) = m.pocket.loads_and_slopes(&relative_pocket);
-                of_pocket = slopes;
-                load
-            }
-        };
-        let load = RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, self.instructions);
+        let (mut in_pocket, mut places) = (PocketLoad::<Lanes>::default(), <Vector<Lanes>>::default());
+        let of_pocket = slopes.as_deref_mut().map(|slopes| &mut slopes.pocket);
+        self.pockets(first, &balls.motion, &pose, &mut in_pocket, &mut places, of_pocket);
+        let mut load: PerRaceway<RacewayLoad<Lanes>> = PerRaceway::default();
+        RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, &mut load, self.instructions);
         if let Some(slopes) = slopes {
-            slopes.raceway.outer = m.raceway.outer.slopes::<PLANAR>(&relative.outer, &load.outer);
-            slopes.raceway.inner = m.raceway.inner.slopes::<PLANAR>(&relative.inner, &load.inner);
+            m.raceway.outer.slopes::<PLANAR>(&relative.outer, &load.outer, &mut slopes.raceway.outer);
+            m.raceway.inner.slopes::<PLANAR>(&relative.inner, &load.inner, &mut slopes.raceway.inner);
             let tilt = pose.motion.tilt;
             for lane in 0..LANES {
-                let (azimuth, pocket) = (balls.motion.azimuth.at(lane), of_pocket.at(lane));
+                let (azimuth, pocket) = (balls.motion.azimuth.at(lane), slopes.pocket.at(lane));
                 let normal = azimuth.to_orbit(tilt.to_inertial(pocket.normal));
                 slopes.pocket.put(lane, PocketSlopes { normal, ..pocket });
                 slopes.arm.put(lane, tilt.to_inertial(add(places.at(lane), in_pocket.lever.at(lane))));
@@ -450,36 +447,35 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Motions in the pockets of the balls from `first` on, and the balls' places in the cage; nothing without a cage.
+    /// Writes loads in the pockets of the balls from `first` on, the balls' places in the cage, and how the loads answer to
+    /// the balls' own motion where that is asked for, in the cage's tilted frame; nothing without a cage.
     #[inline(always)]
-    fn in_pockets(
+    fn pockets(
         &self,
         first: usize,
         motion: &BallMotion<Lanes>,
         pose: &CagePose,
-    ) -> (PocketMotion<Lanes>, Vector<Lanes>) {
+        load: &mut PocketLoad<Lanes>,
+        places: &mut Vector<Lanes>,
+        slopes: Option<&mut PocketSlopes<Lanes>>,
+    ) {
         let m = &self.mechanism;
-        let (mut relative, mut places) = (PocketMotion::<Lanes>::default(), <Vector<Lanes>>::default());
         if !m.layout.cage {
-            return (relative, places);
+            return;
         }
         let (one, pose) = (self.one, *pose);
         let start: Azimuth<Lanes> =
             Azimuth { cosine: Lanes::of(&m.start.cosine, first), sine: Lanes::of(&m.start.sine, first) };
+        let mut relative = PocketMotion::<Lanes>::default();
         for lane in 0..LANES {
             let (motion, place) = one.in_pocket(&motion.at(lane), &pose, start.at(lane));
             relative.put(lane, motion);
             places.put(lane, place);
         }
-        (relative, places)
-    }
-
-    /// Loads in the pockets of the balls from `first` on, and the balls' places in the cage; nothing without a cage.
-    #[inline(always)]
-    fn pockets(&self, first: usize, motion: &BallMotion<Lanes>, pose: &CagePose) -> (PocketLoad<Lanes>, Vector<Lanes>) {
-        let (relative, places) = self.in_pockets(first, motion, pose);
-        let loads = || self.mechanism.pocket.loads(&relative);
-        (if self.mechanism.layout.cage { loads() } else { PocketLoad::default() }, places)
+        match slopes {
+            None => m.pocket.loads(&relative, load),
+            Some(slopes) => m.pocket.loads_and_slopes(&relative, load, slopes),
+        }
     }
 
     /// The inner raceway alone on the balls, and the balls on the spindle.
@@ -506,7 +502,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             relative.put(lane, inner);
             frames.put(lane, frame);
         }
-        let load = self.mechanism.raceway.inner.loads::<PLANAR>(&relative, self.instructions);
+        let mut load = RacewayLoad::<Lanes>::default();
+        self.mechanism.raceway.inner.loads::<PLANAR>(&relative, &mut load, self.instructions);
         let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();
         for lane in 0..LANES {
             let (wrench, reaction) = on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane));
@@ -525,7 +522,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         pose: &CagePose,
     ) -> (Wrench<Lanes>, Vector<Lanes>, Vector<Lanes>) {
         let tilt = pose.motion.tilt;
-        let (load, places) = self.pockets(first, motion, pose);
+        let (mut load, mut places) = (PocketLoad::<Lanes>::default(), <Vector<Lanes>>::default());
+        self.pockets(first, motion, pose, &mut load, &mut places, None);
         let mut parts = <(Wrench<Lanes>, Vector<Lanes>, Vector<Lanes>)>::default();
         for lane in 0..LANES {
             let azimuth = motion.azimuth.at(lane);

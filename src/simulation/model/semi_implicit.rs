@@ -95,6 +95,9 @@ pub(super) struct SemiImplicit<'m, const PLANAR: bool> {
     /// How many of them count; 0: the method has to start.
     known: usize,
     formulas: Formulas,
+    /// Room for one group of balls after the other.
+    balls: Balls,
+    slopes: Slopes<Lanes>,
     work: Statistics,
     flat: OnceCell<Vec<f64>>,
 }
@@ -114,8 +117,9 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         });
         let nodes = from_fn(|_| node.clone());
         let (work, formulas) = (Statistics::default(), Formulas::new(1));
+        let (balls, slopes) = (Balls::default(), Slopes::default());
         let (previous, flat) = (time, OnceCell::new());
-        Self { dynamics, asked: step, step, time, previous, nodes, known: 0, formulas, work, flat }
+        Self { dynamics, asked: step, step, time, previous, nodes, known: 0, formulas, balls, slopes, work, flat }
     }
 
     /// Initial acceleration, then short steps of rising order, and every sixteenth of them as the past of the long ones.
@@ -181,16 +185,16 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         // Balls.
         let mut sum = Reaction::default();
         let mut stiff = Stiff::default();
-        let (mut balls, mut slopes) = (Balls::default(), Slopes::default());
+        let (balls, slopes) = (&mut self.balls, &mut self.slopes);
         for group in 0..now.balls.len() {
             let first = group * LANES;
             let (past, predicted) = formula.predicted_balls::<PLANAR>(&now.balls[group], &before.balls[group], share);
-            dynamics.balls(first, &predicted, &border, &mut balls, None, Some(&mut slopes));
-            let corrected = dynamics.corrected(&past, &predicted, &balls, &slopes, share);
+            dynamics.balls(first, &predicted, &border, balls, None, Some(slopes));
+            let corrected = dynamics.corrected(&past, &predicted, balls, slopes, share);
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             corrected.reaction.sum_into(&mut sum, layout.balls - first);
-            dynamics.stiffness(&balls, &slopes, shares, share).sum_into(&mut stiff, layout.balls - first);
+            dynamics.stiffness(balls, slopes, shares, share).sum_into(&mut stiff, layout.balls - first);
         }
 
         // Cage and spindle, under what the balls' corrections leave.
