@@ -16,8 +16,9 @@ pub struct SolverInput {
     #[schema(nullable = false, value_type = Option<MethodName>)]
     pub method: Option<String>,
     /// Relative tolerance of the integrator [-]; `auto` tightens it where it leaves more noise than level. Left out, it is
-    /// 1e-5; with the method `auto` and no series asked for it is 1e-3 where the error that the result then states is within half of
-    /// `model_tolerance_db`, else 1e-5. `solver.relative_tolerance` of the result tells which.
+    /// 1e-5; with the method `auto` and no series asked for, steps of a fixed length (`semi_implicit`) are tried first, then 1e-3,
+    /// each taken where the error that the result then states is within half of `model_tolerance_db`, else 1e-5.
+    /// `solver.method` and `solver.relative_tolerance` of the result tell which.
     #[schema(nullable = false, example = 0.00001)]
     pub relative_tolerance: Option<f64>,
     /// How much a level may change by what is left out by judgement [dB]; 0: identities and

@@ -427,14 +427,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     ) -> Corrected {
         let m = self.mechanism();
         let (mass, inertia, radius) = (m.ball_mass, m.ball_inertia, m.ball_radius);
-        let has_cage = if m.layout.cage { 1.0 } else { 0.0 };
         let mut corrected = Corrected::default();
         for lane in 0..LANES {
             let (old, from, rates) = (past.at(lane), predicted.at(lane), balls.rates.at(lane));
             let PerRaceway { inner, outer } =
                 PerRaceway { inner: slopes.raceway.inner.at(lane), outer: slopes.raceway.outer.at(lane) };
             let PocketSlopes { normal, stiffness, damping } = slopes.pocket.at(lane);
-            let pocket = has_cage * (share * stiffness + damping);
+            let pocket = share * stiffness + damping;
             let inner = Answer::of(&inner, radius, share);
             let outer = Answer::of(&outer, radius, share);
 
@@ -530,6 +529,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
 impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
     fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
+        // A stop that whole steps do not lead to.
+        if self.known > 0 && self.time + self.step > limit + 1e-3 * self.step {
+            self.known = 0;
+        }
         if self.known == 0 {
             let from = self.time;
             self.start(limit);
@@ -571,9 +574,11 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
     /// By the cubic through places, or velocities, and their rates at both ends.
     fn interpolate(&self, time: f64, state: &mut [f64]) {
         let layout = self.dynamics.mechanism().layout;
-        // Within the start its last step stands for all of it.
-        let (h, old, new) = (self.step, &*self.nodes[1], &*self.nodes[0]);
-        let x = 1.0 + (time - self.time) / h;
+        // The start takes several steps at once.
+        let (h, back) = (self.step, (self.time - time) / self.step);
+        let behind = (back as usize).min(NODES - 2);
+        let (old, new) = (&*self.nodes[behind + 1], &*self.nodes[behind]);
+        let x = 1.0 + behind as f64 - back;
         let (x2, x3) = (x * x, x * x * x);
         let after = 3.0 * x2 - 2.0 * x3;
         let (value, rate) = ([1.0 - after, after], [h * (x - 2.0 * x2 + x3), h * (x3 - x2)]);
@@ -600,6 +605,7 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
 
     fn restart(&mut self) {
         self.known = 0;
+        self.time = self.time.next_up();
     }
 
     fn statistics(&self) -> Statistics {

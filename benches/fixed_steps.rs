@@ -1,0 +1,111 @@
+//! The rung `full` as a plain job gets it, in steps of a fixed length where they serve, beside error control: real-time factor with
+//! everything judged, and error of the levels against `gear` at 1e-6 with all terms over the same time.
+//!
+//! `cargo bench --bench fixed_steps` runs the scenes of `benches/scenes/mod.rs`, then four of them with an axial load of 12 N and
+//! nothing left out by judgement. Medians of `RUNS` runs of 0.02 + 0.1 s on one core, both ways in turn.
+
+mod scenes;
+
+use raceway::contract::scene_from_json;
+use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::metrics::Summary;
+use raceway::simulation::run::{Control, Method, Outputs, RunSettings, Rung, run};
+use raceway::simulation::scene::Scene;
+use serde_json::{Value, json};
+
+const RUNS: usize = 5;
+const CHANNELS: [Channel; 4] = [
+    Channel::Spindle(Axis::Y, Motion::Acceleration),
+    Channel::Spindle(Axis::Z, Motion::Acceleration),
+    Channel::Spindle(Axis::Y, Motion::Velocity),
+    Channel::Spindle(Axis::Z, Motion::Velocity),
+];
+/// Scenes that are given an axial load, too.
+const AXIAL: [usize; 4] = [0, 2, 7, 17];
+
+fn main() {
+    raceway::commands::memory::keep_for_the_next_run();
+    println!(
+        "| scene | × real time | by | steps | errors a_y, a_z, v_y, v_z dB | stated dB | by error control: × | by | steps | errors dB |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    let (mut factors, mut errors) = (Vec::new(), Vec::new());
+    for number in 0..scenes::SCENES.len() {
+        let (factor, error) = line(&format!("{:?}", scenes::SCENES[number]), &scenes::scene(number).0);
+        factors.push(factor);
+        errors.push(error);
+    }
+    for number in AXIAL {
+        let mut json: Value = serde_json::from_str(&scenes::scene(number).1).expect("JSON of a scene");
+        json["operation"]["axial_load_n"] = 12.into();
+        json["terms"] = json!({ "drag": "on", "churning": "on", "conformity": "on", "spin": "on" });
+        let scene = scene_from_json(&json.to_string()).expect("an axial load moves a spindle that is free");
+        line(&format!("{:?}, 12 N axial, nothing left out by judgement", scenes::SCENES[number]), &scene);
+    }
+    factors.sort_by(f64::total_cmp);
+    println!(
+        "\n{} scenes without axial load: {:.2} × real time least, {:.2} in the median; worst error {:.4} dB",
+        factors.len(),
+        factors[0],
+        factors[factors.len() / 2],
+        errors.into_iter().fold(0.0, f64::max)
+    );
+}
+
+/// Prints a line of the table; returns real-time factor and worst error of what a plain job gets.
+fn line(name: &str, scene: &Scene) -> (f64, f64) {
+    let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
+    let plain = RunSettings {
+        method: Method::Auto,
+        rung: Some(Rung::Full),
+        relative_tolerance: 1e-3,
+        tightened: Some(1e-5),
+        model_tolerance_db: 0.05,
+        fixed_step: None,
+        settle: 0.02,
+        duration: 0.1,
+        outputs,
+    };
+    let controlled = RunSettings { tightened: None, ..plain.clone() };
+    let exact =
+        RunSettings { method: Method::Gear, relative_tolerance: 1e-6, model_tolerance_db: 0.0, ..controlled.clone() };
+    let once =
+        |settings: &RunSettings| run(scene, settings, &Control::until(&|| false)).expect("the scene runs").summary;
+    let exact = once(&exact);
+    let (mut times, mut found) = ([Vec::new(), Vec::new()], None);
+    for _ in 0..RUNS {
+        let both = [&plain, &controlled].map(once);
+        for (times, summary) in times.iter_mut().zip(&both) {
+            times.push(summary.solver.wall_time);
+        }
+        found = Some(both);
+    }
+    let both = found.expect("at least one run");
+    let factor = |times: &mut Vec<f64>| {
+        times.sort_by(f64::total_cmp);
+        (plain.settle + plain.duration) / times[RUNS / 2]
+    };
+    let factors = times.each_mut().map(factor);
+    let errors = both
+        .each_ref()
+        .map(|summary| CHANNELS.map(|channel| 20.0 * (rms(summary, channel) / rms(&exact, channel)).log10()));
+    let words = |errors: &[f64; 4]| errors.map(|error| format!("{error:+.4}")).join(" ");
+    let [stepped, by_control] = &both;
+    println!(
+        "| {name} | {:.2} | {} | {} | {} | {:.4} | {:.2} | {} | {} | {} |",
+        factors[0],
+        stepped.solver.method,
+        stepped.solver.statistics.steps,
+        words(&errors[0]),
+        stepped.accuracy.level_error_db.unwrap_or(f64::NAN),
+        factors[1],
+        by_control.solver.method,
+        by_control.solver.statistics.steps,
+        words(&errors[1])
+    );
+    (factors[0], errors[0].into_iter().fold(0.0, |worst, error| f64::max(worst, error.abs())))
+}
+
+fn rms(summary: &Summary, channel: Channel) -> f64 {
+    summary.channels.iter().find(|(of, _)| *of == channel).map_or(f64::NAN, |(_, metrics)| metrics.rms)
+}
