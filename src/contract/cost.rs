@@ -3,6 +3,7 @@
 use super::job::Job;
 use super::resolve::CostAnswer;
 use super::units::significant;
+use crate::numerics::lanes::LANES;
 use crate::simulation::divergence::judged_stretch;
 use crate::simulation::ladder::{self, Rung};
 use crate::simulation::model::Model;
@@ -27,7 +28,7 @@ const STIFF_EVALUATIONS: f64 = 6.0;
 const STIFF_STEP: f64 = 1e-6;
 const STIFF_TOLERANCE: f64 = 1e-5;
 /// A step of fixed length, what it is implicit in included, and the repetition of a part of the run, in evaluations.
-const STEPPED_EVALUATIONS: f64 = 2.0;
+const STEPPED_EVALUATIONS: f64 = 2.5;
 /// Speed of a reduced rung with its own repetition, times real time.
 const REDUCED_REAL_TIME_FACTOR: f64 = 20.0;
 /// What the dynamics beside which a reduced rung is checked cost, in runs over that time: they are repeated, too.
@@ -49,7 +50,8 @@ pub fn estimate(job: &Job) -> CostAnswer {
     let states = model.mechanism().layout.dimension() as u64;
     let mode = start_state(&model).and_then(|start| fastest_mode(&model, &start));
     let times = mode.ok().map(|mode| {
-        let balls = scene.bearing.parameters.ball_count as f64;
+        // As many as stand side by side are evaluated together.
+        let balls = scene.bearing.parameters.ball_count.next_multiple_of(LANES) as f64;
         let evaluation = balls * (SECONDS_PER_BALL + 2.0 * job.needs.raceway.strips as f64 * SECONDS_PER_STRIP);
         let by_error_control = |time: f64| time * evaluations_per_second(&job.settings, &mode) * evaluation;
         let by_dynamics = |time: f64| match stepped::may_choose(&job.settings) {

@@ -18,7 +18,8 @@ pub struct SolverInput {
     /// Relative tolerance of the integrator [-]; `auto` tightens it where it leaves more noise than level. Left out, it is
     /// 1e-5; with the method `auto` and no series asked for, steps of a fixed length (`semi_implicit`) are tried first, then 1e-3,
     /// each taken where the error that the result then states is within half of `model_tolerance_db`, else 1e-5.
-    /// `solver.method` and `solver.relative_tolerance` of the result tell which.
+    /// `solver.method` of the result tells which, and `solver.relative_tolerance`, which steps do not have. With `model_tolerance_db` 0
+    /// no steps are tried.
     #[schema(nullable = false, example = 0.00001)]
     pub relative_tolerance: Option<f64>,
     /// How much a level may change by what is left out by judgement [dB]; 0: identities and
@@ -34,7 +35,8 @@ pub struct SolverInput {
     pub fixed_step_us: Option<f64>,
 }
 
-/// `auto`: chooses between the others by the stiffness of the scene, and says why. `gear`: backward differentiation
+/// `auto`: steps of a fixed length (`semi_implicit`) where no tolerance is asked for and they serve; else chooses between the others by
+/// the stiffness of the scene, and says why. `gear`: backward differentiation
 /// of variable step and order 1–5. `fine_abm`: precise integration of the linear part with exponential
 /// Adams–Bashforth–Moulton. `dormand_prince`: explicit Runge–Kutta of order 5, for scenes that are not stiff. `radau`:
 /// implicit Runge–Kutta of order 5 (Radau IIA), the reference.
@@ -146,9 +148,11 @@ const OF_RUNGS: [(&str, Rung); 3] =
 pub fn method_of(filling: &mut Filling, pointer: &str, name: &str) -> Option<Method> {
     if let Some((_, rung)) = OF_RUNGS.iter().find(|own| own.0 == name) {
         let rung = rung.name();
-        let alike = if name == Method::SemiImplicit.name() { ", and with others by `auto`," } else { "" };
-        filling
-            .refuse(pointer, format!("`{name}` goes with the rung `{rung}`{alike} and cannot be chosen: leave it out"));
+        let alike = match name == Method::SemiImplicit.name() {
+            true => ", and is what `auto` tries first on `full` and `planar` where no tolerance is asked for; it",
+            false => " and",
+        };
+        filling.refuse(pointer, format!("`{name}` goes with the rung `{rung}`{alike} cannot be chosen: leave it out"));
         return None;
     }
     chosen(filling, pointer, name, &METHODS)

@@ -81,8 +81,16 @@ impl ViewsAnswer {
     }
 }
 
+/// Rounded so that their range keeps its digits: a small orbit far from the origin has none of its own otherwise.
 fn all(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|value| rounded(*value, DIGITS)).collect()
+    let (least, most) = values.iter().fold((f64::MAX, f64::MIN), |(least, most), &v| (least.min(v), most.max(v)));
+    let span = most - least;
+    if !(span > 0.0 && span.is_finite()) {
+        return values.iter().map(|value| rounded(*value, DIGITS)).collect();
+    }
+    let places = DIGITS - 1 - span.log10().floor() as i32;
+    let scale = 10_f64.powi(places.clamp(-300, 300));
+    values.iter().map(|value| (value * scale).round() / scale).collect()
 }
 
 fn trace(trace: &Trace) -> TraceView {

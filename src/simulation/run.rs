@@ -213,9 +213,10 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     // Progress counts all that may have to be done: an end that comes early is better than one that stands.
     let attempts = [true, whole.is_some(), tighter.is_some()].into_iter().filter(|may_come| *may_come).count() as f64;
     let mut setup = Setup { model: &model, needs: &needs, settings, start: &start, whole };
-    // The first half of the progress: it mostly serves.
+    // Most of the progress: it mostly serves.
     let allowed_db = SHARE_OF_ERROR * settings.model_tolerance_db;
-    let progress = |share: f64| (control.progress)(0.5 * share);
+    let stepped_share = if stepped::may_choose(settings) { STEPPED_SHARE } else { 0.0 };
+    let progress = |share: f64| (control.progress)(stepped_share * share);
     if let Some(stepped) = stepped::attempt(&setup, allowed_db, &Control { progress: &progress, ..*control })? {
         (control.progress)(1.0);
         let Stepped { attempt, accuracy, settings, model, needs } = stepped;
@@ -223,7 +224,8 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
         return Ok(summarise(scene, &setup, &attempt, accuracy, &found, begin));
     }
     let attempt = |setup: &Setup<'_>, before: f64| {
-        let progress = |share: f64| (control.progress)(0.5 + 0.5 * (before + share) / attempts);
+        let progress =
+            |share: f64| (control.progress)(stepped_share + (1.0 - stepped_share) * (before + share) / attempts);
         let control = &Control { progress: &progress, ..*control };
         let first = setup.attempt(&Stepping::of(setup.settings), (0.0, MAIN_SHARE), control)?;
         accuracy::judge(setup, first, control)
@@ -254,6 +256,9 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
 /// Share of `model_tolerance_db` that the error which a run states may be, before it is made again with all terms, and at a
 /// tighter tolerance where it may choose that: the estimate may be off by as much.
 const SHARE_OF_ERROR: f64 = 0.5;
+
+/// Share of the progress that steps of a fixed length stand for, where they are tried first.
+const STEPPED_SHARE: f64 = 0.8;
 
 /// Share of the progress that the main integration stands for; the rest judges its accuracy.
 pub(super) const MAIN_SHARE: f64 = 0.85;
@@ -521,6 +526,9 @@ impl RunResult {
 fn reason(settings: &RunSettings, attempt: &Attempt) -> String {
     let method = attempt.integrated.choice.reason.clone().unwrap_or_else(|| "asked for".into());
     let (asked, taken) = (settings.relative_tolerance, attempt.relative_tolerance);
+    // What was tried before.
+    let in_vain = stepped::may_choose(settings) && attempt.integrated.choice.method != Method::SemiImplicit;
+    let method = if in_vain { format!("steps of a fixed length did not serve; {method}") } else { method };
     if settings.tightened == Some(taken) {
         format!("{method}; tolerance {taken:.0e}, for at {asked:.0e} the level was not certain enough")
     } else if settings.tightened.is_some() && taken == asked {

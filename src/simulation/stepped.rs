@@ -1,5 +1,5 @@
 //! The dynamics in steps of a fixed length, where `auto` may choose: tried first, for they take a fraction of what error control
-//! takes, and kept where half of the step tells the same level.
+//! takes, and kept where a quarter of the step tells the same level.
 
 use super::accuracy;
 use super::metrics::{AccuracyReport, MotionKind};
@@ -14,14 +14,14 @@ const AXIAL_STEP: f64 = 5.5e-6;
 /// Step by which a reduced rung is checked [s]: half of the first, a fifth of its error.
 const CHECKING_STEP: f64 = 0.5 * STEP;
 /// Shortest step that is tried [s]: below it error control takes no longer.
-const SHORTEST: f64 = 1.8e-6;
+const SHORTEST: f64 = 1e-6;
 /// Order by which the error falls with the step, rounded down, and share of the allowed error that the next step aims at.
 const ORDER: f64 = 2.0;
 const AIM: f64 = 0.5;
 /// The next step over the last, at most.
 const LARGEST_CHANGE: f64 = 0.75;
-/// Attempts, the first one included.
-const ATTEMPTS: usize = 2;
+/// Attempts, the first one included: progress before each, and what each adds.
+const PROGRESS: [(f64, f64); 3] = [(0.0, 0.8), (0.8, 0.1), (0.9, 0.1)];
 
 /// Whether steps are tried: where the method is free and no tolerance was asked for.
 pub fn may_choose(settings: &RunSettings) -> bool {
@@ -58,9 +58,14 @@ pub(super) fn attempt<'a>(
         return Ok(None);
     }
     let mut step = if setup.model.mechanism().layout.axial_spindle { AXIAL_STEP } else { STEP };
-    for number in 0..ATTEMPTS {
+    for number in 0..PROGRESS.len() {
         let settings = in_steps(setup.settings, step);
-        let progress = |share: f64| (control.progress)((number as f64 + share) / ATTEMPTS as f64);
+        let (before, part) = PROGRESS[number];
+        // The repetition at a quarter of the step takes about as long as the run.
+        let judging = |share: f64| (share - MAIN_SHARE) / (1.0 - MAIN_SHARE);
+        let halves =
+            |share: f64| if share < MAIN_SHARE { 0.5 * share / MAIN_SHARE } else { 0.5 + 0.5 * judging(share) };
+        let progress = |share: f64| (control.progress)(before + part * halves(share));
         let control = &Control { progress: &progress, ..*control };
         // Where the first did not serve, nobody knows whether steps or terms left out are to blame: both are mended.
         let (model, needs, whole) = match setup.whole.filter(|_| number > 0) {
@@ -77,7 +82,7 @@ pub(super) fn attempt<'a>(
             // What is too stiff for the step blows up.
             Err(_) => return Ok(None),
         };
-        // Steps beyond the limit of stability part two motions, too: chaos is left to error control.
+        // Steps beyond the limit of stability part two motions, too: chaos is left to error control, and so is what forgets slowly.
         let is_steady = accuracy.motion != Some(MotionKind::Diverging) && accuracy.warning.is_none();
         if is_steady && accuracy.within(&settings.outputs, allowed_db) {
             return Ok(Some(Stepped { attempt, accuracy, settings, model, needs }));

@@ -81,7 +81,6 @@ fn what_steps_state_of_themselves_is_right() {
         json!({ "operation": { "axial_load_n": 12 } }),
         json!({ "operation": { "misalignment_mrad": { "y": 0.5, "z": -0.3 } } }),
         json!({ "bearing": { "cage": { "seat": "closed", "offset_mm": 0 } } }),
-        json!({ "terms": { "cage": "off" } }),
         json!({ "bearing": { "ball_count": 9, "pitch_diameter_mm": 14, "outer_diameter_mm": 19, "inner_diameter_mm": 9.5 } }),
         json!({ "damping": { "raceway": { "law": "restitution", "restitution": 0.6, "at_speed_m_s": 0.1 } } }),
         json!({ "lubricant": { "traction": { "law": "coulomb", "coefficient": 0.05, "regularisation_m_s": 0.1 } } }),
@@ -131,4 +130,40 @@ fn steps_follow_a_speed_that_varies() {
     let stated = found.summary.accuracy.level_error_db.unwrap();
     assert_eq!(found.summary.solver.method, "semi_implicit");
     assert!(off < 3.0 * stated + 1e-3, "{off} {stated}");
+}
+
+/// The last step before a kink sees the slope that led there, wherever rounding puts the sum of the steps: a rise by 1 % within a
+/// microsecond is no jerk of the cage.
+#[test]
+fn no_step_sees_the_slope_after_a_kink() {
+    let pocket_load = |at: f64, settings: &RunSettings| {
+        let profile = json!([{ "at_s": at, "rpm": 30_000 }, { "at_s": at + 1e-6, "rpm": 30_300 }]);
+        let ramp = changed(article(), json!({ "operation": { "speed_rpm": profile } }));
+        let summary = simulate(&ramp, &RunSettings { settle: 5e-3, duration: 1e-2, ..settings.clone() }).summary;
+        (summary.solver.method, summary.cage.unwrap().max_pocket_load)
+    };
+    let (_, expected) = pocket_load(0.007, &exact());
+    for at in [0.006, 0.007, 0.008, 0.009] {
+        let (method, found) = pocket_load(at, &free());
+        assert_eq!(method, "semi_implicit");
+        assert!(found < 1.3 * expected, "{at}: {found} {expected}");
+    }
+}
+
+/// In the plane a crown cage stays there: its orbit and pocket loads are those of error control on the same rung.
+#[test]
+fn a_planar_cage_keeps_to_its_plane() {
+    let slow = json!({ "operation": { "speed_rpm": 6000, "radial_load_y_n": 20 } });
+    let json = changed(article(), slow);
+    let planar = |settings: RunSettings| {
+        let settings = RunSettings { rung: Some(Rung::Planar), settle: 0.02, duration: 0.04, ..settings };
+        let summary = simulate(&json, &settings).summary;
+        let cage = summary.cage.unwrap();
+        (summary.solver.method, cage.orbit_radius, cage.max_pocket_load)
+    };
+    let (method, orbit, pocket) = planar(free());
+    let (_, expected_orbit, expected_pocket) = planar(exact());
+    assert_eq!(method, "semi_implicit");
+    assert!((orbit / expected_orbit - 1.0).abs() < 0.02, "{orbit} {expected_orbit}");
+    assert!((pocket / expected_pocket - 1.0).abs() < 0.02, "{pocket} {expected_pocket}");
 }

@@ -136,7 +136,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             if short % START == 0 {
                 past.push(self.nodes[0].clone());
             }
-            self.advance();
+            self.advance(limit);
         }
         for (node, old) in self.nodes[1..].iter_mut().zip(past.into_iter().rev()) {
             *node = old;
@@ -145,8 +145,13 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         self.work.steps += NODES as u64 - 1;
     }
 
-    /// One step, compiled for the processor's instructions.
-    fn advance(&mut self) {
+    /// One step, compiled for the processor's instructions. Whole steps lead to `limit`, to rounding, and end at it: beyond a kink of
+    /// the speed they would see the slope after it.
+    fn advance(&mut self, limit: f64) {
+        let end = self.time + self.step;
+        let end = if (limit - end).abs() < 1e-3 * self.step { limit } else { end };
+        self.previous = self.time;
+        self.time = end;
         self.dynamics.instructions().run(Step { integrator: self });
         if self.known < NODES {
             self.known += 1;
@@ -178,8 +183,6 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         };
         let past_cage = formula.past_of_cage(&now.cage, &before.cage);
         let cage = formula.predicted_cage(&now.cage, &before.cage, &past_cage, share);
-        self.previous = self.time;
-        self.time += h;
         let border = dynamics.border(cage, new.spindle, dynamics.mechanism().speed.at(self.time));
 
         // Balls.
@@ -198,7 +201,10 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         }
 
         // Cage and spindle, under what the balls' corrections leave.
-        let rates = dynamics.cage_rates(&border.cage, &border.pose, &sum, border.shaft);
+        let mut rates = dynamics.cage_rates(&border.cage, &border.pose, &sum, border.shaft);
+        if PLANAR {
+            rates = in_plane(rates);
+        }
         if layout.cage {
             let response = dynamics.cage_stiffness(&stiff);
             (new.cage, new.cage_rates) = corrected_cage(&past_cage, &cage, &rates, &response, share);
@@ -307,6 +313,18 @@ impl Backward {
             tilt: from_fn(|i| past.tilt[i] + share * ahead.tilt_rate[i]),
             ..ahead
         }
+    }
+}
+
+/// Without motion along X and tilts, which pockets of a crown cage would drive.
+fn in_plane(cage: CageState) -> CageState {
+    let without_x = |[_, y, z]: Vector| [0.0, y, z];
+    CageState {
+        centre: without_x(cage.centre),
+        tilt: [0.0; 2],
+        velocity: without_x(cage.velocity),
+        tilt_rate: [0.0; 2],
+        ..cage
     }
 }
 
@@ -539,12 +557,8 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
             self.previous = from;
             self.work.advanced += self.time - from;
         } else {
-            self.advance();
+            self.advance(limit);
             self.work.accept(self.step, false);
-        }
-        // Whole steps lead to the stop, to rounding.
-        if (limit - self.time).abs() < 1e-3 * self.step {
-            self.time = limit;
         }
         let Node { acceleration, cage, .. } = &*self.nodes[0];
         let moves = acceleration.iter().chain(&cage.velocity).chain([&cage.arc_velocity]).all(|x| x.is_finite());
@@ -614,8 +628,8 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
 
     fn choice(&self) -> Choice {
         let reason = format!(
-            "steps of {:.2} µs, implicit in what is stiff: steps of half the length tell the same level, and error control takes \
-             longer",
+            "steps of {:.2} µs, implicit in what is stiff: tried before error control, and kept because what a quarter of the \
+             step tells lies within half of model_tolerance_db",
             1e6 * self.step
         );
         Choice { method: Method::SemiImplicit, reason: Some(reason) }
