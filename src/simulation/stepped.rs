@@ -58,9 +58,8 @@ pub(super) fn attempt<'a>(
         return Ok(None);
     }
     let mut step = if setup.model.mechanism().layout.axial_spindle { AXIAL_STEP } else { STEP };
-    for number in 0..PROGRESS.len() {
+    for (number, (before, part)) in PROGRESS.into_iter().enumerate() {
         let settings = in_steps(setup.settings, step);
-        let (before, part) = PROGRESS[number];
         // The repetition at a quarter of the step takes about as long as the run.
         let judging = |share: f64| (share - MAIN_SHARE) / (1.0 - MAIN_SHARE);
         let halves =

@@ -359,9 +359,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         watch: Option<&mut (dyn Watch + '_)>,
         slopes: Option<&mut Slopes<Lanes>>,
     ) {
+        let asked = (watch, slopes);
         match self.tilted_axis {
-            Some(axis) if !PLANAR => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, watch, slopes),
-            _ => self.balls_in::<StraightFrame>(first, state, border, &(), balls, watch, slopes),
+            Some(axis) if !PLANAR => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, asked),
+            _ => self.balls_in::<StraightFrame>(first, state, border, &(), balls, asked),
         }
     }
 
@@ -373,8 +374,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         border: &Border,
         axis: &F::Axis,
         balls: &mut Balls,
-        watch: Option<&mut (dyn Watch + '_)>,
-        mut slopes: Option<&mut Slopes<Lanes>>,
+        (watch, mut slopes): (Option<&mut (dyn Watch + '_)>, Option<&mut Slopes<Lanes>>),
     ) {
         let m = &self.mechanism;
         let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);

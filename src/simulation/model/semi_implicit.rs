@@ -108,7 +108,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let groups = (0..layout.balls).step_by(LANES);
         let balls: Vec<_> = groups.map(|first| layout.side_by_side::<PLANAR>(state, first)).collect();
         let node = Box::new(Node {
-            rates: balls.iter().map(|balls| rates_of_places(balls)).collect(),
+            rates: balls.iter().map(rates_of_places).collect(),
             balls,
             cage: layout.cage(state),
             cage_rates: CageState::default(),
@@ -216,9 +216,9 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let per_mass = 1.0 / dynamics.mechanism().spindle_mass;
         let change: Vector = from_fn(|i| (acceleration[i] - foreseen[i]) / (1.0 + stiff.spindle[i] * per_mass));
         new.acceleration = from_fn(|i| foreseen[i] + change[i]);
-        for i in 0..3 {
-            new.spindle.position[i] += shares.0 * change[i];
-            new.spindle.velocity[i] += shares.1 * change[i];
+        for (i, change) in change.into_iter().enumerate() {
+            new.spindle.position[i] += shares.0 * change;
+            new.spindle.velocity[i] += shares.1 * change;
         }
     }
 }
