@@ -18,7 +18,7 @@ POINTS = 64
 ROUNDS = 2
 WAITED_FOR = 60
 STUDY = {
-    "kind": "study", "scene": ARTICLE["scene"], "solver": {"rung": "full"}, "settle_s": 0.01, "duration_s": 0.02, "reuse": False,
+    "kind": "study", "scene": ARTICLE["scene"], "solver": {"rung": "full"}, "settle_s": 0.01, "duration_s": 0.12, "reuse": False,
     "axes": [{"path": "/operation/radial_load_y_n", "from": 100, "to": 300, "count": POINTS}],
 }
 

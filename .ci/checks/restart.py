@@ -9,7 +9,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from service import ARTICLE, Service, check  # noqa: E402
 
 # Seconds of computing: the kill meets it on a quick machine, too.
-LONG = ARTICLE | {"duration_s": 2, "solver": {"rung": "full"}}
+LONG = ARTICLE | {"duration_s": 10, "solver": {"rung": "full"}}
 
 with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     first = Service(directory, "--workers", "1")

@@ -19,7 +19,7 @@ ROUNDS = 2
 def job(number):
     operation = {"speed_rpm": 50000, "radial_load_y_n": 150 + number}
     scene = ARTICLE["scene"] | {"operation": operation}
-    return ARTICLE | {"scene": scene, "solver": {"rung": "full"}, "settle_s": 0.02, "duration_s": 0.03, "reuse": False}
+    return ARTICLE | {"scene": scene, "solver": {"rung": "full"}, "settle_s": 0.02, "duration_s": 0.2, "reuse": False}
 
 
 def run(workers):
