@@ -191,7 +191,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let (balls, slopes) = (&mut self.balls, &mut self.slopes);
         for group in 0..now.balls.len() {
             let first = group * LANES;
-            let (past, predicted) = formula.predicted_balls::<PLANAR>(&now.balls[group], &before.balls[group], share);
+            let (past, predicted) = formula.predicted_balls(&now.balls[group], &before.balls[group], share);
             dynamics.balls(first, &predicted, &border, balls, None, Some(slopes));
             let corrected = dynamics.corrected(&past, &predicted, balls, slopes, share);
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
@@ -281,7 +281,7 @@ struct Corrected {
 impl Backward {
     /// Σ past_i y_{n−i} of the balls, and their predicted state: velocities by extrapolation, places as these take them.
     #[inline(always)]
-    fn predicted_balls<const PLANAR: bool>(
+    fn predicted_balls(
         self,
         now: &BallState<Lanes>,
         before: &BallState<Lanes>,
@@ -391,8 +391,8 @@ fn add_product(matrix: &mut [f64; 6], strength: f64, [x, y, z]: Vector) {
     matrix[5] += strength * z * z;
 }
 
-/// The answer of one contact over a step: directions of (axial velocity, radial velocity, spin about the orbit) and of (orbit velocity, spin about x
-/// and about the radius) that it resists, with their strengths [N s/m].
+/// The answer of one contact over a step: directions that it resists, with their strengths [N s/m]; the first three of (axial
+/// velocity, radial velocity, spin about the orbit), the last of (orbit velocity, spin about x, spin about the radius).
 struct Answer {
     normal: (f64, Vector),
     turning: (f64, Vector),
@@ -508,7 +508,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         corrected
     }
 
-    /// What balls passed on to spindle and cage would be if these moved: `shares` of the spindle's place and velocity, `share` of the cage's velocity.
+    /// What balls would pass on to spindle and cage if these moved: by the `shares` that a step has of the spindle's place and
+    /// velocity, and by its `share` of the cage's places.
     #[inline(always)]
     fn stiffness(&self, balls: &Balls, slopes: &Slopes<Lanes>, shares: (f64, f64), share: f64) -> Stiff<Lanes> {
         let mut stiff = Stiff::default();
