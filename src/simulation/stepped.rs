@@ -81,7 +81,7 @@ pub(super) fn attempt<'a>(
             // What is too stiff for the step blows up.
             Err(_) => return Ok(None),
         };
-        // Steps beyond the limit of stability part two motions, too: chaos is left to error control, and so is what forgets slowly.
+        // Steps beyond the limit of stability part two motions, too: chaos is left to error control.
         let is_steady = accuracy.motion != Some(MotionKind::Diverging) && accuracy.warning.is_none();
         if is_steady && accuracy.within(&settings.outputs, allowed_db) {
             return Ok(Some(Stepped { attempt, accuracy, settings, model, needs }));
