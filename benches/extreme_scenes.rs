@@ -15,8 +15,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use raceway::contract::scene_from_json;
-use raceway::simulation::accuracy::FAINT;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::distance::FAINT;
 use raceway::simulation::metrics::MotionKind;
 use raceway::simulation::run::{Control, Method, Outputs, RunResult, RunSettings, SimulationError, run};
 use raceway::simulation::scene::Scene;
@@ -137,10 +137,10 @@ fn answer(result: &RunResult) -> Option<Answer> {
     };
     let answer = Answer {
         levels: [level(Axis::Y), level(Axis::Z)],
-        stated: summary.accuracy.level_error_db.unwrap_or(0.0),
+        stated: summary.accuracy.level_error_db().unwrap_or(0.0),
         chaotic: summary.accuracy.motion == Some(MotionKind::Diverging),
         warned: summary.accuracy.warning.is_some(),
-        judged: summary.accuracy.level_error_db.is_some() || summary.accuracy.warning.is_none(),
+        judged: summary.accuracy.level_error_db().is_some() || summary.accuracy.warning.is_none(),
         quantities: [
             summary.contacts.as_ref().map_or(0.0, |contacts| contacts.raceway.inner.max_load),
             summary.cage.as_ref().map_or(0.0, |cage| cage.speed),

@@ -151,7 +151,7 @@ fn chosen() {
         for (case, (all, tolerance)) in cases.into_iter().enumerate() {
             let found = plain(None, all, tolerance);
             let off = CHANNELS[..2].iter().map(|c| (level(&found, *c) - level(&full, *c)).abs()).fold(0.0, f64::max);
-            let stated = found.accuracy.level_error_db.expect("a level is judged");
+            let stated = found.accuracy.level_error_db().expect("a level is judged");
             let rung = found.solver.rung;
             admitted[case] += usize::from([Rung::SpindleOnly, Rung::Periodic].iter().any(|lean| lean.name() == rung));
             wrong[case] += usize::from(off > tolerance);

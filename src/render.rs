@@ -112,7 +112,7 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     // Reports of older versions do not name their scene.
     let title = if compared.scene.is_empty() { "Error against run time" } else { &compared.scene };
     let panels = [
-        ErrorPanel { name: "Error of the level, worst of y and z", unit: "dB", floor: level },
+        ErrorPanel { name: "Error of the level, worst of all axes", unit: "dB", floor: level },
         ErrorPanel { name: "Error of the trajectory", unit: "rms, in standard deviations", floor: trajectory },
     ];
     work_precision_svg(title, &subtitle, &curves, panels)

@@ -226,7 +226,7 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     }
     let _ = writeln!(
         text,
-        "\nerror: of the acceleration's level, worst of y and z (without one more than 60 dB below the other)\n\
+        "\nerror: of the acceleration's level, worst of all axes (without one more than 60 dB below another)\n\
          trajectory: rms distance of all states from the reference's, in standard deviations of each\n\
          *: below ten times the reference's own error, or below the sampling error: says nothing\n\
          time: median and range of {}, one thread; cpu: what of it the processor gave to the run\n\

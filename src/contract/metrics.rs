@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 pub use super::report::{AccuracyAnswer, FrequenciesAnswer, GroundsName, LeftOutAnswer, MotionName, SolverAnswer};
+use crate::simulation::channel::Channel;
 use crate::simulation::lines::Line;
 use crate::simulation::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
 use crate::simulation::run::{Outputs, RunResult};
@@ -68,6 +69,10 @@ pub struct ChannelAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub level_db: Option<f64>,
+    /// Estimated error of that level [dB]; absent where it is not known, and where another axis is more than 60 dB louder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub level_error_db: Option<f64>,
     /// Share of the power above 20 kHz [-].
     #[schema(minimum = 0, maximum = 1)]
     pub above_band: f64,
@@ -172,8 +177,11 @@ pub struct LineAnswer {
 impl Metrics {
     pub fn of(result: &RunResult, outputs: &Outputs) -> Self {
         let summary = &result.summary;
-        let channels =
-            summary.channels.iter().map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m)));
+        let error = |channel: &Channel| summary.accuracy.level_errors.of(*channel);
+        let channels = summary
+            .channels
+            .iter()
+            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, error(channel))));
         let lines = summary.lines.iter().map(|(channel, line)| line_answer(channel.to_string(), line));
         Self {
             channels: outputs.vibration.then(|| channels.collect()),
@@ -186,13 +194,13 @@ impl Metrics {
             frequencies_hz: summary.frequencies.into(),
             lines: outputs.vibration.then(|| lines.collect()),
             solver: (&summary.solver).into(),
-            accuracy: (&summary.accuracy).into(),
+            accuracy: AccuracyAnswer::of(&summary.accuracy, outputs),
             left_out: result.left_out.iter().map(LeftOutAnswer::from).collect(),
         }
     }
 }
 
-fn channel_answer(unit: &str, metrics: &ChannelMetrics) -> ChannelAnswer {
+fn channel_answer(unit: &str, metrics: &ChannelMetrics, level_error_db: Option<f64>) -> ChannelAnswer {
     ChannelAnswer {
         unit: unit.to_owned(),
         rms: metrics.rms,
@@ -200,6 +208,7 @@ fn channel_answer(unit: &str, metrics: &ChannelMetrics) -> ChannelAnswer {
         crest_factor: metrics.crest_factor,
         kurtosis: metrics.kurtosis,
         level_db: metrics.level_db,
+        level_error_db,
         above_band: metrics.above_band,
     }
 }

@@ -5,8 +5,9 @@ use utoipa::ToSchema;
 
 use super::units::significant;
 use crate::physics::kinematics::CharacteristicFrequencies;
-use crate::simulation::metrics::{AccuracyReport, MotionKind, SolverReport};
+use crate::simulation::metrics::{AccuracyReport, MotionKind, QuantityErrors, SolverReport};
 use crate::simulation::needs::{Grounds, LeftOut};
+use crate::simulation::run::Outputs;
 
 /// Characteristic frequencies [Hz].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -87,6 +88,18 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub cage_speed_error: Option<f64>,
+    /// Estimated error of the largest pocket load, as a share of it [-]; where the cage was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub max_pocket_load_error: Option<f64>,
+    /// Estimated error of the largest slip, as a share of it [-], of the raceway where it is the larger; where contacts were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub max_slip_error: Option<f64>,
+    /// Estimated error of the radius of the cage's orbit, as a share of it [-]; where the cage was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub orbit_radius_error: Option<f64>,
     /// How these errors were estimated, in words.
     pub how: String,
     /// `decaying`: neighbouring runs meet, the motion is regular. `diverging`: they part, it is chaotic.
@@ -98,8 +111,8 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub divergence_rate_per_s: Option<f64>,
-    /// Present where the level is not resolved (an error of more than 1 dB), where the largest contact load or the cage
-    /// speed is not (more than 10 %, chaotic motion apart), where a run could not be judged, or where a fixed step lies
+    /// Present where the level is not resolved (an error of more than 1 dB), where the largest contact load, the cage speed, or,
+    /// asked for, the largest pocket load or slip or the cage's orbit is not (more than 10 %, chaotic motion apart), where a run could not be judged, or where a fixed step lies
     /// beyond the limit of stability: then the result is wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -182,12 +195,17 @@ impl From<&SolverReport> for SolverAnswer {
     }
 }
 
-impl From<&AccuracyReport> for AccuracyAnswer {
-    fn from(report: &AccuracyReport) -> Self {
+impl AccuracyAnswer {
+    /// What is stated of a run, and of its peaks where they are shown.
+    pub fn of(report: &AccuracyReport, outputs: &Outputs) -> Self {
+        let share = |of: fn(&QuantityErrors) -> f64| report.quantity_errors.as_ref().map(|e| significant(of(e), 3));
         Self {
-            level_error_db: report.level_error_db,
-            max_load_error: report.quantity_errors.map(|errors| significant(errors.max_load, 3)),
-            cage_speed_error: report.quantity_errors.map(|errors| significant(errors.cage_speed, 3)),
+            level_error_db: report.level_error_db(),
+            max_load_error: share(|errors| errors.max_load),
+            cage_speed_error: share(|errors| errors.cage_speed),
+            max_pocket_load_error: share(|errors| errors.max_pocket_load).filter(|_| outputs.cage),
+            orbit_radius_error: share(|errors| errors.orbit_radius).filter(|_| outputs.cage),
+            max_slip_error: share(|errors| errors.max_slip).filter(|_| outputs.contacts),
             how: report.how.clone(),
             motion: report.motion.map(MotionName::from),
             divergence_rate_per_s: report.motion.map(|_| report.divergence_rate),

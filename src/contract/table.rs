@@ -334,16 +334,27 @@ fn wished_for(rows: &[Row]) -> Vec<(String, Wish)> {
     wished
 }
 
-/// A metric with its error: that of the level for all that follows from the vibration, those of the largest load and of
-/// the cage speed for these and for the slip that follows.
+/// A metric with its error: that of the level along its axis for all that follows from the vibration, those of the largest loads, the largest
+/// slip and the cage speed for these and for what follows from them.
 pub fn uncertain(metrics: &Value, pointer: &str) -> Option<study::Uncertain> {
     let value = metrics.pointer(pointer)?.as_f64()?;
     let accuracy = |field: &str| metrics.pointer(&format!("/accuracy/{field}")).and_then(Value::as_f64);
     let name = pointer.rsplit('/').next().unwrap_or_default();
+    // Of the acceleration along the same axis, or the worst of all where that is not judged.
+    let of_level = || {
+        let axis = pointer.strip_prefix("/channels/spindle.").and_then(|rest| rest.split('.').next())?;
+        metrics.pointer(&format!("/channels/spindle.{axis}.acceleration/level_error_db"))?.as_f64()
+    };
+    let level_error = || of_level().or_else(|| accuracy("level_error_db"));
     let error = match name {
-        "level_db" => accuracy("level_error_db"),
-        "rms" => accuracy("level_error_db").map(|db| value * (10_f64.powf(db / 20.0) - 1.0)),
-        "max_load_n" if !pointer.contains("pocket") => accuracy("max_load_error").map(|share| share * value),
+        "level_db" => level_error(),
+        "rms" => level_error().map(|db| value * (10_f64.powf(db / 20.0) - 1.0)),
+        "max_load_n" if pointer.contains("pocket") => accuracy("max_pocket_load_error").map(|share| share * value),
+        "max_load_n" => accuracy("max_load_error").map(|share| share * value),
+        // With the third root of the load.
+        "max_pressure_mpa" => accuracy("max_load_error").map(|share| share * value / 3.0),
+        "orbit_radius_um" => accuracy("orbit_radius_error").map(|share| share * value),
+        "max_slip_m_s" => accuracy("max_slip_error").map(|share| share * value),
         "cage_speed_hz" => accuracy("cage_speed_error").map(|share| share * value),
         // 1 − cage speed / ideal cage speed.
         "cage_slip" => accuracy("cage_speed_error").map(|share| share * (1.0 - value).abs()),

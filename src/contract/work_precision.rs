@@ -12,7 +12,7 @@ use super::recommended::{RecommendedAnswer, recommended};
 use super::report::{LeftOutAnswer, MotionName};
 use super::words::scene_in_words;
 use crate::numerics::statistics::median;
-use crate::simulation::accuracy::FAINT;
+use crate::simulation::distance::FAINT;
 use crate::simulation::work_precision::{
     ABOVE_OWN_ERROR, LEAST_SCALE, MOST_GROWN, Measured, Plan, Point, Reference, SETTLING, TrajectoryError,
     WorkPrecision, level_floor,
@@ -69,7 +69,7 @@ pub struct ReferenceAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub check_relative_tolerance: Option<f64>,
-    /// Chaotic motion only: standard error of the level by ten batch means, worst of y and z as in `level_error_db` [dB].
+    /// Chaotic motion only: standard error of the level by ten batch means, worst of all axes as in `level_error_db` [dB].
     /// Smaller level errors say nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
@@ -198,8 +198,8 @@ pub struct MeasuredAnswer {
     pub reference_trajectory_error: Option<f64>,
     /// The trajectory's error is below ten times that, and says nothing.
     pub below_reference: bool,
-    /// Worst of the levels of the spindle's accelerations in y and z [dB], without one that lies more than 60 dB below the
-    /// other: such a level is made of rounding and tolerances, and every run makes its own. Absent where nothing moves
+    /// Worst of the levels of the spindle's accelerations (x where it moves there, y, z) [dB], without one more than 60 dB below
+    /// another: such a level is made of rounding and tolerances, and every run makes its own. Absent where nothing moves
     /// or the time is too short for a level.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use super::accuracy;
 use super::channel::Channel;
+use super::distance::{self, Distance};
 use super::divergence::{self, Pairs, Parted};
 use super::judgement;
 use super::metrics::{AccuracyReport, MotionKind, SolverReport};
@@ -233,7 +234,7 @@ struct Check {
     against: Rung,
     /// [s]
     stretch: f64,
-    distance: accuracy::Distance,
+    distance: Distance,
     /// Where the reduced rung's own slow motions had come to.
     reached: Reached,
     /// The step it was made with, where that is not the rung's own [s].
@@ -284,7 +285,7 @@ impl Check {
 
     /// One that could not be made.
     fn failed(fault: String) -> Self {
-        let distance = accuracy::Distance::UNKNOWN;
+        let distance = Distance::UNKNOWN;
         Self {
             against: Rung::Full,
             stretch: 0.0,
@@ -298,7 +299,7 @@ impl Check {
     fn how(&self) -> String {
         match &self.fault {
             Some(fault) => format!("no error is stated: {fault}"),
-            None => format!("model and integration together: {}, worst of y and z", self.words()),
+            None => format!("model and integration together: {}, {}", self.words(), distance::WORST),
         }
     }
 
@@ -307,7 +308,7 @@ impl Check {
             return format!("not checked: {fault}");
         }
         let against = format!("{:.3} ms on the rung {}, from the same start", 1e3 * self.stretch, self.against.name());
-        match (self.distance.level_db, self.distance.quantities) {
+        match (self.distance.levels.worst(), self.distance.quantities) {
             (Some(level), Some(q)) => format!(
                 "{against}: level {level:.4} dB, largest load {:.3} %, cage speed {:.4} % apart",
                 100.0 * q.max_load,
@@ -468,7 +469,7 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
         (Rung::RadiallyCondensed, record(Rung::RadiallyCondensed, scene, &short, &quiet)?.recording)
     };
     let unseen = (1.0 - duration / settings.duration).max(0.0).sqrt();
-    let mut distance = accuracy::Distance::of_recordings(&own, &richer, unseen);
+    let mut distance = Distance::of_recordings(&own, &richer, unseen);
     let mut step = None;
     // Of a speed that varies the stretch tells nothing later.
     if rung == Rung::RadiallyCondensed
@@ -476,7 +477,7 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
         && scene.operation.speed.is_constant()
         && let Some((longer, stepped)) = longer_step(scene, &short, &own, &quiet)
     {
-        let by_it = accuracy::Distance::of_recordings(&stepped, &richer, unseen);
+        let by_it = Distance::of_recordings(&stepped, &richer, unseen);
         if by_it.within(&settings.outputs, settings.model_tolerance_db) {
             (own, distance, step) = (stepped, by_it, Some(longer));
         }
@@ -497,7 +498,7 @@ fn check(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_
         leaves.filter(|_| distance.within(&settings.outputs, settings.model_tolerance_db))
     };
     if fault.is_some() {
-        distance = accuracy::Distance::UNKNOWN;
+        distance = Distance::UNKNOWN;
     }
     Ok(Check { against, stretch: duration, distance, reached, step, fault })
 }
@@ -508,7 +509,7 @@ fn longer_step(scene: &Scene, short: &RunSettings, own: &Recording, control: &Co
     let model = RadiallyCondensed::new(scene, &short.outputs).ok()?;
     model.longer_paces().find_map(|pace| {
         let (stepped, _) = model.run(short, pace, control).ok()?;
-        let apart = accuracy::Distance::of_recordings(&stepped, own, 0.0);
+        let apart = Distance::of_recordings(&stepped, own, 0.0);
         apart.within(&short.outputs, SHARE_OF_STEPS * short.model_tolerance_db).then(|| (pace.step(), stepped))
     })
 }
@@ -546,7 +547,7 @@ fn parted(
     };
     let of = |one: &Recording, other: &Recording, settings: &RunSettings| {
         let both = |channel: &Channel| Some((&*one.of(*channel)?.excerpts, &*other.of(*channel)?.excerpts));
-        let pairs: Vec<Pairs<'_>> = accuracy::ACCELERATIONS.iter().filter_map(both).collect();
+        let pairs: Vec<Pairs<'_>> = distance::ACCELERATIONS.iter().filter_map(both).collect();
         let spacing = Windows::of(kept_values(settings.duration)).length;
         divergence::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE)
     };
@@ -567,7 +568,7 @@ fn summarise(
     begin: Instant,
 ) -> Result<RunResult, SimulationError> {
     let mut needs = needs(scene, &settings.outputs, Some(rung), settings.model_tolerance_db)?;
-    let bound = check.distance.level_db.map(|error| (error, "dB"));
+    let bound = check.distance.levels.worst().map(|error| (error, "dB"));
     for left_out in needs.left_out.iter_mut().filter(|left_out| left_out.by == Grounds::Judgement) {
         left_out.bound = bound;
     }
@@ -594,15 +595,14 @@ fn summarise(
     let chaotic =
         by_chance.then(|| "the motion is chaotic, and no check from the start tells of its statistics".to_owned());
     let warning = warning.or(gone_on.map(|what| format!("{what}: the error of the level is not known"))).or(chaotic);
-    let (mut level_error_db, mut how) = (check.distance.level_db, check.how());
+    let (mut level_errors, mut how) = (check.distance.levels, check.how());
     if by_chance {
-        let sampling = accuracy::sampling_error(&made.recording, &accuracy::ACCELERATIONS);
-        level_error_db = level_error_db.into_iter().chain(sampling).reduce(f64::max);
+        level_errors = level_errors.larger(accuracy::sampling_errors(&made.recording));
         how =
             format!("the motion is chaotic: standard error of the level by ten batch means, or {how}, if that is more");
     }
     let accuracy = AccuracyReport {
-        level_error_db,
+        level_errors,
         quantity_errors: check.distance.quantities.filter(|_| !by_chance),
         how,
         motion,

@@ -1,6 +1,7 @@
 //! Summary metrics of a run, in the units in which results show them.
 
-use super::channel::{Axis, Channel, Motion};
+use super::channel::{Channel, Motion};
+use super::distance::LevelErrors;
 use super::lines::{Line, find_lines};
 use super::model::Mechanism;
 use super::observe::{ContactExtremes, RATE, Recording};
@@ -96,13 +97,18 @@ pub enum MotionKind {
 pub struct QuantityErrors {
     pub max_load: f64,
     pub cage_speed: f64,
+    pub max_pocket_load: f64,
+    /// Of the raceway where it is the larger.
+    pub max_slip: f64,
+    /// Of the cage's centre about its mean position.
+    pub orbit_radius: f64,
 }
 
 /// How far the result can be trusted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyReport {
-    /// Estimated error of the worst acceleration level [dB]; absent where no level exists.
-    pub level_error_db: Option<f64>,
+    /// Estimated errors of the levels [dB].
+    pub level_errors: LevelErrors,
     /// What a repetition of a part, or of the whole, differed by; absent where nothing was repeated.
     pub quantity_errors: Option<QuantityErrors>,
     pub how: String,
@@ -112,6 +118,13 @@ pub struct AccuracyReport {
     pub divergence_rate: f64,
     /// In words, where the result is not to be trusted.
     pub warning: Option<String>,
+}
+
+impl AccuracyReport {
+    /// Error of the worst level [dB]; `None` where there is none.
+    pub fn level_error_db(&self) -> Option<f64> {
+        self.level_errors.worst()
+    }
 }
 
 /// Everything a user reads first.
@@ -201,15 +214,14 @@ pub fn contacts(mechanism: &Mechanism, recording: &Recording) -> ContactMetrics 
 
 /// Metrics of the cage; `None` where the model has none.
 pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
-    let y = recording.of(Channel::CageDisplacement(Axis::Y))?.all();
-    let z = recording.of(Channel::CageDisplacement(Axis::Z))?.all();
+    let orbit_radius = recording.orbit_radius()?;
     let ideal = recording.shaft_speed * kinematics::ideal_orbit_ratio(&scene.bearing);
     let turns = |speed: f64| speed / std::f64::consts::TAU;
     Some(CageMetrics {
         speed: turns(recording.cage_speed),
         slip: (ideal > 0.0).then(|| 1.0 - recording.cage_speed / ideal),
         ball_spin: turns(recording.ball_spin),
-        orbit_radius: 1e6 * y.rms().hypot(z.rms()),
+        orbit_radius: 1e6 * orbit_radius,
         whirl_ratio: recording
             .whirl()
             .filter(|_| ideal > 0.0)

@@ -3,6 +3,7 @@
 
 pub mod accuracy;
 pub mod channel;
+pub mod distance;
 pub mod divergence;
 pub mod equilibrium;
 pub mod judgement;

@@ -57,6 +57,12 @@ pub struct Quantities {
     pub cage_speed: f64,
     /// Sine of the largest contact angle under load, either way [-].
     pub out_of_plane: f64,
+    /// Largest load of any pocket [N].
+    pub max_pocket_load: f64,
+    /// Largest slip at a contact's centre under load [m/s].
+    pub max_slip: PerRaceway<f64>,
+    /// Rms distance of the cage's centre from its mean position [m].
+    pub orbit_radius: f64,
 }
 
 /// What a run has shown, in SI.
@@ -119,6 +125,12 @@ impl Recording {
         self.whirl.or_else(|| Some(Whirl::of(place(Axis::Y)?, place(Axis::Z)?)))
     }
 
+    /// Rms distance of the cage's centre from its mean position [m]; `None` where it was not looked at.
+    pub fn orbit_radius(&self) -> Option<f64> {
+        let rms = |axis| Some(self.of(Channel::CageDisplacement(axis))?.all().rms());
+        Some(rms(Axis::Y)?.hypot(rms(Axis::Z)?))
+    }
+
     /// Variance of a signal before any filter.
     pub fn total_variance(&self, channel: Channel) -> f64 {
         let before = self.total_variance.iter().find(|(of, _)| *of == channel);
@@ -133,6 +145,9 @@ impl Recording {
             max_load: loads.copied().fold(0.0, f64::max),
             cage_speed: self.cage_speed,
             out_of_plane: self.parts.iter().fold(0.0, |most, part| f64::max(most, part.out_of_plane)),
+            max_pocket_load: self.max_pocket_load,
+            max_slip: self.contacts.map(|contact| contact.max_slip),
+            orbit_radius: self.orbit_radius().unwrap_or_default(),
         }
     }
 }
@@ -145,10 +160,22 @@ struct Snapshot {
     pocket: Vec<f64>,
     /// What was met so far; it grows only while `counts` is set.
     met: PerRaceway<Met>,
-    max_pocket_load: f64,
-    /// Sine of the largest contact angle under load, either way, since the last part ended.
-    out_of_plane: f64,
+    /// The same since the last part ended.
+    peaks: Peaks,
     counts: bool,
+}
+
+/// Largest values over a part of a run.
+#[derive(Clone, Copy, Default)]
+struct Peaks {
+    /// Of any raceway contact [N].
+    load: f64,
+    /// Of any pocket [N].
+    pocket_load: f64,
+    /// Sine of the contact angle, either way.
+    out_of_plane: f64,
+    /// Square of the slip [m²/s²].
+    slip_square: PerRaceway<f64>,
 }
 
 /// Extremes of one kind of contact on the way, in the form that costs least to compare.
@@ -157,20 +184,19 @@ struct Met {
     max_load: Vec<f64>,
     /// Sine and cosine of the least and the largest contact angle, between ±90°: the sine grows with the angle.
     angles: Option<[(f64, f64); 2]>,
-    slip_square: f64,
     film: ThinnestFilm,
 }
 
 impl Met {
     fn new(balls: usize) -> Self {
-        Self { max_load: vec![0.0; balls], angles: None, slip_square: 0.0, film: ThinnestFilm::NONE }
+        Self { max_load: vec![0.0; balls], angles: None, film: ThinnestFilm::NONE }
     }
 
-    fn extremes(self) -> ContactExtremes {
+    fn extremes(self, max_slip: f64) -> ContactExtremes {
         ContactExtremes {
             max_load: self.max_load,
             angle: self.angles.map(|[least, most]| (least.0.atan2(least.1), most.0.atan2(most.1))),
-            max_slip: self.slip_square.sqrt(),
+            max_slip,
             least_film: Some(self.film.thickness).filter(|film| film.is_finite()),
         }
     }
@@ -186,17 +212,19 @@ impl Watch for Look<'_> {
     fn raceway(&mut self, ball: usize, side: BallContact, motion: &RelativeMotion, load: &RacewayLoad) {
         let snapshot = &mut *self.snapshot;
         let raceway = &self.model.mechanism().raceway;
-        let (loads, met, contact) = match side {
-            BallContact::Inner => (&mut snapshot.inner, &mut snapshot.met.inner, &raceway.inner),
-            _ => (&mut snapshot.outer, &mut snapshot.met.outer, &raceway.outer),
+        let (met, peaks) = (&mut snapshot.met, &mut snapshot.peaks);
+        let (loads, met, slip_square, contact) = match side {
+            BallContact::Inner => (&mut snapshot.inner, &mut met.inner, &mut peaks.slip_square.inner, &raceway.inner),
+            _ => (&mut snapshot.outer, &mut met.outer, &mut peaks.slip_square.outer, &raceway.outer),
         };
         loads[ball] = load.normal;
         if !snapshot.counts || load.normal <= 0.0 {
             return;
         }
         met.max_load[ball] = met.max_load[ball].max(load.normal);
-        met.slip_square = met.slip_square.max(load.slip.0 * load.slip.0 + load.slip.1 * load.slip.1);
-        snapshot.out_of_plane = snapshot.out_of_plane.max(load.angle.0.abs());
+        *slip_square = slip_square.max(load.slip.0 * load.slip.0 + load.slip.1 * load.slip.1);
+        peaks.load = peaks.load.max(load.normal);
+        peaks.out_of_plane = peaks.out_of_plane.max(load.angle.0.abs());
         let [least, most] = met.angles.get_or_insert([load.angle; 2]);
         if load.angle.0 < least.0 {
             *least = load.angle;
@@ -212,7 +240,7 @@ impl Watch for Look<'_> {
     fn pocket(&mut self, ball: usize, load: &PocketLoad) {
         self.snapshot.pocket[ball] = load.normal;
         if self.snapshot.counts {
-            self.snapshot.max_pocket_load = self.snapshot.max_pocket_load.max(load.normal);
+            self.snapshot.peaks.pocket_load = self.snapshot.peaks.pocket_load.max(load.normal);
         }
     }
 }
@@ -266,16 +294,17 @@ pub struct Observer<'m> {
     shaft: Moments,
     cage: Moments,
     spin: Moments,
-    /// What was seen of each stretch of `PART` kept values, and of the one on the way.
+    /// What was seen of each stretch of `PART` kept values, and the cage over the one on the way.
     parts: Vec<Quantities>,
-    part: Part,
+    part_cage: CageMoments,
 }
 
-/// Largest load [N] and speed of the cage [rad/s] over a part of a run.
+/// Speed [rad/s] and place [m] of the cage over a part of a run.
 #[derive(Clone, Copy, Default)]
-struct Part {
-    max_load: f64,
-    cage: Moments,
+struct CageMoments {
+    speed: Moments,
+    y: Moments,
+    z: Moments,
 }
 
 impl<'m> Observer<'m> {
@@ -323,8 +352,7 @@ impl<'m> Observer<'m> {
                 outer: vec![0.0; balls],
                 pocket: vec![0.0; balls],
                 met: PerRaceway { inner: Met::new(balls), outer: Met::new(balls) },
-                max_pocket_load: 0.0,
-                out_of_plane: 0.0,
+                peaks: Peaks::default(),
                 counts: false,
             },
             loads: (settings.outputs.contacts && settings.outputs.keep_signals())
@@ -333,7 +361,7 @@ impl<'m> Observer<'m> {
             cage: Moments::default(),
             spin: Moments::default(),
             parts: Vec::with_capacity(values.div_ceil(PART)),
-            part: Part::default(),
+            part_cage: CageMoments::default(),
         }
     }
 
@@ -364,6 +392,9 @@ impl<'m> Observer<'m> {
         fill(time, &mut self.state);
         let place = self.looks.checked_sub(self.lead).filter(|place| *place <= (self.values - 1) * self.oversampling);
         self.snapshot.counts = place.is_some();
+        if place.is_some_and(|place| place > 0 && place % (PART * self.oversampling) == 0) {
+            self.end_part();
+        }
         let mut watch = Look { model: self.model, snapshot: &mut self.snapshot };
         self.model.derivative_watched(time, &self.state, &mut self.derivative, &mut watch);
         self.gather_spindle();
@@ -375,12 +406,12 @@ impl<'m> Observer<'m> {
                 moments.add(*value);
             }
             let cage_speed = self.gather_speeds(time);
-            if place > 0 && place % (PART * self.oversampling) == 0 {
-                self.end_part();
+            self.part_cage.speed.add(cage_speed);
+            if self.model.mechanism().layout.cage {
+                let [_, y, z] = self.model.mechanism().layout.cage(&self.state).centre;
+                self.part_cage.y.add(y);
+                self.part_cage.z.add(z);
             }
-            let loads = self.snapshot.inner.iter().chain(&self.snapshot.outer);
-            self.part.max_load = loads.copied().fold(self.part.max_load, f64::max);
-            self.part.cage.add(cage_speed);
             if place % self.oversampling == 0 {
                 self.pick(time);
                 self.take_loads(time);
@@ -452,11 +483,14 @@ impl<'m> Observer<'m> {
     }
 
     fn end_part(&mut self) {
-        let part = std::mem::take(&mut self.part);
+        let (peaks, cage) = (std::mem::take(&mut self.snapshot.peaks), std::mem::take(&mut self.part_cage));
         self.parts.push(Quantities {
-            max_load: part.max_load,
-            cage_speed: part.cage.mean.abs(),
-            out_of_plane: std::mem::take(&mut self.snapshot.out_of_plane),
+            max_load: peaks.load,
+            cage_speed: cage.speed.mean.abs(),
+            out_of_plane: peaks.out_of_plane,
+            max_pocket_load: peaks.pocket_load,
+            max_slip: peaks.slip_square.map(|square| square.sqrt()),
+            orbit_radius: (cage.y.variance() + cage.z.variance()).sqrt(),
         });
     }
 
@@ -481,16 +515,17 @@ impl<'m> Observer<'m> {
         let total_variance = self.spindle.iter().zip(&self.moments).map(|(c, m)| (*c, m.variance())).collect();
         let (spindle, _) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
+        let largest = |of: fn(&Quantities) -> f64| self.parts.iter().map(of).fold(0.0, f64::max);
         Recording {
             start: self.start,
             signals: spindle.into_iter().chain(picked).collect(),
             whirl,
             total_variance,
             contacts: PerRaceway {
-                inner: self.snapshot.met.inner.extremes(),
-                outer: self.snapshot.met.outer.extremes(),
+                inner: self.snapshot.met.inner.extremes(largest(|part| part.max_slip.inner)),
+                outer: self.snapshot.met.outer.extremes(largest(|part| part.max_slip.outer)),
             },
-            max_pocket_load: self.snapshot.max_pocket_load,
+            max_pocket_load: largest(|part| part.max_pocket_load),
             direction: if self.shaft.mean < 0.0 { -1.0 } else { 1.0 },
             shaft_speed: self.shaft.mean.abs(),
             cage_speed: self.cage.mean.abs(),

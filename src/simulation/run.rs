@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::time::Instant;
 
-use super::accuracy::{self, UNRESOLVED};
+use super::accuracy::{self, LEAST_EVALUATIONS, UNRESOLVED};
 use super::channel::Channel;
 use super::equilibrium::equilibrium;
 use super::ladder;
@@ -223,14 +223,24 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
         setup = Setup { model, needs, settings: &settings, ..setup };
         return Ok(summarise(scene, &setup, &attempt, accuracy, &found, begin));
     }
-    let attempt = |setup: &Setup<'_>, before: f64| {
+    let attempt = |setup: &Setup<'_>, before: f64, most_evaluations: Option<u64>| {
         let progress =
             |share: f64| (control.progress)(stepped_share + (1.0 - stepped_share) * (before + share) / attempts);
         let control = &Control { progress: &progress, ..*control };
-        let first = setup.attempt(&Stepping::of(setup.settings), (0.0, MAIN_SHARE), control)?;
+        let stepping = Stepping { most_evaluations, ..Stepping::of(setup.settings) };
+        let first = setup.attempt(&stepping, (0.0, MAIN_SHARE), control)?;
         accuracy::judge(setup, first, control)
     };
-    let (mut made, mut accuracy) = attempt(&setup, 0.0)?;
+    // Another one that costs too much is given up: what is known has to do, and says how well.
+    let again = |setup: &Setup<'_>, before: f64, made: &Attempt| {
+        let most = ATTEMPTING * made.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
+        match attempt(setup, before, Some(most)) {
+            Ok(judged) => Ok(Some(judged)),
+            Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
+            Err(_) => Ok(None),
+        }
+    };
+    let (mut made, mut accuracy) = attempt(&setup, 0.0, None)?;
     // A run that has been tightened for the noise of its steps is not run at a looser tolerance again.
     let looser = |made: &Attempt| tighter.as_ref().filter(|_| made.relative_tolerance == settings.relative_tolerance);
     let serves = |accuracy: &AccuracyReport| accuracy.within(&settings.outputs, allowed_db);
@@ -238,16 +248,22 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
         && !serves(&accuracy)
     {
         // Nobody knows then whether terms or steps are to blame: steps are judged anew, with all terms.
-        let unresolved = accuracy.level_error_db.is_some_and(|error| error >= UNRESOLVED);
+        let unresolved = accuracy.level_error_db().is_some_and(|error| error >= UNRESOLVED);
         let settings = looser(&made).filter(|_| !unresolved).unwrap_or(settings);
-        setup = Setup { model, needs, settings, whole: None, ..setup };
-        (made, accuracy) = attempt(&setup, 1.0)?;
+        let with_all = Setup { model, needs, settings, whole: None, ..setup };
+        if let Some(judged) = again(&with_all, 1.0, &made)? {
+            setup = with_all;
+            (made, accuracy) = judged;
+        }
     }
     if let Some(tighter) = looser(&made)
         && !serves(&accuracy)
     {
-        setup = Setup { settings: tighter, whole: None, ..setup };
-        (made, accuracy) = attempt(&setup, attempts - 1.0)?;
+        let tightened = Setup { settings: tighter, whole: None, ..setup };
+        if let Some(judged) = again(&tightened, attempts - 1.0, &made)? {
+            setup = tightened;
+            (made, accuracy) = judged;
+        }
     }
     (control.progress)(1.0);
     Ok(summarise(scene, &Setup { settings, ..setup }, &made, accuracy, &found, begin))
@@ -256,6 +272,9 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
 /// Share of `model_tolerance_db` that the error which a run states may be, before it is made again with all terms, and at a
 /// tighter tolerance where it may choose that: the estimate may be off by as much.
 const SHARE_OF_ERROR: f64 = 0.5;
+
+/// Another attempt may take this many times the evaluations of the last, and at least so many times this.
+const ATTEMPTING: u64 = 30;
 
 /// Share of the progress that steps of a fixed length stand for, where they are tried first.
 const STEPPED_SHARE: f64 = 0.8;
@@ -463,7 +482,7 @@ fn summarise(
     for (bound, _) in
         left_out.iter_mut().filter(|one| one.by == Grounds::Judgement).filter_map(|one| one.bound.as_mut())
     {
-        *bound = bound.max(accuracy.level_error_db.unwrap_or(0.0));
+        *bound = bound.max(accuracy.level_error_db().unwrap_or(0.0));
     }
     if setup.whole.is_some() {
         check = format!("{check}; what judgement has left out is in the repetition that tells the error of the level");

@@ -83,11 +83,12 @@ pub(super) fn attempt<'a>(
         };
         // Steps beyond the limit of stability part two motions, too: chaos is left to error control.
         let is_steady = accuracy.motion != Some(MotionKind::Diverging) && accuracy.warning.is_none();
-        if is_steady && accuracy.within(&settings.outputs, allowed_db) {
+        let excess = accuracy.excess(&settings.outputs, allowed_db).filter(|_| is_steady);
+        let Some(excess) = excess else { return Ok(None) };
+        if excess <= 1.0 {
             return Ok(Some(Stepped { attempt, accuracy, settings, model, needs }));
         }
-        let Some(error) = accuracy.level_error_db.filter(|_| is_steady) else { return Ok(None) };
-        step *= (AIM * allowed_db / error).powf(1.0 / ORDER).min(LARGEST_CHANGE);
+        step *= (AIM / excess).powf(1.0 / ORDER).min(LARGEST_CHANGE);
         if step < SHORTEST {
             return Ok(None);
         }

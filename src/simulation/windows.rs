@@ -4,8 +4,9 @@
 
 use std::sync::OnceLock;
 
-use super::accuracy::{ACCELERATIONS, BATCHES, REPEATED};
-use super::channel::{Axis, Channel};
+use super::accuracy::{BATCHES, REPEATED};
+use super::channel::{Axis, Channel, Motion};
+use super::distance::ACCELERATIONS;
 use super::metrics::{BAND, ENVELOPE_BAND};
 use super::observe::{RATE, kept_values};
 use super::run::{ChannelSpectra, Outputs};
@@ -254,8 +255,8 @@ impl Recorder {
             let window = &self.signals.iter().find(|signal| signal.channel == channel)?.window;
             (!window.is_empty()).then(|| CentralMoments::of(window).rms())
         };
-        let [y, z] = ACCELERATIONS;
-        Some([of(y)?, of(z)?])
+        let along = |axis| of(Channel::Spindle(axis, Motion::Acceleration));
+        Some([along(Axis::Y)?, along(Axis::Z)?])
     }
 
     /// Takes a value of each channel; none after the last.

@@ -182,7 +182,7 @@ fn terms_left_out_are_not_taken_for_noise() {
     ));
     let all = run(&scene, &asked(0.0, levels_only()), &patient()).unwrap();
     let chosen = run(&scene, &asked(0.05, levels_only()), &patient()).unwrap();
-    let stated = chosen.summary.accuracy.level_error_db.unwrap();
+    let stated = chosen.summary.accuracy.level_error_db().unwrap();
     for (all, chosen) in levels(&all).into_iter().zip(levels(&chosen)) {
         assert!((all - chosen).abs() < 0.05 && (all - chosen).abs() < 3.0 * stated + 1e-3, "{all} {chosen} {stated}");
     }

@@ -39,7 +39,7 @@ fn the_leanest_rung_that_is_confirmed_makes_the_result() {
     for (all, expected) in [(true, "radially_condensed"), (false, "periodic")] {
         let result = simulate(&article(), &asked(all, None));
         let (solver, accuracy) = (&result.summary.solver, &result.summary.accuracy);
-        let (off, stated) = (apart(&result, &full), accuracy.level_error_db.unwrap());
+        let (off, stated) = (apart(&result, &full), accuracy.level_error_db().unwrap());
         println!("{}: {off:.4} dB off, {stated:.4} stated; {}", solver.rung, solver.check);
         assert_eq!(solver.rung, expected);
         assert!(off < 0.05 && off < 3.0 * stated && stated <= 0.05, "{off} {stated}");
@@ -183,7 +183,7 @@ fn rungs_by_name_whose_check_tells_nothing_say_so() {
         (json!({}), brief, "less is kept than a check compares"),
     ] {
         let accuracy = simulate(&changed(article(), changes), &settings).summary.accuracy;
-        assert_eq!((accuracy.level_error_db, accuracy.quantity_errors), (None, None));
+        assert_eq!((accuracy.level_error_db(), accuracy.quantity_errors), (None, None));
         assert!(accuracy.warning.is_some_and(|warning| warning.contains(words)));
     }
 }
@@ -196,7 +196,7 @@ fn a_rung_by_name_is_run_even_where_its_check_fails() {
     let json = changed(article(), json!({ "bearing": { "cage": light } }));
     let summary = simulate(&json, &asked(false, Some(Rung::SpindleOnly))).summary;
     assert!(summary.solver.check.starts_with("not checked: "), "{}", summary.solver.check);
-    assert!(summary.accuracy.warning.is_some() && summary.accuracy.level_error_db.is_none());
+    assert!(summary.accuracy.warning.is_some() && summary.accuracy.level_error_db().is_none());
 }
 
 #[test]
@@ -252,6 +252,6 @@ fn a_bound_that_does_not_hold_is_found_out() {
     let result = simulate(&json, &settings);
     assert!(result.left_out.iter().all(|one| one.by != Grounds::Judgement), "{:?}", result.left_out);
     let whole = simulate(&json, &RunSettings { model_tolerance_db: 0.0, relative_tolerance: 1e-5, ..settings });
-    let stated = result.summary.accuracy.level_error_db.unwrap();
+    let stated = result.summary.accuracy.level_error_db().unwrap();
     assert!(stated <= 0.025 && apart(&result, &whole) < 2.0 * stated + 1e-3, "{stated} {}", apart(&result, &whole));
 }

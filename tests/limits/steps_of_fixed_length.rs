@@ -92,7 +92,7 @@ fn what_steps_state_of_themselves_is_right() {
         let found = simulate(&json, &asked);
         let off = apart(&found, &simulate(&json, &RunSettings { rung: asked.rung, ..exact() }));
         let (solver, accuracy) = (&found.summary.solver, &found.summary.accuracy);
-        let stated = accuracy.level_error_db.unwrap();
+        let stated = accuracy.level_error_db().unwrap();
         println!("{changes}: {} by {}: {off:.4} dB off, {stated:.4} stated", solver.rung, solver.method);
         assert_eq!((solver.method, accuracy.warning.as_deref()), ("semi_implicit", None), "{changes}");
         assert!(stated <= 0.025 && off < 3.0 * stated + 1e-3, "{changes}: {off} {stated}");
@@ -127,7 +127,7 @@ fn steps_follow_a_speed_that_varies() {
     let ramp = changed(article(), json!({ "operation": { "speed_rpm": profile } }));
     let found = simulate(&ramp, &free());
     let off = apart(&found, &simulate(&ramp, &exact()));
-    let stated = found.summary.accuracy.level_error_db.unwrap();
+    let stated = found.summary.accuracy.level_error_db().unwrap();
     assert_eq!(found.summary.solver.method, "semi_implicit");
     assert!(off < 3.0 * stated + 1e-3, "{off} {stated}");
 }

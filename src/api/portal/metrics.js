@@ -53,19 +53,20 @@ export function peaks({ frequency_hz: f, amplitude, resolution_hz: resolution },
 /** What one reads first. */
 export function summary(metrics) {
   const { channels = {}, contacts, kinematics, solver, accuracy } = metrics;
-  const error = accuracy.level_error_db;
   const of = (axis) => channels[`spindle.${axis}.acceleration`]?.level_db;
   const figure = (name, value, unit, extra) =>
     h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), unit && ` ${unit}`, extra && h('small', {}, extra)));
-  const within = typeof error === 'number' ? `± ${number(error, 1)}` : '';
+  const within = (axis) => {
+    const error = channels[`spindle.${axis}.acceleration`]?.level_error_db ?? accuracy.level_error_db;
+    return typeof error === 'number' ? `± ${number(error, 1)}` : '';
+  };
   return [
     accuracy.warning && h('p', { class: 'warning', role: 'note' }, accuracy.warning),
     h(
       'dl',
       { class: 'figures' },
       [
-        of('y') !== undefined && figure('Level y', level(of('y')), LEVEL_UNIT, within),
-        of('z') !== undefined && figure('Level z', level(of('z')), LEVEL_UNIT, within),
+        ...['x', 'y', 'z'].map((axis) => of(axis) !== undefined && figure(`Level ${axis}`, level(of(axis)), LEVEL_UNIT, within(axis))),
         contacts?.inner && figure('Largest ball load', number(contacts.inner.max_load_n), 'N'),
         contacts?.inner &&
           figure('Largest pressure', number(Math.max(contacts.inner.max_pressure_mpa, contacts.outer.max_pressure_mpa)), 'MPa'),

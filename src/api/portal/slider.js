@@ -240,8 +240,9 @@ export class Slider {
     const now = performance.now();
     this.frames = [...this.frames.filter((at) => now - at < 2000), now];
     const rate = this.frames.length > 2 ? (this.frames.length - 1) / ((now - this.frames[0]) / 1000) : 0;
-    const { level_error_db: error } = metrics.accuracy;
-    this.level.textContent = `${level(metrics.channels[spectrum.channel]?.level_db)} dB${error === undefined ? '' : ` ± ${number(error, 1)}`}`;
+    const channel = metrics.channels[spectrum.channel];
+    const error = channel?.level_error_db ?? metrics.accuracy.level_error_db;
+    this.level.textContent = `${level(channel?.level_db)} dB${error === undefined ? '' : ` ± ${number(error, 1)}`}`;
     this.rate.textContent = rate ? rate.toFixed(0) : '–';
     this.rung.textContent = words(metrics.solver.rung);
     this.delay.textContent = seconds((now - begin) / 1000);

@@ -14,17 +14,17 @@ const METRICS = [
     `/channels/spindle.${axis}.acceleration/level_db`,
     `Level ${axis}`,
     LEVEL_UNIT,
-    (m) => m.accuracy?.level_error_db,
+    (m) => m.channels?.[`spindle.${axis}.acceleration`]?.level_error_db ?? m.accuracy?.level_error_db,
   ]),
   ...['y', 'z'].map((axis) => [`/channels/spindle.${axis}.velocity/rms`, `Velocity ${axis}, rms`, 'mm/s']),
   ['/contacts/inner/max_load_n', 'Largest ball load, inner', 'N', (m, value) => m.accuracy?.max_load_error * value],
   ['/contacts/outer/max_load_n', 'Largest ball load, outer', 'N', (m, value) => m.accuracy?.max_load_error * value],
-  ['/contacts/inner/max_pressure_mpa', 'Largest pressure, inner', 'MPa'],
+  ['/contacts/inner/max_pressure_mpa', 'Largest pressure, inner', 'MPa', (m, value) => (m.accuracy?.max_load_error * value) / 3],
   ['/contacts/inner/min_film_thickness_um', 'Least film, inner', 'µm'],
-  ['/contacts/pocket/max_load_n', 'Largest pocket load', 'N'],
+  ['/contacts/pocket/max_load_n', 'Largest pocket load', 'N', (m, value) => m.accuracy?.max_pocket_load_error * value],
   ['/kinematics/cage_speed_hz', 'Cage speed', 'Hz', (m, value) => m.accuracy?.cage_speed_error * value],
-  ['/kinematics/cage_slip', 'Cage slip', ''],
-  ['/cage/orbit_radius_um', 'Cage orbit radius', 'µm'],
+  ['/kinematics/cage_slip', 'Cage slip', '', (m, value) => m.accuracy?.cage_speed_error * Math.abs(1 - value)],
+  ['/cage/orbit_radius_um', 'Cage orbit radius', 'µm', (m, value) => m.accuracy?.orbit_radius_error * value],
 ];
 
 export class Study {

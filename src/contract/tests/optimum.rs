@@ -89,6 +89,8 @@ fn every_number_of_the_metrics_can_be_sought() {
         ["/channels/", "/contacts/", "/kinematics/", "/cage/"].iter().any(|group| name.starts_with(group))
     };
     names.retain(is_result);
+    // How sure a level is belongs to the run, not to the bearing.
+    names.retain(|name| !name.ends_with("level_error_db"));
     assert!(names.len() > 60, "{names:?}");
     for name in names {
         let mut input = serde_json::from_value(with("metric", json!(name))).unwrap();

@@ -1,7 +1,7 @@
 //! How far a run is from the reference.
 
-use super::super::accuracy::FAINT;
 use super::super::channel::Channel;
+use super::super::distance::FAINT;
 use super::super::lines::Line;
 use super::super::metrics;
 use super::super::run::ChannelSpectra;
@@ -199,8 +199,8 @@ mod tests {
 
     #[test]
     fn a_channel_far_below_the_other_is_not_judged() {
-        use crate::simulation::accuracy::ACCELERATIONS;
-        let [y, z] = ACCELERATIONS;
+        use crate::simulation::distance::ACCELERATIONS;
+        let [_, y, z] = ACCELERATIONS;
         let judged = |a: Option<f64>, b: Option<f64>| judged(&[(y, a), (z, b)]);
         assert_eq!(judged(Some(3.0), Some(-130.0)), [y]);
         assert_eq!(judged(Some(-130.0), Some(3.0)), [z]);

@@ -11,7 +11,8 @@ mod errors;
 use std::cell::Cell;
 
 use super::accuracy;
-use super::channel::Channel;
+use super::channel::{Axis, Channel};
+use super::distance;
 use super::divergence;
 use super::ladder;
 use super::lines::Line;
@@ -21,6 +22,7 @@ use super::needs::LeftOut;
 use super::run::{Control, Method, Outputs, RunSettings, SimulationError, Stepping, start_state};
 use super::scene::Scene;
 use crate::numerics::ode::{Choice, Statistics};
+use crate::physics::spindle::AxialHold;
 pub use course::Taken;
 use course::{Course, Finished};
 use errors::{Comparison, largest};
@@ -129,7 +131,7 @@ pub fn study(
         method: SETTLING.0,
         relative_tolerance: SETTLING.1,
         fixed_step: None,
-        outputs: Outputs { spectra: accuracy::ACCELERATIONS.to_vec(), series: Vec::new(), ..settings.outputs.clone() },
+        outputs: Outputs { spectra: accelerations(scene), series: Vec::new(), ..settings.outputs.clone() },
         ..settings.clone()
     };
     // A reference that fails is followed by another: what was told is not taken back.
@@ -233,7 +235,7 @@ fn described(references: &References, comparison: &Comparison<'_>, motion: Optio
         check: references.check.as_ref().map(|(_, is)| *is),
         own_error_db: own.as_ref().and_then(|own| own.level_db),
         own_trajectory: own.and_then(|own| own.trajectory).filter(|_| !chaotic),
-        sampling_error_db: if chaotic { accuracy::sampling_error(&first.recording, &comparison.judged) } else { None },
+        sampling_error_db: chaotic.then(|| accuracy::sampling_errors(&first.recording).worst()).flatten(),
         levels: comparison.levels.clone(),
         lines: comparison.lines.clone(),
         statistics: first.statistics,
@@ -322,6 +324,13 @@ pub fn level_floor(own_error_db: Option<f64>, sampling_error_db: Option<f64>) ->
     }
 }
 
+/// Accelerations whose levels and lines are compared: that along X where the spindle moves there.
+fn accelerations(scene: &Scene) -> Vec<Channel> {
+    let moves =
+        |channel: &Channel| !matches!(channel, Channel::Spindle(Axis::X, _)) || scene.spindle.axial == AxialHold::Free;
+    distance::ACCELERATIONS.into_iter().filter(moves).collect()
+}
+
 /// Levels of the accelerations [dB].
 fn levels(run: &Finished) -> Vec<(Channel, Option<f64>)> {
     let level = |channel: Channel| {
@@ -329,7 +338,7 @@ fn levels(run: &Finished) -> Vec<(Channel, Option<f64>)> {
         let variance = recording.total_variance(channel);
         recording.of(channel).and_then(|signal| metrics::in_band_metrics(channel, signal.in_band(), variance).level_db)
     };
-    accuracy::ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
+    distance::ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
 }
 
 #[cfg(test)]
