@@ -244,6 +244,33 @@ fn resolve(
     Ok((kept, distance, tightest))
 }
 
+/// Levels of two samples of a chaotic motion that differ by more than this many standard errors of the difference are not the same.
+const SAME: f64 = 3.0;
+
+/// What the second of two samples of a chaotic motion, made in half of the steps of the first, says of itself; `None`: the
+/// levels are not the same, steps have made them. `judged`: what is known of the motion.
+pub(super) fn of_samples(
+    first: &Recording,
+    second: &Recording,
+    judged: &AccuracyReport,
+    outputs: &Outputs,
+) -> Option<AccuracyReport> {
+    let (distance, scatter) = (Distance::of_runs(first, second), sampling_errors(second));
+    let of_both = scatter.beside(&sampling_errors(first), f64::hypot);
+    let are_the_same = distance.levels.beside(&of_both, |apart, error| apart / error).worst()? <= SAME;
+    let levels = scatter.larger(distance.levels);
+    are_the_same.then(|| AccuracyReport {
+        level_errors: levels,
+        quantity_errors: distance.quantities,
+        how: format!(
+            "the motion is chaotic: standard error of the level by ten batch means, or what the whole run in twice the step differs \
+             by if that is more, {WORST}"
+        ),
+        warning: doubts(levels.worst(), None, outputs),
+        ..judged.clone()
+    })
+}
+
 impl AccuracyReport {
     /// With what settling leaves behind, where the level rises or falls throughout the kept time although nothing drives it to: it is
     /// no nearer to that of the steady motion than it changes by. `steady`: whether it should stand still.

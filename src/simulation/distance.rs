@@ -40,6 +40,11 @@ impl LevelErrors {
         Self(ACCELERATIONS.map(error))
     }
 
+    /// From both, where both are there.
+    pub(super) fn beside(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        Self(std::array::from_fn(|i| Some(of(self.0[i]?, other.0[i]?))))
+    }
+
     /// The larger ones of both.
     pub(super) fn larger(self, other: Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i].into_iter().chain(other.0[i]).reduce(f64::max)))

@@ -38,6 +38,47 @@ fn in_steps(settings: &RunSettings, step: f64) -> RunSettings {
     RunSettings { method: Method::SemiImplicit, fixed_step: Some(step), tightened: None, ..settings.clone() }
 }
 
+/// Progress of a run whose motion has turned out to be chaotic.
+const JUDGED: f64 = 0.6;
+/// Most growth of a disturbance in one step [e-folds] that is taken for chaos: beyond the limit of stability it grows many times as
+/// fast.
+const SLOW_GROWTH: f64 = 0.05;
+
+/// Chaos: nothing is left to compare but statistics. The run is made again in half of the step [s], with all terms, and is the result where
+/// both samples show the same levels; `None`: error control has to. So it has where contacts lean, whose light oscillations
+/// both steps may have damped.
+fn another_sample<'a>(
+    setup: &Setup<'a>,
+    step: f64,
+    first: &Attempt,
+    judged: &AccuracyReport,
+    control: &Control<'_>,
+) -> Result<Option<Stepped<'a>>, SimulationError> {
+    let grows_slowly = judged.divergence_rate * step < SLOW_GROWTH;
+    if setup.model.mechanism().layout.axial_spindle || !grows_slowly || judged.warning.is_some() {
+        return Ok(None);
+    }
+    let (model, needs) = setup.whole.unwrap_or((setup.model, setup.needs));
+    let settings = in_steps(setup.settings, 0.5 * step);
+    let sample = Setup { model, needs, settings: &settings, whole: None, start: setup.start };
+    let attempt = match sample.attempt(&Stepping::of(&settings), (0.0, 1.0), control) {
+        Ok(attempt) => attempt,
+        Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
+        Err(_) => return Ok(None),
+    };
+    let accuracy = accuracy::of_samples(&first.recording, &attempt.recording, judged, &settings.outputs);
+    let attempt = kept(attempt, "the motion is chaotic and shows the same levels in twice the step");
+    Ok(accuracy.map(|accuracy| Stepped { attempt, accuracy, settings, model, needs }))
+}
+
+/// With the reason why it serves.
+fn kept(mut attempt: Attempt, because: &str) -> Attempt {
+    if let Some(reason) = &mut attempt.integrated.choice.reason {
+        reason.push_str(&format!(", and kept because {because}"));
+    }
+    attempt
+}
+
 /// A run in steps that serve.
 pub(super) struct Stepped<'a> {
     pub attempt: Attempt,
@@ -71,21 +112,25 @@ pub(super) fn attempt<'a>(
             Some((model, needs)) => (model, needs, None),
             None => (setup.model, setup.needs, setup.whole),
         };
-        let setup = Setup { model, needs, settings: &settings, whole, start: setup.start };
-        let judged = setup
+        let tried = Setup { model, needs, settings: &settings, whole, start: setup.start };
+        let judged = tried
             .attempt(&Stepping::of(&settings), (0.0, MAIN_SHARE), control)
-            .and_then(|first| accuracy::judge(&setup, first, control));
+            .and_then(|first| accuracy::judge(&tried, first, control));
         let (attempt, accuracy) = match judged {
             Ok(judged) => judged,
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
             // What is too stiff for the step blows up.
             Err(_) => return Ok(None),
         };
-        // Steps beyond the limit of stability part two motions, too: chaos is left to error control.
+        if accuracy.motion == Some(MotionKind::Diverging) {
+            let progress = |share: f64| (control.progress)(JUDGED + (1.0 - JUDGED) * share);
+            return another_sample(setup, step, &attempt, &accuracy, &Control { progress: &progress, ..*control });
+        }
         let is_steady = accuracy.motion != Some(MotionKind::Diverging) && accuracy.warning.is_none();
         let excess = accuracy.excess(&settings.outputs, allowed_db).filter(|_| is_steady);
         let Some(excess) = excess else { return Ok(None) };
         if excess <= 1.0 {
+            let attempt = kept(attempt, "what a quarter of the step tells lies within half of model_tolerance_db");
             return Ok(Some(Stepped { attempt, accuracy, settings, model, needs }));
         }
         step *= (AIM / excess).powf(1.0 / ORDER).min(LARGEST_CHANGE);

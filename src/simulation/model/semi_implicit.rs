@@ -628,11 +628,8 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
     }
 
     fn choice(&self) -> Choice {
-        let reason = format!(
-            "steps of {:.2} µs, implicit in what is stiff: tried before error control, and kept because what a quarter of the \
-             step tells lies within half of model_tolerance_db",
-            1e6 * self.step
-        );
+        let reason =
+            format!("steps of {:.2} µs, implicit in what is stiff: tried before error control", 1e6 * self.step);
         Choice { method: Method::SemiImplicit, reason: Some(reason) }
     }
 }
