@@ -37,6 +37,8 @@ const CHECKS: f64 = 3.0;
 const LOOK: f64 = 2.0;
 /// Runs that the references of an accuracy job are worth.
 const REFERENCE_RUNS: f64 = 20.0;
+/// What impacts and levels that drown in noise add to error control at most: repetitions of the whole run at ever tighter tolerances.
+const UNFORESEEN: f64 = 4.0;
 /// Longest step that accuracy allows where stability does not bind [s].
 const SMOOTH_STEP: f64 = 20e-6;
 
@@ -62,13 +64,18 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let looks = LOOK * kept_values(duration) as f64 * evaluation;
         // The run, and its repetition that tells the error.
         let judged = |by: &dyn Fn(f64) -> f64| 2.0 * (by(settle + duration) + looks);
-        let in_vain = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
-        let most = in_vain + attempts(job) * judged(&by_error_control);
+        let tried = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
+        let most = tried + UNFORESEEN * attempts(job) * judged(&by_error_control);
+        // Steps of a fixed length mostly serve, but not where the spindle moves along the axis.
+        let usual = match model.mechanism().layout.axial_spindle && stepped::may_choose(&job.settings) {
+            true => tried + judged(&by_error_control),
+            false => judged(&by_dynamics),
+        };
         let reduced = (settle + duration) / REDUCED_REAL_TIME_FACTOR;
         let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene));
         let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {
             (Some(plan), _) => [by_dynamics(compared_time(job, plan)); 2],
-            (None, None) => [judged(&by_dynamics), most],
+            (None, None) => [usual, most],
             (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => [reduced; 2],
             (None, Some(_)) if job.rungs.len() == 1 => [checked; 2],
             (None, Some(_)) => [checked, checked + most],
