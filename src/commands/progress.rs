@@ -70,11 +70,11 @@ fn announcement(job: &Job) -> String {
 fn estimated(estimate: Option<f64>, most: Option<f64>) -> String {
     match (estimate, most) {
         (Some(estimate), Some(most)) if most > estimate => format!(
-            "estimated {}, up to {} where models or tolerances do not serve at once, by an order of magnitude",
+            "estimated to an order of magnitude: {}, up to {} where models or tolerances do not serve at once",
             duration(estimate),
             duration(most)
         ),
-        (Some(estimate), _) => format!("estimated {}, an order of magnitude", duration(estimate)),
+        (Some(estimate), _) => format!("estimated to an order of magnitude: {}", duration(estimate)),
         _ => "no estimate: no equilibrium to start from".to_owned(),
     }
 }

@@ -37,6 +37,8 @@ const CHECKS: f64 = 3.0;
 const LOOK: f64 = 2.0;
 /// Runs that the references of an accuracy job are worth.
 const REFERENCE_RUNS: f64 = 20.0;
+/// Two samples of a chaotic motion, the second in half of the steps, over a run that is judged.
+const SAMPLED: f64 = 1.5;
 /// What impacts and levels that drown in noise add to error control at most: repetitions of the whole run at ever tighter tolerances.
 const UNFORESEEN: f64 = 4.0;
 /// Longest step that accuracy allows where stability does not bind [s].
@@ -66,10 +68,13 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let judged = |by: &dyn Fn(f64) -> f64| 2.0 * (by(settle + duration) + looks);
         let tried = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
         let most = tried + UNFORESEEN * attempts(job) * judged(&by_error_control);
-        // Steps of a fixed length mostly serve, but not where the spindle moves along the axis.
-        let usual = match model.mechanism().layout.axial_spindle && stepped::may_choose(&job.settings) {
-            true => tried + judged(&by_error_control),
-            false => judged(&by_dynamics),
+        // Steps of a fixed length mostly serve, but not where the spindle moves along the axis. Of chaos they make two samples.
+        let in_steps = stepped::may_choose(&job.settings);
+        let rattles = model.mechanism().layout.cage && !model.mechanism().pocket.film_is_damped();
+        let usual = match model.mechanism().layout.axial_spindle {
+            true if in_steps => tried + judged(&by_error_control),
+            false if in_steps && rattles => SAMPLED * judged(&by_dynamics),
+            _ => judged(&by_dynamics),
         };
         let reduced = (settle + duration) / REDUCED_REAL_TIME_FACTOR;
         let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene));
@@ -78,6 +83,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
             (None, None) => [usual, most],
             (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => [reduced; 2],
             (None, Some(_)) if job.rungs.len() == 1 => [checked; 2],
+            (None, Some(_)) if rattles => [checked + usual, checked + most],
             (None, Some(_)) => [checked, checked + most],
         };
         [estimate, most].map(|time| significant(time.min(LONGEST), 2))

@@ -337,6 +337,11 @@ impl RacewayContact {
         self
     }
 
+    /// Whether anything damps an impact.
+    pub fn is_damped(&self) -> bool {
+        self.groove.damping.chi > 0.0 || self.groove.damping.viscous > 0.0
+    }
+
     /// The elastic contact.
     pub fn hertz(&self) -> &HertzContact {
         &self.groove.hertz

@@ -65,7 +65,7 @@ pub(super) fn judge(
     let motion = parted.and_then(|parted| parted.motion());
     let dies_out = parted.is_some_and(|parted| parted.growth < 0.0);
     // Contacts that lean keep light oscillations along the axis, which long steps damp.
-    let leans = setup.model.mechanism().layout.axial_spindle;
+    let leans = setup.model.mechanism().leans();
     let forgets = if leans { dies_out } else { motion != Some(MotionKind::Diverging) };
     if settings.method == Method::SemiImplicit && !forgets {
         // Chaos, a step beyond the limit of stability, or slow motions that keep what steps have damped: error control has to, and
@@ -94,7 +94,10 @@ pub(super) fn judge(
     let report = |distance: Distance, how: String, attempt: Attempt| {
         let Distance { levels: level_errors, quantities: quantity_errors } = distance;
         let by_chance = motion == Some(MotionKind::Diverging);
-        let doubts = doubts(level_errors.worst(), quantity_errors.filter(|_| !by_chance), &settings.outputs);
+        let doubts = match by_chance {
+            true => of_chance(level_errors.worst()),
+            false => doubts(level_errors.worst(), quantity_errors, &settings.outputs),
+        };
         let warning = attempt.integrated.unstable.clone().or(failure.clone()).or(doubts);
         (attempt, AccuracyReport { level_errors, quantity_errors, how, motion, divergence_rate, warning })
     };
@@ -248,25 +251,26 @@ fn resolve(
 const SAME: f64 = 3.0;
 
 /// What the second of two samples of a chaotic motion, made in half of the steps of the first, says of itself; `None`: the
-/// levels are not the same, steps have made them. `judged`: what is known of the motion.
+/// levels are not the same, steps have made them. `judged`: what is known of the motion; `allowed_db`: what levels may differ by in any case.
 pub(super) fn of_samples(
     first: &Recording,
     second: &Recording,
     judged: &AccuracyReport,
-    outputs: &Outputs,
+    allowed_db: f64,
 ) -> Option<AccuracyReport> {
-    let (distance, scatter) = (Distance::of_runs(first, second), sampling_errors(second));
+    let (distance, scatter) = (Distance::of_samples(first, second), sampling_errors(second));
     let of_both = scatter.beside(&sampling_errors(first), f64::hypot);
-    let are_the_same = distance.levels.beside(&of_both, |apart, error| apart / error).worst()? <= SAME;
+    let are_the_same =
+        distance.levels.beside(&of_both, |apart, error| apart / (SAME * error).max(allowed_db)).worst()? <= 1.0;
     let levels = scatter.larger(distance.levels);
     are_the_same.then(|| AccuracyReport {
         level_errors: levels,
         quantity_errors: distance.quantities,
         how: format!(
             "the motion is chaotic: standard error of the level by ten batch means, or what the whole run in twice the step differs \
-             by if that is more, {WORST}"
+             by if that is more, {WORST}; single numbers by what two such runs differ by, part by part"
         ),
-        warning: doubts(levels.worst(), None, outputs),
+        warning: of_chance(levels.worst()),
         ..judged.clone()
     })
 }
@@ -308,6 +312,16 @@ impl AccuracyReport {
     pub(super) fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
         Distance { levels: self.level_errors, quantities: self.quantity_errors }.excess(outputs, tolerance_db)
     }
+}
+
+/// What a result of a chaotic motion says where its level is not resolved.
+fn of_chance(level_error_db: Option<f64>) -> Option<String> {
+    level_error_db.filter(|error| *error > DOUBTFUL).map(|error| {
+        format!(
+            "not resolved: the level (an error of {error:.0} dB or more), for the motion is chaotic and the run a short sample of it. \
+             Keep more time"
+        )
+    })
 }
 
 /// What a result says where level, largest load or cage speed are not resolved, or peaks that were asked for.
@@ -371,16 +385,18 @@ fn repeat(
     if values < LEAST_VALUES {
         return Ok(None);
     }
+    let shortened = if settings.method == Method::SemiImplicit { QUARTERED } else { HALVED };
+    // Looked at as often as its own steps ask for: peaks lie between the looks at longer ones.
     let again = RunSettings {
         duration: time,
+        fixed_step: settings.fixed_step.map(|step| shortened * step),
         outputs: Outputs { spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() },
         ..settings.clone()
     };
-    let shortened = if settings.method == Method::SemiImplicit { QUARTERED } else { HALVED };
     let stepping = Stepping {
         method: judging(settings.method),
         relative_tolerance: (settings.relative_tolerance / TIGHTER).max(LEAST_TOLERANCE),
-        fixed_step: settings.fixed_step.map(|step| shortened * step),
+        fixed_step: again.fixed_step,
         most_evaluations: Some(most_evaluations),
     };
     let (model, needs) = setup.whole.unwrap_or((setup.model, setup.needs));

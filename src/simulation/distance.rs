@@ -211,12 +211,32 @@ impl Distance {
         }
     }
 
+    /// Of two samples of a chaotic motion.
+    pub fn of_samples(a: &Recording, b: &Recording) -> Self {
+        Self { quantities: Some(sampled_errors(a, b)), ..Self::of_runs(a, b) }
+    }
+
     /// Of two whole runs.
     pub fn of_runs(a: &Recording, b: &Recording) -> Self {
         Self {
             levels: level_errors(&twice(a, b), |twice| twice.level_difference().map(f64::abs)),
             quantities: Some(quantity_errors(&[a.quantities()], &[b.quantities()])),
         }
+    }
+}
+
+/// The same of two samples of a chaotic motion: what its parts scatter by, of which the largest, and the mean, scatter less the more parts
+/// there are; at least what the two show.
+fn sampled_errors(a: &Recording, b: &Recording) -> QuantityErrors {
+    let (parts, whole) = (quantity_errors(&a.parts, &b.parts), quantity_errors(&[a.quantities()], &[b.quantities()]));
+    let share = 1.0 / (a.parts.len().min(b.parts.len()).max(1) as f64).sqrt();
+    let of = |of: fn(&QuantityErrors) -> f64| of(&whole).max(share * of(&parts));
+    QuantityErrors {
+        max_load: of(|errors| errors.max_load),
+        cage_speed: whole.cage_speed.max(parts.cage_speed),
+        max_pocket_load: of(|errors| errors.max_pocket_load),
+        max_slip: of(|errors| errors.max_slip),
+        orbit_radius: of(|errors| errors.orbit_radius),
     }
 }
 

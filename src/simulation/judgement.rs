@@ -157,7 +157,7 @@ impl<'a> Judge<'a> {
         let model = Model::new(scene, needs);
         let m = model.mechanism();
         let damped = !m.layout.cage || m.pocket.film_is_damped();
-        let in_plane = !m.layout.axial_spindle && m.axial_offset == 0.0 && m.misalignment == [0.0; 2];
+        let in_plane = !m.leans();
         let orbit_speed = m.orbit_ratio * m.speed.largest();
         let centrifuge = m.pitch_radius * orbit_speed * orbit_speed;
         let law = &scene.lubricant.traction;

@@ -40,35 +40,45 @@ fn in_steps(settings: &RunSettings, step: f64) -> RunSettings {
 
 /// Progress of a run whose motion has turned out to be chaotic.
 const JUDGED: f64 = 0.6;
+/// How often it is made again, each in half of the step.
+const SAMPLES: i32 = 2;
 /// Most growth of a disturbance in one step [e-folds] that is taken for chaos: beyond the limit of stability it grows many times as
 /// fast.
 const SLOW_GROWTH: f64 = 0.05;
 
 /// Chaos: nothing is left to compare but statistics. The run is made again in half of the step [s], with all terms, and is the result where
-/// both samples show the same levels; `None`: error control has to. So it has where contacts lean, whose light oscillations
-/// both steps may have damped.
+/// both samples show the same levels; else in half of that, as long runs ask for, whose levels scatter less than steps change
+/// them. `None`: error control has to. So it has where contacts lean, whose light oscillations all steps may have damped.
 fn another_sample<'a>(
     setup: &Setup<'a>,
     step: f64,
-    first: &Attempt,
+    mut before: Attempt,
     judged: &AccuracyReport,
+    allowed_db: f64,
     control: &Control<'_>,
 ) -> Result<Option<Stepped<'a>>, SimulationError> {
     let grows_slowly = judged.divergence_rate * step < SLOW_GROWTH;
-    if setup.model.mechanism().layout.axial_spindle || !grows_slowly || judged.warning.is_some() {
+    if setup.model.mechanism().leans() || !grows_slowly || judged.warning.is_some() {
         return Ok(None);
     }
     let (model, needs) = setup.whole.unwrap_or((setup.model, setup.needs));
-    let settings = in_steps(setup.settings, 0.5 * step);
-    let sample = Setup { model, needs, settings: &settings, whole: None, start: setup.start };
-    let attempt = match sample.attempt(&Stepping::of(&settings), (0.0, 1.0), control) {
-        Ok(attempt) => attempt,
-        Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
-        Err(_) => return Ok(None),
-    };
-    let accuracy = accuracy::of_samples(&first.recording, &attempt.recording, judged, &settings.outputs);
-    let attempt = kept(attempt, "the motion is chaotic and shows the same levels in twice the step");
-    Ok(accuracy.map(|accuracy| Stepped { attempt, accuracy, settings, model, needs }))
+    for halvings in 1..=SAMPLES {
+        let settings = in_steps(setup.settings, step / f64::from(1 << halvings));
+        let sample = Setup { model, needs, settings: &settings, whole: None, start: setup.start };
+        let share = |samples: i32| f64::from((1 << samples) - 1) / f64::from((1 << SAMPLES) - 1);
+        let attempt = match sample.attempt(&Stepping::of(&settings), (share(halvings - 1), share(halvings)), control) {
+            Ok(attempt) => attempt,
+            Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
+            Err(_) => return Ok(None),
+        };
+        if let Some(accuracy) = accuracy::of_samples(&before.recording, &attempt.recording, judged, allowed_db) {
+            let because =
+                "the motion is chaotic and shows the same levels, to three standard errors, in twice the step";
+            return Ok(Some(Stepped { attempt: kept(attempt, because), accuracy, settings, model, needs }));
+        }
+        before = attempt;
+    }
+    Ok(None)
 }
 
 /// With the reason why it serves.
@@ -95,10 +105,12 @@ pub(super) fn attempt<'a>(
     allowed_db: f64,
     control: &Control<'_>,
 ) -> Result<Option<Stepped<'a>>, SimulationError> {
-    if !may_choose(setup.settings) {
+    let m = setup.model.mechanism();
+    // What rings undamped rings on, but not in long steps, whatever part of them.
+    if !may_choose(setup.settings) || !m.raceway.inner.is_damped() {
         return Ok(None);
     }
-    let mut step = if setup.model.mechanism().layout.axial_spindle { AXIAL_STEP } else { STEP };
+    let mut step = if m.layout.axial_spindle { AXIAL_STEP } else { STEP };
     for (number, (before, part)) in PROGRESS.into_iter().enumerate() {
         let settings = in_steps(setup.settings, step);
         // The repetition at a quarter of the step takes about as long as the run.
@@ -124,7 +136,8 @@ pub(super) fn attempt<'a>(
         };
         if accuracy.motion == Some(MotionKind::Diverging) {
             let progress = |share: f64| (control.progress)(JUDGED + (1.0 - JUDGED) * share);
-            return another_sample(setup, step, &attempt, &accuracy, &Control { progress: &progress, ..*control });
+            let control = &Control { progress: &progress, ..*control };
+            return another_sample(setup, step, attempt, &accuracy, allowed_db, control);
         }
         let is_steady = accuracy.motion != Some(MotionKind::Diverging) && accuracy.warning.is_none();
         let excess = accuracy.excess(&settings.outputs, allowed_db).filter(|_| is_steady);

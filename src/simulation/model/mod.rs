@@ -86,6 +86,11 @@ impl StartAzimuths {
 }
 
 impl Mechanism {
+    /// Whether contacts lean: the spindle moves along X, is held off its centre there, or is tilted.
+    pub fn leans(&self) -> bool {
+        self.layout.axial_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
+    }
+
     /// Speed at which balls go round where the shaft turns steadily and they roll [rad/s].
     pub fn steady_orbit_speed(&self) -> Option<f64> {
         self.speed.is_constant().then(|| self.orbit_ratio * self.speed.at(0.0).1)
