@@ -6,7 +6,7 @@ use super::observe::{Quantities, RATE, Recording};
 use super::run::Outputs;
 use super::windows::Signal;
 use crate::numerics::spectrum::band_limited;
-use crate::numerics::statistics::{mean, rms};
+use crate::numerics::statistics::{CentralMoments, mean, rms};
 
 /// What levels are made of; along X where the spindle moves there.
 pub(super) const ACCELERATIONS: [Channel; 3] = [
@@ -207,7 +207,11 @@ impl Distance {
         let of_all = quantity_errors(&[a.quantities()], &[b.quantities()]);
         Self {
             levels: level_errors(&twice(a, b), |twice| twice.error_db(unseen)),
-            quantities: Some(QuantityErrors { max_load: of_all.max_load.max(peaks_apart(a, b)), ..of_all }),
+            quantities: Some(QuantityErrors {
+                max_load: of_all.max_load.max(peaks_apart(a, b)),
+                orbit_radius: of_all.orbit_radius.max(orbits_apart(a, b)),
+                ..of_all
+            }),
         }
     }
 
@@ -271,6 +275,20 @@ fn peaks_apart(a: &Recording, b: &Recording) -> f64 {
     let both = peaks(a).into_iter().zip(peaks(b));
     let near = both.filter(|(a, b)| a.max(*b) > (1.0 - NEAR_LARGEST) * largest);
     near.map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max)
+}
+
+/// What the radii of the cage's orbit differ by over parts of two recordings, as a share: over all of it they may agree by luck.
+fn orbits_apart(a: &Recording, b: &Recording) -> f64 {
+    let radii = |of: &Recording| -> Option<Vec<f64>> {
+        let part = |values: &[f64]| -> Vec<f64> {
+            values.chunks(values.len().div_ceil(PARTS).max(1)).map(|part| CentralMoments::of(part).rms()).collect()
+        };
+        let [y, z] = [Axis::Y, Axis::Z].map(|axis| of.signal(Channel::CageDisplacement(axis)).map(part));
+        Some(y?.iter().zip(&z?).map(|(y, z)| y.hypot(*z)).collect())
+    };
+    let Some((a, b)) = radii(a).zip(radii(b)) else { return 0.0 };
+    let relative: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a - b) / a.max(*b).max(LEAST_ORBIT)).collect();
+    mean_or_luck(&relative)
 }
 
 /// Size of the mean of some differences; at least what it would be if their signs were a matter of chance.

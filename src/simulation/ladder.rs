@@ -60,8 +60,11 @@ const SHARE_OF_STEPS: f64 = 0.5;
 /// check tells nothing of the run: levels were off by decibels at twenty and three per cent, by a twentieth at one and a half.
 const SLIPPED: f64 = 5e-3;
 /// Rms of the spindle's inertia over the force that holds it, from which on a check tells nothing of the run: of 160 random scenes of 10 to 200 N
-/// (`benches/drawn_scenes.rs`), thirty lay beyond, four of these were off by 0.08 to 0.4 dB for 0.01 stated; a heavier one by 4.
+/// (`benches/drawn_scenes.rs`), thirty lay beyond, four of these were off by 0.08 to 0.4 dB for 0.01 stated; another by 4. All of them take longer to come to rest
+/// than a check.
 const THROWN: f64 = 0.1;
+/// Damping times the time of a check [e-folds] from which on the check shows how the spindle comes to rest.
+const COMES_TO_REST: f64 = 2.0;
 const WANDERED: f64 = 1e-2;
 /// Sine of a contact angle below which balls count as in the plane [-]; the rate at which larger ones grow from which on the balls are leaving it [1/s]: tilt
 /// that grew to degrees and decibels grew by 18 to 70 a second, and where it did not, the angles of a check's halves were up to a tenth
@@ -280,15 +283,16 @@ impl Reached {
     }
 }
 
-/// Whether the spindle is thrown about against what holds it: then it may leave its balls at times, and how it comes to rest, or does not,
-/// shows long after a check; `None`: it is not.
-fn thrown_about(scene: &Scene, recording: &Recording) -> Option<String> {
+/// Whether the spindle is thrown about against what holds it, and comes to rest slowly: then it may leave its balls at times, and what
+/// becomes of that shows long after a check; `None`: it does not.
+fn thrown_about(scene: &Scene, outputs: &Outputs, recording: &Recording) -> Option<String> {
     let rms = |channel| recording.of(channel).map_or(0.0, |signal| signal.in_band().moments.rms());
     let [x, y, z] = distance::ACCELERATIONS.map(rms);
     let mass = scene.spindle.mass;
     let held = (scene.operation.load[1] + mass * scene.gravity).hypot(scene.operation.load[2]);
     let share = mass * x.hypot(y).hypot(z) / held.max(f64::MIN_POSITIVE);
-    (share > THROWN).then(|| {
+    let damping = RadiallyCondensed::new(scene, outputs).map_or(0.0, |model| model.spindle_damping());
+    (share > THROWN && damping * check_time(scene) < COMES_TO_REST).then(|| {
         format!("the spindle is thrown about, by {:.0} % (rms) of what load and weight hold it with", 100.0 * share)
     })
 }
@@ -403,7 +407,7 @@ fn on_rung(
     let gone_on = (rung == Rung::RadiallyCondensed && check.fault.is_none())
         .then(|| check.reached.gone_on(&Reached::of(&made.recording), scene))
         .flatten()
-        .or_else(|| thrown_about(scene, &made.recording));
+        .or_else(|| thrown_about(scene, &settings.outputs, &made.recording));
     if let (Some(what), None) = (&gone_on, settings.rung) {
         return Ok(Err(format!("{what}, and the check tells nothing of that")));
     }

@@ -294,6 +294,11 @@ impl RadiallyCondensed {
         (f64::from(self.film.stiffness) * (turning.max(moving) + 1.0 / m.ball_mass)).sqrt()
     }
 
+    /// Damping of the spindle over its mass on its contacts at rest [1/s].
+    pub fn spindle_damping(&self) -> f64 {
+        self.spindle_rates[0]
+    }
+
     /// First-order states of the scene on this rung.
     pub fn states(&self) -> usize {
         3 * self.mechanism.layout.balls + if self.mechanism.layout.cage { 6 } else { 0 } + 4
