@@ -255,12 +255,16 @@ fn scene_of(request: &Value) -> Result<ResolvedScene, Refusal> {
 /// Parts of a scene that fill themselves in around a field.
 const OPEN_PARTS: [&str; 3] = ["operation", "spindle", "terms"];
 
+/// Fields that say what a part is: what else it has by default follows from them.
+const SAYS_WHAT: [&str; 2] = ["kind", "law"];
+
 /// Sets a field of a scene. Where the way to it leads through a name, or through nothing, the part stands there with its defaults,
 /// as `complete` has it; of a bearing by name, and of the parts that stand open, only the field is given, so that what follows
-/// from it still follows.
+/// from it still follows; and so it is where the field says what the part is.
 fn set(scene: &mut Value, complete: &Value, tokens: &[String], value: Value) -> Result<(), String> {
     let Some((field, way)) = tokens.split_last() else { return Err("no field".to_owned()) };
     let (mut at, mut filled, mut path) = (scene, Some(complete), String::new());
+    let mut is_named = true;
     for (depth, token) in way.iter().enumerate() {
         path += &format!("/{}", escape(token));
         filled = filled.and_then(|part| part.get(token));
@@ -276,11 +280,15 @@ fn set(scene: &mut Value, complete: &Value, tokens: &[String], value: Value) -> 
         } else if !next.is_object() && !next.is_array() {
             *next =
                 filled.filter(|part| part.is_object()).cloned().ok_or_else(|| format!("the scene has no `{path}`"))?;
+            is_named = false;
         }
         at = next;
     }
     match at {
         Value::Object(fields) => {
+            if !is_named && SAYS_WHAT.contains(&field.as_str()) {
+                fields.clear();
+            }
             fields.insert(field.clone(), value);
             Ok(())
         }

@@ -31,6 +31,22 @@ fn values_are_listed_or_spaced() {
     assert_eq!(study.values(23), [&json!(30000), &json!(0.2), &json!(0.54)]);
 }
 
+/// What a part is decides what else it has: a dry bearing has not the viscosity of the grease that it would have had.
+#[test]
+fn a_kind_comes_with_its_own_defaults() {
+    let kinds = ["dry", "oil"];
+    let found = study(json!([{ "path": "/lubricant/kind", "values": kinds }]));
+    let law = study(json!([{ "path": "/damping/raceway/law", "values": ["none"] }]));
+    for (point, kind) in kinds.into_iter().enumerate() {
+        let mut scene = json!({ "bearing": "article-integrated", "operation": { "speed_rpm": 50000 } });
+        scene["lubricant"] = json!({ "kind": kind });
+        let job = json!({ "kind": "simulation", "scene": scene });
+        let expected = parse_job(job.to_string().as_bytes()).unwrap().scene_json();
+        assert_eq!(found.point(point).unwrap().scene_json(), expected, "{kind}");
+    }
+    assert_eq!(law.point(0).unwrap().scene_json()["damping"]["raceway"]["law"], "none");
+}
+
 /// A point is the simulation that the request with its values would be: what follows from a value follows.
 #[test]
 fn a_point_is_the_request_with_its_values() {
