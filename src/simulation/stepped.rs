@@ -38,7 +38,7 @@ fn in_steps(settings: &RunSettings, step: f64) -> RunSettings {
     RunSettings { method: Method::SemiImplicit, fixed_step: Some(step), tightened: None, ..settings.clone() }
 }
 
-/// Progress of a run whose motion has turned out to be chaotic.
+/// Progress within an attempt whose motion has turned out to be chaotic.
 const JUDGED: f64 = 0.6;
 /// How often it is made again, each in half of the step.
 const SAMPLES: i32 = 2;
@@ -114,11 +114,10 @@ pub(super) fn attempt<'a>(
     for (number, (before, part)) in PROGRESS.into_iter().enumerate() {
         let settings = in_steps(setup.settings, step);
         // The repetition at a quarter of the step takes about as long as the run.
-        let judging = |share: f64| (share - MAIN_SHARE) / (1.0 - MAIN_SHARE);
-        let halves =
-            |share: f64| if share < MAIN_SHARE { 0.5 * share / MAIN_SHARE } else { 0.5 + 0.5 * judging(share) };
+        let later = |share: f64| (share - MAIN_SHARE) / (1.0 - MAIN_SHARE);
+        let halves = |share: f64| if share < MAIN_SHARE { 0.5 * share / MAIN_SHARE } else { 0.5 + 0.5 * later(share) };
         let progress = |share: f64| (control.progress)(before + part * halves(share));
-        let control = &Control { progress: &progress, ..*control };
+        let judging = &Control { progress: &progress, ..*control };
         // Where the first did not serve, nobody knows whether steps or terms left out are to blame: both are mended.
         let (model, needs, whole) = match setup.whole.filter(|_| number > 0) {
             Some((model, needs)) => (model, needs, None),
@@ -126,8 +125,8 @@ pub(super) fn attempt<'a>(
         };
         let tried = Setup { model, needs, settings: &settings, whole, start: setup.start };
         let judged = tried
-            .attempt(&Stepping::of(&settings), (0.0, MAIN_SHARE), control)
-            .and_then(|first| accuracy::judge(&tried, first, control));
+            .attempt(&Stepping::of(&settings), (0.0, MAIN_SHARE), judging)
+            .and_then(|first| accuracy::judge(&tried, first, judging));
         let (attempt, accuracy) = match judged {
             Ok(judged) => judged,
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
@@ -135,12 +134,11 @@ pub(super) fn attempt<'a>(
             Err(_) => return Ok(None),
         };
         if accuracy.motion == Some(MotionKind::Diverging) {
-            let progress = |share: f64| (control.progress)(JUDGED + (1.0 - JUDGED) * share);
+            let progress = |share: f64| (control.progress)(before + part * (JUDGED + (1.0 - JUDGED) * share));
             let control = &Control { progress: &progress, ..*control };
             return another_sample(setup, step, attempt, &accuracy, allowed_db, control);
         }
-        let is_steady = accuracy.motion != Some(MotionKind::Diverging) && accuracy.warning.is_none();
-        let excess = accuracy.excess(&settings.outputs, allowed_db).filter(|_| is_steady);
+        let excess = accuracy.excess(&settings.outputs, allowed_db).filter(|_| accuracy.warning.is_none());
         let Some(excess) = excess else { return Ok(None) };
         if excess <= 1.0 {
             let attempt = kept(attempt, "what a quarter of the step tells lies within half of model_tolerance_db");
