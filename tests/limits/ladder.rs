@@ -53,6 +53,19 @@ fn the_leanest_rung_that_is_confirmed_makes_the_result() {
     }
 }
 
+/// A heavy shaft under little load bounces on its balls long after a check from the start, which tells nothing of that: by name the rung
+/// warns, by itself it is not taken.
+#[test]
+fn a_spindle_that_is_thrown_about_is_left_to_the_dynamics() {
+    let light = json!({ "bearing": "6205", "operation": { "speed_rpm": 6000, "radial_load_y_n": 18.3 } });
+    let asked = |rung| RunSettings { settle: 0.1, duration: 0.1, ..asked(false, rung) };
+    let chosen = simulate(&light, &asked(None)).summary;
+    assert_eq!(chosen.solver.rung, "full");
+    assert!(chosen.solver.check.contains("thrown about"), "{}", chosen.solver.check);
+    let condensed = simulate(&light, &asked(Some(Rung::RadiallyCondensed))).summary;
+    assert!(condensed.accuracy.warning.unwrap().contains("thrown about"));
+}
+
 /// Largest load and cage speed are those of the full dynamics, too.
 #[test]
 fn contacts_and_cage_of_the_condensed_rung_are_those_of_the_full_dynamics() {
