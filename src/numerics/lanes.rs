@@ -158,21 +158,30 @@ impl<C: SideBySide> SideBySide for (C, C) {
     }
 }
 
-impl<C: SideBySide> SideBySide for [C; 3] {
-    type One = [C::One; 3];
+impl<C: SideBySide, const COUNT: usize> SideBySide for [C; COUNT] {
+    type One = [C::One; COUNT];
 
     #[inline(always)]
     fn at(&self, lane: usize) -> Self::One {
-        [self[0].at(lane), self[1].at(lane), self[2].at(lane)]
+        std::array::from_fn(|i| self[i].at(lane))
     }
 
     #[inline(always)]
     fn put(&mut self, lane: usize, one: Self::One) {
-        let [a, b, c] = one;
-        self[0].put(lane, a);
-        self[1].put(lane, b);
-        self[2].put(lane, c);
+        for (column, one) in self.iter_mut().zip(one) {
+            column.put(lane, one);
+        }
     }
+}
+
+/// The same of every ball: what all have in common, laid out as what differs. A register takes it from memory together with an
+/// operation, where a single number would have to be spread over the balls before.
+pub fn alike<S: SideBySide<One: Copy> + Default>(one: S::One) -> S {
+    let mut all = S::default();
+    for lane in 0..LANES {
+        all.put(lane, one);
+    }
+    all
 }
 
 /// Lets a struct `S<T>` stand for one ball as `S<f64>` or `S<f32>` and for several as `S<Lanes>` or `S<Singles>`.

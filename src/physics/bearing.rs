@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::InvalidParameter;
 use super::limits::Faults;
 use super::material::Material;
+use crate::numerics::lanes::side_by_side;
 
 /// Inner and outer, always as a pair, so that one formula serves both.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -12,6 +13,8 @@ pub struct PerRaceway<T> {
     pub inner: T,
     pub outer: T,
 }
+
+side_by_side!(PerRaceway { inner, outer });
 
 impl<T> PerRaceway<T> {
     /// The pair of results of `f` on inner and outer.

@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use crate::numerics::lanes::{Real, larger};
+use crate::numerics::lanes::{Real, larger, side_by_side};
 use crate::numerics::roots::bracketed_root;
 use crate::physics::bearing::PerRaceway;
 
@@ -23,15 +23,17 @@ const MIDDLE: f64 = 1.1;
 const LEAST_TOUCH: f64 = 1e-13;
 
 /// The polynomials.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CondensedContact<T = f64> {
-    /// K [N/m^1.5].
+    /// K [N/m^1.5], and 1/K of the outer contact.
     stiffness: PerRaceway<T>,
+    per_outer: T,
     /// √δ_i/u, by rising powers of 2t − 1.
     root: [T; ROOT_TERMS],
     /// Outer share of an approach over t.
     share: [T; SHARE_TERMS],
 }
+side_by_side!(CondensedContact { stiffness, per_outer, root, share });
 
 /// The outer contact under the centrifugal force alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,6 +93,7 @@ impl CondensedContact {
         let w = |t: f64| MIDDLE * t / (1.0 - t);
         Self {
             stiffness,
+            per_outer: 1.0 / stiffness.outer,
             root: chebyshev(|t| exact_root(ratio, w(t)) / w(t)),
             share: chebyshev(|t| exact_share(ratio, exact_root(ratio, w(t))) / t),
         }
@@ -111,6 +114,7 @@ impl CondensedContact {
     pub fn single(&self) -> CondensedContact<f32> {
         CondensedContact {
             stiffness: self.stiffness.map(|stiffness| *stiffness as f32),
+            per_outer: 1.0 / (self.stiffness.outer as f32),
             root: self.root.map(|coefficient| coefficient as f32),
             share: self.share.map(|coefficient| coefficient as f32),
         }
@@ -122,7 +126,7 @@ impl<T: Real> CondensedContact<T> {
     /// a third of each other, to 1e-6 within a thirtieth.
     #[inline(always)]
     pub fn unloaded_near(&self, root: T, force: T) -> Unloaded<T> {
-        let (cube, known) = (force * (T::of(1.0) / self.stiffness.outer), root * root * root);
+        let (cube, known) = (force * self.per_outer, root * root * root);
         let root = root * (known + cube + cube) / (known + known + cube);
         Unloaded { force, penetration: root * root, root }
     }

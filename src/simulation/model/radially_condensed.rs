@@ -21,7 +21,7 @@ pub use stepping::{Look, Stepper};
 
 use super::Mechanism;
 use super::condensed_contact::CondensedContact;
-use crate::numerics::lanes::{InstructionSet, LANES, Lanes, Singles};
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, Singles, alike};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::PocketFilm;
 use crate::physics::contact::traction::{TractionLaw, four_parameters};
@@ -66,6 +66,13 @@ impl Border {
     }
 }
 
+/// What eight balls have in common.
+#[derive(Debug, Clone, Copy)]
+struct Alike {
+    ball: OneBall<Singles>,
+    film: Film<Singles>,
+}
+
 /// The equations of the rung: made once a scene.
 #[derive(Debug, Clone)]
 pub struct RadiallyCondensed {
@@ -76,8 +83,10 @@ pub struct RadiallyCondensed {
     present: Vec<Singles>,
     contact: CondensedContact,
     one: OneBall,
-    traction: PerRaceway<RacewayTraction>,
     film: Film,
+    /// The same of every ball.
+    all: Box<Alike>,
+    traction: PerRaceway<RacewayTraction>,
     /// Whether a ball between the walls of its pocket feels nothing but the film.
     plain_pocket: bool,
     /// Whether a cage is there, its pockets are plain and raceways are without a viscous damper.
@@ -173,6 +182,37 @@ impl RadiallyCondensed {
         let contact = CondensedContact::new(m.raceway.map(|contact| contact.hertz().stiffness));
         // Of a ball that touches the outer raceway without load over the pitch circle.
         let lift = 0.25 * scene.bearing.radial_clearance;
+        let nominal = (m.pitch_radius + lift) as f32;
+        let (mass, inertia) = (m.ball_mass as f32, m.ball_inertia as f32);
+        let (pitch_radius, radius) = (m.pitch_radius as f32, (0.5 * scene.bearing.parameters.ball_diameter) as f32);
+        let one = OneBall {
+            contact: contact.single(),
+            pitch_radius,
+            per_pitch_radius: 1.0 / pitch_radius,
+            nominal,
+            per_nominal: 1.0 / nominal,
+            lift: lift as f32,
+            clearance: (0.5 * scene.bearing.radial_clearance) as f32,
+            orbit_ratio: m.orbit_ratio as f32,
+            spin_ratio: m.spin_ratio as f32,
+            mass,
+            per_mass: 1.0 / mass,
+            per_inertia: 1.0 / inertia,
+            radius,
+            turning: radius * radius * (1.0 / inertia),
+            weight: (m.ball_mass * m.gravity) as f32,
+            chi: damping.chi as f32,
+            viscous: damping.viscous as f32,
+            axis_square: m
+                .raceway
+                .map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2) as f32),
+        };
+        let film = Film {
+            stiffness: m.pocket.film_stiffness() as f32,
+            damping: if needs.pocket.film { film_damping as f32 } else { 0.0 },
+            clearance: m.pocket.clearance() as f32,
+            pitch_radius,
+        };
         let mut model = Self {
             start: (0..balls)
                 .step_by(LANES)
@@ -185,32 +225,11 @@ impl RadiallyCondensed {
                 .step_by(LANES)
                 .map(|first| Lanes(std::array::from_fn(|lane| if first + lane < balls { 1.0 } else { 0.0 })))
                 .collect(),
-            one: OneBall {
-                contact: contact.single(),
-                pitch_radius: m.pitch_radius as f32,
-                nominal: (m.pitch_radius + lift) as f32,
-                lift: lift as f32,
-                clearance: (0.5 * scene.bearing.radial_clearance) as f32,
-                orbit_ratio: m.orbit_ratio as f32,
-                spin_ratio: m.spin_ratio as f32,
-                mass: m.ball_mass as f32,
-                inertia: m.ball_inertia as f32,
-                radius: (0.5 * scene.bearing.parameters.ball_diameter) as f32,
-                weight: (m.ball_mass * m.gravity) as f32,
-                chi: damping.chi as f32,
-                viscous: damping.viscous as f32,
-                axis_square: m
-                    .raceway
-                    .map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2) as f32),
-            },
+            one,
+            film,
+            all: Box::new(Alike { ball: alike(one), film: alike(film) }),
             contact,
             traction: m.raceway.map(|contact| traction(scene, &needs, contact, LOAD_MARGIN * largest)),
-            film: Film {
-                stiffness: m.pocket.film_stiffness() as f32,
-                damping: if needs.pocket.film { film_damping as f32 } else { 0.0 },
-                clearance: m.pocket.clearance() as f32,
-                pitch_radius: m.pitch_radius as f32,
-            },
             plain_pocket: !needs.pocket.hydrodynamics,
             is_plain: needs.cage && !needs.pocket.hydrodynamics && damping.viscous == 0.0,
             constant: None,

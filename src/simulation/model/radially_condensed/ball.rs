@@ -193,31 +193,55 @@ pub(super) struct Passed<T = f32> {
 }
 side_by_side!(Passed { force, slope });
 
-/// Constants of a ball. A copy of it stands before each loop over balls, so that the compiler sees that nothing stored in
-/// the loop changes it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct OneBall {
-    pub contact: CondensedContact<f32>,
-    pub pitch_radius: f32,
+/// Constants of a ball.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct OneBall<T = f32> {
+    pub contact: CondensedContact<T>,
+    pub pitch_radius: T,
+    pub per_pitch_radius: T,
     /// Orbit radius of a ball that touches the outer raceway without load [m].
-    pub nominal: f32,
+    pub nominal: T,
+    pub per_nominal: T,
     /// That less the pitch radius [m].
-    pub lift: f32,
+    pub lift: T,
     /// Half the diametral clearance: approach at which a weightless ball touches both raceways [m], less what the place says.
-    pub clearance: f32,
-    pub orbit_ratio: f32,
-    pub spin_ratio: f32,
-    pub mass: f32,
-    pub inertia: f32,
-    pub radius: f32,
+    pub clearance: T,
+    pub orbit_ratio: T,
+    pub spin_ratio: T,
+    pub mass: T,
+    pub per_mass: T,
+    pub per_inertia: T,
+    pub radius: T,
+    /// Square of the radius over the inertia [1/kg].
+    pub turning: T,
     /// Mass times gravity [N].
-    pub weight: f32,
+    pub weight: T,
     /// χ [s/m], viscous damper [N s/m].
-    pub chi: f32,
-    pub viscous: f32,
+    pub chi: T,
+    pub viscous: T,
     /// a²/δ [m].
-    pub axis_square: PerRaceway<f32>,
+    pub axis_square: PerRaceway<T>,
 }
+side_by_side!(OneBall {
+    contact,
+    pitch_radius,
+    per_pitch_radius,
+    nominal,
+    per_nominal,
+    lift,
+    clearance,
+    orbit_ratio,
+    spin_ratio,
+    mass,
+    per_mass,
+    per_inertia,
+    radius,
+    turning,
+    weight,
+    chi,
+    viscous,
+    axis_square,
+});
 
 /// 1/(1 + x) for small x, to x³.
 #[inline(always)]
@@ -239,7 +263,7 @@ impl OneBall {
     /// How far a ball has gone further than the cage, which keeps it within a pocket's clearance.
     #[inline(always)]
     pub fn ahead(&self, past_pocket: f32) -> Azimuth<f32> {
-        small_azimuth(past_pocket * (1.0 / self.pitch_radius))
+        small_azimuth(past_pocket * self.per_pitch_radius)
     }
 
     /// The same where no cage turns.
@@ -258,11 +282,10 @@ impl OneBall {
         border: &Border<f32>,
         ball: &BallState,
     ) -> Held {
-        let (per_pitch_radius, per_nominal) = (1.0 / self.pitch_radius, 1.0 / self.nominal);
         let pocket = start.turned(drive.cage);
         let azimuth = pocket.turned(ahead);
         let (c, s) = (azimuth.cosine, azimuth.sine);
-        let orbit = self.orbit_ratio * drive.speed + ball.arc_velocity * per_pitch_radius;
+        let orbit = self.orbit_ratio * drive.speed + ball.arc_velocity * self.per_pitch_radius;
         let centrifugal = larger(
             self.mass * (self.nominal + drive.unloaded_root * drive.unloaded_root) * orbit * orbit + self.weight * c,
             0.0,
@@ -273,7 +296,7 @@ impl OneBall {
         let ([y, z], [vy, vz]) = (border.spindle, border.spindle_velocity);
         let (along, across) = (y * c + z * s, z * c - y * s);
         let (along_velocity, across_velocity) = (vy * c + vz * s, vz * c - vy * s);
-        let lean = across * per_nominal * reciprocal_near_one((unloaded.penetration - along) * per_nominal);
+        let lean = across * self.per_nominal * reciprocal_near_one((unloaded.penetration - along) * self.per_nominal);
         let approach = along - 0.5 * across * lean - self.clearance;
         let rate = along_velocity + lean * ((self.nominal + unloaded.penetration) * orbit - across_velocity);
 
@@ -289,7 +312,7 @@ impl OneBall {
             pocket,
             ahead,
             orbit,
-            past_cage: (ball.arc_velocity - border.cage_velocity[2]) * per_pitch_radius,
+            past_cage: (ball.arc_velocity - border.cage_velocity[2]) * self.per_pitch_radius,
             centrifugal,
             along,
             along_velocity,
@@ -364,25 +387,24 @@ impl OneBall {
         pushed: &Pushed,
         traction: &PerRaceway<Sums>,
     ) -> BallRates {
-        let (per_mass, per_inertia, per_nominal) = (1.0 / self.mass, 1.0 / self.inertia, 1.0 / self.nominal);
         let PerRaceway { inner, outer } = traction;
         let (q_i, q_e) = (loaded.inner.load, loaded.outer.load);
         let drag = drive.mixture.drag[0] + drive.mixture.drag[1] * ball.arc_velocity;
         let churning = drive.mixture.churning[0] + drive.mixture.churning[1] * ball.spin;
         let force =
             q_i * (inner.force - held.lean) + q_e * outer.force + pushed.along + drag - self.weight * held.azimuth.sine;
-        let per_radius = per_nominal * reciprocal_near_one(held.outer * per_nominal);
-        let turning = (force * per_mass - 2.0 * held.radial_velocity * held.orbit) * per_radius;
+        let per_radius = self.per_nominal * reciprocal_near_one(held.outer * self.per_nominal);
+        let turning = (force * self.per_mass - 2.0 * held.radial_velocity * held.orbit) * per_radius;
         let moment = q_e * outer.moment - q_i * inner.moment + pushed.moment + churning;
         let (s_i, s_e) = (q_i * inner.slope, q_e * outer.slope);
         let cross = (s_i - s_e) * self.radius;
         BallRates {
             arc_velocity: self.pitch_radius * (turning - self.orbit_ratio * drive.acceleration),
-            spin: moment * per_inertia - self.spin_ratio * drive.acceleration,
-            arc_by_arc: (s_i + s_e + pushed.damping) * per_mass,
-            arc_by_spin: cross * per_mass,
-            spin_by_arc: cross * per_inertia,
-            spin_by_spin: (s_i + s_e) * (self.radius * self.radius * per_inertia),
+            spin: moment * self.per_inertia - self.spin_ratio * drive.acceleration,
+            arc_by_arc: (s_i + s_e + pushed.damping) * self.per_mass,
+            arc_by_spin: cross * self.per_mass,
+            spin_by_arc: cross * self.per_inertia,
+            spin_by_spin: (s_i + s_e) * self.turning,
         }
     }
 }

@@ -130,13 +130,13 @@ impl RadiallyCondensed {
         }
         let cage = self.mechanism.layout.cage;
         // Copies: what is stored in the loops cannot change them.
-        let (one, start, present) = (self.one, self.start[group], self.present[group]);
+        let (one, all, start, present) = (self.one, &*self.all, self.start[group], self.present[group]);
         let (drive, balls, cage_arc, border) = (*drive, *balls, border.cage_arc, border.single());
         let (mut ahead, mut held) = (Azimuth::<Singles>::default(), Held::<Singles>::default());
         if cage {
             let past = balls.past_pockets(cage_arc);
             for lane in 0..LANES {
-                ahead.put(lane, one.ahead(past[lane]));
+                ahead.put(lane, all.ball.at(lane).ahead(past[lane]));
             }
         } else {
             for lane in 0..LANES {
@@ -144,7 +144,7 @@ impl RadiallyCondensed {
             }
         }
         for lane in 0..LANES {
-            held.put(lane, one.held(&drive, start.at(lane), ahead.at(lane), &border, &balls.at(lane)));
+            held.put(lane, all.ball.at(lane).held(&drive, start.at(lane), ahead.at(lane), &border, &balls.at(lane)));
         }
         if one.viscous > 0.0 {
             for lane in 0..LANES {
@@ -153,7 +153,7 @@ impl RadiallyCondensed {
         }
         let mut pushed = Pushed::<Singles>::default();
         if cage {
-            let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
+            let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * one.per_pitch_radius;
             let displaced = self.film.displaced(&border, cage_spin, &held);
             if self.plain_pocket && self.film.reaches(&displaced) {
                 pushed = self.film.pushed(&held, &displaced, &present, drive.place_share);
@@ -165,7 +165,7 @@ impl RadiallyCondensed {
         }
         let mut loaded = Loaded::<Singles>::default();
         for lane in 0..LANES {
-            loaded.put(lane, one.loaded(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]));
+            loaded.put(lane, all.ball.at(lane).loaded(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]));
         }
         let inner = match &self.traction.inner {
             RacewayTraction::Rising(law) => law.sums(&loaded.inner),
@@ -183,7 +183,7 @@ impl RadiallyCondensed {
         for lane in 0..LANES {
             let (held, loaded) = (held.at(lane), loaded.at(lane));
             let traction = PerRaceway { inner: inner.at(lane), outer: outer.at(lane) };
-            rates_now.put(lane, one.rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction));
+            rates_now.put(lane, all.ball.at(lane).rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction));
             on_spindle.put(lane, passed(&drive, &held, &loaded, &traction.inner, present[lane]));
         }
         *rates = rates_now;
@@ -206,21 +206,20 @@ impl RadiallyCondensed {
         border: &Border,
         laws: PerRaceway<&RisingTraction>,
     ) -> Option<Plain> {
-        let (one, start, present, film) = (self.one, self.start[group], self.present[group], self.film);
+        let (all, start, present) = (&*self.all, self.start[group], self.present[group]);
         let (drive, balls, cage_arc, border) = (*drive, *balls, border.cage_arc, border.single());
-        let (inner, outer) = (*laws.inner, *laws.outer);
-        let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * (1.0 / one.pitch_radius);
+        let cage_spin = self.one.orbit_ratio * drive.speed + border.cage_velocity[2] * self.one.per_pitch_radius;
         let past = balls.past_pockets(cage_arc);
         let mut found = Plain::default();
         let mut beyond = Singles::default();
         for lane in 0..LANES {
-            let ball = balls.at(lane);
+            let (ball, one, film) = (balls.at(lane), all.ball.at(lane), all.film.at(lane));
             let held = one.held(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball);
             let displaced = film.displaced_one(&border, cage_spin, &held);
             let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.place_share);
             let loaded = one.loaded(&drive, &ball, &held, pushed.radial);
-            let (inner, slips) = inner.fitted(&loaded.inner);
-            let (outer, skids) = outer.fitted(&loaded.outer);
+            let (inner, slips) = laws.inner.all.at(lane).fitted(&loaded.inner);
+            let (outer, skids) = laws.outer.all.at(lane).fitted(&loaded.outer);
             let traction = PerRaceway { inner, outer };
             found.rates.put(lane, one.rates(&drive, &ball, &held, &loaded, &pushed, &traction));
             found.passed.put(lane, passed(&drive, &held, &loaded, &inner, present[lane]));

@@ -9,14 +9,15 @@ use crate::physics::pocket::{DAMPING_ONSET, Pocket, PocketMotion};
 const TINY: f32 = 1e-30;
 
 /// The film of the pockets of a cage, and how the cage moves.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Film {
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Film<T = f32> {
     /// [N/m], [N s/m], [m]
-    pub stiffness: f32,
-    pub damping: f32,
-    pub clearance: f32,
-    pub pitch_radius: f32,
+    pub stiffness: T,
+    pub damping: T,
+    pub clearance: T,
+    pub pitch_radius: T,
 }
+side_by_side!(Film { stiffness, damping, clearance, pitch_radius });
 
 /// Of a ball in its pocket: n outwards, t along the orbit.
 #[derive(Debug, Clone, Copy, Default)]

@@ -3,7 +3,7 @@
 
 use super::ball::Contact;
 use crate::numerics::exponential::exponential;
-use crate::numerics::lanes::{LANES, SideBySide, Singles, larger, side_by_side, smaller};
+use crate::numerics::lanes::{LANES, SideBySide, Singles, alike, larger, side_by_side, smaller};
 use crate::physics::contact::traction::FourParameters;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
 use crate::simulation::model::condensed_contact::chebyshev;
@@ -50,27 +50,36 @@ pub(super) enum RacewayTraction {
     General,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct RisingTraction {
     law: FourParameters,
-    /// Its slope at rest, B + C D [s/m].
-    steepest: f32,
+    short: ShortForm,
+    /// The same of every ball.
+    pub all: ShortForm<Singles>,
+}
+
+/// The law by its fit, integrated over the contact.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ShortForm<T = f32> {
+    /// Slope of the law at rest, B + C D [s/m].
+    steepest: T,
     /// μ/u by powers of u, up to u = reach.
-    fit: [f32; TERMS],
-    reach: f32,
-    weights: [f32; POINTS],
+    fit: [T; TERMS],
+    reach: T,
+    weights: [T; POINTS],
     /// Height of the middle of the contact over the ball's centre, less its radius, and rise from there to each point, by
     /// powers of a².
-    middle: [f32; SERIES.len()],
-    rise: [[f32; ACROSS]; POINTS],
-    ball_radius: f32,
+    middle: [T; SERIES.len()],
+    rise: [[T; ACROSS]; POINTS],
+    ball_radius: T,
 }
+side_by_side!(ShortForm { steepest, fit, reach, weights, middle, rise, ball_radius });
 
 impl RacewayTraction {
     /// dμ/du at rest [s/m], where it is known.
     pub fn steepest(&self) -> f64 {
         match self {
-            Self::Rising(traction) => traction.steepest.into(),
+            Self::Rising(traction) => traction.short.steepest.into(),
             Self::General => 0.0,
         }
     }
@@ -84,8 +93,7 @@ impl RisingTraction {
         let shape = |radius: f64, term: usize| SERIES[term] * radius.powi(-1 - 2 * term as i32);
         let across = if conformity { 1.0 } else { 0.0 };
         let scaled: [f64; TERMS] = chebyshev(|t| over_speed(&law, t * REACH, (-t * REACH).exp()));
-        Self {
-            law,
+        let short = ShortForm {
             steepest: (law.d * law.c + law.b) as f32,
             fit: powers_of_the_argument(scaled, reach).map(|power| power as f32),
             reach: reach as f32,
@@ -95,30 +103,33 @@ impl RisingTraction {
                 std::array::from_fn(|j| (across * shape(deformed_radius, j) * t.powi(2 * j as i32 + 2)) as f32)
             }),
             ball_radius: ball_radius as f32,
-        }
+        };
+        Self { law, short, all: alike(short) }
     }
 
     #[inline(always)]
     pub fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
-        let own = *self;
         let mut sums = Sums::<Singles>::default();
         let mut beyond: Singles = Singles::default();
         for lane in 0..LANES {
-            let (one, over) = own.fitted(&contact.at(lane));
+            let (one, over) = self.all.at(lane).fitted(&contact.at(lane));
             sums.put(lane, one);
             beyond[lane] = over;
         }
         if beyond.any(|over| over > 0.0) {
             for lane in 0..LANES {
                 let exact = |speed: f32| {
-                    let x = own.law.c * f64::from(speed);
-                    over_speed(&own.law, x, exponential(-x)) as f32
+                    let x = self.law.c * f64::from(speed);
+                    over_speed(&self.law, x, exponential(-x)) as f32
                 };
-                sums.put(lane, own.sums_by(&contact.at(lane), exact).0);
+                sums.put(lane, self.short.sums_by(&contact.at(lane), exact).0);
             }
         }
         sums
     }
+}
+
+impl ShortForm {
 
     /// The sums by the fit, and by how much the slip goes beyond it under load [m/s].
     #[inline(always)]
@@ -260,16 +271,16 @@ mod tests {
                 |base: f32| Contact { load: 1.0, axis_square: 4e-8, base, per_height: 0.01 * at_slip as f32 / 1.2e-3 };
             let mut ends = false;
             for k in -250..=250 {
-                let contact = slip(0.01 * k as f32 * traction.reach);
-                let (found, beyond) = traction.fitted(&contact);
+                let contact = slip(0.01 * k as f32 * traction.short.reach);
+                let (found, beyond) = traction.short.fitted(&contact);
                 if beyond > 0.0 {
                     ends |= k > 90;
                     continue;
                 }
                 let exact = |u: f32| over_speed(&law, law.c * f64::from(u), (-law.c * f64::from(u)).exp()) as f32;
-                let (sums, fastest) = traction.sums_by(&contact, exact);
-                assert!(fastest <= traction.reach);
-                assert!((found.force - sums.force).abs() < 4e-5 * traction.steepest * fastest, "{maximum} {k}");
+                let (sums, fastest) = traction.short.sums_by(&contact, exact);
+                assert!(fastest <= traction.short.reach);
+                assert!((found.force - sums.force).abs() < 4e-5 * traction.short.steepest * fastest, "{maximum} {k}");
             }
             assert!(ends, "{maximum}");
         }
