@@ -27,7 +27,7 @@ impl<const N: usize> Interpolator<N> {
     pub const DELAY: usize = POINTS / 2;
 
     pub fn new(steps: usize, values: usize) -> Self {
-        let weights = (0..values).map(|part| lagrange(part as f64 / values as f64)).collect();
+        let weights = (0..values).map(|part| between(part as f64 / values as f64)).collect();
         // As if it had begun a frame earlier, with a value that nobody sees.
         Self { steps, values, weights, frames: Vec::new(), next: values, known: Vec::new() }
     }
@@ -80,12 +80,109 @@ fn weighed<const N: usize>(weights: &[f64; POINTS], frames: &[[f64; N]]) -> [f64
 }
 
 /// Weights of samples −3 … 4 for a value at 0 ≤ x < 1.
-fn lagrange(x: f64) -> [f64; POINTS] {
-    let node = |i: usize| i as f64 - (POINTS / 2 - 1) as f64;
-    std::array::from_fn(|i| {
-        let others = (0..POINTS).filter(|other| *other != i);
-        others.map(|other| (x - node(other)) / (node(i) - node(other))).product()
-    })
+fn between(x: f64) -> [f64; POINTS] {
+    through(POINTS, x + (POINTS / 2 - 1) as f64)
+}
+
+/// A motion known at even times, one after the other, and what lies between them.
+#[derive(Debug, Clone, Default)]
+pub struct Course {
+    /// Numbers of a sample.
+    width: usize,
+    /// Of the first and of the last sample.
+    begin: f64,
+    end: f64,
+    samples: usize,
+    /// The last samples, one behind the other.
+    kept: Vec<f64>,
+}
+
+impl Course {
+    /// Samples that are kept for what lies between the last ones, and as many more at most.
+    const KEPT: usize = 2 * POINTS;
+
+    /// Of samples with so many numbers.
+    pub fn new(width: usize) -> Self {
+        Self { width, ..Self::default() }
+    }
+
+    /// Forgets all samples.
+    pub fn clear(&mut self) {
+        self.samples = 0;
+        self.kept.clear();
+    }
+
+    /// The time of the last sample; `None` before the first.
+    pub fn end(&self) -> Option<f64> {
+        (self.samples > 0).then_some(self.end)
+    }
+
+    /// The time up to which four samples follow a value; `None` before there are so many.
+    pub fn known(&self) -> Option<f64> {
+        let ahead = POINTS / 2 - 1;
+        (self.samples > ahead).then(|| self.end - ahead as f64 * self.step())
+    }
+
+    fn step(&self) -> f64 {
+        (self.end - self.begin) / (self.samples.max(2) - 1) as f64
+    }
+
+    /// The next sample.
+    pub fn push(&mut self, time: f64, sample: impl Iterator<Item = f64>) {
+        if self.samples == 0 {
+            self.begin = time;
+        }
+        if self.kept.len() >= 2 * Self::KEPT * self.width {
+            self.kept.drain(..self.kept.len() - Self::KEPT * self.width);
+        }
+        self.kept.extend(sample);
+        self.samples += 1;
+        self.end = time;
+        debug_assert!(self.kept.len() % self.width == 0);
+    }
+
+    /// Writes what lies between the samples at a time: the first `smooth` numbers by the polynomial through the eight samples around, four
+    /// on either side where there are so many, the others straight.
+    ///
+    /// # Panics
+    /// When there is no sample, or numbers are missing.
+    pub fn at(&self, time: f64, smooth: usize, values: &mut [f64]) {
+        let kept = self.kept.len() / self.width;
+        let place = (kept - 1) as f64 - (self.end - time) / self.step().max(f64::MIN_POSITIVE);
+        let left = (place.max(0.0) as usize).min(kept.saturating_sub(2));
+        let points = kept.min(POINTS);
+        let first = left.saturating_sub(POINTS / 2 - 1).min(kept - points);
+        let weights = through(points, place - first as f64);
+        let sample = |i: usize| &self.kept[i * self.width..(i + 1) * self.width];
+        values[..smooth].fill(0.0);
+        for (i, weight) in weights[..points].iter().enumerate() {
+            for (value, number) in values.iter_mut().zip(&sample(first + i)[..smooth]) {
+                *value += weight * number;
+            }
+        }
+        let (a, b) = (sample(left), sample((left + 1).min(kept - 1)));
+        let part = place - left as f64;
+        for i in smooth..self.width {
+            values[i] = a[i] + part * (b[i] - a[i]);
+        }
+    }
+}
+
+/// Weights of samples 0 … `points` − 1 for a value at x (Lagrange).
+fn through(points: usize, x: f64) -> [f64; POINTS] {
+    let mut weights = [0.0; POINTS];
+    // Products of the distances to all samples before, and to all after; over i! (points − 1 − i)!, with alternating sign.
+    let mut before = 1.0;
+    for (i, weight) in weights[..points].iter_mut().enumerate() {
+        *weight = before;
+        before *= (x - i as f64) / (i + 1) as f64;
+    }
+    let mut after = 1.0;
+    for (i, weight) in weights[..points].iter_mut().enumerate().rev() {
+        *weight *= after;
+        after *= (i as f64 - x) / (points - i) as f64;
+    }
+    weights
 }
 
 #[cfg(test)]
@@ -115,6 +212,33 @@ mod tests {
                 assert!(off < 1e-9, "{steps} to {values}, value {j}: {off:e}");
             }
         }
+    }
+
+    /// A course knows polynomials of degree 7 between its samples, from one-sided neighbours at its ends, straight lines in its other
+    /// numbers, and what four samples follow.
+    #[test]
+    fn a_course_is_known_between_its_samples() {
+        let (begin, step) = (0.3, 0.7);
+        let signal = |t: f64| [(0.1 * t - 1.0).powi(7), 2.0 - 3.0 * t];
+        let mut course = Course::new(2);
+        assert_eq!((course.end(), course.known()), (None, None));
+        for samples in 1..=100 {
+            let last = begin + step * f64::from(samples - 1);
+            course.push(last, signal(last).into_iter());
+            assert_eq!(course.end(), Some(last));
+            assert!(course.known().is_none_or(|known| (known - (last - 3.0 * step)).abs() < 1e-9));
+            assert_eq!(course.known().is_some(), samples > 3);
+            let points = f64::from(samples.min(8));
+            for back in [0.0, 0.25, 1.0, 2.6, 3.9].into_iter().filter(|back| *back <= points - 1.0) {
+                let (time, mut found) = (last - back * step, [0.0; 2]);
+                course.at(time, 1, &mut found);
+                let [smooth, straight] = signal(time);
+                assert!((found[1] - straight).abs() < 1e-9, "{samples} {back}");
+                assert!(samples < 8 || (found[0] - smooth).abs() < 1e-8 * smooth.abs().max(1.0), "{samples} {back}");
+            }
+        }
+        course.clear();
+        assert_eq!((course.end(), course.known()), (None, None));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::InvalidParameter;
 use super::limits::Faults;
 use super::material::Material;
-use crate::numerics::lanes::side_by_side;
+use crate::numerics::lanes::SideBySide;
 
 /// Inner and outer, always as a pair, so that one formula serves both.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -14,7 +14,20 @@ pub struct PerRaceway<T> {
     pub outer: T,
 }
 
-side_by_side!(PerRaceway { inner, outer });
+impl<C: SideBySide> SideBySide for PerRaceway<C> {
+    type One = PerRaceway<C::One>;
+
+    #[inline(always)]
+    fn at(&self, lane: usize) -> Self::One {
+        PerRaceway { inner: self.inner.at(lane), outer: self.outer.at(lane) }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: Self::One) {
+        self.inner.put(lane, one.inner);
+        self.outer.put(lane, one.outer);
+    }
+}
 
 impl<T> PerRaceway<T> {
     /// The pair of results of `f` on inner and outer.

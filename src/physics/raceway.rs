@@ -417,9 +417,12 @@ impl RacewayContact {
         }
         let groove = self.groove;
         let sums = self.strip_sums::<PLANAR, N>(contact, motion);
+        // Apart from the contact, so that the compiler sees that no store changes it.
+        let mut found = RacewayLoad::<Lanes<N>>::default();
         for lane in 0..N {
-            load.put(lane, groove.sum_of_loads(&contact.at(lane), &sums.at(lane)));
+            found.put(lane, groove.sum_of_loads(&contact.at(lane), &sums.at(lane)));
         }
+        *load = found;
         if groove.hydrodynamics {
             for lane in 0..N {
                 let mut one = load.at(lane);
@@ -589,17 +592,29 @@ impl RacewayContact {
         }
     }
 
-    /// Meets the minimum film of a loaded contact.
-    pub fn meet_film(&self, motion: &RelativeMotion, load: &RacewayLoad, thinnest: &mut ThinnestFilm) {
-        thinnest.meet(&self.groove.film, self.rolling_speed(motion), load.normal);
+    /// Meets the minimum film of a loaded contact at a mean rolling speed [m/s] and load [N].
+    pub fn meet_film(&self, rolling_speed: f64, load: f64, thinnest: &mut ThinnestFilm) {
+        thinnest.meet(&self.groove.film, rolling_speed, load);
     }
 
     /// Mean rolling speed ū at the contact's centre [m/s].
-    fn rolling_speed(&self, motion: &RelativeMotion) -> f64 {
-        let groove = &self.groove;
-        let (_, (towards_a, towards_r)) = groove.penetration::<false>(motion.axial, motion.radius);
-        let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
-        groove.rolling_velocity(motion, per_height, groove.ball_radius)
+    pub fn rolling_speed(&self, motion: &RelativeMotion) -> f64 {
+        let (_, towards) = self.groove.penetration::<false>(motion.axial, motion.radius);
+        self.groove.rolling_speed(motion, towards)
+    }
+
+    /// The same of several balls, whose contacts lie where `slopes` says.
+    #[inline(always)]
+    pub fn rolling_speeds(
+        &self,
+        motion: &RelativeMotion<Lanes>,
+        slopes: &ContactSlopes<Lanes>,
+        rolling_speed: &mut Lanes,
+    ) {
+        let groove = self.groove;
+        for lane in 0..LANES {
+            rolling_speed[lane] = groove.rolling_speed(&motion.at(lane), slopes.towards.at(lane));
+        }
     }
 }
 
@@ -734,6 +749,13 @@ impl Groove {
         load.force[2] += touching * (hydro.pressure - hydro.rolling);
         load.moment[0] += touching * hydro.rolling * c.apex * across_a;
         load.moment[1] += touching * hydro.rolling * c.apex * across_r;
+    }
+
+    /// Mean rolling speed at the centre of a contact that lies in a direction [m/s].
+    #[inline(always)]
+    fn rolling_speed(&self, motion: &RelativeMotion, (towards_a, towards_r): (f64, f64)) -> f64 {
+        let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
+        self.rolling_velocity(motion, per_height, self.ball_radius)
     }
 
     /// Mean velocity of both surfaces along the groove, in the frame that moves with the contact [m/s].

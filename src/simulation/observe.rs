@@ -1,24 +1,27 @@
 //! Which signals are kept, and how often.
 //!
 //! The motion is looked at 409 600 times a second, by interpolation within the steps, and less often where long steps damp what is
-//! so fast. The spindle's signals pass a
+//! so fast. A look is an evaluation of the equations, but where the method itself shows what it has found (`Integrator::sight`): there
+//! each step is seen as it ends, and looks take their values from the steps around. The spindle's signals pass a
 //! low-pass filter on their way to 102 400 values a second (contact resonances lie above the band of interest and must not
 //! fold into it); all others are kept as they stand at those times, window by window (`windows.rs`). Extremes see every look.
 
+mod snapshot;
+
 use super::channel::{Axis, BallContact, Channel, Motion};
-use super::model::{Model, Watch};
+use super::model::Model;
+use super::model::sight::{Seen, Sight};
 use super::needs::Needs;
 use super::run::{Method, Outputs, RunSettings};
 use super::views::{LoadsAlong, LoadsTaken};
 use super::windows::{Recorder, Signal, Whirl};
+use crate::numerics::interpolation::Course;
 use crate::numerics::ode::Integrator;
 use crate::numerics::parallel::both;
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
-use crate::physics::contact::film::ThinnestFilm;
-use crate::physics::frames::length;
-use crate::physics::pocket::PocketLoad;
-use crate::physics::raceway::{RacewayLoad, RelativeMotion};
+use crate::physics::frames::{Vector, length};
+use snapshot::{Contact, Look, Met, Peaks, Snapshot};
 
 /// Rate at which signals are kept [Hz].
 pub const RATE: f64 = 102_400.0;
@@ -152,119 +155,38 @@ impl Recording {
     }
 }
 
-/// Loads of one look.
-struct Snapshot {
-    film: bool,
-    inner: Vec<f64>,
-    outer: Vec<f64>,
-    pocket: Vec<f64>,
-    /// What was met so far; it grows only while `counts` is set.
-    met: PerRaceway<Met>,
-    /// The same since the last part ended.
-    peaks: Peaks,
-    counts: bool,
-}
-
-/// Largest values over a part of a run.
-#[derive(Clone, Copy, Default)]
-struct Peaks {
-    /// Of any raceway contact [N].
-    load: f64,
-    /// Of any pocket [N].
-    pocket_load: f64,
-    /// Sine of the contact angle, either way.
-    out_of_plane: f64,
-    /// Square of the slip [m²/s²].
-    slip_square: PerRaceway<f64>,
-}
-
-/// Extremes of one kind of contact on the way, in the form that costs least to compare.
-#[derive(Clone)]
-struct Met {
-    max_load: Vec<f64>,
-    /// Sine and cosine of the least and the largest contact angle, between ±90°: the sine grows with the angle.
-    angles: Option<[(f64, f64); 2]>,
-    film: ThinnestFilm,
-}
-
-impl Met {
-    fn new(balls: usize) -> Self {
-        Self { max_load: vec![0.0; balls], angles: None, film: ThinnestFilm::NONE }
-    }
-
-    fn extremes(self, max_slip: f64) -> ContactExtremes {
-        ContactExtremes {
-            max_load: self.max_load,
-            angle: self.angles.map(|[least, most]| (least.0.atan2(least.1), most.0.atan2(most.1))),
-            max_slip,
-            least_film: Some(self.film.thickness).filter(|film| film.is_finite()),
-        }
-    }
-}
-
-/// The watch of one look, with the model it looks at.
-struct Look<'a> {
-    model: &'a Model,
-    snapshot: &'a mut Snapshot,
-}
-
-impl Watch for Look<'_> {
-    fn raceway(&mut self, ball: usize, side: BallContact, motion: &RelativeMotion, load: &RacewayLoad) {
-        let snapshot = &mut *self.snapshot;
-        let raceway = &self.model.mechanism().raceway;
-        let (met, peaks) = (&mut snapshot.met, &mut snapshot.peaks);
-        let (loads, met, slip_square, contact) = match side {
-            BallContact::Inner => (&mut snapshot.inner, &mut met.inner, &mut peaks.slip_square.inner, &raceway.inner),
-            _ => (&mut snapshot.outer, &mut met.outer, &mut peaks.slip_square.outer, &raceway.outer),
-        };
-        loads[ball] = load.normal;
-        if !snapshot.counts || load.normal <= 0.0 {
-            return;
-        }
-        met.max_load[ball] = met.max_load[ball].max(load.normal);
-        *slip_square = slip_square.max(load.slip.0 * load.slip.0 + load.slip.1 * load.slip.1);
-        peaks.load = peaks.load.max(load.normal);
-        peaks.out_of_plane = peaks.out_of_plane.max(load.angle.0.abs());
-        let [least, most] = met.angles.get_or_insert([load.angle; 2]);
-        if load.angle.0 < least.0 {
-            *least = load.angle;
-        }
-        if load.angle.0 > most.0 {
-            *most = load.angle;
-        }
-        if snapshot.film {
-            contact.meet_film(motion, load, &mut met.film);
-        }
-    }
-
-    fn pocket(&mut self, ball: usize, load: &PocketLoad) {
-        self.snapshot.pocket[ball] = load.normal;
-        if self.snapshot.counts {
-            self.snapshot.peaks.pocket_load = self.snapshot.peaks.pocket_load.max(load.normal);
-        }
-    }
-}
-
-/// Mean and variance of a growing sample (Welford).
+/// Mean and variance of a growing sample, about its first value.
 #[derive(Clone, Copy, Default)]
 struct Moments {
     count: f64,
-    mean: f64,
+    origin: f64,
+    sum: f64,
     squares: f64,
 }
 
 impl Moments {
     fn add(&mut self, value: f64) {
+        if self.count == 0.0 {
+            self.origin = value;
+        }
         self.count += 1.0;
-        let off = value - self.mean;
-        self.mean += off / self.count;
-        self.squares += off * (value - self.mean);
+        let off = value - self.origin;
+        self.sum += off;
+        self.squares += off * off;
+    }
+
+    fn mean(&self) -> f64 {
+        self.origin + self.sum / self.count.max(1.0)
     }
 
     fn variance(&self) -> f64 {
-        if self.count > 0.0 { self.squares / self.count } else { 0.0 }
+        let count = self.count.max(1.0);
+        ((self.squares - self.sum * self.sum / count) / count).max(0.0)
     }
 }
+
+/// Azimuth, inner and outer load.
+const OF_THE_FIRST_BALL: usize = 3;
 
 /// Looks at a run and keeps what is needed.
 pub struct Observer<'m> {
@@ -290,6 +212,9 @@ pub struct Observer<'m> {
     state: Vec<f64>,
     derivative: Vec<f64>,
     snapshot: Snapshot,
+    /// What steps have shown of themselves: `frame`, `pick`, and of the first ball azimuth and loads.
+    course: Course,
+    between: Vec<f64>,
     loads: Option<LoadsTaken>,
     shaft: Moments,
     cage: Moments,
@@ -340,6 +265,8 @@ impl<'m> Observer<'m> {
             moments: vec![Moments::default(); spindle.len()],
             frame: vec![0.0; spindle.len()],
             pick: vec![0.0; channels.len()],
+            course: Course::new(spindle.len() + channels.len() + OF_THE_FIRST_BALL),
+            between: vec![0.0; spindle.len() + channels.len() + OF_THE_FIRST_BALL],
             filtered: recorder(&spindle),
             spindle,
             picked: recorder(&channels),
@@ -379,43 +306,127 @@ impl<'m> Observer<'m> {
         self.look_time(self.all_looks - 1)
     }
 
-    /// Takes all looks that lie within the last step.
+    /// Takes the looks that the last step has made known.
     pub fn after(&mut self, step: &dyn Integrator) {
-        while self.next_look().is_some_and(|time| time <= step.time()) {
-            self.look(|time, state| step.interpolate(time, state));
+        let Some(sight) = step.sight() else {
+            self.look_within(step);
+            return;
+        };
+        if self.course.end() != Some(step.previous_time()) {
+            // A start of its own, which shows no more than its end.
+            if let Some(end) = self.course.end() {
+                self.keep_between(end);
+            }
+            self.course.clear();
+            self.look_within(step);
+        }
+        self.see(step.time(), step.state(), &Sight(sight));
+        if let Some(known) = self.course.known() {
+            self.keep_between(known);
         }
     }
 
-    /// Takes the look at `next_look()`; `fill` writes the state then.
-    fn look(&mut self, fill: impl FnOnce(f64, &mut [f64])) {
-        let time = self.look_time(self.looks);
-        fill(time, &mut self.state);
-        let place = self.looks.checked_sub(self.lead).filter(|place| *place <= (self.values - 1) * self.oversampling);
-        self.snapshot.counts = place.is_some();
-        if place.is_some_and(|place| place > 0 && place % (PART * self.oversampling) == 0) {
-            self.end_part();
+    /// All looks that lie within the last step, an evaluation each.
+    fn look_within(&mut self, step: &dyn Integrator) {
+        while let Some(time) = self.next_look().filter(|time| *time <= step.time()) {
+            step.interpolate(time, &mut self.state);
+            self.look(time);
         }
+    }
+
+    /// Takes a look at a state.
+    fn look(&mut self, time: f64) {
+        self.begin(time);
         let mut watch = Look { model: self.model, snapshot: &mut self.snapshot };
         self.model.derivative_watched(time, &self.state, &mut self.derivative, &mut watch);
-        self.gather_spindle();
+        let rate = self.model.mechanism().layout.spindle(&self.derivative);
+        self.gather_spindle(rate.velocity);
+        self.count(time);
+        if self.falls_on_a_value() {
+            self.pick(time);
+            self.picked.push(&self.pick);
+            self.take_loads(self.of_the_first_ball(time));
+        }
+        self.keep();
+    }
+
+    /// Sees the end of a step.
+    fn see(&mut self, time: f64, state: &[f64], sight: &Sight<'_>) {
+        self.state.copy_from_slice(state);
+        self.begin(time);
+        let m = self.model.mechanism();
+        for ball in 0..m.layout.balls {
+            let Seen { load, pocket, slip_square, angle, rolling_speed } = sight.of(ball);
+            let inner = Contact { load: load.inner, slip_square: slip_square.inner, angle: angle.inner };
+            let outer = Contact { load: load.outer, slip_square: slip_square.outer, angle: angle.outer };
+            self.snapshot.meet(&m.raceway, (ball, BallContact::Inner), &inner, |_| rolling_speed.inner);
+            self.snapshot.meet(&m.raceway, (ball, BallContact::Outer), &outer, |_| rolling_speed.outer);
+            if m.layout.cage {
+                self.snapshot.meet_pocket(ball, pocket);
+            }
+        }
+        self.gather_spindle(sight.acceleration());
+        self.count(time);
+        self.pick(time);
+        let sample = self.frame.iter().chain(&self.pick).copied().chain(self.of_the_first_ball(time));
+        self.course.push(time, sample);
+    }
+
+    /// Takes the looks up to a time from the steps around them.
+    fn keep_between(&mut self, known: f64) {
+        let smooth = self.frame.len();
+        while let Some(time) = self.next_look().filter(|time| *time <= known && self.course.end().is_some()) {
+            self.course.at(time, smooth, &mut self.between);
+            self.frame.copy_from_slice(&self.between[..smooth]);
+            if self.falls_on_a_value() {
+                let (picked, of_the_first) = self.between[smooth..].split_at(self.pick.len());
+                self.picked.push(picked);
+                let [azimuth, inner, outer] = [0, 1, 2].map(|i| of_the_first[i]);
+                self.take_loads([azimuth, inner, outer]);
+            }
+            self.keep();
+        }
+    }
+
+    /// At a time whose loads are about to be seen.
+    fn begin(&mut self, time: f64) {
+        // To a quarter of a look: times are counted in different ways.
+        let off = 0.25 / (RATE * self.oversampling as f64);
+        let start = self.start;
+        let value = |place: usize| start + place as f64 / RATE;
+        self.snapshot.counts = time > value(0) - off && time < value(self.values - 1) + off;
+        while self.snapshot.counts && time > value(PART * (self.parts.len() + 1)) - off {
+            self.end_part();
+        }
+    }
+
+    /// Takes what is in `frame` and `state` into the means.
+    fn count(&mut self, time: f64) {
+        if !self.snapshot.counts {
+            return;
+        }
+        for (moments, value) in self.moments.iter_mut().zip(&self.frame) {
+            moments.add(*value);
+        }
+        let cage_speed = self.gather_speeds(time);
+        self.part_cage.speed.add(cage_speed);
+        if self.model.mechanism().layout.cage {
+            let [_, y, z] = self.model.mechanism().layout.cage(&self.state).centre;
+            self.part_cage.y.add(y);
+            self.part_cage.z.add(z);
+        }
+    }
+
+    /// Whether the next look stands at a kept value.
+    fn falls_on_a_value(&self) -> bool {
+        let place = self.looks.checked_sub(self.lead);
+        place.is_some_and(|place| place <= (self.values - 1) * self.oversampling && place % self.oversampling == 0)
+    }
+
+    /// Takes `frame` as the next look.
+    fn keep(&mut self) {
         if self.lead == 0 && self.looks == 0 {
             self.decimator.prime(&self.frame);
-        }
-        if let Some(place) = place {
-            for (moments, value) in self.moments.iter_mut().zip(&self.frame) {
-                moments.add(*value);
-            }
-            let cage_speed = self.gather_speeds(time);
-            self.part_cage.speed.add(cage_speed);
-            if self.model.mechanism().layout.cage {
-                let [_, y, z] = self.model.mechanism().layout.cage(&self.state).centre;
-                self.part_cage.y.add(y);
-                self.part_cage.z.add(z);
-            }
-            if place % self.oversampling == 0 {
-                self.pick(time);
-                self.take_loads(time);
-            }
         }
         if let Some(frame) = self.decimator.push(&self.frame) {
             self.filtered.push(frame);
@@ -423,15 +434,14 @@ impl<'m> Observer<'m> {
         self.looks += 1;
     }
 
-    fn gather_spindle(&mut self) {
-        let layout = self.model.mechanism().layout;
-        let (now, rate) = (layout.spindle(&self.state), layout.spindle(&self.derivative));
+    fn gather_spindle(&mut self, acceleration: Vector) {
+        let now = self.model.mechanism().layout.spindle(&self.state);
         for (value, channel) in self.frame.iter_mut().zip(&self.spindle) {
             if let Channel::Spindle(axis, motion) = *channel {
                 let vector = match motion {
                     Motion::Displacement => now.position,
                     Motion::Velocity => now.velocity,
-                    Motion::Acceleration => rate.velocity,
+                    Motion::Acceleration => acceleration,
                 };
                 *value = vector[axis as usize];
             }
@@ -479,14 +489,13 @@ impl<'m> Observer<'m> {
                 Channel::Spindle(..) => 0.0,
             };
         }
-        self.picked.push(&self.pick);
     }
 
     fn end_part(&mut self) {
         let (peaks, cage) = (std::mem::take(&mut self.snapshot.peaks), std::mem::take(&mut self.part_cage));
         self.parts.push(Quantities {
             max_load: peaks.load,
-            cage_speed: cage.speed.mean.abs(),
+            cage_speed: cage.speed.mean().abs(),
             out_of_plane: peaks.out_of_plane,
             max_pocket_load: peaks.pocket_load,
             max_slip: peaks.slip_square.map(|square| square.sqrt()),
@@ -494,14 +503,18 @@ impl<'m> Observer<'m> {
         });
     }
 
-    fn take_loads(&mut self, time: f64) {
-        let Some(loads) = &mut self.loads else { return };
-        let (m, snapshot, state) = (self.model.mechanism(), &self.snapshot, &self.state);
-        loads.look(|| {
-            let (angle, _, _) = m.speed.at(time);
-            let arc = m.layout.ball(state, 0).arc;
-            (m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius, snapshot.inner[0], snapshot.outer[0])
-        });
+    /// Azimuth [rad], inner and outer load [N].
+    fn of_the_first_ball(&self, time: f64) -> [f64; OF_THE_FIRST_BALL] {
+        let (m, snapshot) = (self.model.mechanism(), &self.snapshot);
+        let (angle, _, _) = m.speed.at(time);
+        let arc = m.layout.ball(&self.state, 0).arc;
+        [m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius, snapshot.inner[0], snapshot.outer[0]]
+    }
+
+    fn take_loads(&mut self, [azimuth, inner, outer]: [f64; OF_THE_FIRST_BALL]) {
+        if let Some(loads) = &mut self.loads {
+            loads.look(|| (azimuth, inner, outer));
+        }
     }
 
     /// rms of the spindle's accelerations in y and z so far [m/s²], any frequency; `None` before anything is kept.
@@ -511,6 +524,7 @@ impl<'m> Observer<'m> {
 
     /// What was seen.
     pub fn finish(mut self) -> Recording {
+        self.keep_between(f64::INFINITY);
         self.end_part();
         let total_variance = self.spindle.iter().zip(&self.moments).map(|(c, m)| (*c, m.variance())).collect();
         let (spindle, _) = self.filtered.finish();
@@ -526,10 +540,10 @@ impl<'m> Observer<'m> {
                 outer: self.snapshot.met.outer.extremes(largest(|part| part.max_slip.outer)),
             },
             max_pocket_load: largest(|part| part.max_pocket_load),
-            direction: if self.shaft.mean < 0.0 { -1.0 } else { 1.0 },
-            shaft_speed: self.shaft.mean.abs(),
-            cage_speed: self.cage.mean.abs(),
-            ball_spin: self.spin.mean,
+            direction: if self.shaft.mean() < 0.0 { -1.0 } else { 1.0 },
+            shaft_speed: self.shaft.mean().abs(),
+            cage_speed: self.cage.mean().abs(),
+            ball_spin: self.spin.mean(),
             parts: self.parts,
             loads: self.loads.map(LoadsTaken::finish),
             wander: None,

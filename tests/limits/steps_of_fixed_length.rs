@@ -1,8 +1,10 @@
 //! The dynamics in steps of a fixed length: how right they are, and where they are taken.
 
-use raceway::numerics::ode::OdeSystem;
+use raceway::numerics::ode::{Choice, IntegrationError, Integrator, OdeSystem, Statistics};
 use raceway::simulation::metrics::MotionKind;
 use raceway::simulation::model::Model;
+use raceway::simulation::needs::Needs;
+use raceway::simulation::observe::Observer;
 use raceway::simulation::run::{Method, RunResult, RunSettings, Rung, run, start_state};
 use serde_json::{Value, json};
 
@@ -138,6 +140,98 @@ fn chaos_shows_the_same_statistics_in_steps() {
         assert_eq!((solver.method, accuracy.motion), ("semi_implicit", Some(MotionKind::Diverging)), "{changes}");
         assert!(accuracy.how.contains("twice the step") && solver.method_reason.contains("chaotic"), "{changes}");
         assert!(off < 3.0 * stated.hypot(of_other), "{changes}: {off} {stated} {of_other}");
+    }
+}
+
+/// A method of which nothing is known but states.
+struct Blind<'a>(Box<dyn Integrator + 'a>);
+
+impl Integrator for Blind<'_> {
+    fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
+        self.0.step(limit)
+    }
+    fn time(&self) -> f64 {
+        self.0.time()
+    }
+    fn previous_time(&self) -> f64 {
+        self.0.previous_time()
+    }
+    fn state(&self) -> &[f64] {
+        self.0.state()
+    }
+    fn interpolate(&self, time: f64, state: &mut [f64]) {
+        self.0.interpolate(time, state);
+    }
+    fn restart(&mut self) {
+        self.0.restart();
+    }
+    fn statistics(&self) -> Statistics {
+        self.0.statistics()
+    }
+    fn choice(&self) -> Choice {
+        self.0.choice()
+    }
+}
+
+/// What steps show of themselves is what evaluations between them show: levels, loads, slip, angles, films, the cage. With the walls of
+/// its pockets bare, too, though single blows on them are seen by one and missed by the other.
+#[test]
+fn steps_show_what_evaluations_show() {
+    let bare = json!({ "bearing": { "cage": { "film": "none" } } });
+    for (changes, step, of_pockets) in [
+        (json!({}), 7.5e-6, 0.02),
+        (json!({ "operation": { "axial_load_n": 12 } }), 5.5e-6, 0.02),
+        (
+            json!({ "bearing": { "ball_count": 9, "pitch_diameter_mm": 14, "outer_diameter_mm": 19, "inner_diameter_mm": 9.5 } }),
+            3.7e-6,
+            0.02,
+        ),
+        (bare, 1.9e-6, 0.15),
+    ] {
+        let json = changed(article(), changes.clone());
+        let settings = RunSettings { method: Method::SemiImplicit, fixed_step: Some(step), ..free() };
+        let scene = scene(&json);
+        let needs = Needs::of(&scene, &settings.outputs, settings.rung).unwrap();
+        let model = Model::new(&scene, &needs);
+        let start = start_state(&model).unwrap();
+        let seen = |blind: bool| {
+            let mut observer = Observer::new(&model, &needs, &settings);
+            let end = observer.end();
+            let own = model.own_method(0.0, &start, step).unwrap();
+            let mut method: Box<dyn Integrator + '_> = if blind { Box::new(Blind(own)) } else { own };
+            while method.time() < end {
+                method.step(end).unwrap();
+                observer.after(method.as_ref());
+            }
+            observer.finish()
+        };
+        let (found, expected) = (seen(false), seen(true));
+        let near = |what: &str, found: f64, expected: f64, share: f64| {
+            println!("{changes}: {what} {found:.6e}, {expected:.6e}");
+            assert!((found - expected).abs() <= share * expected.abs(), "{changes}: {what} {found} {expected}");
+        };
+        for (a, b) in found.signals.iter().zip(&expected.signals) {
+            assert_eq!((a.channel, a.values().unwrap().len()), (b.channel, b.values().unwrap().len()));
+            near(&format!("{:?}", a.channel), a.all().rms(), b.all().rms(), 3e-3);
+        }
+        for (a, b) in
+            [(&found.contacts.inner, &expected.contacts.inner), (&found.contacts.outer, &expected.contacts.outer)]
+        {
+            for (a, b) in a.max_load.iter().zip(&b.max_load) {
+                near("load", *a, *b, 2e-3);
+            }
+            near("slip", a.max_slip, b.max_slip, 0.01);
+            near("film", a.least_film.unwrap(), b.least_film.unwrap(), 1e-3);
+            let (a, b) = (a.angle.unwrap(), b.angle.unwrap());
+            near("angles", a.1 - a.0 + 1.0, b.1 - b.0 + 1.0, 1e-3);
+        }
+        let (a, b) = (found.quantities(), expected.quantities());
+        near("cage speed", a.cage_speed, b.cage_speed, 1e-5);
+        near("orbit", a.orbit_radius, b.orbit_radius, 3e-3);
+        near("pocket", a.max_pocket_load, b.max_pocket_load, of_pockets);
+        near("shaft", found.shaft_speed, expected.shaft_speed, 1e-12);
+        near("spin", found.ball_spin, expected.ball_spin, 1e-5);
+        assert_eq!(found.parts.len(), expected.parts.len());
     }
 }
 

@@ -149,6 +149,11 @@ pub trait Integrator {
     fn state(&self) -> &[f64];
     /// State at a time within the last step.
     fn interpolate(&self, time: f64, state: &mut [f64]);
+    /// What the last step has found of the system at `time()` besides its state, in numbers that the system knows the meaning of; `None`
+    /// where the method knows nothing but states.
+    fn sight(&self) -> Option<&[f64]> {
+        None
+    }
     /// Forgets what it knows of the past where the right-hand side jumps, and goes on at the next larger time: at the jump itself
     /// a right-hand side is the one that led there.
     fn restart(&mut self);

@@ -4,6 +4,7 @@
 use super::Mechanism;
 use super::jacobian::DISPLACEMENT;
 use super::semi_implicit::SemiImplicit;
+use super::sight::Seen;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, side_by_side};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem};
@@ -132,6 +133,10 @@ pub(super) struct Slopes<T = f64> {
     pub pocket: PocketSlopes<T>,
     /// From the cage's centre of mass to the contact, inertial frame [m].
     pub arm: Vector<T>,
+    /// Slip of the raceways over the ball, along the groove and across it [m/s].
+    pub slip: PerRaceway<(T, T)>,
+    /// What answers, but for the squares of the slip.
+    pub seen: Seen<T>,
 }
 
 /// The cage in the form in which pockets need it.
@@ -409,6 +414,20 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         if let Some(slopes) = slopes {
             m.raceway.outer.slopes::<PLANAR>(&relative.outer, &load.outer, &mut slopes.raceway.outer);
             m.raceway.inner.slopes::<PLANAR>(&relative.inner, &load.inner, &mut slopes.raceway.inner);
+            m.raceway.outer.rolling_speeds(
+                &relative.outer,
+                &slopes.raceway.outer,
+                &mut slopes.seen.rolling_speed.outer,
+            );
+            m.raceway.inner.rolling_speeds(
+                &relative.inner,
+                &slopes.raceway.inner,
+                &mut slopes.seen.rolling_speed.inner,
+            );
+            slopes.seen.load = PerRaceway { inner: load.inner.normal, outer: load.outer.normal };
+            slopes.seen.angle = PerRaceway { inner: load.inner.angle, outer: load.outer.angle };
+            slopes.slip = PerRaceway { inner: load.inner.slip, outer: load.outer.slip };
+            slopes.seen.pocket = in_pocket.normal;
             let tilt = pose.motion.tilt;
             for lane in 0..LANES {
                 let (azimuth, pocket) = (balls.motion.azimuth.at(lane), slopes.pocket.at(lane));

@@ -8,6 +8,7 @@ mod jacobian;
 mod planar;
 pub mod radially_condensed;
 mod semi_implicit;
+pub mod sight;
 pub mod spindle_only;
 
 pub use dynamics::{Dynamics, Reaction, Watch, Wrench};

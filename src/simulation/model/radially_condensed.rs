@@ -203,9 +203,7 @@ impl RadiallyCondensed {
             weight: (m.ball_mass * m.gravity) as f32,
             chi: damping.chi as f32,
             viscous: damping.viscous as f32,
-            axis_square: m
-                .raceway
-                .map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2) as f32),
+            axis_square: m.raceway.map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2) as f32),
         };
         let film = Film {
             stiffness: m.pocket.film_stiffness() as f32,

@@ -15,11 +15,12 @@
 //! by long steps, as a radially condensed ball is.
 
 use std::array::from_fn;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 
 use super::Dynamics;
 use super::dynamics::{Balls, Reaction, Slopes};
-use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task, side_by_side};
+use super::sight::{Seen, Sight};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task, larger, side_by_side};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
 use crate::physics::bearing::PerRaceway;
@@ -98,8 +99,12 @@ pub(super) struct SemiImplicit<'m, const PLANAR: bool> {
     /// Room for one group of balls after the other.
     balls: Balls,
     slopes: Slopes<Lanes>,
+    corrected: Corrected,
     work: Statistics,
+    /// The newest node as a state where that was asked for, room for the next, and what was seen at the node.
     flat: OnceCell<Vec<f64>>,
+    room: Cell<Vec<f64>>,
+    sight: Vec<f64>,
 }
 
 impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
@@ -117,9 +122,26 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         });
         let nodes = from_fn(|_| node.clone());
         let (work, formulas) = (Statistics::default(), Formulas::new(1));
-        let (balls, slopes) = (Balls::default(), Slopes::default());
-        let (previous, flat) = (time, OnceCell::new());
-        Self { dynamics, asked: step, step, time, previous, nodes, known: 0, formulas, balls, slopes, work, flat }
+        let (balls, slopes, corrected) = (Balls::default(), Slopes::default(), Corrected::default());
+        let (previous, flat, room) = (time, OnceCell::new(), Cell::new(vec![0.0; layout.dimension()]));
+        let sight = vec![0.0; Sight::numbers(layout.balls.div_ceil(LANES))];
+        Self {
+            dynamics,
+            asked: step,
+            step,
+            time,
+            previous,
+            nodes,
+            known: 0,
+            formulas,
+            balls,
+            slopes,
+            corrected,
+            work,
+            flat,
+            room,
+            sight,
+        }
     }
 
     /// Initial acceleration, then short steps of rising order, and every sixteenth of them as the past of the long ones.
@@ -159,7 +181,9 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         }
         self.work.rhs_evaluations += 1;
         self.work.factorizations += 1;
-        self.flat.take();
+        if let Some(old) = self.flat.take() {
+            self.room.set(old);
+        }
     }
 
     #[inline(always)]
@@ -188,13 +212,14 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         // Balls.
         let mut sum = Reaction::default();
         let mut stiff = Stiff::default();
-        let (balls, slopes) = (&mut self.balls, &mut self.slopes);
+        let (balls, slopes, corrected) = (&mut self.balls, &mut self.slopes, &mut self.corrected);
         for group in 0..now.balls.len() {
             let first = group * LANES;
             let (past, predicted) = formula.predicted_balls(&now.balls[group], &before.balls[group], share);
             dynamics.balls(first, &predicted, &border, balls, None, Some(slopes));
-            let corrected = dynamics.corrected(&past, &predicted, balls, slopes, share);
+            dynamics.correct(&past, &predicted, balls, slopes, share, corrected);
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
+            corrected.seen.put_into(&mut self.sight, group);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             corrected.reaction.sum_into(&mut sum, layout.balls - first);
             dynamics.stiffness(balls, slopes, shares, share).sum_into(&mut stiff, layout.balls - first);
@@ -220,6 +245,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             new.spindle.position[i] += shares.0 * change;
             new.spindle.velocity[i] += shares.1 * change;
         }
+        self.sight[..3].copy_from_slice(&new.acceleration);
     }
 }
 
@@ -276,6 +302,8 @@ struct Corrected {
     rates: BallState<Lanes>,
     /// What the correction passes on to cage and spindle.
     reaction: Reaction<Lanes>,
+    /// Loads and slip after it.
+    seen: Seen<Lanes>,
 }
 
 impl Backward {
@@ -430,22 +458,35 @@ impl Answer {
         let in_plane = |i: usize| normal * self.normal.1[i] + turning * self.turning.1[i] + across * self.across.1[i];
         [in_plane(0), in_plane(1), pull(self.along, orbit)]
     }
+
+    /// Normal load after a change of the ball's velocities, where there was one.
+    #[inline(always)]
+    fn load(&self, before: f64, meridian: Vector) -> f64 {
+        larger(before + self.normal.0 * dot(self.normal.1, meridian), 0.0)
+    }
+
+    /// Square of the slip after it: what the ball gains the raceway loses.
+    #[inline(always)]
+    fn slip_square(&self, (along, across): (f64, f64), meridian: Vector, orbit: Vector) -> f64 {
+        let (along, across) = (along - dot(self.along.1, orbit), across - dot(self.across.1, meridian));
+        along * along + across * across
+    }
 }
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// Balls at the end of a step: one step of Newton from the predicted state.
     #[inline(always)]
-    fn corrected(
+    fn correct(
         &self,
         past: &BallState<Lanes>,
         predicted: &BallState<Lanes>,
         balls: &Balls,
         slopes: &Slopes<Lanes>,
         share: f64,
-    ) -> Corrected {
+        corrected: &mut Corrected,
+    ) {
         let m = self.mechanism();
         let (mass, inertia, radius) = (m.ball_mass, m.ball_inertia, m.ball_radius);
-        let mut corrected = Corrected::default();
         for lane in 0..LANES {
             let (old, from, rates) = (past.at(lane), predicted.at(lane), balls.rates.at(lane));
             let PerRaceway { inner, outer } =
@@ -504,8 +545,24 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let cage_force = scale(pull, azimuth.to_inertial(normal));
             let cage_moment = cross(slopes.arm.at(lane), cage_force);
             corrected.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
+            let before = slopes.seen.at(lane);
+            let slip = slopes.slip.at(lane);
+            corrected.seen.put(
+                lane,
+                Seen {
+                    load: PerRaceway {
+                        inner: inner.load(before.load.inner, in_plane),
+                        outer: outer.load(before.load.outer, in_plane),
+                    },
+                    slip_square: PerRaceway {
+                        inner: inner.slip_square(slip.inner, in_plane, along),
+                        outer: outer.slip_square(slip.outer, in_plane, along),
+                    },
+                    pocket: larger(before.pocket - pull, 0.0),
+                    ..before
+                },
+            );
         }
-        corrected
     }
 
     /// What balls would pass on to spindle and cage if these moved: by the `shares` that a step has of the spindle's place and
@@ -580,10 +637,19 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
 
     fn state(&self) -> &[f64] {
         self.flat.get_or_init(|| {
-            let mut state = vec![0.0; self.dynamics.mechanism().layout.dimension()];
-            self.interpolate(self.time, &mut state);
+            let (layout, node) = (self.dynamics.mechanism().layout, &*self.nodes[0]);
+            let mut state = self.room.take();
+            for (group, balls) in node.balls.iter().enumerate() {
+                layout.set_side_by_side::<PLANAR>(&mut state, group * LANES, balls);
+            }
+            layout.set_cage(&mut state, &node.cage);
+            layout.set_spindle(&mut state, &node.spindle);
             state
         })
+    }
+
+    fn sight(&self) -> Option<&[f64]> {
+        Some(&self.sight)
     }
 
     /// By the cubic through places, or velocities, and their rates at both ends.

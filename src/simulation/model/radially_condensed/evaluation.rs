@@ -183,7 +183,10 @@ impl RadiallyCondensed {
         for lane in 0..LANES {
             let (held, loaded) = (held.at(lane), loaded.at(lane));
             let traction = PerRaceway { inner: inner.at(lane), outer: outer.at(lane) };
-            rates_now.put(lane, all.ball.at(lane).rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction));
+            rates_now.put(
+                lane,
+                all.ball.at(lane).rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction),
+            );
             on_spindle.put(lane, passed(&drive, &held, &loaded, &traction.inner, present[lane]));
         }
         *rates = rates_now;

@@ -6,7 +6,7 @@ use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
-use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
+use crate::physics::raceway::{RacewayContact, RelativeMotion};
 use crate::simulation::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::observe::{ContactExtremes, Recording, picked_channels};
 use crate::simulation::run::Outputs;
@@ -378,7 +378,7 @@ fn meet_films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, thin
                 orbit_speed: orbit,
                 azimuth: 0.0,
             };
-            contact.meet_film(&motion, &RacewayLoad { normal, ..RacewayLoad::default() }, thinnest);
+            contact.meet_film(contact.rolling_speed(&motion), normal, thinnest);
         };
         meet(&m.raceway.inner, speed, seen.load.inner[lane].into(), &mut thinnest.inner);
         meet(&m.raceway.outer, 0.0, seen.load.outer[lane].into(), &mut thinnest.outer);

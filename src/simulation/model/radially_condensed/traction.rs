@@ -130,7 +130,6 @@ impl RisingTraction {
 }
 
 impl ShortForm {
-
     /// The sums by the fit, and by how much the slip goes beyond it under load [m/s].
     #[inline(always)]
     pub fn fitted(&self, contact: &Contact) -> (Sums, f32) {
