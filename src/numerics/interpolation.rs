@@ -138,7 +138,7 @@ impl Course {
         self.kept.extend(sample);
         self.samples += 1;
         self.end = time;
-        debug_assert!(self.kept.len() % self.width == 0);
+        debug_assert!(self.kept.len().is_multiple_of(self.width));
     }
 
     /// Writes what lies between the samples at a time: the first `smooth` numbers by the polynomial through the eight samples around, four
