@@ -38,6 +38,7 @@ impl Sight<'_> {
         [self.0[0], self.0[1], self.0[2]]
     }
 
+    /// What is seen of a ball.
     #[inline]
     pub fn of(&self, ball: usize) -> Seen {
         let first = 3 + ball / LANES * COLUMNS * LANES + ball % LANES;
@@ -72,7 +73,7 @@ impl Seen<Lanes> {
             &rolling_speed.inner,
             &rolling_speed.outer,
         ];
-        let (row, _) = numbers[3 + group * COLUMNS * LANES..].split_at_mut(COLUMNS * LANES);
+        let row = &mut numbers[3 + group * COLUMNS * LANES..][..COLUMNS * LANES];
         for (place, column) in row.chunks_exact_mut(LANES).zip(columns) {
             place.copy_from_slice(&column.0);
         }
