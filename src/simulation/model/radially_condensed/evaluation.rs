@@ -156,11 +156,11 @@ impl RadiallyCondensed {
             let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * one.per_pitch_radius;
             let displaced = self.film.displaced(&border, cage_spin, &held);
             if self.plain_pocket && self.film.reaches(&displaced) {
-                pushed = self.film.pushed(&held, &displaced, &present, drive.place_share);
+                pushed = self.film.pushed(&held, &displaced, &present, drive.velocity_share);
             } else {
                 let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
                 let pocket = &self.mechanism.pocket;
-                pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present, drive.place_share);
+                pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present, drive.velocity_share);
             }
         }
         let mut loaded = Loaded::<Singles>::default();
@@ -219,7 +219,7 @@ impl RadiallyCondensed {
             let (ball, one, film) = (balls.at(lane), all.ball.at(lane), all.film.at(lane));
             let held = one.held(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball);
             let displaced = film.displaced_one(&border, cage_spin, &held);
-            let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.place_share);
+            let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.velocity_share);
             let loaded = one.loaded(&drive, &ball, &held, pushed.radial);
             let (inner, slips) = laws.inner.all.at(lane).fitted(&loaded.inner);
             let (outer, skids) = laws.outer.all.at(lane).fitted(&loaded.outer);
