@@ -61,8 +61,20 @@ pub struct BallRates<T = f32> {
     pub spin_by_arc: T,
     /// −∂(spin rate)/∂(spin).
     pub spin_by_spin: T,
+    /// Slope of the inner raceway's traction over slip [N s/m], and where the ball is.
+    pub traction: T,
+    pub azimuth: Azimuth<T>,
 }
-side_by_side!(BallRates { arc_velocity, spin, arc_by_arc, arc_by_spin, spin_by_arc, spin_by_spin });
+side_by_side!(BallRates {
+    arc_velocity,
+    spin,
+    arc_by_arc,
+    arc_by_spin,
+    spin_by_arc,
+    spin_by_spin,
+    traction,
+    azimuth
+});
 
 /// What drives the motion at a time.
 #[derive(Debug, Clone, Copy)]
@@ -405,25 +417,22 @@ impl OneBall {
             arc_by_spin: cross * self.per_mass,
             spin_by_arc: cross * self.per_inertia,
             spin_by_spin: (s_i + s_e) * self.turning,
+            traction: s_i,
+            azimuth: held.azimuth,
         }
     }
 }
 
 /// On the spindle; `present`: 1, or 0 for a copy that only fills a lane.
 #[inline(always)]
-pub(super) fn passed(drive: &Drive, held: &Held, loaded: &Loaded, inner: &Sums, present: f32) -> Passed {
+pub(super) fn passed(held: &Held, loaded: &Loaded, inner: &Sums, present: f32) -> Passed {
     let (q, t) = (loaded.inner.load, loaded.inner.load * inner.force);
     let (along, across) = (-(q + held.lean * t), held.lean * q - t);
     let (c, s) = (held.azimuth.cosine, held.azimuth.sine);
     let (c_present, s_present) = (c * present, s * present);
-    // Along the radius, and by traction across it.
-    let (radial, tangential) = (loaded.slope, drive.velocity_share * (q * inner.slope));
+    let radial = loaded.slope;
     Passed {
         force: (along * c_present - across * s_present, along * s_present + across * c_present),
-        slope: [
-            radial * (c * c_present) + tangential * (s * s_present),
-            (radial - tangential) * (c * s_present),
-            radial * (s * s_present) + tangential * (c * c_present),
-        ],
+        slope: [radial * (c * c_present), radial * (c * s_present), radial * (s * s_present)],
     }
 }

@@ -13,8 +13,8 @@ use crate::physics::spindle::unbalance_force;
 #[derive(Debug, Clone, Default)]
 pub struct Rates {
     pub balls: Vec<BallRates<Singles>>,
-    /// Of the spindle's acceleration.
-    pub spindle: Defect,
+    /// On the spindle, lane by lane.
+    pub(super) passed: Passed<Singles>,
     pub cage: [f64; 3],
     /// Diagonal of the damping of the cage by its pockets [1/s], not negative.
     pub cage_damping: [f64; 3],
@@ -77,7 +77,7 @@ impl RadiallyCondensed {
         shares: Shares,
         rates: &mut Rates,
         scratch: &mut Scratch,
-    ) {
+    ) -> (f64, f64, f64) {
         let m = &self.mechanism;
         let (turning, (mixture, unloaded_root)) = match self.constant {
             Some((speed, ideal)) => ((speed * time, speed, 0.0), ideal),
@@ -101,7 +101,9 @@ impl RadiallyCondensed {
         for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
             self.group(&drive, group, balls, border, rates, scratch, &mut sums);
         }
-        self.border_rates(turning, spindle_acceleration, border, &sums, rates);
+        rates.passed = sums.spindle;
+        self.cage_rates(turning, border, &sums.cage, rates);
+        turning
     }
 
     /// Rates of eight balls, and what they pass on.
@@ -187,7 +189,7 @@ impl RadiallyCondensed {
                 lane,
                 all.ball.at(lane).rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction),
             );
-            on_spindle.put(lane, passed(&drive, &held, &loaded, &traction.inner, present[lane]));
+            on_spindle.put(lane, passed(&held, &loaded, &traction.inner, present[lane]));
         }
         *rates = rates_now;
         sums.add(&on_spindle, &OnCage { force: pushed.cage, damping: pushed.cage_damping });
@@ -225,7 +227,7 @@ impl RadiallyCondensed {
             let (outer, skids) = laws.outer.all.at(lane).fitted(&loaded.outer);
             let traction = PerRaceway { inner, outer };
             found.rates.put(lane, one.rates(&drive, &ball, &held, &loaded, &pushed, &traction));
-            found.passed.put(lane, passed(&drive, &held, &loaded, &inner, present[lane]));
+            found.passed.put(lane, passed(&held, &loaded, &inner, present[lane]));
             found.on_cage.force.put(lane, pushed.cage);
             found.on_cage.damping.put(lane, pushed.cage_damping);
             found.seen.load.inner[lane] = loaded.inner.load;
@@ -254,16 +256,13 @@ impl RadiallyCondensed {
     }
 
     #[inline(always)]
-    fn border_rates(
+    pub(super) fn defect(
         &self,
         (angle, speed, acceleration): (f64, f64, f64),
         [ay, az]: [f64; 2],
-        border: &Border,
-        sums: &AllBalls,
-        rates: &mut Rates,
-    ) {
+        on_spindle: &Passed<Singles>,
+    ) -> Defect {
         let m = &self.mechanism;
-        let on_spindle = &sums.spindle;
         let mut spindle = Defect {
             force: [total(&on_spindle.force.0), total(&on_spindle.force.1)],
             slope: on_spindle.slope.each_ref().map(total),
@@ -276,11 +275,22 @@ impl RadiallyCondensed {
             let [_, y, z] = unbalance_force(m.unbalance, angle, speed, acceleration);
             spindle.force = [spindle.force[0] + y, spindle.force[1] + z];
         }
-        rates.spindle = spindle;
+        spindle
+    }
+
+    #[inline(always)]
+    fn cage_rates(
+        &self,
+        (_, speed, acceleration): (f64, f64, f64),
+        border: &Border,
+        sums: &OnCage<Singles>,
+        rates: &mut Rates,
+    ) {
+        let m = &self.mechanism;
         if !m.layout.cage {
             return;
         }
-        let [mut y, mut z, mut moment] = sums.cage.force.each_ref().map(total);
+        let [mut y, mut z, mut moment] = sums.force.each_ref().map(total);
         if let Some(land) = &m.land {
             let spin = m.orbit_ratio * speed + border.cage_velocity[2] / m.pitch_radius;
             let (force, braking) = land.load([0.0, border.cage[0], border.cage[1]], spin);
@@ -289,7 +299,7 @@ impl RadiallyCondensed {
         let (per_mass, arm, per_inertia) = (1.0 / m.cage.mass, m.pitch_radius, 1.0 / m.cage.axial_inertia);
         rates.cage =
             [y * per_mass + m.gravity, z * per_mass, arm * (moment * per_inertia - m.orbit_ratio * acceleration)];
-        let [d_y, d_z, d_arc] = sums.cage.damping.each_ref().map(total);
+        let [d_y, d_z, d_arc] = sums.damping.each_ref().map(total);
         rates.cage_damping = [d_y * per_mass, d_z * per_mass, d_arc * (arm * arm * per_inertia)];
     }
 }

@@ -14,16 +14,18 @@
 //! take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by Adams–Moulton with the
 //! stiffness and the damping of the raceways. The first steps are of rising order and a sixteenth of the length.
 
+use super::ball::{OneBall, Passed};
 use super::evaluation::Scratch;
 use super::{BallRates, Balls, Border, RadiallyCondensed, Rates, Seen};
-use crate::numerics::lanes::{LANES, Real, SideBySide, Singles, Task};
+use crate::numerics::lanes::{LANES, Real, SideBySide, Singles, Task, side_by_side};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::adams_moulton::{Shares, solve};
+use crate::physics::frames::Azimuth;
 
 /// Short steps to one of full length at the start.
 const START: usize = 16;
 /// Nodes that are remembered: highest order of the spindle's motion.
-const NODES: usize = 4;
+const NODES: usize = 6;
 /// Order of the places of balls and cage.
 const PLACE_NODES: usize = 3;
 
@@ -106,6 +108,7 @@ pub struct Stepper<'m> {
     /// Whether the newest is predicted, not yet corrected.
     is_predicted: bool,
     rates: Rates,
+    ahead: Vec<Ahead<Singles>>,
     scratch: Scratch,
 }
 
@@ -123,6 +126,7 @@ impl<'m> Stepper<'m> {
             formulas: Formulas::new(1),
             is_predicted: false,
             rates: Rates { balls: vec![BallRates::default(); model.groups()], ..Rates::default() },
+            ahead: vec![Ahead::default(); model.groups()],
             scratch: Scratch::new(model.groups()),
         };
         // Short steps, then every sixteenth of them as the past of the long ones.
@@ -195,11 +199,26 @@ impl<'m> Stepper<'m> {
         // Where nothing was predicted, place and velocity are given.
         let share = if self.is_predicted { h } else { 0.0 };
         let shares = Shares { place: h * share * place[0], velocity: share * velocity[0] };
-        let [new, now, before, earlier] = self.nodes.each_mut().map(|node| &mut **node);
+        let [new, now, before, earlier, ..] = self.nodes.each_mut().map(|node| &mut **node);
         let predicted = new.acceleration;
-        self.model.rates(time, &new.balls, &new.border, predicted, shares, &mut self.rates, &mut self.scratch);
+        let turning =
+            self.model.rates(time, &new.balls, &new.border, predicted, shares, &mut self.rates, &mut self.scratch);
         self.evaluations += 1;
-        let change = solve(&self.rates.spindle);
+        let (formulas, one) = (&self.formulas, &self.model.one);
+        if self.is_predicted {
+            for group in 0..new.balls.len() {
+                let velocities = [&new.balls[group], &now.balls[group], &before.balls[group], &earlier.balls[group]];
+                self.ahead[group] = eliminated(
+                    velocities,
+                    &self.rates.balls[group],
+                    (&formulas.balls, h, shares.velocity),
+                    one,
+                    &self.model.present[group],
+                    &mut self.rates.passed,
+                );
+            }
+        }
+        let change = solve(&self.model.defect(turning, predicted, &self.rates.passed));
         let Border { spindle, spindle_velocity, .. } = new.border;
         new.acceleration = std::array::from_fn(|i| predicted[i] + change[i]);
         new.border.spindle = std::array::from_fn(|i| spindle[i] + shares.place * change[i]);
@@ -207,10 +226,10 @@ impl<'m> Stepper<'m> {
         if !self.is_predicted {
             return;
         }
-        let (formulas, place) = (&self.formulas, h * self.formulas.moulton[0]);
-        for (group, rates) in self.rates.balls.iter().enumerate() {
-            let past = [&now.balls[group], &before.balls[group], &earlier.balls[group]];
-            correct(&mut new.balls[group], past, rates, &formulas.balls, h, place);
+        let place = h * formulas.moulton[0];
+        let gained = change.map(|change| (shares.velocity * change) as f32);
+        for (group, balls) in new.balls.iter_mut().enumerate() {
+            self.ahead[group].correct(balls, &self.rates.balls[group].azimuth, gained, place as f32);
         }
         let past = [now.border.cage_velocity, before.border.cage_velocity, earlier.border.cage_velocity];
         let border = &mut new.border;
@@ -233,7 +252,7 @@ impl<'m> Stepper<'m> {
         self.nodes.rotate_right(1);
         // The newest first: the oldest still stands where the new one will.
         let accelerations = std::array::from_fn(|i| self.nodes[(i + 1) % NODES].acceleration);
-        let [new, now, before, earlier] = self.nodes.each_mut().map(|node| &mut **node);
+        let [new, now, before, earlier, ..] = self.nodes.each_mut().map(|node| &mut **node);
         for (group, balls) in new.balls.iter_mut().enumerate() {
             *balls = ahead_of([&now.balls[group], &before.balls[group], &earlier.balls[group]], formulas, h);
         }
@@ -333,19 +352,30 @@ fn ahead_of([now, before, earlier]: [&Balls; 3], formulas: &Formulas, h: f64) ->
     new
 }
 
-/// One step of Newton's method from the predicted velocities of eight balls to those of the formula; `place`: of velocities in
-/// places [s].
+/// What one step of Newton's method changes of eight balls if the spindle stays as it was predicted, and how much more by its velocity
+/// across them.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ahead<T = f32> {
+    arc_velocity: T,
+    spin: T,
+    arc_by_spindle: T,
+    spin_by_spindle: T,
+}
+side_by_side!(Ahead { arc_velocity, spin, arc_by_spindle, spin_by_spindle });
+
+/// Eight balls and their past, newest first, eliminated from the spindle's equations: traction there is that of balls that follow.
 #[inline(always)]
-fn correct(
-    balls: &mut Balls,
-    [now, before, earlier]: [&Balls; 3],
+fn eliminated(
+    [new, now, before, earlier]: [&Balls; 4],
     rates: &BallRates<Singles>,
-    formulas: &Implicit<f32>,
-    h: f64,
-    place: f64,
-) {
-    let (c, h, place, rates) = (*formulas, h as f32, place as f32, *rates);
-    let (mut new, mut on) = (*balls, Singles::default());
+    (formulas, h, velocity_share): (&Implicit<f32>, f64, f64),
+    one: &OneBall,
+    present: &Singles,
+    passed: &mut Passed<Singles>,
+) -> Ahead<Singles> {
+    let (c, h, share, rates, present) = (*formulas, h as f32, velocity_share as f32, *rates, *present);
+    let (radius, per_mass, per_inertia) = (one.radius, one.per_mass, one.per_inertia);
+    let (mut ahead, mut sums) = (Ahead::<Singles>::default(), *passed);
     for lane in 0..LANES {
         let (y, y1, y2, y3, f) = (new.at(lane), now.at(lane), before.at(lane), earlier.at(lane), rates.at(lane));
         let velocities = [y.arc_velocity, y1.arc_velocity, y2.arc_velocity, y3.arc_velocity];
@@ -355,14 +385,45 @@ fn correct(
         let (b, d) = (h * f.arc_by_spin, h * f.spin_by_arc);
         let (vv, pp) = (c.leading + h * f.arc_by_arc, c.leading + h * f.spin_by_spin);
         let per_determinant = 1.0 / (vv * pp - b * d);
-        let change = per_determinant * (pp * right_v + b * right_p);
-        new.arc_velocity[lane] += change;
-        new.spin[lane] += per_determinant * (vv * right_p + d * right_v);
-        on[lane] = place * change;
+        let (push_v, push_p) = (h * f.traction * per_mass, -h * f.traction * radius * per_inertia);
+        let one = Ahead {
+            arc_velocity: per_determinant * (pp * right_v + b * right_p),
+            spin: per_determinant * (vv * right_p + d * right_v),
+            arc_by_spindle: per_determinant * (pp * push_v + b * push_p),
+            spin_by_spindle: per_determinant * (vv * push_p + d * push_v),
+        };
+        ahead.put(lane, one);
+        let (cosine, sine) = (f.azimuth.cosine, f.azimuth.sine);
+        let held = present[lane] * f.traction;
+        let push = held * (one.arc_velocity - radius * one.spin);
+        let slope = share * held * (1.0 - one.arc_by_spindle + radius * one.spin_by_spindle);
+        sums.force.0[lane] -= push * sine;
+        sums.force.1[lane] += push * cosine;
+        sums.slope[0][lane] += slope * sine * sine;
+        sums.slope[1][lane] -= slope * sine * cosine;
+        sums.slope[2][lane] += slope * cosine * cosine;
     }
-    // In double precision, so in a loop of its own.
-    for lane in 0..LANES {
-        new.arc[lane] += f64::from(on[lane]);
+    *passed = sums;
+    ahead
+}
+
+impl Ahead<Singles> {
+    /// Corrects eight balls, once the change of the spindle's velocity is known (y, z) [m/s]; `place`: of velocities in places [s].
+    #[inline(always)]
+    fn correct(&self, balls: &mut Balls, azimuth: &Azimuth<Singles>, [y, z]: [f32; 2], place: f32) {
+        let (mut new, mut on) = (*balls, Singles::default());
+        for lane in 0..LANES {
+            let (one, azimuth) = (self.at(lane), azimuth.at(lane));
+            let across = z * azimuth.cosine - y * azimuth.sine;
+            let change = one.arc_velocity + one.arc_by_spindle * across;
+            new.arc_velocity[lane] += change;
+            new.spin[lane] += one.spin + one.spin_by_spindle * across;
+            on[lane] = place * change;
+        }
+        // In double precision, so in a loop of its own.
+        for lane in 0..LANES {
+            new.arc[lane] += f64::from(on[lane]);
+        }
+        *balls = new;
     }
-    *balls = new;
 }
