@@ -108,6 +108,8 @@ pub struct Stepper<'m> {
     /// Whether the newest is predicted, not yet corrected.
     is_predicted: bool,
     rates: Rates,
+    /// Velocity along the arc and spin that the formulas ask for over the predicted ones where nothing acts, times `leading`.
+    missing: Vec<[Singles; 2]>,
     ahead: Vec<Ahead<Singles>>,
     scratch: Scratch,
 }
@@ -126,6 +128,7 @@ impl<'m> Stepper<'m> {
             formulas: Formulas::new(1),
             is_predicted: false,
             rates: Rates { balls: vec![BallRates::default(); model.groups()], ..Rates::default() },
+            missing: vec![Default::default(); model.groups()],
             ahead: vec![Ahead::default(); model.groups()],
             scratch: Scratch::new(model.groups()),
         };
@@ -141,11 +144,13 @@ impl<'m> Stepper<'m> {
                 stepper.step();
             }
         }
+        stepper.rate();
         for (i, node) in past.into_iter().rev().enumerate() {
             stepper.nodes[i + 1] = node;
         }
         stepper.step = step;
         stepper.count = NODES as u64 - 1;
+        stepper.is_predicted = false;
         stepper
     }
 
@@ -207,11 +212,10 @@ impl<'m> Stepper<'m> {
         let (formulas, one) = (&self.formulas, &self.model.one);
         if self.is_predicted {
             for group in 0..new.balls.len() {
-                let velocities = [&new.balls[group], &now.balls[group], &before.balls[group], &earlier.balls[group]];
                 self.ahead[group] = eliminated(
-                    velocities,
+                    &self.missing[group],
                     &self.rates.balls[group],
-                    (&formulas.balls, h, shares.velocity),
+                    (formulas.balls.leading, h, shares.velocity),
                     one,
                     &self.model.present[group],
                     &mut self.rates.passed,
@@ -234,8 +238,7 @@ impl<'m> Stepper<'m> {
         let past = [now.border.cage_velocity, before.border.cage_velocity, earlier.border.cage_velocity];
         let border = &mut new.border;
         let change: [f64; 3] = std::array::from_fn(|i| {
-            let velocities = [border.cage_velocity[i], past[0][i], past[1][i], past[2][i]];
-            let missing = formulas.cage.missing(h, velocities, self.rates.cage[i]);
+            let missing = formulas.cage.missing(past.map(|v| v[i])) + h * self.rates.cage[i];
             missing / (formulas.cage.leading + h * self.rates.cage_damping[i])
         });
         border.cage_velocity = std::array::from_fn(|i| border.cage_velocity[i] + change[i]);
@@ -254,7 +257,8 @@ impl<'m> Stepper<'m> {
         let accelerations = std::array::from_fn(|i| self.nodes[(i + 1) % NODES].acceleration);
         let [new, now, before, earlier, ..] = self.nodes.each_mut().map(|node| &mut **node);
         for (group, balls) in new.balls.iter_mut().enumerate() {
-            *balls = ahead_of([&now.balls[group], &before.balls[group], &earlier.balls[group]], formulas, h);
+            let past = [&now.balls[group], &before.balls[group], &earlier.balls[group]];
+            (*balls, self.missing[group]) = ahead_of(past, formulas, h);
         }
         // Both directions of each quantity at once: what is stored in pairs can be read in pairs.
         let (a, b, c) = (&now.border, &before.border, &earlier.border);
@@ -325,31 +329,34 @@ impl<T: Real> Implicit<T> {
         y + (self.ahead[0] * (y - y1) + self.ahead[1] * (y1 - y2))
     }
 
-    /// What the newest of four values lacks of the formula with its rate, times `leading`.
+    /// What that value lacks of the formula where nothing acts, times `leading`.
     #[inline(always)]
-    fn missing(&self, h: T, [y, y1, y2, y3]: [T; 4], rate: T) -> T {
-        self.past[0] * (y1 - y2) + self.past[1] * (y2 - y3) + h * rate - self.leading * (y - y1)
+    fn missing(&self, [y, y1, y2]: [T; 3]) -> T {
+        let short = |i: usize| self.past[i] - self.leading * self.ahead[i];
+        short(0) * (y - y1) + short(1) * (y1 - y2)
     }
 }
 
-/// Eight balls a step on, as their past takes them, newest first.
+/// Eight balls a step on, as their past takes them, newest first; and what velocity along the arc and spin lack then.
 #[inline(always)]
-fn ahead_of([now, before, earlier]: [&Balls; 3], formulas: &Formulas, h: f64) -> Balls {
+fn ahead_of([now, before, earlier]: [&Balls; 3], formulas: &Formulas, h: f64) -> (Balls, [Singles; 2]) {
     let (c, moulton, h) = (formulas.balls, formulas.moulton.map(|weight| weight as f32), h as f32);
-    let (mut new, mut on) = (Balls::default(), Singles::default());
+    let (mut new, mut on, mut missing) = (Balls::default(), Singles::default(), [Singles::default(); 2]);
     for lane in 0..LANES {
         let (v, v1, v2) = (now.arc_velocity[lane], before.arc_velocity[lane], earlier.arc_velocity[lane]);
         let arc_velocity = c.extrapolated([v, v1, v2]);
         let [moved] = weighed(&moulton, &[[arc_velocity], [v], [v1]]);
         new.arc_velocity[lane] = arc_velocity;
-        new.spin[lane] = c.extrapolated([now.spin[lane], before.spin[lane], earlier.spin[lane]]);
+        let spins = [now.spin[lane], before.spin[lane], earlier.spin[lane]];
+        new.spin[lane] = c.extrapolated(spins);
+        (missing[0][lane], missing[1][lane]) = (c.missing([v, v1, v2]), c.missing(spins));
         on[lane] = h * moved;
     }
     // In double precision, so in a loop of its own.
     for lane in 0..LANES {
         new.arc[lane] = now.arc[lane] + f64::from(on[lane]);
     }
-    new
+    (new, missing)
 }
 
 /// What one step of Newton's method changes of eight balls if the spindle stays as it was predicted, and how much more by its velocity
@@ -363,27 +370,25 @@ struct Ahead<T = f32> {
 }
 side_by_side!(Ahead { arc_velocity, spin, arc_by_spindle, spin_by_spindle });
 
-/// Eight balls and their past, newest first, eliminated from the spindle's equations: traction there is that of balls that follow.
+/// Eight balls eliminated from the spindle's equations: traction there is that of balls that follow.
 #[inline(always)]
 fn eliminated(
-    [new, now, before, earlier]: [&Balls; 4],
+    missing: &[Singles; 2],
     rates: &BallRates<Singles>,
-    (formulas, h, velocity_share): (&Implicit<f32>, f64, f64),
+    (leading, h, velocity_share): (f32, f64, f64),
     one: &OneBall,
     present: &Singles,
     passed: &mut Passed<Singles>,
 ) -> Ahead<Singles> {
-    let (c, h, share, rates, present) = (*formulas, h as f32, velocity_share as f32, *rates, *present);
+    let (missing, h, share, rates, present) = (*missing, h as f32, velocity_share as f32, *rates, *present);
     let (radius, per_mass, per_inertia) = (one.radius, one.per_mass, one.per_inertia);
     let (mut ahead, mut sums) = (Ahead::<Singles>::default(), *passed);
     for lane in 0..LANES {
-        let (y, y1, y2, y3, f) = (new.at(lane), now.at(lane), before.at(lane), earlier.at(lane), rates.at(lane));
-        let velocities = [y.arc_velocity, y1.arc_velocity, y2.arc_velocity, y3.arc_velocity];
-        let right_v = c.missing(h, velocities, f.arc_velocity);
-        let right_p = c.missing(h, [y.spin, y1.spin, y2.spin, y3.spin], f.spin);
+        let f = rates.at(lane);
+        let (right_v, right_p) = (missing[0][lane] + h * f.arc_velocity, missing[1][lane] + h * f.spin);
         // A = [−a, b; d, −e]
         let (b, d) = (h * f.arc_by_spin, h * f.spin_by_arc);
-        let (vv, pp) = (c.leading + h * f.arc_by_arc, c.leading + h * f.spin_by_spin);
+        let (vv, pp) = (leading + h * f.arc_by_arc, leading + h * f.spin_by_spin);
         let per_determinant = 1.0 / (vv * pp - b * d);
         let (push_v, push_p) = (h * f.traction * per_mass, -h * f.traction * radius * per_inertia);
         let one = Ahead {
