@@ -93,21 +93,27 @@ pub fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectru
 
 /// The signal without its mean and without anything above `highest` [Hz]; same length, same rate.
 ///
-/// A brick wall in the frequency domain, so the power left is exactly that of the bins kept; the signal is taken as
-/// periodic, and where its ends do not meet the last few values within 1/`highest` of them are rounded off.
+/// A brick wall in the frequency domain, which takes what it is given as periodic: where the ends of the signal did not meet, it would
+/// overshoot there by a tenth of the step between them. So the straight line through the ends, which has nothing to be cut, goes
+/// round the wall.
 pub fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
-    let n = signal.len();
-    if n == 0 {
-        return Vec::new();
-    }
-    let mut bins = forward(&mut signal.to_vec());
+    let (n, [Some(first), Some(last)]) = (signal.len(), [signal.first(), signal.last()]) else { return Vec::new() };
+    let rise = if n > 1 { (last - first) / (n - 1) as f64 } else { 0.0 };
+    let middle = 0.5 * (n - 1) as f64;
+    let line = |i: usize| rise * (i as f64 - middle);
+    let mut bent: Vec<f64> = signal.iter().enumerate().map(|(i, value)| value - line(i)).collect();
+    let mut bins = forward(&mut bent);
     bins[0] = Complex64::ZERO;
     for (k, bin) in bins.iter_mut().enumerate() {
         if k as f64 * rate / n as f64 > highest {
             *bin = Complex64::ZERO;
         }
     }
-    inverse(&mut bins, n)
+    let mut left = inverse(&mut bins, n);
+    for (i, value) in left.iter_mut().enumerate() {
+        *value += line(i);
+    }
+    left
 }
 
 /// Frequency [Hz] and amplitude of the tone whose strongest bin is `bin`, from that bin and its two neighbours.

@@ -93,6 +93,8 @@ pub struct RadiallyCondensed {
     is_plain: bool,
     /// Where the speed never changes: it [rad/s], and what is made anew elsewhere.
     constant: Option<(f64, (Mixture, f32))>,
+    /// Whether an output shows the motion of the cage.
+    shows_cage: bool,
     /// Where the spindle starts [m].
     rest: [f64; 2],
     /// Damping over mass and frequency of the spindle on its contacts at rest, as if all lay in one direction [1/s, rad/s].
@@ -143,6 +145,11 @@ pub fn unable(scene: &Scene, outputs: &Outputs) -> Option<&'static str> {
     } else {
         None
     }
+}
+
+/// Whether a channel shows the motion of the cage.
+fn shows_cage(channel: &Channel) -> bool {
+    matches!(channel, Channel::CageDisplacement(_) | Channel::CageSpeed)
 }
 
 /// Traction in short form where the law has one and the contact stays narrow up to a load [N].
@@ -231,6 +238,7 @@ impl RadiallyCondensed {
             plain_pocket: !needs.pocket.hydrodynamics,
             is_plain: needs.cage && !needs.pocket.hydrodynamics && damping.viscous == 0.0,
             constant: None,
+            shows_cage: outputs.spectra.iter().chain(&outputs.series).any(shows_cage),
             rest: [rest.spindle[1], rest.spindle[2]],
             spindle_rates: [0.0; 2],
             traction_rate: 0.0,

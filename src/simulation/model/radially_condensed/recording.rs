@@ -17,16 +17,15 @@ const STEPS_PER_LOOK: u64 = 256;
 /// Largest product of the step with the rate at which the contacts at rest damp the spindle, and with its frequency on them.
 const LARGEST_DECAY: f64 = 0.2;
 const LARGEST_TURN: f64 = 0.4;
-/// The same of steps that are tried before they are taken.
-const LARGEST_TURN_TRIED: f64 = 0.7;
+/// The latter of steps that are tried before they are taken.
+const LARGEST_TURN_TRIED: f64 = 0.9;
 /// Largest product of the step with the rate at which traction holds a ball: beyond, what its slope changes by from step to step
-/// is too much for rates that are extrapolated.
+/// is too much.
 const LARGEST_HOLD: f64 = 100.0;
-/// Largest product of the step with the frequency of the cage on its film. Beyond, that motion is wrong by more than else; with the
-/// film explicit it grew without bound from 1 on.
+/// Largest product of the step with the frequency of the cage on its film: beyond, that motion is damped by a decibel and more.
 const LARGEST_FILM_TURN: f64 = 0.75;
-/// The longest step that is tried [s]: with 19.5 µs nine balls and their cage were lost on their films.
-const LONGEST: f64 = 18e-6;
+/// The same of steps that are tried before they are taken, where nobody looks at that motion.
+const LARGEST_FILM_TURN_TRIED: f64 = 1.6;
 /// A spindle or cage beyond this is lost [m, m/s].
 const FARTHEST: f64 = 1.0;
 
@@ -137,13 +136,14 @@ impl RadiallyCondensed {
     /// Longest steps that serve: a film holds the balls in their pockets gently, walls do not; the spindle on its loaded
     /// contacts, the cage on a stiff film and steep traction bound them.
     pub fn pace(&self) -> Pace {
-        let stable = (self.fastest(LARGEST_TURN) / RATE).ceil().max(1.0) as usize;
+        let stable = (self.fastest(LARGEST_TURN, LARGEST_FILM_TURN) / RATE).ceil().max(1.0) as usize;
         Pace::of_steps(stable.max(if self.is_gentle() { 1 } else { 4 }))
     }
 
     /// Longer steps that may serve, the longest first: what they do to the levels has to be tried.
     pub fn longer_paces(&self) -> impl Iterator<Item = Pace> {
-        let longest = if self.is_gentle() { LONGEST.min(1.0 / self.fastest(LARGEST_TURN_TRIED)) } else { 0.0 };
+        let film_turn = if self.shows_cage { LARGEST_FILM_TURN } else { LARGEST_FILM_TURN_TRIED };
+        let longest = if self.is_gentle() { 1.0 / self.fastest(LARGEST_TURN_TRIED, film_turn) } else { 0.0 };
         Pace::LONG.into_iter().filter(move |pace| pace.step() <= longest)
     }
 
@@ -152,12 +152,13 @@ impl RadiallyCondensed {
         !self.mechanism().layout.cage || self.pockets_are_damped()
     }
 
-    /// 1 over the longest step that damping, cage and traction bear, the spindle turning by so much in it on its contacts [1/s].
-    fn fastest(&self, turn: f64) -> f64 {
+    /// 1 over the longest step that damping and traction bear, the spindle turning by so much in it on its contacts and the cage on its
+    /// film [1/s].
+    fn fastest(&self, turn: f64, film_turn: f64) -> f64 {
         let on_film = if self.mechanism().layout.cage { self.film_frequency() } else { 0.0 };
         (self.spindle_rates[0] / LARGEST_DECAY)
             .max(self.spindle_rates[1] / turn)
-            .max(on_film / LARGEST_FILM_TURN)
+            .max(on_film / film_turn)
             .max(self.traction_rate / LARGEST_HOLD)
     }
 

@@ -25,7 +25,7 @@ use crate::physics::frames::Azimuth;
 /// Short steps to one of full length at the start.
 const START: usize = 16;
 /// Nodes that are remembered: highest order of the spindle's motion.
-const NODES: usize = 6;
+const NODES: usize = 7;
 /// Order of the places of balls and cage.
 const PLACE_NODES: usize = 3;
 
