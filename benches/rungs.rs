@@ -21,7 +21,7 @@ use scenes::{SCENES, scene};
 
 const WINDOW: f64 = 0.1;
 const WINDOWS: usize = 4;
-const PACES: [Pace; 4] = [Pace::LONG[1], Pace::LONG[2], Pace::LONG[3], Pace::of_steps(1)];
+const PACES: [Pace; 5] = [Pace::LONG[0], Pace::LONG[1], Pace::LONG[2], Pace::LONG[3], Pace::of_steps(1)];
 const TIMED_RUNS: usize = 7;
 const CHANNELS: [Channel; 4] = [
     Channel::Spindle(Axis::Y, Motion::Acceleration),

@@ -80,8 +80,7 @@ fn levels_are_those_of_the_full_dynamics() {
     }
 }
 
-/// Steps between the kept values' interval and 17.1 µs end on the same values: as many of them, and levels to 0.4 dB. Nine balls at
-/// high speed are what steps of 19.5 µs blow up.
+/// Steps between the kept values' interval and 24.4 µs end on the same values: as many of them, and levels of the spindle to 0.1 dB.
 #[test]
 fn long_steps_keep_levels() {
     for (speed, balls) in [(30_000.0, 8), (50_000.0, 7), (50_000.0, 9)] {
@@ -100,7 +99,7 @@ fn long_steps_keep_levels() {
         settings.outputs.series.push(Channel::CageSpeed);
         let run = |pace: Pace| model.run(&settings, pace, &CONTROL).unwrap().0;
         let short = run(Pace::of_steps(1));
-        for pace in Pace::LONG.into_iter().skip(1) {
+        for pace in Pace::LONG {
             assert_eq!(Pace::of(pace.step()), pace);
             let long = run(pace);
             for channel in &settings.outputs.series {
@@ -108,8 +107,9 @@ fn long_steps_keep_levels() {
                 assert_eq!(found.len(), expected.len(), "{channel} {pace:?}");
                 let decibels = 20.0 * (spread(found) / spread(expected)).log10();
                 println!("{balls} balls at {speed} r/min, {pace:?}: {channel} {decibels:.3} dB");
-                // What the film's own motion adds to the cage's speed is not followed by steps so long.
-                assert!(decibels.abs() < 0.4 || *channel == Channel::CageSpeed, "{channel} {pace:?} {decibels} dB");
+                // The cage's own motion on its films is damped by steps so long.
+                let most = if *channel == Channel::CageSpeed { 4.0 } else { 0.1 };
+                assert!(decibels.abs() < most, "{channel} {pace:?} {decibels} dB");
             }
             assert!((long.cage_speed / short.cage_speed - 1.0).abs() < 1e-4, "{pace:?}");
         }
@@ -117,8 +117,9 @@ fn long_steps_keep_levels() {
 }
 
 /// A method of order 3: the distance of steps h from steps h/2 falls by 8 with h. Measured on spindle and azimuths from 12
-/// to 3 µs, without cage and without clearance, over the second half of the run: of the spindle by 7 at least. Of the balls' ways,
-/// 0.1 µm apart, by 3.5: they keep what the first steps made of their fast way to their speeds. Contacts that open hide it else.
+/// to 3 µs, without cage and without clearance, over the second half of the run: of the spindle by 7 at least, of the balls' ways,
+/// 0.1 µm apart, by 3. Contacts that open hide it else, and so do first steps from balls that have yet to find their slip, which
+/// keep what order 1 makes of that.
 #[test]
 fn steps_are_of_third_order() {
     let text = r#"{ "bearing": { "preset": "article-integrated", "radial_clearance_um": -4 },
@@ -127,9 +128,12 @@ fn steps_are_of_third_order() {
     let model = model(&scene_from_json(text).unwrap());
     const PLACES: u32 = 100;
     let end = 6e-3;
+    let (balls, border) = model.start();
+    let mut before = Stepper::new(&model, 0.0, balls, border, 1e-6);
+    before.advance(2000, &mut |_: &Stepper<'_>| {});
     let at = |steps: u32| {
-        let (balls, border) = model.start();
-        let mut stepper = Stepper::new(&model, 0.0, balls, border, end / f64::from(steps));
+        let (begin, step) = (before.time(), end / f64::from(steps));
+        let mut stepper = Stepper::new(&model, begin, before.balls().to_vec(), *before.border(), step);
         let to_go = u64::from(steps) - stepper.steps();
         let (every, mut step, mut seen) = (u64::from(steps / PLACES), stepper.steps(), Vec::new());
         stepper.advance(to_go + 1, &mut |stepper: &Stepper<'_>| {
@@ -142,7 +146,7 @@ fn steps_are_of_third_order() {
         seen
     };
     let runs = [500, 1000, 2000].map(at);
-    for (value, least) in [7.0, 7.0, 3.5].into_iter().enumerate() {
+    for (value, least) in [7.0, 7.0, 3.0].into_iter().enumerate() {
         // Over many places: at a single one the distance may pass through zero.
         let distance = |pair: &[Vec<[f64; 3]>]| {
             let squares = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a[value] - b[value]).powi(2));

@@ -65,16 +65,7 @@ pub struct BallRates<T = f32> {
     pub traction: T,
     pub azimuth: Azimuth<T>,
 }
-side_by_side!(BallRates {
-    arc_velocity,
-    spin,
-    arc_by_arc,
-    arc_by_spin,
-    spin_by_arc,
-    spin_by_spin,
-    traction,
-    azimuth
-});
+side_by_side!(BallRates { arc_velocity, spin, arc_by_arc, arc_by_spin, spin_by_arc, spin_by_spin, traction, azimuth });
 
 /// What drives the motion at a time.
 #[derive(Debug, Clone, Copy)]

@@ -42,14 +42,8 @@ pub struct Pace {
 
 impl Pace {
     /// Steps longer than an interval: 24.4, 22.0, 19.5, 17.1, 14.6 and 12.2 µs.
-    pub const LONG: [Self; 6] = [
-        Self::over(2, 5),
-        Self::over(4, 9),
-        Self::over(1, 2),
-        Self::over(4, 7),
-        Self::over(2, 3),
-        Self::over(4, 5),
-    ];
+    pub const LONG: [Self; 6] =
+        [Self::over(2, 5), Self::over(4, 9), Self::over(1, 2), Self::over(4, 7), Self::over(2, 3), Self::over(4, 5)];
 
     /// That many steps to a value: 9.8 µs, 4.9 µs, …
     pub const fn of_steps(steps: usize) -> Self {
