@@ -108,15 +108,24 @@ pub fn log_to_stderr(usual: tracing::Level) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// SIGINT and SIGTERM; from the moment this exists they no longer end the process.
+/// A write beyond the largest size of a file (`ulimit -f`): its number on Linux (but for MIPS and PA-RISC), macOS and the BSDs.
+const SIGXFSZ: i32 = 25;
+
+/// SIGINT and SIGTERM; from the moment this exists they no longer end the process, nor does a file that may not
+/// grow: the write fails, as on a full disk.
 pub struct Signals {
     interrupt: Signal,
     terminate: Signal,
+    _file_size: Signal,
 }
 
 impl Signals {
     pub fn listen() -> std::io::Result<Self> {
-        Ok(Self { interrupt: signal(SignalKind::interrupt())?, terminate: signal(SignalKind::terminate())? })
+        Ok(Self {
+            interrupt: signal(SignalKind::interrupt())?,
+            terminate: signal(SignalKind::terminate())?,
+            _file_size: signal(SignalKind::from_raw(SIGXFSZ))?,
+        })
     }
 
     /// Ends with the next one.

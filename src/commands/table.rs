@@ -187,7 +187,8 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     let (compared, timing) = (&answer.compared, &answer.timing);
     let motion = compared.motion.map_or("motion not told: run too short".to_owned(), |motion| {
         let motion = format!("{motion:?}").to_lowercase();
-        format!("motion {motion}, divergence rate {:.0} 1/s", compared.divergence_rate_per_s)
+        // Plus 0, so that nothing reads -0.
+        format!("motion {motion}, divergence rate {:.0} 1/s", compared.divergence_rate_per_s.round() + 0.0)
     });
     let mut text = format!(
         "{}\n{} s after {} s, {} states ({}); {motion}\n{}\n",

@@ -101,9 +101,9 @@ impl JobError {
 
 /// SQLite's "database or disk is full", and the errors of writing, syncing, truncating and growing as which a full disk shows, too.
 const SQLITE_FULL: [i64; 7] = [13, 778, 1034, 1290, 1546, 4874, 5386];
-/// SQLite's "attempt to write a readonly database", "disk I/O error" and "unable to open database file"; extended codes carry them in
-/// the low byte.
-const SQLITE_AWAY: [i64; 3] = [8, 10, 14];
+/// SQLite's "database is locked", by another connection or within this one, "attempt to write a readonly database", "disk I/O error"
+/// and "unable to open database file"; extended codes carry them in the low byte.
+const SQLITE_AWAY: [i64; 5] = [5, 6, 8, 10, 14];
 /// PostgreSQL's `undefined_table`.
 const NO_TABLE: &str = "42P01";
 /// PostgreSQL's `disk_full`.

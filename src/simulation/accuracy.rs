@@ -340,12 +340,8 @@ fn doubts(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, outpu
     let slip = share("the largest slip", quantities.filter(|_| outputs.contacts).map(|e| e.max_slip));
     let orbit = share("the orbit of the cage", quantities.filter(|_| outputs.cage).map(|e| e.orbit_radius));
     let all: Vec<String> = [level, load, speed, pocket, slip, orbit].into_iter().flatten().collect();
-    (!all.is_empty()).then(|| {
-        format!(
-            "not resolved: {}. Try a tighter relative tolerance, the method `auto`, or keep more time",
-            all.join(", ")
-        )
-    })
+    (!all.is_empty())
+        .then(|| format!("not resolved: {}. Try a tighter relative tolerance, or keep more time", all.join(", ")))
 }
 
 /// What the levels of another run of the same length would scatter by if the motion is chaotic.

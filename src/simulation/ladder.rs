@@ -332,7 +332,9 @@ fn summarise(
     let allowed = rung.allowed(settings.model_tolerance_db);
     let confirmed = check.confirms(&settings.outputs, allowed);
     let warning = (!confirmed).then(|| {
-        format!("the rung {} was asked for and is not confirmed within {} dB: {}", rung.name(), allowed, check.words())
+        // A share of a decimal number is seldom one.
+        let allowed = (1e6 * allowed).round() / 1e6;
+        format!("the rung {} was asked for and is not confirmed within {allowed} dB: {}", rung.name(), check.words())
     });
     let solver = SolverReport {
         method: rung.own_method(),

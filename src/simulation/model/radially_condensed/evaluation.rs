@@ -255,6 +255,7 @@ impl RadiallyCondensed {
         }
     }
 
+    /// Equations of the spindle under what balls pass on, load, weight and unbalance.
     #[inline(always)]
     pub(super) fn defect(
         &self,
