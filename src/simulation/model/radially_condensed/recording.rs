@@ -25,7 +25,9 @@ const LARGEST_HOLD: f64 = 100.0;
 /// Largest product of the step with the frequency of the cage on its film: beyond, that motion is damped by a decibel and more.
 const LARGEST_FILM_TURN: f64 = 0.75;
 /// The same of steps that are tried before they are taken, where nobody looks at that motion.
-const LARGEST_FILM_TURN_TRIED: f64 = 1.6;
+const LARGEST_FILM_TURN_TRIED: f64 = 1.0;
+/// The longest step that is tried [s]: 19.5 µs. Longer ones hold, too, but gain little beside a check that takes ten times as long.
+const LONGEST: f64 = 20e-6;
 /// A spindle or cage beyond this is lost [m, m/s].
 const FARTHEST: f64 = 1.0;
 
@@ -137,7 +139,8 @@ impl RadiallyCondensed {
     /// Longer steps that may serve, the longest first: what they do to the levels has to be tried.
     pub fn longer_paces(&self) -> impl Iterator<Item = Pace> {
         let film_turn = if self.shows_cage { LARGEST_FILM_TURN } else { LARGEST_FILM_TURN_TRIED };
-        let longest = if self.is_gentle() { 1.0 / self.fastest(LARGEST_TURN_TRIED, film_turn) } else { 0.0 };
+        let longest =
+            if self.is_gentle() { LONGEST.min(1.0 / self.fastest(LARGEST_TURN_TRIED, film_turn)) } else { 0.0 };
         Pace::LONG.into_iter().filter(move |pace| pace.step() <= longest)
     }
 
