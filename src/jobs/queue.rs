@@ -1,10 +1,11 @@
 //! The port to the queue: enqueue, cancel, start, drain, stats, recover. Behind it River; nothing of it
 //! shows outside this file, so that another queue is one file's work.
 
+use std::collections::HashSet;
 use std::future::Future;
 use std::pin::Pin;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 use riverqueue::migrate::{PostgresMigrator, SqliteMigrator};
@@ -100,10 +101,22 @@ const POLL: Duration = Duration::from_secs(1);
 /// Time that the queue has to listen; without that it looks.
 const READY: Duration = Duration::from_secs(5);
 
+/// The deliveries that are in this process's hands.
+#[derive(Debug, Clone, Default)]
+struct InHand(Arc<std::sync::Mutex<HashSet<i64>>>);
+
+impl InHand {
+    fn with<T>(&self, use_them: impl FnOnce(&mut HashSet<i64>) -> T) -> T {
+        use_them(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
 /// The queue.
 pub struct Queue {
     client: Client,
     pool: Pool,
+    process: Uuid,
+    in_hand: InHand,
     workers: usize,
     wakes: AtomicU64,
     run: Mutex<Option<RunHandle>>,
@@ -146,11 +159,12 @@ impl Queue {
             Pool::Sqlite(pool) => Client::builder(pool).without_notifications(),
             Pool::Postgres(pool) => Client::builder(pool),
         };
+        let in_hand = InHand::default();
         // A process that takes no jobs only puts them into the queue.
         let builder = match workers {
             0 => builder,
             _ => builder
-                .workers(workers_for(handler)?)
+                .workers(workers_for(handler, &in_hand)?)
                 .queue(QUEUE, QueueConfig::new(workers).with_fetch_poll_interval(POLL)),
         };
         let client = builder
@@ -162,7 +176,7 @@ impl Queue {
             .maintenance(MaintenanceConfig::default().with_rescue_after(rescue_after))
             .build()?;
         // From 1 on: the pace of 0 is the one that the queue begins with, and would wake nobody.
-        Ok(Self { client, pool, workers, wakes: AtomicU64::new(1), run: Mutex::new(None) })
+        Ok(Self { client, pool, process, in_hand, workers, wakes: AtomicU64::new(1), run: Mutex::new(None) })
     }
 
     /// Adds deliveries; answers with their numbers, in order.
@@ -251,6 +265,21 @@ impl Queue {
         statement(sql).run(tx).await
     }
 
+    /// Delivers again what was handed to this process `lost_after` ago and never came: where a link breaks while the server answers, what it
+    /// has handed out stays handed out, and nobody works it.
+    pub async fn recall(&self, tx: &mut Tx, lost_after: Duration) -> Result<u64, JobError> {
+        if tx.dialect() == Dialect::Sqlite {
+            return Ok(0);
+        }
+        let in_hand = self.in_hand.with(|ids| ids.iter().map(i64::to_string).collect::<Vec<_>>().join(", "));
+        let not_in_hand = if in_hand.is_empty() { String::new() } else { format!(" AND id NOT IN ({in_hand})") };
+        let sql = format!(
+            "UPDATE river_job SET state = 'available' WHERE state = 'running' \
+             AND attempted_by[array_upper(attempted_by, 1)] = $1 AND attempted_at < now() - $2 * INTERVAL '1 second'{not_in_hand}"
+        );
+        statement(sql).bind(self.process.to_string()).bind(lost_after.as_secs_f64()).run(tx).await
+    }
+
     /// Counts of what waits and runs.
     pub async fn stats(&self) -> Result<QueueStats, JobError> {
         let sql = "SELECT CAST(state AS TEXT), count(*) FROM river_job WHERE state IN ('available', 'running') GROUP BY state";
@@ -269,14 +298,18 @@ impl Queue {
     }
 }
 
-fn workers_for(handler: Handler) -> Result<Workers, JobError> {
+fn workers_for(handler: Handler, in_hand: &InHand) -> Result<Workers, JobError> {
+    let in_hand = in_hand.clone();
     let mut workers = Workers::new();
     workers.add_fn(move |context: WorkContext, job: riverqueue::Job<RunJob>| {
         let RunJob { job: id, strand } = job.args;
-        let ticket = Ticket { job: id, strand, delivery: job.row.id, context };
-        let delivered = handler(ticket);
+        let (delivery, in_hand) = (job.row.id, in_hand.clone());
+        in_hand.with(|ids| ids.insert(delivery));
+        let delivered = handler(Ticket { job: id, strand, delivery, context });
         async move {
-            match delivered.await {
+            let delivered = delivered.await;
+            in_hand.with(|ids| ids.remove(&delivery));
+            match delivered {
                 Delivered::Done => Ok(WorkOutcome::Complete),
                 // Gives the row back without using up an attempt.
                 Delivered::HandedBack => Err(BoxError::from(WorkCancelled)),

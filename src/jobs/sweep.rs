@@ -68,6 +68,10 @@ async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
     if hastened > 0 {
         tracing::warn!(jobs = hastened, "a clock was set back; what waited for the time before is due now");
     }
+    let recalled = inner.queue.recall(&mut tx, inner.settings.lost_after).await?;
+    if recalled > 0 {
+        tracing::warn!(jobs = recalled, "what was handed out on a link that broke is delivered again");
+    }
     let slots = upkeep::slots(&mut tx).await?;
     let lacking = studies::lacking(&mut tx, slots, keep_s).await?;
     let deliveries = inner.queue.enqueue(&mut tx, &stranded).await?;

@@ -131,18 +131,22 @@ pub const POSTGRES: &str = "RACEWAY_TEST_POSTGRES";
 
 /// The URL of an empty database on that server; `None` where there is none.
 pub fn postgres_database() -> Option<String> {
-    use sqlx::{Connection, Executor};
     let server = std::env::var(POSTGRES).ok()?;
     let name = format!("raceway_{}", uuid::Uuid::now_v7().simple());
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
-    runtime.block_on(async {
-        let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
-        let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
-        connection.execute(create).await.expect("a database can be made");
-        connection.close().await.expect("the connection ends");
-    });
+    execute(&server, &format!("CREATE DATABASE {name}"));
     let (server, _) = server.rsplit_once('/').expect("a URL with a database");
     Some(format!("{server}/{name}"))
+}
+
+/// Runs a statement on the database as whoever may do everything.
+pub fn execute(database: &str, sql: &str) {
+    use sqlx::{Connection, Executor};
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+    runtime.block_on(async {
+        let mut connection = sqlx::PgConnection::connect(database).await.expect("the server is there");
+        connection.execute(sqlx::AssertSqlSafe(sql.to_owned())).await.expect("the statement is right");
+        connection.close().await.expect("the connection ends");
+    });
 }
 
 /// The real program, killed when it is dropped.

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::common::{Process, Server, job_with, postgres_database, request};
+use crate::common::{Process, Server, execute, job_with, postgres_database, request};
 
 /// Losses are found within a second or two.
 const SOON: [&str; 2] = ["--lost-after-s", "1"];
@@ -146,6 +146,23 @@ fn what_nobody_runs_any_more_can_be_cancelled() {
     other.signal("-TERM");
     assert!(other.child.wait().is_ok_and(|status| status.success()));
     assert_eq!(server.post(&format!("{study}/cancel"), &json!({})).json()["status"], "cancelled");
+}
+
+/// As when the link breaks between the server's handing a delivery out and the process that it is handed to.
+#[test]
+fn what_was_handed_out_and_never_came_is_delivered_again() {
+    let Some((url, server)) = server() else { return };
+    let _worker = worker(&url);
+    let first = server.submit(&job_with(json!({ "settle_s": 0.0, "duration_s": 100.0 })));
+    server.wait_for(&first, &["running"]);
+    let next = server.submit(&short_job());
+    execute(
+        &url,
+        "UPDATE river_job SET state = 'running', attempted_at = now() - INTERVAL '1 minute', \
+         attempted_by = (SELECT attempted_by FROM river_job WHERE state = 'running') WHERE state = 'available'",
+    );
+    assert_eq!(server.post(&format!("{first}/cancel"), &json!({})).status, 202);
+    assert_eq!(server.wait_for(&next, &["succeeded", "failed"])["status"], "succeeded");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::common::{POSTGRES, Process, Server, job_with, postgres_database, request};
+use crate::common::{POSTGRES, Process, Server, execute, job_with, postgres_database, request};
 
 /// An empty database on PostgreSQL where tests have one, else a file.
 fn database(place: &Path) -> String {
@@ -211,17 +211,6 @@ fn each_owner_has_a_rate_and_places_of_its_own() {
     assert_eq!(refused.header("retry-after"), Some("1"));
     assert_eq!(status(&server, "/v1/presets", "beta"), 200);
     assert_eq!(server.get("/health/live").status, 200);
-}
-
-/// Runs a statement on the database as whoever may do everything.
-fn execute(database: &str, sql: &str) {
-    use sqlx::{Connection, Executor};
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
-    runtime.block_on(async {
-        let mut connection = sqlx::PgConnection::connect(database).await.expect("the server is there");
-        connection.execute(sqlx::AssertSqlSafe(sql.to_owned())).await.expect("the statement is right");
-        connection.close().await.expect("the connection ends");
-    });
 }
 
 #[test]
