@@ -77,7 +77,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
             _ => judged(&by_dynamics),
         };
         let reduced = (settle + duration) / REDUCED_REAL_TIME_FACTOR;
-        let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene));
+        let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene, &job.settings));
         let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {
             (Some(plan), _) => [by_dynamics(compared_time(job, plan)); 2],
             (None, None) => [usual, most],

@@ -215,6 +215,44 @@ impl Distance {
         }
     }
 
+    /// The larger of both errors of each; not known where one is not.
+    pub fn larger(&self, other: &Self) -> Self {
+        Self {
+            levels: self.levels.beside(&other.levels, f64::max),
+            quantities: self.quantities.zip(other.quantities).map(|(one, other)| one.larger(&other)),
+        }
+    }
+
+    /// Without the errors of single numbers that were not asked for.
+    pub fn of_asked(&self, outputs: &Outputs) -> Self {
+        let of = |asked: bool, error: f64| if asked { error } else { 0.0 };
+        let quantities = self.quantities.filter(|_| outputs.contacts || outputs.cage).map(|errors| QuantityErrors {
+            max_slip: of(outputs.contacts, errors.max_slip),
+            max_pocket_load: of(outputs.cage, errors.max_pocket_load),
+            orbit_radius: of(outputs.cage, errors.orbit_radius),
+            ..errors
+        });
+        Self { quantities, ..*self }
+    }
+
+    pub fn words(&self) -> String {
+        match (self.levels.worst(), self.quantities) {
+            (Some(level), Some(q)) => {
+                // Those that were not asked for are 0.
+                let others = [("slip", q.max_slip), ("pocket load", q.max_pocket_load), ("cage orbit", q.orbit_radius)];
+                let others: String = others
+                    .into_iter()
+                    .filter(|(_, error)| *error > 0.0)
+                    .map(|(name, error)| format!(", {name} {:.2} %", 100.0 * error))
+                    .collect();
+                let (load, speed) = (100.0 * q.max_load, 100.0 * q.cage_speed);
+                format!("level {level:.4} dB, largest load {load:.3} %, cage speed {speed:.4} %{others} apart")
+            }
+            (Some(level), None) => format!("level {level:.4} dB apart"),
+            (None, _) => "nothing moves that could be compared".into(),
+        }
+    }
+
     /// Of two samples of a chaotic motion.
     pub fn of_samples(a: &Recording, b: &Recording) -> Self {
         Self { quantities: Some(sampled_errors(a, b)), ..Self::of_runs(a, b) }

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use super::accuracy;
 use super::channel::Channel;
-use super::distance;
+use super::distance::{self, Distance};
 use super::divergence::{self, Pairs, Parted};
 use super::judgement;
 use super::metrics::{AccuracyReport, MotionKind, SolverReport};
@@ -177,7 +177,7 @@ fn not_tried(scene: &Scene, settings: &RunSettings, needs: &Needs) -> Option<&'s
         Some("hydrodynamic forces act, whose tilting of balls and cage takes longer to show than a check")
     } else if !scene.operation.speed.is_constant() {
         Some("the speed varies, and a check from the start tells nothing of later speeds")
-    } else if check_time(scene) > WORTH_IT * (settings.settle + settings.duration) {
+    } else if check_time(scene, settings) > WORTH_IT * (settings.settle + settings.duration) {
         Some("its check would take too large a part of the run")
     } else {
         None
@@ -251,12 +251,25 @@ fn on_rung(
     let gone_on = (rung == Rung::RadiallyCondensed && check.fault.is_none())
         .then(|| check.reached.gone_on(&Reached::of(&made.recording), scene))
         .flatten()
-        .or_else(|| thrown_about(scene, &settings.outputs, &made.recording));
+        .or_else(|| thrown_about(scene, settings, &made.recording));
     if let (Some(what), None) = (&gone_on, settings.rung) {
         return Ok(Err(format!("{what}, and the check tells nothing of that")));
     }
+    let finer = match finer(rung, scene, &stepped, control) {
+        Err(error) if settings.rung.is_none() || matches!(error, SimulationError::Stopped { .. }) => return Err(error),
+        finer => finer.ok().flatten(),
+    };
+    let of_outputs = |finer: &Finer| {
+        Distance::of_recordings(&made.recording, &finer.recording, 0.0).of_asked(&settings.outputs)
+    };
+    let apart = finer.as_ref().map(of_outputs);
+    if let (Some(apart), None) = (&apart, settings.rung)
+        && !apart.within(&settings.outputs, settings.model_tolerance_db)
+    {
+        return Ok(Err(format!("over the whole run finer steps of it take another course: {}", apart.words())));
+    }
     let turns = scene.operating_speed() != 0.0;
-    let parted = match parted(rung, scene, &stepped, &made, control) {
+    let parted = match parted(rung, scene, &stepped, &made, finer.as_ref(), control) {
         Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
         // Where nothing turns, two motions may stay apart for ever.
         parted => parted.ok().filter(|_| turns),
@@ -267,7 +280,42 @@ fn on_rung(
                 .into(),
         ));
     }
-    Ok(Ok(summarise(rung, scene, settings, &made, (&check, gone_on), parted, begin)?))
+    Ok(Ok(summarise(rung, scene, settings, &made, (&check, apart, gone_on), parted, begin)?))
+}
+
+/// A run of the condensed rung again, by finer steps: a check sees its beginning only, and slow motions that go another way with every
+/// step length show here, as does chaos.
+struct Finer {
+    settings: RunSettings,
+    recording: Recording,
+}
+
+/// `None`: of another rung, or one that has no finer steps.
+fn finer(
+    rung: Rung,
+    scene: &Scene,
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<Option<Finer>, SimulationError> {
+    if rung != Rung::RadiallyCondensed {
+        return Ok(None);
+    }
+    let model = RadiallyCondensed::new(scene, &settings.outputs)?;
+    let Some(pace) = model.finer_pace(settings) else { return Ok(None) };
+    let settings = RunSettings { fixed_step: Some(pace.step()), ..settings.clone() };
+    let recording = beside(scene, [0.0; 2], &settings, control)?;
+    Ok(Some(Finer { settings, recording }))
+}
+
+/// A run of the condensed rung whose spindle starts so far beside its equilibrium (y, z) [m].
+fn beside(
+    scene: &Scene,
+    displacement: [f64; 2],
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<Recording, SimulationError> {
+    let quiet = Control::until(control.stop);
+    Ok(radially_condensed::simulate_beside(scene, displacement, settings, &quiet)?.0)
 }
 
 /// What a reduced rung has left behind, and its first-order states.
@@ -296,23 +344,24 @@ fn parted(
     scene: &Scene,
     settings: &RunSettings,
     made: &Made,
+    finer: Option<&Finer>,
     control: &Control<'_>,
 ) -> Result<Parted, SimulationError> {
-    let quiet = Control::until(control.stop);
-    let beside = |displacement, settings: &RunSettings| {
-        radially_condensed::simulate_beside(scene, displacement, settings, &quiet).map(|(recording, _)| recording)
-    };
-    let of = |one: &Recording, other: &Recording, settings: &RunSettings| {
+    let of = |one: &Recording, settings: &RunSettings| {
+        let other = beside(scene, [DISPLACEMENT; 2], settings, control)?;
         let both = |channel: &Channel| Some((&*one.of(*channel)?.excerpts, &*other.of(*channel)?.excerpts));
         let pairs: Vec<Pairs<'_>> = distance::ACCELERATIONS.iter().filter_map(both).collect();
         let spacing = Windows::of(kept_values(settings.duration)).length;
-        divergence::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE)
+        Ok(divergence::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE))
     };
-    if rung == Rung::RadiallyCondensed {
-        return Ok(of(&made.recording, &beside([DISPLACEMENT; 2], settings)?, settings));
+    match finer {
+        Some(finer) => of(&finer.recording, &finer.settings),
+        None if rung == Rung::RadiallyCondensed => of(&made.recording, settings),
+        None => {
+            let short = check_settings(rung, scene, settings);
+            of(&beside(scene, [0.0; 2], &short, control)?, &short)
+        }
     }
-    let short = check_settings(rung, scene, settings);
-    Ok(of(&beside([0.0; 2], &short)?, &beside([DISPLACEMENT; 2], &short)?, &short))
 }
 
 fn summarise(
@@ -320,12 +369,16 @@ fn summarise(
     scene: &Scene,
     settings: &RunSettings,
     made: &Made,
-    (check, gone_on): (&Check, Option<String>),
+    (check, apart, gone_on): (&Check, Option<Distance>, Option<String>),
     parted: Option<Parted>,
     begin: Instant,
 ) -> Result<RunResult, SimulationError> {
     let mut needs = needs(scene, &settings.outputs, Some(rung), settings.model_tolerance_db)?;
-    let bound = check.distance.levels.worst().map(|error| (error, "dB"));
+    let distance = match apart {
+        Some(apart) => check.distance.larger(&apart),
+        None => check.distance,
+    };
+    let bound = distance.levels.worst().map(|error| (error, "dB"));
     for left_out in needs.left_out.iter_mut().filter(|left_out| left_out.by == Grounds::Judgement) {
         left_out.bound = bound;
     }
@@ -354,7 +407,7 @@ fn summarise(
     let chaotic =
         by_chance.then(|| "the motion is chaotic, and no check from the start tells of its statistics".to_owned());
     let warning = warning.or(gone_on.map(|what| format!("{what}: the error of the level is not known"))).or(chaotic);
-    let (mut level_errors, mut how) = (check.distance.levels, check.how());
+    let (mut level_errors, mut how) = (distance.levels, check.how());
     if by_chance {
         level_errors = level_errors.larger(accuracy::sampling_errors(&made.recording));
         how =
@@ -362,7 +415,7 @@ fn summarise(
     }
     let accuracy = AccuracyReport {
         level_errors,
-        quantity_errors: check.distance.quantities.filter(|_| !by_chance),
+        quantity_errors: distance.quantities.filter(|_| !by_chance),
         how,
         motion,
         divergence_rate: parted.map_or(0.0, |parted| parted.rate),

@@ -104,6 +104,19 @@ pub struct QuantityErrors {
     pub orbit_radius: f64,
 }
 
+impl QuantityErrors {
+    /// The larger of both of each.
+    pub(super) fn larger(&self, other: &Self) -> Self {
+        Self {
+            max_load: self.max_load.max(other.max_load),
+            cage_speed: self.cage_speed.max(other.cage_speed),
+            max_pocket_load: self.max_pocket_load.max(other.max_pocket_load),
+            max_slip: self.max_slip.max(other.max_slip),
+            orbit_radius: self.orbit_radius.max(other.orbit_radius),
+        }
+    }
+}
+
 /// How far the result can be trusted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyReport {

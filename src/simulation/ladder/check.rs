@@ -1,7 +1,6 @@
 //! The check of a reduced rung: a short run of it beside one of the next richer rung, and what of the run such a check cannot tell.
 
 use super::super::distance::{self, Distance};
-use super::super::metrics::QuantityErrors;
 use super::super::model::radially_condensed::RadiallyCondensed;
 use super::super::model::{Model, condensed_contact};
 use super::super::needs::Needs;
@@ -12,12 +11,17 @@ use super::super::stepped;
 use super::{Rung, record};
 use crate::physics::kinematics;
 
-/// Shortest stretch of a check, and of what comes before it [s]; and the ball passages that they hold at least.
-const CHECKED: f64 = 6e-3;
-const CHECK_SETTLES: f64 = 2e-3;
+/// Stretch of a check, and what comes before it [s], which takes long enough for the run's start to be forgotten: over 6 ms after 2, single
+/// levels that were off by a tenth of a decibel and more showed a fifth of that. Of a short run they are this share, and at least so
+/// long; and a check holds so many ball passages at least.
+const CHECKED: f64 = 12e-3;
+const CHECK_SETTLES: f64 = 10e-3;
+const SHARE_OF_RUN: f64 = 0.1;
+const LEAST_CHECKED: f64 = 6e-3;
+const LEAST_SETTLED: f64 = 2e-3;
 const CHECKED_PASSAGES: f64 = 3.0;
 /// How much longer a check is that costs little.
-const LONGER: f64 = 4.0;
+const LONGER: f64 = 2.0;
 /// Share of the tolerance by which longer steps of the condensed rung may move its levels over a check [-]. They move those of the
 /// run as much: what both miss is in the distance from the dynamics.
 const SHARE_OF_STEPS: f64 = 0.5;
@@ -41,15 +45,17 @@ const LONG_CHECK: f64 = 0.03;
 const CHECK_TOLERANCE: f64 = 1e-4;
 
 /// Times of a check: before the stretch that is compared, and of that [s].
-fn check_times(scene: &Scene) -> (f64, f64) {
+fn check_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
     let orbit = (kinematics::ideal_orbit_ratio(&scene.bearing) * scene.operating_speed()).abs();
     let passage = std::f64::consts::TAU / (scene.bearing.parameters.ball_count as f64 * orbit);
-    (passage.max(CHECK_SETTLES), (CHECKED_PASSAGES * passage).max(CHECKED))
+    let share = SHARE_OF_RUN * (settings.settle + settings.duration);
+    let settle = share.clamp(LEAST_SETTLED, CHECK_SETTLES);
+    (passage.max(settle), (CHECKED_PASSAGES * passage).max(share.clamp(LEAST_CHECKED, CHECKED)))
 }
 
 /// What the dynamics simulate to check a reduced rung [s].
-pub fn check_time(scene: &Scene) -> f64 {
-    let (settle, duration) = check_times(scene);
+pub fn check_time(scene: &Scene, settings: &RunSettings) -> f64 {
+    let (settle, duration) = check_times(scene, settings);
     settle + duration
 }
 
@@ -104,14 +110,15 @@ impl Reached {
 
 /// Whether the spindle is thrown about against what holds it, and comes to rest slowly: then it may leave its balls at times, and what
 /// becomes of that shows long after a check; `None`: it does not.
-pub(super) fn thrown_about(scene: &Scene, outputs: &Outputs, recording: &Recording) -> Option<String> {
+pub(super) fn thrown_about(scene: &Scene, settings: &RunSettings, recording: &Recording) -> Option<String> {
     let rms = |channel| recording.of(channel).map_or(0.0, |signal| signal.in_band().moments.rms());
     let [x, y, z] = distance::ACCELERATIONS.map(rms);
     let mass = scene.spindle.mass;
     let held = (scene.operation.load[1] + mass * scene.gravity).hypot(scene.operation.load[2]);
     let share = mass * x.hypot(y).hypot(z) / held.max(f64::MIN_POSITIVE);
-    let damping = || RadiallyCondensed::new(scene, outputs).map_or(0.0, |model| model.spindle_damping());
-    (share > THROWN && damping() * check_time(scene) < COMES_TO_REST).then(|| {
+    let model = || RadiallyCondensed::new(scene, &settings.outputs);
+    let damping = || model().map_or(0.0, |model| model.spindle_damping());
+    (share > THROWN && damping() * check_time(scene, settings) < COMES_TO_REST).then(|| {
         format!("the spindle is thrown about, by {:.0} % (rms) of what load and weight hold it with", 100.0 * share)
     })
 }
@@ -147,32 +154,16 @@ impl Check {
             return format!("not checked: {fault}");
         }
         let against = format!("{:.3} ms on the rung {}, from the same start", 1e3 * self.stretch, self.against.name());
-        match (self.distance.levels.worst(), self.distance.quantities) {
-            (Some(level), Some(q)) => {
-                // Those that were not asked for are 0.
-                let others = [("slip", q.max_slip), ("pocket load", q.max_pocket_load), ("cage orbit", q.orbit_radius)];
-                let others: String = others
-                    .into_iter()
-                    .filter(|(_, error)| *error > 0.0)
-                    .map(|(name, error)| format!(", {name} {:.2} %", 100.0 * error))
-                    .collect();
-                let (load, speed) = (100.0 * q.max_load, 100.0 * q.cage_speed);
-                format!(
-                    "{against}: level {level:.4} dB, largest load {load:.3} %, cage speed {speed:.4} %{others} apart"
-                )
-            }
-            (Some(level), None) => format!("{against}: level {level:.4} dB apart"),
-            (None, _) => format!("{against}: nothing moves that could be compared"),
-        }
+        format!("{against}: {}", self.distance.words())
     }
 }
 
 /// The short run of a check.
 pub(super) fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) -> RunSettings {
-    let (settle, duration) = check_times(scene);
+    let (settle, duration) = check_times(scene, settings);
     // A rung that was asked for by name may be of a run that is shorter than a ball passage.
     let (mut settle, mut duration) =
-        (settle.min(settings.settle.max(CHECK_SETTLES)), duration.min(settings.duration.max(CHECKED)));
+        (settle.min(settings.settle.max(LEAST_SETTLED)), duration.min(settings.duration.max(LEAST_CHECKED)));
     if rung != Rung::RadiallyCondensed {
         // The richer rung costs little; and a periodic motion is none from the start.
         settle = settle.max(settings.settle);
@@ -238,17 +229,13 @@ pub(super) fn check(
         }
     }
     let reached = Reached::of(&own);
-    let outputs = &settings.outputs;
-    distance.quantities =
-        distance.quantities.filter(|_| outputs.contacts || outputs.cage).map(|errors| QuantityErrors {
-            // The run's largest load is at another approach than that of the check, where the law of its contacts errs otherwise.
-            max_load: errors.max_load
-                + if rung == Rung::RadiallyCondensed { condensed_contact::LOAD_ERROR } else { 0.0 },
-            max_slip: if outputs.contacts { errors.max_slip } else { 0.0 },
-            max_pocket_load: if outputs.cage { errors.max_pocket_load } else { 0.0 },
-            orbit_radius: if outputs.cage { errors.orbit_radius } else { 0.0 },
-            ..errors
-        });
+    distance = distance.of_asked(&settings.outputs);
+    if rung == Rung::RadiallyCondensed
+        && let Some(errors) = &mut distance.quantities
+    {
+        // The run's largest load is at another approach than that of the check, where the law of its contacts errs otherwise.
+        errors.max_load += condensed_contact::LOAD_ERROR;
+    }
     let fault = if !scene.operation.speed.is_constant() {
         Some("the speed varies, and a check from the start tells nothing of later speeds".to_owned())
     } else if settings.duration < duration {

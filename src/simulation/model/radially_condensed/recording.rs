@@ -119,7 +119,7 @@ fn run(
     settings: &RunSettings,
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
-    let pace = settings.fixed_step.map_or(model.pace(), Pace::of);
+    let pace = model.pace_for(settings);
     if pace.steps > MOST_STEPS {
         let reason =
             format!("spindle, cage or traction are too quick for it: they need steps of {:.1e} s", pace.step());
@@ -134,6 +134,18 @@ impl RadiallyCondensed {
     pub fn pace(&self) -> Pace {
         let stable = (self.fastest(LARGEST_TURN, LARGEST_FILM_TURN) / RATE).ceil().max(1.0) as usize;
         Pace::of_steps(stable.max(if self.is_gentle() { 1 } else { 4 }))
+    }
+
+    /// The steps of a run.
+    pub fn pace_for(&self, settings: &RunSettings) -> Pace {
+        settings.fixed_step.map_or(self.pace(), Pace::of)
+    }
+
+    /// Finer steps than those of a run: its own where it took longer ones, else half of them; `None`: they would be too many.
+    pub fn finer_pace(&self, settings: &RunSettings) -> Option<Pace> {
+        let (own, taken) = (self.pace(), self.pace_for(settings));
+        let finer = if taken.is_long() && !own.is_long() { own } else { Pace::of_steps(2 * taken.steps) };
+        (finer.steps <= MOST_STEPS).then_some(finer)
     }
 
     /// Longer steps that may serve, the longest first: what they do to the levels has to be tried.
