@@ -29,8 +29,8 @@ const STIFF_STEP: f64 = 1e-6;
 const STIFF_TOLERANCE: f64 = 1e-5;
 /// A step of fixed length, what it is implicit in included, and the repetition of a part of the run, in evaluations.
 const STEPPED_EVALUATIONS: f64 = 2.5;
-/// Speed of a reduced rung with its own repetition, times real time.
-const REDUCED_REAL_TIME_FACTOR: f64 = 20.0;
+/// Speed of a reduced rung with its repetitions by finer steps, times real time.
+const REDUCED_REAL_TIME_FACTOR: f64 = 12.0;
 /// What the dynamics beside which a reduced rung is checked cost, in runs over that time: they are repeated, too.
 const CHECKS: f64 = 3.0;
 /// What a look at the contacts costs that is taken for every kept value, in evaluations of the equations.

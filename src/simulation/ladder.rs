@@ -47,9 +47,9 @@ const CHECK_SHARE: f64 = 0.1;
 const WORTH_IT: f64 = 0.3;
 /// Share of the tolerance that a rung may use whose check is by a reduced one, which uses the rest [-].
 const SHARE_OF_LEAN: f64 = 0.7;
-/// Viscosity over speed of the shaft [Pa s²] from which on such tilt was seen to grow (from 6e-5 on); a rung
+/// Viscosity over speed of the shaft [Pa s²] from which on such tilt was seen to change levels (from 2.6e-5 on); a rung
 /// that is checked in the plane would not see it.
-const TILTS: f64 = 5e-5;
+const TILTS: f64 = 2.5e-5;
 /// How far apart two motions start that show whether the motion is chaotic [m], and the size of the spindle's displacements [m].
 const DISPLACEMENT: f64 = 1e-10;
 const STATIC_DISPLACEMENT: f64 = 1e-6;
@@ -259,9 +259,8 @@ fn on_rung(
         Err(error) if settings.rung.is_none() || matches!(error, SimulationError::Stopped { .. }) => return Err(error),
         finer => finer.ok().flatten(),
     };
-    let of_outputs = |finer: &Finer| {
-        Distance::of_recordings(&made.recording, &finer.recording, 0.0).of_asked(&settings.outputs)
-    };
+    let of_outputs =
+        |finer: &Finer| Distance::of_recordings(&made.recording, &finer.recording, 0.0).of_asked(&settings.outputs);
     let apart = finer.as_ref().map(of_outputs);
     if let (Some(apart), None) = (&apart, settings.rung)
         && !apart.within(&settings.outputs, settings.model_tolerance_db)

@@ -38,6 +38,9 @@ const COMES_TO_REST: f64 = 2.0;
 /// that grew to degrees and decibels grew by 18 to 70 a second, and where it did not, the angles of a check's halves were up to a tenth
 /// apart over 8 ms. And the least stretch that tells such a rate [s].
 const IN_PLANE: f64 = 5e-4;
+/// The same from which on they are out of it, whether it grows or not: of fourteen scenes levels were off by 0.03 to 0.4 dB above it, and
+/// by 0.04 dB at most below.
+const OUT_OF_PLANE: f64 = 5e-3;
 const LEAVING: f64 = 12.0;
 const TELLS_LEAVING: f64 = 0.025;
 const LONG_CHECK: f64 = 0.03;
@@ -205,7 +208,7 @@ pub(super) fn check(
         };
         let richer = attempt(&short)?;
         leaves = leaving_the_plane(&richer, duration);
-        if leaves.is_some() && duration < TELLS_LEAVING {
+        if duration < TELLS_LEAVING && leaves.is_some() {
             // So short a stretch takes chance for growth.
             let long = RunSettings { duration: LONG_CHECK, ..short.clone() };
             leaves = leaving_the_plane(&attempt(&long)?, LONG_CHECK);
@@ -269,7 +272,7 @@ fn leaving_the_plane(recording: &Recording, stretch: f64) -> Option<String> {
     let (before, after) = (most(first), most(second));
     let rate = (after / before).ln() / (0.5 * stretch);
     let leaves = after > IN_PLANE && before > 0.0 && rate > LEAVING;
-    leaves.then(|| {
+    (leaves || after > OUT_OF_PLANE).then(|| {
         let degrees = |sine: f64| sine.asin().to_degrees();
         format!(
             "balls leave the plane: contact angles of {:.2}°, then {:.2}° within {:.0} ms",
