@@ -248,13 +248,6 @@ fn on_rung(
     let stepped = RunSettings { fixed_step: settings.fixed_step.or(check.step), ..settings.clone() };
     let made = record(rung, scene, &stepped, &Control { progress: &running, ..*control })?;
     (control.live)(&Live::of(Phase::Judging));
-    let gone_on = (rung == Rung::RadiallyCondensed && check.fault.is_none())
-        .then(|| check.reached.gone_on(&Reached::of(&made.recording), scene))
-        .flatten()
-        .or_else(|| thrown_about(scene, settings, &made.recording));
-    if let (Some(what), None) = (&gone_on, settings.rung) {
-        return Ok(Err(format!("{what}, and the check tells nothing of that")));
-    }
     let finer = match finer(rung, scene, &stepped, control) {
         Err(error) if settings.rung.is_none() || matches!(error, SimulationError::Stopped { .. }) => return Err(error),
         finer => finer.ok().flatten(),
@@ -262,10 +255,17 @@ fn on_rung(
     let of_outputs =
         |finer: &Finer| Distance::of_recordings(&made.recording, &finer.recording, 0.0).of_asked(&settings.outputs);
     let apart = finer.as_ref().map(of_outputs);
-    if let (Some(apart), None) = (&apart, settings.rung)
-        && !apart.within(&settings.outputs, settings.model_tolerance_db)
-    {
-        return Ok(Err(format!("over the whole run finer steps of it take another course: {}", apart.words())));
+    let another_course = || {
+        let apart = apart.filter(|apart| !apart.within(&settings.outputs, settings.model_tolerance_db))?;
+        Some(format!("finer steps take another course over the whole run ({})", apart.words()))
+    };
+    let unseen = (rung == Rung::RadiallyCondensed && check.fault.is_none())
+        .then(|| check.reached.gone_on(&Reached::of(&made.recording), scene))
+        .flatten()
+        .or_else(|| thrown_about(scene, settings, &made.recording));
+    let another_course = another_course();
+    if let (Some(what), None) = (unseen.as_ref().or(another_course.as_ref()), settings.rung) {
+        return Ok(Err(format!("{what}, and the check tells nothing of that")));
     }
     let turns = scene.operating_speed() != 0.0;
     let parted = match parted(rung, scene, &stepped, &made, finer.as_ref(), control) {
@@ -279,7 +279,18 @@ fn on_rung(
                 .into(),
         ));
     }
-    Ok(Ok(summarise(rung, scene, settings, &made, (&check, apart, gone_on), parted, begin)?))
+    let shown = Shown { check, apart, another_course, unseen };
+    Ok(Ok(summarise(rung, scene, settings, &made, shown, parted, begin)?))
+}
+
+/// What is known of the errors of a run.
+struct Shown {
+    check: Check,
+    /// What finer steps differ by over the whole run, and whether that is too much, in words.
+    apart: Option<Distance>,
+    another_course: Option<String>,
+    /// What went on after the check, which tells nothing of it.
+    unseen: Option<String>,
 }
 
 /// A run of the condensed rung again, by finer steps: a check sees its beginning only, and slow motions that go another way with every
@@ -368,14 +379,15 @@ fn summarise(
     scene: &Scene,
     settings: &RunSettings,
     made: &Made,
-    (check, apart, gone_on): (&Check, Option<Distance>, Option<String>),
+    Shown { check, apart, another_course, unseen }: Shown,
     parted: Option<Parted>,
     begin: Instant,
 ) -> Result<RunResult, SimulationError> {
     let mut needs = needs(scene, &settings.outputs, Some(rung), settings.model_tolerance_db)?;
-    let distance = match apart {
-        Some(apart) => check.distance.larger(&apart),
-        None => check.distance,
+    let distance = match (&unseen, apart) {
+        (Some(_), _) => Distance::UNKNOWN,
+        (None, Some(apart)) => check.distance.larger(&apart),
+        (None, None) => check.distance,
     };
     let bound = distance.levels.worst().map(|error| (error, "dB"));
     for left_out in needs.left_out.iter_mut().filter(|left_out| left_out.by == Grounds::Judgement) {
@@ -405,13 +417,20 @@ fn summarise(
     let by_chance = motion == Some(MotionKind::Diverging);
     let chaotic =
         by_chance.then(|| "the motion is chaotic, and no check from the start tells of its statistics".to_owned());
-    let warning = warning.or(gone_on.map(|what| format!("{what}: the error of the level is not known"))).or(chaotic);
-    let (mut level_errors, mut how) = (distance.levels, check.how());
-    if by_chance {
-        level_errors = level_errors.larger(accuracy::sampling_errors(&made.recording));
-        how =
+    let how = match &unseen {
+        Some(what) => format!("no error is stated: {what}"),
+        None => check.how(),
+    };
+    let not_known = unseen.map(|what| format!("{what}: the error of the level is not known"));
+    let warning = warning.or(not_known).or(chaotic).or(another_course);
+    let is_known = distance.levels.worst().is_some();
+    let (level_errors, how) = if by_chance && is_known {
+        let how =
             format!("the motion is chaotic: standard error of the level by ten batch means, or {how}, if that is more");
-    }
+        (distance.levels.larger(accuracy::sampling_errors(&made.recording)), how)
+    } else {
+        (distance.levels, how)
+    };
     let accuracy = AccuracyReport {
         level_errors,
         quantity_errors: distance.quantities.filter(|_| !by_chance),

@@ -90,9 +90,9 @@ pub fn unable(scene: &Scene, needs: &Needs, outputs: &Outputs) -> Option<String>
     } else if matches!(scene.raceway_damping, DampingLaw::Viscous { coefficient } if coefficient != 0.0) {
         "raceways with a viscous damper have no condensed law"
     } else if outputs.contacts {
-        "contacts are asked for"
+        "contacts are asked for (`outputs.metrics` without \"contacts\" does not)"
     } else if outputs.cage {
-        "the cage's motion is asked for"
+        "the cage's motion is asked for (`outputs.metrics` without \"cage\" does not)"
     } else if !channels().all(of_spindle) {
         "a channel besides y and z of the spindle is asked for"
     } else {

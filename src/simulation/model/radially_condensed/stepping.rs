@@ -114,7 +114,7 @@ pub struct Stepper<'m> {
     rates: Rates,
     /// Velocity along the arc and spin that the formulas ask for over the predicted ones where nothing acts, times `leading`.
     missing: Vec<[Singles; 2]>,
-    ahead: Vec<Ahead<Singles>>,
+    changes: Vec<Change<Singles>>,
     scratch: Scratch,
 }
 
@@ -133,7 +133,7 @@ impl<'m> Stepper<'m> {
             is_predicted: false,
             rates: Rates { balls: vec![BallRates::default(); model.groups()], ..Rates::default() },
             missing: vec![Default::default(); model.groups()],
-            ahead: vec![Ahead::default(); model.groups()],
+            changes: vec![Change::default(); model.groups()],
             scratch: Scratch::new(model.groups()),
         };
         model.instructions.run(Start { stepper: &mut stepper });
@@ -201,7 +201,7 @@ impl<'m> Stepper<'m> {
         let (formulas, one) = (&self.formulas, &self.model.one);
         if self.is_predicted {
             for group in 0..new.balls.len() {
-                self.ahead[group] = eliminated(
+                self.changes[group] = eliminated(
                     &self.missing[group],
                     &self.rates.balls[group],
                     (formulas.balls.leading, h, shares.velocity),
@@ -220,7 +220,7 @@ impl<'m> Stepper<'m> {
             let place = h * formulas.moulton[0];
             let gained = change.map(|change| (shares.velocity * change) as f32);
             for (group, balls) in new.balls.iter_mut().enumerate() {
-                self.ahead[group].correct(balls, &self.rates.balls[group].azimuth, gained, place as f32);
+                self.changes[group].correct(balls, &self.rates.balls[group].azimuth, gained, place as f32);
             }
             let past = [&now.border, &before.border, &earlier.border];
             new.border.correct_cage(past, &self.rates, &formulas.cage, h, place);
@@ -387,13 +387,13 @@ fn ahead_of([now, before, earlier]: [&Balls; 3], formulas: &Formulas, h: f64) ->
 /// What one step of Newton's method changes of eight balls if the spindle stays as it was predicted, and how much more by its velocity
 /// across them.
 #[derive(Debug, Clone, Copy, Default)]
-struct Ahead<T = f32> {
+struct Change<T = f32> {
     arc_velocity: T,
     spin: T,
     arc_by_spindle: T,
     spin_by_spindle: T,
 }
-side_by_side!(Ahead { arc_velocity, spin, arc_by_spindle, spin_by_spindle });
+side_by_side!(Change { arc_velocity, spin, arc_by_spindle, spin_by_spindle });
 
 /// Eight balls eliminated from the spindle's equations: traction there is that of balls that follow.
 #[inline(always)]
@@ -404,10 +404,10 @@ fn eliminated(
     one: &OneBall,
     present: &Singles,
     passed: &mut Passed<Singles>,
-) -> Ahead<Singles> {
+) -> Change<Singles> {
     let (missing, h, share, rates, present) = (*missing, h as f32, velocity_share as f32, *rates, *present);
     let (radius, per_mass, per_inertia) = (one.radius, one.per_mass, one.per_inertia);
-    let (mut ahead, mut sums) = (Ahead::<Singles>::default(), *passed);
+    let (mut changes, mut sums) = (Change::<Singles>::default(), *passed);
     for lane in 0..LANES {
         let f = rates.at(lane);
         let (right_v, right_p) = (missing[0][lane] + h * f.arc_velocity, missing[1][lane] + h * f.spin);
@@ -416,13 +416,13 @@ fn eliminated(
         let (vv, pp) = (leading + h * f.arc_by_arc, leading + h * f.spin_by_spin);
         let per_determinant = 1.0 / (vv * pp - b * d);
         let (push_v, push_p) = (h * f.traction * per_mass, -h * f.traction * radius * per_inertia);
-        let one = Ahead {
+        let one = Change {
             arc_velocity: per_determinant * (pp * right_v + b * right_p),
             spin: per_determinant * (vv * right_p + d * right_v),
             arc_by_spindle: per_determinant * (pp * push_v + b * push_p),
             spin_by_spindle: per_determinant * (vv * push_p + d * push_v),
         };
-        ahead.put(lane, one);
+        changes.put(lane, one);
         let (cosine, sine) = (f.azimuth.cosine, f.azimuth.sine);
         let held = present[lane] * f.traction;
         let push = held * (one.arc_velocity - radius * one.spin);
@@ -434,10 +434,10 @@ fn eliminated(
         sums.slope[2][lane] += slope * cosine * cosine;
     }
     *passed = sums;
-    ahead
+    changes
 }
 
-impl Ahead<Singles> {
+impl Change<Singles> {
     /// Corrects eight balls, once the change of the spindle's velocity is known (y, z) [m/s]; `place`: of velocities in places [s].
     #[inline(always)]
     fn correct(&self, balls: &mut Balls, azimuth: &Azimuth<Singles>, [y, z]: [f32; 2], place: f32) {
