@@ -41,6 +41,8 @@ const REFERENCE_RUNS: f64 = 20.0;
 const SAMPLED: f64 = 1.5;
 /// What impacts and levels that drown in noise add to error control at most: repetitions of the whole run at ever tighter tolerances.
 const UNFORESEEN: f64 = 4.0;
+/// By what they may cut the steps of a stiff method: balls at the walls of tight pockets, a shaft that turns back.
+const CUT_BY_IMPACTS: f64 = 5.0;
 /// Longest step that accuracy allows where stability does not bind [s].
 const SMOOTH_STEP: f64 = 20e-6;
 
@@ -57,7 +59,8 @@ pub fn estimate(job: &Job) -> CostAnswer {
         // As many as stand side by side are evaluated together.
         let balls = scene.bearing.parameters.ball_count.next_multiple_of(LANES) as f64;
         let evaluation = balls * (SECONDS_PER_BALL + 2.0 * job.needs.raceway.strips as f64 * SECONDS_PER_STRIP);
-        let by_error_control = |time: f64| time * evaluations_per_second(&job.settings, &mode) * evaluation;
+        let by_error_control = |time: f64| time * evaluations_per_second(&job.settings, &mode, 1.0) * evaluation;
+        let by_impacts = |time: f64| time * evaluations_per_second(&job.settings, &mode, CUT_BY_IMPACTS) * evaluation;
         let by_dynamics = |time: f64| match stepped::may_choose(&job.settings) {
             true => time / stepped::STEP * STEPPED_EVALUATIONS * evaluation,
             false => by_error_control(time),
@@ -67,7 +70,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
         // The run, and its repetition that tells the error.
         let judged = |by: &dyn Fn(f64) -> f64| 2.0 * (by(settle + duration) + looks);
         let tried = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
-        let most = tried + UNFORESEEN * attempts(job) * judged(&by_error_control);
+        let most = tried + UNFORESEEN * attempts(job) * judged(&by_impacts);
         // Steps of a fixed length mostly serve, but not where the spindle moves along the axis. Of chaos they make two samples.
         let in_steps = stepped::may_choose(&job.settings);
         let rattles = model.mechanism().layout.cage && !model.mechanism().pocket.film_is_damped();
@@ -105,10 +108,10 @@ fn attempts(job: &Job) -> f64 {
     [true, judged, job.settings.tightened.is_some()].into_iter().filter(|may_come| *may_come).count() as f64
 }
 
-/// Evaluations of the equations for a second of motion.
-fn evaluations_per_second(settings: &RunSettings, mode: &FastestMode) -> f64 {
+/// Evaluations of the equations for a second of motion; `cut`: of a stiff method's steps.
+fn evaluations_per_second(settings: &RunSettings, mode: &FastestMode, cut: f64) -> f64 {
     let explicit = EVALUATIONS / settings.fixed_step.unwrap_or(mode.stable_step().min(SMOOTH_STEP));
-    let stiff_step = STIFF_STEP * (settings.relative_tolerance / STIFF_TOLERANCE).powf(1.0 / 6.0);
+    let stiff_step = STIFF_STEP / cut * (settings.relative_tolerance / STIFF_TOLERANCE).powf(1.0 / 6.0);
     match settings.method {
         Method::DormandPrince => explicit,
         _ if settings.fixed_step.is_some() => explicit,

@@ -473,7 +473,12 @@ fn summarise(
 ) -> RunResult {
     let &Setup { model, needs, settings, .. } = setup;
     let main = &attempt.integrated;
+    let leaves_plane = || Needs::of(scene, &settings.outputs, None).is_ok_and(|own| own.rung == Rung::Full);
     let mut check = match needs.rung {
+        Rung::Planar if settings.rung.is_some() && leaves_plane() => {
+            "planar motion was asked for: what tilt and motion along the axis change here is in no error that is stated"
+                .to_owned()
+        }
         Rung::Planar => "planar motion: see left_out for why no motion along the axis is needed".to_owned(),
         _ => "the full dynamics: nothing richer to check against".to_owned(),
     };
