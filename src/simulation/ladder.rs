@@ -50,6 +50,9 @@ const SHARE_OF_LEAN: f64 = 0.7;
 /// Viscosity over speed of the shaft [Pa s²] from which on such tilt was seen to change levels (from 2.6e-5 on); a rung
 /// that is checked in the plane would not see it.
 const TILTS: f64 = 2.5e-5;
+/// The same from which on it shows after a check of the dynamics, too: levels were off by 0.1 to 0.4 dB that had been checked to 0.04, and
+/// steps of the dynamics took for chaos what is none.
+const TILTS_LATE: f64 = 3.5e-5;
 /// How far apart two motions start that show whether the motion is chaotic [m], and the size of the spindle's displacements [m].
 const DISPLACEMENT: f64 = 1e-10;
 const STATIC_DISPLACEMENT: f64 = 1e-6;
@@ -177,6 +180,8 @@ fn not_tried(scene: &Scene, settings: &RunSettings, needs: &Needs) -> Option<&'s
         Some("hydrodynamic forces act, whose tilting of balls and cage takes longer to show than a check")
     } else if !scene.operation.speed.is_constant() {
         Some("the speed varies, and a check from the start tells nothing of later speeds")
+    } else if tilts_late(scene) {
+        Some("so slow with so viscous a lubricant, cage and balls may tilt after its check")
     } else if check_time(scene, settings) > WORTH_IT * (settings.settle + settings.duration) {
         Some("its check would take too large a part of the run")
     } else {
@@ -186,10 +191,18 @@ fn not_tried(scene: &Scene, settings: &RunSettings, needs: &Needs) -> Option<&'s
 
 /// Why no rung leaner than the condensed one is tried; `None`: nothing speaks against it.
 fn lean_not_tried(scene: &Scene) -> Option<&'static str> {
-    let tilts = scene.lubricant.viscosity > TILTS * scene.operating_speed().abs();
-    tilts.then_some(
-        "at so low a speed so viscous a lubricant may let cage and balls tilt, which their check would not see",
+    may_tilt(scene, TILTS).then_some(
+        "so slow with so viscous a lubricant, cage and balls may tilt, which their planar check does not see",
     )
+}
+
+/// Whether cage and balls may begin to tilt late in a run.
+pub(super) fn tilts_late(scene: &Scene) -> bool {
+    may_tilt(scene, TILTS_LATE)
+}
+
+fn may_tilt(scene: &Scene, limit: f64) -> bool {
+    scene.lubricant.viscosity > limit * scene.operating_speed().abs()
 }
 
 /// The result of the leanest reduced rung that serves; `None`: the dynamics have to. With what the others have shown, in words.

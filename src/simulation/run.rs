@@ -217,7 +217,8 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let allowed_db = SHARE_OF_ERROR * settings.model_tolerance_db;
     let stepped_share = if stepped::may_choose(settings) { STEPPED_SHARE } else { 0.0 };
     let progress = |share: f64| (control.progress)(stepped_share * share);
-    if let Some(stepped) = stepped::attempt(&setup, allowed_db, &Control { progress: &progress, ..*control })? {
+    let in_steps = &Control { progress: &progress, ..*control };
+    if let Some(stepped) = stepped::attempt(&setup, allowed_db, !ladder::tilts_late(scene), in_steps)? {
         (control.progress)(1.0);
         let Stepped { attempt, accuracy, settings, model, needs } = stepped;
         setup = Setup { model, needs, settings: &settings, ..setup };

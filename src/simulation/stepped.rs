@@ -99,10 +99,12 @@ pub(super) struct Stepped<'a> {
     pub needs: &'a Needs,
 }
 
-/// A run in steps that serve; `None`: error control has to. `allowed_db`: error of the level that serves, as stated.
+/// A run in steps that serve; `None`: error control has to. `allowed_db`: error of the level that serves, as stated; `tells_chaos`: whether
+/// a motion that is chaotic in steps is believed to be.
 pub(super) fn attempt<'a>(
     setup: &Setup<'a>,
     allowed_db: f64,
+    tells_chaos: bool,
     control: &Control<'_>,
 ) -> Result<Option<Stepped<'a>>, SimulationError> {
     let m = setup.model.mechanism();
@@ -134,6 +136,9 @@ pub(super) fn attempt<'a>(
             Err(_) => return Ok(None),
         };
         if accuracy.motion == Some(MotionKind::Diverging) {
+            if !tells_chaos {
+                return Ok(None);
+            }
             let progress = |share: f64| (control.progress)(before + part * (JUDGED + (1.0 - JUDGED) * share));
             let control = &Control { progress: &progress, ..*control };
             return another_sample(setup, step, attempt, &accuracy, allowed_db, control);
