@@ -50,8 +50,7 @@ const SHARE_OF_LEAN: f64 = 0.7;
 /// Viscosity over speed of the shaft [Pa s²] from which on such tilt was seen to change levels (from 2.6e-5 on); a rung
 /// that is checked in the plane would not see it.
 const TILTS: f64 = 2.5e-5;
-/// The same from which on it shows after a check of the dynamics, too: levels were off by 0.1 to 0.4 dB that had been checked to 0.04, and
-/// steps of the dynamics took for chaos what is none.
+/// The same from which on steps of the dynamics were seen to take for chaos what is none: levels a decibel off.
 const TILTS_LATE: f64 = 3.5e-5;
 /// How far apart two motions start that show whether the motion is chaotic [m], and the size of the spindle's displacements [m].
 const DISPLACEMENT: f64 = 1e-10;
@@ -180,8 +179,6 @@ fn not_tried(scene: &Scene, settings: &RunSettings, needs: &Needs) -> Option<&'s
         Some("hydrodynamic forces act, whose tilting of balls and cage takes longer to show than a check")
     } else if !scene.operation.speed.is_constant() {
         Some("the speed varies, and a check from the start tells nothing of later speeds")
-    } else if tilts_late(scene) {
-        Some("so slow with so viscous a lubricant, cage and balls may tilt after its check")
     } else if check_time(scene, settings) > WORTH_IT * (settings.settle + settings.duration) {
         Some("its check would take too large a part of the run")
     } else {

@@ -38,9 +38,9 @@ const COMES_TO_REST: f64 = 2.0;
 /// that grew to degrees and decibels grew by 18 to 70 a second, and where it did not, the angles of a check's halves were up to a tenth
 /// apart over 8 ms. And the least stretch that tells such a rate [s].
 const IN_PLANE: f64 = 5e-4;
-/// The same from which on they are out of it, whether it grows or not: of fourteen scenes levels were off by 0.03 to 0.4 dB above it, and
-/// by 0.04 dB at most below.
-const OUT_OF_PLANE: f64 = 5e-3;
+/// The same from which on they are out of it, whether it grows or not: of twenty scenes levels were off by 0.02 to 0.4 dB above it, and by
+/// 0.04 dB at most below.
+const OUT_OF_PLANE: f64 = 2.5e-3;
 const LEAVING: f64 = 12.0;
 const TELLS_LEAVING: f64 = 0.025;
 const LONG_CHECK: f64 = 0.03;
