@@ -1,8 +1,8 @@
 //! Scenes drawn at random, on the rung that is chosen by itself, beside the full dynamics: is any quietly wrong?
 //!
-//! `cargo bench --bench drawn_scenes [-- SEED COUNT [axial] [rattling]]` draws catalogue bearings and variants of the article's (clearance, balls,
+//! `cargo bench --bench drawn_scenes [-- SEED COUNT [axial] [rattling] [crowns]]` draws catalogue bearings and variants of the article's (clearance, balls,
 //! groove), speeds, loads, spindles and balance grades, and runs each as a plain job with all metrics, with vibration only, with
-//! vibration only at 0.2 dB, and on the rung `full`, whose method is chosen then; `axial`: each with an axial load as well; `rattling`: with cages without film or damping as well, lighter loads and more of the contacts' restitution. A result is quietly wrong where a level of a_y or a_z, or, where the motion is not chaotic, largest load, pocket load, slip, cage speed or the
+//! vibration only at 0.2 dB, and on the rung `full`, whose method is chosen then; `axial`: each with an axial load as well; `rattling`: with cages without film or damping as well, lighter loads and more of the contacts' restitution; `crowns`: with heavier or lighter crown cages, nearer to their balls or further off. A result is quietly wrong where a level of a_y or a_z, or, where the motion is not chaotic, largest load, pocket load, slip, cage speed or the
 //! cage's orbit is off by more than `FACTOR` times what it and the full dynamics state themselves, and nothing warns of it. Two scenes at a time; the same seed gives the same lines.
 
 use std::sync::Mutex;
@@ -108,6 +108,12 @@ impl Draw {
             scene["damping"] = json!({ "raceway": { "law": "restitution", "restitution": restitution } });
         }
     }
+
+    /// Another crown cage.
+    fn crown(&mut self, scene: &mut Value) {
+        scene["bearing"]["cage"] =
+            json!({ "mass_g": self.between_decades(0.1, 10.0), "offset_mm": self.between_decades(0.1, 4.0) });
+    }
 }
 
 fn three_digits(value: f64) -> f64 {
@@ -197,6 +203,9 @@ fn main() {
     }
     if std::env::args().any(|argument| argument == "rattling") {
         scenes.iter_mut().for_each(|scene| draw.rattle(scene));
+    }
+    if std::env::args().any(|argument| argument == "crowns") {
+        scenes.iter_mut().for_each(|scene| draw.crown(scene));
     }
     let next = AtomicUsize::new(0);
     let found = Mutex::new(Vec::new());

@@ -72,6 +72,11 @@ pub struct CageParameters {
 }
 
 impl CageParameters {
+    /// Whether both its sides are alike, so that nothing of it acts along X while it stays in the plane of its balls.
+    pub fn is_symmetric(&self) -> bool {
+        self.offset == 0.0 && self.seat == PocketSeat::Closed
+    }
+
     /// Notes what no cage has.
     pub fn check(&self, faults: &mut Faults) {
         self.material.check(

@@ -3,7 +3,7 @@
 
 use super::run::{Outputs, Rung};
 use super::scene::{Scene, Term, TermChoice};
-use crate::physics::cage::{PocketFilm, PocketSeat};
+use crate::physics::cage::PocketFilm;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::lubricant::LubricantKind;
 use crate::physics::pocket::PocketTerms;
@@ -206,7 +206,7 @@ impl Decision<'_> {
         } else {
             None
         };
-        let symmetric_cage = !cage || (scene.cage.offset == 0.0 && scene.cage.seat == PocketSeat::Closed);
+        let symmetric_cage = !cage || scene.cage.is_symmetric();
         let choice = scene.terms.get(Term::CageTilt);
         let planar = Rung::Planar;
         match (asked, out_of_plane) {

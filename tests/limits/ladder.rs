@@ -285,6 +285,29 @@ fn balls_that_leave_the_plane_are_left_to_the_dynamics() {
     }
 }
 
+/// A heavy crown cage far off its balls tilts them, levels are off by 4.5 dB in the plane: no rung that is checked in the plane
+/// is tried, and one asked for by name states no error.
+#[test]
+fn a_crown_cage_that_may_tilt_its_balls_is_not_left_to_checks_in_the_plane() {
+    let json = json!({
+        "bearing": { "preset": "article-integrated", "cage": { "mass_g": 5.2, "offset_mm": 2.8 } },
+        "operation": { "speed_rpm": 8215, "radial_load_y_n": 293 }
+    });
+    let chosen = simulate(&json, &RunSettings { model_tolerance_db: 0.5, ..asked(false, None) }).summary.solver;
+    assert_eq!(chosen.rung, "full", "{}", chosen.check);
+    assert!(
+        chosen.check.contains("spindle_only and periodic were not tried: so heavy a crown cage"),
+        "{}",
+        chosen.check
+    );
+    let named = simulate(&json, &asked(false, Some(Rung::SpindleOnly))).summary.accuracy;
+    assert_eq!(named.level_error_db(), None);
+    assert!(named.warning.as_ref().is_some_and(|warning| warning.contains("so heavy a crown cage")), "{named:?}");
+    let closed = changed(json, json!({ "bearing": { "cage": { "seat": "closed", "offset_mm": 0 } } }));
+    let chosen = simulate(&closed, &RunSettings { model_tolerance_db: 0.5, ..asked(false, None) }).summary.solver;
+    assert!(["periodic", "spindle_only"].contains(&chosen.rung), "{} {}", chosen.rung, chosen.check);
+}
+
 /// What judgement leaves out is in the repetition: a bound that is too small shows, and the run is made again with all terms.
 #[test]
 fn a_bound_that_does_not_hold_is_found_out() {
