@@ -15,7 +15,7 @@ use super::divergence::{self, Pairs, Parted};
 use super::judgement;
 use super::metrics::{AccuracyReport, MotionKind, SolverReport};
 use super::model::Mechanism;
-use super::model::radially_condensed::{self, RadiallyCondensed};
+use super::model::radially_condensed::{self, Pace, RadiallyCondensed};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
 use super::observe::{RATE, Recording, kept_values};
 use super::reduced;
@@ -257,7 +257,7 @@ fn on_rung(
     control: &Control<'_>,
 ) -> Result<Result<RunResult, String>, SimulationError> {
     let part = |from: f64, to: f64| move |share: f64| (control.progress)(from + share * (to - from));
-    let (checking, running) = (part(0.0, CHECK_SHARE), part(CHECK_SHARE, 1.0));
+    let checking = part(0.0, CHECK_SHARE);
     // The check decides, so it comes first.
     (control.live)(&Live::of(Phase::Checking));
     let check = match check(rung, scene, settings, &Control { progress: &checking, ..control.aside() }) {
@@ -273,19 +273,25 @@ fn on_rung(
         return Ok(Err(check.words()));
     }
     let stepped = RunSettings { fixed_step: settings.fixed_step.or(check.step), ..settings.clone() };
+    let finer_pace = finer_pace(rung, scene, &stepped)?;
+    // What follows the run takes as long, by finer steps the more of them there are.
+    let again = finer_pace.map_or(0.0, |(_, steps)| steps);
+    let rest = (1.0 - CHECK_SHARE) / (1.0 + 2.0 * again);
+    let (run, repeated) = (CHECK_SHARE + rest, CHECK_SHARE + (1.0 + again) * rest);
+    let (running, repeating, pairing) = (part(CHECK_SHARE, run), part(run, repeated), part(repeated, 1.0));
     let made = record(rung, scene, &stepped, &Control { progress: &running, ..*control })?;
     (control.live)(&Live::of(Phase::Judging));
-    let finer = match finer(rung, scene, &stepped, control) {
+    let repeat = Control { progress: &repeating, ..control.aside() };
+    let finer = match finer(finer_pace, scene, &stepped, &repeat) {
         Err(error) if settings.rung.is_none() || matches!(error, SimulationError::Stopped { .. }) => return Err(error),
         finer => finer.ok().flatten(),
     };
     let of_outputs =
         |finer: &Finer| Distance::of_recordings(&made.recording, &finer.recording, 0.0).of_asked(&settings.outputs);
     let apart = finer.as_ref().map(of_outputs);
-    let another_course = || {
-        let apart = apart.filter(|apart| !apart.within(&settings.outputs, settings.model_tolerance_db))?;
-        Some(format!("finer steps take another course over the whole run ({})", apart.words()))
-    };
+    let another_course = apart
+        .filter(|apart| !apart.within(&settings.outputs, settings.model_tolerance_db))
+        .map(|apart| format!("finer steps take another course over the whole run ({})", apart.words()));
     let unseen = if rung != Rung::RadiallyCondensed {
         lean_not_tried(scene).map(str::to_owned)
     } else if check.fault.is_none() {
@@ -294,12 +300,12 @@ fn on_rung(
         None
     };
     let unseen = unseen.or_else(|| thrown_about(scene, settings, &made.recording));
-    let another_course = another_course();
     if let (Some(what), None) = (unseen.as_ref().or(another_course.as_ref()), settings.rung) {
         return Ok(Err(format!("{what}, and the check tells nothing of that")));
     }
     let turns = scene.operating_speed() != 0.0;
-    let parted = match parted(rung, scene, &stepped, &made, finer.as_ref(), control) {
+    let pair = Control { progress: &pairing, ..control.aside() };
+    let parted = match parted(rung, scene, &stepped, &made, finer.as_ref(), &pair) {
         Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
         // Where nothing turns, two motions may stay apart for ever.
         parted => parted.ok().filter(|_| turns),
@@ -331,18 +337,23 @@ struct Finer {
     recording: Recording,
 }
 
-/// `None`: of another rung, or one that has no finer steps.
-fn finer(
-    rung: Rung,
-    scene: &Scene,
-    settings: &RunSettings,
-    control: &Control<'_>,
-) -> Result<Option<Finer>, SimulationError> {
+/// Finer steps of a run, and how many of them go into one of its own; `None`: of another rung, or one that has none.
+fn finer_pace(rung: Rung, scene: &Scene, settings: &RunSettings) -> Result<Option<(Pace, f64)>, SimulationError> {
     if rung != Rung::RadiallyCondensed {
         return Ok(None);
     }
     let model = RadiallyCondensed::new(scene, &settings.outputs)?;
-    let Some(pace) = model.finer_pace(settings) else { return Ok(None) };
+    let steps = |pace: Pace| (pace, model.pace_for(settings).step() / pace.step());
+    Ok(model.finer_pace(settings).map(steps))
+}
+
+fn finer(
+    pace: Option<(Pace, f64)>,
+    scene: &Scene,
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<Option<Finer>, SimulationError> {
+    let Some((pace, _)) = pace else { return Ok(None) };
     let settings = RunSettings { fixed_step: Some(pace.step()), ..settings.clone() };
     let recording = beside(scene, [0.0; 2], &settings, control)?;
     Ok(Some(Finer { settings, recording }))
@@ -355,8 +366,7 @@ fn beside(
     settings: &RunSettings,
     control: &Control<'_>,
 ) -> Result<Recording, SimulationError> {
-    let quiet = Control::until(control.stop);
-    Ok(radially_condensed::simulate_beside(scene, displacement, settings, &quiet)?.0)
+    Ok(radially_condensed::simulate_beside(scene, displacement, settings, control)?.0)
 }
 
 /// What a reduced rung has left behind, and its first-order states.
@@ -399,8 +409,8 @@ fn parted(
         Some(finer) => of(&finer.recording, &finer.settings),
         None if rung == Rung::RadiallyCondensed => of(&made.recording, settings),
         None => {
-            let short = check_settings(rung, scene, settings);
-            of(&beside(scene, [0.0; 2], &short, control)?, &short)
+            let (short, quiet) = (check_settings(rung, scene, settings), Control::until(control.stop));
+            of(&beside(scene, [0.0; 2], &short, &quiet)?, &short)
         }
     }
 }
