@@ -59,7 +59,8 @@ pub(super) fn judge(
     let (stretch, checkpoint) = (judged_stretch(settings), &first.integrated.checkpoint);
     let most = JUDGING * first.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
     let parted = divergence_rate(setup.model, settings, settings.settle, checkpoint, stretch, most, aside);
-    let (parted, mut failure) = or_failure(parted)?;
+    let (parted, failure) = or_failure(parted)?;
+    let mut failure = failure.map(|why| not_judged(&why));
     (control.progress)(0.88);
     let divergence_rate = parted.map_or(0.0, |parted| parted.rate);
     let motion = parted.and_then(|parted| parted.motion());
@@ -81,24 +82,26 @@ pub(super) fn judge(
         settings.duration
     };
     let (mut repeated, mut failed) = or_failure(repeat(setup, &first, part, most, aside))?;
-    if failed.is_some() && part > REPEATED {
+    failure = failure.or(failed.as_deref().map(not_judged));
+    if let Some(why) = failed.take()
+        && part > REPEATED
+    {
         // A part is better than nothing, and the result says that it is one.
-        failure = failure.or(failed);
         part = REPEATED;
         (repeated, failed) = or_failure(repeat(setup, &first, part, most, aside))?;
+        failure = if failed.is_none() { Some(judged_by_a_part(part, &why)) } else { failure };
     }
     let repeated = repeated.flatten();
-    failure = failure.or(failed);
     (control.progress)(0.95);
     let fixed = settings.fixed_step.is_some();
-    let report = |distance: Distance, how: String, attempt: Attempt| {
+    let report = |distance: Distance, how: String, attempt: Attempt, failure: Option<&String>| {
         let Distance { levels: level_errors, quantities: quantity_errors } = distance;
         let by_chance = motion == Some(MotionKind::Diverging);
         let doubts = match by_chance {
             true => of_chance(level_errors.worst()),
             false => doubts(level_errors.worst(), quantity_errors, &settings.outputs),
         };
-        let warning = attempt.integrated.unstable.clone().or(failure.clone()).or(doubts);
+        let warning = attempt.integrated.unstable.clone().or(failure.cloned()).or(doubts);
         (attempt, AccuracyReport { level_errors, quantity_errors, how, motion, divergence_rate, warning })
     };
     let of_repetition = repeated.as_ref().map_or(Distance::UNKNOWN, |repeated| repeated.distance);
@@ -123,31 +126,35 @@ pub(super) fn judge(
              {WORST}"
         );
         let levels = sampling_errors(&first.recording).larger(scatter);
-        return Ok(report(Distance { levels, ..of_repetition }, how, first));
+        return Ok(report(Distance { levels, ..of_repetition }, how, first, failure.as_ref()));
     }
     match repeated {
         // Steps or terms left out: the run is made again with all of them, and judged then.
         Some(repeated) if !fixed && repeated.is_unresolved() && setup.whole.is_some() => {
             let levels = of_repetition.levels.map(|error| error.max(UNRESOLVED));
-            Ok(report(Distance { levels, ..of_repetition }, format!("level over {over}, {WORST}"), first))
+            let how = format!("level over {over}, {WORST}");
+            Ok(report(Distance { levels, ..of_repetition }, how, first, failure.as_ref()))
         }
         Some(repeated) if !fixed && repeated.is_unresolved() => {
+            let taken = first.relative_tolerance;
             let (attempt, distance, tightest) = resolve(setup, first, of_repetition, control)?;
             let how = match distance.levels.worst() {
                 Some(_) => "whole run repeated at ever tighter tolerances",
                 None => "nothing moves: no level is left at ever tighter tolerances",
             };
-            Ok(report(distance, format!("{how} down to {tightest:.0e}, {WORST}"), attempt))
+            // Where all of the run was repeated after all, nothing has failed.
+            let failure = failure.as_ref().filter(|_| tightest >= taken);
+            Ok(report(distance, format!("{how} down to {tightest:.0e}, {WORST}"), attempt, failure))
         }
         Some(repeated) if repeated.distance.levels.worst().is_some() => {
-            Ok(report(of_repetition, format!("level over {over}, {WORST}"), first))
+            Ok(report(of_repetition, format!("level over {over}, {WORST}"), first, failure.as_ref()))
         }
         _ => {
             let how = match failure {
                 Some(_) => "not judged: see the warning",
                 None => "no level to compare: nothing moves, or the run is too short to repeat a part of it",
             };
-            Ok(report(of_repetition, how.into(), first))
+            Ok(report(of_repetition, how.into(), first, failure.as_ref()))
         }
     }
 }
@@ -189,15 +196,25 @@ fn level_change(mean_squares: &[f64]) -> Option<f64> {
     (change.abs() > SETTLING && rms(&off) < SCATTER * change.abs()).then_some(change)
 }
 
-/// A result, or why there is none in words: a run is not lost because it could not be judged. Only a stop is passed on.
+/// A result, or why there is none: a run is not lost because it could not be judged. Only a stop is passed on.
 fn or_failure<T>(result: Result<T, SimulationError>) -> Result<(Option<T>, Option<String>), SimulationError> {
     match result {
         Ok(value) => Ok((Some(value), None)),
         Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
-        Err(error) => {
-            Ok((None, Some(format!("how far the level can be trusted is not known: repeating a part failed, {error}"))))
-        }
+        Err(error) => Ok((None, Some(error.to_string()))),
     }
+}
+
+/// What a result says that could not be judged, and one that could over a part of its time [s] alone.
+fn not_judged(why: &str) -> String {
+    format!("how far the level can be trusted is not known: repeating a part failed, {why}")
+}
+
+fn judged_by_a_part(part: f64, why: &str) -> String {
+    let part = 1e3 * part;
+    format!(
+        "how far the level can be trusted is known of the first {part:.0} ms alone: repeating all of it failed, {why}"
+    )
 }
 
 /// Repeats the whole run at ever tighter tolerances until its level stands still, or shows that no tolerance makes it. `auto` takes the first that stands

@@ -46,6 +46,10 @@ const SAMPLES: i32 = 2;
 /// fast.
 const SLOW_GROWTH: f64 = 0.05;
 
+/// Growth of a disturbance over the kept time [e-folds] from which on a chaotic motion has forgotten what led to it, and is a sample of its
+/// statistics: before, it can be foretold, and both steps may err alike (of slip, by a quarter over five e-folds).
+const FORGETS: f64 = 10.0;
+
 /// Chaos: nothing is left to compare but statistics. The run is made again in half of the step [s], with all terms, and is the result where
 /// both samples show the same levels; else in half of that, as long runs ask for, whose levels scatter less than steps change
 /// them. `None`: error control has to. So it has where contacts lean, whose light oscillations all steps may have damped.
@@ -58,7 +62,8 @@ fn another_sample<'a>(
     control: &Control<'_>,
 ) -> Result<Option<Stepped<'a>>, SimulationError> {
     let grows_slowly = judged.divergence_rate * step < SLOW_GROWTH;
-    if setup.model.mechanism().leans() || !grows_slowly || judged.warning.is_some() {
+    let forgets = judged.divergence_rate * setup.settings.duration > FORGETS;
+    if setup.model.mechanism().leans() || !grows_slowly || !forgets || judged.warning.is_some() {
         return Ok(None);
     }
     let (model, needs) = setup.whole.unwrap_or((setup.model, setup.needs));
