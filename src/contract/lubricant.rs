@@ -1,12 +1,13 @@
 //! Lubricant and traction.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
 use super::filling::Filling;
 use super::presets;
 use super::problem::listed;
-use super::strict::{NameOr, optional_object};
+use super::strict::NameOr;
 use super::units::MM;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::lubricant::{Lubricant, LubricantKind};
@@ -31,9 +32,19 @@ pub struct LubricantInput {
     #[schema(nullable = false)]
     pub inlet_distance_mm: Option<f64>,
     /// Traction coefficient over slip speed. Default: the law of the lubricant's preset.
-    #[serde(default, deserialize_with = "optional_object")]
+    #[serde(default, deserialize_with = "law_with_fields")]
     #[schema(nullable = false)]
     pub traction: Option<TractionInput>,
+}
+
+/// A law alone, by its name, is told where it belongs.
+fn law_with_fields<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<TractionInput>, D::Error> {
+    match NameOr::<String, TractionInput>::deserialize(deserializer)? {
+        NameOr::Object(own) => Ok(Some(own)),
+        NameOr::Name(name) => Err(D::Error::custom(format!(
+            "\"{name}\": must be an object with the law in it, such as {{\"law\": \"coulomb\"}}"
+        ))),
+    }
 }
 
 /// Name of a preset of `GET /v1/presets`, or a lubricant by its constants.

@@ -150,7 +150,7 @@ pub struct CageAnswer {
     /// Rms distance from its mean position [µm].
     #[schema(minimum = 0)]
     pub orbit_radius_um: f64,
-    /// Orbit rate over cage speed [-]; absent at rest.
+    /// Orbit rate over cage speed [-]; absent at rest. No error of it is stated: where the orbit is small it is the least certain of all numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub whirl_ratio: Option<f64>,

@@ -138,6 +138,7 @@ fn impossible_scenes_are_refused() {
         (scene(r#""lubricant":{"traction":{"law":"slide_roll","a":1,"b":1,"c":1}}"#), "/scene/lubricant/traction/d", "required"),
         (scene(r#""lubricant":{"traction":{"law":"coulomb","a":1}}"#), "/scene/lubricant/traction/a", "takes `coefficient`"),
         (scene(r#""lubricant":{"traction":{"maximum":0.01}}"#), "/scene/lubricant/traction/maximum", "must be at least"),
+        (scene(r#""lubricant":{"traction":"coulomb"}"#), "/scene/lubricant/traction", r#"{"law": "coulomb"}"#),
         (scene(r#""damping":{"raceway":{"restitution":1.1}}"#), "/scene/damping/raceway/restitution", "from 0.05 to 1"),
         (scene(r#""damping":{"pocket":{"at_speed_m_s":0}}"#), "/scene/damping/pocket/at_speed_m_s", "0 m/s"),
         (scene(r#""damping":{"pocket":{"law":"viscous"}}"#), "/scene/damping/pocket/viscous_n_s_per_m", "required"),
