@@ -143,6 +143,26 @@ fn chaos_shows_the_same_statistics_in_steps() {
     }
 }
 
+/// Five milliseconds of a dry bearing that runs down: disturbances grow, but by five e-folds only. Two step lengths erred alike there, in
+/// the largest slip by a quarter.
+#[test]
+fn a_motion_that_has_not_forgotten_its_start_is_no_sample_of_chaos() {
+    let json = json!({
+        "bearing": "608", "lubricant": "dry",
+        "operation": {
+            "speed_rpm": [{ "at_s": 0, "rpm": 36_882 }, { "at_s": 0.03, "rpm": 21_669 }], "radial_load_y_n": 500
+        }
+    });
+    let short = |settings: RunSettings| RunSettings { settle: 0.0, duration: 0.005, ..settings };
+    let (found, exact) = (simulate(&json, &short(free())), simulate(&json, &short(exact())));
+    assert_eq!(found.summary.accuracy.motion, Some(MotionKind::Diverging));
+    assert_ne!(found.summary.solver.method, "semi_implicit");
+    let slip = |result: &RunResult| result.summary.contacts.as_ref().unwrap().raceway.outer.max_slip;
+    let stated = found.summary.accuracy.quantity_errors.unwrap().max_slip;
+    let off = (slip(&found) / slip(&exact) - 1.0).abs();
+    assert!(stated < 0.1 && off < 3.0 * stated, "{off} {stated}");
+}
+
 /// A method of which nothing is known but states.
 struct Blind<'a>(Box<dyn Integrator + 'a>);
 
