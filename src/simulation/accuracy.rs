@@ -327,7 +327,16 @@ impl AccuracyReport {
 
     /// The largest of the stated errors over what is allowed of it; `None` where one is not known.
     pub(super) fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
-        Distance { levels: self.level_errors, quantities: self.quantity_errors }.excess(outputs, tolerance_db)
+        self.errors().excess(outputs, tolerance_db)
+    }
+
+    /// The stated errors of what was asked for, and which are beyond what is allowed.
+    pub(super) fn words_beyond(&self, outputs: &Outputs, tolerance_db: f64) -> String {
+        self.errors().of_asked(outputs).words_beyond(outputs, tolerance_db)
+    }
+
+    fn errors(&self) -> Distance {
+        Distance { levels: self.level_errors, quantities: self.quantity_errors }
     }
 }
 

@@ -182,19 +182,39 @@ pub(super) struct Distance {
 impl Distance {
     pub const UNKNOWN: Self = Self { levels: LevelErrors([None; 3]), quantities: None };
 
-    /// The largest error over what is allowed of it: of the level so many decibels, of what else was asked for the share that these
-    /// are, or `DETAIL`; `None` where one is not known.
-    pub fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
-        let of_level = self.levels.worst()? / tolerance_db;
+    /// Each error that was asked for over what is allowed of it: of the level so many decibels, of what else the share that these are,
+    /// or `DETAIL`; `None` where one is not known.
+    fn of_allowed(&self, outputs: &Outputs, tolerance_db: f64) -> Option<Vec<(&'static str, f64)>> {
+        let mut all = vec![("level", self.levels.worst()? / tolerance_db)];
         if !(outputs.contacts || outputs.cage) {
-            return Some(of_level);
+            return Some(all);
         }
         let share = 10_f64.powf(tolerance_db / 20.0) - 1.0;
         let errors = self.quantities?;
-        let of = |asked: bool, value: f64, detail: f64| if asked { (value / share).max(detail / DETAIL) } else { 0.0 };
-        let of_contacts = of(outputs.contacts, errors.max_load, errors.max_slip);
-        let of_cage = of(outputs.cage, errors.cage_speed, errors.max_pocket_load.max(errors.orbit_radius));
-        Some(of_level.max(of_contacts).max(of_cage))
+        if outputs.contacts {
+            all.extend([("largest load", errors.max_load / share), ("slip", errors.max_slip / DETAIL)]);
+        }
+        if outputs.cage {
+            all.extend([
+                ("cage speed", errors.cage_speed / share),
+                ("pocket load", errors.max_pocket_load / DETAIL),
+                ("cage orbit", errors.orbit_radius / DETAIL),
+            ]);
+        }
+        Some(all)
+    }
+
+    /// The largest of them; `None` where one is not known.
+    pub fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
+        self.of_allowed(outputs, tolerance_db)?.into_iter().map(|(_, excess)| excess).reduce(f64::max)
+    }
+
+    /// In words, and which of them are beyond what is allowed.
+    pub fn words_beyond(&self, outputs: &Outputs, tolerance_db: f64) -> String {
+        let all = self.of_allowed(outputs, tolerance_db).unwrap_or_default();
+        let beyond: Vec<&str> = all.iter().filter(|(_, excess)| *excess > 1.0).map(|(name, _)| *name).collect();
+        let words = self.words();
+        if beyond.is_empty() { words } else { format!("{words}; beyond what is allowed: {}", beyond.join(", ")) }
     }
 
     /// Whether everything that was asked for differs by no more than is allowed.

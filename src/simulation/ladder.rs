@@ -268,9 +268,9 @@ fn on_rung(
         }
         Err(error) => return Err(error),
     };
-    let confirmed = check.confirms(&settings.outputs, rung.allowed(settings.model_tolerance_db));
-    if !confirmed && settings.rung.is_none() {
-        return Ok(Err(check.words()));
+    let allowed = rung.allowed(settings.model_tolerance_db);
+    if !check.confirms(&settings.outputs, allowed) && settings.rung.is_none() {
+        return Ok(Err(check.words_beyond(&settings.outputs, allowed)));
     }
     let stepped = RunSettings { fixed_step: settings.fixed_step.or(check.step), ..settings.clone() };
     let finer_pace = finer_pace(rung, scene, &stepped)?;
@@ -291,7 +291,8 @@ fn on_rung(
     let apart = finer.as_ref().map(of_outputs);
     let another_course = apart
         .filter(|apart| !apart.within(&settings.outputs, settings.model_tolerance_db))
-        .map(|apart| format!("finer steps take another course over the whole run ({})", apart.words()));
+        .map(|apart| apart.words_beyond(&settings.outputs, settings.model_tolerance_db))
+        .map(|words| format!("finer steps take another course over the whole run ({words})"));
     let unseen = if rung != Rung::RadiallyCondensed {
         lean_not_tried(scene).map(str::to_owned)
     } else if check.fault.is_none() {
@@ -437,9 +438,10 @@ fn summarise(
     let allowed = rung.allowed(settings.model_tolerance_db);
     let confirmed = check.confirms(&settings.outputs, allowed);
     let warning = (!confirmed).then(|| {
+        let words = check.words_beyond(&settings.outputs, allowed);
         // A share of a decimal number is seldom one.
         let allowed = (1e6 * allowed).round() / 1e6;
-        format!("the rung {} was asked for and is not confirmed within {allowed} dB: {}", rung.name(), check.words())
+        format!("the rung {} was asked for and is not confirmed within {allowed} dB: {words}", rung.name())
     });
     let solver = SolverReport {
         method: rung.own_method(),

@@ -218,12 +218,14 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let stepped_share = if stepped::may_choose(settings) { STEPPED_SHARE } else { 0.0 };
     let progress = |share: f64| (control.progress)(stepped_share * share);
     let in_steps = &Control { progress: &progress, ..*control };
-    if let Some(stepped) = stepped::attempt(&setup, allowed_db, !ladder::tilts_late(scene), in_steps)? {
-        (control.progress)(1.0);
-        let Stepped { attempt, accuracy, settings, model, needs } = stepped;
-        setup = Setup { model, needs, settings: &settings, ..setup };
-        return Ok(summarise(scene, &setup, &attempt, accuracy, &found, begin));
-    }
+    let in_vain = match stepped::attempt(&setup, allowed_db, !ladder::tilts_late(scene), in_steps)? {
+        Ok(Stepped { attempt, accuracy, settings, model, needs }) => {
+            (control.progress)(1.0);
+            setup = Setup { model, needs, settings: &settings, ..setup };
+            return Ok(summarise(scene, &setup, &attempt, accuracy, (&found, None), begin));
+        }
+        Err(why) => Some(why).filter(|_| stepped::may_choose(settings)),
+    };
     let attempt = |setup: &Setup<'_>, before: f64, most_evaluations: Option<u64>| {
         let progress =
             |share: f64| (control.progress)(stepped_share + (1.0 - stepped_share) * (before + share) / attempts);
@@ -267,7 +269,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
         }
     }
     (control.progress)(1.0);
-    Ok(summarise(scene, &Setup { settings, ..setup }, &made, accuracy, &found, begin))
+    Ok(summarise(scene, &Setup { settings, ..setup }, &made, accuracy, (&found, in_vain.as_deref()), begin))
 }
 
 /// Share of `model_tolerance_db` that the error which a run states may be, before it is made again with all terms, and at a
@@ -464,12 +466,13 @@ fn endless(work: &Statistics, done: f64, span: &Span) -> Result<(), SimulationEr
     Err(SimulationError::Endless { time, end: span.end, step, evaluations })
 }
 
+/// `found`: what other rungs have shown; `in_vain`: why steps did not serve.
 fn summarise(
     scene: &Scene,
     setup: &Setup<'_>,
     attempt: &Attempt,
     accuracy: AccuracyReport,
-    found: &[String],
+    (found, in_vain): (&[String], Option<&str>),
     begin: Instant,
 ) -> RunResult {
     let &Setup { model, needs, settings, .. } = setup;
@@ -498,7 +501,7 @@ fn summarise(
     }
     let solver = SolverReport {
         method: main.choice.method.name(),
-        method_reason: reason(settings, attempt),
+        method_reason: reason(settings, attempt, in_vain),
         rung: needs.rung.name(),
         check,
         statistics: main.statistics,
@@ -547,13 +550,14 @@ impl RunResult {
     }
 }
 
-/// Why this method, and why another tolerance than the one asked for.
-fn reason(settings: &RunSettings, attempt: &Attempt) -> String {
+/// Why this method, and why another tolerance than the one asked for. `in_vain`: why steps of a fixed length, tried before, did not serve.
+fn reason(settings: &RunSettings, attempt: &Attempt, in_vain: Option<&str>) -> String {
     let method = attempt.integrated.choice.reason.clone().unwrap_or_else(|| "asked for".into());
     let (asked, taken) = (settings.relative_tolerance, attempt.relative_tolerance);
-    // What was tried before.
-    let in_vain = stepped::may_choose(settings) && attempt.integrated.choice.method != Method::SemiImplicit;
-    let method = if in_vain { format!("steps of a fixed length did not serve; {method}") } else { method };
+    let method = match in_vain {
+        Some(why) => format!("steps of a fixed length did not serve ({why}); {method}"),
+        None => method,
+    };
     if settings.tightened == Some(taken) {
         format!("{method}; tolerance {taken:.0e}, for at {asked:.0e} the level was not certain enough")
     } else if settings.tightened.is_some() && taken == asked {

@@ -52,7 +52,7 @@ const FORGETS: f64 = 10.0;
 
 /// Chaos: nothing is left to compare but statistics. The run is made again in half of the step [s], with all terms, and is the result where
 /// both samples show the same levels; else in half of that, as long runs ask for, whose levels scatter less than steps change
-/// them. `None`: error control has to. So it has where contacts lean, whose light oscillations all steps may have damped.
+/// them. Else why error control has to: so it has where contacts lean, whose light oscillations all steps may have damped.
 fn another_sample<'a>(
     setup: &Setup<'a>,
     step: f64,
@@ -60,11 +60,19 @@ fn another_sample<'a>(
     judged: &AccuracyReport,
     allowed_db: f64,
     control: &Control<'_>,
-) -> Result<Option<Stepped<'a>>, SimulationError> {
+) -> Result<Result<Stepped<'a>, String>, SimulationError> {
     let grows_slowly = judged.divergence_rate * step < SLOW_GROWTH;
     let forgets = judged.divergence_rate * setup.settings.duration > FORGETS;
-    if setup.model.mechanism().leans() || !grows_slowly || !forgets || judged.warning.is_some() {
-        return Ok(None);
+    if let Some(warning) = &judged.warning {
+        return Ok(Err(warning.clone()));
+    }
+    if setup.model.mechanism().leans() || !grows_slowly || !forgets {
+        let why = match (grows_slowly, forgets) {
+            (false, _) => "motions that start next to each other part faster than chaos has them part",
+            (true, false) => "disturbances grow, but the run is too short to be a sample of chaos",
+            (true, true) => "disturbances do not die out, and contacts lean along the axis",
+        };
+        return Ok(Err(why.into()));
     }
     let (model, needs) = setup.whole.unwrap_or((setup.model, setup.needs));
     for halvings in 1..=SAMPLES {
@@ -74,16 +82,16 @@ fn another_sample<'a>(
         let attempt = match sample.attempt(&Stepping::of(&settings), (share(halvings - 1), share(halvings)), control) {
             Ok(attempt) => attempt,
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
-            Err(_) => return Ok(None),
+            Err(error) => return Ok(Err(error.to_string())),
         };
         if let Some(accuracy) = accuracy::of_samples(&before.recording, &attempt.recording, judged, allowed_db) {
             let because =
                 "the motion is chaotic and shows the same levels, to three standard errors, in twice the step";
-            return Ok(Some(Stepped { attempt: kept(attempt, because), accuracy, settings, model, needs }));
+            return Ok(Ok(Stepped { attempt: kept(attempt, because), accuracy, settings, model, needs }));
         }
         before = attempt;
     }
-    Ok(None)
+    Ok(Err("the motion is chaotic, and shows other levels in other steps".into()))
 }
 
 /// With the reason why it serves.
@@ -104,19 +112,22 @@ pub(super) struct Stepped<'a> {
     pub needs: &'a Needs,
 }
 
-/// A run in steps that serve; `None`: error control has to. `allowed_db`: error of the level that serves, as stated; `tells_chaos`: whether
+/// A run in steps that serve, or why error control has to. `allowed_db`: error of the level that serves, as stated; `tells_chaos`: whether
 /// a motion that is chaotic in steps is believed to be.
 pub(super) fn attempt<'a>(
     setup: &Setup<'a>,
     allowed_db: f64,
     tells_chaos: bool,
     control: &Control<'_>,
-) -> Result<Option<Stepped<'a>>, SimulationError> {
+) -> Result<Result<Stepped<'a>, String>, SimulationError> {
     let m = setup.model.mechanism();
-    // What rings undamped rings on, but not in long steps, whatever part of them.
-    if !may_choose(setup.settings) || !m.raceway.inner.is_damped() {
-        return Ok(None);
+    if !may_choose(setup.settings) {
+        return Ok(Err("a method, a step or a tolerance was asked for".into()));
     }
+    if !m.raceway.inner.is_damped() {
+        return Ok(Err("what rings undamped rings on, but not in long steps, whatever part of them".into()));
+    }
+    let mut beyond = String::new();
     let mut step = if m.layout.axial_spindle { AXIAL_STEP } else { STEP };
     for (number, (before, part)) in PROGRESS.into_iter().enumerate() {
         let settings = in_steps(setup.settings, step);
@@ -138,26 +149,32 @@ pub(super) fn attempt<'a>(
             Ok(judged) => judged,
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
             // What is too stiff for the step blows up.
-            Err(_) => return Ok(None),
+            Err(error) => return Ok(Err(error.to_string())),
         };
         if accuracy.motion == Some(MotionKind::Diverging) {
             if !tells_chaos {
-                return Ok(None);
+                let why = "the motion seems chaotic in them, and where a viscous lubricant lets cage and balls tilt it may not be";
+                return Ok(Err(why.into()));
             }
             let progress = |share: f64| (control.progress)(before + part * (JUDGED + (1.0 - JUDGED) * share));
             let control = &Control { progress: &progress, ..*control };
             return another_sample(setup, step, attempt, &accuracy, allowed_db, control);
         }
-        let excess = accuracy.excess(&settings.outputs, allowed_db).filter(|_| accuracy.warning.is_none());
-        let Some(excess) = excess else { return Ok(None) };
+        if let Some(warning) = accuracy.warning {
+            return Ok(Err(warning));
+        }
+        let Some(excess) = accuracy.excess(&settings.outputs, allowed_db) else {
+            return Ok(Err(accuracy.how));
+        };
         if excess <= 1.0 {
             let attempt = kept(attempt, "what a quarter of the step tells lies within half of model_tolerance_db");
-            return Ok(Some(Stepped { attempt, accuracy, settings, model, needs }));
+            return Ok(Ok(Stepped { attempt, accuracy, settings, model, needs }));
         }
+        beyond = accuracy.words_beyond(&settings.outputs, allowed_db);
         step *= (AIM / excess).powf(1.0 / ORDER).min(LARGEST_CHANGE);
         if step < SHORTEST {
-            return Ok(None);
+            break;
         }
     }
-    Ok(None)
+    Ok(Err(format!("a quarter of the step tells more than is allowed: {beyond}")))
 }

@@ -153,11 +153,19 @@ impl Check {
     }
 
     pub fn words(&self) -> String {
+        self.told(&self.distance.words())
+    }
+
+    /// The same where it does not confirm.
+    pub fn words_beyond(&self, outputs: &Outputs, tolerance_db: f64) -> String {
+        self.told(&self.distance.words_beyond(outputs, tolerance_db))
+    }
+
+    fn told(&self, distance: &str) -> String {
         if let Some(fault) = &self.fault {
             return format!("not checked: {fault}");
         }
-        let against = format!("{:.3} ms on the rung {}, from the same start", 1e3 * self.stretch, self.against.name());
-        format!("{against}: {}", self.distance.words())
+        format!("{:.3} ms on the rung {}, from the same start: {distance}", 1e3 * self.stretch, self.against.name())
     }
 }
 
