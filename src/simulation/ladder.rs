@@ -6,6 +6,7 @@
 
 mod check;
 
+use std::cell::Cell;
 use std::time::Instant;
 
 use super::accuracy;
@@ -24,7 +25,7 @@ use super::scene::{Scene, Term, TermChoice};
 use super::windows::Windows;
 use crate::numerics::ode::Statistics;
 pub use check::check_time;
-use check::{Check, Reached, check, check_settings, thrown_about};
+use check::{Check, Reached, check, check_settings, thrown_about, uneven};
 
 /// A rung of the ladder of models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,7 +197,7 @@ fn lean_not_tried(scene: &Scene) -> Option<&'static str> {
     if may_tilt(scene, TILTS) {
         Some("so slow with so viscous a lubricant, cage and balls may tilt, which their planar check does not see")
     } else if may_tilt_by_its_weight(scene) {
-        Some("so heavy a crown cage, or one so far off its balls, may tilt them, which their planar check does not see")
+        Some("so heavy a cage, or one so far off its balls, may tilt them, which their planar check does not see")
     } else {
         None
     }
@@ -233,8 +234,15 @@ pub(super) fn run(
     } else if let (None, Some(reason)) = (settings.rung, lean_not_tried(scene)) {
         found.push(format!("spindle_only and periodic were not tried: {reason}"));
     }
+    let told = Cell::new(0.0);
     for rung in tried(scene, settings)?.into_iter().filter(|rung| rung.is_reduced()) {
-        match on_rung(rung, scene, settings, begin, control) {
+        // What follows a rung that is given up has the rest of the progress.
+        let before = told.get();
+        let progress = |share: f64| {
+            told.set(before + (1.0 - before) * share);
+            (control.progress)(told.get());
+        };
+        match on_rung(rung, scene, settings, begin, &Control { progress: &progress, ..*control }) {
             Ok(Ok(result)) => return Ok((Some(result), found)),
             Ok(Err(check)) => found.push(format!("{} was not confirmed: {check}", rung.name())),
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
@@ -301,6 +309,9 @@ fn on_rung(
         None
     };
     let unseen = unseen.or_else(|| thrown_about(scene, settings, &made.recording));
+    // What finer steps tell is known, and more than that.
+    let may_be_uneven = rung == Rung::RadiallyCondensed && check.fault.is_none() && another_course.is_none();
+    let unseen = unseen.or_else(|| uneven(&made.recording).filter(|_| may_be_uneven));
     if let (Some(what), None) = (unseen.as_ref().or(another_course.as_ref()), settings.rung) {
         return Ok(Err(format!("{what}, and the check tells nothing of that")));
     }

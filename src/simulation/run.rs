@@ -202,6 +202,10 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
         (control.progress)(1.0);
         return Ok(result);
     }
+    // The dynamics have the rest of the progress, so that it does not stand until they have come as far.
+    let before = furthest.get();
+    let rest = |share: f64| (control.progress)(before + (1.0 - before) * share);
+    let control = &Control { progress: &rest, ..*control };
     let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db)?;
     let model = Model::new(scene, &needs);
     let start = start_state(&model)?;

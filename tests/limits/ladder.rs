@@ -295,17 +295,28 @@ fn a_crown_cage_that_may_tilt_its_balls_is_not_left_to_checks_in_the_plane() {
     });
     let chosen = simulate(&json, &RunSettings { model_tolerance_db: 0.5, ..asked(false, None) }).summary.solver;
     assert_eq!(chosen.rung, "full", "{}", chosen.check);
-    assert!(
-        chosen.check.contains("spindle_only and periodic were not tried: so heavy a crown cage"),
-        "{}",
-        chosen.check
-    );
+    assert!(chosen.check.contains("spindle_only and periodic were not tried: so heavy a cage"), "{}", chosen.check);
     let named = simulate(&json, &asked(false, Some(Rung::SpindleOnly))).summary.accuracy;
     assert_eq!(named.level_error_db(), None);
-    assert!(named.warning.as_ref().is_some_and(|warning| warning.contains("so heavy a crown cage")), "{named:?}");
+    assert!(named.warning.as_ref().is_some_and(|warning| warning.contains("so heavy a cage")), "{named:?}");
     let closed = changed(json, json!({ "bearing": { "cage": { "seat": "closed", "offset_mm": 0 } } }));
     let chosen = simulate(&closed, &RunSettings { model_tolerance_db: 0.5, ..asked(false, None) }).summary.solver;
     assert!(["periodic", "spindle_only"].contains(&chosen.rung), "{} {}", chosen.rung, chosen.check);
+}
+
+/// A level that goes up and down along the run by decibels (slow beats of a lightly loaded, unbalanced spindle): a check of its beginning
+/// does not stand for the rest; levels were 0.1 dB off for 0.01.
+#[test]
+fn a_level_that_scatters_along_the_run_is_left_to_the_dynamics() {
+    let json = json!({
+        "bearing": { "preset": "6205", "cage": { "offset_mm": 0.602 }, "materials": { "ball": "si3n4" } },
+        "operation": { "speed_rpm": 2712, "radial_load_y_n": 28.4 }, "spindle": { "balance_grade": 0.4 },
+        "gravity_m_s2": 0
+    });
+    let settings = RunSettings { settle: 0.07, duration: 0.123, model_tolerance_db: 0.05, ..asked(false, None) };
+    let solver = simulate(&json, &settings).summary.solver;
+    assert_eq!(solver.rung, "full", "{}", solver.check);
+    assert!(solver.check.contains("scatters by"), "{}", solver.check);
 }
 
 /// What judgement leaves out is in the repetition: a bound that is too small shows, and the run is made again with all terms.
