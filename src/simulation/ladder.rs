@@ -44,6 +44,8 @@ pub enum Rung {
 
 /// Share of the progress that a check stands for.
 const CHECK_SHARE: f64 = 0.1;
+/// Share of the progress that is left which a rung has that was not asked for by name: another may have to follow.
+const TRIED_SHARE: f64 = 0.8;
 /// Largest share of a run that its check may be; a shorter run is simulated on the richer rung at once.
 const WORTH_IT: f64 = 0.3;
 /// Share of the tolerance that a rung may use whose check is by a reduced one, which uses the rest [-].
@@ -234,12 +236,12 @@ pub(super) fn run(
     } else if let (None, Some(reason)) = (settings.rung, lean_not_tried(scene)) {
         found.push(format!("spindle_only and periodic were not tried: {reason}"));
     }
-    let told = Cell::new(0.0);
+    let (told, share_of_rest) = (Cell::new(0.0), if settings.rung.is_some() { 1.0 } else { TRIED_SHARE });
     for rung in tried(scene, settings)?.into_iter().filter(|rung| rung.is_reduced()) {
         // What follows a rung that is given up has the rest of the progress.
         let before = told.get();
         let progress = |share: f64| {
-            told.set(before + (1.0 - before) * share);
+            told.set(before + share_of_rest * (1.0 - before) * share);
             (control.progress)(told.get());
         };
         match on_rung(rung, scene, settings, begin, &Control { progress: &progress, ..*control }) {
