@@ -10,7 +10,7 @@ use super::run::{Attempt, Control, Live, Outputs, Phase, RunSettings, Setup, Sim
 use crate::numerics::ode::Method;
 use crate::numerics::statistics::{level_standard_error_db, mean, rms};
 
-/// Batches for the sampling error of a level.
+/// Batches of a run, by which its level scatters and settles.
 pub(super) const BATCHES: usize = 10;
 /// Stretch that is repeated at a tighter tolerance [s], where disturbances die out and nothing else than at its beginning
 /// is to come; else all of the run.

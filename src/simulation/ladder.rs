@@ -56,7 +56,7 @@ const TILTS: f64 = 2.5e-5;
 /// The same from which on steps of the dynamics were seen to take for chaos what is none: levels a decibel off.
 const TILTS_LATE: f64 = 3.5e-5;
 /// Mass of a cage over that of its balls, and its offset over a ball's diameter, up to which a crown cage that tilts leaves levels
-/// alone: of 221 lean runs below none was quietly wrong, of those beyond one or two of a hundred, by up to 4.5 dB.
+/// alone: of 166 lean runs below none was quietly wrong, of those beyond one or two of a hundred, by up to 4.5 dB.
 const HEAVY_CAGE: f64 = 1.0;
 const FAR_CAGE: f64 = 0.5;
 /// How far apart two motions start that show whether the motion is chaotic [m], and the size of the spindle's displacements [m].
@@ -198,7 +198,7 @@ fn not_tried(scene: &Scene, settings: &RunSettings, needs: &Needs) -> Option<&'s
 fn lean_not_tried(scene: &Scene) -> Option<&'static str> {
     if may_tilt(scene, TILTS) {
         Some("so slow with so viscous a lubricant, cage and balls may tilt, which their planar check does not see")
-    } else if may_tilt_by_its_weight(scene) {
+    } else if cage_may_tilt_balls(scene) {
         Some("so heavy a cage, or one so far off its balls, may tilt them, which their planar check does not see")
     } else {
         None
@@ -214,8 +214,8 @@ fn may_tilt(scene: &Scene, limit: f64) -> bool {
     scene.lubricant.viscosity > limit * scene.operating_speed().abs()
 }
 
-/// Whether the inertia of the cage, which acts beside the plane of its balls, may take these out of it.
-fn may_tilt_by_its_weight(scene: &Scene) -> bool {
+/// Whether the weight and inertia of the cage, which act beside the plane of its balls, may take these out of it.
+fn cage_may_tilt_balls(scene: &Scene) -> bool {
     let (cage, bearing) = (&scene.cage, &scene.bearing);
     let balls = bearing.parameters.ball_count as f64 * bearing.ball_mass;
     !cage.is_symmetric()

@@ -1,5 +1,6 @@
 //! The check of a reduced rung: a short run of it beside one of the next richer rung, and what of the run such a check cannot tell.
 
+use super::super::accuracy::BATCHES;
 use super::super::channel::Channel;
 use super::super::distance::{self, Distance};
 use super::super::model::radially_condensed::RadiallyCondensed;
@@ -36,10 +37,9 @@ const WANDERED: f64 = 1e-2;
 const THROWN: f64 = 0.1;
 /// Damping times the time of a check [e-folds] from which on the check shows how the spindle comes to rest.
 const COMES_TO_REST: f64 = 2.0;
-/// Scatter of a level along a run [dB], over equal parts of it, from which on the stretch of a check does not stand for the rest: lightly loaded spindles that
+/// Scatter of a level along a run [dB], over its batches, from which on the stretch of a check does not stand for the rest: lightly loaded spindles that
 /// beat or come to rest over tenths of a second had levels of 0.02 to 0.1 dB off that stated a fifth of that.
 const UNEVEN: f64 = 1.5;
-const PARTS_OF_RUN: usize = 10;
 /// Sine of a contact angle below which balls count as in the plane [-]; the rate at which larger ones grow from which on the balls are leaving it [1/s]: tilt
 /// that grew to degrees and decibels grew by 18 to 70 a second, and where it did not, the angles of a check's halves were up to a tenth
 /// apart over 8 ms. And the least stretch that tells such a rate [s].
@@ -135,7 +135,7 @@ pub(super) fn thrown_about(scene: &Scene, settings: &RunSettings, recording: &Re
 /// Whether a level goes up and down along the run by so much that its beginning does not stand for the rest; `None`: it does.
 pub(super) fn uneven(recording: &Recording) -> Option<String> {
     let scatter = |channel: &Channel| {
-        let parts = distance::in_parts(&recording.of(*channel)?.in_band().mean_squares, PARTS_OF_RUN);
+        let parts = distance::in_parts(&recording.of(*channel)?.in_band().mean_squares, BATCHES);
         let levels: Vec<f64> = parts.iter().map(|square| 10.0 * square.max(f64::MIN_POSITIVE).log10()).collect();
         Some((*channel, CentralMoments::of(&levels).rms()))
     };
