@@ -17,6 +17,7 @@ pub mod pair;
 pub mod reduced;
 pub mod run;
 pub mod scene;
+pub mod settling;
 pub mod state;
 pub mod stepped;
 pub mod stiffness;

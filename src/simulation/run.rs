@@ -517,7 +517,7 @@ fn summarise(
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
     recording.evaluate(&settings.outputs);
-    let accuracy = accuracy.with_settling(recording, scene.operation.speed.is_constant());
+    let accuracy = accuracy.with_settling(recording, scene, Some(settings.settle));
     RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out)
 }
 

@@ -22,6 +22,7 @@ mod radially_condensed;
 mod repeatability;
 mod rolling;
 mod rotation_symmetry;
+mod settling;
 mod spindle_only;
 mod stability;
 mod static_distribution;

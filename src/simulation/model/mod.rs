@@ -79,8 +79,15 @@ pub struct StartAzimuths {
 
 impl StartAzimuths {
     fn new(balls: usize) -> Self {
-        let angle: Vec<f64> =
-            (0..balls.next_multiple_of(LANES)).map(|ball| start_azimuth(ball.min(balls - 1), balls)).collect();
+        Self::of((0..balls.next_multiple_of(LANES)).map(|ball| start_azimuth(ball.min(balls - 1), balls)).collect())
+    }
+
+    /// All of them further round by an angle [rad].
+    pub fn turned(&self, by: f64) -> Self {
+        Self::of(self.angle.iter().map(|angle| angle + by).collect())
+    }
+
+    fn of(angle: Vec<f64>) -> Self {
         let (cosine, sine) = angle.iter().map(|&angle| Azimuth::new(angle)).map(|a| (a.cosine, a.sine)).unzip();
         Self { angle, cosine, sine }
     }

@@ -1,0 +1,57 @@
+//! How long the start of a run rings: the spindle vibrates freely on its contacts until their damping has taken that away. Across the
+//! load few contacts lean far, and that vibration stays many times longer than the one along it.
+
+use super::equilibrium::equilibrium;
+use super::model::Mechanism;
+use super::needs::Needs;
+use super::run::Outputs;
+use super::scene::Scene;
+
+/// e-folds after which free vibration has gone: one five times as strong as the steady one adds less than 0.05 dB to its level then.
+const GONE: f64 = 4.0;
+/// Fewer leave a vibration that may still add decibels.
+const RINGS: f64 = 1.0;
+
+/// Slowest rate at which free vibration of the spindle in its plane decays [1/s], by the damping of its contacts at rest under load, weight
+/// and centrifugal force; `None` at changing speed, and where it does not rest on contacts that damp it.
+pub fn decay_rate(scene: &Scene) -> Option<f64> {
+    let speed = scene.operation.speed.is_constant().then(|| scene.operating_speed())?;
+    // Which outputs are asked for does not matter to what holds the spindle.
+    let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: vec![] };
+    let mut mechanism = Mechanism::new(scene, &Needs::of(scene, &outputs, None).ok()?);
+    let law = scene.raceway_damping.resolve();
+    // Balls go round: a place with one of them under the load, and the one halfway to the next.
+    let mut damping = [0.0; 3];
+    let halfway = 0.5 * std::f64::consts::TAU / mechanism.layout.balls as f64;
+    for turned in [0.0, halfway] {
+        mechanism.start = mechanism.start.turned(turned);
+        let rest = equilibrium(&mechanism, speed).ok()?;
+        for (ball, load) in rest.loads.iter().enumerate().filter(|(_, load)| load.inner > 0.0) {
+            // Two contacts in series: half of the damping of one; the mean of two places.
+            let both = 0.25 * (law.chi * load.inner + law.viscous);
+            let (cosine, sine) = (mechanism.start.cosine[ball], mechanism.start.sine[ball]);
+            damping[0] += both * cosine * cosine;
+            damping[1] += both * cosine * sine;
+            damping[2] += both * sine * sine;
+        }
+    }
+    let [yy, yz, zz] = damping;
+    let least = 0.5 * (yy + zz) - (0.5 * (yy - zz)).hypot(yz);
+    Some(0.5 * least / mechanism.spindle_mass).filter(|rate| *rate > 0.0)
+}
+
+/// Time after which the vibration that a run starts with has gone [s]; `None` as for [`decay_rate`].
+pub fn settling_time(scene: &Scene) -> Option<f64> {
+    decay_rate(scene).map(|rate| GONE / rate)
+}
+
+/// What a run says whose vibration may still be that of its start after so long [s].
+pub fn rings_on(scene: &Scene, settle: f64) -> Option<String> {
+    let rate = decay_rate(scene).filter(|rate| settle * rate < RINGS)?;
+    Some(format!(
+        "the start may still ring: free vibration of the spindle falls to 1/e in {:.2} s on contacts as lightly damped as these, and \
+         settle_s is {settle} s. Try {:.2} s",
+        1.0 / rate,
+        GONE / rate
+    ))
+}

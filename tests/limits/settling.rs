@@ -1,0 +1,76 @@
+//! How long a run has to go on until its start is forgotten.
+
+use raceway::simulation::run::{RunSettings, Rung, run};
+use raceway::simulation::scene::Scene;
+use raceway::simulation::settling::{decay_rate, settling_time};
+use serde_json::{Value, json};
+
+use crate::article_run::{Y, Z, patient, settings};
+use crate::scenes::{article, changed, scene};
+
+/// A 6204 with a spindle of 1.29 kg: across its load of 55 N little damps it.
+fn lightly_damped() -> Value {
+    json!({
+        "bearing": { "preset": "6204" },
+        "operation": { "speed_rpm": 2710, "radial_load_y_n": 54.9 },
+        "spindle": { "mass_kg": 1.29, "balance_grade": 0.4 }
+    })
+}
+
+/// Levels of y and z [dB] after settling for a time [s], and what is warned of.
+fn levels(scene: &Scene, settle: f64) -> ([f64; 2], Option<String>) {
+    let rung = Some(Rung::RadiallyCondensed);
+    let settings = RunSettings { rung, model_tolerance_db: 0.05, settle, duration: 0.145, ..settings() };
+    let summary = run(scene, &settings, &patient()).unwrap().summary;
+    let level = |channel| summary.channels.iter().find(|(of, _)| *of == channel).and_then(|(_, m)| m.level_db).unwrap();
+    ([Y, Z].map(level), summary.accuracy.warning)
+}
+
+fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).abs().max((a[1] - b[1]).abs())
+}
+
+/// What three turns of the cage leave of the start is decibels here, and is warned of; after the time that damping sets, nothing is left.
+#[test]
+fn a_lightly_damped_spindle_settles_in_the_time_that_its_contacts_set() {
+    let scene = scene(&lightly_damped());
+    let time = settling_time(&scene).unwrap();
+    let (long, _) = levels(&scene, 2.0 * time);
+    let (settled, warning) = levels(&scene, time);
+    let (ringing, warned) = levels(&scene, 0.174);
+    println!("{time} s: {} dB; 0.174 s: {} dB", apart(settled, long), apart(ringing, long));
+    assert!(apart(settled, long) < 0.1 && !warning.is_some_and(|warning| warning.contains("ring")));
+    assert!(apart(ringing, long) > 1.0 && warned.is_some_and(|warning| warning.contains("settle_s")));
+}
+
+/// Damping grows with the load and mass slows its work; which way a load points does not matter.
+#[test]
+fn decay_follows_load_mass_and_no_direction() {
+    let rate = |operation: Value, mass: f64| {
+        let changes = json!({ "operation": operation, "spindle": { "mass_kg": mass }, "gravity_m_s2": 0 });
+        decay_rate(&scene(&changed(article(), changes)))
+    };
+    let loaded = |load: f64, mass: f64| {
+        rate(json!({ "speed_rpm": 50_000, "radial_load_y_n": load, "radial_load_z_n": 0 }), mass).unwrap()
+    };
+    let (one, heavy, hard) = (loaded(200.0, 0.05), loaded(200.0, 0.5), loaded(400.0, 0.05));
+    assert!((one / heavy - 10.0).abs() < 1e-9, "{one} {heavy}");
+    // A wider zone of contact helps beyond the load itself.
+    assert!((2.0..3.0).contains(&(hard / one)), "{one} {hard}");
+    let aslant = rate(json!({ "speed_rpm": 50_000, "radial_load_y_n": 0.0, "radial_load_z_n": 200.0 }), 0.05).unwrap();
+    assert!((aslant / one - 1.0).abs() < 0.1, "{one} {aslant}");
+}
+
+/// Without damping, without load and where the speed changes, nothing is known of it.
+#[test]
+fn no_time_is_set_where_nothing_decays() {
+    assert!(settling_time(&scene(&article())).is_some());
+    let without = [
+        json!({ "damping": { "raceway": { "law": "none" } } }),
+        json!({ "operation": { "radial_load_y_n": 0 }, "gravity_m_s2": 0 }),
+        json!({ "operation": { "speed_rpm": [{ "at_s": 0, "rpm": 0 }, { "at_s": 1, "rpm": 5000 }] } }),
+    ];
+    for change in without {
+        assert_eq!(settling_time(&scene(&changed(article(), change.clone()))), None, "{change}");
+    }
+}
