@@ -50,8 +50,8 @@ pub struct JobInput {
     /// `accuracy`. With `outputs.series` the longest is 23.4 s, and 327.6 s over their number where they are more than 14.
     #[schema(nullable = false, example = 0.1)]
     pub duration_s: Option<f64>,
-    /// Time simulated before anything is kept [s]. Default: 3 cage turns, at least 0.02 and at most 1;
-    /// 0.02 for `accuracy`.
+    /// Time simulated before anything is kept [s]. Default: 3 cage turns, at least 0.02 and at most 1; at constant speed also until free
+    /// vibration of the spindle has decayed to a fiftieth on its contacts, at most 5. 0.02 for `accuracy`.
     #[schema(nullable = false, example = 0.02)]
     pub settle_s: Option<f64>,
     /// Methods to compare. Default: all.
