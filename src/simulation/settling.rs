@@ -49,8 +49,8 @@ pub fn settling_time(scene: &Scene) -> Option<f64> {
 pub fn rings_on(scene: &Scene, settle: f64) -> Option<String> {
     let rate = decay_rate(scene).filter(|rate| settle * rate < RINGS)?;
     Some(format!(
-        "the start may still ring: free vibration of the spindle falls to 1/e in {:.2} s on contacts as lightly damped as these, and \
-         settle_s is {settle} s. Try {:.2} s",
+        "the start may still ring: free vibration of the spindle falls to 1/e in {:.3} s on contacts as lightly damped as these, and \
+         settle_s is {settle} s. Try {:.3} s",
         1.0 / rate,
         GONE / rate
     ))
