@@ -194,7 +194,7 @@ impl Metrics {
             frequencies_hz: summary.frequencies.into(),
             lines: outputs.vibration.then(|| lines.collect()),
             solver: (&summary.solver).into(),
-            accuracy: AccuracyAnswer::of(&summary.accuracy, outputs),
+            accuracy: AccuracyAnswer::of(&summary.accuracy, summary.settling.as_deref(), outputs),
             left_out: result.left_out.iter().map(LeftOutAnswer::from).collect(),
         }
     }

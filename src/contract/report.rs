@@ -117,6 +117,11 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub warning: Option<String>,
+    /// Present where `settle_s` is so short that the kept time may still hold the vibration of the start, as the contacts' damping lets
+    /// expect: no error that is stated contains that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub settling: Option<String>,
 }
 
 /// `decaying`: neighbouring runs meet, or part by less than a factor of e² over the stretch that is watched (10 ms, or the run).
@@ -197,7 +202,7 @@ impl From<&SolverReport> for SolverAnswer {
 
 impl AccuracyAnswer {
     /// What is stated of a run, and of its peaks where they are shown.
-    pub fn of(report: &AccuracyReport, outputs: &Outputs) -> Self {
+    pub fn of(report: &AccuracyReport, settling: Option<&str>, outputs: &Outputs) -> Self {
         let share = |of: fn(&QuantityErrors) -> f64| report.quantity_errors.as_ref().map(|e| significant(of(e), 3));
         Self {
             level_error_db: report.level_error_db(),
@@ -210,6 +215,7 @@ impl AccuracyAnswer {
             motion: report.motion.map(MotionName::from),
             divergence_rate_per_s: report.motion.map(|_| report.divergence_rate),
             warning: report.warning.clone(),
+            settling: settling.map(str::to_owned),
         }
     }
 }

@@ -232,7 +232,8 @@ impl TableAnswer {
 
     /// Pointers to the words that tell on what the numbers of a point rest, where any point has them.
     pub fn words(&self) -> Vec<&'static str> {
-        const WORDS: [&str; 4] = ["/solver/rung", "/solver/method", "/accuracy/motion", "/accuracy/warning"];
+        const WORDS: [&str; 5] =
+            ["/solver/rung", "/solver/method", "/accuracy/motion", "/accuracy/warning", "/accuracy/settling"];
         let has =
             |word: &&str| self.rows.iter().any(|row| row.metrics.as_ref().and_then(|m| m.pointer(word)).is_some());
         WORDS.into_iter().filter(has).collect()

@@ -7,8 +7,6 @@ use super::metrics::{AccuracyReport, MotionKind, QuantityErrors};
 use super::model::Model;
 use super::observe::{self, Recording};
 use super::run::{Attempt, Control, Live, Outputs, Phase, RunSettings, Setup, SimulationError, Stepping};
-use super::scene::Scene;
-use super::settling;
 use crate::numerics::ode::Method;
 use crate::numerics::statistics::{level_standard_error_db, mean, rms};
 
@@ -295,36 +293,28 @@ pub(super) fn of_samples(
 }
 
 impl AccuracyReport {
-    /// With what settling leaves behind. Where the level rises or falls throughout the kept time although nothing drives it to, it is
-    /// no nearer to that of the steady motion than it changes by; beats may hide such a change, and a lightly damped spindle lets
-    /// expect one. `settled`: time before the kept one [s]; `None`: the motion has no start that could ring.
-    pub(super) fn with_settling(self, recording: &Recording, scene: &Scene, settled: Option<f64>) -> Self {
+    /// With what settling leaves behind, where the level rises or falls throughout the kept time although nothing drives it to: it is
+    /// no nearer to that of the steady motion than it changes by. `steady`: whether it should stand still.
+    pub(super) fn with_settling(self, recording: &Recording, steady: bool) -> Self {
         let by_chance = self.motion == Some(MotionKind::Diverging);
-        let Some(settled) = settled.filter(|_| scene.operation.speed.is_constant() && !by_chance) else {
+        let trends = trends(recording);
+        let worst = trends.iter().max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        let Some((channel, change)) = worst.filter(|_| steady && !by_chance) else {
             return self;
         };
-        let trends = trends(recording);
-        let Some((channel, change)) = trends.iter().max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())) else {
-            let expected = settling::rings_on(scene, settled).filter(|_| !judged(recording).is_empty());
-            return self.warned(expected);
+        let warning = || {
+            format!(
+                "still settling: the level of {channel} changes by {change:+.1} dB from the beginning to the end of the kept time. \
+                 Try a longer settle_s"
+            )
         };
-        let warning = format!(
-            "still settling: the level of {channel} changes by {change:+.1} dB from the beginning to the end of the kept time. \
-             Try a longer settle_s"
-        );
         let left = LevelErrors::each(|channel| Some(trends.iter().find(|(of, _)| *of == channel)?.1.abs()));
         Self {
             level_errors: self.level_errors.raised_to(left),
             how: format!("{}; or what the level changes by along the kept time, if that is more", self.how),
+            warning: self.warning.or_else(|| Some(warning())),
             ..self
         }
-        .warned(Some(warning))
-    }
-
-    /// With one more thing to warn of.
-    fn warned(self, warning: Option<String>) -> Self {
-        let all: Vec<String> = [self.warning, warning].into_iter().flatten().collect();
-        Self { warning: (!all.is_empty()).then(|| all.join("; ")), ..self }
     }
 
     /// Whether a tighter tolerance would tell nothing that was asked for any better: what is stated is within so many decibels,

@@ -155,6 +155,8 @@ pub struct Summary {
     pub lines: Vec<(Channel, Line)>,
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
+    /// In words, where the kept time may still hold the vibration that the run started with.
+    pub settling: Option<String>,
 }
 
 /// Upper end of the band in which vibration is judged [Hz].

@@ -8,11 +8,12 @@ use super::channel::Channel;
 use super::equilibrium::equilibrium;
 use super::ladder;
 pub use super::ladder::Rung;
-use super::metrics::{self, AccuracyReport, SolverReport, Summary};
+use super::metrics::{self, AccuracyReport, MotionKind, SolverReport, Summary};
 use super::model::{Mechanism, Model};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
 use super::observe::{Observer, Recording};
 use super::scene::Scene;
+use super::settling;
 use super::state::{BallState, Layout, SpindleState};
 use super::stepped::{self, Stepped};
 use super::views::Views;
@@ -517,7 +518,7 @@ fn summarise(
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
     recording.evaluate(&settings.outputs);
-    let accuracy = accuracy.with_settling(recording, scene, Some(settings.settle));
+    let accuracy = accuracy.with_settling(recording, scene.operation.speed.is_constant());
     RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out)
 }
 
@@ -541,7 +542,10 @@ impl RunResult {
             false => (Vec::new(), Views::default()),
         };
         let frequencies = metrics::frequencies(scene, recording);
+        // The rung that repeats a passage has no start, and chaos forgets it by itself.
+        let starts = solver.rung != Rung::Periodic.name() && accuracy.motion != Some(MotionKind::Diverging);
         let summary = Summary {
+            settling: starts.then(|| settling::rings_on(scene, settings.settle)).flatten(),
             channels: channels(),
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
             cage: if outputs.cage { metrics::cage(scene, recording) } else { None },

@@ -209,8 +209,7 @@ fn precise_integration_beyond_its_limit_says_so() {
 /// Steps from well below to well beyond the limit: wrong is never without a word.
 #[test]
 fn fixed_steps_are_right_or_say_so() {
-    // Long enough for the start to have decayed, which would be warned of, too.
-    let brief = RunSettings { settle: 3e-3, duration: 6e-3, ..settings() };
+    let brief = RunSettings { settle: 2e-3, duration: 6e-3, ..settings() };
     for (json, unit) in [(article(), 1e-6), (at_400_newton(), 0.5e-6)] {
         let right = level_of(&run(&scene(&json), &brief, &patient()).unwrap());
         for method in [Method::DormandPrince, Method::FineAbm] {

@@ -61,7 +61,7 @@ export function summary(metrics) {
     return typeof error === 'number' ? `± ${number(error, 1)}` : '';
   };
   return [
-    accuracy.warning && h('p', { class: 'warning', role: 'note' }, accuracy.warning),
+    ...[accuracy.warning, accuracy.settling].map((words) => words && h('p', { class: 'warning', role: 'note' }, words)),
     h(
       'dl',
       { class: 'figures' },

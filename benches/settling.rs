@@ -1,0 +1,163 @@
+//! Does a run settle by itself? Levels after the default `settle_s`, and after three turns of the cage alone, beside those long after.
+//!
+//! `cargo bench --bench settling [-- SEED COUNT]` draws bearings, loads, spindles (from those that hardly count to heavy ones) and balance
+//! grades, and runs each on `radially_condensed`. Right is the mean of `WINDOWS` later windows, the first after `LATER` times of decay of
+//! the spindle's free vibration, the same for both; a level is off by what lies beyond the widest of these windows, for what they scatter
+//! by no settling takes away. Two scenes at a time; the same seed gives the same lines.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use raceway::contract::{Metrics, Outcome, execute, parse_job, scene_from_json};
+use raceway::simulation::run::Control;
+use raceway::simulation::settling::decay_rate;
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{RngCore, SeedableRng};
+use serde_json::{Value, json};
+
+const SCENES: u64 = 100;
+const WINDOWS: usize = 4;
+const LATER: f64 = 6.0;
+/// The first of the later windows comes within these [s].
+const FIRST: [f64; 2] = [2.0, 20.0];
+const CHANNELS: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
+/// Levels off by more are counted [dB].
+const COUNTED: [f64; 3] = [0.05, 0.2, 1.0];
+
+struct Draw(SplitMix64);
+
+impl Draw {
+    fn share(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Three digits, evenly between the logarithms of two ends.
+    fn between_decades(&mut self, from: f64, to: f64) -> f64 {
+        format!("{:.2e}", from * (to / from).powf(self.share())).parse().expect("a number")
+    }
+
+    fn scene(&mut self) -> Value {
+        let presets = ["article-integrated", "608", "article-deep-groove", "6204", "6205"];
+        let preset = presets[(self.share() * presets.len() as f64) as usize];
+        let (mass, speed) = if preset.starts_with("62") {
+            (self.between_decades(0.2, 10.0), self.between_decades(1e3, 1.5e4))
+        } else {
+            (self.between_decades(0.03, 1.0), self.between_decades(3e3, 6e4))
+        };
+        let mut spindle = json!({ "mass_kg": mass });
+        let grades = [Some(0.4), Some(2.5), Some(6.3), None, None, None];
+        if let Some(grade) = grades[(self.share() * grades.len() as f64) as usize] {
+            spindle["balance_grade"] = grade.into();
+        }
+        let operation = json!({ "speed_rpm": speed, "radial_load_y_n": self.between_decades(10.0, 500.0) });
+        json!({ "bearing": { "preset": preset }, "operation": operation, "spindle": spindle })
+    }
+}
+
+/// A run: its levels of y and z [dB], and the times it settled and kept [s].
+struct Run {
+    levels: [f64; 2],
+    settled: f64,
+    kept: f64,
+}
+
+fn simulate(scene: &Value, settle: Option<f64>) -> Result<Run, String> {
+    let mut job = json!({
+        "kind": "simulation", "scene": scene, "solver": { "rung": "radially_condensed" }, "outputs": { "metrics": ["vibration"] },
+    });
+    if let Some(settle) = settle {
+        job["settle_s"] = settle.into();
+    }
+    let job = parse_job(job.to_string().as_bytes()).map_err(|refusal| refusal.to_string())?;
+    let levels = |metrics: &Metrics| {
+        let channels = metrics.channels.as_ref();
+        CHANNELS.map(|name| channels.and_then(|all| all.get(name)?.level_db).unwrap_or(f64::NAN))
+    };
+    match execute(&job, &Control::until(&|| false)) {
+        Ok(Outcome::Simulation(outcome)) => {
+            Ok(Run { levels: levels(&outcome.metrics), settled: job.settings.settle, kept: job.settings.duration })
+        }
+        Ok(_) => Err("not a simulation".to_owned()),
+        Err(error) => Err(format!("{error:?}")),
+    }
+}
+
+/// What the levels of a scene are off by [dB], and what the later windows scatter by.
+struct Compared {
+    turns: f64,
+    default: f64,
+    scatter: f64,
+    words: String,
+}
+
+fn compare(scene: &Value) -> Result<Compared, String> {
+    let rate = decay_rate(&scene_from_json(&scene.to_string()).map_err(|refusal| refusal.to_string())?)
+        .ok_or("nothing decays")?;
+    let by_itself = simulate(scene, None)?;
+    // Three turns of the cage, which turns with 0.38 to 0.4 of the speed of the shaft in these bearings.
+    let hertz = scene["operation"]["speed_rpm"].as_f64().ok_or("no speed")? / 60.0;
+    let turns = simulate(scene, Some((3.0 / (0.39 * hertz)).max(0.02)))?;
+    let first = (LATER / rate).clamp(FIRST[0], FIRST[1]);
+    let later: Vec<Run> = (0..WINDOWS)
+        .map(|window| simulate(scene, Some(first + 1.37 * window as f64 * by_itself.kept)))
+        .collect::<Result<_, _>>()?;
+    let mean = |axis: usize| later.iter().map(|run| run.levels[axis]).sum::<f64>() / WINDOWS as f64;
+    let right = [mean(0), mean(1)];
+    let off = |run: &Run| (0..2).map(|axis| (run.levels[axis] - right[axis]).abs()).fold(0.0, f64::max);
+    let scatter = later.iter().map(off).fold(0.0, f64::max);
+    let beyond = |run: &Run| (off(run) - scatter).max(0.0);
+    let words = format!(
+        "{:.3} s: {:.2} dB; by itself {:.3} s ({:.1} times of decay): {:.2} dB; later windows scatter by {scatter:.2} dB; {scene}",
+        turns.settled,
+        off(&turns),
+        by_itself.settled,
+        rate * by_itself.settled,
+        off(&by_itself),
+    );
+    Ok(Compared { turns: beyond(&turns), default: beyond(&by_itself), scatter, words })
+}
+
+fn main() {
+    let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
+    let (seed, count) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(SCENES));
+    let mut draw = Draw(SplitMix64::seed_from_u64(seed));
+    let scenes: Vec<Value> = (0..count).map(|_| draw.scene()).collect();
+    let (next, all) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                loop {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(scene) = scenes.get(number) else { break };
+                    let compared = compare(scene);
+                    all.lock().expect("no thread fails").push((number, compared));
+                }
+            });
+        }
+    });
+    let mut all = all.into_inner().expect("no thread fails");
+    all.sort_by_key(|(number, _)| *number);
+    let (mut compared, mut failed) = (Vec::new(), 0);
+    for (number, one) in all {
+        match one {
+            Ok(one) => {
+                println!("{number:3} {}", one.words);
+                compared.push(one);
+            }
+            Err(reason) => {
+                println!("{number:3} {reason}");
+                failed += 1;
+            }
+        }
+    }
+    println!("{} scenes, {failed} more without a comparison", compared.len());
+    for limit in COUNTED {
+        let over = |of: fn(&Compared) -> f64| compared.iter().filter(|one| of(one) > limit).count();
+        let restless = compared.iter().filter(|one| one.default > limit && one.scatter > limit).count();
+        println!(
+            "more than {limit} dB off: {} after three turns, {} by itself, {restless} of these where the later windows scatter by more than that",
+            over(|one| one.turns),
+            over(|one| one.default),
+        );
+    }
+}
