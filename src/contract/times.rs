@@ -9,9 +9,8 @@ use crate::simulation::run::Outputs;
 use crate::simulation::scene::Scene;
 use crate::simulation::settling::settling_time;
 
-/// Longest default that the speed gives [s], and the longest one until vibration has decayed.
+/// Longest default that the speed gives [s].
 const LONGEST_DEFAULT: f64 = 1.0;
-const LONGEST_DECAY: f64 = 5.0;
 /// The longest time that is kept [s] with up to `FEW_SERIES` series: these take 1 GiB then, at four doubles a sample for the value itself, its time
 /// and copies on the way.
 const LONGEST_SERIES: f64 = 23.4;
@@ -21,7 +20,7 @@ const _: () = assert!(LONGEST_SERIES * RATE * (FEW_SERIES * 4 * 8) as f64 <= 1_0
 /// Default time before anything is kept [s]: 3 cage turns, at least 0.02 s, and until the spindle's free vibration has decayed.
 pub fn default_settle(scene: Option<&Scene>) -> f64 {
     let turns = default_time(0.02, 3.0, scene.map(frequencies).map(|f| f.cage));
-    let decayed = scene.and_then(settling_time).map_or(0.0, |time| units::significant(time.min(LONGEST_DECAY), 3));
+    let decayed = scene.and_then(settling_time).map_or(0.0, |time| units::significant(time, 3));
     turns.max(decayed)
 }
 

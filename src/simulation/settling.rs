@@ -9,13 +9,14 @@ use super::scene::Scene;
 
 /// e-folds after which free vibration has gone: one five times as strong as the steady one adds less than 0.05 dB to its level then.
 const GONE: f64 = 4.0;
-/// Fewer leave a vibration that may still add decibels.
-const RINGS: f64 = 1.0;
+/// Fewer leave a vibration that may still add tenths of a decibel, or more.
+const RINGS: f64 = 2.0;
+/// Longest time that is waited for it [s].
+const LONGEST: f64 = 5.0;
 
 /// Slowest rate at which free vibration of the spindle in its plane decays [1/s], by the damping of its contacts at rest under load, weight
-/// and centrifugal force; `None` at changing speed, and where it does not rest on contacts that damp it.
+/// and centrifugal force at the operating speed; `None` where it does not rest on contacts that damp it. What moves it along its axis is not seen.
 pub fn decay_rate(scene: &Scene) -> Option<f64> {
-    let speed = scene.operation.speed.is_constant().then(|| scene.operating_speed())?;
     // Which outputs are asked for does not matter to what holds the spindle.
     let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: vec![] };
     let mut mechanism = Mechanism::new(scene, &Needs::of(scene, &outputs, None).ok()?);
@@ -25,7 +26,7 @@ pub fn decay_rate(scene: &Scene) -> Option<f64> {
     let halfway = 0.5 * std::f64::consts::TAU / mechanism.layout.balls as f64;
     for turned in [0.0, halfway] {
         mechanism.start = mechanism.start.turned(turned);
-        let rest = equilibrium(&mechanism, speed).ok()?;
+        let rest = equilibrium(&mechanism, scene.operating_speed()).ok()?;
         for (ball, load) in rest.loads.iter().enumerate().filter(|(_, load)| load.inner > 0.0) {
             // Two contacts in series: half of the damping of one; the mean of two places.
             let both = 0.25 * (law.chi * load.inner + law.viscous);
@@ -40,18 +41,24 @@ pub fn decay_rate(scene: &Scene) -> Option<f64> {
     Some(0.5 * least / mechanism.spindle_mass).filter(|rate| *rate > 0.0)
 }
 
-/// Time after which the vibration that a run starts with has gone [s]; `None` as for [`decay_rate`].
+/// Time that a vibration which a run starts with is given to go [s], at most `LONGEST`; `None` as for [`decay_rate`], and at changing
+/// speed, where waiting would leave out what is asked for.
 pub fn settling_time(scene: &Scene) -> Option<f64> {
-    decay_rate(scene).map(|rate| GONE / rate)
+    let rate = decay_rate(scene).filter(|_| scene.operation.speed.is_constant())?;
+    Some((GONE / rate).min(LONGEST))
 }
 
 /// What a run says whose vibration may still be that of its start after so long [s].
 pub fn rings_on(scene: &Scene, settle: f64) -> Option<String> {
     let rate = decay_rate(scene).filter(|rate| settle * rate < RINGS)?;
+    let enough = (GONE / rate).min(LONGEST);
+    let way_out = match scene.operation.speed.is_constant() {
+        true => format!("Try {enough:.2} s"),
+        false => format!("Hold the first speed for {enough:.2} s before anything is kept"),
+    };
     Some(format!(
-        "the start may still ring: free vibration of the spindle falls to 1/e in {:.3} s on contacts as lightly damped as these, and \
-         settle_s is {settle} s. Try {:.3} s",
-        1.0 / rate,
-        GONE / rate
+        "the start may still ring: free vibration of the spindle falls to 1/e in about {:.3} s on contacts that damp it so little, and \
+         settle_s is {settle} s. {way_out}",
+        1.0 / rate
     ))
 }

@@ -61,6 +61,16 @@ fn decay_follows_load_mass_and_no_direction() {
     assert!((aslant / one - 1.0).abs() < 0.1, "{one} {aslant}");
 }
 
+/// At changing speed nothing is waited for, and the result says that the start may still ring.
+#[test]
+fn a_changing_speed_is_not_waited_for_but_told_of() {
+    let speed = json!({ "operation": { "speed_rpm": [{ "at_s": 0, "rpm": 2710 }, { "at_s": 1, "rpm": 2720 }] } });
+    let scene = scene(&changed(lightly_damped(), speed));
+    let (_, settling) = levels(&scene, 0.174);
+    assert_eq!(settling_time(&scene), None);
+    assert!(settling.is_some_and(|words| words.contains("Hold the first speed")));
+}
+
 /// Without damping, without load and where the speed changes, nothing is known of it.
 #[test]
 fn no_time_is_set_where_nothing_decays() {
