@@ -13,6 +13,8 @@ const GONE: f64 = 4.0;
 const RINGS: f64 = 2.0;
 /// Longest time that is waited for it [s].
 const LONGEST: f64 = 5.0;
+/// Times of decay beyond which nobody could wait [s].
+const ENDLESS: f64 = 1000.0;
 
 /// Slowest rate at which free vibration of the spindle in its plane decays [1/s], by the damping of its contacts at rest under load, weight
 /// and centrifugal force at the operating speed; `None` where it does not rest on contacts that damp it. What moves it along its axis is not seen.
@@ -56,9 +58,12 @@ pub fn rings_on(scene: &Scene, settle: f64) -> Option<String> {
         true => format!("Try {enough:.2} s"),
         false => format!("Hold the first speed for {enough:.2} s before anything is kept"),
     };
+    let decays = match 1.0 / rate {
+        time if time > ENDLESS => format!("more than {ENDLESS} s"),
+        time => format!("about {time:.3} s"),
+    };
     Some(format!(
-        "the start may still ring: free vibration of the spindle falls to 1/e in about {:.3} s on contacts that damp it so little, and \
-         settle_s is {settle} s. {way_out}",
-        1.0 / rate
+        "the start may still ring: free vibration of the spindle falls to 1/e in {decays} on contacts that damp it so little, and settle_s \
+         is {settle:?} s. {way_out}"
     ))
 }

@@ -2,7 +2,7 @@
 
 use raceway::simulation::run::{RunSettings, Rung, run};
 use raceway::simulation::scene::Scene;
-use raceway::simulation::settling::{decay_rate, settling_time};
+use raceway::simulation::settling::{decay_rate, rings_on, settling_time};
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};
@@ -69,6 +69,16 @@ fn a_changing_speed_is_not_waited_for_but_told_of() {
     let (_, settling) = levels(&scene, 0.174);
     assert_eq!(settling_time(&scene), None);
     assert!(settling.is_some_and(|words| words.contains("Hold the first speed")));
+}
+
+/// However little damps and however short a time is, words and advice are such that one can follow them.
+#[test]
+fn next_to_no_damping_is_told_in_few_words() {
+    let faint = json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 1e-300 } } });
+    let scene = scene(&changed(article(), faint));
+    let words = rings_on(&scene, 1e-320).unwrap();
+    assert!(words.len() < 250 && words.contains("more than 1000 s") && words.contains("Try 5.00 s"), "{words}");
+    assert_eq!(settling_time(&scene), Some(5.0));
 }
 
 /// Without damping, without load and where the speed changes, nothing is known of it.
