@@ -10,6 +10,7 @@ use crate::simulation::model::Model;
 use crate::simulation::needs::Grounds;
 use crate::simulation::observe::kept_values;
 use crate::simulation::run::{Method, RunSettings, start_state};
+use crate::simulation::settling;
 use crate::simulation::stepped;
 use crate::simulation::stiffness::{FastestMode, fastest_mode};
 use crate::simulation::work_precision::Plan;
@@ -67,8 +68,9 @@ pub fn estimate(job: &Job) -> CostAnswer {
         };
         let (settle, duration) = (job.settings.settle, job.settings.duration);
         let looks = LOOK * kept_values(duration) as f64 * evaluation;
-        // The run, and its repetition that tells the error.
-        let judged = |by: &dyn Fn(f64) -> f64| 2.0 * (by(settle + duration) + looks);
+        let shared = settling::shared_time(scene, &model, &job.settings);
+        // What attempts share, the run, and its repetition that tells the error.
+        let judged = |by: &dyn Fn(f64) -> f64| by_dynamics(shared) + 2.0 * (by(settle - shared + duration) + looks);
         let tried = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
         let most = tried + UNFORESEEN * attempts(job) * judged(&by_impacts);
         // Steps of a fixed length mostly serve, but not where the spindle moves along the axis. Of chaos they make two samples.
@@ -86,7 +88,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
             (None, None) => [usual, most],
             (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => [reduced; 2],
             (None, Some(_)) if job.rungs.len() == 1 => [checked; 2],
-            (None, Some(_)) if rattles => [checked + usual, checked + most],
+            (None, Some(_)) if rattles || ladder::tilts_late(scene) => [checked + usual, checked + most],
             (None, Some(_)) => [checked, checked + most],
         };
         [estimate, most].map(|time| significant(time.min(LONGEST), 2))

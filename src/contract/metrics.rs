@@ -73,6 +73,12 @@ pub struct ChannelAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub level_error_db: Option<f64>,
+    /// What the level of another stretch as long may differ by [dB], one standard deviation: from how the level goes up and down along
+    /// the kept time, of parts of a tenth, a fifth and a half of it; what is slower does not show. A large one asks for a longer
+    /// `duration_s`. Absent where the speed changes, where too little is kept, and where another axis is more than 60 dB louder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub level_scatter_db: Option<f64>,
     /// Share of the power above 20 kHz [-].
     #[schema(minimum = 0, maximum = 1)]
     pub above_band: f64,
@@ -177,11 +183,11 @@ pub struct LineAnswer {
 impl Metrics {
     pub fn of(result: &RunResult, outputs: &Outputs) -> Self {
         let summary = &result.summary;
-        let error = |channel: &Channel| summary.accuracy.level_errors.of(*channel);
+        let level = |channel: &Channel| (summary.accuracy.level_errors.of(*channel), summary.scatter.of(*channel));
         let channels = summary
             .channels
             .iter()
-            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, error(channel))));
+            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, level(channel))));
         let lines = summary.lines.iter().map(|(channel, line)| line_answer(channel.to_string(), line));
         Self {
             channels: outputs.vibration.then(|| channels.collect()),
@@ -200,7 +206,11 @@ impl Metrics {
     }
 }
 
-fn channel_answer(unit: &str, metrics: &ChannelMetrics, level_error_db: Option<f64>) -> ChannelAnswer {
+fn channel_answer(
+    unit: &str,
+    metrics: &ChannelMetrics,
+    (level_error_db, level_scatter_db): (Option<f64>, Option<f64>),
+) -> ChannelAnswer {
     ChannelAnswer {
         unit: unit.to_owned(),
         rms: metrics.rms,
@@ -209,6 +219,7 @@ fn channel_answer(unit: &str, metrics: &ChannelMetrics, level_error_db: Option<f
         kurtosis: metrics.kurtosis,
         level_db: metrics.level_db,
         level_error_db,
+        level_scatter_db,
         above_band: metrics.above_band,
     }
 }

@@ -7,7 +7,7 @@ use crate::physics::kinematics::{CharacteristicFrequencies, ideal_frequencies};
 use crate::simulation::observe::RATE;
 use crate::simulation::run::Outputs;
 use crate::simulation::scene::Scene;
-use crate::simulation::settling::settling_time;
+use crate::simulation::settling::{settling_time, turning_time};
 
 /// Longest default that the speed gives [s].
 const LONGEST_DEFAULT: f64 = 1.0;
@@ -19,7 +19,7 @@ const _: () = assert!(LONGEST_SERIES * RATE * (FEW_SERIES * 4 * 8) as f64 <= 1_0
 
 /// Default time before anything is kept [s]: 3 cage turns, at least 0.02 s, and until the spindle's free vibration has decayed.
 pub fn default_settle(scene: Option<&Scene>) -> f64 {
-    let turns = default_time(0.02, 3.0, scene.map(frequencies).map(|f| f.cage));
+    let turns = scene.map_or(0.02, |scene| units::significant(turning_time(scene), 6));
     let decayed = scene.and_then(settling_time).map_or(0.0, |time| units::significant(time, 3));
     turns.max(decayed)
 }

@@ -157,6 +157,22 @@ pub fn level_standard_error_db(mean_squares: &[f64]) -> Option<f64> {
     (power > 0.0).then(|| 10.0 / std::f64::consts::LN_10 * standard_error / power)
 }
 
+/// What the level of another stretch as long may differ by, one standard deviation [dB]: the standard error by batch means, of the
+/// batches as they are, of pairs of them, and of halves, whichever is the largest, for what is slower than a batch shows in longer ones
+/// (blocking, Flyvbjerg & Petersen 1989). What is slower than the stretch itself cannot be told from it.
+///
+/// `None` with fewer than `BLOCKED` batches, or of a signal that stands still.
+pub fn level_scatter_db(mean_squares: &[f64]) -> Option<f64> {
+    let blocks = BLOCKS.map(|size| mean_squares.chunks_exact(size).map(mean).collect::<Vec<_>>());
+    let errors = blocks.iter().filter_map(|blocks| level_standard_error_db(blocks));
+    errors.reduce(f64::max).filter(|_| mean_squares.len() >= BLOCKED)
+}
+
+/// Batches of a block.
+const BLOCKS: [usize; 3] = [1, 2, 5];
+/// Two of the longest.
+const BLOCKED: usize = 10;
+
 /// Slope of the straight line that fits the points (x, y) with least squares; `None` with fewer than two different x.
 pub fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
     let n = x.len().min(y.len());

@@ -8,7 +8,7 @@ use super::model::Model;
 use super::observe::{self, Recording};
 use super::run::{Attempt, Control, Live, Outputs, Phase, RunSettings, Setup, SimulationError, Stepping};
 use crate::numerics::ode::Method;
-use crate::numerics::statistics::{level_standard_error_db, mean, rms};
+use crate::numerics::statistics::{level_scatter_db, level_standard_error_db, mean, rms};
 
 /// Batches of a run, by which its level scatters and settles.
 pub(super) const BATCHES: usize = 10;
@@ -317,6 +317,16 @@ impl AccuracyReport {
         }
     }
 
+    /// Of a run that was not made from its start: which stretch of a slow or irregular motion is kept is by chance then, and nothing
+    /// that was repeated tells of it.
+    pub(super) fn begun_late(self, recording: &Recording) -> Self {
+        Self {
+            level_errors: self.level_errors.raised_to(scatter(recording)),
+            how: format!("{}; or what the level scatters by along the kept time, if that is more", self.how),
+            ..self
+        }
+    }
+
     /// Whether a tighter tolerance would tell nothing that was asked for any better: what is stated is within so many decibels,
     /// or the motion is chaotic and the error, a small one, is that of any sample of it.
     pub(super) fn within(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
@@ -372,10 +382,19 @@ fn doubts(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, outpu
 
 /// What the levels of another run of the same length would scatter by if the motion is chaotic.
 pub(super) fn sampling_errors(recording: &Recording) -> LevelErrors {
+    of_batches(recording, level_standard_error_db)
+}
+
+/// What the levels of another stretch of the same length may differ by, whatever the motion is.
+pub(super) fn scatter(recording: &Recording) -> LevelErrors {
+    of_batches(recording, level_scatter_db)
+}
+
+fn of_batches(recording: &Recording, error: impl Fn(&[f64]) -> Option<f64>) -> LevelErrors {
     let judged = judged(recording);
     LevelErrors::each(|channel| {
         let signal = recording.of(channel).filter(|_| judged.contains(&channel))?;
-        level_standard_error_db(&in_parts(&signal.in_band().mean_squares, BATCHES))
+        error(&in_parts(&signal.in_band().mean_squares, BATCHES))
     })
 }
 

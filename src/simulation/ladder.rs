@@ -205,8 +205,8 @@ fn lean_not_tried(scene: &Scene) -> Option<&'static str> {
     }
 }
 
-/// Whether cage and balls may begin to tilt late in a run.
-pub(super) fn tilts_late(scene: &Scene) -> bool {
+/// Whether cage and balls may begin to tilt late in a run; from there on they mostly do at once, and no reduced rung serves.
+pub fn tilts_late(scene: &Scene) -> bool {
     may_tilt(scene, TILTS_LATE)
 }
 

@@ -155,6 +155,8 @@ pub struct Summary {
     pub lines: Vec<(Channel, Line)>,
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
+    /// What the levels of another stretch as long may differ by, one standard deviation [dB]; of none where the speed changes.
+    pub scatter: LevelErrors,
     /// In words, where the kept time may still hold the vibration that the run started with.
     pub settling: Option<String>,
 }

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::accuracy::{self, LEAST_EVALUATIONS, UNRESOLVED};
 use super::channel::Channel;
+use super::distance::LevelErrors;
 use super::equilibrium::equilibrium;
 use super::ladder;
 pub use super::ladder::Rung;
@@ -13,7 +14,7 @@ use super::model::{Mechanism, Model};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
 use super::observe::{Observer, Recording};
 use super::scene::Scene;
-use super::settling;
+use super::settling::{self, Beginning};
 use super::state::{BallState, Layout, SpindleState};
 use super::stepped::{self, Stepped};
 use super::views::Views;
@@ -209,15 +210,20 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let control = &Control { progress: &rest, ..*control };
     let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db)?;
     let model = Model::new(scene, &needs);
-    let start = start_state(&model)?;
     // With all that judgement has left out.
     let whole_needs = ladder::needs(scene, &settings.outputs, settings.rung, 0.0)?;
     let whole_model = (whole_needs != needs).then(|| Model::new(scene, &whole_needs));
     let whole = whole_model.as_ref().map(|model| (model, &whole_needs));
+    let settling = |share: f64| (control.progress)(SETTLING_SHARE * share);
+    let settling = &Control { progress: &settling, ..*control };
+    let beginning = Beginning::of(scene, whole_model.as_ref().unwrap_or(&model), settings, settling)?;
+    let settled = if beginning.time > 0.0 { SETTLING_SHARE } else { 0.0 };
+    let rest = |share: f64| (control.progress)(settled + (1.0 - settled) * share);
+    let control = &Control { progress: &rest, ..*control };
     let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
     // Progress counts all that may have to be done: an end that comes early is better than one that stands.
     let attempts = [true, whole.is_some(), tighter.is_some()].into_iter().filter(|may_come| *may_come).count() as f64;
-    let mut setup = Setup { model: &model, needs: &needs, settings, start: &start, whole };
+    let mut setup = Setup { model: &model, needs: &needs, settings, beginning: &beginning, whole };
     // Most of the progress: it mostly serves.
     let allowed_db = SHARE_OF_ERROR * settings.model_tolerance_db;
     let stepped_share = if stepped::may_choose(settings) { STEPPED_SHARE } else { 0.0 };
@@ -284,6 +290,9 @@ const SHARE_OF_ERROR: f64 = 0.5;
 /// Another attempt may take this many times the evaluations of the last, and at least so many times this.
 const ATTEMPTING: u64 = 30;
 
+/// Share of the progress that the shared part of settling stands for.
+const SETTLING_SHARE: f64 = 0.4;
+
 /// Share of the progress that steps of a fixed length stand for, where they are tried first.
 const STEPPED_SHARE: f64 = 0.8;
 
@@ -309,7 +318,7 @@ pub(super) struct Setup<'a> {
     pub model: &'a Model,
     pub needs: &'a Needs,
     pub settings: &'a RunSettings,
-    pub start: &'a [f64],
+    pub beginning: &'a Beginning,
     /// The equations with all that judgement has left out of `model`; `None`: nothing.
     pub whole: Option<(&'a Model, &'a Needs)>,
 }
@@ -330,7 +339,8 @@ impl Setup<'_> {
         control: &Control<'_>,
     ) -> Result<Attempt, SimulationError> {
         let mut observer = Observer::new(self.model, self.needs, self.settings);
-        let span = Span { start: 0.0, end: observer.end(), checkpoint: self.settings.settle, share };
+        let Beginning { time, state, .. } = self.beginning;
+        let span = Span { start: *time, end: observer.end(), checkpoint: self.settings.settle, share };
         let settle = self.settings.settle;
         let mut steps = 0_u64;
         let after_step = |step: &dyn Integrator| {
@@ -341,7 +351,7 @@ impl Setup<'_> {
                 (control.live)(&Live { phase, accelerations: &|| observer.accelerations() });
             }
         };
-        let integrated = integrate(self.model, self.start, stepping, &span, control, after_step)?;
+        let integrated = integrate(self.model, state, stepping, &span, control, after_step)?;
         let relative_tolerance = stepping.relative_tolerance;
         Ok(Attempt { relative_tolerance, integrated, recording: observer.finish() })
     }
@@ -506,10 +516,10 @@ fn summarise(
     }
     let solver = SolverReport {
         method: main.choice.method.name(),
-        method_reason: reason(settings, attempt, in_vain),
+        method_reason: reason(setup, attempt, in_vain),
         rung: needs.rung.name(),
         check,
-        statistics: main.statistics,
+        statistics: setup.beginning.work.and(&main.statistics),
         wall_time: begin.elapsed().as_secs_f64(),
         simulated_time: settings.settle + settings.duration,
         states: model.mechanism().layout.dimension(),
@@ -518,6 +528,7 @@ fn summarise(
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
     recording.evaluate(&settings.outputs);
+    let accuracy = if setup.beginning.time > 0.0 { accuracy.begun_late(recording) } else { accuracy };
     let accuracy = accuracy.with_settling(recording, scene.operation.speed.is_constant());
     RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out)
 }
@@ -545,6 +556,7 @@ impl RunResult {
         // The rung that repeats a passage has no start, and chaos forgets it by itself.
         let starts = solver.rung != Rung::Periodic.name() && accuracy.motion != Some(MotionKind::Diverging);
         let summary = Summary {
+            scatter: if is_steady { accuracy::scatter(recording) } else { LevelErrors::default() },
             settling: starts.then(|| settling::rings_on(scene, settings.settle)).flatten(),
             channels: channels(),
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
@@ -559,8 +571,16 @@ impl RunResult {
 }
 
 /// Why this method, and why another tolerance than the one asked for. `in_vain`: why steps of a fixed length, tried before, did not serve.
-fn reason(settings: &RunSettings, attempt: &Attempt, in_vain: Option<&str>) -> String {
+fn reason(setup: &Setup<'_>, attempt: &Attempt, in_vain: Option<&str>) -> String {
+    let &Setup { settings, beginning, .. } = setup;
     let method = attempt.integrated.choice.reason.clone().unwrap_or_else(|| "asked for".into());
+    let method = match beginning.work.steps {
+        0 => method,
+        steps => {
+            let step = 1e6 * beginning.work.advanced / steps as f64;
+            format!("{method}; the first {:.3} s, shared by all attempts, in steps of {step:.2} µs", beginning.time)
+        }
+    };
     let (asked, taken) = (settings.relative_tolerance, attempt.relative_tolerance);
     let method = match in_vain {
         Some(why) => format!("steps of a fixed length did not serve ({why}); {method}"),

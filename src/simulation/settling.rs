@@ -1,11 +1,15 @@
 //! How long the start of a run rings: the spindle vibrates freely on its contacts until their damping has taken that away. Across the
-//! load few contacts lean far, and that vibration stays many times longer than the one along it.
+//! load few contacts lean far, and that vibration stays many times longer than the one along it. All attempts at a run of the
+//! dynamics share what of that time comes before the last turns of the cage.
 
 use super::equilibrium::equilibrium;
-use super::model::Mechanism;
+use super::model::{Mechanism, Model};
 use super::needs::Needs;
-use super::run::Outputs;
+use super::run::{self, Control, Live, Outputs, Phase, RunSettings, SimulationError, Span};
 use super::scene::Scene;
+use super::stepped;
+use crate::numerics::ode::Statistics;
+use crate::physics::kinematics;
 
 /// e-folds after which free vibration has gone: one five times as strong as the steady one adds less than 0.05 dB to its level then.
 const GONE: f64 = 4.0;
@@ -15,6 +19,11 @@ const RINGS: f64 = 2.0;
 const LONGEST: f64 = 5.0;
 /// Times of decay beyond which nobody could wait [s].
 const ENDLESS: f64 = 1000.0;
+/// Turns of the cage in which balls, cage and film have settled, and within which of these times [s].
+const TURNS: f64 = 3.0;
+const TURNING: [f64; 2] = [0.02, 1.0];
+/// How much longer a run settles, over that, whose attempts share the first part of it.
+const SHARED: f64 = 2.0;
 
 /// Slowest rate at which free vibration of the spindle in its plane decays [1/s], by the damping of its contacts at rest under load, weight
 /// and centrifugal force at the operating speed; `None` where it does not rest on contacts that damp it. What moves it along its axis is not seen.
@@ -48,6 +57,60 @@ pub fn decay_rate(scene: &Scene) -> Option<f64> {
 pub fn settling_time(scene: &Scene) -> Option<f64> {
     let rate = decay_rate(scene).filter(|_| scene.operation.speed.is_constant())?;
     Some((GONE / rate).min(LONGEST))
+}
+
+/// Time in which balls and cage settle [s], however long the spindle rings.
+pub fn turning_time(scene: &Scene) -> f64 {
+    let turn = kinematics::ideal_frequencies(&scene.bearing, scene.operating_speed()).cage;
+    if turn > 0.0 { (TURNS / turn).clamp(TURNING[0], TURNING[1]) } else { TURNING[0] }
+}
+
+/// How much of settling the attempts at a run share [s]; 0: nothing.
+pub fn shared_time(scene: &Scene, model: &Model, settings: &RunSettings) -> f64 {
+    let last = turning_time(scene);
+    let is_long = settings.settle > (1.0 + SHARED) * last && scene.operation.speed.is_constant();
+    if is_long && stepped::serves(model, settings) { settings.settle - last } else { 0.0 }
+}
+
+/// Where the attempts at a run begin.
+#[derive(Debug, Clone)]
+pub(super) struct Beginning {
+    /// [s]
+    pub time: f64,
+    pub state: Vec<f64>,
+    /// What led to it.
+    pub work: Statistics,
+}
+
+impl Beginning {
+    /// In equilibrium, at no time.
+    pub fn at_rest(model: &Model) -> Result<Self, SimulationError> {
+        Ok(Self { time: 0.0, state: run::start_state(model)?, work: Statistics::default() })
+    }
+
+    /// Late in a long time to settle, where the method is free: in long steps, which leave what rings as it is (levels that still rang after a
+    /// second, and a quarter of the step, differed by 0.0015 dB at most), so that attempts and their repetitions have no more before
+    /// them than balls and cage need to settle.
+    pub fn of(
+        scene: &Scene,
+        model: &Model,
+        settings: &RunSettings,
+        control: &Control<'_>,
+    ) -> Result<Self, SimulationError> {
+        let start = Self::at_rest(model)?;
+        let end = shared_time(scene, model, settings);
+        if end == 0.0 {
+            return Ok(start);
+        }
+        let span = Span { start: 0.0, end, checkpoint: end, share: (0.0, 1.0) };
+        (control.live)(&Live::of(Phase::Settling));
+        match run::integrate(model, &start.state, &stepped::longest(model), &span, control, |_| ()) {
+            Ok(settled) => Ok(Self { time: end, state: settled.checkpoint, work: settled.statistics }),
+            Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
+            // Too stiff for long steps: every attempt settles by itself.
+            Err(_) => Ok(start),
+        }
+    }
 }
 
 /// What a run says whose vibration may still be that of its start after so long [s].

@@ -28,6 +28,26 @@ pub fn may_choose(settings: &RunSettings) -> bool {
     settings.method == Method::Auto && settings.fixed_step.is_none() && settings.tightened.is_some()
 }
 
+/// Whether steps are tried of these equations.
+pub(super) fn serves(model: &Model, settings: &RunSettings) -> bool {
+    may_choose(settings) && model.mechanism().raceway.inner.is_damped()
+}
+
+/// The longest steps that are tried.
+pub(super) fn longest(model: &Model) -> Stepping {
+    Stepping {
+        method: Method::SemiImplicit,
+        relative_tolerance: 0.0,
+        fixed_step: Some(first_step(model)),
+        most_evaluations: None,
+    }
+}
+
+/// [s]
+fn first_step(model: &Model) -> f64 {
+    if model.mechanism().layout.axial_spindle { AXIAL_STEP } else { STEP }
+}
+
 /// The run by which a reduced rung is checked, in steps; `None`: not where a tolerance was asked for.
 pub(super) fn checking(settings: &RunSettings) -> Option<RunSettings> {
     may_choose(settings).then(|| in_steps(settings, CHECKING_STEP))
@@ -77,7 +97,7 @@ fn another_sample<'a>(
     let (model, needs) = setup.whole.unwrap_or((setup.model, setup.needs));
     for halvings in 1..=SAMPLES {
         let settings = in_steps(setup.settings, step / f64::from(1 << halvings));
-        let sample = Setup { model, needs, settings: &settings, whole: None, start: setup.start };
+        let sample = Setup { model, needs, settings: &settings, whole: None, beginning: setup.beginning };
         let share = |samples: i32| f64::from((1 << samples) - 1) / f64::from((1 << SAMPLES) - 1);
         let attempt = match sample.attempt(&Stepping::of(&settings), (share(halvings - 1), share(halvings)), control) {
             Ok(attempt) => attempt,
@@ -120,15 +140,14 @@ pub(super) fn attempt<'a>(
     tells_chaos: bool,
     control: &Control<'_>,
 ) -> Result<Result<Stepped<'a>, String>, SimulationError> {
-    let m = setup.model.mechanism();
     if !may_choose(setup.settings) {
         return Ok(Err("a method, a step or a tolerance was asked for".into()));
     }
-    if !m.raceway.inner.is_damped() {
+    if !serves(setup.model, setup.settings) {
         return Ok(Err("what rings undamped rings on, but not in long steps, whatever part of them".into()));
     }
     let mut beyond = String::new();
-    let mut step = if m.layout.axial_spindle { AXIAL_STEP } else { STEP };
+    let mut step = first_step(setup.model);
     for (number, (before, part)) in PROGRESS.into_iter().enumerate() {
         let settings = in_steps(setup.settings, step);
         // The repetition at a quarter of the step takes about as long as the run.
@@ -141,7 +160,7 @@ pub(super) fn attempt<'a>(
             Some((model, needs)) => (model, needs, None),
             None => (setup.model, setup.needs, setup.whole),
         };
-        let tried = Setup { model, needs, settings: &settings, whole, start: setup.start };
+        let tried = Setup { model, needs, settings: &settings, whole, beginning: setup.beginning };
         let judged = tried
             .attempt(&Stepping::of(&settings), (0.0, MAIN_SHARE), judging)
             .and_then(|first| accuracy::judge(&tried, first, judging));

@@ -7,8 +7,9 @@ use super::super::model::radially_condensed::RadiallyCondensed;
 use super::super::model::{Model, condensed_contact};
 use super::super::needs::Needs;
 use super::super::observe::{Quantities, Recording};
-use super::super::run::{self, Control, Method, Outputs, RunSettings, Setup, SimulationError, Stepping};
+use super::super::run::{Control, Method, Outputs, RunSettings, Setup, SimulationError, Stepping};
 use super::super::scene::Scene;
+use super::super::settling::Beginning;
 use super::super::stepped;
 use super::{Rung, record};
 use crate::numerics::statistics::CentralMoments;
@@ -217,11 +218,11 @@ pub(super) fn check(
     let (against, richer) = if rung == Rung::RadiallyCondensed {
         let needs = Needs::of(scene, &short.outputs, None)?;
         let model = Model::new(scene, &needs);
-        let start = run::start_state(&model)?;
+        let beginning = Beginning::at_rest(&model)?;
         let tolerance = settings.tightest().max(CHECK_TOLERANCE);
         let stepping = Stepping { relative_tolerance: tolerance, ..Stepping::of(&short) };
         let by = |settings: &RunSettings, stepping: &Stepping| {
-            let setup = Setup { model: &model, needs: &needs, settings, start: &start, whole: None };
+            let setup = Setup { model: &model, needs: &needs, settings, beginning: &beginning, whole: None };
             Ok(setup.attempt(stepping, (0.0, 1.0), control)?.recording)
         };
         let attempt = |settings: &RunSettings| {
