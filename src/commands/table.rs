@@ -12,9 +12,11 @@ use crate::contract::{OptimumAnswer, PointStatus, TableAnswer, WorkPrecisionAnsw
 use crate::simulation::metrics::LEVEL_UNIT;
 
 /// What the table shows: name, pointer into the metrics, unit, digits.
-const ROWS: [(&str, &str, &str, usize); 16] = [
+const ROWS: [(&str, &str, &str, usize); 18] = [
     ("acceleration level, Y", "/channels/spindle.y.acceleration/level_db", LEVEL_UNIT, 2),
     ("acceleration level, Z", "/channels/spindle.z.acceleration/level_db", LEVEL_UNIT, 2),
+    ("scatter of the level, Y", "/channels/spindle.y.acceleration/level_scatter_db", "dB", 3),
+    ("scatter of the level, Z", "/channels/spindle.z.acceleration/level_scatter_db", "dB", 3),
     ("acceleration, rms, Y", "/channels/spindle.y.acceleration/rms", "m/s²", 3),
     ("acceleration, peak, Y", "/channels/spindle.y.acceleration/peak", "m/s²", 3),
     ("velocity, rms, Y", "/channels/spindle.y.velocity/rms", "mm/s", 4),

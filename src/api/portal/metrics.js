@@ -57,8 +57,11 @@ export function summary(metrics) {
   const figure = (name, value, unit, extra) =>
     h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), unit && ` ${unit}`, extra && h('small', {}, extra)));
   const within = (axis) => {
-    const error = channels[`spindle.${axis}.acceleration`]?.level_error_db ?? accuracy.level_error_db;
-    return typeof error === 'number' ? `± ${number(error, 1)}` : '';
+    const { level_error_db: own, level_scatter_db: scatter } = channels[`spindle.${axis}.acceleration`] ?? {};
+    const error = own ?? accuracy.level_error_db;
+    const known = typeof error === 'number' ? `± ${number(error, 1)}` : '';
+    // What matters beside that, and to anyone who reads a level to tenths.
+    return scatter > Math.max(error ?? 0, 0.05) ? `${known}, over another stretch ± ${number(scatter, 1)}` : known;
   };
   return [
     ...[accuracy.warning, accuracy.settling].map((words) => words && h('p', { class: 'warning', role: 'note' }, words)),
@@ -114,7 +117,7 @@ export function tables(metrics) {
       h('h3', {}, 'Vibration, 0 to 20 kHz'),
       table(
         'Channels',
-        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`],
+        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, 'Scatter, dB'],
         Object.entries(channels).map(([name, c]) => [
           channelName(name),
           c.unit,
@@ -123,6 +126,7 @@ export function tables(metrics) {
           measured(c.crest_factor),
           measured(c.kurtosis),
           level(c.level_db),
+          measured(c.level_scatter_db),
         ]),
         { hidden: true },
       ),
