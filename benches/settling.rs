@@ -1,14 +1,17 @@
 //! Does a run settle by itself? Levels after the default `settle_s`, and after three turns of the cage alone, beside those long after.
 //!
-//! `cargo bench --bench settling [-- SEED COUNT]` draws bearings, loads, spindles (from those that hardly count to heavy ones) and balance
-//! grades, and runs each on `radially_condensed`. Right is the mean of `WINDOWS` later windows, the first after `LATER` times of decay of
+//! `cargo bench --bench settling [-- SEED COUNT [chosen]]` draws bearings, loads, spindles (from those that hardly count to heavy ones) and
+//! balance grades, and runs each on `radially_condensed`; `chosen`: on the rung that is chosen. Right is the mean of `WINDOWS` later windows, the first after `LATER` times of decay of
 //! the spindle's free vibration, the same for both; a level is off by what lies beyond the widest of these windows, for what they scatter
-//! by no settling takes away. Two scenes at a time; the same seed gives the same lines.
+//! by no settling takes away. It counts as told of where it is
+//! within `SIGMAS` times what the result states of it: `level_error_db` or `level_scatter_db`, whichever is more, beside the error of the
+//! mean itself. Two scenes at a time; the same seed gives the same lines.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
-use raceway::contract::{Metrics, Outcome, execute, parse_job, scene_from_json};
+use raceway::contract::{ChannelAnswer, Metrics, Outcome, execute, parse_job, scene_from_json};
 use raceway::simulation::run::Control;
 use raceway::simulation::settling::decay_rate;
 use rand_xoshiro::SplitMix64;
@@ -21,6 +24,8 @@ const LATER: f64 = 6.0;
 /// The first of the later windows comes within these [s].
 const FIRST: [f64; 2] = [2.0, 20.0];
 const CHANNELS: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
+/// Times of what is stated within which a level is told of.
+const SIGMAS: f64 = 3.0;
 /// Levels off by more are counted [dB].
 const COUNTED: [f64; 3] = [0.05, 0.2, 1.0];
 
@@ -54,29 +59,41 @@ impl Draw {
     }
 }
 
-/// A run: its levels of y and z [dB], and the times it settled and kept [s].
+/// A run: its levels of y and z [dB], their stated errors and scatter, and the times it settled and kept [s].
 struct Run {
     levels: [f64; 2],
+    errors: [f64; 2],
+    scatter: [f64; 2],
+    warns: bool,
+    seconds: f64,
     settled: f64,
     kept: f64,
 }
 
-fn simulate(scene: &Value, settle: Option<f64>) -> Result<Run, String> {
-    let mut job = json!({
-        "kind": "simulation", "scene": scene, "solver": { "rung": "radially_condensed" }, "outputs": { "metrics": ["vibration"] },
-    });
+fn simulate(scene: &Value, rung: Option<&str>, settle: Option<f64>) -> Result<Run, String> {
+    let mut job = json!({ "kind": "simulation", "scene": scene, "outputs": { "metrics": ["vibration"] } });
+    if let Some(rung) = rung {
+        job["solver"] = json!({ "rung": rung });
+    }
     if let Some(settle) = settle {
         job["settle_s"] = settle.into();
     }
     let job = parse_job(job.to_string().as_bytes()).map_err(|refusal| refusal.to_string())?;
-    let levels = |metrics: &Metrics| {
+    let of = |metrics: &Metrics, value: fn(&ChannelAnswer) -> Option<f64>| {
         let channels = metrics.channels.as_ref();
-        CHANNELS.map(|name| channels.and_then(|all| all.get(name)?.level_db).unwrap_or(f64::NAN))
+        CHANNELS.map(|name| channels.and_then(|all| value(all.get(name)?)).unwrap_or(f64::NAN))
     };
+    let begin = Instant::now();
     match execute(&job, &Control::until(&|| false)) {
-        Ok(Outcome::Simulation(outcome)) => {
-            Ok(Run { levels: levels(&outcome.metrics), settled: job.settings.settle, kept: job.settings.duration })
-        }
+        Ok(Outcome::Simulation(outcome)) => Ok(Run {
+            levels: of(&outcome.metrics, |channel| channel.level_db),
+            errors: of(&outcome.metrics, |channel| channel.level_error_db),
+            scatter: of(&outcome.metrics, |channel| channel.level_scatter_db),
+            warns: outcome.metrics.accuracy.warning.is_some(),
+            seconds: begin.elapsed().as_secs_f64(),
+            settled: job.settings.settle,
+            kept: job.settings.duration,
+        }),
         Ok(_) => Err("not a simulation".to_owned()),
         Err(error) => Err(format!("{error:?}")),
     }
@@ -87,38 +104,68 @@ struct Compared {
     turns: f64,
     default: f64,
     scatter: f64,
+    /// Whether by itself it is off by more than its error tells, and than error and scatter tell.
+    beyond_error: bool,
+    beyond_both: bool,
+    /// Whether it warns of itself.
+    warns: bool,
+    seconds: f64,
     words: String,
 }
 
-fn compare(scene: &Value) -> Result<Compared, String> {
+fn compare(scene: &Value, rung: Option<&str>) -> Result<Compared, String> {
     let rate = decay_rate(&scene_from_json(&scene.to_string()).map_err(|refusal| refusal.to_string())?)
         .ok_or("nothing decays")?;
-    let by_itself = simulate(scene, None)?;
+    let by_itself = simulate(scene, rung, None)?;
     // Three turns of the cage, which turns with 0.38 to 0.4 of the speed of the shaft in these bearings.
     let hertz = scene["operation"]["speed_rpm"].as_f64().ok_or("no speed")? / 60.0;
-    let turns = simulate(scene, Some((3.0 / (0.39 * hertz)).max(0.02)))?;
+    let turns = simulate(scene, rung, Some((3.0 / (0.39 * hertz)).max(0.02)))?;
     let first = (LATER / rate).clamp(FIRST[0], FIRST[1]);
     let later: Vec<Run> = (0..WINDOWS)
-        .map(|window| simulate(scene, Some(first + 1.37 * window as f64 * by_itself.kept)))
+        .map(|window| simulate(scene, rung, Some(first + 1.37 * window as f64 * by_itself.kept)))
         .collect::<Result<_, _>>()?;
     let mean = |axis: usize| later.iter().map(|run| run.levels[axis]).sum::<f64>() / WINDOWS as f64;
     let right = [mean(0), mean(1)];
     let off = |run: &Run| (0..2).map(|axis| (run.levels[axis] - right[axis]).abs()).fold(0.0, f64::max);
     let scatter = later.iter().map(off).fold(0.0, f64::max);
     let beyond = |run: &Run| (off(run) - scatter).max(0.0);
+    // Of a mean of four.
+    let of_mean = |axis: usize| {
+        let squares = later.iter().map(|run| (run.levels[axis] - right[axis]).powi(2)).sum::<f64>();
+        (squares / (WINDOWS * (WINDOWS - 1)) as f64).sqrt()
+    };
+    let beyond_stated = |stated: [f64; 2]| {
+        (0..2).any(|axis| {
+            let apart = (by_itself.levels[axis] - right[axis]).abs();
+            apart > COUNTED[0] && apart > SIGMAS * stated[axis].max(0.0).hypot(of_mean(axis))
+        })
+    };
+    let both = [0, 1].map(|axis| by_itself.errors[axis].max(by_itself.scatter[axis]));
+    let (beyond_error, beyond_both) = (beyond_stated(by_itself.errors), beyond_stated(both));
     let words = format!(
-        "{:.3} s: {:.2} dB; by itself {:.3} s ({:.1} times of decay): {:.2} dB; later windows scatter by {scatter:.2} dB; {scene}",
+        "{}{:.3} s: {:.2} dB; by itself {:.3} s ({:.1} times of decay): {:.2} dB; error and scatter {both:.2?} dB; later windows scatter by {scatter:.2} dB; {scene}",
+        if beyond_both { "beyond what it states: " } else { "" },
         turns.settled,
         off(&turns),
         by_itself.settled,
         rate * by_itself.settled,
         off(&by_itself),
     );
-    Ok(Compared { turns: beyond(&turns), default: beyond(&by_itself), scatter, words })
+    Ok(Compared {
+        turns: beyond(&turns),
+        default: beyond(&by_itself),
+        scatter,
+        beyond_error,
+        beyond_both,
+        warns: by_itself.warns,
+        seconds: by_itself.seconds,
+        words,
+    })
 }
 
 fn main() {
     let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
+    let rung = if std::env::args().any(|word| word == "chosen") { None } else { Some("radially_condensed") };
     let (seed, count) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(SCENES));
     let mut draw = Draw(SplitMix64::seed_from_u64(seed));
     let scenes: Vec<Value> = (0..count).map(|_| draw.scene()).collect();
@@ -129,7 +176,7 @@ fn main() {
                 loop {
                     let number = next.fetch_add(1, Ordering::Relaxed);
                     let Some(scene) = scenes.get(number) else { break };
-                    let compared = compare(scene);
+                    let compared = compare(scene, rung);
                     all.lock().expect("no thread fails").push((number, compared));
                 }
             });
@@ -160,4 +207,13 @@ fn main() {
             over(|one| one.default),
         );
     }
+    let count = |of: fn(&Compared) -> bool| compared.iter().filter(|one| of(one)).count();
+    println!(
+        "off by more than {SIGMAS} times its error tells: {} by itself; than error and scatter tell: {}, {} of these without a warning",
+        count(|one| one.beyond_error),
+        count(|one| one.beyond_both),
+        count(|one| one.beyond_both && !one.warns),
+    );
+    let seconds = |of: fn(f64, f64) -> f64| compared.iter().map(|one| one.seconds).fold(0.0, of);
+    println!("by itself {:.1} s in all, {:.2} s at most", seconds(|a, b| a + b), seconds(f64::max));
 }

@@ -51,7 +51,7 @@ pub use job::{
     Job, JobKind, parse_accuracy_request, parse_batch, parse_job, parse_job_or_scene, parse_optimum_request,
     parse_scene_request, parse_study_request,
 };
-pub use metrics::{LineAnswer, Metrics};
+pub use metrics::{ChannelAnswer, LineAnswer, Metrics};
 pub use optimum::OptimumAnswer;
 pub use presets::presets_answer;
 pub use problem::{FieldError, Refusal};
