@@ -41,6 +41,11 @@ pub struct CentralMoments {
 }
 
 impl CentralMoments {
+    /// Values seen.
+    pub fn count(&self) -> usize {
+        self.count as usize
+    }
+
     pub fn of(signal: &[f64]) -> Self {
         // Eight sums side by side: one would wait for itself with each value.
         let mean = mean(signal);
@@ -236,6 +241,19 @@ mod tests {
 
     fn sine(n: usize, periods: f64) -> Vec<f64> {
         (0..n).map(|i| (std::f64::consts::TAU * periods * i as f64 / n as f64).sin()).collect()
+    }
+
+    /// Independent batches tell the same by blocks of any size; a slow rise shows in the longest alone.
+    #[test]
+    fn scatter_of_a_level_sees_what_is_slower_than_a_batch() {
+        let quick = [1.1, 0.9, 0.9, 1.1, 1.1, 0.9, 0.9, 1.1, 1.1, 0.9];
+        let own = level_standard_error_db(&quick).unwrap();
+        assert_eq!(level_scatter_db(&quick), Some(own));
+        let slow = [0.9, 0.9, 0.9, 0.9, 0.9, 1.1, 1.1, 1.1, 1.1, 1.1];
+        let halves = level_standard_error_db(&[0.9, 1.1]).unwrap();
+        assert!((level_scatter_db(&slow).unwrap() - halves).abs() < 1e-12 && halves > 2.5 * own);
+        assert_eq!(level_scatter_db(&quick[..9]), None);
+        assert_eq!(level_scatter_db(&[0.0; 10]), None);
     }
 
     #[test]

@@ -1,12 +1,15 @@
 //! How far a run can be trusted: does a disturbance die out, and does the level depend on the tolerance?
 
 use super::channel::Channel;
-use super::distance::{Distance, LevelErrors, WORST, in_parts, judged, level_errors, quantity_errors, twice};
+use super::distance::{
+    Distance, LevelErrors, SILENCE, WORST, halves_apart, in_parts, judged, level_errors, quantity_errors, twice,
+};
 use super::divergence::{divergence_rate, judged_stretch, judging};
 use super::metrics::{AccuracyReport, MotionKind, QuantityErrors};
 use super::model::Model;
 use super::observe::{self, Recording};
 use super::run::{Attempt, Control, Live, Outputs, Phase, RunSettings, Setup, SimulationError, Stepping};
+use super::windows::Signal;
 use crate::numerics::ode::Method;
 use crate::numerics::statistics::{level_scatter_db, level_standard_error_db, mean, rms};
 
@@ -293,19 +296,43 @@ pub(super) fn of_samples(
 }
 
 impl AccuracyReport {
-    /// With what settling leaves behind, where the level rises or falls throughout the kept time although nothing drives it to: it is
-    /// no nearer to that of the steady motion than it changes by. `steady`: whether it should stand still.
-    pub(super) fn with_settling(self, recording: &Recording, steady: bool) -> Self {
+    /// With what depends on the stretch that is kept. `steady`: whether the level should stand still; then, where it goes up and down by more than
+    /// `SETTLING`, no other stretch has it closer than that, nor loads and speeds closer than the halves of this one have them, and where
+    /// it rises or falls throughout, it is no nearer to that of the steady motion than it changes by.
+    pub(super) fn of_stretch(self, recording: &Recording, steady: bool) -> Self {
+        if !steady || self.level_error_db().is_none() {
+            return self;
+        }
+        let scatter = scatter(recording);
+        let uneven = LevelErrors::each(|channel| scatter.of(channel).filter(|scatter| *scatter > SETTLING));
+        if uneven.worst().is_none() {
+            return self.with_settling(recording);
+        }
+        let halves = halves_apart(&recording.parts);
+        let of_halves = |errors: QuantityErrors| halves.map_or(errors, |halves| errors.larger(&halves));
+        Self {
+            level_errors: self.level_errors.raised_to(uneven),
+            quantity_errors: self.quantity_errors.map(of_halves),
+            how: format!(
+                "{}; or what the kept time, which is uneven, tells of another stretch, if that is more",
+                self.how
+            ),
+            ..self
+        }
+        .with_settling(recording)
+    }
+
+    fn with_settling(self, recording: &Recording) -> Self {
         let by_chance = self.motion == Some(MotionKind::Diverging);
         let trends = trends(recording);
         let worst = trends.iter().max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
-        let Some((channel, change)) = worst.filter(|_| steady && !by_chance) else {
+        let Some((channel, change)) = worst.filter(|_| !by_chance) else {
             return self;
         };
         let warning = || {
             format!(
                 "still settling: the level of {channel} changes by {change:+.1} dB from the beginning to the end of the kept time. \
-                 Try a longer settle_s"
+                 Try a longer settle_s, or, if it comes back, a longer duration_s"
             )
         };
         let left = LevelErrors::each(|channel| Some(trends.iter().find(|(of, _)| *of == channel)?.1.abs()));
@@ -313,16 +340,6 @@ impl AccuracyReport {
             level_errors: self.level_errors.raised_to(left),
             how: format!("{}; or what the level changes by along the kept time, if that is more", self.how),
             warning: self.warning.or_else(|| Some(warning())),
-            ..self
-        }
-    }
-
-    /// Of a run that was not made from its start: which stretch of a slow or irregular motion is kept is by chance then, and nothing
-    /// that was repeated tells of it.
-    pub(super) fn begun_late(self, recording: &Recording) -> Self {
-        Self {
-            level_errors: self.level_errors.raised_to(scatter(recording)),
-            how: format!("{}; or what the level scatters by along the kept time, if that is more", self.how),
             ..self
         }
     }
@@ -385,9 +402,17 @@ pub(super) fn sampling_errors(recording: &Recording) -> LevelErrors {
     of_batches(recording, level_standard_error_db)
 }
 
-/// What the levels of another stretch of the same length may differ by, whatever the motion is.
+/// What the levels of another stretch of the same length may differ by, whatever the motion is; of none that is shorter than `REPEATED`.
 pub(super) fn scatter(recording: &Recording) -> LevelErrors {
-    of_batches(recording, level_scatter_db)
+    let tells = |channel: &Channel| {
+        let of_signal = |signal: &Signal| {
+            let moments = signal.in_band().moments;
+            moments.count() >= observe::kept_values(REPEATED) && moments.rms() > SILENCE
+        };
+        recording.of(*channel).is_some_and(of_signal)
+    };
+    let scatter = of_batches(recording, level_scatter_db);
+    LevelErrors::each(|channel| scatter.of(channel).filter(|_| tells(&channel)))
 }
 
 fn of_batches(recording: &Recording, error: impl Fn(&[f64]) -> Option<f64>) -> LevelErrors {

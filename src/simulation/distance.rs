@@ -7,6 +7,7 @@ use super::run::Outputs;
 use super::windows::Signal;
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{CentralMoments, mean, rms};
+use crate::physics::bearing::PerRaceway;
 
 /// What levels are made of; along X where the spindle moves there.
 pub(super) const ACCELERATIONS: [Channel; 3] = [
@@ -64,7 +65,7 @@ impl LevelErrors {
 /// Parts of the repeated stretch whose levels are compared one by one.
 const PARTS: usize = 5;
 /// Levels below this count as silence [m/s²].
-const SILENCE: f64 = 1e-6;
+pub(super) const SILENCE: f64 = 1e-6;
 /// How near to the largest contact load the peak of a ball counts as one that may be the largest of a longer run [-].
 const NEAR_LARGEST: f64 = 0.01;
 /// Contact loads [N] and cage speeds [rad/s] below these count as so large in a relative error.
@@ -323,6 +324,24 @@ pub(super) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErr
             .max(of_peaks(&|part| part.max_slip.outer, LEAST_SLIP)),
         orbit_radius: rms_about_zero(&differences(&|part| part.orbit_radius, LEAST_ORBIT)),
     }
+}
+
+/// What the halves of a run differ by, from its parts; `None`: it has not as many.
+pub(super) fn halves_apart(parts: &[Quantities]) -> Option<QuantityErrors> {
+    let of_all = |parts: &[Quantities]| {
+        let most = |of: fn(&Quantities) -> f64| parts.iter().map(of).fold(0.0, f64::max);
+        let mean = |of: fn(&Quantities) -> f64| parts.iter().map(of).sum::<f64>() / parts.len() as f64;
+        Quantities {
+            max_load: most(|part| part.max_load),
+            cage_speed: mean(|part| part.cage_speed),
+            out_of_plane: most(|part| part.out_of_plane),
+            max_pocket_load: most(|part| part.max_pocket_load),
+            max_slip: PerRaceway { inner: most(|part| part.max_slip.inner), outer: most(|part| part.max_slip.outer) },
+            orbit_radius: mean(|part| part.orbit_radius),
+        }
+    };
+    let (first, second) = parts.split_at(parts.len() / 2);
+    (!first.is_empty()).then(|| quantity_errors(&[of_all(first)], &[of_all(second)]))
 }
 
 /// What the peaks of single balls on a raceway differ by at most, as a share of the largest, of those that come near it: any of them

@@ -495,7 +495,7 @@ fn summarise(
         divergence_rate: parted.map_or(0.0, |parted| parted.rate),
         warning,
     }
-    .with_settling(&made.recording, scene.operation.speed.is_constant());
+    .of_stretch(&made.recording, scene.operation.speed.is_constant());
     let mechanism = Mechanism::new(scene, &needs);
     Ok(RunResult::new(scene, settings, &mechanism, &made.recording, solver, accuracy, needs.left_out))
 }

@@ -214,10 +214,12 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let whole_needs = ladder::needs(scene, &settings.outputs, settings.rung, 0.0)?;
     let whole_model = (whole_needs != needs).then(|| Model::new(scene, &whole_needs));
     let whole = whole_model.as_ref().map(|model| (model, &whole_needs));
-    let settling = |share: f64| (control.progress)(SETTLING_SHARE * share);
+    let whole_or_model = whole_model.as_ref().unwrap_or(&model);
+    let shared = settling::shared_time(scene, whole_or_model, settings);
+    let settled = shared / (shared + JUDGED_TIMES * (settings.settle - shared + settings.duration));
+    let settling = |share: f64| (control.progress)(settled * share);
     let settling = &Control { progress: &settling, ..*control };
-    let beginning = Beginning::of(scene, whole_model.as_ref().unwrap_or(&model), settings, settling)?;
-    let settled = if beginning.time > 0.0 { SETTLING_SHARE } else { 0.0 };
+    let beginning = Beginning::of(scene, whole_or_model, settings, settling)?;
     let rest = |share: f64| (control.progress)(settled + (1.0 - settled) * share);
     let control = &Control { progress: &rest, ..*control };
     let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
@@ -290,8 +292,8 @@ const SHARE_OF_ERROR: f64 = 0.5;
 /// Another attempt may take this many times the evaluations of the last, and at least so many times this.
 const ATTEMPTING: u64 = 30;
 
-/// Share of the progress that the shared part of settling stands for.
-const SETTLING_SHARE: f64 = 0.4;
+/// Times that a run is worth with all that judges it, in progress.
+const JUDGED_TIMES: f64 = 5.0;
 
 /// Share of the progress that steps of a fixed length stand for, where they are tried first.
 const STEPPED_SHARE: f64 = 0.8;
@@ -528,8 +530,7 @@ fn summarise(
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
     recording.evaluate(&settings.outputs);
-    let accuracy = if setup.beginning.time > 0.0 { accuracy.begun_late(recording) } else { accuracy };
-    let accuracy = accuracy.with_settling(recording, scene.operation.speed.is_constant());
+    let accuracy = accuracy.of_stretch(recording, scene.operation.speed.is_constant());
     RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out)
 }
 
@@ -578,7 +579,7 @@ fn reason(setup: &Setup<'_>, attempt: &Attempt, in_vain: Option<&str>) -> String
         0 => method,
         steps => {
             let step = 1e6 * beginning.work.advanced / steps as f64;
-            format!("{method}; the first {:.3} s, shared by all attempts, in steps of {step:.2} µs", beginning.time)
+            format!("{method}; settled once, over the first {:.3} s, in steps of {step:.2} µs", beginning.time)
         }
     };
     let (asked, taken) = (settings.relative_tolerance, attempt.relative_tolerance);

@@ -2,6 +2,8 @@
 //! load few contacts lean far, and that vibration stays many times longer than the one along it. All attempts at a run of the
 //! dynamics share what of that time comes before the last turns of the cage.
 
+use nalgebra::{Matrix3, Vector3};
+
 use super::equilibrium::equilibrium;
 use super::model::{Mechanism, Model};
 use super::needs::Needs;
@@ -17,7 +19,7 @@ const GONE: f64 = 4.0;
 const RINGS: f64 = 2.0;
 /// Longest time that is waited for it [s].
 const LONGEST: f64 = 5.0;
-/// Times of decay beyond which nobody could wait [s].
+/// Times that nobody could wait [s].
 const ENDLESS: f64 = 1000.0;
 /// Turns of the cage in which balls, cage and film have settled, and within which of these times [s].
 const TURNS: f64 = 3.0;
@@ -25,30 +27,35 @@ const TURNING: [f64; 2] = [0.02, 1.0];
 /// How much longer a run settles, over that, whose attempts share the first part of it.
 const SHARED: f64 = 2.0;
 
-/// Slowest rate at which free vibration of the spindle in its plane decays [1/s], by the damping of its contacts at rest under load, weight
-/// and centrifugal force at the operating speed; `None` where it does not rest on contacts that damp it. What moves it along its axis is not seen.
+/// Slowest rate at which free vibration of the spindle decays [1/s], along its axis, too, where it moves there: by the damping of its
+/// contacts at rest under load, weight and centrifugal force at the operating speed; `None` where it does not rest on contacts that damp it.
 pub fn decay_rate(scene: &Scene) -> Option<f64> {
     // Which outputs are asked for does not matter to what holds the spindle.
     let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: vec![] };
     let mut mechanism = Mechanism::new(scene, &Needs::of(scene, &outputs, None).ok()?);
     let law = scene.raceway_damping.resolve();
     // Balls go round: a place with one of them under the load, and the one halfway to the next.
-    let mut damping = [0.0; 3];
+    let mut damping = Matrix3::zeros();
     let halfway = 0.5 * std::f64::consts::TAU / mechanism.layout.balls as f64;
     for turned in [0.0, halfway] {
         mechanism.start = mechanism.start.turned(turned);
         let rest = equilibrium(&mechanism, scene.operating_speed()).ok()?;
+        let [x, y, z] = rest.spindle;
         for (ball, load) in rest.loads.iter().enumerate().filter(|(_, load)| load.inner > 0.0) {
             // Two contacts in series: half of the damping of one; the mean of two places.
             let both = 0.25 * (law.chi * load.inner + law.viscous);
             let (cosine, sine) = (mechanism.start.cosine[ball], mechanism.start.sine[ball]);
-            damping[0] += both * cosine * cosine;
-            damping[1] += both * cosine * sine;
-            damping[2] += both * sine * sine;
+            let (axial, radial) = rest.balls[ball];
+            let radius = mechanism.pitch_radius + radial - (y * cosine + z * sine);
+            let (_, (along, outwards)) = mechanism.raceway.inner.penetration::<false>(axial - x, radius);
+            let towards = Vector3::new(along, outwards * cosine, outwards * sine);
+            damping += both * towards * towards.transpose();
         }
     }
-    let [yy, yz, zz] = damping;
-    let least = 0.5 * (yy + zz) - (0.5 * (yy - zz)).hypot(yz);
+    let least = match mechanism.layout.axial_spindle {
+        true => damping.symmetric_eigenvalues().min(),
+        false => damping.fixed_view::<2, 2>(1, 1).into_owned().symmetric_eigenvalues().min(),
+    };
     Some(0.5 * least / mechanism.spindle_mass).filter(|rate| *rate > 0.0)
 }
 
@@ -65,11 +72,16 @@ pub fn turning_time(scene: &Scene) -> f64 {
     if turn > 0.0 { (TURNS / turn).clamp(TURNING[0], TURNING[1]) } else { TURNING[0] }
 }
 
-/// How much of settling the attempts at a run share [s]; 0: nothing.
+/// How much of settling the attempts at a run share [s]; 0: nothing. As long as the start still rings, what is kept is of that one start, and
+/// each attempt has to come from there.
 pub fn shared_time(scene: &Scene, model: &Model, settings: &RunSettings) -> f64 {
     let last = turning_time(scene);
-    let is_long = settings.settle > (1.0 + SHARED) * last && scene.operation.speed.is_constant();
-    if is_long && stepped::serves(model, settings) { settings.settle - last } else { 0.0 }
+    if settings.settle <= (1.0 + SHARED) * last || !stepped::serves(model, settings) {
+        return 0.0;
+    }
+    // By default, to three digits.
+    let forgets = settling_time(scene).is_some_and(|time| settings.settle >= 0.99 * time);
+    if forgets { settings.settle - last } else { 0.0 }
 }
 
 /// Where the attempts at a run begin.
@@ -116,8 +128,9 @@ impl Beginning {
 /// What a run says whose vibration may still be that of its start after so long [s].
 pub fn rings_on(scene: &Scene, settle: f64) -> Option<String> {
     let rate = decay_rate(scene).filter(|rate| settle * rate < RINGS)?;
-    let enough = (GONE / rate).min(LONGEST);
+    let enough = GONE / rate;
     let way_out = match scene.operation.speed.is_constant() {
+        _ if enough > ENDLESS => "No time is long enough for that".to_owned(),
         true => format!("Try {enough:.2} s"),
         false => format!("Hold the first speed for {enough:.2} s before anything is kept"),
     };

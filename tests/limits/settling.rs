@@ -1,8 +1,10 @@
 //! How long a run has to go on until its start is forgotten.
 
+use raceway::simulation::channel::Channel;
+use raceway::simulation::metrics::{ChannelMetrics, Summary};
 use raceway::simulation::run::{RunSettings, Rung, run};
 use raceway::simulation::scene::Scene;
-use raceway::simulation::settling::{decay_rate, rings_on, settling_time};
+use raceway::simulation::settling::{decay_rate, rings_on, settling_time, turning_time};
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};
@@ -77,7 +79,10 @@ fn next_to_no_damping_is_told_in_few_words() {
     let faint = json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 1e-300 } } });
     let scene = scene(&changed(article(), faint));
     let words = rings_on(&scene, 1e-320).unwrap();
-    assert!(words.len() < 250 && words.contains("more than 1000 s") && words.contains("Try 5.00 s"), "{words}");
+    assert!(
+        words.len() < 250 && words.contains("more than 1000 s") && words.contains("No time is long enough"),
+        "{words}"
+    );
     assert_eq!(settling_time(&scene), Some(5.0));
 }
 
@@ -93,4 +98,40 @@ fn no_time_is_set_where_nothing_decays() {
     for change in without {
         assert_eq!(settling_time(&scene(&changed(article(), change.clone()))), None, "{change}");
     }
+}
+
+/// Attempts at a run share the first part of a long time to settle, and their levels are those of a run that shares nothing.
+#[test]
+fn what_is_shared_leaves_levels_as_they_are() {
+    let changes =
+        json!({ "operation": { "speed_rpm": 8000, "radial_load_y_n": 150.0 }, "spindle": { "mass_kg": 0.4 } });
+    let scene = scene(&changed(lightly_damped(), changes));
+    let last = turning_time(&scene);
+    let made = |settle: f64, tightened: Option<f64>| {
+        let settings = RunSettings {
+            rung: Some(Rung::Full),
+            model_tolerance_db: 0.05,
+            tightened,
+            settle,
+            duration: 0.1,
+            ..settings()
+        };
+        run(&scene, &settings, &patient()).unwrap().summary
+    };
+    let shares = |summary: &Summary| summary.solver.method_reason.contains("settled once");
+    let (shared, own) = (made(3.5 * last, Some(1e-5)), made(3.5 * last, None));
+    assert!(shares(&shared) && !shares(&own) && !shares(&made(2.9 * last, Some(1e-5))));
+    for channel in [Y, Z] {
+        let level = |summary: &Summary| {
+            let of = |(one, metrics): &(Channel, ChannelMetrics)| metrics.level_db.filter(|_| *one == channel);
+            summary.channels.iter().find_map(of).unwrap()
+        };
+        let stated = shared.accuracy.level_errors.of(channel).unwrap();
+        let apart = (level(&shared) - level(&own)).abs();
+        println!("{apart} dB, stated {stated}, {}", shared.scatter.of(channel).unwrap());
+        assert!(apart < stated.max(0.002) && stated < 0.02);
+    }
+    // Its steps count.
+    let work = &shared.solver.statistics;
+    assert!((work.advanced / (3.5 * last + 0.1) - 1.0).abs() < 1e-2 && work.steps as f64 * 7.5e-6 > 3.0 * last);
 }

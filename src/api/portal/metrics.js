@@ -117,7 +117,7 @@ export function tables(metrics) {
       h('h3', {}, 'Vibration, 0 to 20 kHz'),
       table(
         'Channels',
-        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, 'Scatter, dB'],
+        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '± along the run, dB'],
         Object.entries(channels).map(([name, c]) => [
           channelName(name),
           c.unit,
