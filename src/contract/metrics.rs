@@ -75,7 +75,8 @@ pub struct ChannelAnswer {
     pub level_error_db: Option<f64>,
     /// What the level of another stretch as long may differ by [dB], one standard deviation: from how the level goes up and down along
     /// the kept time, of parts of a tenth, a fifth and a half of it; what is slower does not show. A large one asks for a longer
-    /// `duration_s`. Absent where the speed changes, where too little is kept, and where another axis is more than 60 dB louder.
+    /// `duration_s`. Absent where the speed changes, where less than 10 ms are kept or next to nothing moves, and where another axis is more than
+    /// 60 dB louder.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub level_scatter_db: Option<f64>,

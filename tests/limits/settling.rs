@@ -63,6 +63,18 @@ fn decay_follows_load_mass_and_no_direction() {
     assert!((aslant / one - 1.0).abs() < 0.1, "{one} {aslant}");
 }
 
+/// Along its axis a spindle is damped by what its contacts lean that way alone: much longer than across, and the less they lean the longer.
+#[test]
+fn motion_along_the_axis_decays_slowest() {
+    let time = |radial: f64, axial: f64| {
+        let load = json!({ "radial_load_y_n": radial, "axial_load_n": axial });
+        settling_time(&scene(&changed(lightly_damped(), json!({ "operation": load })))).unwrap()
+    };
+    let (radial, leaning, steep) = (time(200.0, 0.0), time(200.0, 20.0), time(200.0, 200.0));
+    println!("{radial} s, {leaning} s, {steep} s");
+    assert!(leaning > 5.0 * radial && steep < 0.2 * leaning);
+}
+
 /// At changing speed nothing is waited for, and the result says that the start may still ring.
 #[test]
 fn a_changing_speed_is_not_waited_for_but_told_of() {
