@@ -219,7 +219,7 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let settled = shared / (shared + JUDGED_TIMES * (settings.settle - shared + settings.duration));
     let settling = |share: f64| (control.progress)(settled * share);
     let settling = &Control { progress: &settling, ..*control };
-    let beginning = Beginning::of(scene, whole_or_model, settings, settling)?;
+    let beginning = Beginning::after(shared, scene, whole_or_model, settling)?;
     let rest = |share: f64| (control.progress)(settled + (1.0 - settled) * share);
     let control = &Control { progress: &rest, ..*control };
     let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
@@ -531,7 +531,9 @@ fn summarise(
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
     recording.evaluate(&settings.outputs);
     let accuracy = accuracy.of_stretch(recording, scene.operation.speed.is_constant());
-    RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out)
+    let mut result = RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out);
+    result.summary.settling = result.summary.settling.filter(|_| !setup.beginning.is_damped());
+    result
 }
 
 impl RunResult {
@@ -579,7 +581,7 @@ fn reason(setup: &Setup<'_>, attempt: &Attempt, in_vain: Option<&str>) -> String
         0 => method,
         steps => {
             let step = 1e6 * beginning.work.advanced / steps as f64;
-            format!("{method}; settled once, over the first {:.3} s, in steps of {step:.2} µs", beginning.time)
+            format!("{method}; settled once, damped at first, over the first {:.3} s, in steps of {step:.2} µs", beginning.time)
         }
     };
     let (asked, taken) = (settings.relative_tolerance, attempt.relative_tolerance);

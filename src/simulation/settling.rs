@@ -5,7 +5,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::equilibrium::equilibrium;
-use super::model::{Mechanism, Model};
+use super::model::{FadingDamping, Mechanism, Model};
 use super::needs::Needs;
 use super::run::{self, Control, Live, Outputs, Phase, RunSettings, SimulationError, Span};
 use super::scene::Scene;
@@ -26,37 +26,61 @@ const TURNS: f64 = 3.0;
 const TURNING: [f64; 2] = [0.02, 1.0];
 /// How much longer a run settles, over that, whose attempts share the first part of it.
 const SHARED: f64 = 2.0;
+/// Share of settling, however short it is, where contacts lean and all of them carry, and the shortest time that is shared [s].
+const LEANING_SHARED: f64 = 2.0 / 3.0;
+const LEAST_SHARED: f64 = 0.01;
+/// Rate of the damping at the start [1/s]: vibration falls by 7 e-folds or more before it has faded, and steps of 7.5 µs resolve it.
+const DAMPING: f64 = 2000.0;
+
+/// How the spindle rests on its contacts.
+struct Rest {
+    /// Slowest rate at which its free vibration decays [1/s].
+    decay: f64,
+    /// Each ball carries load wherever it stands, so that none knocks.
+    all_carry: bool,
+}
+
+impl Rest {
+    /// Under load, weight and centrifugal force at the operating speed; `None` where nothing holds it.
+    fn of(scene: &Scene) -> Option<Self> {
+        // Which outputs are asked for does not matter to what holds the spindle.
+        let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: vec![] };
+        let mut mechanism = Mechanism::new(scene, &Needs::of(scene, &outputs, None).ok()?);
+        let law = scene.raceway_damping.resolve();
+        // Balls go round: a place with one of them under the load, and the one halfway to the next.
+        let (mut damping, mut all_carry) = (Matrix3::zeros(), true);
+        let halfway = 0.5 * std::f64::consts::TAU / mechanism.layout.balls as f64;
+        for turned in [0.0, halfway] {
+            mechanism.start = mechanism.start.turned(turned);
+            let rest = equilibrium(&mechanism, scene.operating_speed()).ok()?;
+            let [x, y, z] = rest.spindle;
+            for (ball, load) in rest.loads.iter().enumerate() {
+                if load.inner <= 0.0 {
+                    all_carry = false;
+                    continue;
+                }
+                // Two contacts in series: half of the damping of one; the mean of two places.
+                let both = 0.25 * (law.chi * load.inner + law.viscous);
+                let (cosine, sine) = (mechanism.start.cosine[ball], mechanism.start.sine[ball]);
+                let (axial, radial) = rest.balls[ball];
+                let radius = mechanism.pitch_radius + radial - (y * cosine + z * sine);
+                let (_, (along, outwards)) = mechanism.raceway.inner.penetration::<false>(axial - x, radius);
+                let towards = Vector3::new(along, outwards * cosine, outwards * sine);
+                damping += both * towards * towards.transpose();
+            }
+        }
+        let least = match mechanism.layout.axial_spindle {
+            true => damping.symmetric_eigenvalues().min(),
+            false => damping.fixed_view::<2, 2>(1, 1).into_owned().symmetric_eigenvalues().min(),
+        };
+        Some(Self { decay: 0.5 * least / mechanism.spindle_mass, all_carry })
+    }
+}
 
 /// Slowest rate at which free vibration of the spindle decays [1/s], along its axis, too, where it moves there: by the damping of its
-/// contacts at rest under load, weight and centrifugal force at the operating speed; `None` where it does not rest on contacts that damp it.
+/// contacts at rest; `None` where it does not rest on contacts that damp it.
 pub fn decay_rate(scene: &Scene) -> Option<f64> {
-    // Which outputs are asked for does not matter to what holds the spindle.
-    let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: vec![] };
-    let mut mechanism = Mechanism::new(scene, &Needs::of(scene, &outputs, None).ok()?);
-    let law = scene.raceway_damping.resolve();
-    // Balls go round: a place with one of them under the load, and the one halfway to the next.
-    let mut damping = Matrix3::zeros();
-    let halfway = 0.5 * std::f64::consts::TAU / mechanism.layout.balls as f64;
-    for turned in [0.0, halfway] {
-        mechanism.start = mechanism.start.turned(turned);
-        let rest = equilibrium(&mechanism, scene.operating_speed()).ok()?;
-        let [x, y, z] = rest.spindle;
-        for (ball, load) in rest.loads.iter().enumerate().filter(|(_, load)| load.inner > 0.0) {
-            // Two contacts in series: half of the damping of one; the mean of two places.
-            let both = 0.25 * (law.chi * load.inner + law.viscous);
-            let (cosine, sine) = (mechanism.start.cosine[ball], mechanism.start.sine[ball]);
-            let (axial, radial) = rest.balls[ball];
-            let radius = mechanism.pitch_radius + radial - (y * cosine + z * sine);
-            let (_, (along, outwards)) = mechanism.raceway.inner.penetration::<false>(axial - x, radius);
-            let towards = Vector3::new(along, outwards * cosine, outwards * sine);
-            damping += both * towards * towards.transpose();
-        }
-    }
-    let least = match mechanism.layout.axial_spindle {
-        true => damping.symmetric_eigenvalues().min(),
-        false => damping.fixed_view::<2, 2>(1, 1).into_owned().symmetric_eigenvalues().min(),
-    };
-    Some(0.5 * least / mechanism.spindle_mass).filter(|rate| *rate > 0.0)
+    Rest::of(scene).map(|rest| rest.decay).filter(|rate| *rate > 0.0)
 }
 
 /// Time that a vibration which a run starts with is given to go [s], at most `LONGEST`; `None` as for [`decay_rate`], and at changing
@@ -72,16 +96,24 @@ pub fn turning_time(scene: &Scene) -> f64 {
     if turn > 0.0 { (TURNS / turn).clamp(TURNING[0], TURNING[1]) } else { TURNING[0] }
 }
 
-/// How much of settling the attempts at a run share [s]; 0: nothing. As long as the start still rings, what is kept is of that one start, and
-/// each attempt has to come from there.
+/// How much of settling the attempts at a run share [s]; 0: nothing. Where the start still rings, or may lead to one motion or to another, what is
+/// kept is of that one start, and each attempt has to come from there.
 pub fn shared_time(scene: &Scene, model: &Model, settings: &RunSettings) -> f64 {
-    let last = turning_time(scene);
-    if settings.settle <= (1.0 + SHARED) * last || !stepped::serves(model, settings) {
+    let (settle, turning) = (settings.settle, turning_time(scene));
+    let mechanism = model.mechanism();
+    if !mechanism.speed.is_constant() || !mechanism.raceway.inner.is_damped() || settings.fixed_step.is_some() {
+        return 0.0;
+    }
+    let shared = settle - turning.min(settle * (1.0 - LEANING_SHARED));
+    if mechanism.leans() && shared >= LEAST_SHARED && Rest::of(scene).is_some_and(|rest| rest.all_carry) {
+        return shared;
+    }
+    if settle <= (1.0 + SHARED) * turning || !stepped::may_choose(settings) {
         return 0.0;
     }
     // By default, to three digits.
-    let forgets = settling_time(scene).is_some_and(|time| settings.settle >= 0.99 * time);
-    if forgets { settings.settle - last } else { 0.0 }
+    let forgets = settling_time(scene).is_some_and(|time| settle >= 0.99 * time);
+    if forgets { settle - turning } else { 0.0 }
 }
 
 /// Where the attempts at a run begin.
@@ -100,28 +132,29 @@ impl Beginning {
         Ok(Self { time: 0.0, state: run::start_state(model)?, work: Statistics::default() })
     }
 
-    /// Late in a long time to settle, where the method is free: in long steps, which leave what rings as it is (levels that still rang after a
-    /// second, and a quarter of the step, differed by 0.0015 dB at most), so that attempts and their repetitions have no more before
-    /// them than balls and cage need to settle.
-    pub fn of(
-        scene: &Scene,
-        model: &Model,
-        settings: &RunSettings,
-        control: &Control<'_>,
-    ) -> Result<Self, SimulationError> {
+    /// After the time that attempts share [s], so that they and their repetitions have no more before them than the last of settling. In
+    /// long steps, which leave what rings as it is (levels that still rang after a second, and a quarter of the step, differed by
+    /// 0.0015 dB at most); under damping at first, which takes what only the start has set going: the cage, too, on its films,
+    /// rings along its axis with next to no damping where contacts lean.
+    pub fn after(shared: f64, scene: &Scene, model: &Model, control: &Control<'_>) -> Result<Self, SimulationError> {
         let start = Self::at_rest(model)?;
-        let end = shared_time(scene, model, settings);
-        if end == 0.0 {
+        if shared == 0.0 {
             return Ok(start);
         }
-        let span = Span { start: 0.0, end, checkpoint: end, share: (0.0, 1.0) };
+        let damped = model.damped(FadingDamping { rate: DAMPING, end: shared.min(turning_time(scene)) });
+        let span = Span { start: 0.0, end: shared, checkpoint: shared, share: (0.0, 1.0) };
         (control.live)(&Live::of(Phase::Settling));
-        match run::integrate(model, &start.state, &stepped::longest(model), &span, control, |_| ()) {
-            Ok(settled) => Ok(Self { time: end, state: settled.checkpoint, work: settled.statistics }),
+        match run::integrate(&damped, &start.state, &stepped::longest(model), &span, control, |_| ()) {
+            Ok(settled) => Ok(Self { time: shared, state: settled.checkpoint, work: settled.statistics }),
             Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
             // Too stiff for long steps: every attempt settles by itself.
             Err(_) => Ok(start),
         }
+    }
+
+    /// Whether what the start has set going has been taken away.
+    pub fn is_damped(&self) -> bool {
+        self.work.steps > 0
     }
 }
 

@@ -116,6 +116,8 @@ pub(super) struct Border {
     pub pose: CagePose,
     pub spindle: SpindleState,
     pub shaft: Shaft,
+    /// Of a start that settles [1/s]; else 0.
+    pub damping: f64,
 }
 
 /// Balls side by side: how they move, how that changes, and what they pass on.
@@ -338,7 +340,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let layout = self.mechanism.layout;
         // Before the border: what is written one by one has reached the cache when it is read side by side.
         let mut state = layout.side_by_side::<PLANAR>(y, 0);
-        let border = self.border(layout.cage(y), layout.spindle(y), self.mechanism.speed.at(time));
+        let border = self.border(layout.cage(y), layout.spindle(y), time);
         let mut sum = Reaction::default();
         let mut balls = Balls::default();
         for first in (0..layout.balls).step_by(LANES) {
@@ -349,8 +351,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
         }
-        layout.set_cage(dy, &self.cage_rates(&border.cage, &border.pose, &sum, border.shaft));
-        layout.set_spindle(dy, &self.spindle_rates(&border.spindle, sum.spindle, border.shaft));
+        layout.set_cage(dy, &self.cage_rates(&border, &sum));
+        layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle));
     }
 
     /// What the balls from `first` on do in a state.
@@ -566,8 +568,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     #[inline(always)]
-    pub(super) fn border(&self, cage: CageState, spindle: SpindleState, shaft: Shaft) -> Border {
-        Border { pose: self.cage_pose(&cage, shaft), cage, spindle, shaft }
+    pub(super) fn border(&self, cage: CageState, spindle: SpindleState, time: f64) -> Border {
+        let shaft = self.mechanism.speed.at(time);
+        let damping = self.mechanism.damping.map_or(0.0, |damping| damping.at(time));
+        Border { pose: self.cage_pose(&cage, shaft), cage, spindle, shaft, damping }
     }
 
     #[inline(always)]
@@ -588,13 +592,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     #[inline(always)]
-    pub(super) fn cage_rates(
-        &self,
-        state: &CageState,
-        pose: &CagePose,
-        reaction: &Reaction,
-        (_, _, acceleration): Shaft,
-    ) -> CageState {
+    pub(super) fn cage_rates(&self, border: &Border, reaction: &Reaction) -> CageState {
+        let Border { cage: state, pose, shaft: (_, _, acceleration), damping, .. } = border;
         let m = &self.mechanism;
         if !m.layout.cage {
             return CageState::default();
@@ -606,7 +605,12 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             force = add(force, land_force);
             moment[0] += braking;
         }
-        let rates = m.cage.acceleration(&pose.motion, force, moment, m.gravity);
+        let mut rates = m.cage.acceleration(&pose.motion, force, moment, m.gravity);
+        // Along the axis and in tilt: in the plane, films in the pockets damp it, and it has to come to its orbit.
+        rates.linear[0] -= damping * state.velocity[0];
+        for (rate, turning) in rates.angular[1..].iter_mut().zip(state.tilt_rate) {
+            *rate -= damping * turning;
+        }
         let [about_y, about_z] = state.tilt_rate;
         let tilt = &pose.motion.tilt;
         CageState {
@@ -641,18 +645,15 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// Equations (13), (14), and X where the spindle is free.
     #[inline(always)]
-    pub(super) fn spindle_rates(
-        &self,
-        state: &SpindleState,
-        reaction: Vector,
-        (angle, speed, acceleration): Shaft,
-    ) -> SpindleState {
+    pub(super) fn spindle_rates(&self, border: &Border, reaction: Vector) -> SpindleState {
+        let &Border { spindle: state, shaft: (angle, speed, acceleration), damping, .. } = border;
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
         force[1] += m.spindle_mass * m.gravity;
         if m.unbalance != 0.0 {
             force = add(force, unbalance_force(m.unbalance, angle, speed, acceleration));
         }
+        force = add(force, scale(-damping * m.spindle_mass, state.velocity));
         SpindleState { position: state.velocity, ..self.spindle_response(force) }
     }
 }

@@ -44,16 +44,15 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let layout = self.mechanism().layout;
         let (block, border) = (layout.ball_size(), layout.border_size());
         let (of_ball, of_border) = self.displacements().split_at(block);
-        let shaft = self.mechanism().speed.at(time);
         let mut entries = [0.0; MAX_BORDER];
         entries[..border].copy_from_slice(&state[layout.balls * block..]);
         let alone = layout.without_balls();
-        let at_rest = self.border(alone.cage(&entries), alone.spindle(&entries), shaft);
+        let at_rest = self.border(alone.cage(&entries), alone.spindle(&entries), time);
         let mut displaced = [at_rest; MAX_BORDER];
         for column in 0..border {
             let entry = entries[column];
             entries[column] += of_border[column];
-            displaced[column] = self.border(alone.cage(&entries), alone.spindle(&entries), shaft);
+            displaced[column] = self.border(alone.cage(&entries), alone.spindle(&entries), time);
             entries[column] = entry;
         }
         let displaced = &displaced[..border];
@@ -144,8 +143,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// Rates of cage and spindle under a reaction, in their order.
     #[inline(always)]
     fn border_rates(&self, border: &Border, reaction: &Reaction) -> [f64; MAX_BORDER] {
-        let cage = self.cage_rates(&border.cage, &border.pose, reaction, border.shaft);
-        let spindle = self.spindle_rates(&border.spindle, reaction.spindle, border.shaft);
+        let cage = self.cage_rates(border, reaction);
+        let spindle = self.spindle_rates(border, reaction.spindle);
         self.mechanism().layout.border(&cage, &spindle)
     }
 

@@ -3,6 +3,7 @@
 
 pub mod condensed_contact;
 mod dynamics;
+mod fading_damping;
 mod full;
 mod jacobian;
 mod planar;
@@ -12,6 +13,7 @@ pub mod sight;
 pub mod spindle_only;
 
 pub use dynamics::{Dynamics, Reaction, Watch, Wrench};
+pub use fading_damping::FadingDamping;
 pub use full::Full;
 pub use planar::Planar;
 
@@ -66,6 +68,8 @@ pub struct Mechanism {
     pub unbalance: f64,
     /// [m/s²]
     pub gravity: f64,
+    /// While a start settles; no part of the scene.
+    pub damping: Option<FadingDamping>,
 }
 
 /// Azimuths by column.
@@ -147,6 +151,7 @@ impl Mechanism {
             load: scene.operation.load,
             unbalance: if needs.unbalance { scene.spindle.unbalance_product(operating_speed) } else { 0.0 },
             gravity: if needs.gravity { scene.gravity } else { 0.0 },
+            damping: None,
         }
     }
 
@@ -182,6 +187,15 @@ impl Model {
         match self {
             Self::Full(model) => model.mechanism(),
             Self::Planar(model) => model.mechanism(),
+        }
+    }
+
+    /// The same under damping that fades.
+    pub fn damped(&self, damping: FadingDamping) -> Self {
+        let mechanism = Mechanism { damping: Some(damping), ..self.mechanism().clone() };
+        match self {
+            Self::Full(_) => Self::Full(Full::new(mechanism)),
+            Self::Planar(_) => Self::Planar(Planar::new(mechanism)),
         }
     }
 

@@ -207,7 +207,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         };
         let past_cage = formula.past_of_cage(&now.cage, &before.cage);
         let cage = formula.predicted_cage(&now.cage, &before.cage, &past_cage, share);
-        let border = dynamics.border(cage, new.spindle, dynamics.mechanism().speed.at(self.time));
+        let border = dynamics.border(cage, new.spindle, self.time);
 
         // Balls.
         let mut sum = Reaction::default();
@@ -226,7 +226,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         }
 
         // Cage and spindle, under what the balls' corrections leave.
-        let mut rates = dynamics.cage_rates(&border.cage, &border.pose, &sum, border.shaft);
+        let mut rates = dynamics.cage_rates(&border, &sum);
         if PLANAR {
             rates = in_plane(rates);
         }
@@ -234,7 +234,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             let response = dynamics.cage_stiffness(&stiff);
             (new.cage, new.cage_rates) = corrected_cage(&past_cage, &cage, &rates, &response, share);
         }
-        let mut acceleration = dynamics.spindle_rates(&border.spindle, sum.spindle, border.shaft).velocity;
+        let mut acceleration = dynamics.spindle_rates(&border, sum.spindle).velocity;
         if !layout.axial_spindle {
             acceleration[0] = 0.0;
         }
