@@ -10,7 +10,7 @@ use crate::simulation::model::Model;
 use crate::simulation::needs::Grounds;
 use crate::simulation::observe::kept_values;
 use crate::simulation::run::{Method, RunSettings, start_state};
-use crate::simulation::settling;
+use crate::simulation::settling::Shared;
 use crate::simulation::stepped;
 use crate::simulation::stiffness::{FastestMode, fastest_mode};
 use crate::simulation::work_precision::Plan;
@@ -68,7 +68,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
         };
         let (settle, duration) = (job.settings.settle, job.settings.duration);
         let looks = LOOK * kept_values(duration) as f64 * evaluation;
-        let shared = settling::shared_time(scene, &model, &job.settings);
+        let shared = Shared::of(scene, &model, &job.settings).time;
         // What attempts share, the run, and its repetition that tells the error.
         let judged = |by: &dyn Fn(f64) -> f64| by_dynamics(shared) + 2.0 * (by(settle - shared + duration) + looks);
         let tried = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };

@@ -14,7 +14,7 @@ use super::model::{Mechanism, Model};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
 use super::observe::{Observer, Recording};
 use super::scene::Scene;
-use super::settling::{self, Beginning};
+use super::settling::{self, Beginning, Shared};
 use super::state::{BallState, Layout, SpindleState};
 use super::stepped::{self, Stepped};
 use super::views::Views;
@@ -215,11 +215,12 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let whole_model = (whole_needs != needs).then(|| Model::new(scene, &whole_needs));
     let whole = whole_model.as_ref().map(|model| (model, &whole_needs));
     let whole_or_model = whole_model.as_ref().unwrap_or(&model);
-    let shared = settling::shared_time(scene, whole_or_model, settings);
-    let settled = shared / (shared + JUDGED_TIMES * (settings.settle - shared + settings.duration));
+    let shared = Shared::of(scene, whole_or_model, settings);
+    let to_come = JUDGED_TIMES * (settings.settle - shared.time + settings.duration);
+    let settled = shared.time / (shared.time + to_come);
     let settling = |share: f64| (control.progress)(settled * share);
     let settling = &Control { progress: &settling, ..*control };
-    let beginning = Beginning::after(shared, scene, whole_or_model, settling)?;
+    let beginning = Beginning::after(&shared, whole_or_model, settling)?;
     let rest = |share: f64| (control.progress)(settled + (1.0 - settled) * share);
     let control = &Control { progress: &rest, ..*control };
     let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
@@ -532,7 +533,7 @@ fn summarise(
     recording.evaluate(&settings.outputs);
     let accuracy = accuracy.of_stretch(recording, scene.operation.speed.is_constant());
     let mut result = RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out);
-    result.summary.settling = result.summary.settling.filter(|_| !setup.beginning.is_damped());
+    result.summary.settling = result.summary.settling.filter(|_| !setup.beginning.is_damped);
     result
 }
 
@@ -581,7 +582,8 @@ fn reason(setup: &Setup<'_>, attempt: &Attempt, in_vain: Option<&str>) -> String
         0 => method,
         steps => {
             let step = 1e6 * beginning.work.advanced / steps as f64;
-            format!("{method}; settled once, damped at first, over the first {:.3} s, in steps of {step:.2} µs", beginning.time)
+            let damped = if beginning.is_damped { ", damped at first" } else { "" };
+            format!("{method}; settled once{damped}, over the first {:.3} s, in steps of {step:.2} µs", beginning.time)
         }
     };
     let (asked, taken) = (settings.relative_tolerance, attempt.relative_tolerance);

@@ -26,7 +26,8 @@ const TURNS: f64 = 3.0;
 const TURNING: [f64; 2] = [0.02, 1.0];
 /// How much longer a run settles, over that, whose attempts share the first part of it.
 const SHARED: f64 = 2.0;
-/// Share of settling, however short it is, where contacts lean and all of them carry, and the shortest time that is shared [s].
+/// Share of settling, however short it is, where contacts lean and all of them carry, and the shortest time that is shared [s]: there is one
+/// motion then, whatever it came from, and the cage rings along its axis, on films that hardly damp it there.
 const LEANING_SHARED: f64 = 2.0 / 3.0;
 const LEAST_SHARED: f64 = 0.01;
 /// Rate of the damping at the start [1/s]: vibration falls by 7 e-folds or more before it has faded, and steps of 7.5 µs resolve it.
@@ -96,24 +97,37 @@ pub fn turning_time(scene: &Scene) -> f64 {
     if turn > 0.0 { (TURNS / turn).clamp(TURNING[0], TURNING[1]) } else { TURNING[0] }
 }
 
-/// How much of settling the attempts at a run share [s]; 0: nothing. Where the start still rings, or may lead to one motion or to another, what is
-/// kept is of that one start, and each attempt has to come from there.
-pub fn shared_time(scene: &Scene, model: &Model, settings: &RunSettings) -> f64 {
-    let (settle, turning) = (settings.settle, turning_time(scene));
-    let mechanism = model.mechanism();
-    if !mechanism.speed.is_constant() || !mechanism.raceway.inner.is_damped() || settings.fixed_step.is_some() {
-        return 0.0;
+/// What of settling the attempts at a run share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shared {
+    /// From the start [s]; 0: nothing.
+    pub time: f64,
+    /// Until it has faded.
+    damping: Option<FadingDamping>,
+}
+
+impl Shared {
+    const NOTHING: Self = Self { time: 0.0, damping: None };
+
+    /// Of a run. Where the start still rings, or may lead to one motion or to another, what is kept is of that one start, and each attempt
+    /// has to come from there.
+    pub fn of(scene: &Scene, model: &Model, settings: &RunSettings) -> Self {
+        let (settle, turning) = (settings.settle, turning_time(scene));
+        let mechanism = model.mechanism();
+        if !mechanism.speed.is_constant() || !mechanism.raceway.inner.is_damped() || settings.fixed_step.is_some() {
+            return Self::NOTHING;
+        }
+        let time = settle - turning.min(settle * (1.0 - LEANING_SHARED));
+        if mechanism.leans() && time >= LEAST_SHARED && Rest::of(scene).is_some_and(|rest| rest.all_carry) {
+            return Self { time, damping: Some(FadingDamping { rate: DAMPING, end: time.min(turning) }) };
+        }
+        if settle <= (1.0 + SHARED) * turning || !stepped::may_choose(settings) {
+            return Self::NOTHING;
+        }
+        // By default, to three digits.
+        let forgets = settling_time(scene).is_some_and(|time| settle >= 0.99 * time);
+        if forgets { Self { time: settle - turning, damping: None } } else { Self::NOTHING }
     }
-    let shared = settle - turning.min(settle * (1.0 - LEANING_SHARED));
-    if mechanism.leans() && shared >= LEAST_SHARED && Rest::of(scene).is_some_and(|rest| rest.all_carry) {
-        return shared;
-    }
-    if settle <= (1.0 + SHARED) * turning || !stepped::may_choose(settings) {
-        return 0.0;
-    }
-    // By default, to three digits.
-    let forgets = settling_time(scene).is_some_and(|time| settle >= 0.99 * time);
-    if forgets { settle - turning } else { 0.0 }
 }
 
 /// Where the attempts at a run begin.
@@ -121,6 +135,8 @@ pub fn shared_time(scene: &Scene, model: &Model, settings: &RunSettings) -> f64 
 pub(super) struct Beginning {
     /// [s]
     pub time: f64,
+    /// What only the start has set going has been taken away.
+    pub is_damped: bool,
     pub state: Vec<f64>,
     /// What led to it.
     pub work: Statistics,
@@ -129,32 +145,31 @@ pub(super) struct Beginning {
 impl Beginning {
     /// In equilibrium, at no time.
     pub fn at_rest(model: &Model) -> Result<Self, SimulationError> {
-        Ok(Self { time: 0.0, state: run::start_state(model)?, work: Statistics::default() })
+        Ok(Self { time: 0.0, is_damped: false, state: run::start_state(model)?, work: Statistics::default() })
     }
 
-    /// After the time that attempts share [s], so that they and their repetitions have no more before them than the last of settling. In
-    /// long steps, which leave what rings as it is (levels that still rang after a second, and a quarter of the step, differed by
-    /// 0.0015 dB at most); under damping at first, which takes what only the start has set going: the cage, too, on its films,
-    /// rings along its axis with next to no damping where contacts lean.
-    pub fn after(shared: f64, scene: &Scene, model: &Model, control: &Control<'_>) -> Result<Self, SimulationError> {
+    /// After what attempts share, so that they and their repetitions have no more before them than the last of settling. In long steps,
+    /// which leave what rings as it is (levels that still rang after a second, and a quarter of the step, differed by
+    /// 0.0015 dB at most).
+    pub fn after(shared: &Shared, model: &Model, control: &Control<'_>) -> Result<Self, SimulationError> {
         let start = Self::at_rest(model)?;
-        if shared == 0.0 {
+        let &Shared { time, damping } = shared;
+        if time == 0.0 {
             return Ok(start);
         }
-        let damped = model.damped(FadingDamping { rate: DAMPING, end: shared.min(turning_time(scene)) });
-        let span = Span { start: 0.0, end: shared, checkpoint: shared, share: (0.0, 1.0) };
+        let damped = damping.map(|damping| model.damped(damping));
+        let model = damped.as_ref().unwrap_or(model);
+        let span = Span { start: 0.0, end: time, checkpoint: time, share: (0.0, 1.0) };
         (control.live)(&Live::of(Phase::Settling));
-        match run::integrate(&damped, &start.state, &stepped::longest(model), &span, control, |_| ()) {
-            Ok(settled) => Ok(Self { time: shared, state: settled.checkpoint, work: settled.statistics }),
+        match run::integrate(model, &start.state, &stepped::longest(model), &span, control, |_| ()) {
+            Ok(settled) => {
+                let is_damped = damping.is_some();
+                Ok(Self { time, is_damped, state: settled.checkpoint, work: settled.statistics })
+            }
             Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
             // Too stiff for long steps: every attempt settles by itself.
             Err(_) => Ok(start),
         }
-    }
-
-    /// Whether what the start has set going has been taken away.
-    pub fn is_damped(&self) -> bool {
-        self.work.steps > 0
     }
 }
 
