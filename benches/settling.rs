@@ -1,7 +1,8 @@
 //! Does a run settle by itself? Levels after the default `settle_s`, and after three turns of the cage alone, beside those long after.
 //!
-//! `cargo bench --bench settling [-- SEED COUNT [chosen]]` draws bearings, loads, spindles (from those that hardly count to heavy ones) and
-//! balance grades, and runs each on `radially_condensed`; `chosen`: on the rung that is chosen. Right is the mean of `WINDOWS` later windows, the first after `LATER` times of decay of
+//! `cargo bench --bench settling [-- SEED COUNT [chosen|axial]]` draws bearings, loads, spindles (from those that hardly count to heavy ones) and
+//! balance grades, and runs each on `radially_condensed`; `chosen`: on the rung that is chosen; `axial`: that, under a load along the axis, a third
+//! to three times as much as across it, levels of x too. Levels below `QUIET` count as so much. Right is the mean of `WINDOWS` later windows, the first after `LATER` times of decay of
 //! the spindle's free vibration, the same for both; a level is off by what lies beyond the widest of these windows, for what they scatter
 //! by no settling takes away. It counts as told of where it is
 //! within `SIGMAS` times what the result states of it: `level_error_db` or `level_scatter_db`, whichever is more, beside the error of the
@@ -23,7 +24,11 @@ const WINDOWS: usize = 4;
 const LATER: f64 = 6.0;
 /// The first of the later windows comes within these [s].
 const FIRST: [f64; 2] = [2.0, 20.0];
-const CHANNELS: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
+const CHANNELS: [&str; 3] = ["spindle.x.acceleration", "spindle.y.acceleration", "spindle.z.acceleration"];
+/// [dB]: 10⁻⁵ m/s².
+const QUIET: f64 = -60.0;
+/// The axial load over the radial one.
+const AXIAL: [f64; 2] = [0.33, 3.0];
 /// Times of what is stated within which a level is told of.
 const SIGMAS: f64 = 3.0;
 /// Levels off by more are counted [dB].
@@ -41,7 +46,7 @@ impl Draw {
         format!("{:.2e}", from * (to / from).powf(self.share())).parse().expect("a number")
     }
 
-    fn scene(&mut self) -> Value {
+    fn scene(&mut self, axial: bool) -> Value {
         let presets = ["article-integrated", "608", "article-deep-groove", "6204", "6205"];
         let preset = presets[(self.share() * presets.len() as f64) as usize];
         let (mass, speed) = if preset.starts_with("62") {
@@ -54,16 +59,20 @@ impl Draw {
         if let Some(grade) = grades[(self.share() * grades.len() as f64) as usize] {
             spindle["balance_grade"] = grade.into();
         }
-        let operation = json!({ "speed_rpm": speed, "radial_load_y_n": self.between_decades(10.0, 500.0) });
+        let radial = self.between_decades(10.0, 500.0);
+        let mut operation = json!({ "speed_rpm": speed, "radial_load_y_n": radial });
+        if axial {
+            operation["axial_load_n"] = self.between_decades(AXIAL[0] * radial, AXIAL[1] * radial).into();
+        }
         json!({ "bearing": { "preset": preset }, "operation": operation, "spindle": spindle })
     }
 }
 
-/// A run: its levels of y and z [dB], their stated errors and scatter, and the times it settled and kept [s].
+/// A run: its levels of x, y and z [dB], their stated errors and scatter, and the times it settled and kept [s].
 struct Run {
-    levels: [f64; 2],
-    errors: [f64; 2],
-    scatter: [f64; 2],
+    levels: [f64; 3],
+    errors: [f64; 3],
+    scatter: [f64; 3],
     warns: bool,
     seconds: f64,
     settled: f64,
@@ -86,7 +95,7 @@ fn simulate(scene: &Value, rung: Option<&str>, settle: Option<f64>) -> Result<Ru
     let begin = Instant::now();
     match execute(&job, &Control::until(&|| false)) {
         Ok(Outcome::Simulation(outcome)) => Ok(Run {
-            levels: of(&outcome.metrics, |channel| channel.level_db),
+            levels: of(&outcome.metrics, |channel| channel.level_db).map(|level| level.max(QUIET)),
             errors: of(&outcome.metrics, |channel| channel.level_error_db),
             scatter: of(&outcome.metrics, |channel| channel.level_scatter_db),
             warns: outcome.metrics.accuracy.warning.is_some(),
@@ -126,8 +135,8 @@ fn compare(scene: &Value, rung: Option<&str>) -> Result<Compared, String> {
         .map(|window| simulate(scene, rung, Some(first + 1.37 * window as f64 * by_itself.kept)))
         .collect::<Result<_, _>>()?;
     let mean = |axis: usize| later.iter().map(|run| run.levels[axis]).sum::<f64>() / WINDOWS as f64;
-    let right = [mean(0), mean(1)];
-    let off = |run: &Run| (0..2).map(|axis| (run.levels[axis] - right[axis]).abs()).fold(0.0, f64::max);
+    let right = [0, 1, 2].map(mean);
+    let off = |run: &Run| (0..3).map(|axis| (run.levels[axis] - right[axis]).abs()).fold(0.0, f64::max);
     let scatter = later.iter().map(off).fold(0.0, f64::max);
     let beyond = |run: &Run| (off(run) - scatter).max(0.0);
     // Of a mean of four.
@@ -135,13 +144,13 @@ fn compare(scene: &Value, rung: Option<&str>) -> Result<Compared, String> {
         let squares = later.iter().map(|run| (run.levels[axis] - right[axis]).powi(2)).sum::<f64>();
         (squares / (WINDOWS * (WINDOWS - 1)) as f64).sqrt()
     };
-    let beyond_stated = |stated: [f64; 2]| {
-        (0..2).any(|axis| {
+    let beyond_stated = |stated: [f64; 3]| {
+        (0..3).any(|axis| {
             let apart = (by_itself.levels[axis] - right[axis]).abs();
             apart > COUNTED[0] && apart > SIGMAS * stated[axis].max(0.0).hypot(of_mean(axis))
         })
     };
-    let both = [0, 1].map(|axis| by_itself.errors[axis].max(by_itself.scatter[axis]));
+    let both = [0, 1, 2].map(|axis| by_itself.errors[axis].max(by_itself.scatter[axis]));
     let (beyond_error, beyond_both) = (beyond_stated(by_itself.errors), beyond_stated(both));
     let words = format!(
         "{}{:.3} s: {:.2} dB; by itself {:.3} s ({:.1} times of decay): {:.2} dB; error and scatter {both:.2?} dB; later windows scatter by {scatter:.2} dB; {scene}",
@@ -166,10 +175,12 @@ fn compare(scene: &Value, rung: Option<&str>) -> Result<Compared, String> {
 
 fn main() {
     let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
-    let rung = if std::env::args().any(|word| word == "chosen") { None } else { Some("radially_condensed") };
+    let asked = |option: &str| std::env::args().any(|word| word == option);
+    let axial = asked("axial");
+    let rung = if axial || asked("chosen") { None } else { Some("radially_condensed") };
     let (seed, count) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(SCENES));
     let mut draw = Draw(SplitMix64::seed_from_u64(seed));
-    let scenes: Vec<Value> = (0..count).map(|_| draw.scene()).collect();
+    let scenes: Vec<Value> = (0..count).map(|_| draw.scene(axial)).collect();
     let (next, all) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..2 {
