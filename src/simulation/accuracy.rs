@@ -183,7 +183,7 @@ fn trends(recording: &Recording) -> Vec<(Channel, f64)> {
         let change = level_change(&in_parts(&recording.of(channel)?.in_band().mean_squares, BATCHES))?;
         Some((channel, change))
     };
-    judged(recording).into_iter().filter_map(of).collect()
+    heard(recording).into_iter().filter_map(of).collect()
 }
 
 /// Change of the level along equal parts of a run [dB], where it is one.
@@ -354,7 +354,10 @@ impl AccuracyReport {
 
     /// The largest of the stated errors over what is allowed of it; `None` where one is not known.
     pub(super) fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
-        self.errors().excess(outputs, tolerance_db)
+        // Silence, both times: no level, and none that could be off.
+        let silent = self.quantity_errors.is_some() && self.level_errors.worst().is_none();
+        let levels = if silent { LevelErrors::each(|_| Some(0.0)) } else { self.level_errors };
+        Distance { levels, ..self.errors() }.excess(outputs, tolerance_db)
     }
 
     /// The stated errors of what was asked for, and which are beyond what is allowed.
@@ -405,20 +408,23 @@ pub(super) fn sampling_errors(recording: &Recording) -> LevelErrors {
 /// What the levels of another stretch of the same length may differ by, whatever the motion is; of none that is shorter than `REPEATED`.
 pub(super) fn scatter(recording: &Recording) -> LevelErrors {
     let tells = |channel: &Channel| {
-        let of_signal = |signal: &Signal| {
-            let moments = signal.in_band().moments;
-            moments.count() >= observe::kept_values(REPEATED) && moments.rms() > SILENCE
-        };
+        let of_signal = |signal: &Signal| signal.in_band().moments.count() >= observe::kept_values(REPEATED);
         recording.of(*channel).is_some_and(of_signal)
     };
     let scatter = of_batches(recording, level_scatter_db);
     LevelErrors::each(|channel| scatter.of(channel).filter(|_| tells(&channel)))
 }
 
+/// The judged accelerations that are no silence.
+fn heard(recording: &Recording) -> Vec<Channel> {
+    let is_heard = |channel: &Channel| recording.of(*channel).is_some_and(|of| of.in_band().moments.rms() > SILENCE);
+    judged(recording).into_iter().filter(is_heard).collect()
+}
+
 fn of_batches(recording: &Recording, error: impl Fn(&[f64]) -> Option<f64>) -> LevelErrors {
-    let judged = judged(recording);
+    let heard = heard(recording);
     LevelErrors::each(|channel| {
-        let signal = recording.of(channel).filter(|_| judged.contains(&channel))?;
+        let signal = recording.of(channel).filter(|_| heard.contains(&channel))?;
         error(&in_parts(&signal.in_band().mean_squares, BATCHES))
     })
 }

@@ -64,8 +64,8 @@ impl LevelErrors {
 
 /// Parts of the repeated stretch whose levels are compared one by one.
 const PARTS: usize = 5;
-/// Levels below this count as silence [m/s²].
-pub(super) const SILENCE: f64 = 1e-6;
+/// Levels below this count as silence [m/s²]: a hundredth of what a good accelerometer hears, and what is left of the noise of steps and of a start.
+pub(super) const SILENCE: f64 = 1e-5;
 /// How near to the largest contact load the peak of a ball counts as one that may be the largest of a longer run [-].
 const NEAR_LARGEST: f64 = 0.01;
 /// Contact loads [N] and cage speeds [rad/s] below these count as so large in a relative error.
