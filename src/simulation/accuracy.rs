@@ -251,6 +251,8 @@ fn resolve(
         } else {
             distance = Distance::of_runs(&kept.recording, &next.recording);
         }
+        // What is silence at the tighter one was the noise of the other.
+        let change = Distance { levels: of_heard(&change.levels, &next.recording), ..change };
         last = Some(next);
         let Some(error) = change.levels.worst().filter(|error| *error > UNRESOLVED) else { break };
         // Noise of the steps falls with them, by tens of decibels: what does not is the motion's own, which parts after a while.
@@ -264,7 +266,8 @@ fn resolve(
     if let Some(last) = last.filter(|_| chooses && distance.levels.worst().is_some_and(|error| error > UNRESOLVED)) {
         kept = last;
     }
-    Ok((kept, distance, tightest))
+    let levels = of_heard(&distance.levels, &kept.recording);
+    Ok((kept, Distance { levels, ..distance }, tightest))
 }
 
 /// Levels of two samples of a chaotic motion that differ by more than this many standard errors of the difference are not the same.
@@ -419,6 +422,12 @@ pub(super) fn scatter(recording: &Recording) -> LevelErrors {
 fn heard(recording: &Recording) -> Vec<Channel> {
     let is_heard = |channel: &Channel| recording.of(*channel).is_some_and(|of| of.in_band().moments.rms() > SILENCE);
     judged(recording).into_iter().filter(is_heard).collect()
+}
+
+/// Errors of levels that are no silence.
+fn of_heard(errors: &LevelErrors, recording: &Recording) -> LevelErrors {
+    let heard = heard(recording);
+    LevelErrors::each(|channel| errors.of(channel).filter(|_| heard.contains(&channel)))
 }
 
 fn of_batches(recording: &Recording, error: impl Fn(&[f64]) -> Option<f64>) -> LevelErrors {
