@@ -342,7 +342,10 @@ impl AccuracyReport {
         Self {
             level_errors: self.level_errors.raised_to(left),
             how: format!("{}; or what the level changes by along the kept time, if that is more", self.how),
-            warning: self.warning.or_else(|| Some(warning())),
+            warning: Some(match self.warning {
+                Some(other) => format!("{other}; {}", warning()),
+                None => warning(),
+            }),
             ..self
         }
     }

@@ -164,7 +164,10 @@ pub(super) fn twice(first: &Recording, again: &Recording) -> Vec<(Channel, Twice
         let stretch = first.excerpts.first()?.get(..repeated.len())?;
         Some((channel, Twice::of_values(stretch, repeated, first.in_band().moments.rms())))
     };
-    judged(again).into_iter().filter_map(both).collect()
+    // What is faint in one of them may be the noise of the other.
+    let (of_first, of_again) = (judged(first), judged(again));
+    let either = |channel: &Channel| of_first.contains(channel) || of_again.contains(channel);
+    ACCELERATIONS.into_iter().filter(either).filter_map(both).collect()
 }
 
 /// Errors of the levels of what was recorded twice.

@@ -537,7 +537,11 @@ fn summarise(
     recording.evaluate(&settings.outputs);
     let accuracy = accuracy.of_stretch(recording, scene.operation.speed.is_constant());
     let mut result = RunResult::new(scene, settings, mechanism, recording, solver, accuracy, left_out);
-    result.summary.settling = result.summary.settling.filter(|_| !setup.beginning.is_damped);
+    let rings = || settling::cage_rings_on(scene, model, settings.settle);
+    let settling = result.summary.settling.take().or_else(rings);
+    // Neither chaos nor what was damped keeps its start.
+    let forgets = setup.beginning.is_damped || result.summary.accuracy.motion == Some(MotionKind::Diverging);
+    result.summary.settling = settling.filter(|_| !forgets);
     result
 }
 

@@ -26,10 +26,15 @@ const TURNS: f64 = 3.0;
 const TURNING: [f64; 2] = [0.02, 1.0];
 /// How much longer a run settles, over that, whose attempts share the first part of it.
 const SHARED: f64 = 2.0;
-/// Share of settling, however short it is, where contacts lean and all of them carry, and the shortest time that is shared [s]: there is one
-/// motion then, whatever it came from, and the cage rings along its axis, on films that hardly damp it there.
+/// Share of settling, however short it is, where contacts lean and all of them carry, and the shortest time that is shared [s]: the cage rings
+/// along its axis then, on films that hardly damp it there.
 const LEANING_SHARED: f64 = 2.0 / 3.0;
 const LEAST_SHARED: f64 = 0.01;
+/// Decay of the spindle's free vibration from which on there is one motion, whatever it came from [1/s]. Below 5/s some grow by themselves, slowly
+/// from a quiet start, or come to another motion from a lively one.
+const ONE_MOTION: f64 = 10.0;
+/// Time after which the cage, too, mostly rings no more [s].
+const CAGE_RINGS: f64 = 2.0;
 /// Rate of the damping at the start [1/s]: vibration falls by 7 e-folds or more before it has faded, and steps of 7.5 µs resolve it.
 const DAMPING: f64 = 2000.0;
 
@@ -118,8 +123,12 @@ impl Shared {
             return Self::NOTHING;
         }
         let time = settle - turning.min(settle * (1.0 - LEANING_SHARED));
-        if mechanism.leans() && time >= LEAST_SHARED && Rest::of(scene).is_some_and(|rest| rest.all_carry) {
-            return Self { time, damping: Some(FadingDamping { rate: DAMPING, end: time.min(turning) }) };
+        let turns = mechanism.speed.at(0.0).1 != 0.0;
+        let has_one_motion = |rest: Rest| rest.all_carry && rest.decay > ONE_MOTION;
+        if mechanism.leans() && turns && time >= LEAST_SHARED && Rest::of(scene).is_some_and(has_one_motion) {
+            // It fades slowly beside all vibration, that of a heavy spindle, too.
+            let end = turning.max(0.5 * time).min(time);
+            return Self { time, damping: Some(FadingDamping { rate: DAMPING, end }) };
         }
         if settle <= (1.0 + SHARED) * turning || !stepped::may_choose(settings) {
             return Self::NOTHING;
@@ -171,6 +180,17 @@ impl Beginning {
             Err(_) => Ok(start),
         }
     }
+}
+
+/// What a run says that was not damped at first and in which the cage may still ring after so long [s]: where contacts lean, and all carry.
+pub fn cage_rings_on(scene: &Scene, model: &Model, settle: f64) -> Option<String> {
+    let mechanism = model.mechanism();
+    let rings = mechanism.leans() && mechanism.layout.cage && settle < CAGE_RINGS;
+    rings.then(|| Rest::of(scene)).flatten().filter(|rest| rest.all_carry)?;
+    Some(format!(
+        "the start may still ring along the axis, where the cage is hardly damped: settle_s is {settle:?} s, and this start was not damped at \
+         first, which takes a constant speed, no fixed step and a spindle that its load damps well. Try {CAGE_RINGS} s or more"
+    ))
 }
 
 /// What a run says whose vibration may still be that of its start after so long [s].
