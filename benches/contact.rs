@@ -14,9 +14,11 @@ use raceway::numerics::ode::structure::Jacobian;
 use raceway::physics::bearing::PerRaceway;
 use raceway::physics::pocket::PocketMotion;
 use raceway::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
+use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::model::Model;
 use raceway::simulation::needs::Needs;
-use raceway::simulation::run::{Outputs, Rung, start_state};
+use raceway::simulation::settings::Outputs;
 
 const RUNS: usize = 201;
 const COUNT: u32 = 100;

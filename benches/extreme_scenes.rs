@@ -15,11 +15,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use raceway::contract::scene_from_json;
+use raceway::numerics::ode::Method;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::control::Control;
 use raceway::simulation::distance::FAINT;
+use raceway::simulation::integration::SimulationError;
 use raceway::simulation::metrics::MotionKind;
-use raceway::simulation::run::{Control, Method, Outputs, RunResult, RunSettings, SimulationError, run};
+use raceway::simulation::result::RunResult;
+use raceway::simulation::run::run;
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use serde_json::Value;
 
 #[path = "../tests/limits/article.rs"]

@@ -8,10 +8,14 @@
 mod scenes;
 
 use raceway::contract::scene_from_json;
+use raceway::numerics::ode::Method;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::control::Control;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::metrics::Summary;
-use raceway::simulation::run::{Control, Method, Outputs, RunSettings, Rung, run};
+use raceway::simulation::run::run;
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use serde_json::{Value, json};
 
 const RUNS: usize = 5;

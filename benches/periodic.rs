@@ -4,12 +4,14 @@
 //! `cargo bench --bench periodic`. The article's bearing, spindle 50 g. Times are processor time of one thread, medians of five.
 
 use raceway::contract::scene_from_json;
+use raceway::numerics::ode::Method;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::control::Control;
 use raceway::simulation::metrics::{BAND, channel_metrics};
 use raceway::simulation::observe::Recording;
 use raceway::simulation::reduced;
-use raceway::simulation::run::{Control, Method, Outputs, RunSettings};
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 

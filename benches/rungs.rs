@@ -9,14 +9,18 @@ mod scenes;
 
 use std::path::PathBuf;
 
+use raceway::numerics::ode::Method;
 use raceway::physics::cage::PocketSeat;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::control::Control;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::metrics::Summary;
 use raceway::simulation::metrics::channel_metrics;
 use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
 use raceway::simulation::observe::{RATE, Recording};
-use raceway::simulation::run::{Control, Method, Outputs, RunSettings, Rung, run};
+use raceway::simulation::run::run;
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use scenes::{SCENES, scene};
 
 const WINDOW: f64 = 0.1;

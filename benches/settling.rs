@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use raceway::contract::{ChannelAnswer, Metrics, Outcome, execute, parse_job, scene_from_json};
-use raceway::simulation::run::Control;
+use raceway::simulation::control::Control;
 use raceway::simulation::settling::decay_rate;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};

@@ -10,13 +10,16 @@ use std::fmt::Write as _;
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::control::Control;
+use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::metrics::{self, channel_metrics};
 use raceway::simulation::model::Model;
 use raceway::simulation::needs::Needs;
 use raceway::simulation::observe::{Observer, RATE, Recording};
 use raceway::simulation::reduced;
-use raceway::simulation::run::{Control, Outputs, RunSettings, Rung, start_state};
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 

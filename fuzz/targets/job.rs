@@ -8,8 +8,9 @@ use std::time::Instant;
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
 use raceway::contract::{self, Job, JobKind, Refusal, RunFailure, parse_job};
 use raceway::jobs::NewJob;
+use raceway::simulation::control::Control;
+use raceway::simulation::equilibrium::start_state;
 use raceway::simulation::model::Model;
-use raceway::simulation::run::{Control, start_state};
 use serde_json::{Value, json};
 
 fuzz_target!(|body: &[u8]| {

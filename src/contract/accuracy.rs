@@ -4,7 +4,7 @@ use super::filling::Filling;
 use super::job::{JobInput, JobKind};
 use super::outputs::OutputsInput;
 use super::solver::{SolverInput, method_of};
-use crate::simulation::run::Method;
+use crate::numerics::ode::Method;
 use crate::simulation::work_precision::Plan;
 
 /// Default time before anything is compared, and default time that is compared [s]: each is run many times.

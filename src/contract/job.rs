@@ -17,8 +17,8 @@ use super::variation::Variation;
 use super::{accuracy, given_fields, limits, times};
 use crate::simulation::ladder::{self, Rung};
 use crate::simulation::needs::{Needs, Unmet};
-use crate::simulation::run::RunSettings;
 use crate::simulation::scene::Scene;
+use crate::simulation::settings::RunSettings;
 use crate::simulation::work_precision::{Plan, SETTLING};
 
 /// A request: one simulation, a study of many, the optimum of a metric over one or two ranges, or the error of several methods against

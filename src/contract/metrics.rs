@@ -9,7 +9,8 @@ pub use super::report::{AccuracyAnswer, FrequenciesAnswer, GroundsName, LeftOutA
 use crate::simulation::channel::Channel;
 use crate::simulation::lines::Line;
 use crate::simulation::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
-use crate::simulation::run::{Outputs, RunResult};
+use crate::simulation::result::RunResult;
+use crate::simulation::settings::Outputs;
 
 /// Everything a user reads first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -8,8 +8,8 @@ use utoipa::ToSchema;
 use super::filling::Filling;
 use crate::physics::spindle::AxialHold;
 use crate::simulation::channel::{Axis, BallContact, Channel};
-use crate::simulation::run::Outputs;
 use crate::simulation::scene::{Scene, Term, TermChoice};
+use crate::simulation::settings::Outputs;
 
 /// What the result contains; what is not asked for is neither computed nor stored.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -7,7 +7,7 @@ use super::units::significant;
 use crate::physics::kinematics::CharacteristicFrequencies;
 use crate::simulation::metrics::{AccuracyReport, MotionKind, QuantityErrors, SolverReport};
 use crate::simulation::needs::{Grounds, LeftOut};
-use crate::simulation::run::Outputs;
+use crate::simulation::settings::Outputs;
 
 /// Characteristic frequencies [Hz].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -7,7 +7,7 @@ use super::units::rounded;
 use crate::numerics::spectrum::Spectrum;
 use crate::simulation::channel::Channel;
 use crate::simulation::metrics::SolverReport;
-use crate::simulation::run::Series;
+use crate::simulation::result::Series;
 
 /// Frequency up to which spectra are kept [Hz]: levels end at 20 kHz.
 const HIGHEST: f64 = 25_600.0;

@@ -6,7 +6,8 @@ use utoipa::ToSchema;
 use super::filling::Filling;
 use super::problem::listed;
 use super::units::US;
-use crate::simulation::run::{Method, Rung};
+use crate::numerics::ode::Method;
+use crate::simulation::ladder::Rung;
 
 /// Integrator, tolerances and model.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]

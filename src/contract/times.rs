@@ -5,8 +5,8 @@ use super::limits::DURATION;
 use super::units;
 use crate::physics::kinematics::{CharacteristicFrequencies, ideal_frequencies};
 use crate::simulation::observe::RATE;
-use crate::simulation::run::Outputs;
 use crate::simulation::scene::Scene;
+use crate::simulation::settings::Outputs;
 use crate::simulation::settling::{settling_time, turning_time};
 
 /// Longest default that the speed gives [s].

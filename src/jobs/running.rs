@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::JobRecord;
-use crate::simulation::run::{Live, Phase};
+use crate::simulation::control::{Live, Phase};
 
 /// Why a run is asked to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,14 +1,17 @@
 //! How far a run can be trusted: does a disturbance die out, and does the level depend on the tolerance?
 
 use super::channel::Channel;
+use super::control::{Control, Live, Phase};
 use super::distance::{
     Distance, LevelErrors, SILENCE, WORST, halves_apart, in_parts, judged, level_errors, quantity_errors, twice,
 };
 use super::divergence::{divergence_rate, judged_stretch, judging};
+use super::integration::{SimulationError, Stepping};
 use super::metrics::{AccuracyReport, MotionKind, QuantityErrors};
 use super::model::Model;
 use super::observe::{self, Recording};
-use super::run::{Attempt, Control, Live, Outputs, Phase, RunSettings, Setup, SimulationError, Stepping};
+use super::run::{Attempt, Setup};
+use super::settings::{Outputs, RunSettings};
 use super::windows::Signal;
 use crate::numerics::ode::Method;
 use crate::numerics::statistics::{level_scatter_db, level_standard_error_db, mean, rms};

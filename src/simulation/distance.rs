@@ -3,7 +3,7 @@
 use super::channel::{Axis, Channel, Motion};
 use super::metrics::{BAND, QuantityErrors};
 use super::observe::{Quantities, RATE, Recording};
-use super::run::Outputs;
+use super::settings::Outputs;
 use super::windows::Signal;
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{CentralMoments, mean, rms};

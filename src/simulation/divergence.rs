@@ -1,9 +1,12 @@
 //! Do two motions that start next to each other meet or part? It tells chaos from decay.
 
+use super::control::Control;
+use super::integration::{STEPS_PER_LOOK, SimulationError, stops};
 use super::metrics::MotionKind;
 use super::model::Model;
 use super::pair::Pair;
-use super::run::{Control, Method, RunSettings, STEPS_PER_LOOK, SimulationError, stops};
+use super::settings::RunSettings;
+use crate::numerics::ode::Method;
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::statistics::{rms, slope};
 

@@ -3,10 +3,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::model::Mechanism;
+use super::integration::SimulationError;
+use super::model::{Mechanism, Model};
 use super::needs::Needs;
-use super::run::SimulationError;
 use super::scene::Scene;
+use super::state::{BallState, SpindleState};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
 use crate::physics::raceway::RacewayContact;
@@ -34,6 +35,19 @@ pub struct StaticLoads {
     pub max_ball_load: f64,
     /// Over both raceways [Pa].
     pub max_pressure: f64,
+}
+
+/// Equilibrium of spindle and balls under load, gravity and centrifugal force; cage centred, ideal orbit and rolling.
+pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
+    let mechanism = model.mechanism();
+    let layout = mechanism.layout;
+    let rest = equilibrium(mechanism, mechanism.speed.at(0.0).1)?;
+    let mut state = vec![0.0; layout.dimension()];
+    for (ball, &(axial, radial)) in rest.balls.iter().enumerate() {
+        layout.set_ball(&mut state, ball, &BallState { axial, radial, ..BallState::default() });
+    }
+    layout.set_spindle(&mut state, &SpindleState { position: rest.spindle, velocity: [0.0; 3] });
+    Ok(state)
 }
 
 /// Equilibrium of a scene's raceways under its applied loads alone.

@@ -6,10 +6,12 @@
 
 use super::channel::{BallContact, Channel};
 use super::equilibrium::equilibrium;
+use super::equilibrium::start_state;
+use super::integration::SimulationError;
 use super::model::{Mechanism, Model, Watch};
 use super::needs::{Grounds, LeftOut, Needs};
-use super::run::{Outputs, SimulationError, start_state};
 use super::scene::{Scene, Term, TermChoice};
+use super::settings::Outputs;
 use crate::numerics::ode::OdeSystem;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::traction::TractionLaw;

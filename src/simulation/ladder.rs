@@ -11,8 +11,10 @@ use std::time::Instant;
 
 use super::accuracy;
 use super::channel::Channel;
+use super::control::{Control, Live, Phase};
 use super::distance::{self, Distance};
 use super::divergence::{self, Pairs, Parted};
+use super::integration::SimulationError;
 use super::judgement;
 use super::metrics::{AccuracyReport, MotionKind, SolverReport};
 use super::model::Mechanism;
@@ -20,9 +22,12 @@ use super::model::radially_condensed::{self, Pace, RadiallyCondensed};
 use super::needs::{Grounds, LeftOut, Needs, Unmet};
 use super::observe::{RATE, Recording, kept_values};
 use super::reduced;
-use super::run::{Control, Live, Method, Outputs, Phase, RunResult, RunSettings, SimulationError};
+use super::result::{Account, RunResult};
 use super::scene::{Scene, Term, TermChoice};
+use super::settings::{Outputs, RunSettings};
+use super::settling;
 use super::windows::Windows;
+use crate::numerics::ode::Method;
 use crate::numerics::ode::Statistics;
 pub use check::check_time;
 use check::{Check, Reached, check, check_settings, thrown_about, uneven};
@@ -497,5 +502,9 @@ fn summarise(
     }
     .of_stretch(&made.recording, scene.operation.speed.is_constant());
     let mechanism = Mechanism::new(scene, &needs);
-    Ok(RunResult::new(scene, settings, &mechanism, &made.recording, solver, accuracy, needs.left_out))
+    // The rung that repeats a passage has no start, and chaos forgets it by itself.
+    let keeps_start = rung != Rung::Periodic && !by_chance;
+    let settling = keeps_start.then(|| settling::rings_on(scene, settings.settle)).flatten();
+    let account = Account { solver, accuracy, settling, left_out: needs.left_out };
+    Ok(RunResult::new(scene, settings, &mechanism, &made.recording, account))
 }

@@ -3,9 +3,11 @@
 
 pub mod accuracy;
 pub mod channel;
+pub mod control;
 pub mod distance;
 pub mod divergence;
 pub mod equilibrium;
+pub mod integration;
 pub mod judgement;
 pub mod ladder;
 pub mod lines;
@@ -15,8 +17,10 @@ pub mod needs;
 pub mod observe;
 pub mod pair;
 pub mod reduced;
+pub mod result;
 pub mod run;
 pub mod scene;
+pub mod settings;
 pub mod settling;
 pub mod state;
 pub mod stepped;

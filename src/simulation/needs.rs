@@ -1,8 +1,9 @@
 //! What a scene needs: which terms and degrees of freedom are in its equations, and why the others are not.
 //! Decided once per run; what is left out is not tested for in the step.
 
-use super::run::{Outputs, Rung};
+use super::ladder::Rung;
 use super::scene::{Scene, Term, TermChoice};
+use super::settings::Outputs;
 use crate::physics::cage::PocketFilm;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::lubricant::LubricantKind;

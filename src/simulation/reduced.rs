@@ -5,13 +5,16 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use super::channel::{Axis, Channel, Motion};
+use super::control::{Control, Live, Phase};
+use super::integration::SimulationError;
+use super::ladder::Rung;
 use super::model::Mechanism;
 use super::model::radially_condensed::{MOST_STEPS, Pace};
 use super::model::spindle_only::{Corrections, Driven, SpindleMotion, SpindleOnly};
 use super::needs::Needs;
 use super::observe::{ContactExtremes, RATE, Recording, kept_values};
-use super::run::{Control, Live, Outputs, Phase, RunSettings, Rung, SimulationError};
 use super::scene::Scene;
+use super::settings::{Outputs, RunSettings};
 use super::windows::Recorder;
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{InstructionSet, Task};

@@ -4,11 +4,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::equilibrium::equilibrium;
+use super::control::{Control, Live, Phase};
+use super::equilibrium::{equilibrium, start_state};
+use super::integration::{SimulationError, Span, integrate};
 use super::model::{FadingDamping, Mechanism, Model};
 use super::needs::Needs;
-use super::run::{self, Control, Live, Outputs, Phase, RunSettings, SimulationError, Span};
 use super::scene::Scene;
+use super::settings::{Outputs, RunSettings};
 use super::stepped;
 use crate::numerics::ode::Statistics;
 use crate::physics::kinematics;
@@ -154,7 +156,7 @@ pub(super) struct Beginning {
 impl Beginning {
     /// In equilibrium, at no time.
     pub fn at_rest(model: &Model) -> Result<Self, SimulationError> {
-        Ok(Self { time: 0.0, is_damped: false, state: run::start_state(model)?, work: Statistics::default() })
+        Ok(Self { time: 0.0, is_damped: false, state: start_state(model)?, work: Statistics::default() })
     }
 
     /// After what attempts share, so that they and their repetitions have no more before them than the last of settling. In long steps,
@@ -170,7 +172,7 @@ impl Beginning {
         let model = damped.as_ref().unwrap_or(model);
         let span = Span { start: 0.0, end: time, checkpoint: time, share: (0.0, 1.0) };
         (control.live)(&Live::of(Phase::Settling));
-        match run::integrate(model, &start.state, &stepped::longest(model), &span, control, |_| ()) {
+        match integrate(model, &start.state, &stepped::longest(model), &span, control, |_| ()) {
             Ok(settled) => {
                 let is_damped = damping.is_some();
                 Ok(Self { time, is_damped, state: settled.checkpoint, work: settled.statistics })

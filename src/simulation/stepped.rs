@@ -2,10 +2,14 @@
 //! takes, and kept where a quarter of the step tells the same level.
 
 use super::accuracy;
+use super::control::Control;
+use super::integration::{SimulationError, Stepping};
 use super::metrics::{AccuracyReport, MotionKind};
 use super::model::Model;
 use super::needs::Needs;
-use super::run::{Attempt, Control, MAIN_SHARE, Method, RunSettings, Setup, SimulationError, Stepping};
+use super::run::{Attempt, MAIN_SHARE, Setup};
+use super::settings::RunSettings;
+use crate::numerics::ode::Method;
 
 /// First step that is tried [s]: levels of the article's bearing err by 0.02 dB at most.
 pub const STEP: f64 = 7.5e-6;

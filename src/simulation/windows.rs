@@ -9,7 +9,8 @@ use super::channel::{Axis, Channel, Motion};
 use super::distance::ACCELERATIONS;
 use super::metrics::{BAND, ENVELOPE_BAND};
 use super::observe::{RATE, kept_values};
-use super::run::{ChannelSpectra, Outputs};
+use super::result::ChannelSpectra;
+use super::settings::Outputs;
 use crate::numerics::spectrum::{amplitude_spectrum, band_limited, envelope_spectrum};
 use crate::numerics::statistics::{self, CentralMoments};
 

@@ -2,9 +2,13 @@
 
 use std::sync::OnceLock;
 
+use raceway::numerics::ode::Method;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::control::Control;
 use raceway::simulation::lines::Line;
-use raceway::simulation::run::{Control, Method, Outputs, RunResult, RunSettings, run};
+use raceway::simulation::result::RunResult;
+use raceway::simulation::run::run;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use serde_json::json;
 
 use crate::scenes::{article, changed, scene};

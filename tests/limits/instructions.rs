@@ -1,10 +1,13 @@
 //! Balls side by side: the same bits by whatever instructions, in whatever number.
 
 use raceway::numerics::lanes::InstructionSet;
+use raceway::numerics::ode::Method;
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
+use raceway::simulation::control::Control;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
-use raceway::simulation::run::{Control, Method, RunSettings, Rung};
+use raceway::simulation::settings::RunSettings;
 use serde_json::{Value, json};
 
 use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_asked, rates, scene};

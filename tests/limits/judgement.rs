@@ -2,9 +2,12 @@
 
 use raceway::physics::raceway::{RacewayContact, RelativeMotion};
 use raceway::simulation::judgement::{Judge, Omission, within};
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::needs::{Grounds, Needs};
-use raceway::simulation::run::{Outputs, RunResult, RunSettings, Rung, run};
+use raceway::simulation::result::RunResult;
+use raceway::simulation::run::run;
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};

@@ -8,7 +8,9 @@ use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
 use crate::scenes::{article, changed, disturbed, everything, model, model_on, rates, scene};
-use raceway::simulation::run::{RunSettings, Rung, run};
+use raceway::simulation::ladder::Rung;
+use raceway::simulation::run::run;
+use raceway::simulation::settings::RunSettings;
 
 const TIME: f64 = 2.3e-4;
 

@@ -31,7 +31,11 @@ fn ball_passage_rules_where_nothing_is_unbalanced() {
 }
 
 /// Amplitude at a frequency over the strongest one of the spectrum: the largest of the three nearest bins.
-fn share_at(run: &raceway::simulation::run::RunResult, channel: raceway::simulation::channel::Channel, hz: f64) -> f64 {
+fn share_at(
+    run: &raceway::simulation::result::RunResult,
+    channel: raceway::simulation::channel::Channel,
+    hz: f64,
+) -> f64 {
     let spectrum = &run.spectra.iter().find(|spectra| spectra.channel == channel).unwrap().amplitude;
     let bin = (hz / spectrum.resolution).round() as usize;
     let near = spectrum.amplitude[bin - 1..=bin + 1].iter().copied().fold(0.0, f64::max);

@@ -1,7 +1,8 @@
 //! Where the cage is symmetric and nothing acts along X, nothing leaves the plane: the planar rung is the full one.
 
+use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::model::Model;
-use raceway::simulation::run::{Rung, start_state};
 use serde_json::{Value, json};
 
 use crate::mirror_symmetry::difference;

@@ -1,12 +1,15 @@
 //! Rung 2, balls in radial equilibrium, against the full dynamics and against itself.
 
 use raceway::contract::scene_from_json;
+use raceway::numerics::ode::Method;
 use raceway::numerics::statistics::rms;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::control::Control;
 use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed, Stepper, unable};
 use raceway::simulation::observe::Recording;
-use raceway::simulation::run::{Control, Method, Outputs, RunSettings, run};
+use raceway::simulation::run::run;
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::{Outputs, RunSettings};
 
 const CONTROL: Control<'static> = Control::until(&|| false);
 

@@ -1,7 +1,10 @@
 //! A run depends on nothing but its scene and settings.
 
+use raceway::numerics::ode::Method;
 use raceway::simulation::channel::Channel;
-use raceway::simulation::run::{Method, RunResult, RunSettings, run};
+use raceway::simulation::result::RunResult;
+use raceway::simulation::run::run;
+use raceway::simulation::settings::RunSettings;
 use serde_json::json;
 
 use crate::article_run::{patient, settings};

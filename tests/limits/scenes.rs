@@ -7,10 +7,12 @@ use raceway::physics::frames::Vector;
 use raceway::physics::pocket::PocketLoad;
 use raceway::physics::raceway::{RacewayLoad, RelativeMotion};
 use raceway::simulation::channel::BallContact;
+use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::model::{Model, Watch};
 use raceway::simulation::needs::Needs;
-use raceway::simulation::run::{Outputs, Rung, start_state};
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::Outputs;
 use serde_json::{Value, json};
 
 pub use crate::article::{article, changed};

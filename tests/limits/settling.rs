@@ -1,9 +1,12 @@
 //! How long a run has to go on until its start is forgotten.
 
+use raceway::numerics::ode::Method;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::metrics::{ChannelMetrics, Summary};
-use raceway::simulation::run::{Method, RunSettings, Rung, run};
+use raceway::simulation::run::run;
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::RunSettings;
 use raceway::simulation::settling::{decay_rate, rings_on, settling_time, turning_time};
 use serde_json::{Value, json};
 

@@ -3,13 +3,17 @@
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::control::Control;
+use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::integration::SimulationError;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::metrics::channel_metrics;
 use raceway::simulation::model::Model;
 use raceway::simulation::needs::Needs;
 use raceway::simulation::observe::{Observer, Recording};
 use raceway::simulation::reduced::{passage, simulate, simulate_periodic};
-use raceway::simulation::run::{Control, Outputs, RunSettings, Rung, SimulationError, start_state};
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::{Outputs, RunSettings};
 
 const QUIET: Control<'static> = Control::until(&|| false);
 

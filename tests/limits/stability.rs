@@ -4,9 +4,12 @@
 use raceway::numerics::ode::stability::{STEPS_PER_LOOK, Stability, StabilityWatch};
 use raceway::numerics::ode::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics};
 use raceway::simulation::channel::Channel;
+use raceway::simulation::equilibrium::start_state;
 use raceway::simulation::metrics::vibration;
 use raceway::simulation::observe::Observer;
-use raceway::simulation::run::{RunResult, RunSettings, run, start_state};
+use raceway::simulation::result::RunResult;
+use raceway::simulation::run::run;
+use raceway::simulation::settings::RunSettings;
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, patient, settings};

@@ -1,11 +1,16 @@
 //! The dynamics in steps of a fixed length: how right they are, and where they are taken.
 
+use raceway::numerics::ode::Method;
 use raceway::numerics::ode::{Choice, IntegrationError, Integrator, OdeSystem, Statistics};
+use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::metrics::MotionKind;
 use raceway::simulation::model::Model;
 use raceway::simulation::needs::Needs;
 use raceway::simulation::observe::Observer;
-use raceway::simulation::run::{Method, RunResult, RunSettings, Rung, run, start_state};
+use raceway::simulation::result::RunResult;
+use raceway::simulation::run::run;
+use raceway::simulation::settings::RunSettings;
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};

@@ -8,8 +8,8 @@ use raceway::physics::bearing::PerRaceway;
 use raceway::simulation::equilibrium::{StaticLoads, equilibrium, static_loads};
 use raceway::simulation::model::Mechanism;
 use raceway::simulation::needs::Needs;
-use raceway::simulation::run::Outputs;
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::Outputs;
 use serde_json::{Value, json};
 
 use crate::table::{check, check_computed};

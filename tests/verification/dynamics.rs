@@ -2,15 +2,18 @@
 
 use std::f64::consts::{PI, TAU};
 
+use raceway::numerics::ode::Method;
 use raceway::numerics::roots::bracketed_root;
 use raceway::physics::kinematics::ideal_orbit_ratio;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::control::Control;
+use raceway::simulation::ladder::Rung;
 use raceway::simulation::metrics::{channel_metrics, level_db};
 use raceway::simulation::model::Mechanism;
 use raceway::simulation::needs::Needs;
 use raceway::simulation::reduced::simulate;
-use raceway::simulation::run::{Control, Method, Outputs, RunSettings, Rung};
 use raceway::simulation::scene::Scene;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use serde_json::json;
 
 use crate::distribution::scene;

@@ -2,10 +2,14 @@
 
 use std::f64::consts::TAU;
 
+use raceway::numerics::ode::Method;
 use raceway::physics::bearing::Bearing;
 use raceway::physics::kinematics::ideal_frequencies;
 use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::run::{Control, Method, Outputs, RunSettings, Rung, run};
+use raceway::simulation::control::Control;
+use raceway::simulation::ladder::Rung;
+use raceway::simulation::run::run;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use serde_json::{Value, json};
 
 use crate::distribution::scene;

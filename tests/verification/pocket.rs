@@ -3,7 +3,7 @@
 use raceway::contract::scene_from_json;
 use raceway::simulation::model::Model;
 use raceway::simulation::needs::Needs;
-use raceway::simulation::run::Outputs;
+use raceway::simulation::settings::Outputs;
 
 use crate::table::{check, read};
 

@@ -3,11 +3,12 @@
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::OdeSystem;
 use raceway::simulation::channel::{Axis, Channel, Motion};
+use raceway::simulation::equilibrium::start_state;
 use raceway::simulation::metrics::channel_metrics;
 use raceway::simulation::model::Model;
 use raceway::simulation::needs::Needs;
 use raceway::simulation::observe::RATE;
-use raceway::simulation::run::{Outputs, start_state};
+use raceway::simulation::settings::Outputs;
 use raceway::simulation::state::Layout;
 
 /// A scene by name.

@@ -2,16 +2,20 @@
 
 use super::super::accuracy::BATCHES;
 use super::super::channel::Channel;
+use super::super::control::Control;
 use super::super::distance::{self, Distance};
+use super::super::integration::{SimulationError, Stepping};
 use super::super::model::radially_condensed::RadiallyCondensed;
 use super::super::model::{Model, condensed_contact};
 use super::super::needs::Needs;
 use super::super::observe::{Quantities, Recording};
-use super::super::run::{Control, Method, Outputs, RunSettings, Setup, SimulationError, Stepping};
+use super::super::run::Setup;
 use super::super::scene::Scene;
+use super::super::settings::{Outputs, RunSettings};
 use super::super::settling::Beginning;
 use super::super::stepped;
 use super::{Rung, record};
+use crate::numerics::ode::Method;
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::kinematics;
 

@@ -17,8 +17,8 @@ pub use fading_damping::FadingDamping;
 pub use full::Full;
 pub use planar::Planar;
 
+use super::ladder::Rung;
 use super::needs::Needs;
-use super::run::Rung;
 use super::scene::Scene;
 use super::state::Layout;
 use crate::numerics::lanes::{InstructionSet, LANES};

@@ -2,10 +2,12 @@
 
 use std::time::Instant;
 
+use super::super::control::Control;
+use super::super::integration::{SimulationError, Span, Stepping, integrate};
 use super::super::model::Model;
 use super::super::needs::Needs;
 use super::super::observe::{Observer, RATE, Recording};
-use super::super::run::{Control, RunSettings, SimulationError, Span, Stepping, integrate};
+use super::super::settings::RunSettings;
 use super::SETTLED;
 use crate::numerics::ode::{Choice, Integrator, OdeSystem, Statistics};
 

@@ -4,7 +4,7 @@ use super::super::channel::Channel;
 use super::super::distance::FAINT;
 use super::super::lines::Line;
 use super::super::metrics;
-use super::super::run::ChannelSpectra;
+use super::super::result::ChannelSpectra;
 use super::super::scene::Scene;
 use super::course::{Course, Finished};
 use super::{MOST_GROWN, levels};

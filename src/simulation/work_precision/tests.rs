@@ -7,8 +7,8 @@ use crate::physics::examples::{article_bearing, article_cage, article_lubricant}
 use crate::physics::lubricant::{Lubricant, LubricantKind};
 use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
+use crate::simulation::ladder::Rung;
 use crate::simulation::needs::Needs;
-use crate::simulation::run::Rung;
 use crate::simulation::scene::{SceneParameters, Terms};
 
 /// The article's case at a speed [rad/s].

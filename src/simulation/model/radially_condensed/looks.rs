@@ -9,7 +9,7 @@ use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
 use crate::simulation::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::observe::{ContactExtremes, Recording, picked_channels};
-use crate::simulation::run::Outputs;
+use crate::simulation::settings::Outputs;
 use crate::simulation::views::LoadsTaken;
 use crate::simulation::windows::Recorder;
 
