@@ -1,0 +1,86 @@
+//! What a run leaves behind.
+
+use super::accuracy;
+use super::channel::Channel;
+use super::distance::LevelErrors;
+use super::metrics::{self, AccuracyReport, SolverReport, Summary};
+use super::model::Mechanism;
+use super::needs::LeftOut;
+use super::observe::Recording;
+use super::scene::Scene;
+use super::settings::RunSettings;
+use super::views::Views;
+use crate::numerics::spectrum::Spectrum;
+
+/// A signal at a uniform rate, in the channel's unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    pub channel: Channel,
+    /// Time of the first value since the start of the run [s].
+    pub start: f64,
+    /// Time between values [s].
+    pub step: f64,
+    pub values: Vec<f64>,
+}
+
+/// Spectra of one channel, in the channel's unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelSpectra {
+    pub channel: Channel,
+    pub amplitude: Spectrum,
+    pub envelope: Spectrum,
+}
+
+/// All that a run leaves behind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunResult {
+    pub summary: Summary,
+    pub spectra: Vec<ChannelSpectra>,
+    pub series: Vec<Series>,
+    /// For pictures, where any signal is asked for.
+    pub views: Views,
+    pub left_out: Vec<LeftOut>,
+}
+
+/// What a result says of itself.
+pub(super) struct Account {
+    pub solver: SolverReport,
+    pub accuracy: AccuracyReport,
+    /// Of a start that may still ring.
+    pub settling: Option<String>,
+    pub left_out: Vec<LeftOut>,
+}
+
+impl RunResult {
+    /// Everything that the outputs ask for, from what a run has shown.
+    pub(super) fn new(
+        scene: &Scene,
+        settings: &RunSettings,
+        mechanism: &Mechanism,
+        recording: &Recording,
+        account: Account,
+    ) -> Self {
+        let Account { solver, accuracy, settling, left_out } = account;
+        let outputs = &settings.outputs;
+        let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
+        let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
+        let views = || Views::of(recording, balls, is_steady);
+        let (spectra, views) = match outputs.keep_signals() {
+            true => (metrics::spectra(recording, settings), views()),
+            false => (Vec::new(), Views::default()),
+        };
+        let frequencies = metrics::frequencies(scene, recording);
+        let summary = Summary {
+            scatter: if is_steady { accuracy::scatter(recording) } else { LevelErrors::default() },
+            settling,
+            channels: channels(),
+            contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
+            cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
+            frequencies,
+            lines: if outputs.vibration { metrics::lines(scene, &spectra, &frequencies) } else { Vec::new() },
+            solver,
+            accuracy,
+        };
+        Self { summary, spectra, series: metrics::series(recording, settings), views, left_out }
+    }
+}
