@@ -120,7 +120,7 @@ pub struct BearingPreset {
 
 /// Names of all bearings.
 pub fn bearing_names() -> impl Iterator<Item = &'static str> {
-    ["article-integrated", "article-deep-groove", "6205", "6204", "608"].into_iter()
+    ["article-integrated", "article-deep-groove", "608", "6203", "6204", "6205", "6206", "6208", "6210"].into_iter()
 }
 
 /// The bearing of that name.
@@ -132,10 +132,14 @@ pub fn bearing(name: &str) -> Option<BearingPreset> {
             (BearingType::DeepGroove, 20.0, 8.0, 6.3),
             (2.38, 14.0),
         ),
+        "608" => catalogue("8 × 22 × 7 mm", (22.0, 8.0, 7.0), 7, (3.969, 15.0)),
+        "6203" => catalogue("17 × 40 × 12 mm", (40.0, 17.0, 12.0), 8, (6.746, 28.5)),
+        "6204" => catalogue("20 × 47 × 14 mm", (47.0, 20.0, 14.0), 8, (7.938, 33.5)),
         // 0.3126 in and 1.537 in, as in the published fault orders of the 6205-2RS
         "6205" => catalogue("25 × 52 × 15 mm", (52.0, 25.0, 15.0), 9, (7.94004, 39.0398)),
-        "6204" => catalogue("20 × 47 × 14 mm", (47.0, 20.0, 14.0), 8, (7.938, 33.5)),
-        "608" => catalogue("8 × 22 × 7 mm", (22.0, 8.0, 7.0), 7, (3.969, 15.0)),
+        "6206" => catalogue("30 × 62 × 16 mm", (62.0, 30.0, 16.0), 9, (9.525, 46.0)),
+        "6208" => catalogue("40 × 80 × 18 mm", (80.0, 40.0, 18.0), 9, (11.906, 60.0)),
+        "6210" => catalogue("50 × 90 × 20 mm", (90.0, 50.0, 20.0), 10, (12.7, 70.0)),
         _ => return None,
     };
     Some(BearingPreset { name: name.to_owned(), ..preset })

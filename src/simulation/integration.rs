@@ -27,15 +27,15 @@ pub enum SimulationError {
     },
     /// At the pace so far the run would never end.
     #[error(
-        "given up at t = {time:e} s of {end} s: steps of {step:.1e} s in the mean would take some {evaluations:.0e} evaluations of \
+        "given up at t = {time:.3e} s of {end} s: steps of {step:.1e} s in the mean would take some {evaluations:.0e} evaluations of \
          the equations, more than {MOST_EVALUATIONS:.0e}"
     )]
     Endless { time: f64, end: f64, step: f64, evaluations: f64 },
     /// `Control::stop` asked for it.
-    #[error("stopped at t = {time} s")]
+    #[error("stopped at t = {time:.9} s")]
     Stopped { time: f64 },
     /// It took more evaluations of the equations than it may.
-    #[error("stopped at t = {time} s after {evaluations} evaluations of the equations")]
+    #[error("stopped at t = {time:.9} s after {evaluations} evaluations of the equations")]
     Exhausted { time: f64, evaluations: u64 },
 }
 
@@ -210,7 +210,7 @@ mod tests {
         assert_eq!(endless(&work(1_000_000), 1e-8, &span), Ok(()));
         assert_eq!(endless(&work(3_000_000), 1e-3, &span), Ok(()));
         let words = endless(&work(3_000_000), 1e-8, &span).unwrap_err().to_string();
-        assert!(words.contains("given up at t = 1e-9 s of 0.1 s") && words.contains("3e14 evaluations"), "{words}");
+        assert!(words.contains("given up at t = 1.000e-9 s of 0.1 s") && words.contains("3e14 evaluations"), "{words}");
         // Not even a number that says how far it is.
         assert!(endless(&work(3_000_000), 0.0, &span).is_err());
     }

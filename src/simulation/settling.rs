@@ -23,6 +23,8 @@ const RINGS: f64 = 2.0;
 const LONGEST: f64 = 5.0;
 /// Times that nobody could wait [s].
 const ENDLESS: f64 = 1000.0;
+/// Time that hardly anybody would wait [s].
+const PATIENCE: f64 = 60.0;
 /// Turns of the cage in which balls, cage and film have settled, and within which of these times [s].
 const TURNS: f64 = 3.0;
 const TURNING: [f64; 2] = [0.02, 1.0];
@@ -201,6 +203,9 @@ pub fn rings_on(scene: &Scene, settle: f64) -> Option<String> {
     let enough = GONE / rate;
     let way_out = match scene.operation.speed.is_constant() {
         _ if enough > ENDLESS => "No time is long enough for that".to_owned(),
+        true if enough > PATIENCE => {
+            format!("Waiting for it would take {enough:.0} s: a larger load or more damping shortens that")
+        }
         true => format!("Try {enough:.2} s"),
         false => format!("Hold the first speed for {enough:.2} s before anything is kept"),
     };

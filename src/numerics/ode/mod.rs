@@ -230,10 +230,10 @@ fn shorter(one: f64, other: f64) -> f64 {
 /// Why an integration ended early. Times in seconds.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IntegrationError {
-    #[error("step size fell to {step:e} s at t = {time} s; state component {component} resists the error test")]
+    #[error("step size fell to {step:.3e} s at t = {time:.9} s; state component {component} resists the error test")]
     StepTooSmall { time: f64, step: f64, component: usize },
-    #[error("state component {component} is no longer finite at t = {time} s (step {step:e} s)")]
+    #[error("state component {component} is no longer finite at t = {time:.9} s (step {step:.3e} s)")]
     NotFinite { time: f64, step: f64, component: usize },
-    #[error("stopped by the caller at t = {time} s")]
+    #[error("stopped by the caller at t = {time:.9} s")]
     Stopped { time: f64 },
 }

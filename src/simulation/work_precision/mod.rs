@@ -281,7 +281,7 @@ fn points(
             let measured = match ended {
                 Ok(run) => measured(&run, references, reference, comparison, relative_tolerance),
                 Err(SimulationError::Exhausted { time, evaluations }) => Err(format!(
-                    "stopped at t = {time} s after {evaluations} evaluations of the equations: a run may take {most}, \
+                    "stopped at t = {time:.9} s after {evaluations} evaluations of the equations: a run may take {most}, \
                      {EVALUATIONS_OVER_REFERENCE} times those of the reference"
                 )),
                 Err(error) => Err(error.to_string()),
