@@ -16,6 +16,12 @@ impl<'a> Control<'a> {
         Self { stop, progress: &|_| (), live: &|_| () }
     }
 
+    /// Work that is a part of the whole: from one share of the progress to another.
+    pub fn part<T>(&self, (from, to): (f64, f64), work: impl FnOnce(&Control<'_>) -> T) -> T {
+        let progress = |share: f64| (self.progress)(from + (to - from) * share);
+        work(&Control { progress: &progress, ..*self })
+    }
+
     /// The same for a run whose levels are not those of the result.
     pub fn aside(&self) -> Self {
         Self { live: &|_| (), ..*self }

@@ -271,11 +271,10 @@ fn on_rung(
     begin: Instant,
     control: &Control<'_>,
 ) -> Result<Result<RunResult, String>, SimulationError> {
-    let part = |from: f64, to: f64| move |share: f64| (control.progress)(from + share * (to - from));
-    let checking = part(0.0, CHECK_SHARE);
     // The check decides, so it comes first.
     (control.live)(&Live::of(Phase::Checking));
-    let check = match check(rung, scene, settings, &Control { progress: &checking, ..control.aside() }) {
+    let checked = control.aside().part((0.0, CHECK_SHARE), |control| check(rung, scene, settings, control));
+    let check = match checked {
         Ok(check) => check,
         // A rung by name is run whatever its check shows.
         Err(error) if settings.rung.is_some() && !matches!(error, SimulationError::Stopped { .. }) => {
@@ -293,11 +292,10 @@ fn on_rung(
     let again = finer_pace.map_or(0.0, |(_, steps)| steps);
     let rest = (1.0 - CHECK_SHARE) / (1.0 + 2.0 * again);
     let (run, repeated) = (CHECK_SHARE + rest, CHECK_SHARE + (1.0 + again) * rest);
-    let (running, repeating, pairing) = (part(CHECK_SHARE, run), part(run, repeated), part(repeated, 1.0));
-    let made = record(rung, scene, &stepped, &Control { progress: &running, ..*control })?;
+    let made = control.part((CHECK_SHARE, run), |control| record(rung, scene, &stepped, control))?;
     (control.live)(&Live::of(Phase::Judging));
-    let repeat = Control { progress: &repeating, ..control.aside() };
-    let finer = match finer(finer_pace, scene, &stepped, &repeat) {
+    let finer = control.aside().part((run, repeated), |control| finer(finer_pace, scene, &stepped, control));
+    let finer = match finer {
         Err(error) if settings.rung.is_none() || matches!(error, SimulationError::Stopped { .. }) => return Err(error),
         finer => finer.ok().flatten(),
     };
@@ -323,8 +321,8 @@ fn on_rung(
         return Ok(Err(format!("{what}, and the check tells nothing of that")));
     }
     let turns = scene.operating_speed() != 0.0;
-    let pair = Control { progress: &pairing, ..control.aside() };
-    let parted = match parted(rung, scene, &stepped, &made, finer.as_ref(), &pair) {
+    let pair = |control: &Control<'_>| parted(rung, scene, &stepped, &made, finer.as_ref(), control);
+    let parted = match control.aside().part((repeated, 1.0), pair) {
         Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
         // Where nothing turns, two motions may stay apart for ever.
         parted => parted.ok().filter(|_| turns),

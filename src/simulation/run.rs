@@ -29,14 +29,24 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     };
     let control = &Control { progress: &progress, ..*control };
     let (reduced, found) = ladder::run(scene, settings, control)?;
-    if let Some(result) = reduced {
-        (control.progress)(1.0);
-        return Ok(result);
-    }
-    // The dynamics have the rest of the progress, so that it does not stand until they have come as far.
-    let before = furthest.get();
-    let rest = |share: f64| (control.progress)(before + (1.0 - before) * share);
-    let control = &Control { progress: &rest, ..*control };
+    let result = match reduced {
+        Some(result) => result,
+        // The dynamics have the rest of the progress, so that it does not stand until they have come as far.
+        None => control.part((furthest.get(), 1.0), |control| dynamics(scene, settings, &found, begin, control))?,
+    };
+    (control.progress)(1.0);
+    Ok(result)
+}
+
+/// The dynamics: settled once, then in steps of a fixed length where these serve, else under error control. `found`: what other rungs
+/// have shown.
+fn dynamics(
+    scene: &Scene,
+    settings: &RunSettings,
+    found: &[String],
+    begin: Instant,
+    control: &Control<'_>,
+) -> Result<RunResult, SimulationError> {
     let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db)?;
     let model = Model::new(scene, &needs);
     // With all that judgement has left out.
@@ -47,38 +57,49 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
     let shared = Shared::of(scene, whole_or_model, settings);
     let to_come = JUDGED_TIMES * (settings.settle - shared.time + settings.duration);
     let settled = shared.time / (shared.time + to_come);
-    let settling = |share: f64| (control.progress)(settled * share);
-    let settling = &Control { progress: &settling, ..*control };
-    let beginning = Beginning::after(&shared, whole_or_model, settling)?;
-    let rest = |share: f64| (control.progress)(settled + (1.0 - settled) * share);
-    let control = &Control { progress: &rest, ..*control };
-    let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
-    // Progress counts all that may have to be done: an end that comes early is better than one that stands.
-    let attempts = [true, whole.is_some(), tighter.is_some()].into_iter().filter(|may_come| *may_come).count() as f64;
-    let mut setup = Setup { model: &model, needs: &needs, settings, beginning: &beginning, whole };
-    // Most of the progress: it mostly serves.
+    let beginning = control.part((0.0, settled), |control| Beginning::after(&shared, whole_or_model, control))?;
+    let setup = Setup { model: &model, needs: &needs, settings, beginning: &beginning, whole };
     let allowed_db = SHARE_OF_ERROR * settings.model_tolerance_db;
-    let stepped_share = if stepped::may_choose(settings) { STEPPED_SHARE } else { 0.0 };
-    let progress = |share: f64| (control.progress)(stepped_share * share);
-    let in_steps = &Control { progress: &progress, ..*control };
-    let in_vain = match stepped::attempt(&setup, allowed_db, !ladder::tilts_late(scene), in_steps)? {
+    let may_step = stepped::may_choose(settings);
+    // Most of the progress: they mostly serve.
+    let stepped = if may_step { settled + STEPPED_SHARE * (1.0 - settled) } else { settled };
+    let tells_chaos = !ladder::tilts_late(scene);
+    let in_steps =
+        control.part((settled, stepped), |control| stepped::attempt(&setup, allowed_db, tells_chaos, control))?;
+    let in_vain = match in_steps {
         Ok(Stepped { attempt, accuracy, settings, model, needs }) => {
-            (control.progress)(1.0);
-            setup = Setup { model, needs, settings: &settings, ..setup };
-            return Ok(summarise(scene, &setup, &attempt, accuracy, (&found, None), begin));
+            let setup = Setup { model, needs, settings: &settings, ..setup };
+            return Ok(summarise(scene, &setup, &attempt, accuracy, (found, None), begin));
         }
-        Err(why) => Some(why).filter(|_| stepped::may_choose(settings)),
+        Err(why) => Some(why).filter(|_| may_step),
     };
-    let attempt = |setup: &Setup<'_>, before: f64, most_evaluations: Option<u64>| {
-        let progress =
-            |share: f64| (control.progress)(stepped_share + (1.0 - stepped_share) * (before + share) / attempts);
-        let control = &Control { progress: &progress, ..*control };
-        let stepping = Stepping { most_evaluations, ..Stepping::of(setup.settings) };
-        let first = setup.attempt(&stepping, (0.0, MAIN_SHARE), control)?;
-        accuracy::judge(setup, first, control)
+    let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
+    let (setup, made, accuracy) =
+        control.part((stepped, 1.0), |control| under_error_control(setup, tighter.as_ref(), allowed_db, control))?;
+    Ok(summarise(scene, &Setup { settings, ..setup }, &made, accuracy, (found, in_vain.as_deref()), begin))
+}
+
+/// The run, made again with all terms, and at a tighter tolerance where it may choose that, until what it states lies within so many
+/// decibels; and what it was made with.
+fn under_error_control<'a>(
+    setup: Setup<'a>,
+    tighter: Option<&'a RunSettings>,
+    allowed_db: f64,
+    control: &Control<'_>,
+) -> Result<(Setup<'a>, Attempt, AccuracyReport), SimulationError> {
+    let (mut setup, settings) = (setup, setup.settings);
+    // Progress counts all that may have to be done: an end that comes early is better than one that stands.
+    let attempts = [true, setup.whole.is_some(), tighter.is_some()].into_iter().filter(|may_come| *may_come).count();
+    let attempt = |setup: &Setup<'_>, before: usize, most_evaluations: Option<u64>| {
+        let part = (before as f64 / attempts as f64, (before + 1) as f64 / attempts as f64);
+        control.part(part, |control| {
+            let stepping = Stepping { most_evaluations, ..Stepping::of(setup.settings) };
+            let first = setup.attempt(&stepping, (0.0, MAIN_SHARE), control)?;
+            accuracy::judge(setup, first, control)
+        })
     };
     // Another one that costs too much is given up: what is known has to do, and says how well.
-    let again = |setup: &Setup<'_>, before: f64, made: &Attempt| {
+    let again = |setup: &Setup<'_>, before: usize, made: &Attempt| {
         let most = ATTEMPTING * made.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
         match attempt(setup, before, Some(most)) {
             Ok(judged) => Ok(Some(judged)),
@@ -86,22 +107,22 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
             Err(_) => Ok(None),
         }
     };
-    let (mut made, mut accuracy) = attempt(&setup, 0.0, None)?;
+    let (mut made, mut accuracy) = attempt(&setup, 0, None)?;
     // A run that has been tightened for the noise of its steps is not run at a looser tolerance again.
-    let looser = |made: &Attempt| tighter.as_ref().filter(|_| made.relative_tolerance == settings.relative_tolerance);
+    let looser = |made: &Attempt| tighter.filter(|_| made.relative_tolerance == settings.relative_tolerance);
     // Where contacts lean, hardly anything moves, and a loose tolerance may take the noise of its steps for chaos.
-    let believed = |accuracy: &AccuracyReport| {
-        tighter.is_none() || !model.mechanism().leans() || accuracy.motion != Some(MotionKind::Diverging)
-    };
+    let leans = setup.model.mechanism().leans();
+    let believed =
+        |accuracy: &AccuracyReport| tighter.is_none() || !leans || accuracy.motion != Some(MotionKind::Diverging);
     let serves = |accuracy: &AccuracyReport| believed(accuracy) && accuracy.within(&settings.outputs, allowed_db);
-    if let Some((model, needs)) = whole
+    if let Some((model, needs)) = setup.whole
         && !serves(&accuracy)
     {
         // Nobody knows then whether terms or steps are to blame: steps are judged anew, with all terms.
         let unresolved = accuracy.level_error_db().is_some_and(|error| error >= UNRESOLVED);
         let settings = looser(&made).filter(|_| !unresolved).unwrap_or(settings);
         let with_all = Setup { model, needs, settings, whole: None, ..setup };
-        if let Some(judged) = again(&with_all, 1.0, &made)? {
+        if let Some(judged) = again(&with_all, 1, &made)? {
             setup = with_all;
             (made, accuracy) = judged;
         }
@@ -110,13 +131,12 @@ pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Resu
         && !serves(&accuracy)
     {
         let tightened = Setup { settings: tighter, whole: None, ..setup };
-        if let Some(judged) = again(&tightened, attempts - 1.0, &made)? {
+        if let Some(judged) = again(&tightened, attempts - 1, &made)? {
             setup = tightened;
             (made, accuracy) = judged;
         }
     }
-    (control.progress)(1.0);
-    Ok(summarise(scene, &Setup { settings, ..setup }, &made, accuracy, (&found, in_vain.as_deref()), begin))
+    Ok((setup, made, accuracy))
 }
 
 /// Share of `model_tolerance_db` that the error which a run states may be, before it is made again with all terms, and at a

@@ -179,9 +179,9 @@ pub(super) fn attempt<'a>(
                 let why = "the motion seems chaotic in them, and where a viscous lubricant lets cage and balls tilt it may not be";
                 return Ok(Err(why.into()));
             }
-            let progress = |share: f64| (control.progress)(before + part * (JUDGED + (1.0 - JUDGED) * share));
-            let control = &Control { progress: &progress, ..*control };
-            return another_sample(setup, step, attempt, &accuracy, allowed_db, control);
+            return control.part((before + part * JUDGED, before + part), |control| {
+                another_sample(setup, step, attempt, &accuracy, allowed_db, control)
+            });
         }
         if let Some(warning) = accuracy.warning {
             return Ok(Err(warning));
