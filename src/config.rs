@@ -9,7 +9,7 @@ use axum::http::HeaderValue;
 use clap::builder::BoolishValueParser;
 use clap::{Args, Parser, Subcommand};
 
-use crate::api::auth::Tokens;
+use crate::api::auth::{LEAST_TOKEN, Tokens};
 use crate::api::origins::origin;
 use crate::jobs::{Location, Settings};
 
@@ -302,6 +302,10 @@ impl RunOptions {
 pub enum ConfigError {
     #[error("the database {0}: not understood; use sqlite://FILE or postgres://USER@HOST/NAME")]
     UnknownDatabase(String),
+    #[error(
+        "the database sqlite://:memory: would be lost with the process, and accepted jobs with it: use sqlite://FILE"
+    )]
+    NotKept,
     #[error("the database {0}: a file serves one process; workers of their own need postgres://USER@HOST/NAME")]
     NotShared(Location),
     #[error(
@@ -315,6 +319,15 @@ pub enum ConfigError {
     OpenToEveryone(SocketAddr),
     #[error("RACEWAY_API_TOKENS is not UTF-8")]
     UnreadableTokens,
+    #[error(
+        "RACEWAY_API_TOKENS holds characters that no header carries: tokens are visible ASCII, separated by commas"
+    )]
+    UnsendableTokens,
+    #[error(
+        "{0} can be reached from other machines, and a token of RACEWAY_API_TOKENS has fewer than {LEAST_TOKEN} characters: make a longer \
+         one, or one with `raceway token create`, or accept the risk with --insecure-no-auth"
+    )]
+    WeakToken(SocketAddr),
     #[error("RACEWAY_API_TOKENS is set, but holds no token: set tokens, separated by commas, or unset it")]
     NoTokens,
     #[error("RACEWAY_LOG is {0:?}: must be error, warn, info, debug or trace")]
@@ -359,8 +372,11 @@ fn location(url: &str) -> Result<Location, ConfigError> {
         ("postgres" | "postgresql", _) => {
             Location::server(url).ok_or_else(|| ConfigError::UnknownDatabase(format!("{scheme}://…")))
         }
+        (_, Some(":memory:")) => Err(ConfigError::NotKept),
         (_, Some(file)) if !file.is_empty() && !file.contains(['?', '#']) => Ok(Location::File(file.into())),
         ("sqlite", _) => Err(ConfigError::UnknownDatabase(url.to_owned())),
+        // A path holds no password.
+        ("", _) if !url.contains('@') => Err(ConfigError::UnknownDatabase(url.to_owned())),
         _ => Err(ConfigError::UnknownDatabase(format!("{scheme}:…"))),
     }
 }
@@ -373,7 +389,11 @@ pub fn tokens() -> Result<Tokens, ConfigError> {
 }
 
 fn tokens_of(list: &OsStr) -> Result<Tokens, ConfigError> {
-    let tokens = Tokens::parse(list.to_str().ok_or(ConfigError::UnreadableTokens)?);
+    let list = list.to_str().ok_or(ConfigError::UnreadableTokens)?;
+    if !list.split(',').all(|token| token.trim().bytes().all(|byte| byte.is_ascii_graphic())) {
+        return Err(ConfigError::UnsendableTokens);
+    }
+    let tokens = Tokens::parse(list);
     if tokens.is_empty() { Err(ConfigError::NoTokens) } else { Ok(tokens) }
 }
 
@@ -405,6 +425,7 @@ mod tests {
         assert_eq!(told("sqlite://raceway.db").as_deref(), Some("raceway.db"));
         assert_eq!(told("postgres://me:secret@host/db").as_deref(), Some("postgres://host:5432/db"));
         assert!(!format!("{:?}", location("postgres://me:secret@host/db")).contains("secret"));
+        assert!(matches!(location("sqlite://:memory:"), Err(ConfigError::NotKept)));
         for url in ["", "raceway.db", "sqlite:raceway.db", "sqlite://", "mysql://x:secret@y/z"] {
             let refused = location(url).err().map(|error| error.to_string()).unwrap_or_default();
             assert!(refused.contains("sqlite://FILE") && !refused.contains("secret"), "{url}: {refused}");
@@ -414,7 +435,11 @@ mod tests {
     #[test]
     fn tokens_that_are_set_are_there() {
         use std::os::unix::ffi::OsStrExt;
-        assert!(tokens_of(OsStr::new("one,")).is_ok_and(|tokens| !tokens.is_empty()));
+        assert!(tokens_of(OsStr::new("one,")).is_ok_and(|tokens| !tokens.is_empty() && tokens.is_weak()));
+        assert!(tokens_of(OsStr::new("sixteen-letters-")).is_ok_and(|tokens| !tokens.is_weak()));
+        for unsendable in ["a\nb", "two words", "schlüssel"] {
+            assert!(matches!(tokens_of(OsStr::new(unsendable)), Err(ConfigError::UnsendableTokens)), "{unsendable:?}");
+        }
         for nothing in ["", " ", ",", " , ,"] {
             assert!(matches!(tokens_of(OsStr::new(nothing)), Err(ConfigError::NoTokens)), "{nothing:?}");
         }

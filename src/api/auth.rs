@@ -20,7 +20,11 @@ use crate::jobs::tokens::{Token, TokenDigest, digest_of, owner_of};
 #[derive(Clone, Default)]
 pub struct Tokens {
     digests: Vec<TokenDigest>,
+    is_weak: bool,
 }
+
+/// Characters of a token below which it may be guessed.
+pub const LEAST_TOKEN: usize = 16;
 
 impl std::fmt::Debug for Tokens {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -31,8 +35,13 @@ impl std::fmt::Debug for Tokens {
 impl Tokens {
     /// Tokens separated by commas.
     pub fn parse(list: &str) -> Self {
-        let tokens = list.split(',').map(str::trim).filter(|token| !token.is_empty());
-        Self { digests: tokens.map(digest_of).collect() }
+        let tokens = || list.split(',').map(str::trim).filter(|token| !token.is_empty());
+        Self { digests: tokens().map(digest_of).collect(), is_weak: tokens().any(|token| token.len() < LEAST_TOKEN) }
+    }
+
+    /// Whether one of them is so short that it may be guessed.
+    pub fn is_weak(&self) -> bool {
+        self.is_weak
     }
 
     pub fn is_empty(&self) -> bool {

@@ -59,6 +59,11 @@ impl Service {
         server::url(self.door.address)
     }
 
+    /// Where it listens; unspecified: on all interfaces.
+    pub fn address(&self) -> SocketAddr {
+        self.door.address
+    }
+
     /// Stops: no more jobs, no more connections, running jobs back into the queue, database closed.
     pub async fn stop(self) {
         self.jobs.refuse_new();

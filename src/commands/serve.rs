@@ -47,7 +47,8 @@ async fn start(options: &ServeOptions) -> Result<(Service, Signals), Box<dyn std
     let access = Access { rates, origins: options.allowed_origins.clone(), ..access };
     let (database, workers) = (settings.database.kind(), settings.workers);
     let service = Service::start(options.listen, settings, access, simulator()).await?;
-    tracing::info!(version = env!("CARGO_PKG_VERSION"), address = service.url(), database, workers, "serving");
+    let (address, listen) = (service.url(), service.address());
+    tracing::info!(version = env!("CARGO_PKG_VERSION"), address, %listen, database, workers, "serving");
     Ok((service, signals))
 }
 
@@ -63,6 +64,12 @@ pub async fn access(
             return Err(ConfigError::OpenToEveryone(listen).into());
         }
         tracing::warn!(%listen, "there are no tokens: whoever reaches the port may do everything");
+    }
+    if !is_local && tokens.is_weak() {
+        if !insecure_no_auth {
+            return Err(ConfigError::WeakToken(listen).into());
+        }
+        tracing::warn!(%listen, "a token is so short that it may be guessed");
     }
     Ok(Access { tokens, is_local, ..Access::default() })
 }

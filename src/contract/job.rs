@@ -426,7 +426,7 @@ fn simulation(kind: JobKind, input: &mut JobInput, scene: Option<&Scene>, fillin
     let solver = input.solver.get_or_insert_default().resolve(filling);
     let outputs = input.outputs.get_or_insert_default().resolve(filling, scene);
     let settle = times::settle(&mut input.settle_s, times::default_settle(scene), filling);
-    let duration = times::duration(&mut input.duration_s, times::default_duration(scene), &outputs, filling);
+    let duration = times::duration(&mut input.duration_s, times::default_duration(scene, settle), &outputs, filling);
     let Solver { method, rung, mut relative_tolerance, mut tightened, model_tolerance_db, fixed_step } = solver;
     if !outputs.series.is_empty() {
         // Every value of a series is asked for, and nothing judges them.

@@ -44,6 +44,15 @@ pub fn warnings(job: &Job, at_rest: Option<&StaticLoads>) -> Vec<FieldError> {
         }
     };
     of_operation(job.scene(), at_rest, &mut warn);
+    let (speed, end) = (&job.scene().operation.speed, job.settings.settle + job.settings.duration);
+    warn(!speed.is_constant() && end < speed.end(), "operation/speed_rpm", &|| {
+        format!(
+            "goes on to {} s, and the run ends at {} s, at {} r/min: a longer duration_s sees the rest",
+            short(significant(speed.end(), 6)),
+            short(significant(end, 6)),
+            short(significant(RPM.to_user(speed.at(end).1), 4))
+        )
+    });
     of_bearing(job.scene(), &mut warn);
     if job.needs.cage {
         of_cage(job.scene(), &mut warn);
@@ -90,6 +99,10 @@ fn of_operation(scene: &Scene, at_rest: Option<&StaticLoads>, warn: Warn<'_>) {
         )
     });
     let weight = scene.spindle.mass * scene.gravity.abs();
+    let is_held = load != 0.0 || weight > 0.0 || scene.bearing.radial_clearance < 0.0;
+    warn(!is_held, "operation", &|| {
+        "no load, no weight and no preload: nothing holds the spindle, and levels mean little".to_owned()
+    });
     warn(load != 0.0 && load.abs() < FAINT_LOAD * weight, &format!("operation/{largest}"), &|| {
         format!("{} N: the spindle alone weighs {} N; loads are in N", short(load), short(significant(weight, 2)))
     });

@@ -105,7 +105,7 @@ pub struct DerivedAnswer {
     pub at_rest: Option<StaticAnswer>,
 }
 
-/// Equilibrium under the applied loads alone (no gravity, no centrifugal load), first ball under +Y.
+/// Equilibrium under the applied loads alone (no weight, that of the spindle neither, no centrifugal load), first ball under +Y.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StaticAnswer {
     /// From the centred position along the radial load, clearance included [µm].

@@ -11,6 +11,8 @@ use crate::simulation::settling::{settling_time, turning_time};
 
 /// Longest default that the speed gives [s].
 const LONGEST_DEFAULT: f64 = 1.0;
+/// Longest default that a speed's changes give [s].
+const LONGEST_PROFILE: f64 = 10.0;
 /// The longest time that is kept [s] with up to `FEW_SERIES` series: these take 1 GiB then, at four doubles a sample for the value itself, its time
 /// and copies on the way.
 const LONGEST_SERIES: f64 = 23.4;
@@ -24,9 +26,12 @@ pub fn default_settle(scene: Option<&Scene>) -> f64 {
     turns.max(decayed)
 }
 
-/// Default time that is kept [s]: 20 ball passes, at least 0.1 s.
-pub fn default_duration(scene: Option<&Scene>) -> f64 {
-    default_time(0.1, 20.0, scene.map(frequencies).map(|f| f.ball_pass_outer))
+/// Default time that is kept after so much of settling [s]: 20 ball passes, at least 0.1 s, and to the last point of a speed that changes.
+pub fn default_duration(scene: Option<&Scene>, settle: f64) -> f64 {
+    let passes = default_time(0.1, 20.0, scene.map(frequencies).map(|f| f.ball_pass_outer));
+    let changing = scene.map(|scene| &scene.operation.speed).filter(|speed| !speed.is_constant());
+    let profile = changing.map_or(0.0, |speed| speed.end() - settle).min(LONGEST_PROFILE);
+    passes.max(units::significant(profile, 6))
 }
 
 /// Time before anything is kept [s].

@@ -94,6 +94,11 @@ impl SpeedProfile {
         self.points.iter().map(|point| point.0).filter(move |&at| several && at > 0.0)
     }
 
+    /// Time of the last point [s].
+    pub fn end(&self) -> f64 {
+        self.points.last().map_or(0.0, |point| point.0)
+    }
+
     /// Largest |speed| over all time [rad/s].
     pub fn largest(&self) -> f64 {
         self.points.iter().fold(0.0, |most, point| most.max(point.1.abs()))

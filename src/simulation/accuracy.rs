@@ -305,7 +305,7 @@ impl AccuracyReport {
     /// With what depends on the stretch that is kept. `steady`: whether the level should stand still; then, where it goes up and down by more than
     /// `SETTLING`, no other stretch has it closer than that, nor loads and speeds closer than the halves of this one have them, and where
     /// it rises or falls throughout, it is no nearer to that of the steady motion than it changes by.
-    pub(super) fn of_stretch(self, recording: &Recording, steady: bool) -> Self {
+    pub(super) fn of_stretch(self, recording: &Recording, outputs: &Outputs, steady: bool) -> Self {
         if !steady || self.level_error_db().is_none() {
             return self;
         }
@@ -316,13 +316,21 @@ impl AccuracyReport {
         }
         let halves = halves_apart(&recording.parts);
         let of_halves = |errors: QuantityErrors| halves.map_or(errors, |halves| errors.larger(&halves));
+        let level_errors = self.level_errors.raised_to(uneven);
+        let quantity_errors = self.quantity_errors.map(of_halves);
+        let by_chance = self.motion == Some(MotionKind::Diverging);
+        let another = || {
+            let doubtful = doubtful(level_errors.worst(), quantity_errors.filter(|_| !by_chance), outputs)?;
+            Some(format!("uneven: another stretch of this motion may show otherwise {doubtful}. Keep more time"))
+        };
         Self {
-            level_errors: self.level_errors.raised_to(uneven),
-            quantity_errors: self.quantity_errors.map(of_halves),
+            level_errors,
+            quantity_errors,
             how: format!(
                 "{}; or what the kept time, which is uneven, tells of another stretch, if that is more",
                 self.how
             ),
+            warning: self.warning.or_else(another),
             ..self
         }
         .with_settling(recording)
@@ -383,7 +391,7 @@ impl AccuracyReport {
 fn of_chance(level_error_db: Option<f64>) -> Option<String> {
     level_error_db.filter(|error| *error > DOUBTFUL).map(|error| {
         format!(
-            "not resolved: the level (an error of {error:.0} dB or more), for the motion is chaotic and the run a short sample of it. \
+            "not resolved: the level (an error of {error:.1} dB or more), for the motion is chaotic and the run a short sample of it. \
              Keep more time"
         )
     })
@@ -391,9 +399,15 @@ fn of_chance(level_error_db: Option<f64>) -> Option<String> {
 
 /// What a result says where level, largest load or cage speed are not resolved, or peaks that were asked for.
 fn doubts(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, outputs: &Outputs) -> Option<String> {
+    let doubtful = doubtful(level_error_db, quantities, outputs)?;
+    Some(format!("not resolved: {doubtful}. Try a tighter relative tolerance, or keep more time"))
+}
+
+/// What of these is in doubt, and by how much.
+fn doubtful(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, outputs: &Outputs) -> Option<String> {
     let level = level_error_db
         .filter(|error| *error > DOUBTFUL)
-        .map(|error| format!("the level (an error of {error:.0} dB or more)"));
+        .map(|error| format!("the level (an error of {error:.1} dB or more)"));
     let share = |name: &str, error: Option<f64>| {
         error
             .filter(|error| *error > DOUBTFUL_SHARE)
@@ -405,8 +419,7 @@ fn doubts(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, outpu
     let slip = share("the largest slip", quantities.filter(|_| outputs.contacts).map(|e| e.max_slip));
     let orbit = share("the orbit of the cage", quantities.filter(|_| outputs.cage).map(|e| e.orbit_radius));
     let all: Vec<String> = [level, load, speed, pocket, slip, orbit].into_iter().flatten().collect();
-    (!all.is_empty())
-        .then(|| format!("not resolved: {}. Try a tighter relative tolerance, or keep more time", all.join(", ")))
+    (!all.is_empty()).then(|| all.join(", "))
 }
 
 /// What the levels of another run of the same length would scatter by if the motion is chaotic.

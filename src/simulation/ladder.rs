@@ -498,7 +498,7 @@ fn summarise(
         divergence_rate: parted.map_or(0.0, |parted| parted.rate),
         warning,
     }
-    .of_stretch(&made.recording, scene.operation.speed.is_constant());
+    .of_stretch(&made.recording, &settings.outputs, scene.operation.speed.is_constant());
     let mechanism = Mechanism::new(scene, &needs);
     // The rung that repeats a passage has no start, and chaos forgets it by itself.
     let keeps_start = rung != Rung::Periodic && !by_chance;

@@ -247,12 +247,11 @@ fn summarise(
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
     recording.evaluate(&settings.outputs);
-    let accuracy = accuracy.of_stretch(recording, scene.operation.speed.is_constant());
+    let accuracy = accuracy.of_stretch(recording, &settings.outputs, scene.operation.speed.is_constant());
     // Neither chaos nor what was damped keeps its start.
     let keeps_start = !setup.beginning.is_damped && accuracy.motion != Some(MotionKind::Diverging);
-    let rings = || {
-        settling::rings_on(scene, settings.settle).or_else(|| settling::cage_rings_on(scene, model, settings.settle))
-    };
+    let rings =
+        || settling::rings_on(scene, settings.settle).or_else(|| settling::cage_rings_on(scene, model, settings));
     let settling = keeps_start.then(rings).flatten();
     let account = Account { solver, accuracy, settling, left_out };
     RunResult::new(scene, settings, mechanism, recording, account)

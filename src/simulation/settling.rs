@@ -48,6 +48,8 @@ struct Rest {
     decay: f64,
     /// Each ball carries load wherever it stands, so that none knocks.
     all_carry: bool,
+    /// Contacts lean, and there is a cage that rings along the axis.
+    leans: bool,
 }
 
 impl Rest {
@@ -83,7 +85,8 @@ impl Rest {
             true => damping.symmetric_eigenvalues().min(),
             false => damping.fixed_view::<2, 2>(1, 1).into_owned().symmetric_eigenvalues().min(),
         };
-        Some(Self { decay: 0.5 * least / mechanism.spindle_mass, all_carry })
+        let leans = mechanism.leans() && mechanism.layout.cage;
+        Some(Self { decay: 0.5 * least / mechanism.spindle_mass, all_carry, leans })
     }
 }
 
@@ -93,11 +96,13 @@ pub fn decay_rate(scene: &Scene) -> Option<f64> {
     Rest::of(scene).map(|rest| rest.decay).filter(|rate| *rate > 0.0)
 }
 
-/// Time that a vibration which a run starts with is given to go [s], at most `LONGEST`; `None` as for [`decay_rate`], and at changing
+/// Time that a vibration which a run starts with is given to go [s], that of the cage along its axis, too, where no start is damped at first; at
+/// most `LONGEST`; `None` as for [`decay_rate`], and at changing
 /// speed, where waiting would leave out what is asked for.
 pub fn settling_time(scene: &Scene) -> Option<f64> {
-    let rate = decay_rate(scene).filter(|_| scene.operation.speed.is_constant())?;
-    Some((GONE / rate).min(LONGEST))
+    let rest = Rest::of(scene).filter(|rest| rest.decay > 0.0 && scene.operation.speed.is_constant())?;
+    let of_cage = if rest.leans && rest.all_carry && rest.decay <= ONE_MOTION { CAGE_RINGS } else { 0.0 };
+    Some((GONE / rest.decay).clamp(of_cage, LONGEST))
 }
 
 /// Time in which balls and cage settle [s], however long the spindle rings.
@@ -186,14 +191,23 @@ impl Beginning {
     }
 }
 
-/// What a run says that was not damped at first and in which the cage may still ring after so long [s]: where contacts lean, and all carry.
-pub fn cage_rings_on(scene: &Scene, model: &Model, settle: f64) -> Option<String> {
-    let mechanism = model.mechanism();
+/// What a run says that was not damped at first and in which the cage may still ring: where contacts lean, and all carry.
+pub fn cage_rings_on(scene: &Scene, model: &Model, settings: &RunSettings) -> Option<String> {
+    let (mechanism, settle) = (model.mechanism(), settings.settle);
     let rings = mechanism.leans() && mechanism.layout.cage && settle < CAGE_RINGS;
-    rings.then(|| Rest::of(scene)).flatten().filter(|rest| rest.all_carry)?;
+    let rest = rings.then(|| Rest::of(scene)).flatten().filter(|rest| rest.all_carry)?;
+    let why = if !mechanism.speed.is_constant() {
+        "at a changing speed"
+    } else if settings.fixed_step.is_some() {
+        "in steps that are asked for"
+    } else if rest.decay <= ONE_MOTION {
+        "where the spindle comes to rest slowly"
+    } else {
+        "in so short a time"
+    };
     Some(format!(
-        "the start may still ring along the axis, where the cage is hardly damped: settle_s is {settle:?} s, and this start was not damped at \
-         first, which takes a constant speed, no fixed step and a spindle that its load damps well. Try {CAGE_RINGS} s or more"
+        "the start may still ring along the axis, where the cage is hardly damped: settle_s is {settle:?} s, and no start is damped at first \
+         {why}. Try {CAGE_RINGS} s or more"
     ))
 }
 

@@ -196,11 +196,11 @@ impl Check {
 pub(super) fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) -> RunSettings {
     let (settle, duration) = check_times(scene, settings);
     // A rung that was asked for by name may be of a run that is shorter than a ball passage.
-    let (mut settle, mut duration) =
-        (settle.min(settings.settle.max(LEAST_SETTLED)), duration.min(settings.duration.max(LEAST_CHECKED)));
+    // And what the start does is in the check where it is in the run.
+    let (mut settle, mut duration) = (settle.min(settings.settle), duration.min(settings.duration.max(LEAST_CHECKED)));
     if rung != Rung::RadiallyCondensed {
         // The richer rung costs little; and a periodic motion is none from the start.
-        settle = settle.max(settings.settle);
+        settle = settle.max(settings.settle).max(LEAST_SETTLED);
         duration = settings.duration.min(LONGER * duration).max(duration);
     }
     let outputs = Outputs { spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() };
