@@ -697,9 +697,12 @@ impl Groove {
     fn slip<const P: usize, const S: usize>(&self, c: &Contact, strips: &[Strip; P]) -> StripSlip<P, S> {
         let deformed_2 = self.hertz.deformed_radius * self.hertz.deformed_radius;
         let place: [f64; P] = from_fn(|k| strips[k].position * c.semi_major);
+        let bent = if self.conformity { 1.0 } else { 0.0 };
         let height: [f64; P] = from_fn(|k| {
-            let position_2 = strips[k].position * strips[k].position;
-            if self.conformity { (deformed_2 - position_2 * c.semi_major_2).sqrt() + c.shift } else { c.apex }
+            let position_2 = bent * strips[k].position * strips[k].position;
+            // The middle, which has no image, needs no root.
+            let is_middle = P > 1 && S == 2 * P - 1 && k == P - 1;
+            if is_middle { c.apex } else { (deformed_2 - position_2 * c.semi_major_2).sqrt() + c.shift }
         });
         let mean: [f64; P] = from_fn(|k| c.base + height[k] * c.per_height);
         let half: [f64; P] = from_fn(|k| place[k] * c.per_place);
