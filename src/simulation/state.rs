@@ -257,9 +257,10 @@ impl Layout {
     /// Puts the balls back into their places; what stands beyond the last one is dropped.
     #[inline(always)]
     pub fn set_side_by_side<const PLANAR: bool>(&self, y: &mut [f64], first: usize, s: &BallState<Lanes>) {
-        let layout = Self { planar: PLANAR, ..*self };
-        for lane in 0..LANES.min(self.balls - first) {
-            layout.set_ball(y, first + lane, &s.at(lane));
+        let size = Self { planar: PLANAR, ..*self }.ball_size();
+        let balls = y[first * size..self.balls * size].chunks_exact_mut(size);
+        for (lane, ball) in balls.take(LANES).enumerate() {
+            ball.copy_from_slice(&s.at(lane).entries(PLANAR)[..size]);
         }
     }
 
