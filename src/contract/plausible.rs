@@ -219,6 +219,19 @@ mod tests {
         }
     }
 
+    #[test]
+    fn runs_that_end_before_their_speed_does_and_spindles_that_nothing_holds_are_found() {
+        let profile = |at_s: f64| json!([{ "at_s": 0, "rpm": 0 }, { "at_s": at_s, "rpm": 30_000 }]);
+        let of = |at_s: f64| {
+            warned(json!({ "bearing": "608", "operation": { "speed_rpm": profile(at_s), "radial_load_y_n": 50 } }))
+        };
+        assert!(of(5.0).is_empty() && of(50.0) == ["/scene/operation/speed_rpm"], "{:?}", of(50.0));
+        let idle = |gravity: f64| {
+            warned(json!({ "bearing": "608", "operation": { "speed_rpm": 3000 }, "gravity_m_s2": gravity }))
+        };
+        assert!(idle(9.81).is_empty() && idle(0.0) == ["/scene/operation"], "{:?}", idle(0.0));
+    }
+
     /// Each quantity a thousand times as large as meant, or as small.
     #[test]
     fn misread_units_are_found() {

@@ -48,11 +48,28 @@ pub fn typed<T: DeserializeOwned>(value: &Value, base: &str) -> Result<T, FieldE
             }
         }
         let detail = error.inner().to_string();
+        if WANTS_WORD.iter().any(|words| detail.contains(words))
+            && let Some(words) = words_at::<T>(value, &pointer[base.len()..])
+        {
+            return FieldError::new(pointer, words);
+        }
         match detail.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`')) {
             Some(field) => FieldError::new(format!("{pointer}/{}", escape(field)), "required, but missing"),
             None => FieldError::new(pointer, in_json(&detail)),
         }
     })
+}
+
+/// What serde says of another type in the place of one of several words.
+const WANTS_WORD: [&str; 2] = ["expected string or map", "expected map with a single key"];
+
+/// The words that a field takes, as it tells them of one that it does not know; `None`: it does not say.
+fn words_at<T: DeserializeOwned>(value: &Value, pointer: &str) -> Option<String> {
+    let (mut value, unknown) = (value.clone(), "?");
+    *value.pointer_mut(pointer)? = unknown.into();
+    let detail = serde_path_to_error::deserialize::<_, T>(value).err()?.inner().to_string();
+    let known = detail.strip_prefix(&format!("unknown variant `{unknown}`, "))?;
+    Some(format!("wrong type: {known}"))
 }
 
 /// What serde says, in words of JSON.

@@ -47,6 +47,9 @@ const LEAST_TOLERANCE: f64 = 1e-13;
 const JUDGING: u64 = 10;
 const REPEATING: u64 = 50;
 pub(super) const LEAST_EVALUATIONS: u64 = 10_000;
+/// Growth of a disturbance over the kept time [e-folds] from which on a chaotic motion has forgotten what led to it, and is a sample of its
+/// statistics: before, it can be foretold, and both of two runs may err alike (of slip, by a quarter over five e-folds).
+pub(super) const FORGETS: f64 = 10.0;
 /// Level error from which a result warns of itself [dB], and error of a load, speed or slip [-].
 const DOUBTFUL: f64 = 1.0;
 const DOUBTFUL_SHARE: f64 = 0.1;
@@ -104,7 +107,7 @@ pub(super) fn judge(
         let Distance { levels: level_errors, quantities: quantity_errors } = distance;
         let by_chance = motion == Some(MotionKind::Diverging);
         let doubts = match by_chance {
-            true => of_chance(level_errors.worst()),
+            true => of_chance(level_errors.worst()).or_else(|| too_short(divergence_rate, settings.duration)),
             false => doubts(level_errors.worst(), quantity_errors, &settings.outputs),
         };
         let warning = attempt.integrated.unstable.clone().or(failure.cloned()).or(doubts);
@@ -321,7 +324,9 @@ impl AccuracyReport {
         let by_chance = self.motion == Some(MotionKind::Diverging);
         let another = || {
             let doubtful = doubtful(level_errors.worst(), quantity_errors.filter(|_| !by_chance), outputs)?;
-            Some(format!("uneven: another stretch of this motion may show otherwise {doubtful}. Keep more time"))
+            Some(format!(
+                "uneven along the kept time, so that another stretch may differ: {doubtful}. Keep more time, or settle longer"
+            ))
         };
         Self {
             level_errors,
@@ -393,6 +398,19 @@ fn of_chance(level_error_db: Option<f64>) -> Option<String> {
         format!(
             "not resolved: the level (an error of {error:.1} dB or more), for the motion is chaotic and the run a short sample of it. \
              Keep more time"
+        )
+    })
+}
+
+/// What a result says of a chaotic motion that has forgotten too little over the kept time [s] for batches to tell its error. `rate`: of
+/// divergence [1/s].
+fn too_short(rate: f64, duration: f64) -> Option<String> {
+    (rate * duration < FORGETS).then(|| {
+        format!(
+            "uncertain: the motion is chaotic, but disturbances take {:.3} s to grow e-fold, and the kept time is too short to be a sample \
+             of it: another may differ by more than is stated. Keep {:.2} s or more",
+            1.0 / rate,
+            FORGETS / rate
         )
     })
 }

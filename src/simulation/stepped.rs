@@ -1,7 +1,7 @@
 //! The dynamics in steps of a fixed length, where `auto` may choose: tried first, for they take a fraction of what error control
 //! takes, and kept where a quarter of the step tells the same level.
 
-use super::accuracy;
+use super::accuracy::{self, FORGETS};
 use super::control::Control;
 use super::integration::{SimulationError, Stepping};
 use super::metrics::{AccuracyReport, MotionKind};
@@ -69,10 +69,6 @@ const SAMPLES: i32 = 2;
 /// Most growth of a disturbance in one step [e-folds] that is taken for chaos: beyond the limit of stability it grows many times as
 /// fast.
 const SLOW_GROWTH: f64 = 0.05;
-
-/// Growth of a disturbance over the kept time [e-folds] from which on a chaotic motion has forgotten what led to it, and is a sample of its
-/// statistics: before, it can be foretold, and both steps may err alike (of slip, by a quarter over five e-folds).
-const FORGETS: f64 = 10.0;
 
 /// Chaos: nothing is left to compare but statistics. The run is made again in half of the step [s], with all terms, and is the result where
 /// both samples show the same levels; else in half of that, as long runs ask for, whose levels scatter less than steps change

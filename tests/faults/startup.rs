@@ -111,8 +111,11 @@ fn with_tokens_or_at_ones_own_risk_it_listens_everywhere() {
     let server = Process::serve_with(&place.path().join("a.db"), &open, &[]);
     assert_eq!(server.get("/v1/presets").status, 200);
     let closed = ["--listen", "0.0.0.0:0"];
-    let server = Process::serve_with(&place.path().join("b.db"), &closed, &[("RACEWAY_API_TOKENS", "alpha")]);
+    let token = [("RACEWAY_API_TOKENS", "a-token-of-this-test")];
+    let server = Process::serve_with(&place.path().join("b.db"), &closed, &token);
     server.get("/v1/presets").problem(401);
+    let guessed = refused(&["serve", "--listen", "0.0.0.0:0"], &[("RACEWAY_API_TOKENS", "alpha,a-token-of-this-test")]);
+    assert!(guessed.contains("fewer than 16 characters") && !guessed.contains("alpha"), "{guessed}");
 }
 
 #[test]

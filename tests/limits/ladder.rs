@@ -217,6 +217,18 @@ fn a_rung_by_name_is_run_even_where_its_check_fails() {
     assert!(summary.accuracy.warning.is_some() && summary.accuracy.level_error_db().is_none());
 }
 
+/// A speed that rises so fast throws balls against the walls of their pockets, which steps of 9.8 µs do not bear.
+#[test]
+fn a_rung_by_name_takes_shorter_steps_where_its_own_lose_the_motion() {
+    let rising = json!([{ "at_s": 0.02, "rpm": 3000 }, { "at_s": 0.025, "rpm": 60_000 }]);
+    let json = changed(article(), json!({ "operation": { "speed_rpm": rising } }));
+    let made = |rung| simulate(&json, &asked(false, Some(rung)));
+    let (condensed, full) = (made(Rung::RadiallyCondensed), made(Rung::Full));
+    let steps = condensed.summary.solver.statistics.steps;
+    println!("{steps} steps, {} dB apart", apart(&condensed, &full));
+    assert!(steps > 20_000 && apart(&condensed, &full) < 0.1, "{steps}, {}", apart(&condensed, &full));
+}
+
 #[test]
 fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
     let settings = asked(true, None);

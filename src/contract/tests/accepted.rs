@@ -86,6 +86,13 @@ fn times_follow_the_cage() {
     assert_eq!((crawling.settings.settle, crawling.settings.duration), (1.0, 1.0));
     let still = loaded(0.0);
     assert_eq!((still.settings.settle, still.settings.duration), (0.02, 0.1));
+    // A speed that changes is followed to its last point.
+    let up_to = |at_s: f64| {
+        let points = json!([{ "at_s": 0, "rpm": 0 }, { "at_s": at_s, "rpm": 30_000 }]);
+        let settings = job(&article(json!({ "speed_rpm": points, "radial_load_y_n": 200 }))).settings;
+        settings.settle + settings.duration
+    };
+    assert!((up_to(1.0) - 1.0).abs() < 1e-5 && (up_to(0.01) - 0.12).abs() < 1e-5 && up_to(100.0) < 11.0);
 }
 
 /// Its own weight alone hardly damps a spindle; at changing speed the time would leave out what is asked for.

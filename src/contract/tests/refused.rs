@@ -83,6 +83,8 @@ fn impossible_bearings_are_refused() {
         ),
         (r#""cage":{"mass_g":-0.1}"#, b("cage/mass_g"), "-0.1 g"),
         (r#""cage":{"film":"oil"}"#, b("cage/film"), "unknown variant"),
+        (r#""cage":{"seat":1}"#, b("cage/seat"), "wrong type: expected `"),
+        (r#""cage":{"seat":{}}"#, b("cage/seat"), "wrong type: expected `"),
         (
             r#""cage":{"film":{"stiffness_n_per_m":-1,"damping_n_s_per_m":3}}"#,
             b("cage/film/stiffness_n_per_m"),
@@ -130,6 +132,7 @@ fn impossible_scenes_are_refused() {
         (scene(r#""spindle":{"mass_kg":0}"#), "/scene/spindle/mass_kg", "0 kg: must be from 1e-9 to 1000000 kg"),
         (scene(r#""spindle":{"unbalance_g_mm":1,"balance_grade":6.3}"#), "/scene/spindle/balance_grade", "not both"),
         (scene(r#""spindle":{"axial":"loose"}"#), "/scene/spindle/axial", "unknown variant"),
+        (scene(r#""spindle":{"axial":{}}"#), "/scene/spindle/axial", "`offset_um`"),
         (scene(r#""spindle":{"axial":{"offset_um":"1"}}"#), "/scene/spindle/axial/offset_um", "expected a number"),
         (scene(r#""spindle":{"axial":{"offset_um":1e6}}"#), "/scene/spindle/axial/offset_um", "1000000 µm"),
         (scene(r#""lubricant":"water""#), "/scene/lubricant", "known are `grease`"),
