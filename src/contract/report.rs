@@ -112,7 +112,8 @@ pub struct AccuracyAnswer {
     #[schema(nullable = false)]
     pub divergence_rate_per_s: Option<f64>,
     /// Present where the level is not resolved (an error of more than 1 dB), where the largest contact load, the cage speed, or,
-    /// asked for, the largest pocket load or slip or the cage's orbit is not (more than 10 %, chaotic motion apart), where a run could not be judged, or where a fixed step lies
+    /// asked for, the largest pocket load or slip or the cage's orbit is not (more than 10 %, chaotic motion apart), where the kept time is uneven, still settling or too short
+    /// a sample of chaos for another stretch to be as stated, where a run could not be judged, or where a fixed step lies
     /// beyond the limit of stability: then the result is wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]

@@ -64,7 +64,8 @@ pub struct ResolveAnswer {
     pub defaults: Vec<String>,
     /// Quantities that follow from the scene.
     pub derived: DerivedAnswer,
-    /// What is so far from what is built that a unit may have been misread, by field; the job runs all the same.
+    /// What is so far from what is built that a unit may have been misread, a speed that the run does not see the end of, a spindle that nothing
+    /// holds, by field; the job runs all the same.
     #[schema(example = json!([{ "pointer": "/scene/lubricant/viscosity_pa_s", "detail": "32 Pa·s: oils, also those in greases, have 0.001 to 1 Pa·s at work; 1 mPa·s is 0.001" }]))]
     pub warnings: Vec<FieldError>,
     /// Rungs of the ladder of models that are tried, the leanest first: a reduced one makes the result where its check holds.
