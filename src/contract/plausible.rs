@@ -45,7 +45,9 @@ pub fn warnings(job: &Job, at_rest: Option<&StaticLoads>) -> Vec<FieldError> {
     };
     of_operation(job.scene(), at_rest, &mut warn);
     let (speed, end) = (&job.scene().operation.speed, job.settings.settle + job.settings.duration);
-    warn(!speed.is_constant() && end < speed.end(), "operation/speed_rpm", &|| {
+    // A default has six digits.
+    let ends_before = end < (1.0 - 1e-5) * speed.end();
+    warn(!speed.is_constant() && ends_before, "operation/speed_rpm", &|| {
         format!(
             "goes on to {} s, and the run ends at {} s, at {} r/min: a longer duration_s sees the rest",
             short(significant(speed.end(), 6)),
