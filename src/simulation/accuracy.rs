@@ -305,14 +305,13 @@ pub(super) fn of_samples(
 }
 
 impl AccuracyReport {
-    /// With what depends on the stretch that is kept. `steady`: whether the level should stand still; then, where it goes up and down by more than
-    /// `SETTLING`, no other stretch has it closer than that, nor loads and speeds closer than the halves of this one have them, and where
-    /// it rises or falls throughout, it is no nearer to that of the steady motion than it changes by.
-    pub(super) fn of_stretch(self, recording: &Recording, outputs: &Outputs, steady: bool) -> Self {
-        if !steady || self.level_error_db().is_none() {
+    /// With what depends on the stretch that is kept. `scatter`: what the levels of another may differ by; `None`: they need not stand
+    /// still. Where it is more than `SETTLING`, no other stretch has them closer than that, nor loads and speeds closer than the halves of this one have
+    /// them, and where a level rises or falls throughout, it is no nearer to that of the steady motion than it changes by.
+    pub(super) fn of_stretch(self, recording: &Recording, scatter: Option<LevelErrors>, outputs: &Outputs) -> Self {
+        let Some(scatter) = scatter.filter(|_| self.level_error_db().is_some()) else {
             return self;
-        }
-        let scatter = scatter(recording);
+        };
         let uneven = LevelErrors::each(|channel| scatter.of(channel).filter(|scatter| *scatter > SETTLING));
         if uneven.worst().is_none() {
             return self.with_settling(recording);

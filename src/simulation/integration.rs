@@ -87,6 +87,8 @@ pub(super) struct Integrated {
     pub choice: Choice,
     /// State at the checkpoint.
     pub checkpoint: Vec<f64>,
+    /// State at the end.
+    pub end: Vec<f64>,
     /// In words, where a fixed step lies beyond the limit of stability.
     pub unstable: Option<String>,
 }
@@ -156,6 +158,7 @@ pub(super) fn integrate(
         statistics: integrator.statistics(),
         choice: integrator.choice(),
         checkpoint,
+        end: integrator.state().to_vec(),
         unstable: watch.and_then(|watch| watch.warning()),
     })
 }

@@ -490,6 +490,7 @@ fn summarise(
     } else {
         (distance.levels, how)
     };
+    let scatter = scene.operation.speed.is_constant().then(|| accuracy::scatter(&made.recording));
     let accuracy = AccuracyReport {
         level_errors,
         quantity_errors: distance.quantities.filter(|_| !by_chance),
@@ -498,11 +499,11 @@ fn summarise(
         divergence_rate: parted.map_or(0.0, |parted| parted.rate),
         warning,
     }
-    .of_stretch(&made.recording, &settings.outputs, scene.operation.speed.is_constant());
+    .of_stretch(&made.recording, scatter, &settings.outputs);
     let mechanism = Mechanism::new(scene, &needs);
     // The rung that repeats a passage has no start, and chaos forgets it by itself.
     let keeps_start = rung != Rung::Periodic && !by_chance;
     let settling = keeps_start.then(|| settling::rings_on(scene, settings.settle)).flatten();
-    let account = Account { solver, accuracy, settling, left_out: needs.left_out };
+    let account = Account { solver, accuracy, scatter, settling, left_out: needs.left_out };
     Ok(RunResult::new(scene, settings, &mechanism, &made.recording, account))
 }

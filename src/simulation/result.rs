@@ -1,6 +1,5 @@
 //! What a run leaves behind.
 
-use super::accuracy;
 use super::channel::Channel;
 use super::distance::LevelErrors;
 use super::metrics::{self, AccuracyReport, SolverReport, Summary};
@@ -46,6 +45,8 @@ pub struct RunResult {
 pub(super) struct Account {
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
+    /// Of the levels, from stretch to stretch; none at changing speed.
+    pub scatter: Option<LevelErrors>,
     /// Of a start that may still ring.
     pub settling: Option<String>,
     pub left_out: Vec<LeftOut>,
@@ -60,7 +61,7 @@ impl RunResult {
         recording: &Recording,
         account: Account,
     ) -> Self {
-        let Account { solver, accuracy, settling, left_out } = account;
+        let Account { solver, accuracy, scatter, settling, left_out } = account;
         let outputs = &settings.outputs;
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
         let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
@@ -71,7 +72,7 @@ impl RunResult {
         };
         let frequencies = metrics::frequencies(scene, recording);
         let summary = Summary {
-            scatter: if is_steady { accuracy::scatter(recording) } else { LevelErrors::default() },
+            scatter: scatter.unwrap_or_default(),
             settling,
             channels: channels(),
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),

@@ -7,6 +7,7 @@ use super::accuracy::{self, LEAST_EVALUATIONS, UNRESOLVED};
 use super::control::{Control, Live, Phase};
 use super::integration::{Integrated, STEPS_PER_LOOK, SimulationError, Span, Stepping, integrate};
 use super::ladder::{self, Rung};
+use super::later;
 use super::metrics::{AccuracyReport, MotionKind, SolverReport};
 use super::model::Model;
 use super::needs::{Grounds, Needs};
@@ -56,27 +57,28 @@ fn dynamics(
     let whole_or_model = whole_model.as_ref().unwrap_or(&model);
     let shared = Shared::of(scene, whole_or_model, settings);
     let to_come = JUDGED_TIMES * (settings.settle - shared.time + settings.duration);
-    let settled = shared.time / (shared.time + to_come);
+    let settled = MADE * shared.time / (shared.time + to_come);
     let beginning = control.part((0.0, settled), |control| Beginning::after(&shared, whole_or_model, control))?;
     let setup = Setup { model: &model, needs: &needs, settings, beginning: &beginning, whole };
     let allowed_db = SHARE_OF_ERROR * settings.model_tolerance_db;
     let may_step = stepped::may_choose(settings);
     // Most of the progress: they mostly serve.
-    let stepped = if may_step { settled + STEPPED_SHARE * (1.0 - settled) } else { settled };
+    let stepped = if may_step { settled + STEPPED_SHARE * (MADE - settled) } else { settled };
     let tells_chaos = !ladder::tilts_late(scene);
     let in_steps =
         control.part((settled, stepped), |control| stepped::attempt(&setup, allowed_db, tells_chaos, control))?;
     let in_vain = match in_steps {
         Ok(Stepped { attempt, accuracy, settings, model, needs }) => {
             let setup = Setup { model, needs, settings: &settings, ..setup };
-            return Ok(summarise(scene, &setup, &attempt, accuracy, (found, None), begin));
+            return summarise(scene, &setup, &attempt, accuracy, (found, None), begin, control);
         }
         Err(why) => Some(why).filter(|_| may_step),
     };
     let tighter = settings.tightened.map(|tolerance| RunSettings { relative_tolerance: tolerance, ..settings.clone() });
     let (setup, made, accuracy) =
-        control.part((stepped, 1.0), |control| under_error_control(setup, tighter.as_ref(), allowed_db, control))?;
-    Ok(summarise(scene, &Setup { settings, ..setup }, &made, accuracy, (found, in_vain.as_deref()), begin))
+        control.part((stepped, MADE), |control| under_error_control(setup, tighter.as_ref(), allowed_db, control))?;
+    let setup = Setup { settings, ..setup };
+    summarise(scene, &setup, &made, accuracy, (found, in_vain.as_deref()), begin, control)
 }
 
 /// The run, made again with all terms, and at a tighter tolerance where it may choose that, until what it states lies within so many
@@ -146,6 +148,9 @@ const SHARE_OF_ERROR: f64 = 0.5;
 /// Another attempt may take this many times the evaluations of the last, and at least so many times this.
 const ATTEMPTING: u64 = 30;
 
+/// Progress where a run is made and judged: what is left is for a later stretch, which uneven levels are held against.
+const MADE: f64 = 0.9;
+
 /// Times that a run is worth with all that judges it, in progress.
 const JUDGED_TIMES: f64 = 5.0;
 
@@ -208,10 +213,15 @@ fn summarise(
     accuracy: AccuracyReport,
     (found, in_vain): (&[String], Option<&str>),
     begin: Instant,
-) -> RunResult {
+    control: &Control<'_>,
+) -> Result<RunResult, SimulationError> {
     let &Setup { model, needs, settings, .. } = setup;
     let main = &attempt.integrated;
     let leaves_plane = || Needs::of(scene, &settings.outputs, None).is_ok_and(|own| own.rung == Rung::Full);
+    attempt.recording.evaluate(&settings.outputs);
+    let is_steady = scene.operation.speed.is_constant();
+    let scatter = || control.part((MADE, 1.0), |control| later::scatter(setup, attempt, control));
+    let scatter = is_steady.then(scatter).transpose()?;
     let mut check = match needs.rung {
         Rung::Planar if settings.rung.is_some() && leaves_plane() => {
             "planar motion was asked for: what tilt and motion along the axis change here is in no error that is stated"
@@ -246,15 +256,14 @@ fn summarise(
         relative_tolerance: settings.fixed_step.is_none().then_some(attempt.relative_tolerance),
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
-    recording.evaluate(&settings.outputs);
-    let accuracy = accuracy.of_stretch(recording, &settings.outputs, scene.operation.speed.is_constant());
+    let accuracy = accuracy.of_stretch(recording, scatter, &settings.outputs);
     // Neither chaos nor what was damped keeps its start.
     let keeps_start = !setup.beginning.is_damped && accuracy.motion != Some(MotionKind::Diverging);
     let rings =
         || settling::rings_on(scene, settings.settle).or_else(|| settling::cage_rings_on(scene, model, settings));
     let settling = keeps_start.then(rings).flatten();
-    let account = Account { solver, accuracy, settling, left_out };
-    RunResult::new(scene, settings, mechanism, recording, account)
+    let account = Account { solver, accuracy, scatter, settling, left_out };
+    Ok(RunResult::new(scene, settings, mechanism, recording, account))
 }
 
 /// Why this method, and why another tolerance than the one asked for. `in_vain`: why steps of a fixed length, tried before, did not serve.
