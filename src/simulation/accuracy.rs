@@ -331,7 +331,7 @@ impl AccuracyReport {
             level_errors,
             quantity_errors,
             how: format!(
-                "{}; or what the kept time, which is uneven, tells of another stretch, if that is more",
+                "{}; or what the kept time, which is uneven, and a later stretch tell of another one, if that is more",
                 self.how
             ),
             warning: self.warning.or_else(another),

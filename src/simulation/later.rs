@@ -11,6 +11,8 @@ use super::settling::Beginning;
 
 /// Scatter of a level along the kept time from which on a later stretch is looked at [dB]: of motion that repeats itself it is less.
 const UNEVEN: f64 = 0.1;
+/// Kept time that is long beside what beats [s]: its own parts tell.
+const LONG: f64 = 2.0;
 /// Time between the kept stretch and the later one, in kept times: next to it a slow beat is the same still.
 const BETWEEN: f64 = 1.0;
 /// The later stretch may take so many times the evaluations of the run.
@@ -19,7 +21,7 @@ const MOST: u64 = 4;
 /// Scatter of the levels of a run, at constant speed.
 pub(super) fn scatter(setup: &Setup<'_>, run: &Attempt, control: &Control<'_>) -> Result<LevelErrors, SimulationError> {
     let own = accuracy::scatter(&run.recording);
-    if own.worst().is_none_or(|scatter| scatter < UNEVEN) {
+    if setup.settings.duration >= LONG || own.worst().is_none_or(|scatter| scatter < UNEVEN) {
         return Ok(own);
     }
     (control.live)(&Live::of(Phase::Judging));
