@@ -34,6 +34,8 @@ const STIFF_TOLERANCE: f64 = 1e-5;
 const STEPPED_EVALUATIONS: f64 = 2.5;
 /// Speed of a reduced rung with its repetitions by finer steps, times real time.
 const REDUCED_REAL_TIME_FACTOR: f64 = 12.0;
+/// How much longer it takes with hydrodynamic forces, of which each ball has its own.
+const HYDRODYNAMIC: f64 = 30.0;
 /// What the dynamics beside which a reduced rung is checked cost, in runs over that time: they are repeated, too.
 const CHECKS: f64 = 3.0;
 /// What a look at the contacts costs that is taken for every kept value, in evaluations of the equations.
@@ -83,7 +85,8 @@ pub fn estimate(job: &Job) -> CostAnswer {
             false if in_steps && rattles => SAMPLED * judged(&by_dynamics),
             _ => judged(&by_dynamics),
         };
-        let reduced = (settle + duration) / REDUCED_REAL_TIME_FACTOR;
+        let each = if job.needs.raceway.hydrodynamics { HYDRODYNAMIC } else { 1.0 };
+        let reduced = each * (settle + duration) / REDUCED_REAL_TIME_FACTOR;
         let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene, &job.settings));
         let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {
             (Some(plan), _) => [by_dynamics(compared_time(job, plan)); 2],

@@ -50,6 +50,8 @@ pub(super) const LEAST_EVALUATIONS: u64 = 10_000;
 /// Growth of a disturbance over the kept time [e-folds] from which on a chaotic motion has forgotten what led to it, and is a sample of its
 /// statistics: before, it can be foretold, and both of two runs may err alike (of slip, by a quarter over five e-folds).
 pub(super) const FORGETS: f64 = 10.0;
+/// Share of a level's scatter along the kept time that hides an error.
+const HIDDEN: f64 = 0.1;
 /// Level error from which a result warns of itself [dB], and error of a load, speed or slip [-].
 const DOUBTFUL: f64 = 1.0;
 const DOUBTFUL_SHARE: f64 = 0.1;
@@ -82,7 +84,11 @@ pub(super) fn judge(
         // nobody reads what a repetition would tell.
         let how = "not judged: a disturbance does not die out".to_owned();
         let (level_errors, quantity_errors, warning) = (LevelErrors::default(), None, failure);
-        return Ok((first, AccuracyReport { level_errors, quantity_errors, how, motion, divergence_rate, warning }));
+        let is_sample = false;
+        return Ok((
+            first,
+            AccuracyReport { level_errors, quantity_errors, how, motion, divergence_rate, is_sample, warning },
+        ));
     }
     let constant_speed = setup.model.mechanism().speed.is_constant();
     let mut part = if constant_speed && !is_tossed(setup.model) && dies_out {
@@ -103,6 +109,7 @@ pub(super) fn judge(
     let repeated = repeated.flatten();
     (control.progress)(0.95);
     let fixed = settings.fixed_step.is_some();
+    let is_sample = part == settings.duration && repeated.as_ref().is_some_and(|repeated| repeated.noise > NOISY);
     let report = |distance: Distance, how: String, attempt: Attempt, failure: Option<&String>| {
         let Distance { levels: level_errors, quantities: quantity_errors } = distance;
         let by_chance = motion == Some(MotionKind::Diverging);
@@ -111,7 +118,7 @@ pub(super) fn judge(
             false => doubts(level_errors.worst(), quantity_errors, &settings.outputs),
         };
         let warning = attempt.integrated.unstable.clone().or(failure.cloned()).or(doubts);
-        (attempt, AccuracyReport { level_errors, quantity_errors, how, motion, divergence_rate, warning })
+        (attempt, AccuracyReport { level_errors, quantity_errors, how, motion, divergence_rate, is_sample, warning })
     };
     let of_repetition = repeated.as_ref().map_or(Distance::UNKNOWN, |repeated| repeated.distance);
     let at = match judging(settings.method) {
@@ -363,6 +370,35 @@ impl AccuracyReport {
             }),
             ..self
         }
+    }
+
+    /// [`Self::excess`] where an error of a level may also be a tenth of what stretches of the motion differ by: nobody will miss it.
+    pub(super) fn excess_beside_scatter(
+        &self,
+        recording: &Recording,
+        outputs: &Outputs,
+        tolerance_db: f64,
+    ) -> Option<f64> {
+        let scatter = scatter(recording);
+        let over = |channel| tolerance_db / tolerance_db.max(HIDDEN * scatter.of(channel).unwrap_or(0.0));
+        let level_errors = LevelErrors::each(|channel| Some(self.level_errors.of(channel)? * over(channel)));
+        Self { level_errors, ..self.clone() }.excess(outputs, tolerance_db)
+    }
+
+    /// The same of a motion that finer steps lead another way, where the levels of both differ by no more than those of its own stretches do, or
+    /// than is allowed [dB]: each is a sample as good as the other. `None`: steps have made the difference, or it is not known.
+    pub(super) fn of_sample(&self, recording: &Recording, outputs: &Outputs, allowed_db: f64) -> Option<Self> {
+        let scatter = scatter(recording);
+        let apart = self.level_errors.beside(&scatter, |error, scatter| error / scatter.max(allowed_db));
+        let nothing_else = self.warning == doubts(self.level_error_db(), self.quantity_errors, outputs);
+        let is_as_good = self.is_sample && nothing_else && apart.worst()? <= 1.0;
+        is_as_good.then(|| Self {
+            how: format!("{}; finer steps lead the motion another way, and to the same levels as stretches of it have", self.how),
+            warning: doubtful(self.level_error_db(), self.quantity_errors, outputs).map(|doubtful| {
+                format!("sensitive: the least disturbance leads the motion another way, with other peaks: {doubtful}. Keep more time")
+            }),
+            ..self.clone()
+        })
     }
 
     /// Whether a tighter tolerance would tell nothing that was asked for any better: what is stated is within so many decibels,

@@ -215,6 +215,11 @@ pub fn tilts_late(scene: &Scene) -> bool {
     may_tilt(scene, TILTS_LATE)
 }
 
+/// Whether they may do so slowly, over seconds, under hydrodynamic forces.
+pub fn tilts_slowly(scene: &Scene) -> bool {
+    may_tilt(scene, TILTS)
+}
+
 fn may_tilt(scene: &Scene, limit: f64) -> bool {
     scene.lubricant.viscosity > limit * scene.operating_speed().abs()
 }
@@ -497,6 +502,7 @@ fn summarise(
         how,
         motion,
         divergence_rate: parted.map_or(0.0, |parted| parted.rate),
+        is_sample: false,
         warning,
     }
     .of_stretch(&made.recording, scatter, &settings.outputs);

@@ -130,6 +130,8 @@ pub struct AccuracyReport {
     pub motion: Option<MotionKind>,
     /// Rate at which two runs 1e-10 apart part (negative: meet) [1/s].
     pub divergence_rate: f64,
+    /// A repetition of the whole run went another way: its signals are others.
+    pub is_sample: bool,
     /// In words, where the result is not to be trusted.
     pub warning: Option<String>,
 }

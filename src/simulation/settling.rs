@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::control::{Control, Live, Phase};
 use super::equilibrium::{equilibrium, start_state};
 use super::integration::{SimulationError, Span, integrate};
+use super::ladder::{self, Rung};
 use super::model::{FadingDamping, Mechanism, Model};
 use super::needs::Needs;
 use super::scene::Scene;
@@ -39,6 +40,8 @@ const LEAST_SHARED: f64 = 0.01;
 const ONE_MOTION: f64 = 10.0;
 /// Time after which the cage, too, mostly rings no more [s].
 const CAGE_RINGS: f64 = 2.0;
+/// Time after which cage and balls mostly tilt no more [s].
+const TILT_SETTLES: f64 = 4.0;
 /// Rate of the damping at the start [1/s]: vibration falls by 7 e-folds or more before it has faded, and steps of 7.5 µs resolve it.
 const DAMPING: f64 = 2000.0;
 
@@ -53,6 +56,11 @@ struct Rest {
 }
 
 impl Rest {
+    /// Whatever a run starts from, it comes to the same motion.
+    fn has_one_motion(&self) -> bool {
+        self.all_carry && self.decay > ONE_MOTION
+    }
+
     /// Under load, weight and centrifugal force at the operating speed; `None` where nothing holds it.
     fn of(scene: &Scene) -> Option<Self> {
         // Which outputs are asked for does not matter to what holds the spindle.
@@ -101,7 +109,7 @@ pub fn decay_rate(scene: &Scene) -> Option<f64> {
 /// speed, where waiting would leave out what is asked for.
 pub fn settling_time(scene: &Scene) -> Option<f64> {
     let rest = Rest::of(scene).filter(|rest| rest.decay > 0.0 && scene.operation.speed.is_constant())?;
-    let of_cage = if rest.leans && rest.all_carry && rest.decay <= ONE_MOTION { CAGE_RINGS } else { 0.0 };
+    let of_cage = if rest.leans && rest.all_carry && !rest.has_one_motion() { CAGE_RINGS } else { 0.0 };
     Some((GONE / rest.decay).clamp(of_cage, LONGEST))
 }
 
@@ -133,8 +141,11 @@ impl Shared {
         }
         let time = settle - turning.min(settle * (1.0 - LEANING_SHARED));
         let turns = mechanism.speed.at(0.0).1 != 0.0;
-        let has_one_motion = |rest: Rest| rest.all_carry && rest.decay > ONE_MOTION;
-        if mechanism.leans() && turns && time >= LEAST_SHARED && Rest::of(scene).is_some_and(has_one_motion) {
+        if mechanism.leans()
+            && turns
+            && time >= LEAST_SHARED
+            && Rest::of(scene).is_some_and(|rest| rest.has_one_motion())
+        {
             // It fades slowly beside all vibration, that of a heavy spindle, too.
             let end = turning.max(0.5 * time).min(time);
             return Self { time, damping: Some(FadingDamping { rate: DAMPING, end }) };
@@ -200,7 +211,7 @@ pub fn cage_rings_on(scene: &Scene, model: &Model, settings: &RunSettings) -> Op
         "at a changing speed"
     } else if settings.fixed_step.is_some() {
         "in steps that are asked for"
-    } else if rest.decay <= ONE_MOTION {
+    } else if !rest.has_one_motion() {
         "where the spindle comes to rest slowly"
     } else {
         "in so short a time"
@@ -209,6 +220,18 @@ pub fn cage_rings_on(scene: &Scene, model: &Model, settings: &RunSettings) -> Op
         "the start may still ring along the axis, where the cage is hardly damped: settle_s is {settle:?} s, and no start is damped at first \
          {why}. Try {CAGE_RINGS} s or more"
     ))
+}
+
+/// What a run on `full` says in which cage and balls may still come to tilt: under hydrodynamic forces that takes seconds (levels of a 608 under
+/// 115 N in oil of 0.05 Pa·s, 6000 r/min, fall by 0.6 dB over four).
+pub fn tilts_on(scene: &Scene, needs: &Needs, settle: f64) -> Option<String> {
+    let may_tilt = needs.rung == Rung::Full && needs.raceway.hydrodynamics && ladder::tilts_slowly(scene);
+    (may_tilt && settle < TILT_SETTLES).then(|| {
+        format!(
+            "cage and balls may still come to tilt: so slow in so viscous an oil that takes seconds, and settle_s is {settle:?} s. Try \
+             {TILT_SETTLES} s"
+        )
+    })
 }
 
 /// What a run says whose vibration may still be that of its start after so long [s].

@@ -179,15 +179,29 @@ pub(super) fn attempt<'a>(
                 another_sample(setup, step, attempt, &accuracy, allowed_db, control)
             });
         }
+        let Some(excess) = accuracy.excess(&settings.outputs, allowed_db) else {
+            return Ok(Err(accuracy.warning.unwrap_or(accuracy.how)));
+        };
+        let hidden = accuracy.excess_beside_scatter(&attempt.recording, &settings.outputs, allowed_db);
+        if accuracy.warning.is_none() && hidden.is_some_and(|hidden| hidden <= 1.0) {
+            let within = if excess <= 1.0 {
+                "half of model_tolerance_db"
+            } else {
+                "a tenth of what stretches of the level differ by"
+            };
+            let attempt = kept(attempt, &format!("what a quarter of the step tells lies within {within}"));
+            return Ok(Ok(Stepped { attempt, accuracy, settings, model, needs }));
+        }
+        // No steps and no tolerance make of one sample all that a motion does.
+        if let Some(accuracy) = accuracy.of_sample(&attempt.recording, &settings.outputs, allowed_db) {
+            let attempt = kept(
+                attempt,
+                "a quarter of the step leads another way, to levels as stretches of the motion have them",
+            );
+            return Ok(Ok(Stepped { attempt, accuracy, settings, model, needs }));
+        }
         if let Some(warning) = accuracy.warning {
             return Ok(Err(warning));
-        }
-        let Some(excess) = accuracy.excess(&settings.outputs, allowed_db) else {
-            return Ok(Err(accuracy.how));
-        };
-        if excess <= 1.0 {
-            let attempt = kept(attempt, "what a quarter of the step tells lies within half of model_tolerance_db");
-            return Ok(Ok(Stepped { attempt, accuracy, settings, model, needs }));
         }
         beyond = accuracy.words_beyond(&settings.outputs, allowed_db);
         step *= (AIM / excess).powf(1.0 / ORDER).min(LARGEST_CHANGE);
