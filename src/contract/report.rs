@@ -119,8 +119,8 @@ pub struct AccuracyAnswer {
     #[schema(nullable = false)]
     pub warning: Option<String>,
     /// Present where `settle_s` is so short that the kept time may still hold the vibration of the start, as the contacts' damping lets
-    /// expect, or that of the cage along its axis, where contacts lean and the start was not damped, or where cage and balls may still come to tilt in viscous
-    /// oil: no error that is stated contains that.
+    /// expect, or that of the cage along its axis, where contacts lean and the start was not damped, or where cage and balls may still come
+    /// to tilt in viscous oil: no error that is stated contains that.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub settling: Option<String>,
