@@ -103,7 +103,8 @@ fn what_steps_state_of_themselves_is_right() {
         println!("{changes}: {} by {}: {off:.4} dB off, {stated:.4} stated", solver.rung, solver.method);
         assert_eq!((solver.method, accuracy.warning.as_deref()), ("semi_implicit", None), "{changes}");
         // Under the axial load the start still rings, and a later stretch shows it.
-        let uneven = found.summary.scatter.worst().filter(|scatter| *scatter > 0.5).unwrap_or(0.0);
+        let rings = changes.pointer("/operation/axial_load_n").is_some();
+        let uneven = found.summary.scatter.worst().filter(|_| rings).unwrap_or(0.0);
         assert!(stated <= uneven.max(0.025) && off < 3.0 * stated + 1e-3, "{changes}: {off} {stated}");
     }
 }
