@@ -8,6 +8,7 @@ use crate::numerics::ode::Method;
 use crate::simulation::divergence::judged_stretch;
 use crate::simulation::equilibrium::start_state;
 use crate::simulation::ladder::{self, Rung};
+use crate::simulation::later;
 use crate::simulation::model::Model;
 use crate::simulation::needs::Grounds;
 use crate::simulation::observe::kept_values;
@@ -18,9 +19,13 @@ use crate::simulation::stiffness::{FastestMode, fastest_mode};
 use crate::simulation::work_precision::Plan;
 
 /// Time of one ball in one evaluation of the equations, and of each strip of its two contacts on top [s]:
-/// of the order of `cargo bench --bench contact` on one core of a shared server with AVX2.
-const SECONDS_PER_BALL: f64 = 0.03e-6;
-const SECONDS_PER_STRIP: f64 = 0.004e-6;
+/// of the order of `cargo bench --bench contact` on one core of a slow shared server with AVX2; and how much longer it takes with
+/// hydrodynamic forces.
+const SECONDS_PER_BALL: f64 = 0.04e-6;
+const SECONDS_PER_STRIP: f64 = 0.0055e-6;
+const HYDRODYNAMIC: f64 = 1.4;
+/// How much longer than estimated what does not depend on the motion may take, on a slower machine.
+const SLOWER: f64 = 2.0;
 /// Longest estimate [s]; a run that long is never finished.
 const LONGEST: f64 = 1e12;
 /// Evaluations a step of the explicit method.
@@ -32,10 +37,13 @@ const STIFF_STEP: f64 = 1e-6;
 const STIFF_TOLERANCE: f64 = 1e-5;
 /// A step of fixed length, what it is implicit in included, and the repetition of a part of the run, in evaluations.
 const STEPPED_EVALUATIONS: f64 = 2.5;
+/// What the repetition of a run costs that tells its error, in runs, and that of one in steps that were asked for, in half of them.
+const REPEATED: f64 = 1.0;
+const REPEATED_IN_HALVES: f64 = 2.0;
 /// Speed of a reduced rung with its repetitions by finer steps, times real time.
-const REDUCED_REAL_TIME_FACTOR: f64 = 12.0;
+const REDUCED_REAL_TIME_FACTOR: f64 = 8.0;
 /// How much longer it takes with hydrodynamic forces, of which each ball has its own.
-const HYDRODYNAMIC: f64 = 30.0;
+const REDUCED_HYDRODYNAMIC: f64 = 30.0;
 /// What the dynamics beside which a reduced rung is checked cost, in runs over that time: they are repeated, too.
 const CHECKS: f64 = 3.0;
 /// What a look at the contacts costs that is taken for every kept value, in evaluations of the equations.
@@ -63,7 +71,9 @@ pub fn estimate(job: &Job) -> CostAnswer {
     let times = mode.ok().map(|mode| {
         // As many as stand side by side are evaluated together.
         let balls = scene.bearing.parameters.ball_count.next_multiple_of(LANES) as f64;
-        let evaluation = balls * (SECONDS_PER_BALL + 2.0 * job.needs.raceway.strips as f64 * SECONDS_PER_STRIP);
+        let of_contacts = 2.0 * job.needs.raceway.strips as f64 * SECONDS_PER_STRIP;
+        let hydrodynamics = |longer: f64| if job.needs.raceway.hydrodynamics { longer } else { 1.0 };
+        let evaluation = hydrodynamics(HYDRODYNAMIC) * balls * (SECONDS_PER_BALL + of_contacts);
         let by_error_control = |time: f64| time * evaluations_per_second(&job.settings, &mode, 1.0) * evaluation;
         let by_impacts = |time: f64| time * evaluations_per_second(&job.settings, &mode, CUT_BY_IMPACTS) * evaluation;
         let by_dynamics = |time: f64| match stepped::may_choose(&job.settings) {
@@ -73,8 +83,11 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let (settle, duration) = (job.settings.settle, job.settings.duration);
         let looks = LOOK * kept_values(duration) as f64 * evaluation;
         let shared = Shared::of(scene, &model, &job.settings).time;
-        // What attempts share, the run, and its repetition that tells the error.
-        let judged = |by: &dyn Fn(f64) -> f64| by_dynamics(shared) + 2.0 * (by(settle - shared + duration) + looks);
+        let runs = 1.0 + if job.settings.fixed_step.is_some() { REPEATED_IN_HALVES } else { REPEATED };
+        let later = if scene.operation.speed.is_constant() { later::most_time(duration) } else { 0.0 };
+        // What attempts share, the run, its repetition that tells the error, and a later stretch.
+        let judged =
+            |by: &dyn Fn(f64) -> f64| by_dynamics(shared) + runs * (by(settle - shared + duration) + looks) + by(later);
         let tried = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
         let most = tried + UNFORESEEN * attempts(job) * judged(&by_impacts);
         // Steps of a fixed length mostly serve, but not where the spindle moves along the axis. Of chaos they make two samples.
@@ -85,14 +98,14 @@ pub fn estimate(job: &Job) -> CostAnswer {
             false if in_steps && rattles => SAMPLED * judged(&by_dynamics),
             _ => judged(&by_dynamics),
         };
-        let each = if job.needs.raceway.hydrodynamics { HYDRODYNAMIC } else { 1.0 };
-        let reduced = each * (settle + duration) / REDUCED_REAL_TIME_FACTOR;
+        let reduced = hydrodynamics(REDUCED_HYDRODYNAMIC) * (settle + duration) / REDUCED_REAL_TIME_FACTOR;
         let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene, &job.settings));
+        let as_planned = |time: f64| [time, SLOWER * time];
         let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {
-            (Some(plan), _) => [by_dynamics(compared_time(job, plan)); 2],
+            (Some(plan), _) => as_planned(by_dynamics(compared_time(job, plan))),
             (None, None) => [usual, most],
-            (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => [reduced; 2],
-            (None, Some(_)) if job.rungs.len() == 1 => [checked; 2],
+            (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => as_planned(reduced),
+            (None, Some(_)) if job.rungs.len() == 1 => as_planned(checked),
             (None, Some(_)) if rattles || ladder::tilts_late(scene) => [checked + usual, checked + most],
             (None, Some(_)) => [checked, checked + most],
         };

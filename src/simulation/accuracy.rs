@@ -319,15 +319,16 @@ impl AccuracyReport {
         let Some(scatter) = scatter.filter(|_| self.level_error_db().is_some()) else {
             return self;
         };
+        let settling = self.with_settling(recording);
         let uneven = LevelErrors::each(|channel| scatter.of(channel).filter(|scatter| *scatter > SETTLING));
         if uneven.worst().is_none() {
-            return self.with_settling(recording);
+            return settling;
         }
         let halves = halves_apart(&recording.parts);
         let of_halves = |errors: QuantityErrors| halves.map_or(errors, |halves| errors.larger(&halves));
-        let level_errors = self.level_errors.raised_to(uneven);
-        let quantity_errors = self.quantity_errors.map(of_halves);
-        let by_chance = self.motion == Some(MotionKind::Diverging);
+        let level_errors = settling.level_errors.raised_to(uneven);
+        let quantity_errors = settling.quantity_errors.map(of_halves);
+        let by_chance = settling.motion == Some(MotionKind::Diverging);
         let another = || {
             let doubtful = doubtful(level_errors.worst(), quantity_errors.filter(|_| !by_chance), outputs)?;
             Some(format!(
@@ -339,12 +340,12 @@ impl AccuracyReport {
             quantity_errors,
             how: format!(
                 "{}; or what the kept time, which is uneven, and a later stretch tell of another one, if that is more",
-                self.how
+                settling.how
             ),
-            warning: self.warning.or_else(another),
-            ..self
+            // One number of an error is enough.
+            warning: settling.warning.or_else(another),
+            ..settling
         }
-        .with_settling(recording)
     }
 
     fn with_settling(self, recording: &Recording) -> Self {
@@ -372,13 +373,30 @@ impl AccuracyReport {
         }
     }
 
-    /// [`Self::excess`] where an error of a level may also be a tenth of what stretches of the motion differ by: nobody will miss it.
-    pub(super) fn excess_beside_scatter(
+    /// What a run states that no finer steps would make better, for they are within so many decibels, or hidden by what its own stretches differ
+    /// by; and why. `None`: finer ones might.
+    pub(super) fn good_as_any(
         &self,
         recording: &Recording,
         outputs: &Outputs,
-        tolerance_db: f64,
-    ) -> Option<f64> {
+        allowed_db: f64,
+    ) -> Option<(Self, &'static str)> {
+        let serves = |excess: Option<f64>| self.warning.is_none() && excess.is_some_and(|excess| excess <= 1.0);
+        if serves(self.excess(outputs, allowed_db)) {
+            return Some((self.clone(), "what finer steps tell lies within half of model_tolerance_db"));
+        }
+        if serves(self.excess_beside_scatter(recording, outputs, allowed_db)) {
+            return Some((
+                self.clone(),
+                "what finer steps tell lies within a tenth of what stretches of the level differ by",
+            ));
+        }
+        let sample = self.of_sample(recording, outputs, allowed_db)?;
+        Some((sample, "finer steps lead another way, to levels as stretches of the motion have them"))
+    }
+
+    /// [`Self::excess`] where an error of a level may also be a tenth of what stretches of the motion differ by: nobody will miss it.
+    fn excess_beside_scatter(&self, recording: &Recording, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
         let scatter = scatter(recording);
         let over = |channel| tolerance_db / tolerance_db.max(HIDDEN * scatter.of(channel).unwrap_or(0.0));
         let level_errors = LevelErrors::each(|channel| Some(self.level_errors.of(channel)? * over(channel)));
@@ -387,7 +405,7 @@ impl AccuracyReport {
 
     /// The same of a motion that finer steps lead another way, where the levels of both differ by no more than those of its own stretches do, or
     /// than is allowed [dB]: each is a sample as good as the other. `None`: steps have made the difference, or it is not known.
-    pub(super) fn of_sample(&self, recording: &Recording, outputs: &Outputs, allowed_db: f64) -> Option<Self> {
+    fn of_sample(&self, recording: &Recording, outputs: &Outputs, allowed_db: f64) -> Option<Self> {
         let scatter = scatter(recording);
         let apart = self.level_errors.beside(&scatter, |error, scatter| error / scatter.max(allowed_db));
         let nothing_else = self.warning == doubts(self.level_error_db(), self.quantity_errors, outputs);
@@ -459,7 +477,7 @@ fn doubts(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, outpu
 /// What of these is in doubt, and by how much.
 fn doubtful(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, outputs: &Outputs) -> Option<String> {
     let level = level_error_db
-        .filter(|error| *error > DOUBTFUL)
+        .filter(|error| *error > DOUBTFUL && outputs.are_of_levels())
         .map(|error| format!("the level (an error of {error:.1} dB or more)"));
     let share = |name: &str, error: Option<f64>| {
         error

@@ -13,20 +13,33 @@ use super::settling::Beginning;
 const UNEVEN: f64 = 0.1;
 /// Kept time that is long beside what beats [s]: its own parts tell.
 const LONG: f64 = 2.0;
-/// Time between the kept stretch and the later one, in kept times: next to it a slow beat is the same still.
+/// Time between the kept stretch and the later one, in kept times, and at least [s]: next to it a slow beat is the same still.
 const BETWEEN: f64 = 1.0;
+const LEAST_BETWEEN: f64 = accuracy::REPEATED;
 /// The later stretch may take so many times the evaluations of the run.
 const MOST: u64 = 4;
+
+/// Time that a later stretch and what lies between take after a kept one [s], at most.
+pub fn most_time(kept: f64) -> f64 {
+    if kept < LONG { between(kept) + kept } else { 0.0 }
+}
+
+fn between(kept: f64) -> f64 {
+    f64::max(BETWEEN * kept, LEAST_BETWEEN)
+}
 
 /// Scatter of the levels of a run, at constant speed.
 pub(super) fn scatter(setup: &Setup<'_>, run: &Attempt, control: &Control<'_>) -> Result<LevelErrors, SimulationError> {
     let own = accuracy::scatter(&run.recording);
-    if setup.settings.duration >= LONG || own.worst().is_none_or(|scatter| scatter < UNEVEN) {
+    let kept = setup.settings.duration;
+    // What is too short to tell by itself is held against another in any case.
+    let is_even = kept >= accuracy::REPEATED && own.worst().is_none_or(|scatter| scatter < UNEVEN);
+    if kept >= LONG || is_even {
         return Ok(own);
     }
     (control.live)(&Live::of(Phase::Judging));
     match stretch(setup, run, &control.aside()) {
-        Ok(later) => Ok(own.raised_to(Distance::of_runs(&run.recording, &later.recording).levels)),
+        Ok(later) => Ok(own.larger(Distance::of_runs(&run.recording, &later.recording).levels)),
         Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
         // What the kept time tells has to do.
         Err(_) => Ok(own),
@@ -38,7 +51,7 @@ fn stretch(setup: &Setup<'_>, run: &Attempt, control: &Control<'_>) -> Result<At
     let kept = setup.settings;
     let end = kept.settle + kept.duration;
     let settings = RunSettings {
-        settle: end + BETWEEN * kept.duration,
+        settle: end + between(kept.duration),
         outputs: Outputs {
             contacts: false,
             cage: false,

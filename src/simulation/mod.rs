@@ -10,7 +10,7 @@ pub mod equilibrium;
 pub mod integration;
 pub mod judgement;
 pub mod ladder;
-mod later;
+pub mod later;
 pub mod lines;
 pub mod metrics;
 pub mod model;

@@ -116,12 +116,11 @@ fn under_error_control<'a>(
     let leans = setup.model.mechanism().leans();
     let believed =
         |accuracy: &AccuracyReport| tighter.is_none() || !leans || accuracy.motion != Some(MotionKind::Diverging);
+    let known = |made: &Attempt, accuracy: &AccuracyReport| {
+        accuracy.good_as_any(&made.recording, &settings.outputs, allowed_db)
+    };
     let serves = |made: &Attempt, accuracy: &AccuracyReport| {
-        let (recording, outputs) = (&made.recording, &settings.outputs);
-        let hidden = accuracy.excess_beside_scatter(recording, outputs, allowed_db);
-        let as_good = accuracy.warning.is_none() && hidden.is_some_and(|hidden| hidden <= 1.0)
-            || accuracy.of_sample(recording, outputs, allowed_db).is_some();
-        believed(accuracy) && (as_good || accuracy.within(outputs, allowed_db))
+        believed(accuracy) && (known(made, accuracy).is_some() || accuracy.within(&settings.outputs, allowed_db))
     };
     if let Some((model, needs)) = setup.whole
         && !serves(&made, &accuracy)
@@ -144,7 +143,7 @@ fn under_error_control<'a>(
             (made, accuracy) = judged;
         }
     }
-    let accuracy = accuracy.of_sample(&made.recording, &settings.outputs, allowed_db).unwrap_or(accuracy);
+    let accuracy = known(&made, &accuracy).map_or(accuracy, |(known, _)| known);
     Ok((setup, made, accuracy))
 }
 

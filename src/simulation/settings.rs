@@ -17,6 +17,11 @@ pub struct Outputs {
 }
 
 impl Outputs {
+    /// Whether the answer has to do with levels.
+    pub fn are_of_levels(&self) -> bool {
+        self.vibration || !self.spectra.is_empty()
+    }
+
     /// Whether any signal is kept; what pictures show is kept with them.
     pub fn keep_signals(&self) -> bool {
         !(self.spectra.is_empty() && self.series.is_empty())

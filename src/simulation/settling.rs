@@ -6,14 +6,14 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::control::{Control, Live, Phase};
 use super::equilibrium::{equilibrium, start_state};
-use super::integration::{SimulationError, Span, integrate};
+use super::integration::{SimulationError, Span, Stepping, integrate};
 use super::ladder::{self, Rung};
 use super::model::{FadingDamping, Mechanism, Model};
 use super::needs::Needs;
 use super::scene::Scene;
 use super::settings::{Outputs, RunSettings};
 use super::stepped;
-use crate::numerics::ode::Statistics;
+use crate::numerics::ode::{Method, Statistics};
 use crate::physics::kinematics;
 
 /// e-folds after which free vibration has gone: one five times as strong as the steady one adds less than 0.05 dB to its level then.
@@ -44,6 +44,10 @@ const CAGE_RINGS: f64 = 2.0;
 const TILT_SETTLES: f64 = 4.0;
 /// Rate of the damping at the start [1/s]: vibration falls by 7 e-folds or more before it has faded, and steps of 7.5 µs resolve it.
 const DAMPING: f64 = 2000.0;
+
+/// How attempts come to share it where all steps of a fixed length blow up: what it leaves behind is forgotten.
+const SETTLED_BY: Stepping =
+    Stepping { method: Method::Auto, relative_tolerance: 1e-3, fixed_step: None, most_evaluations: None };
 
 /// How the spindle rests on its contacts.
 struct Rest {
@@ -166,6 +170,8 @@ pub(super) struct Beginning {
     pub time: f64,
     /// What only the start has set going has been taken away.
     pub is_damped: bool,
+    /// The longest steps that do not blow up on the way [s]; `None`: all do.
+    pub step: Option<f64>,
     pub state: Vec<f64>,
     /// What led to it.
     pub work: Statistics,
@@ -174,12 +180,13 @@ pub(super) struct Beginning {
 impl Beginning {
     /// In equilibrium, at no time.
     pub fn at_rest(model: &Model) -> Result<Self, SimulationError> {
-        Ok(Self { time: 0.0, is_damped: false, state: start_state(model)?, work: Statistics::default() })
+        let step = stepped::lengths(model).next();
+        Ok(Self { time: 0.0, is_damped: false, step, state: start_state(model)?, work: Statistics::default() })
     }
 
     /// After what attempts share, so that they and their repetitions have no more before them than the last of settling. In long steps,
     /// which leave what rings as it is (levels that still rang after a second, and a quarter of the step, differed by
-    /// 0.0015 dB at most).
+    /// 0.0015 dB at most), or in shorter ones, or under error control where the long ones blow up.
     pub fn after(shared: &Shared, model: &Model, control: &Control<'_>) -> Result<Self, SimulationError> {
         let start = Self::at_rest(model)?;
         let &Shared { time, damping } = shared;
@@ -190,15 +197,20 @@ impl Beginning {
         let model = damped.as_ref().unwrap_or(model);
         let span = Span { start: 0.0, end: time, checkpoint: time, share: (0.0, 1.0) };
         (control.live)(&Live::of(Phase::Settling));
-        match integrate(model, &start.state, &stepped::longest(model), &span, control, |_| ()) {
-            Ok(settled) => {
-                let is_damped = damping.is_some();
-                Ok(Self { time, is_damped, state: settled.checkpoint, work: settled.statistics })
+        for (stepping, step) in
+            stepped::lengths(model).map(|step| (stepped::by(step), Some(step))).chain([(SETTLED_BY, None)])
+        {
+            match integrate(model, &start.state, &stepping, &span, control, |_| ()) {
+                Ok(settled) => {
+                    let is_damped = damping.is_some();
+                    return Ok(Self { time, is_damped, step, state: settled.checkpoint, work: settled.statistics });
+                }
+                Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
+                Err(_) => {}
             }
-            Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
-            // Too stiff for long steps: every attempt settles by itself.
-            Err(_) => Ok(start),
         }
+        // Every attempt settles by itself.
+        Ok(Self { step: None, ..start })
     }
 }
 

@@ -22,8 +22,9 @@ const SHORTEST: f64 = 1e-6;
 /// Order by which the error falls with the step, rounded down, and share of the allowed error that the next step aims at.
 const ORDER: f64 = 2.0;
 const AIM: f64 = 0.5;
-/// The next step over the last, at most.
+/// The next step over the last, at most, and after steps that blew up.
 const LARGEST_CHANGE: f64 = 0.75;
+const SHORTENED: f64 = 0.5;
 /// Attempts, the first one included: progress before each, and what each adds.
 const PROGRESS: [(f64, f64); 3] = [(0.0, 0.8), (0.8, 0.1), (0.9, 0.1)];
 
@@ -37,14 +38,14 @@ pub(super) fn serves(model: &Model, settings: &RunSettings) -> bool {
     may_choose(settings) && model.mechanism().raceway.inner.is_damped()
 }
 
-/// The longest steps that are tried.
-pub(super) fn longest(model: &Model) -> Stepping {
-    Stepping {
-        method: Method::SemiImplicit,
-        relative_tolerance: 0.0,
-        fixed_step: Some(first_step(model)),
-        most_evaluations: None,
-    }
+/// Steps to get to a later time by, the longest first: where they blow up, shorter ones mostly do not.
+pub(super) fn lengths(model: &Model) -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(first_step(model)), |step| Some(SHORTENED * step)).take_while(|step| *step >= SHORTEST)
+}
+
+/// In steps of a length [s].
+pub(super) fn by(step: f64) -> Stepping {
+    Stepping { method: Method::SemiImplicit, relative_tolerance: 0.0, fixed_step: Some(step), most_evaluations: None }
 }
 
 /// [s]
@@ -147,8 +148,12 @@ pub(super) fn attempt<'a>(
         return Ok(Err("what rings undamped rings on, but not in long steps, whatever part of them".into()));
     }
     let mut beyond = String::new();
-    let mut step = first_step(setup.model);
-    for (number, (before, part)) in PROGRESS.into_iter().enumerate() {
+    let Some(mut step) = setup.beginning.step else {
+        return Ok(Err("however short, they blow up while the run settles".into()));
+    };
+    let mut parts = PROGRESS.into_iter().enumerate();
+    let mut next = parts.next();
+    while let Some((number, (before, part))) = next {
         let settings = in_steps(setup.settings, step);
         // The repetition at a quarter of the step takes about as long as the run.
         let later = |share: f64| (share - MAIN_SHARE) / (1.0 - MAIN_SHARE);
@@ -167,9 +172,14 @@ pub(super) fn attempt<'a>(
         let (attempt, accuracy) = match judged {
             Ok(judged) => judged,
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
-            // What is too stiff for the step blows up.
+            // What is too stiff for the step blows up, mostly soon.
+            Err(_) if SHORTENED * step >= SHORTEST => {
+                step *= SHORTENED;
+                continue;
+            }
             Err(error) => return Ok(Err(error.to_string())),
         };
+        next = parts.next();
         if accuracy.motion == Some(MotionKind::Diverging) {
             if !tells_chaos {
                 let why = "the motion seems chaotic in them, and where a viscous lubricant lets cage and balls tilt it may not be";
@@ -182,23 +192,8 @@ pub(super) fn attempt<'a>(
         let Some(excess) = accuracy.excess(&settings.outputs, allowed_db) else {
             return Ok(Err(accuracy.warning.unwrap_or(accuracy.how)));
         };
-        let hidden = accuracy.excess_beside_scatter(&attempt.recording, &settings.outputs, allowed_db);
-        if accuracy.warning.is_none() && hidden.is_some_and(|hidden| hidden <= 1.0) {
-            let within = if excess <= 1.0 {
-                "half of model_tolerance_db"
-            } else {
-                "a tenth of what stretches of the level differ by"
-            };
-            let attempt = kept(attempt, &format!("what a quarter of the step tells lies within {within}"));
-            return Ok(Ok(Stepped { attempt, accuracy, settings, model, needs }));
-        }
-        // No steps and no tolerance make of one sample all that a motion does.
-        if let Some(accuracy) = accuracy.of_sample(&attempt.recording, &settings.outputs, allowed_db) {
-            let attempt = kept(
-                attempt,
-                "a quarter of the step leads another way, to levels as stretches of the motion have them",
-            );
-            return Ok(Ok(Stepped { attempt, accuracy, settings, model, needs }));
+        if let Some((accuracy, because)) = accuracy.good_as_any(&attempt.recording, &settings.outputs, allowed_db) {
+            return Ok(Ok(Stepped { attempt: kept(attempt, because), accuracy, settings, model, needs }));
         }
         if let Some(warning) = accuracy.warning {
             return Ok(Err(warning));
