@@ -197,9 +197,8 @@ impl Beginning {
         let model = damped.as_ref().unwrap_or(model);
         let span = Span { start: 0.0, end: time, checkpoint: time, share: (0.0, 1.0) };
         (control.live)(&Live::of(Phase::Settling));
-        for (stepping, step) in
-            stepped::lengths(model).map(|step| (stepped::by(step), Some(step))).chain([(SETTLED_BY, None)])
-        {
+        let in_steps = stepped::lengths(model).map(|step| (stepped::by(step), Some(step)));
+        for (stepping, step) in in_steps.chain([(SETTLED_BY, None)]) {
             match integrate(model, &start.state, &stepping, &span, control, |_| ()) {
                 Ok(settled) => {
                     let is_damped = damping.is_some();
