@@ -123,8 +123,11 @@ pub fn study(table: &TableAnswer) -> String {
             (None, Some(error)) => {
                 let _ = write!(text, "  failed: {}: {}", error.cause, error.detail);
             }
-            (None, None) if row.status == PointStatus::Running => text.push_str("  running"),
-            (None, None) => text.push_str("  queued"),
+            (None, None) => text.push_str(match row.status {
+                PointStatus::Running => "  running",
+                PointStatus::Cancelled => "  cancelled",
+                _ => "  queued",
+            }),
         }
         text.push('\n');
     }

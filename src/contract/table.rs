@@ -74,6 +74,8 @@ pub enum PointStatus {
     Running,
     Succeeded,
     Failed,
+    /// Its study was cancelled before its end; a resumed one goes on with it.
+    Cancelled,
 }
 
 /// Why a point has no metrics.

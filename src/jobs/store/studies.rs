@@ -195,9 +195,10 @@ impl Store {
 
     /// The request of a study, and its points in order.
     pub async fn points(&self, owner: &str, job: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
-        let sql = "SELECT kind, request FROM jobs WHERE id = $1 AND owner = $2";
-        let row: Option<(String, String)> = statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
-        let (kind, request) = row.ok_or(JobError::NotFound)?;
+        let sql = "SELECT kind, request, status FROM jobs WHERE id = $1 AND owner = $2";
+        let row: Option<(String, String, String)> =
+            statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
+        let (kind, request, study) = row.ok_or(JobError::NotFound)?;
         if kind != JobKind::Study.name() {
             return Err(JobError::OtherKind { kind });
         }
@@ -205,9 +206,10 @@ impl Store {
         let rows: Vec<(i64, String, bool, Option<Vec<u8>>)> = statement(sql).bind(job).all(&self.readers).await?;
         let points = rows.into_iter().map(|(number, status, reused, answer)| {
             let status = match status.as_str() {
-                "running" => PointStatus::Running,
                 "succeeded" => PointStatus::Succeeded,
                 "failed" => PointStatus::Failed,
+                _ if study == Status::Cancelled.name() => PointStatus::Cancelled,
+                "running" => PointStatus::Running,
                 _ => PointStatus::Queued,
             };
             Ok(StoredPoint { number: usize::try_from(number).unwrap_or(usize::MAX), status, reused, answer })
