@@ -5,6 +5,7 @@ use super::resolve::CostAnswer;
 use super::units::significant;
 use crate::numerics::lanes::LANES;
 use crate::numerics::ode::Method;
+use crate::simulation::accuracy::is_tossed;
 use crate::simulation::divergence::judged_stretch;
 use crate::simulation::equilibrium::start_state;
 use crate::simulation::ladder::{self, Rung};
@@ -62,7 +63,7 @@ const SMOOTH_STEP: f64 = 20e-6;
 /// Stability holds the explicit method to short steps, however smooth the motion is: those of the fastest mode of the
 /// equations at the start of the run; a stiff method goes its own pace, and `auto` takes the cheaper one. An order of magnitude:
 /// impacts, loads that grow later, and levels that drown in noise are not foreseen. No time is given where the run has no equilibrium to
-/// start from. Where steps of a fixed length are tried first, they mostly serve; the most is what error control adds.
+/// start from. Where nobody knows which of two ways a run goes, what lies within the same factor of both. Where steps of a fixed length are tried first, they mostly serve; the most is what error control adds.
 pub fn estimate(job: &Job) -> CostAnswer {
     let scene = job.scene();
     let model = Model::new(scene, &job.needs);
@@ -89,13 +90,18 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let judged =
             |by: &dyn Fn(f64) -> f64| by_dynamics(shared) + runs * (by(settle - shared + duration) + looks) + by(later);
         let tried = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
-        let most = tried + UNFORESEEN * attempts(job) * judged(&by_impacts);
+        // Where oil is viscous, steps may blow up while the run settles.
+        let settled_anew = if job.needs.raceway.hydrodynamics { by_error_control(shared) } else { 0.0 };
+        let most = tried + settled_anew + UNFORESEEN * attempts(job) * judged(&by_impacts);
         // Steps of a fixed length mostly serve, but not where the spindle moves along the axis. Of chaos they make two samples.
         let in_steps = stepped::may_choose(&job.settings);
+        let tilts = ladder::tilts_late(scene);
+        let either = |one: f64, other: f64| (one * other).sqrt();
         let rattles = model.mechanism().layout.cage && !model.mechanism().pocket.film_is_damped();
         let usual = match model.mechanism().layout.axial_spindle {
             true if in_steps => tried + judged(&by_error_control),
             false if in_steps && rattles => SAMPLED * judged(&by_dynamics),
+            false if in_steps && (tilts || is_tossed(&model)) => either(tried, tried + judged(&by_error_control)),
             _ => judged(&by_dynamics),
         };
         let reduced = hydrodynamics(REDUCED_HYDRODYNAMIC) * (settle + duration) / REDUCED_REAL_TIME_FACTOR;
@@ -106,7 +112,8 @@ pub fn estimate(job: &Job) -> CostAnswer {
             (None, None) => [usual, most],
             (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => as_planned(reduced),
             (None, Some(_)) if job.rungs.len() == 1 => as_planned(checked),
-            (None, Some(_)) if rattles || ladder::tilts_late(scene) => [checked + usual, checked + most],
+            (None, Some(_)) if rattles => [checked + usual, checked + most],
+            (None, Some(_)) if tilts => [either(checked, checked + usual), checked + most],
             (None, Some(_)) => [checked, checked + most],
         };
         [estimate, most].map(|time| significant(time.min(LONGEST), 2))

@@ -7,6 +7,7 @@ use super::distance::{
 };
 use super::divergence::{divergence_rate, judged_stretch, judging};
 use super::integration::{SimulationError, Stepping};
+use super::later::Stretches;
 use super::metrics::{AccuracyReport, MotionKind, QuantityErrors};
 use super::model::Model;
 use super::observe::{self, Recording};
@@ -83,12 +84,8 @@ pub(super) fn judge(
         // Chaos, a step beyond the limit of stability, or slow motions that keep what steps have damped: error control has to, and
         // nobody reads what a repetition would tell.
         let how = "not judged: a disturbance does not die out".to_owned();
-        let (level_errors, quantity_errors, warning) = (LevelErrors::default(), None, failure);
-        let is_sample = false;
-        return Ok((
-            first,
-            AccuracyReport { level_errors, quantity_errors, how, motion, divergence_rate, is_sample, warning },
-        ));
+        let doubt = failure.map(Doubt::Failed);
+        return Ok((first, AccuracyReport { how, motion, divergence_rate, doubt, ..AccuracyReport::default() }));
     }
     let constant_speed = setup.model.mechanism().speed.is_constant();
     let mut part = if constant_speed && !is_tossed(setup.model) && dies_out {
@@ -112,13 +109,16 @@ pub(super) fn judge(
     let is_sample = part == settings.duration && repeated.as_ref().is_some_and(|repeated| repeated.noise > NOISY);
     let report = |distance: Distance, how: String, attempt: Attempt, failure: Option<&String>| {
         let Distance { levels: level_errors, quantities: quantity_errors } = distance;
-        let by_chance = motion == Some(MotionKind::Diverging);
-        let doubts = match by_chance {
-            true => of_chance(level_errors.worst()).or_else(|| too_short(divergence_rate, settings.duration)),
-            false => doubts(level_errors.worst(), quantity_errors, &settings.outputs),
-        };
-        let warning = attempt.integrated.unstable.clone().or(failure.cloned()).or(doubts);
-        (attempt, AccuracyReport { level_errors, quantity_errors, how, motion, divergence_rate, is_sample, warning })
+        let failed = attempt.integrated.unstable.clone().or(failure.cloned()).map(Doubt::Failed);
+        let doubt = Some(failed.unwrap_or(match motion {
+            Some(MotionKind::Diverging) => Doubt::Chance { too_short: too_short(divergence_rate, settings.duration) },
+            _ => Doubt::Unresolved,
+        }));
+        let warning = None;
+        (
+            attempt,
+            AccuracyReport { level_errors, quantity_errors, how, motion, divergence_rate, is_sample, doubt, warning },
+        )
     };
     let of_repetition = repeated.as_ref().map_or(Distance::UNKNOWN, |repeated| repeated.distance);
     let at = match judging(settings.method) {
@@ -166,9 +166,12 @@ pub(super) fn judge(
             Ok(report(of_repetition, format!("level over {over}, {WORST}"), first, failure.as_ref()))
         }
         _ => {
+            let is_short = observe::kept_values(settings.duration) < LEAST_VALUES;
+            let short = || not_judged_so_short(settings.duration);
+            let failure = failure.or_else(|| is_short.then(short));
             let how = match failure {
                 Some(_) => "not judged: see the warning",
-                None => "no level to compare: nothing moves, or the run is too short to repeat a part of it",
+                None => "no level to compare: nothing moves",
             };
             Ok(report(of_repetition, how.into(), first, failure.as_ref()))
         }
@@ -177,7 +180,7 @@ pub(super) fn judge(
 
 /// Whether the unbalance outweighs what holds the spindle in the load zone: then a motion that comes back to itself on the whole
 /// may part from itself for a while at any time.
-fn is_tossed(model: &Model) -> bool {
+pub fn is_tossed(model: &Model) -> bool {
     let m = model.mechanism();
     let speed = m.speed.largest();
     let held = (m.load[1] + m.spindle_mass * m.gravity).hypot(m.load[2]);
@@ -190,11 +193,16 @@ const ENDS: usize = 3;
 const SETTLING: f64 = 0.5;
 const SCATTER: f64 = 0.25;
 
-/// Changes of the levels [dB] of judged channels that rise or fall throughout the kept time.
-fn trends(recording: &Recording) -> Vec<(Channel, f64)> {
+/// A level that a later stretch has within this share of what it changes by along the kept time comes back: what settles has moved on
+/// by half of it or more.
+const COMES_BACK: f64 = 0.25;
+
+/// Changes of the levels [dB] of judged channels that rise or fall throughout the kept time, and do not come back.
+fn trends(recording: &Recording, later: Option<&LevelErrors>) -> Vec<(Channel, f64)> {
     let of = |channel: Channel| {
         let change = level_change(&in_parts(&recording.of(channel)?.in_band().mean_squares, BATCHES))?;
-        Some((channel, change))
+        let apart = later.and_then(|later| later.of(channel));
+        apart.is_none_or(|apart| apart > COMES_BACK * change.abs()).then_some((channel, change))
     };
     heard(recording).into_iter().filter_map(of).collect()
 }
@@ -224,6 +232,11 @@ fn or_failure<T>(result: Result<T, SimulationError>) -> Result<(Option<T>, Optio
 /// What a result says that could not be judged, and one that could over a part of its time [s] alone.
 fn not_judged(why: &str) -> String {
     format!("how far the level can be trusted is not known: repeating a part failed, {why}")
+}
+
+fn not_judged_so_short(kept: f64) -> String {
+    let (kept, least) = (1e3 * kept, 1e3 * LEAST_VALUES as f64 / observe::RATE);
+    format!("how far the level can be trusted is not known: {kept:?} ms are too short. Keep {least:.0} ms or more")
 }
 
 fn judged_by_a_part(part: f64, why: &str) -> String {
@@ -306,70 +319,116 @@ pub(super) fn of_samples(
             "the motion is chaotic: standard error of the level by ten batch means, or what the whole run in twice the step differs \
              by if that is more, {WORST}; single numbers by what two such runs differ by, part by part"
         ),
-        warning: of_chance(levels.worst()),
+        doubt: Some(Doubt::Chance { too_short: None }),
         ..judged.clone()
     })
 }
 
+/// Why what a run states may be in doubt; whether it is, and by how much, its errors tell in the end.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Doubt {
+    /// They are not known, or not of all of it; in words.
+    Failed(String),
+    /// Steps may be to blame.
+    Unresolved,
+    /// Finer steps lead the motion another way, with other peaks.
+    Sensitive,
+    /// The motion is chaotic, and the run a sample. `too_short`: in words, where it is too short to be one.
+    Chance { too_short: Option<String> },
+    /// Another stretch shows something else.
+    Uneven,
+}
+
 impl AccuracyReport {
-    /// With what depends on the stretch that is kept. `scatter`: what the levels of another may differ by; `None`: they need not stand
-    /// still. Where it is more than `SETTLING`, no other stretch has them closer than that, nor loads and speeds closer than the halves of this one have
-    /// them, and where a level rises or falls throughout, it is no nearer to that of the steady motion than it changes by.
-    pub(super) fn of_stretch(self, recording: &Recording, scatter: Option<LevelErrors>, outputs: &Outputs) -> Self {
-        let Some(scatter) = scatter.filter(|_| self.level_error_db().is_some()) else {
-            return self;
+    /// With what depends on the stretch that is kept, and, last of all, in words what is in doubt of it. `stretches`: what the levels of others
+    /// differ by; `None`: they need not stand still. Where that is more than `SETTLING`, no other stretch has them closer than that, nor
+    /// loads and speeds closer than the halves of this one have them, and where a level rises or falls throughout, it is no nearer to that of
+    /// the steady motion than it changes by.
+    pub(super) fn of_stretch(self, recording: &Recording, stretches: Option<&Stretches>, outputs: &Outputs) -> Self {
+        let Some(stretches) = stretches.filter(|_| self.level_error_db().is_some()) else {
+            return self.in_words(None, outputs);
         };
-        let settling = self.with_settling(recording);
-        let uneven = LevelErrors::each(|channel| scatter.of(channel).filter(|scatter| *scatter > SETTLING));
-        if uneven.worst().is_none() {
-            return settling;
+        let by_chance = self.motion == Some(MotionKind::Diverging);
+        let trends = if by_chance { Vec::new() } else { trends(recording, stretches.later.as_ref()) };
+        let left = LevelErrors::each(|channel| Some(trends.iter().find(|(of, _)| *of == channel)?.1.abs()));
+        let uneven = LevelErrors::each(|channel| stretches.scatter.of(channel).filter(|scatter| *scatter > SETTLING));
+        let is_uneven = uneven.worst().is_some();
+        let worst = trends.iter().max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        let settling = worst.map(|(channel, change)| {
+            format!(
+                "still settling: {channel} changes by {change:+.1} dB from the beginning to the end of the kept time. Try a longer \
+                 settle_s, or, if it comes back, a longer duration_s"
+            )
+        });
+        let halves = halves_apart(&recording.parts).filter(|_| is_uneven);
+        let mut how = self.how.clone();
+        if settling.is_some() {
+            how.push_str("; or what the level changes by along the kept time, if that is more");
         }
-        let halves = halves_apart(&recording.parts);
-        let of_halves = |errors: QuantityErrors| halves.map_or(errors, |halves| errors.larger(&halves));
-        let level_errors = settling.level_errors.raised_to(uneven);
-        let quantity_errors = settling.quantity_errors.map(of_halves);
-        let by_chance = settling.motion == Some(MotionKind::Diverging);
-        let another = || {
-            let doubtful = doubtful(level_errors.worst(), quantity_errors.filter(|_| !by_chance), outputs)?;
-            Some(format!(
-                "uneven along the kept time, so that another stretch may differ: {doubtful}. Keep more time, or settle longer"
-            ))
-        };
+        if is_uneven {
+            how.push_str(
+                "; or what the kept time, which is uneven, and a later stretch tell of another one, if that is more",
+            );
+        }
+        let doubt = if is_uneven && self.words(outputs).is_none() { Some(Doubt::Uneven) } else { self.doubt };
         Self {
-            level_errors,
-            quantity_errors,
-            how: format!(
-                "{}; or what the kept time, which is uneven, and a later stretch tell of another one, if that is more",
-                settling.how
-            ),
-            // One number of an error is enough.
-            warning: settling.warning.or_else(another),
-            ..settling
+            level_errors: self.level_errors.raised_to(left).raised_to(uneven),
+            quantity_errors: self.quantity_errors.map(|errors| halves.map_or(errors, |halves| errors.larger(&halves))),
+            how,
+            doubt,
+            ..self
         }
+        .in_words(settling, outputs)
     }
 
-    fn with_settling(self, recording: &Recording) -> Self {
+    /// With its warning. `settling`: what is said of levels that rise or fall throughout.
+    fn in_words(self, settling: Option<String>, outputs: &Outputs) -> Self {
+        let words = match (&self.doubt, &settling) {
+            // One number of an error is enough.
+            (Some(Doubt::Uneven), Some(_)) => {
+                Self { level_errors: LevelErrors::default(), ..self.clone() }.words(outputs)
+            }
+            _ => self.words(outputs),
+        };
+        let all: Vec<String> = words.into_iter().chain(settling).collect();
+        Self { warning: (!all.is_empty()).then(|| all.join("; ")), ..self }
+    }
+
+    /// What is in doubt of what is stated, in words.
+    pub(super) fn words(&self, outputs: &Outputs) -> Option<String> {
         let by_chance = self.motion == Some(MotionKind::Diverging);
-        let trends = trends(recording);
-        let worst = trends.iter().max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
-        let Some((channel, change)) = worst.filter(|_| !by_chance) else {
-            return self;
+        let level = self.level_error_db();
+        let doubtful = |chance: bool| {
+            // Of chaos levels tell by themselves that the sample is a short one.
+            let quantities = self.quantity_errors.filter(|_| !chance || !outputs.are_of_levels());
+            doubtful(level, quantities, outputs)
         };
-        let warning = || {
-            format!(
-                "still settling: the level of {channel} changes by {change:+.1} dB from the beginning to the end of the kept time. \
-                 Try a longer settle_s, or, if it comes back, a longer duration_s"
-            )
-        };
-        let left = LevelErrors::each(|channel| Some(trends.iter().find(|(of, _)| *of == channel)?.1.abs()));
-        Self {
-            level_errors: self.level_errors.raised_to(left),
-            how: format!("{}; or what the level changes by along the kept time, if that is more", self.how),
-            warning: Some(match self.warning {
-                Some(other) => format!("{other}; {}", warning()),
-                None => warning(),
-            }),
-            ..self
+        match self.doubt.as_ref()? {
+            Doubt::Failed(words) => Some(words.clone()),
+            Doubt::Unresolved => {
+                let doubtful = doubtful(false)?;
+                Some(format!("not resolved: {doubtful}. Try a tighter relative tolerance, or keep more time"))
+            }
+            Doubt::Sensitive => {
+                let doubtful = doubtful(false)?;
+                Some(format!(
+                    "sensitive: the least disturbance leads the motion another way, with other peaks: {doubtful}. Keep more time"
+                ))
+            }
+            Doubt::Chance { too_short } => {
+                let doubtful = doubtful(true).map(|doubtful| {
+                    format!(
+                        "not resolved: {doubtful}, for the motion is chaotic and the run a short sample of it. Keep more time"
+                    )
+                });
+                doubtful.or_else(|| too_short.clone())
+            }
+            Doubt::Uneven => {
+                let doubtful = doubtful(by_chance)?;
+                Some(format!(
+                    "uneven along the kept time, so that another stretch may differ: {doubtful}. Keep more time, or settle longer"
+                ))
+            }
         }
     }
 
@@ -381,7 +440,8 @@ impl AccuracyReport {
         outputs: &Outputs,
         allowed_db: f64,
     ) -> Option<(Self, &'static str)> {
-        let serves = |excess: Option<f64>| self.warning.is_none() && excess.is_some_and(|excess| excess <= 1.0);
+        let is_doubtful = self.words(outputs).is_some();
+        let serves = |excess: Option<f64>| !is_doubtful && excess.is_some_and(|excess| excess <= 1.0);
         if serves(self.excess(outputs, allowed_db)) {
             return Some((self.clone(), "what finer steps tell lies within half of model_tolerance_db"));
         }
@@ -391,7 +451,7 @@ impl AccuracyReport {
                 "what finer steps tell lies within a tenth of what stretches of the level differ by",
             ));
         }
-        let sample = self.of_sample(recording, outputs, allowed_db)?;
+        let sample = self.of_sample(recording, allowed_db)?;
         Some((sample, "finer steps lead another way, to levels as stretches of the motion have them"))
     }
 
@@ -405,16 +465,17 @@ impl AccuracyReport {
 
     /// The same of a motion that finer steps lead another way, where the levels of both differ by no more than those of its own stretches do, or
     /// than is allowed [dB]: each is a sample as good as the other. `None`: steps have made the difference, or it is not known.
-    fn of_sample(&self, recording: &Recording, outputs: &Outputs, allowed_db: f64) -> Option<Self> {
+    fn of_sample(&self, recording: &Recording, allowed_db: f64) -> Option<Self> {
         let scatter = scatter(recording);
         let apart = self.level_errors.beside(&scatter, |error, scatter| error / scatter.max(allowed_db));
-        let nothing_else = self.warning == doubts(self.level_error_db(), self.quantity_errors, outputs);
+        let nothing_else = matches!(self.doubt, Some(Doubt::Unresolved));
         let is_as_good = self.is_sample && nothing_else && apart.worst()? <= 1.0;
         is_as_good.then(|| Self {
-            how: format!("{}; finer steps lead the motion another way, and to the same levels as stretches of it have", self.how),
-            warning: doubtful(self.level_error_db(), self.quantity_errors, outputs).map(|doubtful| {
-                format!("sensitive: the least disturbance leads the motion another way, with other peaks: {doubtful}. Keep more time")
-            }),
+            how: format!(
+                "{}; finer steps lead the motion another way, and to the same levels as stretches of it have",
+                self.how
+            ),
+            doubt: Some(Doubt::Sensitive),
             ..self.clone()
         })
     }
@@ -445,16 +506,6 @@ impl AccuracyReport {
     }
 }
 
-/// What a result of a chaotic motion says where its level is not resolved.
-fn of_chance(level_error_db: Option<f64>) -> Option<String> {
-    level_error_db.filter(|error| *error > DOUBTFUL).map(|error| {
-        format!(
-            "not resolved: the level (an error of {error:.1} dB or more), for the motion is chaotic and the run a short sample of it. \
-             Keep more time"
-        )
-    })
-}
-
 /// What a result says of a chaotic motion that has forgotten too little over the kept time [s] for batches to tell its error. `rate`: of
 /// divergence [1/s].
 fn too_short(rate: f64, duration: f64) -> Option<String> {
@@ -466,12 +517,6 @@ fn too_short(rate: f64, duration: f64) -> Option<String> {
             FORGETS / rate
         )
     })
-}
-
-/// What a result says where level, largest load or cage speed are not resolved, or peaks that were asked for.
-fn doubts(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, outputs: &Outputs) -> Option<String> {
-    let doubtful = doubtful(level_error_db, quantities, outputs)?;
-    Some(format!("not resolved: {doubtful}. Try a tighter relative tolerance, or keep more time"))
 }
 
 /// What of these is in doubt, and by how much.

@@ -85,7 +85,7 @@ pub(super) fn in_parts(mean_squares: &[f64], parts: usize) -> Vec<f64> {
 }
 
 /// 20 lg(a / b) [dB] of root mean squares, silence counted as `SILENCE`; `None` where both are silent.
-fn level_difference((a, b): (f64, f64)) -> Option<f64> {
+pub(super) fn level_difference((a, b): (f64, f64)) -> Option<f64> {
     (a.max(b) > SILENCE).then(|| 20.0 * (a.max(SILENCE) / b.max(SILENCE)).log10())
 }
 
@@ -377,7 +377,7 @@ fn mean_or_luck(differences: &[f64]) -> f64 {
     (differences.iter().sum::<f64>() / n).abs().max(rms_about_zero(differences) / n.sqrt())
 }
 
-fn rms_about_zero(values: &[f64]) -> f64 {
+pub(super) fn rms_about_zero(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / (values.len() as f64).max(1.0)).sqrt()
 }
 

@@ -9,13 +9,14 @@ mod check;
 use std::cell::Cell;
 use std::time::Instant;
 
-use super::accuracy;
+use super::accuracy::{self, Doubt};
 use super::channel::Channel;
 use super::control::{Control, Live, Phase};
 use super::distance::{self, Distance};
 use super::divergence::{self, Pairs, Parted};
 use super::integration::SimulationError;
 use super::judgement;
+use super::later::Stretches;
 use super::metrics::{AccuracyReport, MotionKind, SolverReport};
 use super::model::Mechanism;
 use super::model::radially_condensed::{self, Pace, RadiallyCondensed};
@@ -495,7 +496,7 @@ fn summarise(
     } else {
         (distance.levels, how)
     };
-    let scatter = scene.operation.speed.is_constant().then(|| accuracy::scatter(&made.recording));
+    let stretches = scene.operation.speed.is_constant().then(|| Stretches::of_kept(&made.recording));
     let accuracy = AccuracyReport {
         level_errors,
         quantity_errors: distance.quantities.filter(|_| !by_chance),
@@ -503,13 +504,15 @@ fn summarise(
         motion,
         divergence_rate: parted.map_or(0.0, |parted| parted.rate),
         is_sample: false,
-        warning,
+        doubt: warning.map(Doubt::Failed),
+        warning: None,
     }
-    .of_stretch(&made.recording, scatter, &settings.outputs);
+    .of_stretch(&made.recording, stretches.as_ref(), &settings.outputs);
     let mechanism = Mechanism::new(scene, &needs);
     // The rung that repeats a passage has no start, and chaos forgets it by itself.
     let keeps_start = rung != Rung::Periodic && !by_chance;
     let settling = keeps_start.then(|| settling::rings_on(scene, settings.settle)).flatten();
-    let account = Account { solver, accuracy, scatter, settling, left_out: needs.left_out };
+    let account =
+        Account { solver, accuracy, scatter: stretches.map(|of| of.scatter), settling, left_out: needs.left_out };
     Ok(RunResult::new(scene, settings, &mechanism, &made.recording, account))
 }

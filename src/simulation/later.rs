@@ -3,11 +3,13 @@
 
 use super::accuracy;
 use super::control::{Control, Live, Phase};
-use super::distance::{Distance, LevelErrors};
+use super::distance::{Distance, LevelErrors, in_parts, level_difference, rms_about_zero};
 use super::integration::{SimulationError, Stepping};
+use super::observe::Recording;
 use super::run::{Attempt, Setup};
 use super::settings::{Outputs, RunSettings};
 use super::settling::Beginning;
+use crate::numerics::statistics::mean;
 
 /// Scatter of a level along the kept time from which on a later stretch is looked at [dB]: of motion that repeats itself it is less.
 const UNEVEN: f64 = 0.1;
@@ -21,29 +23,74 @@ const MOST: u64 = 4;
 
 /// Time that a later stretch and what lies between take after a kept one [s], at most.
 pub fn most_time(kept: f64) -> f64 {
-    if kept < LONG { between(kept) + kept } else { 0.0 }
+    if kept < LONG { between(kept) + as_long_as(kept) } else { 0.0 }
+}
+
+/// Whether the kept time [s] is too short for its own parts to tell anything.
+fn is_short(kept: f64) -> bool {
+    kept < accuracy::REPEATED
+}
+
+/// Time that is kept later [s]: where the kept one is short, as many times that as there are batches, for one alone may be the same by luck.
+fn as_long_as(kept: f64) -> f64 {
+    if is_short(kept) { accuracy::BATCHES as f64 * kept } else { kept }
 }
 
 fn between(kept: f64) -> f64 {
     f64::max(BETWEEN * kept, LEAST_BETWEEN)
 }
 
-/// Scatter of the levels of a run, at constant speed.
-pub(super) fn scatter(setup: &Setup<'_>, run: &Attempt, control: &Control<'_>) -> Result<LevelErrors, SimulationError> {
-    let own = accuracy::scatter(&run.recording);
+/// What the levels of other stretches differ by from those of the kept one.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Stretches {
+    /// One standard deviation [dB].
+    pub scatter: LevelErrors,
+    /// Of a later one [dB], where one was looked at.
+    pub later: Option<LevelErrors>,
+}
+
+impl Stretches {
+    /// As the kept time alone tells.
+    pub fn of_kept(recording: &Recording) -> Self {
+        Self { scatter: accuracy::scatter(recording), later: None }
+    }
+}
+
+/// Of a run at constant speed.
+pub(super) fn stretches(setup: &Setup<'_>, run: &Attempt, control: &Control<'_>) -> Result<Stretches, SimulationError> {
+    let own = Stretches::of_kept(&run.recording);
     let kept = setup.settings.duration;
     // What is too short to tell by itself is held against another in any case.
-    let is_even = kept >= accuracy::REPEATED && own.worst().is_none_or(|scatter| scatter < UNEVEN);
+    let is_even = !is_short(kept) && own.scatter.worst().is_none_or(|scatter| scatter < UNEVEN);
     if kept >= LONG || is_even {
         return Ok(own);
     }
     (control.live)(&Live::of(Phase::Judging));
     match stretch(setup, run, &control.aside()) {
-        Ok(later) => Ok(own.larger(Distance::of_runs(&run.recording, &later.recording).levels)),
+        Ok(later) => {
+            let apart = match is_short(kept) {
+                true => apart_from_parts(&run.recording, &later.recording),
+                false => Distance::of_runs(&run.recording, &later.recording).levels,
+            };
+            Ok(Stretches { scatter: own.scatter.larger(apart), later: Some(apart) })
+        }
         Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
         // What the kept time tells has to do.
         Err(_) => Ok(own),
     }
+}
+
+/// What the levels of equal parts of a recording, each as long as the kept one, differ by from those of that, rms [dB].
+fn apart_from_parts(kept: &Recording, later: &Recording) -> LevelErrors {
+    let parts = |recording: &Recording, channel| {
+        recording.of(channel).map(|signal| in_parts(&signal.in_band().mean_squares, accuracy::BATCHES))
+    };
+    LevelErrors::each(|channel| {
+        let level = mean(&parts(kept, channel)?).sqrt();
+        let apart = |part: &f64| level_difference((part.sqrt(), level));
+        let differences: Vec<f64> = parts(later, channel)?.iter().filter_map(apart).collect();
+        (!differences.is_empty()).then(|| rms_about_zero(&differences))
+    })
 }
 
 /// The motion of a run goes on, and as much is kept again later.
@@ -52,6 +99,7 @@ fn stretch(setup: &Setup<'_>, run: &Attempt, control: &Control<'_>) -> Result<At
     let end = kept.settle + kept.duration;
     let settings = RunSettings {
         settle: end + between(kept.duration),
+        duration: as_long_as(kept.duration),
         outputs: Outputs {
             contacts: false,
             cage: false,

@@ -1,5 +1,6 @@
 //! Summary metrics of a run, in the units in which results show them.
 
+use super::accuracy::Doubt;
 use super::channel::{Channel, Motion};
 use super::distance::LevelErrors;
 use super::lines::{Line, find_lines};
@@ -119,7 +120,7 @@ impl QuantityErrors {
 }
 
 /// How far the result can be trusted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct AccuracyReport {
     /// Estimated errors of the levels [dB].
     pub level_errors: LevelErrors,
@@ -132,7 +133,9 @@ pub struct AccuracyReport {
     pub divergence_rate: f64,
     /// A repetition of the whole run went another way: its signals are others.
     pub is_sample: bool,
-    /// In words, where the result is not to be trusted.
+    /// Why it may not be trusted; `None`: that was never asked.
+    pub doubt: Option<Doubt>,
+    /// In words, where the result is not to be trusted; made last, of what is stated in the end.
     pub warning: Option<String>,
 }
 

@@ -62,9 +62,13 @@ fn dynamics(
     let setup = Setup { model: &model, needs: &needs, settings, beginning: &beginning, whole };
     let allowed_db = SHARE_OF_ERROR * settings.model_tolerance_db;
     let may_step = stepped::may_choose(settings);
-    // Most of the progress: they mostly serve.
-    let stepped = if may_step { settled + STEPPED_SHARE * (MADE - settled) } else { settled };
     let tells_chaos = !ladder::tilts_late(scene);
+    let share = match may_step {
+        true if tells_chaos && !model.mechanism().leans() => STEPPED_SHARE,
+        true => TRIED_SHARE,
+        false => 0.0,
+    };
+    let stepped = settled + share * (MADE - settled);
     let in_steps =
         control.part((settled, stepped), |control| stepped::attempt(&setup, allowed_db, tells_chaos, control))?;
     let in_vain = match in_steps {
@@ -160,8 +164,9 @@ const MADE: f64 = 0.9;
 /// Times that a run is worth with all that judges it, in progress.
 const JUDGED_TIMES: f64 = 5.0;
 
-/// Share of the progress that steps of a fixed length stand for, where they are tried first.
+/// Share of the progress that steps of a fixed length stand for, where they are tried first: most of it where they mostly serve.
 const STEPPED_SHARE: f64 = 0.8;
+const TRIED_SHARE: f64 = 0.3;
 
 /// Share of the progress that the main integration stands for; the rest judges its accuracy.
 pub(super) const MAIN_SHARE: f64 = 0.85;
@@ -226,8 +231,8 @@ fn summarise(
     let leaves_plane = || Needs::of(scene, &settings.outputs, None).is_ok_and(|own| own.rung == Rung::Full);
     attempt.recording.evaluate(&settings.outputs);
     let is_steady = scene.operation.speed.is_constant();
-    let scatter = || control.part((MADE, 1.0), |control| later::scatter(setup, attempt, control));
-    let scatter = is_steady.then(scatter).transpose()?;
+    let stretches = || control.part((MADE, 1.0), |control| later::stretches(setup, attempt, control));
+    let stretches = is_steady.then(stretches).transpose()?;
     let mut check = match needs.rung {
         Rung::Planar if settings.rung.is_some() && leaves_plane() => {
             "planar motion was asked for: what tilt and motion along the axis change here is in no error that is stated"
@@ -262,14 +267,15 @@ fn summarise(
         relative_tolerance: settings.fixed_step.is_none().then_some(attempt.relative_tolerance),
     };
     let (mechanism, recording) = (model.mechanism(), &attempt.recording);
-    let accuracy = accuracy.of_stretch(recording, scatter, &settings.outputs);
+    let accuracy = accuracy.of_stretch(recording, stretches.as_ref(), &settings.outputs);
     // Neither chaos nor what was damped keeps its start.
     let keeps_start = !setup.beginning.is_damped && accuracy.motion != Some(MotionKind::Diverging);
     let rings =
         || settling::rings_on(scene, settings.settle).or_else(|| settling::cage_rings_on(scene, model, settings));
     let settling = keeps_start.then(rings).flatten();
-    let settling = settling.or_else(|| settling::tilts_on(scene, needs, settings.settle));
-    let account = Account { solver, accuracy, scatter, settling, left_out };
+    let all: Vec<String> = settling.into_iter().chain(settling::tilts_on(scene, needs, settings.settle)).collect();
+    let settling = (!all.is_empty()).then(|| all.join("; "));
+    let account = Account { solver, accuracy, scatter: stretches.map(|of| of.scatter), settling, left_out };
     Ok(RunResult::new(scene, settings, mechanism, recording, account))
 }
 

@@ -17,9 +17,9 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Whether the answer has to do with levels.
+    /// Whether the answer has to do with levels of the spindle.
     pub fn are_of_levels(&self) -> bool {
-        self.vibration || !self.spectra.is_empty()
+        self.vibration || self.spectra.iter().any(|channel| matches!(channel, Channel::Spindle(..)))
     }
 
     /// Whether any signal is kept; what pictures show is kept with them.

@@ -239,7 +239,7 @@ pub fn tilts_on(scene: &Scene, needs: &Needs, settle: f64) -> Option<String> {
     let may_tilt = needs.rung == Rung::Full && needs.raceway.hydrodynamics && ladder::tilts_slowly(scene);
     (may_tilt && settle < TILT_SETTLES).then(|| {
         format!(
-            "cage and balls may still come to tilt: so slow in so viscous an oil that takes seconds, and settle_s is {settle:?} s. Try \
+            "cage and balls may still come to tilt, which takes seconds in an oil so viscous for the speed, and settle_s is {settle:?} s. Try \
              {TILT_SETTLES} s"
         )
     })
