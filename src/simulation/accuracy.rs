@@ -200,7 +200,8 @@ const COMES_BACK: f64 = 0.25;
 /// Changes of the levels [dB] of judged channels that rise or fall throughout the kept time, and do not come back.
 fn trends(recording: &Recording, later: Option<&LevelErrors>) -> Vec<(Channel, f64)> {
     let of = |channel: Channel| {
-        let change = level_change(&in_parts(&recording.of(channel)?.in_band().mean_squares, BATCHES))?;
+        let signal = recording.of(channel).filter(|signal| tells_by_parts(signal))?;
+        let change = level_change(&in_parts(&signal.in_band().mean_squares, BATCHES))?;
         let apart = later.and_then(|later| later.of(channel));
         apart.is_none_or(|apart| apart > COMES_BACK * change.abs()).then_some((channel, change))
     };
@@ -545,12 +546,13 @@ pub(super) fn sampling_errors(recording: &Recording) -> LevelErrors {
 
 /// What the levels of another stretch of the same length may differ by, whatever the motion is; of none that is shorter than `REPEATED`.
 pub(super) fn scatter(recording: &Recording) -> LevelErrors {
-    let tells = |channel: &Channel| {
-        let of_signal = |signal: &Signal| signal.in_band().moments.count() >= observe::kept_values(REPEATED);
-        recording.of(*channel).is_some_and(of_signal)
-    };
     let scatter = of_batches(recording, level_scatter_db);
-    LevelErrors::each(|channel| scatter.of(channel).filter(|_| tells(&channel)))
+    LevelErrors::each(|channel| scatter.of(channel).filter(|_| recording.of(channel).is_some_and(tells_by_parts)))
+}
+
+/// Whether a signal is long enough for its parts to tell of other stretches.
+fn tells_by_parts(signal: &Signal) -> bool {
+    signal.in_band().moments.count() >= observe::kept_values(REPEATED)
 }
 
 /// The judged accelerations that are no silence.
