@@ -151,7 +151,8 @@ pub(super) fn judge(
             let how = format!("level over {over}, {WORST}");
             Ok(report(Distance { levels, ..of_repetition }, how, first, failure.as_ref()))
         }
-        Some(repeated) if !fixed && repeated.is_unresolved() => {
+        // For levels that nobody asked for it is not worth its while.
+        Some(repeated) if !fixed && repeated.is_unresolved() && settings.outputs.are_of_levels() => {
             let taken = first.relative_tolerance;
             let (attempt, distance, tightest) = resolve(setup, first, of_repetition, control)?;
             let how = match distance.levels.worst() {
@@ -395,8 +396,13 @@ impl AccuracyReport {
         Self { warning: (!all.is_empty()).then(|| all.join("; ")), ..self }
     }
 
-    /// What is in doubt of what is stated, in words.
-    pub(super) fn words(&self, outputs: &Outputs) -> Option<String> {
+    /// What is in doubt of what is stated, and what to do about it, in words.
+    fn words(&self, outputs: &Outputs) -> Option<String> {
+        self.in_doubt(outputs).map(|(what, advice)| what + advice)
+    }
+
+    /// What is in doubt of what is stated, in words, and what whoever reads of it should do.
+    pub(super) fn in_doubt(&self, outputs: &Outputs) -> Option<(String, &'static str)> {
         let by_chance = self.motion == Some(MotionKind::Diverging);
         let level = self.level_error_db();
         let doubtful = |chance: bool| {
@@ -405,30 +411,30 @@ impl AccuracyReport {
             doubtful(level, quantities, outputs)
         };
         match self.doubt.as_ref()? {
-            Doubt::Failed(words) => Some(words.clone()),
+            Doubt::Failed(words) => Some((words.clone(), "")),
             Doubt::Unresolved => {
-                let doubtful = doubtful(false)?;
-                Some(format!("not resolved: {doubtful}. Try a tighter relative tolerance, or keep more time"))
+                let what = format!("not resolved: {}", doubtful(false)?);
+                Some((what, ". Try a tighter relative tolerance, or keep more time"))
             }
             Doubt::Sensitive => {
                 let doubtful = doubtful(false)?;
-                Some(format!(
-                    "sensitive: the least disturbance leads the motion another way, with other peaks: {doubtful}. Keep more time"
-                ))
+                let what = format!(
+                    "sensitive: the least disturbance leads the motion another way, with other peaks: {doubtful}"
+                );
+                Some((what, ". Keep more time"))
             }
-            Doubt::Chance { too_short } => {
-                let doubtful = doubtful(true).map(|doubtful| {
-                    format!(
-                        "not resolved: {doubtful}, for the motion is chaotic and the run a short sample of it. Keep more time"
-                    )
-                });
-                doubtful.or_else(|| too_short.clone())
-            }
+            Doubt::Chance { too_short } => match (doubtful(true), too_short) {
+                (Some(doubtful), _) => {
+                    let what =
+                        format!("not resolved: {doubtful}, for the motion is chaotic and the run a short sample of it");
+                    Some((what, ". Keep more time"))
+                }
+                (None, too_short) => Some((too_short.clone()?, "")),
+            },
             Doubt::Uneven => {
                 let doubtful = doubtful(by_chance)?;
-                Some(format!(
-                    "uneven along the kept time, so that another stretch may differ: {doubtful}. Keep more time, or settle longer"
-                ))
+                let what = format!("uneven along the kept time, so that another stretch may differ: {doubtful}");
+                Some((what, ". Keep more time, or settle longer"))
             }
         }
     }

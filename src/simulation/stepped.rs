@@ -84,8 +84,8 @@ fn another_sample<'a>(
 ) -> Result<Result<Stepped<'a>, String>, SimulationError> {
     let grows_slowly = judged.divergence_rate * step < SLOW_GROWTH;
     let forgets = judged.divergence_rate * setup.settings.duration > FORGETS;
-    if let Some(words) = judged.words(&setup.settings.outputs) {
-        return Ok(Err(words));
+    if let Some((what, _)) = judged.in_doubt(&setup.settings.outputs) {
+        return Ok(Err(what));
     }
     if setup.model.mechanism().leans() || !grows_slowly || !forgets {
         let why = match (grows_slowly, forgets) {
@@ -190,13 +190,13 @@ pub(super) fn attempt<'a>(
             });
         }
         let Some(excess) = accuracy.excess(&settings.outputs, allowed_db) else {
-            return Ok(Err(accuracy.words(&settings.outputs).unwrap_or(accuracy.how)));
+            return Ok(Err(accuracy.in_doubt(&settings.outputs).map_or(accuracy.how, |(what, _)| what)));
         };
         if let Some((accuracy, because)) = accuracy.good_as_any(&attempt.recording, &settings.outputs, allowed_db) {
             return Ok(Ok(Stepped { attempt: kept(attempt, because), accuracy, settings, model, needs }));
         }
-        if let Some(words) = accuracy.words(&settings.outputs) {
-            return Ok(Err(words));
+        if let Some((what, _)) = accuracy.in_doubt(&settings.outputs) {
+            return Ok(Err(what));
         }
         beyond = accuracy.words_beyond(&settings.outputs, allowed_db);
         step *= (AIM / excess).powf(1.0 / ORDER).min(LARGEST_CHANGE);

@@ -210,8 +210,8 @@ impl<S: OdeSystem + ?Sized> Integrator for Automatic<'_, S> {
         let limit = STABLE / rate;
         let mut reason = match (&self.active, self.stiff_cost, self.explicit_cost()) {
             (Active::Explicit(_), Some(stiff), Some(explicit)) => format!(
-                "cheaper at this tolerance: {explicit:.1e} evaluations a second against {stiff:.1e} of gear, made \
-                 comparable; fastest rate |λ| = {rate:.1e} 1/s"
+                "cheaper at this tolerance: {explicit:.1e} evaluations for a second of motion, for which gear takes \
+                 {stiff:.1e}, made comparable; fastest rate |λ| = {rate:.1e} 1/s"
             ),
             (Active::Explicit(_), ..) => {
                 format!("not stiff: explicit steps are short against the fastest rate seen, |λ| = {rate:.1e} 1/s")
@@ -227,7 +227,7 @@ impl<S: OdeSystem + ?Sized> Integrator for Automatic<'_, S> {
             }
         };
         if self.changes > 1 {
-            reason += &format!("; changed {} times", self.changes);
+            reason += &format!("; method changed {} times", self.changes);
         }
         Choice { method: self.integrator().choice().method, reason: Some(reason) }
     }
