@@ -266,31 +266,3 @@ pub fn rings_on(scene: &Scene, settle: f64) -> Option<String> {
          is {settle:?} s. {way_out}"
     ))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::contract::scene_from_json;
-
-    /// Long steps blow up after 38 ms.
-    #[test]
-    fn viscous_oil_that_is_too_stiff_for_long_steps_settles_once_in_shorter_ones() {
-        let scene = scene_from_json(
-            r#"{ "bearing": { "preset": "6206", "radial_clearance_um": 11.4 },
-                 "operation": { "speed_rpm": 7512, "radial_load_y_n": 86.9 },
-                 "spindle": { "mass_kg": 2.489, "balance_grade": 16 },
-                 "lubricant": { "kind": "oil", "viscosity_pa_s": 0.096 } }"#,
-        )
-        .unwrap();
-        let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: vec![] };
-        let model = Model::new(&scene, &Needs::of(&scene, &outputs, None).unwrap());
-        let shared = Shared { time: 0.05, damping: None };
-        let settled = Beginning::after(&shared, &model, &Control::until(&|| false)).unwrap();
-        let first = stepped::lengths(&model).next().unwrap();
-        assert!(settled.step.is_some_and(|step| step < first && step > 0.1 * first), "{:?}", settled.step);
-        assert_eq!(settled.time, 0.05);
-        assert!(settled.state.iter().all(|value| value.is_finite()));
-        let step = settled.work.advanced / settled.work.steps as f64;
-        assert!((step / settled.step.unwrap() - 1.0).abs() < 0.01, "{step}");
-    }
-}
