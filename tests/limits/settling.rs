@@ -6,7 +6,7 @@ use raceway::simulation::ladder::Rung;
 use raceway::simulation::metrics::{ChannelMetrics, Summary};
 use raceway::simulation::run::run;
 use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::RunSettings;
+use raceway::simulation::settings::{Outputs, RunSettings};
 use raceway::simulation::settling::{decay_rate, rings_on, settling_time, turning_time};
 use serde_json::{Value, json};
 
@@ -222,7 +222,9 @@ fn viscous_oil_that_is_too_stiff_for_long_steps_settles_once_in_shorter_ones() {
         rung: Some(Rung::Full),
         relative_tolerance: 1e-3,
         tightened: Some(1e-5),
-        model_tolerance_db: 0.05,
+        // The way to the result is looked at, not its last digit.
+        model_tolerance_db: 5.0,
+        outputs: Outputs { contacts: false, cage: false, ..settings().outputs },
         settle: settling_time(&scene).unwrap(),
         duration: 0.01,
         ..settings()
