@@ -16,7 +16,7 @@ use super::distance::{self, Distance};
 use super::divergence::{self, Pairs, Parted};
 use super::integration::SimulationError;
 use super::judgement;
-use super::later::Stretches;
+use super::later::{self, Stretches};
 use super::metrics::{AccuracyReport, MotionKind, SolverReport};
 use super::model::Mechanism;
 use super::model::radially_condensed::{self, Pace, RadiallyCondensed};
@@ -50,6 +50,8 @@ pub enum Rung {
 
 /// Share of the progress that a check stands for.
 const CHECK_SHARE: f64 = 0.1;
+/// Progress before a later stretch, which uneven levels are held against.
+const PARTED: f64 = 0.95;
 /// Share of the progress that is left which a rung has that was not asked for by name: another may have to follow.
 const TRIED_SHARE: f64 = 0.8;
 /// Largest share of a run that its check may be; a shorter run is simulated on the richer rung at once.
@@ -296,7 +298,7 @@ fn on_rung(
     let finer_pace = finer_pace(rung, scene, &stepped)?;
     // What follows the run takes as long, by finer steps the more of them there are.
     let again = finer_pace.map_or(0.0, |(_, steps)| steps);
-    let rest = (1.0 - CHECK_SHARE) / (1.0 + 2.0 * again);
+    let rest = (PARTED - CHECK_SHARE) / (1.0 + 2.0 * again);
     let (run, repeated) = (CHECK_SHARE + rest, CHECK_SHARE + (1.0 + again) * rest);
     let made = control.part((CHECK_SHARE, run), |control| record(rung, scene, &stepped, control))?;
     (control.live)(&Live::of(Phase::Judging));
@@ -328,7 +330,7 @@ fn on_rung(
     }
     let turns = scene.operating_speed() != 0.0;
     let pair = |control: &Control<'_>| parted(rung, scene, &stepped, &made, finer.as_ref(), control);
-    let parted = match control.aside().part((repeated, 1.0), pair) {
+    let parted = match control.aside().part((repeated, PARTED), pair) {
         Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
         // Where nothing turns, two motions may stay apart for ever.
         parted => parted.ok().filter(|_| turns),
@@ -339,8 +341,14 @@ fn on_rung(
                 .into(),
         ));
     }
-    let shown = Shown { check, apart, another_course, unseen };
-    Ok(Ok(summarise(rung, scene, settings, &made, shown, parted, begin)?))
+    // It has left no state to go on from, and begins anew.
+    let later = |of: &RunSettings| {
+        control.aside().part((PARTED, 1.0), |control| Ok(record(rung, scene, of, control)?.recording))
+    };
+    let is_steady = scene.operation.speed.is_constant();
+    let stretches = is_steady.then(|| later::stretches(&made.recording, &stepped, later)).transpose()?;
+    let shown = Shown { check, apart, another_course, unseen, parted, stretches };
+    Ok(Ok(summarise(rung, scene, settings, &made, shown, begin)?))
 }
 
 /// What is known of the errors of a run.
@@ -351,6 +359,10 @@ struct Shown {
     another_course: Option<String>,
     /// What went on after the check, which tells nothing of it.
     unseen: Option<String>,
+    /// Two motions that start next to each other.
+    parted: Option<Parted>,
+    /// At constant speed.
+    stretches: Option<Stretches>,
 }
 
 /// A run of the condensed rung again, by finer steps: a check sees its beginning only, and slow motions that go another way with every
@@ -443,8 +455,7 @@ fn summarise(
     scene: &Scene,
     settings: &RunSettings,
     made: &Made,
-    Shown { check, apart, another_course, unseen }: Shown,
-    parted: Option<Parted>,
+    Shown { check, apart, another_course, unseen, parted, stretches }: Shown,
     begin: Instant,
 ) -> Result<RunResult, SimulationError> {
     let mut needs = needs(scene, &settings.outputs, Some(rung), settings.model_tolerance_db)?;
@@ -496,7 +507,6 @@ fn summarise(
     } else {
         (distance.levels, how)
     };
-    let stretches = scene.operation.speed.is_constant().then(|| Stretches::of_kept(&made.recording));
     let accuracy = AccuracyReport {
         level_errors,
         quantity_errors: distance.quantities.filter(|_| !by_chance),

@@ -49,28 +49,24 @@ pub(super) struct Stretches {
     pub later: Option<LevelErrors>,
 }
 
-impl Stretches {
-    /// As the kept time alone tells.
-    pub fn of_kept(recording: &Recording) -> Self {
-        Self { scatter: accuracy::scatter(recording), later: None }
-    }
-}
-
-/// Of a run at constant speed.
-pub(super) fn stretches(setup: &Setup<'_>, run: &Attempt, control: &Control<'_>) -> Result<Stretches, SimulationError> {
-    let own = Stretches::of_kept(&run.recording);
-    let kept = setup.settings.duration;
+/// Of a run at constant speed. `later`: keeps the motion of this run by other settings, those of a later stretch.
+pub(super) fn stretches(
+    kept: &Recording,
+    settings: &RunSettings,
+    later: impl FnOnce(&RunSettings) -> Result<Recording, SimulationError>,
+) -> Result<Stretches, SimulationError> {
+    let own = Stretches { scatter: accuracy::scatter(kept), later: None };
     // What is too short to tell by itself is held against another in any case.
-    let is_even = !is_short(kept) && own.scatter.worst().is_none_or(|scatter| scatter < UNEVEN);
-    if kept >= LONG || is_even {
+    let is_short = is_short(settings.duration);
+    let is_even = !is_short && own.scatter.worst().is_none_or(|scatter| scatter < UNEVEN);
+    if settings.duration >= LONG || is_even {
         return Ok(own);
     }
-    (control.live)(&Live::of(Phase::Judging));
-    match stretch(setup, run, &control.aside()) {
+    match later(&later_settings(settings)) {
         Ok(later) => {
-            let apart = match is_short(kept) {
-                true => apart_from_parts(&run.recording, &later.recording),
-                false => Distance::of_runs(&run.recording, &later.recording).levels,
+            let apart = match is_short {
+                true => apart_from_parts(kept, &later),
+                false => Distance::of_runs(kept, &later).levels,
             };
             Ok(Stretches { scatter: own.scatter.larger(apart), later: Some(apart) })
         }
@@ -78,6 +74,38 @@ pub(super) fn stretches(setup: &Setup<'_>, run: &Attempt, control: &Control<'_>)
         // What the kept time tells has to do.
         Err(_) => Ok(own),
     }
+}
+
+/// What a later stretch keeps, and when.
+fn later_settings(kept: &RunSettings) -> RunSettings {
+    let nothing_else =
+        Outputs { contacts: false, cage: false, spectra: Vec::new(), series: Vec::new(), ..kept.outputs.clone() };
+    RunSettings {
+        settle: kept.settle + kept.duration + between(kept.duration),
+        duration: as_long_as(kept.duration),
+        outputs: nothing_else,
+        ..kept.clone()
+    }
+}
+
+/// A later stretch of a run of the dynamics, whose motion goes on from where it has ended.
+pub(super) fn of_dynamics(
+    setup: &Setup<'_>,
+    run: &Attempt,
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<Recording, SimulationError> {
+    let kept = setup.settings;
+    let beginning =
+        Beginning { time: kept.settle + kept.duration, state: run.integrated.end.clone(), ..setup.beginning.clone() };
+    let stepping = Stepping {
+        relative_tolerance: run.relative_tolerance,
+        most_evaluations: Some(MOST * run.integrated.statistics.rhs_evaluations.max(accuracy::LEAST_EVALUATIONS)),
+        ..Stepping::of(kept)
+    };
+    (control.live)(&Live::of(Phase::Judging));
+    let later = Setup { settings, beginning: &beginning, ..*setup };
+    Ok(later.attempt(&stepping, (0.0, 1.0), &control.aside())?.recording)
 }
 
 /// What the levels of equal parts of a recording, each as long as the kept one, differ by from those of that, rms [dB].
@@ -91,29 +119,4 @@ fn apart_from_parts(kept: &Recording, later: &Recording) -> LevelErrors {
         let differences: Vec<f64> = parts(later, channel)?.iter().filter_map(apart).collect();
         (!differences.is_empty()).then(|| rms_about_zero(&differences))
     })
-}
-
-/// The motion of a run goes on, and as much is kept again later.
-fn stretch(setup: &Setup<'_>, run: &Attempt, control: &Control<'_>) -> Result<Attempt, SimulationError> {
-    let kept = setup.settings;
-    let end = kept.settle + kept.duration;
-    let settings = RunSettings {
-        settle: end + between(kept.duration),
-        duration: as_long_as(kept.duration),
-        outputs: Outputs {
-            contacts: false,
-            cage: false,
-            spectra: Vec::new(),
-            series: Vec::new(),
-            ..kept.outputs.clone()
-        },
-        ..kept.clone()
-    };
-    let beginning = Beginning { time: end, state: run.integrated.end.clone(), ..setup.beginning.clone() };
-    let stepping = Stepping {
-        relative_tolerance: run.relative_tolerance,
-        most_evaluations: Some(MOST * run.integrated.statistics.rhs_evaluations.max(accuracy::LEAST_EVALUATIONS)),
-        ..Stepping::of(kept)
-    };
-    Setup { settings: &settings, beginning: &beginning, ..*setup }.attempt(&stepping, (0.0, 1.0), control)
 }

@@ -231,7 +231,8 @@ fn summarise(
     let leaves_plane = || Needs::of(scene, &settings.outputs, None).is_ok_and(|own| own.rung == Rung::Full);
     attempt.recording.evaluate(&settings.outputs);
     let is_steady = scene.operation.speed.is_constant();
-    let stretches = || control.part((MADE, 1.0), |control| later::stretches(setup, attempt, control));
+    let later = |of: &RunSettings| control.part((MADE, 1.0), |control| later::of_dynamics(setup, attempt, of, control));
+    let stretches = || later::stretches(&attempt.recording, settings, later);
     let stretches = is_steady.then(stretches).transpose()?;
     let mut check = match needs.rung {
         Rung::Planar if settings.rung.is_some() && leaves_plane() => {

@@ -336,6 +336,23 @@ fn a_level_that_scatters_along_the_run_is_left_to_the_dynamics() {
     assert!(solver.check.contains("scatters by"), "{}", solver.check);
 }
 
+/// A beat that is slower than the kept time is told on a reduced rung, too, by a later stretch: parts of the kept one differ by a third of it.
+#[test]
+fn a_slow_beat_is_told_on_a_reduced_rung() {
+    let json = json!({
+        "bearing": { "preset": "608", "radial_clearance_um": 29.8 },
+        "operation": { "speed_rpm": 17_400, "radial_load_y_n": 348 },
+        "spindle": { "mass_kg": 0.374, "balance_grade": 16 }
+    });
+    let settings = RunSettings { settle: 0.0664, duration: 0.1, ..asked(false, None) };
+    let kept = simulate(&json, &settings);
+    assert_eq!(kept.summary.solver.rung, "radially_condensed", "{}", kept.summary.solver.check);
+    let long_after = simulate(&json, &RunSettings { settle: 3.0, rung: Some(Rung::RadiallyCondensed), ..settings });
+    let scatter = kept.summary.channels.iter().find(|(of, _)| *of == Y).and_then(|(_, y)| y.level_scatter_db).unwrap();
+    let off = (levels(&kept)[0] - levels(&long_after)[0]).abs();
+    assert!(off > 0.5 && off < 2.0 * scatter, "{off} dB off, {scatter} dB stated");
+}
+
 /// What judgement leaves out is in the repetition: a bound that is too small shows, and the run is made again with all terms.
 #[test]
 fn a_bound_that_does_not_hold_is_found_out() {
