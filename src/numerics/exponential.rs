@@ -79,6 +79,31 @@ pub fn binary_saturations<const S: usize>(x: [f64; S]) -> ([f64; S], [f64; S]) {
     (from_fn(|k| change[k] + (1.0 - power[k])), from_fn(|k| power[k] - change[k]))
 }
 
+/// The same of one x in single precision.
+#[inline(always)]
+pub fn binary_saturation_single(x: f32) -> (f32, f32) {
+    // 2²³ + 2²²
+    const ROUND: f32 = 12_582_912.0;
+    const RISE: [f32; 7] = [
+        self::RISE[0] as f32,
+        self::RISE[1] as f32,
+        self::RISE[2] as f32,
+        self::RISE[3] as f32,
+        self::RISE[4] as f32,
+        self::RISE[5] as f32,
+        self::RISE[6] as f32,
+    ];
+    let z = smaller(x, 100.0);
+    let shifted = z + ROUND;
+    let f = z - (shifted - ROUND);
+    let square = f * f;
+    let low = (RISE[0] + RISE[1] * f) + (RISE[2] + RISE[3] * f) * square;
+    let rise = f * (low + ((RISE[4] + RISE[5] * f) + RISE[6] * square) * (square * square));
+    let power = f32::from_bits((127_u32 << 23).wrapping_sub(shifted.to_bits() << 23));
+    let change = power * rise;
+    (change + (1.0 - power), power - change)
+}
+
 /// 1 − e^(−x), x ≥ 0.
 #[inline(always)]
 pub fn saturation(x: f64) -> f64 {
@@ -160,6 +185,18 @@ mod tests {
     }
 
     /// Against the platform's functions, from rounding to the largest arguments, in units of the last place.
+    #[test]
+    fn single_saturations_agree_with_double_ones() {
+        for k in 0..4000 {
+            let x = (1.0_f32 + 0.01).powi(k - 3000);
+            let (rise, decay) = binary_saturation_single(x);
+            let ([of_double], [left]) = binary_saturations([f64::from(x)]);
+            assert!((f64::from(rise) / of_double - 1.0).abs() < 3e-7, "{x:e}: {rise:e} for {of_double:e}");
+            assert!(x > 100.0 || (f64::from(decay) / left - 1.0).abs() < 3e-7, "{x:e}: {decay:e} for {left:e}");
+        }
+        assert_eq!(binary_saturation_single(0.0), (0.0, 1.0));
+    }
+
     #[test]
     fn saturation_and_logarithm_agree_with_the_library() {
         let mut x = 1e-12;

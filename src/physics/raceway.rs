@@ -282,7 +282,7 @@ impl<const PLANAR: bool> Task for PairOfLoads<'_, PLANAR> {
 
 /// Largest share of the ball's radius that a contact reaches across the groove. Hertz has lost its
 /// meaning long before; the share keeps extreme scenes finite.
-const LARGEST_CONTACT: f64 = 0.95;
+pub const LARGEST_CONTACT: f64 = 0.95;
 
 /// The direction across the groove, c = t × m, from m towards the contact; (t, m, c) is right-handed.
 #[inline(always)]

@@ -348,7 +348,7 @@ fn a_slow_beat_is_told_on_a_reduced_rung() {
     let kept = simulate(&json, &settings);
     assert_eq!(kept.summary.solver.rung, "radially_condensed", "{}", kept.summary.solver.check);
     let long_after = simulate(&json, &RunSettings { settle: 3.0, rung: Some(Rung::RadiallyCondensed), ..settings });
-    let scatter = kept.summary.channels.iter().find(|(of, _)| *of == Y).and_then(|(_, y)| y.level_scatter_db).unwrap();
+    let scatter = kept.summary.scatter.of(Y).unwrap();
     let off = (levels(&kept)[0] - levels(&long_after)[0]).abs();
     assert!(off > 0.5 && off < 2.0 * scatter, "{off} dB off, {scatter} dB stated");
 }

@@ -38,7 +38,7 @@ use crate::simulation::scene::{Scene, Term, TermChoice};
 use crate::simulation::settings::Outputs;
 use ball::{Mixture, OneBall};
 use pocket::Film;
-use traction::{RacewayTraction, RisingTraction, WIDEST};
+use traction::{RacewayTraction, RisingTraction, WIDEST, WideTraction};
 
 /// Loads beyond the largest static one for which contacts count as narrow.
 const LOAD_MARGIN: f64 = 1.5;
@@ -156,18 +156,21 @@ fn shows_cage(channel: &Channel) -> bool {
 
 /// Traction in short form where the law has one and the contact stays narrow up to a load [N].
 fn traction(scene: &Scene, needs: &Needs, contact: &RacewayContact, load: f64) -> RacewayTraction {
-    let ball_radius = 0.5 * scene.bearing.parameters.ball_diameter;
+    let TractionLaw::FourParameter { at_rest: 0.0, maximum, at_slip, limit } = scene.lubricant.traction else {
+        return RacewayTraction::General;
+    };
+    if needs.raceway.hydrodynamics {
+        return RacewayTraction::General;
+    }
+    let law = four_parameters(0.0, maximum, at_slip, limit);
+    let (ball_radius, deformed) = (0.5 * scene.bearing.parameters.ball_diameter, contact.hertz().deformed_radius);
     let (axis, _) = contact.hertz().semi_axes(load);
-    match scene.lubricant.traction {
-        TractionLaw::FourParameter { at_rest, maximum, at_slip, limit }
-            if at_rest == 0.0 && !needs.raceway.hydrodynamics && axis * axis < WIDEST * ball_radius * ball_radius =>
-        {
-            let law = four_parameters(at_rest, maximum, at_slip, limit);
-            let deformed = contact.hertz().deformed_radius;
-            let conformity = needs.raceway.conformity;
-            RacewayTraction::Rising(Box::new(RisingTraction::new(law, conformity, ball_radius, deformed)))
-        }
-        _ => RacewayTraction::General,
+    if axis * axis < WIDEST * ball_radius * ball_radius {
+        let conformity = needs.raceway.conformity;
+        RacewayTraction::Rising(Box::new(RisingTraction::new(law, conformity, ball_radius, deformed)))
+    } else {
+        let wide = WideTraction::new(law, &needs.raceway, ball_radius, deformed);
+        wide.map_or(RacewayTraction::General, |wide| RacewayTraction::Wide(Box::new(wide)))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
 use super::ball::{BallRates, Balls, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
+use super::pocket::ByWall;
 use super::traction::{General, RacewayTraction, RisingTraction};
 use super::{Border, RadiallyCondensed};
 use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, larger};
@@ -162,7 +163,8 @@ impl RadiallyCondensed {
             } else {
                 let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
                 let pocket = &self.mechanism.pocket;
-                pushed = self.film.pushed_by_wall(pocket, &spins, &held, &displaced, &present, drive.velocity_share);
+                let loads = ByWall { pocket, spins: &spins, displaced: &displaced, instructions: self.instructions };
+                pushed = self.film.pushed_by_wall(&loads, &held, &present, drive.velocity_share);
             }
         }
         let mut loaded = Loaded::<Singles>::default();
@@ -171,12 +173,14 @@ impl RadiallyCondensed {
         }
         let inner = match &self.traction.inner {
             RacewayTraction::Rising(law) => law.sums(&loaded.inner),
+            RacewayTraction::Wide(law) => law.sums(&loaded.inner),
             RacewayTraction::General => {
                 self.general(&drive, true).sums(&loaded.inner, &balls.spin, &held.inner, &held.orbit)
             }
         };
         let outer = match &self.traction.outer {
             RacewayTraction::Rising(law) => law.sums(&loaded.outer),
+            RacewayTraction::Wide(law) => law.sums(&loaded.outer),
             RacewayTraction::General => {
                 self.general(&drive, false).sums(&loaded.outer, &balls.spin, &held.outer, &held.orbit)
             }
@@ -251,7 +255,7 @@ impl RadiallyCondensed {
             spin: m.spin_ratio * speed,
             touching: m.pitch_radius + towards * 0.5 * f64::from(self.one.clearance),
             chi: self.one.chi.into(),
-            ball_radius: self.one.radius.into(),
+            instructions: self.instructions,
         }
     }
 

@@ -2,8 +2,8 @@
 
 use super::Border;
 use super::ball::{Held, Pushed};
-use crate::numerics::lanes::{LANES, SideBySide, Singles, larger, side_by_side, smaller};
-use crate::physics::pocket::{DAMPING_ONSET, Pocket, PocketMotion};
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Singles, Task, larger, side_by_side, smaller};
+use crate::physics::pocket::{DAMPING_ONSET, Pocket, PocketLoad, PocketMotion};
 
 /// Stands in for no displacement at all where its direction is asked for [m²].
 const TINY: f32 = 1e-30;
@@ -149,27 +149,19 @@ impl Film {
         pushed
     }
 
-    /// The same by the pocket of the full model, ball by ball; `spins`: of the balls over the cage's.
+    /// The same by the pockets of the full model.
     #[inline(never)]
     pub fn pushed_by_wall(
         &self,
-        pocket: &Pocket,
-        spins: &Singles,
+        by_wall: &ByWall<'_>,
         held: &Held<Singles>,
-        displaced: &Displaced<Singles>,
         present: &Singles,
         share: f32,
     ) -> Pushed<Singles> {
+        let load = by_wall.loads();
         let mut pushed = Pushed::<Singles>::default();
         for lane in 0..LANES {
-            let at = displaced.at(lane);
-            let double = |(n, t): (f32, f32)| [0.0, n.into(), t.into()];
-            let motion = PocketMotion {
-                displacement: double(at.displacement),
-                velocity: double(at.velocity),
-                spin: [spins[lane].into(), 0.0, 0.0],
-            };
-            let load = pocket.load(&motion);
+            let (at, load) = (by_wall.displaced.at(lane), load.at(lane));
             let single = |[_, n, t]: [f64; 3]| (n as f32, t as f32);
             let push = Push {
                 load: load.normal as f32,
@@ -181,5 +173,47 @@ impl Film {
             pushed.put(lane, self.turned(&held.at(lane), &at, &push, present[lane], share));
         }
         pushed
+    }
+}
+
+/// Pockets of the full model, and how balls move in them; `spins`: of the balls over the cage's.
+pub(super) struct ByWall<'a> {
+    pub pocket: &'a Pocket,
+    pub spins: &'a Singles,
+    pub displaced: &'a Displaced<Singles>,
+    pub instructions: InstructionSet,
+}
+
+impl ByWall<'_> {
+    fn loads(&self) -> PocketLoad<Lanes> {
+        let mut motion = PocketMotion::<Lanes>::default();
+        for lane in 0..LANES {
+            let at = self.displaced.at(lane);
+            let double = |(n, t): (f32, f32)| [0.0, n.into(), t.into()];
+            let one = PocketMotion {
+                displacement: double(at.displacement),
+                velocity: double(at.velocity),
+                spin: [self.spins[lane].into(), 0.0, 0.0],
+            };
+            motion.put(lane, one);
+        }
+        self.instructions.run(PocketLoads { pocket: self.pocket, motion: &motion })
+    }
+}
+
+/// To be compiled for each instruction set.
+struct PocketLoads<'a> {
+    pocket: &'a Pocket,
+    motion: &'a PocketMotion<Lanes>,
+}
+
+impl Task for PocketLoads<'_> {
+    type Answer = PocketLoad<Lanes>;
+
+    #[inline(always)]
+    fn run(self) -> PocketLoad<Lanes> {
+        let mut load = PocketLoad::default();
+        self.pocket.loads(self.motion, &mut load);
+        load
     }
 }

@@ -2,10 +2,10 @@
 //! one by the contact of the full model.
 
 use super::ball::Contact;
-use crate::numerics::exponential::exponential;
-use crate::numerics::lanes::{LANES, SideBySide, Singles, alike, larger, side_by_side, smaller};
-use crate::physics::contact::traction::FourParameters;
-use crate::physics::raceway::{RacewayContact, RelativeMotion};
+use crate::numerics::exponential::binary_saturation_single;
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Singles, alike, larger, side_by_side, smaller};
+use crate::physics::contact::traction::{DEFAULT_STRIPS, FourParameters, Strips};
+use crate::physics::raceway::{LARGEST_CONTACT, RacewayContact, RacewayLoad, RacewayTerms, RelativeMotion};
 use crate::simulation::model::condensed_contact::chebyshev;
 
 /// Terms of the series of √(1 − x) after the first.
@@ -18,14 +18,16 @@ pub(super) const WIDEST: f64 = 0.25;
 const REACH: f64 = 2.0;
 /// Its terms: good to 4e-5 of its value at rest.
 const TERMS: usize = 6;
+/// Stands in for no slip where a quotient with a limit is formed [m/s].
+const TINY: f32 = 1e-30;
 /// Points of the quadrature on one side of the contact.
 const POINTS: usize = 3;
 /// Places t = η/a and weights of ∫ ¾ (1 − t²) g(t²) dt over −1 … 1, exact for g up to degree 5 (Gauss–Jacobi; the places are the
 /// inner ones of Lobatto's rule with eight points, Abramowitz & Stegun, table 25.6).
 const PLACES: [f64; POINTS] = [0.209_299_217_902_479, 0.591_700_181_433_142, 0.871_740_148_509_607];
 const LOBATTO: [f64; POINTS] = [0.412_458_794_658_704, 0.341_122_692_483_504, 0.210_704_227_143_506];
-/// Change of slip by which the general law is differentiated [m/s].
-const SLIP_STEP: f64 = 1e-3;
+/// Strips of the full model on one side of a contact, the middle one included.
+const WIDE_POINTS: usize = DEFAULT_STRIPS.div_ceil(2);
 
 /// Integrals over one contact, divided by its load.
 #[derive(Debug, Clone, Copy, Default)]
@@ -46,16 +48,31 @@ side_by_side!(Sums { force, moment, slope, slip });
 pub(super) enum RacewayTraction {
     /// The four-parameter law that vanishes at rest, no hydrodynamic terms, narrow contacts.
     Rising(Box<RisingTraction>),
-    /// Everything else: ball by ball through the contact of the full model.
+    /// The same in wide ones.
+    Wide(Box<WideTraction>),
+    /// Everything else: through the contact of the full model.
     General,
 }
 
 #[derive(Debug, Clone)]
 pub(super) struct RisingTraction {
-    law: FourParameters,
+    law: SingleLaw,
     short: ShortForm,
     /// The same of every ball.
     pub all: ShortForm<Singles>,
+}
+
+/// The law itself in the strips of the full model: slip turns its direction within a wide contact, where no quadrature of few points agrees
+/// with another.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WideTraction {
+    law: SingleLaw,
+    /// [s/m]
+    steepest: f64,
+    /// Weight of a strip with that of its image, and t² where its height is that of the surface.
+    strips: [(f32, f32); WIDE_POINTS],
+    ball_radius: f32,
+    deformed_radius: f32,
 }
 
 /// The law by its fit, integrated over the contact.
@@ -80,6 +97,7 @@ impl RacewayTraction {
     pub fn steepest(&self) -> f64 {
         match self {
             Self::Rising(traction) => traction.short.steepest.into(),
+            Self::Wide(traction) => traction.steepest,
             Self::General => 0.0,
         }
     }
@@ -94,7 +112,7 @@ impl RisingTraction {
         let across = if conformity { 1.0 } else { 0.0 };
         let scaled: [f64; TERMS] = chebyshev(|t| over_speed(&law, t * REACH, (-t * REACH).exp()));
         let short = ShortForm {
-            steepest: (law.d * law.c + law.b) as f32,
+            steepest: steepest(&law) as f32,
             fit: powers_of_the_argument(scaled, reach).map(|power| power as f32),
             reach: reach as f32,
             weights: std::array::from_fn(|k| (1.5 * LOBATTO[k] * (1.0 - PLACES[k] * PLACES[k])) as f32),
@@ -104,7 +122,7 @@ impl RisingTraction {
             }),
             ball_radius: ball_radius as f32,
         };
-        Self { law, short, all: alike(short) }
+        Self { law: SingleLaw::new(&law), short, all: alike(short) }
     }
 
     #[inline(always)]
@@ -117,15 +135,55 @@ impl RisingTraction {
             beyond[lane] = over;
         }
         if beyond.any(|over| over > 0.0) {
+            let (short, law) = (self.short, self.law);
             for lane in 0..LANES {
-                let exact = |speed: f32| {
-                    let x = self.law.c * f64::from(speed);
-                    over_speed(&self.law, x, exponential(-x)) as f32
-                };
-                sums.put(lane, self.short.sums_by(&contact.at(lane), exact).0);
+                sums.put(lane, short.sums_by(&contact.at(lane), |speed| law.over_speed(speed)).0);
             }
         }
         sums
+    }
+}
+
+impl WideTraction {
+    /// `None` where the full model has not as many strips.
+    pub fn new(law: FourParameters, needs: &RacewayTerms, ball_radius: f64, deformed_radius: f64) -> Option<Self> {
+        let strips = Strips::new(needs.strips);
+        let half =
+            strips.as_slice().get(..WIDE_POINTS).filter(|_| !needs.gauss && needs.strips == 2 * WIDE_POINTS - 1)?;
+        let conformity = if needs.conformity { 1.0 } else { 0.0 };
+        let folded = std::array::from_fn(|k| {
+            let (strip, images) = (half[k], if k + 1 == WIDE_POINTS { 1.0 } else { 2.0 });
+            ((images * strip.weight) as f32, (conformity * strip.position * strip.position) as f32)
+        });
+        Some(Self {
+            law: SingleLaw::new(&law),
+            steepest: steepest(&law),
+            strips: folded,
+            ball_radius: ball_radius as f32,
+            deformed_radius: deformed_radius as f32,
+        })
+    }
+
+    #[inline(always)]
+    pub fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
+        let wide = *self;
+        let mut sums = Sums::<Singles>::default();
+        for lane in 0..LANES {
+            sums.put(lane, wide.sums_of(&contact.at(lane)));
+        }
+        sums
+    }
+
+    #[inline(always)]
+    fn sums_of(&self, contact: &Contact) -> Sums {
+        let (ball, deformed) = (self.ball_radius, self.deformed_radius);
+        let largest = LARGEST_CONTACT as f32 * ball;
+        let square = smaller(contact.axis_square, largest * largest);
+        // What a circle falls by from its top.
+        let fall = |radius: f32, square: f32| square / (radius + (radius * radius - square).sqrt());
+        let middle = ball + fall(deformed, square) - fall(ball, square);
+        let points = self.strips.map(|(weight, place)| (weight, -fall(deformed, place * square)));
+        sums_over(contact, middle, points, |speed| self.law.over_speed(speed)).0
     }
 }
 
@@ -139,26 +197,41 @@ impl ShortForm {
         (Sums { slope, ..one }, if contact.load > 0.0 { fastest - self.reach } else { 0.0 })
     }
 
-    /// The sums, with the mean of μ/u, never less than the slope, in place of that, and the fastest slip; `over_speed`: μ(u)/u.
+    /// The sums of [`sums_over`].
     #[inline(always)]
     fn sums_by(&self, contact: &Contact, over_speed: impl Fn(f32) -> f32) -> (Sums, f32) {
         let s = contact.axis_square;
         let [m0, m1, m2, m3] = self.middle;
         let middle = self.ball_radius + s * ((m0 + s * m1) + s * s * (m2 + s * m3));
-        let slip = contact.base + middle * contact.per_height;
-        let (mut force, mut risen, mut mean, mut fastest) = (0.0, 0.0, 0.0, 0.0);
-        for (weight, [r0, r1, r2]) in self.weights.into_iter().zip(self.rise) {
-            let rise = s * (r0 + s * (r1 + s * r2));
-            let speed = slip + rise * contact.per_height;
-            fastest = larger(fastest, speed.abs());
-            let over = weight * over_speed(speed.abs());
-            let one = over * speed;
-            mean += over;
-            force += one;
-            risen += one * rise;
-        }
-        (Sums { force, moment: force * middle + risen, slope: mean, slip }, fastest)
+        let at = |k: usize| {
+            let [r0, r1, r2] = self.rise[k];
+            (self.weights[k], s * (r0 + s * (r1 + s * r2)))
+        };
+        sums_over::<POINTS>(contact, middle, std::array::from_fn(at), over_speed)
     }
+}
+
+/// The sums, with the mean of μ/u, never less than the slope, in place of that, and the fastest slip. `middle`: height of the contact's middle
+/// over the ball's centre; `points`: weights, and heights over the middle; `over_speed`: μ(u)/u.
+#[inline(always)]
+fn sums_over<const P: usize>(
+    contact: &Contact,
+    middle: f32,
+    points: [(f32, f32); P],
+    over_speed: impl Fn(f32) -> f32,
+) -> (Sums, f32) {
+    let slip = contact.base + middle * contact.per_height;
+    let (mut force, mut risen, mut mean, mut fastest) = (0.0, 0.0, 0.0, 0.0);
+    for (weight, rise) in points {
+        let speed = slip + rise * contact.per_height;
+        fastest = larger(fastest, speed.abs());
+        let over = weight * over_speed(speed.abs());
+        let one = over * speed;
+        mean += over;
+        force += one;
+        risen += one * rise;
+    }
+    (Sums { force, moment: force * middle + risen, slope: mean, slip }, fastest)
 }
 
 /// From powers of x = 2u/reach − 1 to powers of u.
@@ -180,6 +253,35 @@ fn polynomial([a, b, c, d, e, f]: &[f32; TERMS], u: f32) -> f32 {
     (a + b * u) + square * ((c + d * u) + square * (e + f * u))
 }
 
+/// dμ/du at rest [s/m].
+fn steepest(law: &FourParameters) -> f64 {
+    law.d * law.c + law.b
+}
+
+/// The four-parameter law with A = −D, in single precision.
+#[derive(Debug, Clone, Copy)]
+struct SingleLaw {
+    b: f32,
+    d: f32,
+    /// C over ln 2.
+    binary: f32,
+}
+
+impl SingleLaw {
+    fn new(law: &FourParameters) -> Self {
+        Self { b: law.b as f32, d: law.d as f32, binary: (law.c * std::f64::consts::LOG2_E) as f32 }
+    }
+
+    /// μ/u = D (1 − e^(−C u))/u + B e^(−C u).
+    #[inline(always)]
+    fn over_speed(&self, speed: f32) -> f32 {
+        // No slip is next to none.
+        let speed = speed + TINY;
+        let (saturation, decay) = binary_saturation_single(self.binary * speed);
+        self.d * (saturation / speed) + self.b * decay
+    }
+}
+
 /// μ/u of the four-parameter law with A = −D at x = C u, D C (1 − e^−x)/x + B e^−x.
 #[inline(always)]
 fn over_speed(law: &FourParameters, x: f64, decay: f64) -> f64 {
@@ -199,11 +301,12 @@ pub(super) struct General<'a> {
     /// Orbit radius of a ball that touches without load [m].
     pub touching: f64,
     pub chi: f64,
-    pub ball_radius: f64,
+    pub instructions: InstructionSet,
 }
 
 impl General<'_> {
-    /// `spin`: deviations from ideal rolling; `penetration`: of this contact.
+    /// Force and moment over the loads by the contact of the full model: rates of penetration are set so that contacts carry just
+    /// these loads. `spin`: deviations from ideal rolling; `penetration`: of this contact.
     #[inline(never)]
     pub fn sums(
         &self,
@@ -212,46 +315,42 @@ impl General<'_> {
         penetration: &Singles,
         orbit: &Singles,
     ) -> Sums<Singles> {
-        let mut sums = Sums::default();
+        let mut motion = RelativeMotion::<Lanes>::default();
         for lane in 0..LANES {
-            let (load, base) = (f64::from(contact.load[lane]), f64::from(contact.base[lane]));
-            if load <= 0.0 {
-                continue;
-            }
             // The contact of the full model measures its own penetration from the radius.
             let radius = self.touching + self.towards * f64::from(penetration[lane]);
-            let motion = RelativeMotion {
+            let elastic = self.contact.elastic_load(self.contact.penetration::<true>(0.0, radius).0).0;
+            let load = f64::from(contact.load[lane]);
+            let rate = if self.chi > 0.0 && elastic > 0.0 { (load / elastic - 1.0) / self.chi } else { 0.0 };
+            let along = self.raceway_speed * radius - f64::from(contact.base[lane]);
+            let one = RelativeMotion {
                 axial: 0.0,
                 radius,
-                velocity: [0.0, 0.0, self.raceway_speed * radius - base],
+                velocity: [0.0, self.towards * rate, along],
                 spin: [self.spin + f64::from(spin[lane]), 0.0, 0.0],
                 raceway_speed: self.raceway_speed,
                 orbit_speed: orbit[lane].into(),
                 azimuth: 0.0,
             };
-            sums.put(lane, self.one(&motion, load));
+            motion.put(lane, one);
+        }
+        let mut load = RacewayLoad::<Lanes>::default();
+        self.contact.loads::<true>(&motion, &mut load, self.instructions);
+        let towards = self.towards;
+        let mut sums = Sums::<Singles>::default();
+        for lane in 0..LANES {
+            let load = load.at(lane);
+            let share = if load.normal > 0.0 { 1.0 / load.normal } else { 0.0 };
+            let one = Sums {
+                force: (share * load.force[2]) as f32,
+                moment: (share * towards * load.moment[0]) as f32,
+                // The mean of μ/u, never less than the slope.
+                slope: (share * load.grip) as f32,
+                slip: load.slip.0 as f32,
+            };
+            sums.put(lane, one);
         }
         sums
-    }
-
-    /// Force and moment over the load by the contact of the full model: the rate of penetration is set so that the contact
-    /// carries just that load.
-    fn one(&self, motion: &RelativeMotion, load: f64) -> Sums {
-        let at = |spin: f64| {
-            let mut motion = RelativeMotion { spin: [spin, 0.0, 0.0], ..*motion };
-            let elastic = self.contact.elastic_load(self.contact.penetration::<true>(0.0, motion.radius).0).0;
-            let rate = if self.chi > 0.0 && elastic > 0.0 { (load / elastic - 1.0) / self.chi } else { 0.0 };
-            motion.velocity[1] = self.towards * rate;
-            let seen = self.contact.load::<true>(&motion);
-            let share = if seen.normal > 0.0 { 1.0 / seen.normal } else { 0.0 };
-            (seen.force[2] * share, self.towards * seen.moment[0] * share, seen.slip.0)
-        };
-        let spin = motion.spin[0];
-        let (force, moment, slip) = at(spin);
-        let (force_there, _, slip_there) = at(spin + SLIP_STEP / self.ball_radius);
-        let change = slip_there - slip;
-        let slope = if change.abs() > 0.0 { larger((force_there - force) / change, 0.0) } else { 0.0 };
-        Sums { force: force as f32, moment: moment as f32, slope: slope as f32, slip: slip as f32 }
     }
 }
 
