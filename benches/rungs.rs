@@ -3,12 +3,13 @@
 //! `cargo bench --bench rungs [-- FIRST LAST]` runs the scenes of these numbers, all without them. The full dynamics run by
 //! `auto` at a relative tolerance of 1e-7 over four windows of 0.1 s after settling; levels are the mean power of the windows, 0–20 kHz, the
 //! spread is the standard deviation of the windows' levels. Run time is that of 0.02 + 0.1 s, CPU time of the thread, least of
-//! several runs. `-- chosen` runs plain jobs on the rung that is chosen beside the full dynamics, at tolerances of 0.05 and 0.2 dB. With `RUNGS_REFERENCE=DIR` the levels of the full dynamics are kept in that folder and read from it.
+//! several runs. `-- others` runs scenes that the short form of traction does not serve, and prints what takes its place. `-- chosen` runs plain jobs on the rung that is chosen beside the full dynamics, at tolerances of 0.05 and 0.2 dB. With `RUNGS_REFERENCE=DIR` the levels of the full dynamics are kept in that folder and read from it.
 
 mod scenes;
 
 use std::path::PathBuf;
 
+use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
 use raceway::physics::cage::PocketSeat;
 use raceway::simulation::channel::{Axis, Channel, Motion};
@@ -174,10 +175,75 @@ fn chosen() {
     }
 }
 
+/// What the short form of traction does not serve: wide contacts, which take the strips of the full model, and oil, which takes its contacts.
+const OTHERS: [(&str, &str, f64, f64); 8] = [
+    ("f 0.52", r#"{ "preset": "article-integrated" }"#, 50_000.0, 200.0),
+    (
+        "f 0.51",
+        r#"{ "preset": "article-integrated", "inner_groove_curvature": 0.51, "outer_groove_curvature": 0.51 }"#,
+        50_000.0,
+        200.0,
+    ),
+    (
+        "f 0.51",
+        r#"{ "preset": "article-integrated", "inner_groove_curvature": 0.51, "outer_groove_curvature": 0.51 }"#,
+        50_000.0,
+        400.0,
+    ),
+    (
+        "f 0.51",
+        r#"{ "preset": "608", "inner_groove_curvature": 0.51, "outer_groove_curvature": 0.51 }"#,
+        10_000.0,
+        500.0,
+    ),
+    ("0.01 Pa s", r#"{ "preset": "article-integrated" }"#, 50_000.0, 200.0),
+    ("0.05 Pa s", r#"{ "preset": "article-integrated" }"#, 50_000.0, 200.0),
+    ("0.01 Pa s", r#"{ "preset": "6205" }"#, 10_000.0, 500.0),
+    ("0.05 Pa s", r#"{ "preset": "6205" }"#, 10_000.0, 500.0),
+];
+
+fn others() {
+    println!(
+        "| bearing | r/min | N | | step µs | error a_y, a_z, v_y, v_z dB | × real time | through the contacts of the full model: × |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    for (what, bearing, speed, load) in OTHERS {
+        let bearing: serde_json::Value = serde_json::from_str(bearing).expect("JSON");
+        let name = bearing["preset"].clone();
+        let mut json = serde_json::json!({
+            "bearing": bearing, "operation": { "speed_rpm": speed, "radial_load_y_n": load }
+        });
+        if let Some(viscosity) = what.strip_suffix(" Pa s") {
+            let viscosity: f64 = viscosity.parse().expect("a number");
+            json["lubricant"] = serde_json::json!({ "kind": "oil", "viscosity_pa_s": viscosity });
+        }
+        let text = json.to_string();
+        let scene = scene_from_json(&text).unwrap_or_else(|fault| panic!("{text}: {fault:?}"));
+        let (reference, _) = full(&scene, &text);
+        let long = settings(&scene, WINDOW * WINDOWS as f64);
+        let model = RadiallyCondensed::new(&scene, &long.outputs).expect("a scene in the plane");
+        let pace = model.pace_for(&long);
+        let found = of_recording(&model.run(&long, pace, &CONTROL).expect("the scenes run").0);
+        let level = |windows: &[f64; WINDOWS]| mean_and_spread(windows).0;
+        let errors: Vec<String> = (0..4).map(|c| format!("{:.3}", level(&found[c]) - level(&reference[c]))).collect();
+        println!(
+            "| {} | {speed} | {load} | {what} | {:.2} | {} | {:.1} | {:.1} |",
+            name.as_str().unwrap_or_default(),
+            1e6 * pace.step(),
+            errors.join(" "),
+            real_time_factor(&scene, pace, |model| model),
+            real_time_factor(&scene, pace, RadiallyCondensed::with_general_traction)
+        );
+    }
+}
+
 fn main() {
     raceway::commands::memory::keep_for_the_next_run();
     if std::env::args().any(|argument| argument == "chosen") {
         return chosen();
+    }
+    if std::env::args().any(|argument| argument == "others") {
+        return others();
     }
     let numbers: Vec<usize> = std::env::args().skip(1).filter_map(|argument| argument.parse().ok()).collect();
     let (first, last) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(SCENES.len()));
@@ -201,7 +267,7 @@ fn main() {
                 Ok((recording, _)) => {
                     let found = of_recording(&recording).map(|windows| mean_and_spread(&windows));
                     let errors: [f64; 4] = std::array::from_fn(|c| found[c].0 - reference[c].0);
-                    (errors, real_time_factor(&scene, pace))
+                    (errors, real_time_factor(&scene, pace, |model| model))
                 }
                 Err(fault) => {
                     println!("{fault}");
@@ -242,12 +308,12 @@ fn main() {
     }
 }
 
-/// Simulated over CPU time, model and recording included.
-fn real_time_factor(scene: &Scene, pace: Pace) -> f64 {
+/// Simulated over CPU time, model and recording included. `change`: of the model.
+fn real_time_factor(scene: &Scene, pace: Pace, change: impl Fn(RadiallyCondensed) -> RadiallyCondensed) -> f64 {
     let settings = RunSettings { settle: 0.02, ..settings(scene, 0.1) };
     let once = || {
         let begin = cpu_time();
-        let model = RadiallyCondensed::new(scene, &settings.outputs).expect("a scene in the plane");
+        let model = change(RadiallyCondensed::new(scene, &settings.outputs).expect("a scene in the plane"));
         let recording = model.run(&settings, pace, &CONTROL).expect("it ran before");
         std::hint::black_box(&recording);
         cpu_time() - begin

@@ -43,8 +43,8 @@ const REPEATED: f64 = 1.0;
 const REPEATED_IN_HALVES: f64 = 2.0;
 /// Speed of a reduced rung with its repetitions by finer steps, times real time.
 const REDUCED_REAL_TIME_FACTOR: f64 = 8.0;
-/// How much longer it takes with hydrodynamic forces, of which each ball has its own.
-const REDUCED_HYDRODYNAMIC: f64 = 30.0;
+/// How much longer it takes with hydrodynamic forces, through the contacts of the full model.
+const REDUCED_HYDRODYNAMIC: f64 = 12.0;
 /// What the dynamics beside which a reduced rung is checked cost, in runs over that time: they are repeated, too.
 const CHECKS: f64 = 3.0;
 /// What a look at the contacts costs that is taken for every kept value, in evaluations of the equations.
