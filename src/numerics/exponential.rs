@@ -184,7 +184,6 @@ mod tests {
         assert!(exponential(-1e9) < 1e-300);
     }
 
-    /// Against the platform's functions, from rounding to the largest arguments, in units of the last place.
     #[test]
     fn single_saturations_agree_with_double_ones() {
         for k in 0..4000 {
@@ -197,6 +196,7 @@ mod tests {
         assert_eq!(binary_saturation_single(0.0), (0.0, 1.0));
     }
 
+    /// Against the platform's functions, from rounding to the largest arguments, in units of the last place.
     #[test]
     fn saturation_and_logarithm_agree_with_the_library() {
         let mut x = 1e-12;
