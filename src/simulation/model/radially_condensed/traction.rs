@@ -1,5 +1,5 @@
-//! Traction of one raceway in the plane. The law that rises from rest is integrated over the contact by quadrature, every other
-//! one by the contact of the full model.
+//! Traction of one raceway in the plane. The law that rises from rest is integrated over a narrow contact by quadrature, over a wide one
+//! in strips; every other one by the contact of the full model.
 
 use super::ball::Contact;
 use crate::numerics::exponential::binary_saturation_single;
