@@ -11,6 +11,7 @@ use crate::simulation::equilibrium::start_state;
 use crate::simulation::ladder::{self, Rung};
 use crate::simulation::later;
 use crate::simulation::model::Model;
+use crate::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
 use crate::simulation::needs::Grounds;
 use crate::simulation::observe::kept_values;
 use crate::simulation::settings::RunSettings;
@@ -41,14 +42,18 @@ const STEPPED_EVALUATIONS: f64 = 2.5;
 /// What the repetition of a run costs that tells its error, in runs, and that of one in steps that were asked for, in half of them.
 const REPEATED: f64 = 1.0;
 const REPEATED_IN_HALVES: f64 = 2.0;
-/// Speed of a reduced rung with its repetitions by finer steps, times real time.
+/// Speed of a reduced rung with its repetitions by finer steps, times real time, in its usual steps.
 const REDUCED_REAL_TIME_FACTOR: f64 = 8.0;
-/// How much longer it takes with hydrodynamic forces, through the contacts of the full model.
-const REDUCED_HYDRODYNAMIC: f64 = 12.0;
+/// How much longer it takes through the contacts of the full model.
+const REDUCED_GENERAL: f64 = 12.0;
 /// What the dynamics beside which a reduced rung is checked cost, in runs over that time: they are repeated, too.
 const CHECKS: f64 = 3.0;
 /// What a look at the contacts costs that is taken for every kept value, in evaluations of the equations.
 const LOOK: f64 = 2.0;
+/// A run of the condensed rung by name that is made again in a fourth of the step, over one in its own.
+const AGAIN: f64 = 4.0;
+/// Runs at tight tolerances, of which half of an accuracy job consists, over those that a plain job makes.
+const TIGHT: f64 = 4.0;
 /// Runs that the references of an accuracy job are worth.
 const REFERENCE_RUNS: f64 = 20.0;
 /// Two samples of a chaotic motion, the second in half of the steps, over a run that is judged.
@@ -104,14 +109,15 @@ pub fn estimate(job: &Job) -> CostAnswer {
             false if in_steps && (tilts || is_tossed(&model)) => either(tried, tried + judged(&by_error_control)),
             _ => judged(&by_dynamics),
         };
-        let reduced = hydrodynamics(REDUCED_HYDRODYNAMIC) * (settle + duration) / REDUCED_REAL_TIME_FACTOR;
+        let reduced = slower_on_the_condensed_rung(job) * (settle + duration + later) / REDUCED_REAL_TIME_FACTOR;
         let checked = reduced + CHECKS * by_dynamics(ladder::check_time(scene, &job.settings));
         let as_planned = |time: f64| [time, SLOWER * time];
         let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {
-            (Some(plan), _) => as_planned(by_dynamics(compared_time(job, plan))),
+            (Some(plan), _) => as_planned(TIGHT * by_dynamics(compared_time(job, plan))),
             (None, None) => [usual, most],
             (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => as_planned(reduced),
-            (None, Some(_)) if job.rungs.len() == 1 => as_planned(checked),
+            // It may be made again in a fourth of the step.
+            (None, Some(_)) if job.rungs.len() == 1 => [checked, SLOWER * (checked + AGAIN * reduced)],
             (None, Some(_)) if rattles => [checked + usual, checked + most],
             (None, Some(_)) if tilts => [either(checked, checked + usual), checked + most],
             (None, Some(_)) => [checked, checked + most],
@@ -127,6 +133,19 @@ pub fn estimate(job: &Job) -> CostAnswer {
         all_wall_time_s: of_all(estimated_wall_time_s),
         most_all_wall_time_s: of_all(most_wall_time_s),
     }
+}
+
+/// How many times as long as usual the condensed rung takes: steps may be shorter, and traction go through the contacts of the full model.
+fn slower_on_the_condensed_rung(job: &Job) -> f64 {
+    let Some(model) = job.rungs.first().filter(|rung| rung.is_reduced()).and_then(|rung| {
+        let condensed = *rung == Rung::RadiallyCondensed || job.rungs.len() > 1;
+        condensed.then(|| RadiallyCondensed::new(job.scene(), &job.settings.outputs).ok()).flatten()
+    }) else {
+        return 1.0;
+    };
+    let step = model.pace_for(&job.settings).step();
+    let general = if model.has_general_traction() { REDUCED_GENERAL } else { 1.0 };
+    general * (Pace::of_steps(1).step() / step).max(1.0)
 }
 
 /// How often a run of the dynamics may be made: as asked for, with all that judgement has left out, and at a tighter tolerance.

@@ -75,10 +75,10 @@ pub struct ChannelAnswer {
     #[schema(nullable = false, minimum = 0)]
     pub level_error_db: Option<f64>,
     /// What the level of another stretch as long may differ by [dB], one standard deviation: from how the level goes up and down along
-    /// the kept time, of parts of a tenth, a fifth and a half of it; from 0.1 dB on and where less than 2 s are kept, at least what a later
-    /// stretch as long differs by, which begins a kept time after the end, and of less than 10 ms what ten later ones differ by, rms.
-    /// A large one asks for a longer `duration_s`. Absent where the speed changes, where next to nothing moves, and where another axis is
-    /// more than 60 dB louder.
+    /// the kept time, of parts of a tenth, a fifth and a half of it. From 0.1 dB on, and where less than 2 s are kept, at least what a later
+    /// stretch as long differs by, which begins a kept time after the end; of less than 10 ms, and on a reduced rung up to 0.5 s, what ten
+    /// later ones differ by, rms, in place of that. A large one asks for a longer `duration_s`. Absent where the speed changes, where next to
+    /// nothing moves, and where another axis is more than 60 dB louder.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub level_scatter_db: Option<f64>,

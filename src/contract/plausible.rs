@@ -4,6 +4,7 @@ use super::job::Job;
 use super::problem::FieldError;
 use super::scaling::{Size, crown_cage, shaft_mass_kg};
 use super::units::{MM, RPM, UM, short, significant};
+use crate::physics::contact::traction::TractionLaw;
 use crate::physics::spindle::Unbalance;
 use crate::simulation::equilibrium::StaticLoads;
 use crate::simulation::scene::Scene;
@@ -66,6 +67,15 @@ pub fn warnings(job: &Job, at_rest: Option<&StaticLoads>) -> Vec<FieldError> {
             "{} Pa·s: oils, also those in greases, have 0.001 to 1 Pa·s at work; 1 mPa·s is 0.001",
             short(viscosity)
         )
+    });
+    let drives = match scene.lubricant.traction {
+        // What should be 0 may be off by rounding.
+        TractionLaw::SlideRoll { a, d, .. } => d < 0.0 || a + d < -1e-6 * d,
+        _ => false,
+    };
+    warn(drives, "lubricant/traction", &|| {
+        "traction drives what slips, in place of braking it, where a + d (at rest) or d (at large slip) is below 0"
+            .into()
     });
     let (mass, usual) = (scene.spindle.mass, shaft_mass_kg(MM.to_user(scene.bearing.parameters.inner_diameter)));
     warn(is_outside(mass / usual, [1.0 / FACTOR, FACTOR]), "spindle/mass_kg", &|| {
@@ -232,6 +242,19 @@ mod tests {
             warned(json!({ "bearing": "608", "operation": { "speed_rpm": 3000 }, "gravity_m_s2": gravity }))
         };
         assert!(idle(9.81).is_empty() && idle(0.0) == ["/scene/operation"], "{:?}", idle(0.0));
+    }
+
+    #[test]
+    fn traction_that_drives_is_found() {
+        let scene = |d: f64| {
+            let law = json!({ "law": "slide_roll", "a": -0.01, "b": 2, "c": 60, "d": d });
+            let operation = json!({ "speed_rpm": 17_000, "radial_load_y_n": 97 });
+            json!({ "bearing": "608", "operation": operation, "lubricant": { "kind": "grease", "traction": law } })
+        };
+        assert!(warned(scene(0.01)).is_empty());
+        for d in [0.009, -0.01] {
+            assert_eq!(warned(scene(d)), ["/scene/lubricant/traction"], "{d}");
+        }
     }
 
     /// Each quantity a thousand times as large as meant, or as small.

@@ -48,6 +48,8 @@ pub struct RacewayContact {
 /// Constants of one raceway, and what follows from them for one ball.
 #[derive(Debug, Clone, Copy)]
 struct Groove {
+    /// 1 for the outer raceway, −1 for the inner one: outwards or inwards from the circle of the groove's centres.
+    side: f64,
     centre_radius: f64,
     /// (f − ½) d: distance of ball and groove centre at touch [m].
     touch_distance: f64,
@@ -301,8 +303,9 @@ impl RacewayContact {
         let p = &bearing.parameters;
         let hertz = raceway_contacts(bearing);
         let strips = if terms.gauss { Strips::gauss(terms.strips / 2) } else { Strips::new(terms.strips) };
-        let one = |hertz: HertzContact, centre_radius: f64, curvature: f64| Self {
+        let one = |side: f64, hertz: HertzContact, centre_radius: f64, curvature: f64| Self {
             groove: Groove {
+                side,
                 centre_radius,
                 touch_distance: (curvature - 0.5) * p.ball_diameter,
                 ball_radius: 0.5 * p.ball_diameter,
@@ -326,8 +329,8 @@ impl RacewayContact {
             surface: SurfaceProfile::None,
         };
         PerRaceway {
-            inner: one(hertz.inner, bearing.groove_centre_radius.inner, p.groove_curvature.inner),
-            outer: one(hertz.outer, bearing.groove_centre_radius.outer, p.groove_curvature.outer),
+            inner: one(-1.0, hertz.inner, bearing.groove_centre_radius.inner, p.groove_curvature.inner),
+            outer: one(1.0, hertz.outer, bearing.groove_centre_radius.outer, p.groove_curvature.outer),
         }
     }
 
@@ -623,13 +626,16 @@ impl Groove {
     #[inline(always)]
     fn penetration<const PLANAR: bool>(&self, axial: f64, radius: f64) -> (f64, (f64, f64)) {
         let radial = radius - self.centre_radius;
+        // A groove is an arc: beyond its centre there is no surface to touch.
+        let ahead = self.side * radial;
         if PLANAR {
-            (radial.abs() - self.touch_distance, (0.0, 1.0_f64.copysign(radial)))
+            (ahead - self.touch_distance, (0.0, self.side))
         } else {
             let distance = (axial * axial + radial * radial).sqrt();
             // At the groove's centre there is no direction, and no contact.
             let inverse = 1.0 / larger(distance, f64::MIN_POSITIVE);
-            (distance - self.touch_distance, (axial * inverse, radial * inverse))
+            let reach = if ahead > 0.0 { distance } else { ahead };
+            (reach - self.touch_distance, (axial * inverse, radial * inverse))
         }
     }
 
@@ -765,8 +771,7 @@ impl Groove {
     #[inline(always)]
     fn rolling_velocity(&self, motion: &RelativeMotion, per_height: f64, apex: f64) -> f64 {
         // Raceway: (ω − θ̇)(r' + h m_r); the ball moves slower by the slip.
-        let towards_r = 1.0_f64.copysign(motion.radius - self.centre_radius);
-        let raceway = (motion.raceway_speed - motion.orbit_speed) * (motion.radius + apex * towards_r);
+        let raceway = (motion.raceway_speed - motion.orbit_speed) * (motion.radius + apex * self.side);
         let slip = motion.raceway_speed * motion.radius - motion.velocity[2] + apex * per_height;
         raceway - 0.5 * slip
     }

@@ -372,6 +372,9 @@ impl AccuracyReport {
                 "; or what the kept time, which is uneven, and a later stretch tell of another one, if that is more",
             );
         }
+        if let Some(failure) = &stretches.failure {
+            how.push_str(&format!("; what another stretch shows is not known: a later one failed, {failure}"));
+        }
         let doubt = if is_uneven && self.words(outputs).is_none() { Some(Doubt::Uneven) } else { self.doubt };
         Self {
             level_errors: self.level_errors.raised_to(left).raised_to(uneven),

@@ -346,7 +346,7 @@ fn on_rung(
         control.aside().part((PARTED, 1.0), |control| Ok(record(rung, scene, of, control)?.recording))
     };
     let is_steady = scene.operation.speed.is_constant();
-    let stretches = is_steady.then(|| later::stretches(&made.recording, &stepped, later)).transpose()?;
+    let stretches = is_steady.then(|| later::stretches(rung, &made.recording, &stepped, later)).transpose()?;
     let shown = Shown { check, apart, another_course, unseen, parted, stretches };
     Ok(Ok(summarise(rung, scene, settings, &made, shown, begin)?))
 }

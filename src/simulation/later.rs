@@ -5,6 +5,7 @@ use super::accuracy;
 use super::control::{Control, Live, Phase};
 use super::distance::{Distance, LevelErrors, in_parts, level_difference, rms_about_zero};
 use super::integration::{SimulationError, Stepping};
+use super::ladder::Rung;
 use super::observe::Recording;
 use super::run::{Attempt, Setup};
 use super::settings::{Outputs, RunSettings};
@@ -21,9 +22,12 @@ const LEAST_BETWEEN: f64 = accuracy::REPEATED;
 /// The later stretch may take so many times the evaluations of the run.
 const MOST: u64 = 4;
 
+/// Kept time on a reduced rung up to which as many later stretches are looked at as tell well by how much they differ [s].
+const QUICK: f64 = 0.5;
+
 /// Time that a later stretch and what lies between take after a kept one [s], at most.
 pub fn most_time(kept: f64) -> f64 {
-    if kept < LONG { between(kept) + as_long_as(kept) } else { 0.0 }
+    if kept < LONG { between(kept) + as_long_as(kept, is_short(kept)) } else { 0.0 }
 }
 
 /// Whether the kept time [s] is too short for its own parts to tell anything.
@@ -31,9 +35,9 @@ fn is_short(kept: f64) -> bool {
     kept < accuracy::REPEATED
 }
 
-/// Time that is kept later [s]: where the kept one is short, as many times that as there are batches, for one alone may be the same by luck.
-fn as_long_as(kept: f64) -> f64 {
-    if is_short(kept) { accuracy::BATCHES as f64 * kept } else { kept }
+/// Time that is kept later [s], `many`: of as many stretches as there are batches, for one alone may be the same by luck.
+fn as_long_as(kept: f64, many: bool) -> f64 {
+    if many { accuracy::BATCHES as f64 * kept } else { kept }
 }
 
 fn between(kept: f64) -> f64 {
@@ -41,48 +45,54 @@ fn between(kept: f64) -> f64 {
 }
 
 /// What the levels of other stretches differ by from those of the kept one.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Stretches {
     /// One standard deviation [dB].
     pub scatter: LevelErrors,
     /// Of a later one [dB], where one was looked at.
     pub later: Option<LevelErrors>,
+    /// Why there is none, where one should have been.
+    pub failure: Option<String>,
 }
 
-/// Of a run at constant speed. `later`: keeps the motion of this run by other settings, those of a later stretch.
+/// Of a run at constant speed on a rung. `later`: keeps the motion of this run by other settings, those of a later stretch. Where many are
+/// looked at, they alone tell: of motion that repeats itself parts of the kept time tell too much, for they need not hold whole periods.
 pub(super) fn stretches(
+    rung: Rung,
     kept: &Recording,
     settings: &RunSettings,
     later: impl FnOnce(&RunSettings) -> Result<Recording, SimulationError>,
 ) -> Result<Stretches, SimulationError> {
-    let own = Stretches { scatter: accuracy::scatter(kept), later: None };
-    // What is too short to tell by itself is held against another in any case.
+    let own = Stretches { scatter: accuracy::scatter(kept), ..Stretches::default() };
+    // What is too short to tell by itself is held against others in any case.
     let is_short = is_short(settings.duration);
+    let many = is_short || (rung.is_reduced() && settings.duration <= QUICK);
     let is_even = !is_short && own.scatter.worst().is_none_or(|scatter| scatter < UNEVEN);
     if settings.duration >= LONG || is_even {
         return Ok(own);
     }
-    match later(&later_settings(settings)) {
+    match later(&later_settings(settings, many)) {
+        Ok(later) if many => {
+            let apart = apart_from_parts(kept, &later);
+            Ok(Stretches { scatter: apart, later: Some(apart), failure: None })
+        }
         Ok(later) => {
-            let apart = match is_short {
-                true => apart_from_parts(kept, &later),
-                false => Distance::of_runs(kept, &later).levels,
-            };
-            Ok(Stretches { scatter: own.scatter.larger(apart), later: Some(apart) })
+            let apart = Distance::of_runs(kept, &later).levels;
+            Ok(Stretches { scatter: own.scatter.larger(apart), later: Some(apart), failure: None })
         }
         Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
         // What the kept time tells has to do.
-        Err(_) => Ok(own),
+        Err(error) => Ok(Stretches { failure: Some(error.to_string()), ..own }),
     }
 }
 
-/// What a later stretch keeps, and when.
-fn later_settings(kept: &RunSettings) -> RunSettings {
+/// What a later stretch, or many, keep, and when.
+fn later_settings(kept: &RunSettings, many: bool) -> RunSettings {
     let nothing_else =
         Outputs { contacts: false, cage: false, spectra: Vec::new(), series: Vec::new(), ..kept.outputs.clone() };
     RunSettings {
         settle: kept.settle + kept.duration + between(kept.duration),
-        duration: as_long_as(kept.duration),
+        duration: as_long_as(kept.duration, many),
         outputs: nothing_else,
         ..kept.clone()
     }

@@ -232,7 +232,7 @@ fn summarise(
     attempt.recording.evaluate(&settings.outputs);
     let is_steady = scene.operation.speed.is_constant();
     let later = |of: &RunSettings| control.part((MADE, 1.0), |control| later::of_dynamics(setup, attempt, of, control));
-    let stretches = || later::stretches(&attempt.recording, settings, later);
+    let stretches = || later::stretches(needs.rung, &attempt.recording, settings, later);
     let stretches = is_steady.then(stretches).transpose()?;
     let mut check = match needs.rung {
         Rung::Planar if settings.rung.is_some() && leaves_plane() => {

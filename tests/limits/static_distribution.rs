@@ -33,3 +33,24 @@ fn static_loads_balance_the_applied_load() {
         assert!((along / 200.0 - 1.0).abs() < 1e-5 && across.abs() < 1e-9, "{um}: {along}, {across}");
     }
 }
+
+/// Grooves so close to the ball that a heavily loaded spindle takes the balls opposite the load past the centres of their grooves: a groove is
+/// an arc, and these carry nothing.
+#[test]
+fn balls_opposite_the_load_carry_nothing() {
+    let json = json!({
+        "bearing": {
+            "preset": "6205", "inner_groove_curvature": 0.5005, "outer_groove_curvature": 0.5005, "radial_clearance_um": 5
+        },
+        "operation": { "speed_rpm": 20_000, "radial_load_y_n": 14_000 }
+    });
+    let rest = at_rest(&json);
+    let balls = rest.ball_loads.len();
+    let mut along = 0.0;
+    for (ball, load) in rest.ball_loads.iter().enumerate() {
+        let cosine = (TAU * ball as f64 / balls as f64).cos();
+        along += load * cosine;
+        assert!(cosine > 0.0 || *load == 0.0, "{ball}: {load} N");
+    }
+    assert!((along / 14_000.0 - 1.0).abs() < 0.01, "{along}");
+}

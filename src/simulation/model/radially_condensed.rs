@@ -299,6 +299,12 @@ impl RadiallyCondensed {
         Self { traction: PerRaceway { inner: RacewayTraction::General, outer: RacewayTraction::General }, ..self }
     }
 
+    /// Whether traction goes through the contacts of the full model, which take several times as long.
+    pub fn has_general_traction(&self) -> bool {
+        let is_general = |of: &RacewayTraction| matches!(of, RacewayTraction::General);
+        is_general(&self.traction.inner) || is_general(&self.traction.outer)
+    }
+
     pub fn mechanism(&self) -> &Mechanism {
         &self.mechanism
     }
