@@ -12,12 +12,10 @@ fn contacts() -> [RacewayContact; 2] {
 
 /// A ball near its raceway that moves, spins and slips.
 fn motion(contact: &RacewayContact, outer: bool, random: &mut Random, penetration: f64) -> RelativeMotion {
-    let groove = {
-        // Where the ball touches: groove centre circle and the way to touch, found from two probes.
-        let (at_zero, _) = contact.penetration::<true>(0.0, 0.0);
-        at_zero + contact.touch_distance()
-    };
     let towards = if outer { 1.0 } else { -1.0 };
+    // Where the ball touches: groove centre circle and the way to touch, found from how far a ball on the axis is from there.
+    let (at_zero, _) = contact.penetration::<true>(0.0, 0.0);
+    let groove = -towards * (at_zero + contact.touch_distance());
     RelativeMotion {
         axial: 2e-6 * random.next(),
         radius: groove + towards * (contact.touch_distance() + penetration),
