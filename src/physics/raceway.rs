@@ -350,6 +350,11 @@ impl RacewayContact {
         &self.groove.hertz
     }
 
+    /// Penetration under an elastic load [N] over the ball's radius [-].
+    pub fn relative_depth(&self, load: f64) -> f64 {
+        (load / self.groove.hertz.stiffness).powf(2.0 / 3.0) / self.groove.ball_radius
+    }
+
     /// Distance of ball and groove centre at which they touch, (f − ½) d [m].
     pub fn touch_distance(&self) -> f64 {
         self.groove.touch_distance

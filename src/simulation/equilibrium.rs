@@ -80,8 +80,21 @@ pub fn static_loads(scene: &Scene, needs: &Needs) -> Result<StaticLoads, Simulat
 pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, SimulationError> {
     let mut search = Search::new(mechanism, speed);
     search.minimise()?;
-    Ok(search.result())
+    let rest = search.result();
+    let raceway = &mechanism.raceway;
+    for load in &rest.loads {
+        let depth = raceway.inner.relative_depth(load.inner).max(raceway.outer.relative_depth(load.outer));
+        if depth > DEEPEST {
+            let most = load.inner.max(load.outer);
+            let reason = format!("{most:.1e} N press a ball into its raceways by {depth:.2} of its radius");
+            return Err(SimulationError::NoEquilibrium(reason));
+        }
+    }
+    Ok(rest)
 }
+
+/// Penetration over the ball's radius from which on nothing is left of a bearing: soon after, balls are squeezed through.
+const DEEPEST: f64 = 0.5;
 
 /// Most iterations of the minimiser; a loaded bearing needs ten to thirty.
 const ITERATIONS: usize = 2000;

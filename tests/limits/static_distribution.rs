@@ -54,3 +54,15 @@ fn balls_opposite_the_load_carry_nothing() {
     }
     assert!((along / 14_000.0 - 1.0).abs() < 0.01, "{along}");
 }
+
+/// Loads under which nothing is left of a bearing are no equilibrium; at a tenth of that the balls still carry them.
+#[test]
+fn a_load_that_presses_balls_into_their_raceways_is_no_equilibrium() {
+    let under = |load: f64| {
+        let scene = scene(&changed(article(), json!({ "operation": { "radial_load_y_n": load } })));
+        static_loads(&scene, &needs(&scene, None)).map(|rest| rest.ball_loads.iter().sum::<f64>())
+    };
+    assert!(under(1e5).unwrap() > 1e5);
+    let words = under(1e6).unwrap_err().to_string();
+    assert!(words.contains("press a ball into its raceways by"), "{words}");
+}
