@@ -9,6 +9,7 @@
 FROM rust:1.95-bookworm AS builder
 WORKDIR /source
 COPY Cargo.toml Cargo.lock build.rs ./
+COPY crates crates
 COPY src src
 COPY migrations migrations
 COPY verification verification

@@ -15,15 +15,9 @@ pub mod config;
 pub mod contract;
 /// Queue and store of jobs.
 pub mod jobs;
-/// Mathematics: integrators, spectra, special functions. Knows no bearing.
-pub mod numerics;
-/// The bearing: contacts, bodies, forces. Knows no JSON, no clock.
-pub mod physics;
 /// Pictures from results.
 pub mod plots;
 /// Answers as pictures and tables.
 pub mod render;
-/// The motion: scene, model, equilibrium, run, observation.
-pub mod simulation;
-/// Many runs: the points of a grid, and what their results say together.
-pub mod study;
+
+pub use raceway_core::{numerics, physics, simulation, study};

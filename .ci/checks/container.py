@@ -43,7 +43,14 @@ with tempfile.TemporaryDirectory(prefix="raceway-context-") as context:
         for name in (target["name"] for target in manifest.get(kind, [])):
             there = [os.path.join(context, folder, end) for end in (f"{name}.rs", f"{name}/main.rs")]
             check(any(map(os.path.exists, there)), f"the {kind} {name}, which Cargo.toml names, is copied")
-    for place, _, names in os.walk(os.path.join(context, "src")):
+    # A path dependency is copied with its manifest and its code.
+    paths = [table["path"] for table in manifest["dependencies"].values() if isinstance(table, dict) and "path" in table]
+    members = manifest["workspace"]["members"]
+    check(set(paths) <= set(members), "path dependencies are members of the workspace")
+    for path in members:
+        there = [os.path.join(context, path, end) for end in ("Cargo.toml", "src/lib.rs")]
+        check(all(map(os.path.exists, there)), f"the member {path} is copied")
+    for place, _, names in os.walk(context):
         for name in names:
             if not name.endswith(".rs"):
                 continue
