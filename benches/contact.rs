@@ -14,11 +14,11 @@ use raceway::numerics::ode::structure::Jacobian;
 use raceway::physics::bearing::PerRaceway;
 use raceway::physics::pocket::PocketMotion;
 use raceway::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::solve::ladder::Rung;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::input::settings::Outputs;
 
 const RUNS: usize = 201;
 const COUNT: u32 = 100;

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use raceway::contract::{Metrics, Outcome, execute, parse_job};
-use raceway::simulation::control::Control;
+use raceway::simulation::input::control::Control;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 use serde_json::{Value, json};

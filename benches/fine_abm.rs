@@ -11,11 +11,11 @@ use raceway::numerics::ode::dormand_prince::DormandPrince;
 use raceway::numerics::ode::fine_abm::{FineAbm, LinearPart};
 use raceway::numerics::ode::structure::Jacobian;
 use raceway::numerics::ode::{Integrator, OdeSystem, Statistics, Tolerances};
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::solve::ladder::Rung;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::input::settings::Outputs;
 
 const ARTICLE: &str =
     r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 } }"#;

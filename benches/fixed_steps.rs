@@ -9,13 +9,13 @@ mod scenes;
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::Summary;
-use raceway::simulation::run::run;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::solve::ladder::Rung;
+use raceway::simulation::result::metrics::Summary;
+use raceway::simulation::solve::run::run;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use serde_json::{Value, json};
 
 const RUNS: usize = 5;

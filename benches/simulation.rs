@@ -8,12 +8,12 @@ use std::time::Instant;
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::solve::ladder::Rung;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::Outputs;
 
 const ARTICLE: &str =
     r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 } }"#;

@@ -5,19 +5,19 @@ use super::resolve::CostAnswer;
 use super::units::significant;
 use crate::numerics::lanes::LANES;
 use crate::numerics::ode::Method;
-use crate::simulation::accuracy::is_tossed;
-use crate::simulation::divergence::judged_stretch;
-use crate::simulation::equilibrium::start_state;
-use crate::simulation::ladder::{self, Rung};
-use crate::simulation::later;
+use crate::simulation::error::estimate::is_tossed;
+use crate::simulation::error::lyapunov::judged_stretch;
+use crate::simulation::model::equilibrium::start_state;
+use crate::simulation::solve::ladder::{self, Rung};
+use crate::simulation::error::stationarity;
 use crate::simulation::model::Model;
 use crate::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
-use crate::simulation::needs::Grounds;
-use crate::simulation::observe::kept_values;
-use crate::simulation::settings::RunSettings;
-use crate::simulation::settling::Shared;
-use crate::simulation::stepped;
-use crate::simulation::stiffness::{FastestMode, fastest_mode};
+use crate::simulation::model::terms::Grounds;
+use crate::simulation::model::observer::kept_values;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::solve::startup::Shared;
+use crate::simulation::solve::fixed_step;
+use crate::simulation::model::stiffness::{FastestMode, fastest_mode};
 use crate::simulation::work_precision::Plan;
 
 /// Time of one ball in one evaluation of the equations, and of each strip of its two contacts on top [s]:
@@ -82,24 +82,24 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let evaluation = hydrodynamics(HYDRODYNAMIC) * balls * (SECONDS_PER_BALL + of_contacts);
         let by_error_control = |time: f64| time * evaluations_per_second(&job.settings, &mode, 1.0) * evaluation;
         let by_impacts = |time: f64| time * evaluations_per_second(&job.settings, &mode, CUT_BY_IMPACTS) * evaluation;
-        let by_dynamics = |time: f64| match stepped::may_choose(&job.settings) {
-            true => time / stepped::STEP * STEPPED_EVALUATIONS * evaluation,
+        let by_dynamics = |time: f64| match fixed_step::may_choose(&job.settings) {
+            true => time / fixed_step::STEP * STEPPED_EVALUATIONS * evaluation,
             false => by_error_control(time),
         };
         let (settle, duration) = (job.settings.settle, job.settings.duration);
         let looks = LOOK * kept_values(duration) as f64 * evaluation;
         let shared = Shared::of(scene, &model, &job.settings).time;
         let runs = 1.0 + if job.settings.fixed_step.is_some() { REPEATED_IN_HALVES } else { REPEATED };
-        let later = if scene.operation.speed.is_constant() { later::most_time(duration) } else { 0.0 };
+        let later = if scene.operation.speed.is_constant() { stationarity::most_time(duration) } else { 0.0 };
         // What attempts share, the run, its repetition that tells the error, and a later stretch.
         let judged =
             |by: &dyn Fn(f64) -> f64| by_dynamics(shared) + runs * (by(settle - shared + duration) + looks) + by(later);
-        let tried = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
+        let tried = if fixed_step::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
         // Where oil is viscous, steps may blow up while the run settles.
         let settled_anew = if job.needs.raceway.hydrodynamics { by_error_control(shared) } else { 0.0 };
         let most = tried + settled_anew + UNFORESEEN * attempts(job) * judged(&by_impacts);
         // Steps of a fixed length mostly serve, but not where the spindle moves along the axis. Of chaos they make two samples.
-        let in_steps = stepped::may_choose(&job.settings);
+        let in_steps = fixed_step::may_choose(&job.settings);
         let tilts = ladder::tilts_late(scene);
         let either = |one: f64, other: f64| (one * other).sqrt();
         let rattles = model.mechanism().layout.cage && !model.mechanism().pocket.film_is_damped();

@@ -15,10 +15,10 @@ use super::strict::{self, ObjectOnly, object, optional_object};
 use super::study::{self, StrictAxis, Study};
 use super::variation::Variation;
 use super::{accuracy, given_fields, limits, times};
-use crate::simulation::ladder::{self, Rung};
-use crate::simulation::needs::{Needs, Unmet};
-use crate::simulation::scene::Scene;
-use crate::simulation::settings::RunSettings;
+use crate::simulation::solve::ladder::{self, Rung};
+use crate::simulation::model::terms::{Needs, Unmet};
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::RunSettings;
 use crate::simulation::work_precision::{Plan, SETTLING};
 
 /// A request: one simulation, a study of many, the optimum of a metric over one or two ranges, or the error of several methods against
@@ -157,7 +157,7 @@ impl JobKind {
 }
 
 impl Job {
-    pub fn scene(&self) -> &crate::simulation::scene::Scene {
+    pub fn scene(&self) -> &crate::simulation::input::scene::Scene {
         &self.resolved.scene
     }
 

@@ -5,9 +5,9 @@ use utoipa::ToSchema;
 
 use super::units::significant;
 use crate::physics::kinematics::CharacteristicFrequencies;
-use crate::simulation::metrics::{AccuracyReport, MotionKind, QuantityErrors, SolverReport};
-use crate::simulation::needs::{Grounds, LeftOut};
-use crate::simulation::settings::Outputs;
+use crate::simulation::result::metrics::{AccuracyReport, MotionKind, QuantityErrors, SolverReport};
+use crate::simulation::model::terms::{Grounds, LeftOut};
+use crate::simulation::input::settings::Outputs;
 
 /// Characteristic frequencies [Hz].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

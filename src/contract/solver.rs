@@ -7,7 +7,7 @@ use super::filling::Filling;
 use super::problem::listed;
 use super::units::US;
 use crate::numerics::ode::Method;
-use crate::simulation::ladder::Rung;
+use crate::simulation::solve::ladder::Rung;
 
 /// Integrator, tolerances and model.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -4,10 +4,10 @@ use raceway::numerics::lanes::InstructionSet;
 use raceway::numerics::ode::Method;
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::input::control::Control;
+use raceway::simulation::solve::ladder::Rung;
 use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
-use raceway::simulation::settings::RunSettings;
+use raceway::simulation::input::settings::RunSettings;
 use serde_json::{Value, json};
 
 use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_asked, rates, scene};

@@ -2,9 +2,9 @@
 
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::pair::Pair;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::solve::ladder::Rung;
+use raceway::simulation::error::twin_system::Pair;
 use serde_json::json;
 
 use crate::scenes::{article, changed, disturbed, everything, model_on};

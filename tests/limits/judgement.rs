@@ -1,13 +1,13 @@
 //! Single terms left out by judgement: what leaving each out changes is within the bound that was stated before the run.
 
 use raceway::physics::raceway::{RacewayContact, RelativeMotion};
-use raceway::simulation::judgement::{Judge, Omission, within};
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::needs::{Grounds, Needs};
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::solve::judgement::{Judge, Omission, within};
+use raceway::simulation::solve::ladder::Rung;
+use raceway::simulation::model::terms::{Grounds, Needs};
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};

@@ -1,14 +1,14 @@
 //! Which rung a scene is simulated on, and what the result says of it.
 
 use raceway::numerics::ode::Method;
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::ladder::needs;
-use raceway::simulation::metrics::Summary;
-use raceway::simulation::needs::Grounds;
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::solve::ladder::Rung;
+use raceway::simulation::solve::ladder::needs;
+use raceway::simulation::result::metrics::Summary;
+use raceway::simulation::model::terms::Grounds;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};
@@ -233,7 +233,7 @@ fn a_rung_by_name_takes_shorter_steps_where_its_own_lose_the_motion() {
 fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
     let settings = asked(true, None);
     let stopped = run(&scene(&article()), &settings, &Control::until(&|| true));
-    assert!(matches!(stopped, Err(raceway::simulation::integration::SimulationError::Stopped { .. })), "{stopped:?}");
+    assert!(matches!(stopped, Err(raceway::simulation::model::integrate::SimulationError::Stopped { .. })), "{stopped:?}");
     let (a, b) = (simulate(&article(), &settings), simulate(&article(), &settings));
     assert_eq!((a.spectra, a.summary.channels, a.left_out), (b.spectra, b.summary.channels, b.left_out));
 }

@@ -3,14 +3,14 @@
 
 use raceway::physics::frames::Vector;
 use raceway::simulation::model::Model;
-use raceway::simulation::state::{BallState, CageState, SpindleState};
+use raceway::simulation::model::state::{BallState, CageState, SpindleState};
 use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
 use crate::scenes::{article, changed, disturbed, everything, model, model_on, rates, scene};
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::RunSettings;
+use raceway::simulation::solve::ladder::Rung;
+use raceway::simulation::solve::run::run;
+use raceway::simulation::input::settings::RunSettings;
 
 const TIME: f64 = 2.3e-4;
 

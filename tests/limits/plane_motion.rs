@@ -1,7 +1,7 @@
 //! Where the cage is symmetric and nothing acts along X, nothing leaves the plane: the planar rung is the full one.
 
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::solve::ladder::Rung;
 use raceway::simulation::model::Model;
 use serde_json::{Value, json};
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use raceway::numerics::ode::OdeSystem;
 use raceway::physics::frames::{Azimuth, add, scale};
 use raceway::physics::raceway::RacewayContact;
-use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::model::Model;
 use serde_json::json;
 

@@ -1,13 +1,13 @@
 //! How long a run has to go on until its start is forgotten.
 
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::{ChannelMetrics, Summary};
-use raceway::simulation::run::run;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
-use raceway::simulation::settling::{decay_rate, rings_on, settling_time, turning_time};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::solve::ladder::Rung;
+use raceway::simulation::result::metrics::{ChannelMetrics, Summary};
+use raceway::simulation::solve::run::run;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::solve::startup::{decay_rate, rings_on, settling_time, turning_time};
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};

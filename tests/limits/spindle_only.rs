@@ -2,18 +2,18 @@
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::integration::SimulationError;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::channel_metrics;
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::integrate::SimulationError;
+use raceway::simulation::solve::ladder::Rung;
+use raceway::simulation::result::metrics::channel_metrics;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::observe::{Observer, Recording};
-use raceway::simulation::reduced::{passage, simulate, simulate_periodic};
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::observer::{Observer, Recording};
+use raceway::simulation::model::spindle_runs::{passage, simulate, simulate_periodic};
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 
 const QUIET: Control<'static> = Control::until(&|| false);
 

@@ -2,15 +2,15 @@
 
 use raceway::numerics::ode::Method;
 use raceway::numerics::ode::{Choice, IntegrationError, Integrator, OdeSystem, Statistics};
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::MotionKind;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::solve::ladder::Rung;
+use raceway::simulation::result::metrics::MotionKind;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::observe::Observer;
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::RunSettings;
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::observer::Observer;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
+use raceway::simulation::input::settings::RunSettings;
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use raceway::numerics::ode::Method;
 use raceway::physics::bearing::Bearing;
 use raceway::physics::kinematics::ideal_frequencies;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::solve::ladder::Rung;
+use raceway::simulation::solve::run::run;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use serde_json::{Value, json};
 
 use crate::distribution::scene;

@@ -2,8 +2,8 @@
 
 use raceway::contract::scene_from_json;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::input::settings::Outputs;
 
 use crate::table::{check, read};
 

@@ -3,13 +3,20 @@
 
 pub mod condensed_contact;
 mod dynamics;
+pub mod equilibrium;
+pub mod integrate;
+pub mod observer;
+pub mod spindle_runs;
+pub mod state;
+pub mod stiffness;
+pub mod terms;
 mod fading_damping;
 mod full;
 mod jacobian;
 mod planar;
 pub mod radially_condensed;
 mod semi_implicit;
-pub mod sight;
+pub mod step_loads;
 pub mod spindle_only;
 
 pub use dynamics::{Dynamics, Reaction, Watch, Wrench};
@@ -17,10 +24,10 @@ pub use fading_damping::FadingDamping;
 pub use full::Full;
 pub use planar::Planar;
 
-use super::ladder::Rung;
-use super::needs::Needs;
-use super::scene::Scene;
-use super::state::Layout;
+use crate::simulation::solve::ladder::Rung;
+use crate::simulation::model::terms::Needs;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::model::state::Layout;
 use crate::numerics::lanes::{InstructionSet, LANES};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem};

@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use super::super::control::Control;
-use super::super::integration::{SimulationError, Span, Stepping, integrate};
-use super::super::model::Model;
-use super::super::needs::Needs;
-use super::super::observe::{Observer, RATE, Recording};
-use super::super::settings::RunSettings;
+use crate::simulation::input::control::Control;
+use crate::simulation::model::integrate::{SimulationError, Span, Stepping, integrate};
+use crate::simulation::model::Model;
+use crate::simulation::model::terms::Needs;
+use crate::simulation::model::observer::{Observer, RATE, Recording};
+use crate::simulation::input::settings::RunSettings;
 use super::SETTLED;
 use crate::numerics::ode::{Choice, Integrator, OdeSystem, Statistics};
 

@@ -1,11 +1,11 @@
 //! How far a run is from the reference.
 
-use super::super::channel::Channel;
-use super::super::distance::FAINT;
-use super::super::lines::Line;
-use super::super::metrics;
-use super::super::result::ChannelSpectra;
-use super::super::scene::Scene;
+use crate::simulation::input::channel::Channel;
+use crate::simulation::error::comparison::FAINT;
+use crate::simulation::result::lines::Line;
+use crate::simulation::result::metrics;
+use crate::simulation::result::run_result::ChannelSpectra;
+use crate::simulation::input::scene::Scene;
 use super::course::{Course, Finished};
 use super::{MOST_GROWN, levels};
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_channel_far_below_the_other_is_not_judged() {
-        use crate::simulation::distance::ACCELERATIONS;
+        use crate::simulation::error::comparison::ACCELERATIONS;
         let [_, y, z] = ACCELERATIONS;
         let judged = |a: Option<f64>, b: Option<f64>| judged(&[(y, a), (z, b)]);
         assert_eq!(judged(Some(3.0), Some(-130.0)), [y]);

@@ -7,9 +7,9 @@ use crate::physics::examples::{article_bearing, article_cage, article_lubricant}
 use crate::physics::lubricant::{Lubricant, LubricantKind};
 use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
-use crate::simulation::ladder::Rung;
-use crate::simulation::needs::Needs;
-use crate::simulation::scene::{SceneParameters, Terms};
+use crate::simulation::solve::ladder::Rung;
+use crate::simulation::model::terms::Needs;
+use crate::simulation::input::scene::{SceneParameters, Terms};
 
 /// The article's case at a speed [rad/s].
 fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {

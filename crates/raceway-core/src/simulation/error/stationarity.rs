@@ -1,15 +1,15 @@
 //! What the levels of another stretch of time may differ by: as the kept time tells by how they go up and down along it, and, where they do,
 //! as a later stretch shows, for what beats more slowly than the kept time does not show in it.
 
-use super::accuracy;
-use super::control::{Control, Live, Phase};
-use super::distance::{Distance, LevelErrors, in_parts, level_difference, rms_about_zero};
-use super::integration::{SimulationError, Stepping};
-use super::ladder::Rung;
-use super::observe::Recording;
-use super::run::{Attempt, Setup};
-use super::settings::{Outputs, RunSettings};
-use super::settling::Beginning;
+use crate::simulation::error::estimate;
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::error::comparison::{Distance, LevelErrors, in_parts, level_difference, rms_about_zero};
+use crate::simulation::model::integrate::{SimulationError, Stepping};
+use crate::simulation::solve::ladder::Rung;
+use crate::simulation::model::observer::Recording;
+use crate::simulation::solve::run::{Attempt, Setup};
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::solve::startup::Beginning;
 use crate::numerics::statistics::mean;
 
 /// Scatter of a level along the kept time from which on a later stretch is looked at [dB]: of motion that repeats itself it is less.
@@ -18,7 +18,7 @@ const UNEVEN: f64 = 0.1;
 const LONG: f64 = 2.0;
 /// Time between the kept stretch and the later one, in kept times, and at least [s]: next to it a slow beat is the same still.
 const BETWEEN: f64 = 1.0;
-const LEAST_BETWEEN: f64 = accuracy::REPEATED;
+const LEAST_BETWEEN: f64 = estimate::REPEATED;
 /// The later stretch may take so many times the evaluations of the run.
 const MOST: u64 = 4;
 
@@ -32,12 +32,12 @@ pub fn most_time(kept: f64) -> f64 {
 
 /// Whether the kept time [s] is too short for its own parts to tell anything.
 fn is_short(kept: f64) -> bool {
-    kept < accuracy::REPEATED
+    kept < estimate::REPEATED
 }
 
 /// Time that is kept later [s], `many`: of as many stretches as there are batches, for one alone may be the same by luck.
 fn as_long_as(kept: f64, many: bool) -> f64 {
-    if many { accuracy::BATCHES as f64 * kept } else { kept }
+    if many { estimate::BATCHES as f64 * kept } else { kept }
 }
 
 fn between(kept: f64) -> f64 {
@@ -46,7 +46,7 @@ fn between(kept: f64) -> f64 {
 
 /// What the levels of other stretches differ by from those of the kept one.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Stretches {
+pub(crate) struct Stretches {
     /// One standard deviation [dB].
     pub scatter: LevelErrors,
     /// Of a later one [dB], where one was looked at.
@@ -57,13 +57,13 @@ pub(super) struct Stretches {
 
 /// Of a run at constant speed on a rung. `later`: keeps the motion of this run by other settings, those of a later stretch. Where many are
 /// looked at, they alone tell: of motion that repeats itself parts of the kept time tell too much, for they need not hold whole periods.
-pub(super) fn stretches(
+pub(crate) fn stretches(
     rung: Rung,
     kept: &Recording,
     settings: &RunSettings,
     later: impl FnOnce(&RunSettings) -> Result<Recording, SimulationError>,
 ) -> Result<Stretches, SimulationError> {
-    let own = Stretches { scatter: accuracy::scatter(kept), ..Stretches::default() };
+    let own = Stretches { scatter: estimate::scatter(kept), ..Stretches::default() };
     // What is too short to tell by itself is held against others in any case.
     let is_short = is_short(settings.duration);
     let many = is_short || (rung.is_reduced() && settings.duration <= QUICK);
@@ -99,7 +99,7 @@ fn later_settings(kept: &RunSettings, many: bool) -> RunSettings {
 }
 
 /// A later stretch of a run of the dynamics, whose motion goes on from where it has ended.
-pub(super) fn of_dynamics(
+pub(crate) fn of_dynamics(
     setup: &Setup<'_>,
     run: &Attempt,
     settings: &RunSettings,
@@ -110,7 +110,7 @@ pub(super) fn of_dynamics(
         Beginning { time: kept.settle + kept.duration, state: run.integrated.end.clone(), ..setup.beginning.clone() };
     let stepping = Stepping {
         relative_tolerance: run.relative_tolerance,
-        most_evaluations: Some(MOST * run.integrated.statistics.rhs_evaluations.max(accuracy::LEAST_EVALUATIONS)),
+        most_evaluations: Some(MOST * run.integrated.statistics.rhs_evaluations.max(estimate::LEAST_EVALUATIONS)),
         ..Stepping::of(kept)
     };
     (control.live)(&Live::of(Phase::Judging));
@@ -121,7 +121,7 @@ pub(super) fn of_dynamics(
 /// What the levels of equal parts of a recording, each as long as the kept one, differ by from those of that, rms [dB].
 fn apart_from_parts(kept: &Recording, later: &Recording) -> LevelErrors {
     let parts = |recording: &Recording, channel| {
-        recording.of(channel).map(|signal| in_parts(&signal.in_band().mean_squares, accuracy::BATCHES))
+        recording.of(channel).map(|signal| in_parts(&signal.in_band().mean_squares, estimate::BATCHES))
     };
     LevelErrors::each(|channel| {
         let level = mean(&parts(kept, channel)?).sqrt();

@@ -1,14 +1,14 @@
 //! The dynamics in steps of a fixed length, where `auto` may choose: tried first, for they take a fraction of what error control
 //! takes, and kept where a quarter of the step tells the same level.
 
-use super::accuracy::{self, FORGETS};
-use super::control::Control;
-use super::integration::{SimulationError, Stepping};
-use super::metrics::{AccuracyReport, MotionKind};
-use super::model::Model;
-use super::needs::Needs;
-use super::run::{Attempt, MAIN_SHARE, Setup};
-use super::settings::RunSettings;
+use crate::simulation::error::estimate::{self, FORGETS};
+use crate::simulation::input::control::Control;
+use crate::simulation::model::integrate::{SimulationError, Stepping};
+use crate::simulation::result::metrics::{AccuracyReport, MotionKind};
+use crate::simulation::model::Model;
+use crate::simulation::model::terms::Needs;
+use crate::simulation::solve::run::{Attempt, MAIN_SHARE, Setup};
+use crate::simulation::input::settings::RunSettings;
 use crate::numerics::ode::Method;
 
 /// First step that is tried [s]: levels of the article's bearing err by 0.02 dB at most.
@@ -34,17 +34,17 @@ pub fn may_choose(settings: &RunSettings) -> bool {
 }
 
 /// Whether steps are tried of these equations.
-pub(super) fn serves(model: &Model, settings: &RunSettings) -> bool {
+pub(crate) fn serves(model: &Model, settings: &RunSettings) -> bool {
     may_choose(settings) && model.mechanism().raceway.inner.is_damped()
 }
 
 /// Steps to get to a later time by, the longest first: where they blow up, shorter ones mostly do not.
-pub(super) fn lengths(model: &Model) -> impl Iterator<Item = f64> {
+pub(crate) fn lengths(model: &Model) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(first_step(model)), |step| Some(SHORTENED * step)).take_while(|step| *step >= SHORTEST)
 }
 
 /// In steps of a length [s].
-pub(super) fn by(step: f64) -> Stepping {
+pub(crate) fn by(step: f64) -> Stepping {
     Stepping { method: Method::SemiImplicit, relative_tolerance: 0.0, fixed_step: Some(step), most_evaluations: None }
 }
 
@@ -54,7 +54,7 @@ fn first_step(model: &Model) -> f64 {
 }
 
 /// The run by which a reduced rung is checked, in steps; `None`: not where a tolerance was asked for.
-pub(super) fn checking(settings: &RunSettings) -> Option<RunSettings> {
+pub(crate) fn checking(settings: &RunSettings) -> Option<RunSettings> {
     may_choose(settings).then(|| in_steps(settings, CHECKING_STEP))
 }
 
@@ -105,7 +105,7 @@ fn another_sample<'a>(
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
             Err(error) => return Ok(Err(error.to_string())),
         };
-        if let Some(accuracy) = accuracy::of_samples(&before.recording, &attempt.recording, judged, allowed_db) {
+        if let Some(accuracy) = estimate::of_samples(&before.recording, &attempt.recording, judged, allowed_db) {
             let because =
                 "the motion is chaotic and shows the same levels, to three standard errors, in twice the step";
             return Ok(Ok(Stepped { attempt: kept(attempt, because), accuracy, settings, model, needs }));
@@ -124,7 +124,7 @@ fn kept(mut attempt: Attempt, because: &str) -> Attempt {
 }
 
 /// A run in steps that serve.
-pub(super) struct Stepped<'a> {
+pub(crate) struct Stepped<'a> {
     pub attempt: Attempt,
     pub accuracy: AccuracyReport,
     pub settings: RunSettings,
@@ -135,7 +135,7 @@ pub(super) struct Stepped<'a> {
 
 /// A run in steps that serve, or why error control has to. `allowed_db`: error of the level that serves, as stated; `tells_chaos`: whether
 /// a motion that is chaotic in steps is believed to be.
-pub(super) fn attempt<'a>(
+pub(crate) fn attempt<'a>(
     setup: &Setup<'a>,
     allowed_db: f64,
     tells_chaos: bool,
@@ -168,7 +168,7 @@ pub(super) fn attempt<'a>(
         let tried = Setup { model, needs, settings: &settings, whole, beginning: setup.beginning };
         let judged = tried
             .attempt(&Stepping::of(&settings), (0.0, MAIN_SHARE), judging)
-            .and_then(|first| accuracy::judge(&tried, first, judging));
+            .and_then(|first| estimate::judge(&tried, first, judging));
         let (attempt, accuracy) = match judged {
             Ok(judged) => judged,
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),

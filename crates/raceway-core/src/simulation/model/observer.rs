@@ -8,13 +8,13 @@
 
 mod snapshot;
 
-use super::channel::{Axis, BallContact, Channel, Motion};
-use super::model::Model;
-use super::model::sight::{Seen, Sight};
-use super::needs::Needs;
-use super::settings::{Outputs, RunSettings};
-use super::views::{LoadsAlong, LoadsTaken};
-use super::windows::{Recorder, Signal, Whirl};
+use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
+use crate::simulation::model::Model;
+use crate::simulation::model::step_loads::{Seen, Sight};
+use crate::simulation::model::terms::Needs;
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::recording::plot_data::{LoadsAlong, LoadsTaken};
+use crate::simulation::recording::windows::{Recorder, Signal, Whirl};
 use crate::numerics::interpolation::Course;
 use crate::numerics::ode::Integrator;
 use crate::numerics::ode::Method;

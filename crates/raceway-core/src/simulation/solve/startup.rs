@@ -4,15 +4,15 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::control::{Control, Live, Phase};
-use super::equilibrium::{equilibrium, start_state};
-use super::integration::{SimulationError, Span, Stepping, integrate};
-use super::ladder::{self, Rung};
-use super::model::{FadingDamping, Mechanism, Model};
-use super::needs::Needs;
-use super::scene::Scene;
-use super::settings::{Outputs, RunSettings};
-use super::stepped;
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::model::equilibrium::{equilibrium, start_state};
+use crate::simulation::model::integrate::{SimulationError, Span, Stepping, integrate};
+use crate::simulation::solve::ladder::{self, Rung};
+use crate::simulation::model::{FadingDamping, Mechanism, Model};
+use crate::simulation::model::terms::Needs;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::solve::fixed_step;
 use crate::numerics::ode::{Method, Statistics};
 use crate::physics::kinematics;
 
@@ -154,7 +154,7 @@ impl Shared {
             let end = turning.max(0.5 * time).min(time);
             return Self { time, damping: Some(FadingDamping { rate: DAMPING, end }) };
         }
-        if settle <= (1.0 + SHARED) * turning || !stepped::may_choose(settings) {
+        if settle <= (1.0 + SHARED) * turning || !fixed_step::may_choose(settings) {
             return Self::NOTHING;
         }
         // By default, to three digits.
@@ -165,7 +165,7 @@ impl Shared {
 
 /// Where the attempts at a run begin.
 #[derive(Debug, Clone)]
-pub(super) struct Beginning {
+pub(crate) struct Beginning {
     /// [s]
     pub time: f64,
     /// What only the start has set going has been taken away.
@@ -180,7 +180,7 @@ pub(super) struct Beginning {
 impl Beginning {
     /// In equilibrium, at no time.
     pub fn at_rest(model: &Model) -> Result<Self, SimulationError> {
-        let step = stepped::lengths(model).next();
+        let step = fixed_step::lengths(model).next();
         Ok(Self { time: 0.0, is_damped: false, step, state: start_state(model)?, work: Statistics::default() })
     }
 
@@ -197,7 +197,7 @@ impl Beginning {
         let model = damped.as_ref().unwrap_or(model);
         let span = Span { start: 0.0, end: time, checkpoint: time, share: (0.0, 1.0) };
         (control.live)(&Live::of(Phase::Settling));
-        let in_steps = stepped::lengths(model).map(|step| (stepped::by(step), Some(step)));
+        let in_steps = fixed_step::lengths(model).map(|step| (fixed_step::by(step), Some(step)));
         for (stepping, step) in in_steps.chain([(SETTLED_BY, None)]) {
             match integrate(model, &start.state, &stepping, &span, control, |_| ()) {
                 Ok(settled) => {

@@ -1,14 +1,14 @@
 //! What a run leaves behind.
 
-use super::channel::Channel;
-use super::distance::LevelErrors;
-use super::metrics::{self, AccuracyReport, SolverReport, Summary};
-use super::model::Mechanism;
-use super::needs::LeftOut;
-use super::observe::Recording;
-use super::scene::Scene;
-use super::settings::RunSettings;
-use super::views::Views;
+use crate::simulation::input::channel::Channel;
+use crate::simulation::error::comparison::LevelErrors;
+use crate::simulation::result::metrics::{self, AccuracyReport, SolverReport, Summary};
+use crate::simulation::model::Mechanism;
+use crate::simulation::model::terms::LeftOut;
+use crate::simulation::model::observer::Recording;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::recording::plot_data::Views;
 use crate::numerics::spectrum::Spectrum;
 
 /// A signal at a uniform rate, in the channel's unit.
@@ -42,7 +42,7 @@ pub struct RunResult {
 }
 
 /// What a result says of itself.
-pub(super) struct Account {
+pub(crate) struct Account {
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
     /// Of the levels, from stretch to stretch; none at changing speed.
@@ -54,7 +54,7 @@ pub(super) struct Account {
 
 impl RunResult {
     /// Everything that the outputs ask for, from what a run has shown.
-    pub(super) fn new(
+    pub(crate) fn new(
         scene: &Scene,
         settings: &RunSettings,
         mechanism: &Mechanism,

@@ -5,7 +5,7 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::pocket::PocketLoad;
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
-use crate::simulation::channel::BallContact;
+use crate::simulation::input::channel::BallContact;
 use crate::simulation::model::{Model, Watch};
 
 /// Loads of one look.

@@ -9,25 +9,25 @@ mod check;
 use std::cell::Cell;
 use std::time::Instant;
 
-use super::accuracy::{self, Doubt};
-use super::channel::Channel;
-use super::control::{Control, Live, Phase};
-use super::distance::{self, Distance};
-use super::divergence::{self, Pairs, Parted};
-use super::integration::SimulationError;
-use super::judgement;
-use super::later::{self, Stretches};
-use super::metrics::{AccuracyReport, MotionKind, SolverReport};
-use super::model::Mechanism;
-use super::model::radially_condensed::{self, Pace, RadiallyCondensed};
-use super::needs::{Grounds, LeftOut, Needs, Unmet};
-use super::observe::{RATE, Recording, kept_values};
-use super::reduced;
-use super::result::{Account, RunResult};
-use super::scene::{Scene, Term, TermChoice};
-use super::settings::{Outputs, RunSettings};
-use super::settling;
-use super::windows::Windows;
+use crate::simulation::error::estimate::{self, Doubt};
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::error::comparison::{self, Distance};
+use crate::simulation::error::lyapunov::{self, Pairs, Parted};
+use crate::simulation::model::integrate::SimulationError;
+use crate::simulation::solve::judgement;
+use crate::simulation::error::stationarity::{self, Stretches};
+use crate::simulation::result::metrics::{AccuracyReport, MotionKind, SolverReport};
+use crate::simulation::model::Mechanism;
+use crate::simulation::model::radially_condensed::{self, Pace, RadiallyCondensed};
+use crate::simulation::model::terms::{Grounds, LeftOut, Needs, Unmet};
+use crate::simulation::model::observer::{RATE, Recording, kept_values};
+use crate::simulation::model::spindle_runs;
+use crate::simulation::result::run_result::{Account, RunResult};
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::solve::startup;
+use crate::simulation::recording::windows::Windows;
 use crate::numerics::ode::Method;
 use crate::numerics::ode::Statistics;
 pub use check::check_time;
@@ -118,8 +118,8 @@ impl Rung {
         match self {
             Self::Full | Self::Planar => None,
             Self::RadiallyCondensed => condensed(),
-            Self::SpindleOnly => reduced::unable(scene, needs, outputs).or_else(condensed),
-            Self::Periodic => reduced::unable_periodic(scene, needs, outputs).or_else(condensed),
+            Self::SpindleOnly => spindle_runs::unable(scene, needs, outputs).or_else(condensed),
+            Self::Periodic => spindle_runs::unable_periodic(scene, needs, outputs).or_else(condensed),
         }
     }
 }
@@ -236,7 +236,7 @@ fn cage_may_tilt_balls(scene: &Scene) -> bool {
 }
 
 /// The result of the leanest reduced rung that serves; `None`: the dynamics have to. With what the others have shown, in words.
-pub(super) fn run(
+pub(crate) fn run(
     scene: &Scene,
     settings: &RunSettings,
     control: &Control<'_>,
@@ -346,7 +346,7 @@ fn on_rung(
         control.aside().part((PARTED, 1.0), |control| Ok(record(rung, scene, of, control)?.recording))
     };
     let is_steady = scene.operation.speed.is_constant();
-    let stretches = is_steady.then(|| later::stretches(rung, &made.recording, &stepped, later)).transpose()?;
+    let stretches = is_steady.then(|| stationarity::stretches(rung, &made.recording, &stepped, later)).transpose()?;
     let shown = Shown { check, apart, another_course, unseen, parted, stretches };
     Ok(Ok(summarise(rung, scene, settings, &made, shown, begin)?))
 }
@@ -413,8 +413,8 @@ struct Made {
 
 fn record(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<Made, SimulationError> {
     let (recording, statistics) = match rung {
-        Rung::Periodic => reduced::simulate_periodic(scene, settings, control)?,
-        Rung::SpindleOnly => reduced::simulate(scene, settings, control)?,
+        Rung::Periodic => spindle_runs::simulate_periodic(scene, settings, control)?,
+        Rung::SpindleOnly => spindle_runs::simulate(scene, settings, control)?,
         _ => radially_condensed::simulate(scene, settings, control)?,
     };
     let states = match rung {
@@ -436,9 +436,9 @@ fn parted(
     let of = |one: &Recording, settings: &RunSettings| {
         let other = beside(scene, [DISPLACEMENT; 2], settings, control)?;
         let both = |channel: &Channel| Some((&*one.of(*channel)?.excerpts, &*other.of(*channel)?.excerpts));
-        let pairs: Vec<Pairs<'_>> = distance::ACCELERATIONS.iter().filter_map(both).collect();
+        let pairs: Vec<Pairs<'_>> = comparison::ACCELERATIONS.iter().filter_map(both).collect();
         let spacing = Windows::of(kept_values(settings.duration)).length;
-        Ok(divergence::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE))
+        Ok(lyapunov::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE))
     };
     match finer {
         Some(finer) => of(&finer.recording, &finer.settings),
@@ -503,7 +503,7 @@ fn summarise(
     let (level_errors, how) = if by_chance && is_known {
         let how =
             format!("the motion is chaotic: standard error of the level by ten batch means, or {how}, if that is more");
-        (distance.levels.larger(accuracy::sampling_errors(&made.recording)), how)
+        (distance.levels.larger(estimate::sampling_errors(&made.recording)), how)
     } else {
         (distance.levels, how)
     };
@@ -521,7 +521,7 @@ fn summarise(
     let mechanism = Mechanism::new(scene, &needs);
     // The rung that repeats a passage has no start, and chaos forgets it by itself.
     let keeps_start = rung != Rung::Periodic && !by_chance;
-    let settling = keeps_start.then(|| settling::rings_on(scene, settings.settle)).flatten();
+    let settling = keeps_start.then(|| startup::rings_on(scene, settings.settle)).flatten();
     let account =
         Account { solver, accuracy, scatter: stretches.map(|of| of.scatter), settling, left_out: needs.left_out };
     Ok(RunResult::new(scene, settings, &mechanism, &made.recording, account))

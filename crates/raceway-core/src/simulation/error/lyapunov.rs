@@ -1,11 +1,11 @@
 //! Do two motions that start next to each other meet or part? It tells chaos from decay.
 
-use super::control::Control;
-use super::integration::{STEPS_PER_LOOK, SimulationError, stops};
-use super::metrics::MotionKind;
-use super::model::Model;
-use super::pair::Pair;
-use super::settings::RunSettings;
+use crate::simulation::input::control::Control;
+use crate::simulation::model::integrate::{STEPS_PER_LOOK, SimulationError, stops};
+use crate::simulation::result::metrics::MotionKind;
+use crate::simulation::model::Model;
+use crate::simulation::error::twin_system::Pair;
+use crate::simulation::input::settings::RunSettings;
 use crate::numerics::ode::Method;
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::statistics::{rms, slope};
@@ -35,7 +35,7 @@ pub fn judged_stretch(settings: &RunSettings) -> f64 {
 
 /// By what a run of a method is judged. The long steps of `radau` damp what parts two motions and are looked at by
 /// interpolation, whose error hardly depends on the tolerance: another method sees both.
-pub(super) fn judging(method: Method) -> Method {
+pub(crate) fn judging(method: Method) -> Method {
     if method == Method::Radau { Method::Gear } else { method }
 }
 
@@ -60,11 +60,11 @@ impl Parted {
 }
 
 /// A signal of two motions: what was kept of each, stretch by stretch.
-pub(super) type Pairs<'a> = (&'a [Vec<f64>], &'a [Vec<f64>]);
+pub(crate) type Pairs<'a> = (&'a [Vec<f64>], &'a [Vec<f64>]);
 
 /// How two motions part that started `disturbance` apart, in sizes of their signals, from what was recorded of them after a
 /// time to settle [s] at a rate [Hz]: of every `spacing` values the first few.
-pub(super) fn of_signals(pairs: &[Pairs<'_>], spacing: usize, disturbance: f64, settle: f64, rate: f64) -> Parted {
+pub(crate) fn of_signals(pairs: &[Pairs<'_>], spacing: usize, disturbance: f64, settle: f64, rate: f64) -> Parted {
     let stretches = pairs.iter().map(|(one, other)| one.len().min(other.len())).min().unwrap_or(0);
     let length = |stretch: usize| {
         pairs.iter().map(|(one, other)| one[stretch].len().min(other[stretch].len())).min().unwrap_or(0)
@@ -100,7 +100,7 @@ pub(super) fn of_signals(pairs: &[Pairs<'_>], spacing: usize, disturbance: f64, 
 /// How a small disturbance of the state at `begin` [s] grows over a stretch [s]: the slope of a straight line through the later
 /// half of the logarithms of the distance. Where it might have grown by the end of the kept time and has not yet, it is
 /// followed on: slow chaos shows late, and a drift, which is none, never grows by much in the later half.
-pub(super) fn divergence_rate(
+pub(crate) fn divergence_rate(
     model: &Model,
     settings: &RunSettings,
     begin: f64,

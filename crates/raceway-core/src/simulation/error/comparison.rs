@@ -1,22 +1,22 @@
 //! By how much two runs of a scene differ: levels of the spindle's accelerations, loads, speeds, the cage's orbit.
 
-use super::channel::{Axis, Channel, Motion};
-use super::metrics::{BAND, QuantityErrors};
-use super::observe::{Quantities, RATE, Recording};
-use super::settings::Outputs;
-use super::windows::Signal;
+use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::result::metrics::{BAND, QuantityErrors};
+use crate::simulation::model::observer::{Quantities, RATE, Recording};
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::windows::Signal;
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{CentralMoments, mean, rms};
 use crate::physics::bearing::PerRaceway;
 
 /// What levels are made of; along X where the spindle moves there.
-pub(super) const ACCELERATIONS: [Channel; 3] = [
+pub(crate) const ACCELERATIONS: [Channel; 3] = [
     Channel::Spindle(Axis::X, Motion::Acceleration),
     Channel::Spindle(Axis::Y, Motion::Acceleration),
     Channel::Spindle(Axis::Z, Motion::Acceleration),
 ];
 /// Of these.
-pub(super) const WORST: &str = "worst of the spindle's accelerations";
+pub(crate) const WORST: &str = "worst of the spindle's accelerations";
 /// A channel whose level lies this far below the strongest one's [dB] is not judged: its motion is a thousandth of the other's
 /// at most, adds less than 1e-5 dB to their sum, and is mostly what rounding and tolerances make of a symmetry, which every
 /// run makes anew.
@@ -37,27 +37,27 @@ impl LevelErrors {
     }
 
     /// From the error of each channel.
-    pub(super) fn each(error: impl Fn(Channel) -> Option<f64>) -> Self {
+    pub(crate) fn each(error: impl Fn(Channel) -> Option<f64>) -> Self {
         Self(ACCELERATIONS.map(error))
     }
 
     /// From both, where both are there.
-    pub(super) fn beside(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
+    pub(crate) fn beside(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
         Self(std::array::from_fn(|i| Some(of(self.0[i]?, other.0[i]?))))
     }
 
     /// The larger ones of both.
-    pub(super) fn larger(self, other: Self) -> Self {
+    pub(crate) fn larger(self, other: Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i].into_iter().chain(other.0[i]).reduce(f64::max)))
     }
 
     /// Those that are there, no less than the others.
-    pub(super) fn raised_to(self, least: Self) -> Self {
+    pub(crate) fn raised_to(self, least: Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i].map(|error| error.max(least.0[i].unwrap_or(0.0)))))
     }
 
     /// Of those that are there.
-    pub(super) fn map(self, change: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn map(self, change: impl Fn(f64) -> f64) -> Self {
         Self(self.0.map(|error| error.map(&change)))
     }
 }
@@ -65,7 +65,7 @@ impl LevelErrors {
 /// Parts of the repeated stretch whose levels are compared one by one.
 const PARTS: usize = 5;
 /// Levels below this count as silence [m/s²]: a hundredth of what a good accelerometer hears, and what is left of the noise of steps and of a start.
-pub(super) const SILENCE: f64 = 1e-5;
+pub(crate) const SILENCE: f64 = 1e-5;
 /// How near to the largest contact load the peak of a ball counts as one that may be the largest of a longer run [-].
 const NEAR_LARGEST: f64 = 0.01;
 /// Contact loads [N] and cage speeds [rad/s] below these count as so large in a relative error.
@@ -80,17 +80,17 @@ const LEAST_ORBIT: f64 = 1e-8;
 const DETAIL: f64 = 0.03;
 
 /// Mean squares of so many equal parts of a run, from those of the batches of its windows.
-pub(super) fn in_parts(mean_squares: &[f64], parts: usize) -> Vec<f64> {
+pub(crate) fn in_parts(mean_squares: &[f64], parts: usize) -> Vec<f64> {
     mean_squares.chunks(mean_squares.len().div_ceil(parts).max(1)).map(mean).collect()
 }
 
 /// 20 lg(a / b) [dB] of root mean squares, silence counted as `SILENCE`; `None` where both are silent.
-pub(super) fn level_difference((a, b): (f64, f64)) -> Option<f64> {
+pub(crate) fn level_difference((a, b): (f64, f64)) -> Option<f64> {
     (a.max(b) > SILENCE).then(|| 20.0 * (a.max(SILENCE) / b.max(SILENCE)).log10())
 }
 
 /// Root mean squares [m/s²] of a signal that was recorded twice, first and again, in the band of levels.
-pub(super) struct Twice {
+pub(crate) struct Twice {
     /// Of all that was recorded again.
     stretch: (f64, f64),
     /// Of its parts.
@@ -149,7 +149,7 @@ impl Twice {
 }
 
 /// The accelerations that are judged: those that are not faint.
-pub(super) fn judged(recording: &Recording) -> Vec<Channel> {
+pub(crate) fn judged(recording: &Recording) -> Vec<Channel> {
     let level = |channel: &Channel| recording.of(*channel).map_or(0.0, |signal| signal.in_band().moments.rms());
     let strongest = ACCELERATIONS.iter().map(level).fold(0.0, f64::max);
     let faint = 10_f64.powf(-FAINT / 20.0) * strongest;
@@ -157,7 +157,7 @@ pub(super) fn judged(recording: &Recording) -> Vec<Channel> {
 }
 
 /// Accelerations of a recording, and what was recorded again of all of it or of its first window.
-pub(super) fn twice(first: &Recording, again: &Recording) -> Vec<(Channel, Twice)> {
+pub(crate) fn twice(first: &Recording, again: &Recording) -> Vec<(Channel, Twice)> {
     let both = |channel: Channel| {
         let (first, again) = (first.of(channel)?, again.of(channel)?);
         let Some(repeated) = again.values() else { return Some((channel, Twice::of_windows(first, again))) };
@@ -171,13 +171,13 @@ pub(super) fn twice(first: &Recording, again: &Recording) -> Vec<(Channel, Twice
 }
 
 /// Errors of the levels of what was recorded twice.
-pub(super) fn level_errors(both: &[(Channel, Twice)], error: impl Fn(&Twice) -> Option<f64>) -> LevelErrors {
+pub(crate) fn level_errors(both: &[(Channel, Twice)], error: impl Fn(&Twice) -> Option<f64>) -> LevelErrors {
     LevelErrors::each(|channel| both.iter().find(|(of, _)| *of == channel).and_then(|(_, twice)| error(twice)))
 }
 
 /// By how much two runs of a scene differ.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Distance {
+pub(crate) struct Distance {
     pub levels: LevelErrors,
     /// Single numbers; `None` where they are not known.
     pub quantities: Option<QuantityErrors>,
@@ -308,7 +308,7 @@ fn sampled_errors(a: &Recording, b: &Recording) -> QuantityErrors {
 
 /// Differences of two runs' numbers as shares of the larger ones, from those of equal parts of both. A largest value may be
 /// that of any part; differences in a mean partly cancel, and may do so by luck.
-pub(super) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErrors {
+pub(crate) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErrors {
     let relative = |a: f64, b: f64, least: f64| (a - b) / a.max(b).max(least);
     // One may be of a part of the time of the other.
     let a = &a[..a.len().min(b.len())];
@@ -330,7 +330,7 @@ pub(super) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErr
 }
 
 /// What the halves of a run differ by, from its parts; `None`: it has not as many.
-pub(super) fn halves_apart(parts: &[Quantities]) -> Option<QuantityErrors> {
+pub(crate) fn halves_apart(parts: &[Quantities]) -> Option<QuantityErrors> {
     let of_all = |parts: &[Quantities]| {
         let most = |of: fn(&Quantities) -> f64| parts.iter().map(of).fold(0.0, f64::max);
         let mean = |of: fn(&Quantities) -> f64| parts.iter().map(of).sum::<f64>() / parts.len() as f64;
@@ -377,7 +377,7 @@ fn mean_or_luck(differences: &[f64]) -> f64 {
     (differences.iter().sum::<f64>() / n).abs().max(rms_about_zero(differences) / n.sqrt())
 }
 
-pub(super) fn rms_about_zero(values: &[f64]) -> f64 {
+pub(crate) fn rms_about_zero(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / (values.len() as f64).max(1.0)).sqrt()
 }
 

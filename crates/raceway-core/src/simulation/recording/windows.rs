@@ -4,13 +4,13 @@
 
 use std::sync::OnceLock;
 
-use super::accuracy::{BATCHES, REPEATED};
-use super::channel::{Axis, Channel, Motion};
-use super::distance::ACCELERATIONS;
-use super::metrics::{BAND, ENVELOPE_BAND};
-use super::observe::{RATE, kept_values};
-use super::result::ChannelSpectra;
-use super::settings::Outputs;
+use crate::simulation::error::estimate::{BATCHES, REPEATED};
+use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::error::comparison::ACCELERATIONS;
+use crate::simulation::result::metrics::{BAND, ENVELOPE_BAND};
+use crate::simulation::model::observer::{RATE, kept_values};
+use crate::simulation::result::run_result::ChannelSpectra;
+use crate::simulation::input::settings::Outputs;
 use crate::numerics::spectrum::{amplitude_spectrum, band_limited, envelope_spectrum};
 use crate::numerics::statistics::{self, CentralMoments};
 
@@ -324,7 +324,7 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::channel::Motion;
+    use crate::simulation::input::channel::Motion;
 
     #[test]
     fn windows_are_as_few_and_as_equal_as_can_be() {

@@ -1,7 +1,7 @@
 //! What a run is asked for, and how to simulate it.
 
-use super::channel::Channel;
-use super::ladder::Rung;
+use crate::simulation::input::channel::Channel;
+use crate::simulation::solve::ladder::Rung;
 use crate::numerics::ode::Method;
 
 /// What a run must produce; it decides what the model must contain.

@@ -3,11 +3,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::integration::SimulationError;
-use super::model::{Mechanism, Model};
-use super::needs::Needs;
-use super::scene::Scene;
-use super::state::{BallState, SpindleState};
+use crate::simulation::model::integrate::SimulationError;
+use crate::simulation::model::{Mechanism, Model};
+use crate::simulation::model::terms::Needs;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::model::state::{BallState, SpindleState};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
 use crate::physics::raceway::RacewayContact;

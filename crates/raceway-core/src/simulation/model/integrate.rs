@@ -1,10 +1,10 @@
 //! From one time to another by one method, and why that may fail.
 
-use super::control::Control;
-use super::model::Model;
-use super::needs::Unmet;
-use super::settings::RunSettings;
-use super::state::Layout;
+use crate::simulation::input::control::Control;
+use crate::simulation::model::Model;
+use crate::simulation::model::terms::Unmet;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::state::Layout;
 use crate::numerics::ode::stability::{self, StabilityWatch};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
 
@@ -44,13 +44,13 @@ const MOST_EVALUATIONS: f64 = 3e10;
 /// Evaluations before that is judged, so that a rough start is forgiven.
 const PACE: u64 = 2_000_000;
 /// Steps between two looks at `Control`.
-pub(super) const STEPS_PER_LOOK: u64 = 256;
+pub(crate) const STEPS_PER_LOOK: u64 = 256;
 /// Evaluations between two looks at `Control`: a step of an implicit method takes many.
 const EVALUATIONS_PER_LOOK: u64 = 6 * STEPS_PER_LOOK;
 
 /// By which method, and how finely.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stepping {
+pub(crate) struct Stepping {
     pub method: Method,
     pub relative_tolerance: f64,
     /// [s]
@@ -71,7 +71,7 @@ impl Stepping {
 }
 
 /// From where to where, what to remember on the way, and which share of the progress that is.
-pub(super) struct Span {
+pub(crate) struct Span {
     pub start: f64,
     pub end: f64,
     /// The state at this time is kept.
@@ -81,7 +81,7 @@ pub(super) struct Span {
 }
 
 /// What an integration leaves behind.
-pub(super) struct Integrated {
+pub(crate) struct Integrated {
     pub statistics: Statistics,
     /// What ran at the end.
     pub choice: Choice,
@@ -94,14 +94,14 @@ pub(super) struct Integrated {
 }
 
 /// Times at which steps end exactly: kinks of the speed between two times, and the later one [s].
-pub(super) fn stops(model: &Model, from: f64, to: f64) -> Vec<f64> {
+pub(crate) fn stops(model: &Model, from: f64, to: f64) -> Vec<f64> {
     let kinks = model.mechanism().speed.kinks().filter(|kink| *kink > from && *kink < to);
     kinks.chain([to]).collect()
 }
 
 /// Integrates a span, showing the integrator to `after_step` after each step. Steps end exactly where
 /// the speed profile has a kink, and the method starts afresh there.
-pub(super) fn integrate(
+pub(crate) fn integrate(
     model: &Model,
     start: &[f64],
     stepping: &Stepping,
@@ -186,7 +186,7 @@ impl SimulationError {
         }
     }
 
-    pub(super) fn integration(source: IntegrationError, layout: &Layout) -> Self {
+    pub(crate) fn integration(source: IntegrationError, layout: &Layout) -> Self {
         let component = match source {
             IntegrationError::Stopped { time } => return Self::Stopped { time },
             IntegrationError::StepTooSmall { component, .. } | IntegrationError::NotFinite { component, .. } => {

@@ -4,14 +4,14 @@
 //! The factors of the bounds are measured (`benches/omissions.rs`, docs/ACCURACY.md). Where no bound was found that holds, nothing
 //! is left out.
 
-use super::channel::{BallContact, Channel};
-use super::equilibrium::equilibrium;
-use super::equilibrium::start_state;
-use super::integration::SimulationError;
-use super::model::{Mechanism, Model, Watch};
-use super::needs::{Grounds, LeftOut, Needs};
-use super::scene::{Scene, Term, TermChoice};
-use super::settings::Outputs;
+use crate::simulation::input::channel::{BallContact, Channel};
+use crate::simulation::model::equilibrium::equilibrium;
+use crate::simulation::model::equilibrium::start_state;
+use crate::simulation::model::integrate::SimulationError;
+use crate::simulation::model::{Mechanism, Model, Watch};
+use crate::simulation::model::terms::{Grounds, LeftOut, Needs};
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::Outputs;
 use crate::numerics::ode::OdeSystem;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::traction::TractionLaw;

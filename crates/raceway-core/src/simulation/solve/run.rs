@@ -3,20 +3,20 @@
 use std::cell::Cell;
 use std::time::Instant;
 
-use super::accuracy::{self, LEAST_EVALUATIONS, UNRESOLVED};
-use super::control::{Control, Live, Phase};
-use super::integration::{Integrated, STEPS_PER_LOOK, SimulationError, Span, Stepping, integrate};
-use super::ladder::{self, Rung};
-use super::later;
-use super::metrics::{AccuracyReport, MotionKind, SolverReport};
-use super::model::Model;
-use super::needs::{Grounds, Needs};
-use super::observe::{Observer, Recording};
-use super::result::{Account, RunResult};
-use super::scene::Scene;
-use super::settings::RunSettings;
-use super::settling::{self, Beginning, Shared};
-use super::stepped::{self, Stepped};
+use crate::simulation::error::estimate::{self, LEAST_EVALUATIONS, UNRESOLVED};
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::model::integrate::{Integrated, STEPS_PER_LOOK, SimulationError, Span, Stepping, integrate};
+use crate::simulation::solve::ladder::{self, Rung};
+use crate::simulation::error::stationarity;
+use crate::simulation::result::metrics::{AccuracyReport, MotionKind, SolverReport};
+use crate::simulation::model::Model;
+use crate::simulation::model::terms::{Grounds, Needs};
+use crate::simulation::model::observer::{Observer, Recording};
+use crate::simulation::result::run_result::{Account, RunResult};
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::solve::startup::{self, Beginning, Shared};
+use crate::simulation::solve::fixed_step::{self, Stepped};
 use crate::numerics::ode::Integrator;
 
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from `wall_time`.
@@ -61,7 +61,7 @@ fn dynamics(
     let beginning = control.part((0.0, settled), |control| Beginning::after(&shared, whole_or_model, control))?;
     let setup = Setup { model: &model, needs: &needs, settings, beginning: &beginning, whole };
     let allowed_db = SHARE_OF_ERROR * settings.model_tolerance_db;
-    let may_step = stepped::may_choose(settings);
+    let may_step = fixed_step::may_choose(settings);
     let tells_chaos = !ladder::tilts_late(scene);
     let share = match may_step {
         true if tells_chaos && !model.mechanism().leans() => STEPPED_SHARE,
@@ -70,7 +70,7 @@ fn dynamics(
     };
     let stepped = settled + share * (MADE - settled);
     let in_steps =
-        control.part((settled, stepped), |control| stepped::attempt(&setup, allowed_db, tells_chaos, control))?;
+        control.part((settled, stepped), |control| fixed_step::attempt(&setup, allowed_db, tells_chaos, control))?;
     let in_vain = match in_steps {
         Ok(Stepped { attempt, accuracy, settings, model, needs }) => {
             let setup = Setup { model, needs, settings: &settings, ..setup };
@@ -101,7 +101,7 @@ fn under_error_control<'a>(
         control.part(part, |control| {
             let stepping = Stepping { most_evaluations, ..Stepping::of(setup.settings) };
             let first = setup.attempt(&stepping, (0.0, MAIN_SHARE), control)?;
-            accuracy::judge(setup, first, control)
+            estimate::judge(setup, first, control)
         })
     };
     // Another one that costs too much is given up: what is known has to do, and says how well.
@@ -169,11 +169,11 @@ const STEPPED_SHARE: f64 = 0.8;
 const TRIED_SHARE: f64 = 0.3;
 
 /// Share of the progress that the main integration stands for; the rest judges its accuracy.
-pub(super) const MAIN_SHARE: f64 = 0.85;
+pub(crate) const MAIN_SHARE: f64 = 0.85;
 
 /// What is the same in all attempts at a run.
 #[derive(Clone, Copy)]
-pub(super) struct Setup<'a> {
+pub(crate) struct Setup<'a> {
     pub model: &'a Model,
     pub needs: &'a Needs,
     pub settings: &'a RunSettings,
@@ -183,7 +183,7 @@ pub(super) struct Setup<'a> {
 }
 
 /// The whole run at one tolerance.
-pub(super) struct Attempt {
+pub(crate) struct Attempt {
     pub relative_tolerance: f64,
     pub integrated: Integrated,
     pub recording: Recording,
@@ -231,8 +231,8 @@ fn summarise(
     let leaves_plane = || Needs::of(scene, &settings.outputs, None).is_ok_and(|own| own.rung == Rung::Full);
     attempt.recording.evaluate(&settings.outputs);
     let is_steady = scene.operation.speed.is_constant();
-    let later = |of: &RunSettings| control.part((MADE, 1.0), |control| later::of_dynamics(setup, attempt, of, control));
-    let stretches = || later::stretches(needs.rung, &attempt.recording, settings, later);
+    let later = |of: &RunSettings| control.part((MADE, 1.0), |control| stationarity::of_dynamics(setup, attempt, of, control));
+    let stretches = || stationarity::stretches(needs.rung, &attempt.recording, settings, later);
     let stretches = is_steady.then(stretches).transpose()?;
     let mut check = match needs.rung {
         Rung::Planar if settings.rung.is_some() && leaves_plane() => {
@@ -272,9 +272,9 @@ fn summarise(
     // Neither chaos nor what was damped keeps its start.
     let keeps_start = !setup.beginning.is_damped && accuracy.motion != Some(MotionKind::Diverging);
     let rings =
-        || settling::rings_on(scene, settings.settle).or_else(|| settling::cage_rings_on(scene, model, settings));
+        || startup::rings_on(scene, settings.settle).or_else(|| startup::cage_rings_on(scene, model, settings));
     let settling = keeps_start.then(rings).flatten();
-    let all: Vec<String> = settling.into_iter().chain(settling::tilts_on(scene, needs, settings.settle)).collect();
+    let all: Vec<String> = settling.into_iter().chain(startup::tilts_on(scene, needs, settings.settle)).collect();
     let settling = (!all.is_empty()).then(|| all.join("; "));
     let account = Account { solver, accuracy, scatter: stretches.map(|of| of.scatter), settling, left_out };
     Ok(RunResult::new(scene, settings, mechanism, recording, account))

@@ -3,7 +3,7 @@
 use std::cell::{OnceCell, RefCell};
 use std::ops::Range;
 
-use super::model::Model;
+use crate::simulation::model::Model;
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, OdeSystem, Statistics};
 

@@ -1,27 +1,27 @@
 //! How far a run can be trusted: does a disturbance die out, and does the level depend on the tolerance?
 
-use super::channel::Channel;
-use super::control::{Control, Live, Phase};
-use super::distance::{
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::error::comparison::{
     Distance, LevelErrors, SILENCE, WORST, halves_apart, in_parts, judged, level_errors, quantity_errors, twice,
 };
-use super::divergence::{divergence_rate, judged_stretch, judging};
-use super::integration::{SimulationError, Stepping};
-use super::later::Stretches;
-use super::metrics::{AccuracyReport, MotionKind, QuantityErrors};
-use super::model::Model;
-use super::observe::{self, Recording};
-use super::run::{Attempt, Setup};
-use super::settings::{Outputs, RunSettings};
-use super::windows::Signal;
+use crate::simulation::error::lyapunov::{divergence_rate, judged_stretch, judging};
+use crate::simulation::model::integrate::{SimulationError, Stepping};
+use crate::simulation::error::stationarity::Stretches;
+use crate::simulation::result::metrics::{AccuracyReport, MotionKind, QuantityErrors};
+use crate::simulation::model::Model;
+use crate::simulation::model::observer::{self, Recording};
+use crate::simulation::solve::run::{Attempt, Setup};
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::recording::windows::Signal;
 use crate::numerics::ode::Method;
 use crate::numerics::statistics::{level_scatter_db, level_standard_error_db, mean, rms};
 
 /// Batches of a run, by which its level scatters and settles.
-pub(super) const BATCHES: usize = 10;
+pub(crate) const BATCHES: usize = 10;
 /// Stretch that is repeated at a tighter tolerance [s], where disturbances die out and nothing else than at its beginning
 /// is to come; else all of the run.
-pub(super) const REPEATED: f64 = 0.01;
+pub(crate) const REPEATED: f64 = 0.01;
 /// Step of the repetition over that of a run in steps of a fixed length.
 const HALVED: f64 = 0.5;
 /// The same of `semi_implicit`, whose long steps damp light oscillations above the band as half of them does: of 7.5 and 3.75 µs
@@ -34,7 +34,7 @@ const LEAST_VALUES: usize = 200;
 
 /// Change of a level under a tighter tolerance from which the tighter run may be no better: both may be the noise of
 /// their steps [dB].
-pub(super) const UNRESOLVED: f64 = 0.5;
+pub(crate) const UNRESOLVED: f64 = 0.5;
 /// The same of the difference of the signals, over the level of the whole run [-].
 const NOISY: f64 = 0.3;
 /// How much tighter the whole run is repeated then, until its level stands still.
@@ -47,10 +47,10 @@ const LEAST_TOLERANCE: f64 = 1e-13;
 /// What judges a run, and what repeats the whole of it, may take this many times its evaluations, and at least of so many.
 const JUDGING: u64 = 10;
 const REPEATING: u64 = 50;
-pub(super) const LEAST_EVALUATIONS: u64 = 10_000;
+pub(crate) const LEAST_EVALUATIONS: u64 = 10_000;
 /// Growth of a disturbance over the kept time [e-folds] from which on a chaotic motion has forgotten what led to it, and is a sample of its
 /// statistics: before, it can be foretold, and both of two runs may err alike (of slip, by a quarter over five e-folds).
-pub(super) const FORGETS: f64 = 10.0;
+pub(crate) const FORGETS: f64 = 10.0;
 /// Share of a level's scatter along the kept time that hides an error.
 const HIDDEN: f64 = 0.1;
 /// Level error from which a result warns of itself [dB], and error of a load, speed or slip [-].
@@ -60,7 +60,7 @@ const DOUBTFUL_SHARE: f64 = 0.1;
 /// Judges a run from its first attempt; returns the attempt that the result is made of, which is another one where `auto`
 /// may choose and the first has not resolved its level. Instability parts two copies as chaos does; so a fixed step is
 /// halved all the same.
-pub(super) fn judge(
+pub(crate) fn judge(
     setup: &Setup<'_>,
     first: Attempt,
     control: &Control<'_>,
@@ -167,7 +167,7 @@ pub(super) fn judge(
             Ok(report(of_repetition, format!("level over {over}, {WORST}"), first, failure.as_ref()))
         }
         _ => {
-            let is_short = observe::kept_values(settings.duration) < LEAST_VALUES;
+            let is_short = observer::kept_values(settings.duration) < LEAST_VALUES;
             let short = || not_judged_so_short(settings.duration);
             let failure = failure.or_else(|| is_short.then(short));
             let how = match failure {
@@ -237,7 +237,7 @@ fn not_judged(why: &str) -> String {
 }
 
 fn not_judged_so_short(kept: f64) -> String {
-    let (kept, least) = (1e3 * kept, 1e3 * LEAST_VALUES as f64 / observe::RATE);
+    let (kept, least) = (1e3 * kept, 1e3 * LEAST_VALUES as f64 / observer::RATE);
     format!("how far the level can be trusted is not known: {kept:?} ms are too short. Keep {least:.0} ms or more")
 }
 
@@ -303,7 +303,7 @@ const SAME: f64 = 3.0;
 
 /// What the second of two samples of a chaotic motion, made in half of the steps of the first, says of itself; `None`: the
 /// levels are not the same, steps have made them. `judged`: what is known of the motion; `allowed_db`: what levels may differ by in any case.
-pub(super) fn of_samples(
+pub(crate) fn of_samples(
     first: &Recording,
     second: &Recording,
     judged: &AccuracyReport,
@@ -346,7 +346,7 @@ impl AccuracyReport {
     /// differ by; `None`: they need not stand still. Where that is more than `SETTLING`, no other stretch has them closer than that, nor
     /// loads and speeds closer than the halves of this one have them, and where a level rises or falls throughout, it is no nearer to that of
     /// the steady motion than it changes by.
-    pub(super) fn of_stretch(self, recording: &Recording, stretches: Option<&Stretches>, outputs: &Outputs) -> Self {
+    pub(crate) fn of_stretch(self, recording: &Recording, stretches: Option<&Stretches>, outputs: &Outputs) -> Self {
         let Some(stretches) = stretches.filter(|_| self.level_error_db().is_some()) else {
             return self.in_words(None, outputs);
         };
@@ -405,7 +405,7 @@ impl AccuracyReport {
     }
 
     /// What is in doubt of what is stated, in words, and what whoever reads of it should do.
-    pub(super) fn in_doubt(&self, outputs: &Outputs) -> Option<(String, &'static str)> {
+    pub(crate) fn in_doubt(&self, outputs: &Outputs) -> Option<(String, &'static str)> {
         let by_chance = self.motion == Some(MotionKind::Diverging);
         let level = self.level_error_db();
         let doubtful = |chance: bool| {
@@ -444,7 +444,7 @@ impl AccuracyReport {
 
     /// What a run states that no finer steps would make better, for they are within so many decibels, or hidden by what its own stretches differ
     /// by; and why. `None`: finer ones might.
-    pub(super) fn good_as_any(
+    pub(crate) fn good_as_any(
         &self,
         recording: &Recording,
         outputs: &Outputs,
@@ -492,14 +492,14 @@ impl AccuracyReport {
 
     /// Whether a tighter tolerance would tell nothing that was asked for any better: what is stated is within so many decibels,
     /// or the motion is chaotic and the error, a small one, is that of any sample of it.
-    pub(super) fn within(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
+    pub(crate) fn within(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
         let by_chance =
             self.motion == Some(MotionKind::Diverging) && self.level_error_db().is_some_and(|e| e <= DOUBTFUL);
         by_chance || self.excess(outputs, tolerance_db).is_some_and(|excess| excess <= 1.0)
     }
 
     /// The largest of the stated errors over what is allowed of it; `None` where one is not known.
-    pub(super) fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
+    pub(crate) fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
         // Silence, both times: no level, and none that could be off.
         let silent = self.quantity_errors.is_some() && self.level_errors.worst().is_none();
         let levels = if silent { LevelErrors::each(|_| Some(0.0)) } else { self.level_errors };
@@ -507,7 +507,7 @@ impl AccuracyReport {
     }
 
     /// The stated errors of what was asked for, and which are beyond what is allowed.
-    pub(super) fn words_beyond(&self, outputs: &Outputs, tolerance_db: f64) -> String {
+    pub(crate) fn words_beyond(&self, outputs: &Outputs, tolerance_db: f64) -> String {
         self.errors().of_asked(outputs).words_beyond(outputs, tolerance_db)
     }
 
@@ -549,19 +549,19 @@ fn doubtful(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, out
 }
 
 /// What the levels of another run of the same length would scatter by if the motion is chaotic.
-pub(super) fn sampling_errors(recording: &Recording) -> LevelErrors {
+pub(crate) fn sampling_errors(recording: &Recording) -> LevelErrors {
     of_batches(recording, level_standard_error_db)
 }
 
 /// What the levels of another stretch of the same length may differ by, whatever the motion is; of none that is shorter than `REPEATED`.
-pub(super) fn scatter(recording: &Recording) -> LevelErrors {
+pub(crate) fn scatter(recording: &Recording) -> LevelErrors {
     let scatter = of_batches(recording, level_scatter_db);
     LevelErrors::each(|channel| scatter.of(channel).filter(|_| recording.of(channel).is_some_and(tells_by_parts)))
 }
 
 /// Whether a signal is long enough for its parts to tell of other stretches.
 fn tells_by_parts(signal: &Signal) -> bool {
-    signal.in_band().moments.count() >= observe::kept_values(REPEATED)
+    signal.in_band().moments.count() >= observer::kept_values(REPEATED)
 }
 
 /// The judged accelerations that are no silence.
@@ -608,7 +608,7 @@ fn repeat(
     control: &Control<'_>,
 ) -> Result<Option<Repeated>, SimulationError> {
     let settings = setup.settings;
-    let values = observe::kept_values(time);
+    let values = observer::kept_values(time);
     if values < LEAST_VALUES {
         return Ok(None);
     }

@@ -1,19 +1,19 @@
 //! The check of a reduced rung: a short run of it beside one of the next richer rung, and what of the run such a check cannot tell.
 
-use super::super::accuracy::BATCHES;
-use super::super::channel::Channel;
-use super::super::control::Control;
-use super::super::distance::{self, Distance};
-use super::super::integration::{SimulationError, Stepping};
-use super::super::model::radially_condensed::RadiallyCondensed;
-use super::super::model::{Model, condensed_contact};
-use super::super::needs::Needs;
-use super::super::observe::{Quantities, Recording};
-use super::super::run::Setup;
-use super::super::scene::Scene;
-use super::super::settings::{Outputs, RunSettings};
-use super::super::settling::Beginning;
-use super::super::stepped;
+use crate::simulation::error::estimate::BATCHES;
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::control::Control;
+use crate::simulation::error::comparison::{self, Distance};
+use crate::simulation::model::integrate::{SimulationError, Stepping};
+use crate::simulation::model::radially_condensed::RadiallyCondensed;
+use crate::simulation::model::{Model, condensed_contact};
+use crate::simulation::model::terms::Needs;
+use crate::simulation::model::observer::{Quantities, Recording};
+use crate::simulation::solve::run::Setup;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::solve::startup::Beginning;
+use crate::simulation::solve::fixed_step;
 use super::{Rung, record};
 use crate::numerics::ode::Method;
 use crate::numerics::statistics::CentralMoments;
@@ -75,7 +75,7 @@ pub fn check_time(scene: &Scene, settings: &RunSettings) -> f64 {
 
 /// What a reduced rung has shown beside the next richer one.
 #[derive(Debug, Clone)]
-pub(super) struct Check {
+pub(crate) struct Check {
     against: Rung,
     /// [s]
     stretch: f64,
@@ -91,7 +91,7 @@ pub(super) struct Check {
 /// How far slow motions have gone: slip of the cage, and balls that wander in their pockets. What they change shows later than a
 /// check from the start.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Reached {
+pub(crate) struct Reached {
     /// [rad/s]
     cage_speed: f64,
     /// [m]
@@ -124,9 +124,9 @@ impl Reached {
 
 /// Whether the spindle is thrown about against what holds it, and comes to rest slowly: then it may leave its balls at times, and what
 /// becomes of that shows long after a check; `None`: it does not.
-pub(super) fn thrown_about(scene: &Scene, settings: &RunSettings, recording: &Recording) -> Option<String> {
+pub(crate) fn thrown_about(scene: &Scene, settings: &RunSettings, recording: &Recording) -> Option<String> {
     let rms = |channel| recording.of(channel).map_or(0.0, |signal| signal.in_band().moments.rms());
-    let [x, y, z] = distance::ACCELERATIONS.map(rms);
+    let [x, y, z] = comparison::ACCELERATIONS.map(rms);
     let mass = scene.spindle.mass;
     let held = (scene.operation.load[1] + mass * scene.gravity).hypot(scene.operation.load[2]);
     let share = mass * x.hypot(y).hypot(z) / held.max(f64::MIN_POSITIVE);
@@ -138,13 +138,13 @@ pub(super) fn thrown_about(scene: &Scene, settings: &RunSettings, recording: &Re
 }
 
 /// Whether a level goes up and down along the run by so much that its beginning does not stand for the rest; `None`: it does.
-pub(super) fn uneven(recording: &Recording) -> Option<String> {
+pub(crate) fn uneven(recording: &Recording) -> Option<String> {
     let scatter = |channel: &Channel| {
-        let parts = distance::in_parts(&recording.of(*channel)?.in_band().mean_squares, BATCHES);
+        let parts = comparison::in_parts(&recording.of(*channel)?.in_band().mean_squares, BATCHES);
         let levels: Vec<f64> = parts.iter().map(|square| 10.0 * square.max(f64::MIN_POSITIVE).log10()).collect();
         Some((*channel, CentralMoments::of(&levels).rms()))
     };
-    let all = distance::judged(recording).into_iter().filter_map(|channel| scatter(&channel));
+    let all = comparison::judged(recording).into_iter().filter_map(|channel| scatter(&channel));
     let (channel, scatter) = all.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|(_, scatter)| *scatter > UNEVEN)?;
     Some(format!("the level of {channel} scatters by {scatter:.1} dB along the run"))
 }
@@ -171,7 +171,7 @@ impl Check {
     pub fn how(&self) -> String {
         match &self.fault {
             Some(fault) => format!("no error is stated: {fault}"),
-            None => format!("model and integration together: {}, {}", self.words(), distance::WORST),
+            None => format!("model and integration together: {}, {}", self.words(), comparison::WORST),
         }
     }
 
@@ -193,7 +193,7 @@ impl Check {
 }
 
 /// The short run of a check.
-pub(super) fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) -> RunSettings {
+pub(crate) fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) -> RunSettings {
     let (settle, duration) = check_times(scene, settings);
     // A rung that was asked for by name may be of a run that is shorter than a ball passage.
     // And what the start does is in the check where it is in the run.
@@ -208,7 +208,7 @@ pub(super) fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) 
 }
 
 /// A short run of the rung beside one of the next richer rung.
-pub(super) fn check(
+pub(crate) fn check(
     rung: Rung,
     scene: &Scene,
     settings: &RunSettings,
@@ -230,7 +230,7 @@ pub(super) fn check(
             Ok(setup.attempt(stepping, (0.0, 1.0), control)?.recording)
         };
         let attempt = |settings: &RunSettings| {
-            let Some(stepped) = stepped::checking(settings) else { return by(settings, &stepping) };
+            let Some(stepped) = fixed_step::checking(settings) else { return by(settings, &stepping) };
             match by(&stepped, &Stepping::of(&stepped)) {
                 // What is too stiff for steps of a fixed length blows up.
                 Err(SimulationError::Integration { .. }) => by(settings, &stepping),

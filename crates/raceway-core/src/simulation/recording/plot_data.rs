@@ -1,9 +1,9 @@
 //! What pictures of a run show: its motions thinned, and the loads of one ball along its way. Kept of every run; a second of it where
 //! there is more.
 
-use super::channel::{Axis, Channel, Motion};
-use super::observe::{RATE, Recording};
-use super::windows::Signal;
+use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::model::observer::{RATE, Recording};
+use crate::simulation::recording::windows::Signal;
 use crate::numerics::statistics::thin;
 
 /// Values of a signal that a picture of some hundred dots across shows, and ball passages that they can show.

@@ -1,9 +1,9 @@
 //! What a scene needs: which terms and degrees of freedom are in its equations, and why the others are not.
 //! Decided once per run; what is left out is not tested for in the step.
 
-use super::ladder::Rung;
-use super::scene::{Scene, Term, TermChoice};
-use super::settings::Outputs;
+use crate::simulation::solve::ladder::Rung;
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::Outputs;
 use crate::physics::cage::PocketFilm;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::lubricant::LubricantKind;

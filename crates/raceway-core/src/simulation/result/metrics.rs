@@ -1,15 +1,15 @@
 //! Summary metrics of a run, in the units in which results show them.
 
-use super::accuracy::Doubt;
-use super::channel::{Channel, Motion};
-use super::distance::LevelErrors;
-use super::lines::{Line, find_lines};
-use super::model::Mechanism;
-use super::observe::{ContactExtremes, RATE, Recording};
-use super::result::{ChannelSpectra, Series};
-use super::scene::Scene;
-use super::settings::RunSettings;
-use super::windows::InBand;
+use crate::simulation::error::estimate::Doubt;
+use crate::simulation::input::channel::{Channel, Motion};
+use crate::simulation::error::comparison::LevelErrors;
+use crate::simulation::result::lines::{Line, find_lines};
+use crate::simulation::model::Mechanism;
+use crate::simulation::model::observer::{ContactExtremes, RATE, Recording};
+use crate::simulation::result::run_result::{ChannelSpectra, Series};
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::recording::windows::InBand;
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
@@ -108,7 +108,7 @@ pub struct QuantityErrors {
 
 impl QuantityErrors {
     /// The larger of both of each.
-    pub(super) fn larger(&self, other: &Self) -> Self {
+    pub(crate) fn larger(&self, other: &Self) -> Self {
         Self {
             max_load: self.max_load.max(other.max_load),
             cage_speed: self.cage_speed.max(other.cage_speed),
@@ -174,7 +174,7 @@ pub const REFERENCE_ACCELERATION: f64 = 9.81e-3;
 /// The unit of a level in full, as headings say it.
 pub const LEVEL_UNIT: &str = "dB re 9.81 mm/s²";
 /// Band whose envelope is analysed [Hz]: above the shaft and ball-pass lines, where impacts ring.
-pub(super) const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
+pub(crate) const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
 
 /// Level of an acceleration rms [m/s²], L = 20 lg(rms / 9.81e-3) [dB], equation (15); `None` for 0.
 pub fn level_db(rms: f64) -> Option<f64> {
@@ -190,7 +190,7 @@ pub fn channel_metrics(channel: Channel, signal: &[f64], total_variance: f64) ->
 }
 
 /// The same from the signal's statistics.
-pub(super) fn in_band_metrics(channel: Channel, in_band: &InBand, total_variance: f64) -> ChannelMetrics {
+pub(crate) fn in_band_metrics(channel: Channel, in_band: &InBand, total_variance: f64) -> ChannelMetrics {
     let still = in_band.moments.peak() <= STANDSTILL * in_band.largest;
     let moments = if still { CentralMoments::default() } else { in_band.moments };
     let rms = moments.rms();

@@ -1,7 +1,7 @@
 //! How stiff a model is: the fastest rate of its equations, which limits the step of an explicit method.
 
-use super::integration::SimulationError;
-use super::model::Model;
+use crate::simulation::model::integrate::SimulationError;
+use crate::simulation::model::Model;
 use crate::numerics::ode::OdeSystem;
 
 /// The dominant mode of a linearised system.
