@@ -135,7 +135,7 @@ fn metrics(scene: &Value, solver: &Value, asked: &[&str]) -> Result<Metrics, Str
 
 /// What a case of a scene shows.
 struct Judged {
-    /// Rung and method.
+    /// ModelLevel and method.
     by: String,
     /// By how much its level is off, and what is stated [dB].
     off: f64,

@@ -16,15 +16,15 @@ use std::time::Instant;
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
+use raceway::simulation::error::comparison::FAINT;
+use raceway::simulation::error::report::MotionKind;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
-use raceway::simulation::error::comparison::FAINT;
-use raceway::simulation::model::integrate::SimulationError;
-use raceway::simulation::result::metrics::MotionKind;
-use raceway::simulation::result::run_result::RunResult;
-use raceway::simulation::solve::run::run;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::model::failure::SimulationError;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
 use serde_json::Value;
 
 #[path = "../tests/limits/article.rs"]

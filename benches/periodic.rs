@@ -1,4 +1,4 @@
-//! Rung 4, the periodic orbit of rung 3, over a grid of speeds, clearances and loads: every scene is either right (levels
+//! ModelLevel 4, the periodic orbit of rung 3, over a grid of speeds, clearances and loads: every scene is either right (levels
 //! within 0.01 dB of rung 3 in time) or refused by its Floquet multipliers.
 //!
 //! `cargo bench --bench periodic`. The article's bearing, spindle 50 g. Times are processor time of one thread, medians of five.
@@ -7,11 +7,12 @@ use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
-use raceway::simulation::result::metrics::{BAND, channel_metrics};
-use raceway::simulation::model::observer::Recording;
-use raceway::simulation::model::spindle_runs;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::model::spindle_runs;
+use raceway::simulation::recording::record::Recording;
+use raceway::simulation::recording::sampling::BAND;
+use raceway::simulation::result::metrics::channel_metrics;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 

@@ -1,4 +1,4 @@
-//! Rung 3, the spindle alone, against the full dynamics: error in dB of the levels of y and z, and run time over steps.
+//! ModelLevel 3, the spindle alone, against the full dynamics: error in dB of the levels of y and z, and run time over steps.
 //!
 //! `cargo bench --bench spindle_only -- reference FILE` runs the full dynamics once (some minutes) and keeps their levels,
 //! `cargo bench --bench spindle_only -- against FILE` compares rungs 3 and 4 with them, and
@@ -11,15 +11,17 @@ use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
-use raceway::simulation::model::equilibrium::start_state;
-use raceway::simulation::solve::ladder::Rung;
-use raceway::simulation::result::metrics::{self, channel_metrics};
-use raceway::simulation::model::Model;
-use raceway::simulation::model::terms::Needs;
-use raceway::simulation::model::observer::{Observer, RATE, Recording};
-use raceway::simulation::model::spindle_runs;
+use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::model::Model;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::observer::Observer;
+use raceway::simulation::model::spindle_runs;
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::recording::record::Recording;
+use raceway::simulation::recording::sampling::RATE;
+use raceway::simulation::result::metrics::{self, channel_metrics};
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
@@ -92,7 +94,7 @@ fn reference(file: &str) {
     for parameters in SCENES {
         let scene = scene(parameters);
         let settings = settings(WINDOWS as f64 * WINDOW);
-        let needs = Needs::of(&scene, &settings.outputs, Some(Rung::Full)).expect("full serves all");
+        let needs = Needs::of(&scene, &settings.outputs, Some(ModelLevel::Full)).expect("full serves all");
         let model = Model::new(&scene, &needs);
         let start = start_state(&model).expect("an equilibrium");
         let mut observer = Observer::new(&model, &needs, &settings);

@@ -7,17 +7,18 @@ use crate::numerics::lanes::LANES;
 use crate::numerics::ode::Method;
 use crate::simulation::error::estimate::is_tossed;
 use crate::simulation::error::lyapunov::judged_stretch;
-use crate::simulation::model::equilibrium::start_state;
-use crate::simulation::solve::ladder::{self, Rung};
 use crate::simulation::error::stationarity;
-use crate::simulation::model::Model;
-use crate::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
-use crate::simulation::model::terms::Grounds;
-use crate::simulation::model::observer::kept_values;
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::solve::startup::Shared;
-use crate::simulation::solve::fixed_step;
+use crate::simulation::model::Model;
+use crate::simulation::model::equilibrium::start_state;
+use crate::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
 use crate::simulation::model::stiffness::{FastestMode, fastest_mode};
+use crate::simulation::model::terms::Grounds;
+use crate::simulation::recording::sampling::kept_values;
+use crate::simulation::solve::fixed_step;
+use crate::simulation::solve::ladder::{self};
+use crate::simulation::solve::startup::Shared;
 use crate::simulation::work_precision::Plan;
 
 /// Time of one ball in one evaluation of the equations, and of each strip of its two contacts on top [s]:
@@ -115,7 +116,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {
             (Some(plan), _) => as_planned(TIGHT * by_dynamics(compared_time(job, plan))),
             (None, None) => [usual, most],
-            (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => as_planned(reduced),
+            (None, Some(rung)) if job.rungs.len() == 1 && *rung != ModelLevel::RadiallyCondensed => as_planned(reduced),
             // It may be made again in a fourth of the step.
             (None, Some(_)) if job.rungs.len() == 1 => [checked, SLOWER * (checked + AGAIN * reduced)],
             (None, Some(_)) if rattles => [checked + usual, checked + most],
@@ -138,7 +139,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
 /// How many times as long as usual the condensed rung takes: steps may be shorter, and traction go through the contacts of the full model.
 fn slower_on_the_condensed_rung(job: &Job) -> f64 {
     let Some(model) = job.rungs.first().filter(|rung| rung.is_reduced()).and_then(|rung| {
-        let condensed = *rung == Rung::RadiallyCondensed || job.rungs.len() > 1;
+        let condensed = *rung == ModelLevel::RadiallyCondensed || job.rungs.len() > 1;
         condensed.then(|| RadiallyCondensed::new(job.scene(), &job.settings.outputs).ok()).flatten()
     }) else {
         return 1.0;

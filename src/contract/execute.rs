@@ -13,8 +13,9 @@ use super::views::ViewsAnswer;
 use super::work_precision::WorkPrecisionAnswer;
 use crate::numerics::ode::IntegrationError;
 use crate::simulation::input::control::Control;
-use crate::simulation::model::integrate::SimulationError;
-use crate::simulation::result::run_result::{ChannelSpectra, RunResult};
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::recording::spectra::ChannelSpectra;
+use crate::simulation::result::run_result::RunResult;
 use crate::simulation::solve::run;
 use crate::simulation::work_precision;
 

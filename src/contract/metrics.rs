@@ -7,10 +7,10 @@ use utoipa::ToSchema;
 
 pub use super::report::{AccuracyAnswer, FrequenciesAnswer, GroundsName, LeftOutAnswer, MotionName, SolverAnswer};
 use crate::simulation::input::channel::Channel;
+use crate::simulation::input::settings::Outputs;
 use crate::simulation::result::lines::Line;
 use crate::simulation::result::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
 use crate::simulation::result::run_result::RunResult;
-use crate::simulation::input::settings::Outputs;
 
 /// Everything a user reads first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

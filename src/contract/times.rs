@@ -4,9 +4,9 @@ use super::filling::Filling;
 use super::limits::DURATION;
 use super::units;
 use crate::physics::kinematics::{CharacteristicFrequencies, ideal_frequencies};
-use crate::simulation::model::observer::RATE;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::sampling::RATE;
 use crate::simulation::solve::startup::{settling_time, turning_time};
 
 /// Longest default that the speed gives [s].

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use raceway::contract::scene_from_json;
 use raceway::simulation::input::control::Control;
-use raceway::simulation::model::integrate::SimulationError;
+use raceway::simulation::model::failure::SimulationError;
 use raceway::simulation::result::run_result::RunResult;
 use raceway::simulation::solve::run::run;
 use serde_json::{Value, json};

@@ -2,9 +2,9 @@
 
 use raceway::numerics::ode::Method;
 use raceway::simulation::input::channel::Channel;
+use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::result::run_result::RunResult;
 use raceway::simulation::solve::run::run;
-use raceway::simulation::input::settings::RunSettings;
 use serde_json::json;
 
 use crate::article_run::{patient, settings};

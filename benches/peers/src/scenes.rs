@@ -7,7 +7,7 @@ use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::result::metrics::channel_metrics;
 use raceway::simulation::model::Model;
 use raceway::simulation::model::terms::Needs;
-use raceway::simulation::model::observer::RATE;
+use raceway::simulation::recording::sampling::RATE;
 use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::state::Layout;
 

@@ -1,20 +1,18 @@
 //! By how much two runs of a scene differ: levels of the spindle's accelerations, loads, speeds, the cage's orbit.
 
-use crate::simulation::input::channel::{Axis, Channel, Motion};
-use crate::simulation::result::metrics::{BAND, QuantityErrors};
-use crate::simulation::model::observer::{Quantities, RATE, Recording};
-use crate::simulation::input::settings::Outputs;
-use crate::simulation::recording::windows::Signal;
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{CentralMoments, mean, rms};
 use crate::physics::bearing::PerRaceway;
+use crate::simulation::error::report::QuantityErrors;
+use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::record::Quantities;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::ACCELERATIONS;
+use crate::simulation::recording::sampling::BAND;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::windows::Signal;
 
-/// What levels are made of; along X where the spindle moves there.
-pub(crate) const ACCELERATIONS: [Channel; 3] = [
-    Channel::Spindle(Axis::X, Motion::Acceleration),
-    Channel::Spindle(Axis::Y, Motion::Acceleration),
-    Channel::Spindle(Axis::Z, Motion::Acceleration),
-];
 /// Of these.
 pub(crate) const WORST: &str = "worst of the spindle's accelerations";
 /// A channel whose level lies this far below the strongest one's [dB] is not judged: its motion is a thousandth of the other's

@@ -1,27 +1,31 @@
 //! How far a run can be trusted: does a disturbance die out, and does the level depend on the tolerance?
 
-use crate::simulation::input::channel::Channel;
-use crate::simulation::input::control::{Control, Live, Phase};
+use crate::numerics::ode::Method;
+use crate::numerics::statistics::{level_scatter_db, level_standard_error_db, mean, rms};
 use crate::simulation::error::comparison::{
     Distance, LevelErrors, SILENCE, WORST, halves_apart, in_parts, judged, level_errors, quantity_errors, twice,
 };
 use crate::simulation::error::lyapunov::{divergence_rate, judged_stretch, judging};
-use crate::simulation::model::integrate::{SimulationError, Stepping};
+use crate::simulation::error::report::AccuracyReport;
+use crate::simulation::error::report::Doubt;
+use crate::simulation::error::report::MotionKind;
+use crate::simulation::error::report::QuantityErrors;
 use crate::simulation::error::stationarity::Stretches;
-use crate::simulation::result::metrics::{AccuracyReport, MotionKind, QuantityErrors};
-use crate::simulation::model::Model;
-use crate::simulation::model::observer::{self, Recording};
-use crate::simulation::solve::run::{Attempt, Setup};
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::Model;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::Stepping;
+use crate::simulation::model::observer::{self};
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::BATCHES;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::sampling::REPEATED;
+use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::windows::Signal;
-use crate::numerics::ode::Method;
-use crate::numerics::statistics::{level_scatter_db, level_standard_error_db, mean, rms};
+use crate::simulation::solve::run::{Attempt, Setup};
 
-/// Batches of a run, by which its level scatters and settles.
-pub(crate) const BATCHES: usize = 10;
-/// Stretch that is repeated at a tighter tolerance [s], where disturbances die out and nothing else than at its beginning
-/// is to come; else all of the run.
-pub(crate) const REPEATED: f64 = 0.01;
 /// Step of the repetition over that of a run in steps of a fixed length.
 const HALVED: f64 = 0.5;
 /// The same of `semi_implicit`, whose long steps damp light oscillations above the band as half of them does: of 7.5 and 3.75 µs
@@ -167,7 +171,7 @@ pub(crate) fn judge(
             Ok(report(of_repetition, format!("level over {over}, {WORST}"), first, failure.as_ref()))
         }
         _ => {
-            let is_short = observer::kept_values(settings.duration) < LEAST_VALUES;
+            let is_short = kept_values(settings.duration) < LEAST_VALUES;
             let short = || not_judged_so_short(settings.duration);
             let failure = failure.or_else(|| is_short.then(short));
             let how = match failure {
@@ -237,7 +241,7 @@ fn not_judged(why: &str) -> String {
 }
 
 fn not_judged_so_short(kept: f64) -> String {
-    let (kept, least) = (1e3 * kept, 1e3 * LEAST_VALUES as f64 / observer::RATE);
+    let (kept, least) = (1e3 * kept, 1e3 * LEAST_VALUES as f64 / RATE);
     format!("how far the level can be trusted is not known: {kept:?} ms are too short. Keep {least:.0} ms or more")
 }
 
@@ -324,21 +328,6 @@ pub(crate) fn of_samples(
         doubt: Some(Doubt::Chance { too_short: None }),
         ..judged.clone()
     })
-}
-
-/// Why what a run states may be in doubt; whether it is, and by how much, its errors tell in the end.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Doubt {
-    /// They are not known, or not of all of it; in words.
-    Failed(String),
-    /// Steps may be to blame.
-    Unresolved,
-    /// Finer steps lead the motion another way, with other peaks.
-    Sensitive,
-    /// The motion is chaotic, and the run a sample. `too_short`: in words, where it is too short to be one.
-    Chance { too_short: Option<String> },
-    /// Another stretch shows something else.
-    Uneven,
 }
 
 impl AccuracyReport {
@@ -561,7 +550,7 @@ pub(crate) fn scatter(recording: &Recording) -> LevelErrors {
 
 /// Whether a signal is long enough for its parts to tell of other stretches.
 fn tells_by_parts(signal: &Signal) -> bool {
-    signal.in_band().moments.count() >= observer::kept_values(REPEATED)
+    signal.in_band().moments.count() >= kept_values(REPEATED)
 }
 
 /// The judged accelerations that are no silence.
@@ -608,7 +597,7 @@ fn repeat(
     control: &Control<'_>,
 ) -> Result<Option<Repeated>, SimulationError> {
     let settings = setup.settings;
-    let values = observer::kept_values(time);
+    let values = kept_values(time);
     if values < LEAST_VALUES {
         return Ok(None);
     }

@@ -1,14 +1,15 @@
 //! Do two motions that start next to each other meet or part? It tells chaos from decay.
 
-use crate::simulation::input::control::Control;
-use crate::simulation::model::integrate::{STEPS_PER_LOOK, SimulationError, stops};
-use crate::simulation::result::metrics::MotionKind;
-use crate::simulation::model::Model;
-use crate::simulation::error::twin_system::Pair;
-use crate::simulation::input::settings::RunSettings;
 use crate::numerics::ode::Method;
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::statistics::{rms, slope};
+use crate::simulation::error::report::MotionKind;
+use crate::simulation::error::twin_system::Pair;
+use crate::simulation::input::control::Control;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::Model;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::{STEPS_PER_LOOK, stops};
 
 /// Stretch over which the disturbed and the undisturbed motion are followed at first [s].
 const STRETCH: f64 = 0.01;

@@ -3,5 +3,6 @@
 pub mod comparison;
 pub mod estimate;
 pub mod lyapunov;
+pub mod report;
 pub mod stationarity;
 pub mod twin_system;

@@ -1,16 +1,19 @@
 //! What the levels of another stretch of time may differ by: as the kept time tells by how they go up and down along it, and, where they do,
 //! as a later stretch shows, for what beats more slowly than the kept time does not show in it.
 
+use crate::numerics::statistics::mean;
+use crate::simulation::error::comparison::{Distance, LevelErrors, in_parts, level_difference, rms_about_zero};
 use crate::simulation::error::estimate;
 use crate::simulation::input::control::{Control, Live, Phase};
-use crate::simulation::error::comparison::{Distance, LevelErrors, in_parts, level_difference, rms_about_zero};
-use crate::simulation::model::integrate::{SimulationError, Stepping};
-use crate::simulation::solve::ladder::Rung;
-use crate::simulation::model::observer::Recording;
-use crate::simulation::solve::run::{Attempt, Setup};
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::Stepping;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::BATCHES;
+use crate::simulation::recording::sampling::REPEATED;
+use crate::simulation::solve::run::{Attempt, Setup};
 use crate::simulation::solve::startup::Beginning;
-use crate::numerics::statistics::mean;
 
 /// Scatter of a level along the kept time from which on a later stretch is looked at [dB]: of motion that repeats itself it is less.
 const UNEVEN: f64 = 0.1;
@@ -18,7 +21,7 @@ const UNEVEN: f64 = 0.1;
 const LONG: f64 = 2.0;
 /// Time between the kept stretch and the later one, in kept times, and at least [s]: next to it a slow beat is the same still.
 const BETWEEN: f64 = 1.0;
-const LEAST_BETWEEN: f64 = estimate::REPEATED;
+const LEAST_BETWEEN: f64 = REPEATED;
 /// The later stretch may take so many times the evaluations of the run.
 const MOST: u64 = 4;
 
@@ -32,12 +35,12 @@ pub fn most_time(kept: f64) -> f64 {
 
 /// Whether the kept time [s] is too short for its own parts to tell anything.
 fn is_short(kept: f64) -> bool {
-    kept < estimate::REPEATED
+    kept < REPEATED
 }
 
 /// Time that is kept later [s], `many`: of as many stretches as there are batches, for one alone may be the same by luck.
 fn as_long_as(kept: f64, many: bool) -> f64 {
-    if many { estimate::BATCHES as f64 * kept } else { kept }
+    if many { BATCHES as f64 * kept } else { kept }
 }
 
 fn between(kept: f64) -> f64 {
@@ -58,7 +61,7 @@ pub(crate) struct Stretches {
 /// Of a run at constant speed on a rung. `later`: keeps the motion of this run by other settings, those of a later stretch. Where many are
 /// looked at, they alone tell: of motion that repeats itself parts of the kept time tell too much, for they need not hold whole periods.
 pub(crate) fn stretches(
-    rung: Rung,
+    rung: ModelLevel,
     kept: &Recording,
     settings: &RunSettings,
     later: impl FnOnce(&RunSettings) -> Result<Recording, SimulationError>,
@@ -121,7 +124,7 @@ pub(crate) fn of_dynamics(
 /// What the levels of equal parts of a recording, each as long as the kept one, differ by from those of that, rms [dB].
 fn apart_from_parts(kept: &Recording, later: &Recording) -> LevelErrors {
     let parts = |recording: &Recording, channel| {
-        recording.of(channel).map(|signal| in_parts(&signal.in_band().mean_squares, estimate::BATCHES))
+        recording.of(channel).map(|signal| in_parts(&signal.in_band().mean_squares, BATCHES))
     };
     LevelErrors::each(|channel| {
         let level = mean(&parts(kept, channel)?).sqrt();

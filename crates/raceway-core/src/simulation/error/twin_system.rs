@@ -3,9 +3,9 @@
 use std::cell::{OnceCell, RefCell};
 use std::ops::Range;
 
-use crate::simulation::model::Model;
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, OdeSystem, Statistics};
+use crate::simulation::model::Model;
 
 /// Two copies of a system side by side, so that both take the same steps: the balls of both, then spindle and cage of
 /// both.

@@ -2,5 +2,6 @@
 
 pub mod channel;
 pub mod control;
+pub mod model_level;
 pub mod scene;
 pub mod settings;

@@ -1,8 +1,8 @@
 //! What a run is asked for, and how to simulate it.
 
-use crate::simulation::input::channel::Channel;
-use crate::simulation::solve::ladder::Rung;
 use crate::numerics::ode::Method;
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::model_level::ModelLevel;
 
 /// What a run must produce; it decides what the model must contain.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ impl Outputs {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunSettings {
     pub method: Method,
-    pub rung: Option<Rung>,
+    pub rung: Option<ModelLevel>,
     pub relative_tolerance: f64,
     /// The tolerance that is taken instead, and the run made again, where `model_tolerance_db` or a load or speed that is
     /// asked for turns out to need it; `None`: the tolerance stands.

@@ -3,14 +3,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::simulation::model::integrate::SimulationError;
-use crate::simulation::model::{Mechanism, Model};
-use crate::simulation::model::terms::Needs;
-use crate::simulation::input::scene::Scene;
-use crate::simulation::model::state::{BallState, SpindleState};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
 use crate::physics::raceway::RacewayContact;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::state::{BallState, SpindleState};
+use crate::simulation::model::terms::Needs;
+use crate::simulation::model::{Mechanism, Model};
 
 /// Where spindle and balls rest.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,46 +1,15 @@
 //! From one time to another by one method, and why that may fail.
 
-use crate::simulation::input::control::Control;
-use crate::simulation::model::Model;
-use crate::simulation::model::terms::Unmet;
-use crate::simulation::input::settings::RunSettings;
-use crate::simulation::model::state::Layout;
 use crate::numerics::ode::stability::{self, StabilityWatch};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
+use crate::simulation::input::control::Control;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::Model;
+use crate::simulation::model::failure::MOST_EVALUATIONS;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::state::Layout;
+use crate::simulation::model::terms::Unmet;
 
-/// Why a run failed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SimulationError {
-    /// The scene cannot be given what the request chose.
-    #[error(transparent)]
-    Unmet(#[from] Unmet),
-    /// A reduced rung cannot represent the scene, or not this motion of it.
-    #[error("the rung {rung} does not serve: {reason}")]
-    Unable { rung: &'static str, reason: String },
-    #[error("no static equilibrium was found to start from: {0}")]
-    NoEquilibrium(String),
-    #[error("{source} ({entry})")]
-    Integration {
-        source: IntegrationError,
-        /// The state component in words, such as "radial velocity of ball 3".
-        entry: String,
-    },
-    /// At the pace so far the run would never end.
-    #[error(
-        "given up at t = {time:.3e} s of {end} s: steps of {step:.1e} s in the mean would take some {evaluations:.0e} evaluations of \
-         the equations, more than {MOST_EVALUATIONS:.0e}"
-    )]
-    Endless { time: f64, end: f64, step: f64, evaluations: f64 },
-    /// `Control::stop` asked for it.
-    #[error("stopped at t = {time:.9} s")]
-    Stopped { time: f64 },
-    /// It took more evaluations of the equations than it may.
-    #[error("stopped at t = {time:.9} s after {evaluations} evaluations of the equations")]
-    Exhausted { time: f64, evaluations: u64 },
-}
-
-/// Evaluations of a run that count as endless: more than a day of one core.
-const MOST_EVALUATIONS: f64 = 3e10;
 /// Evaluations before that is judged, so that a rough start is forgiven.
 const PACE: u64 = 2_000_000;
 /// Steps between two looks at `Control`.
@@ -173,28 +142,6 @@ fn endless(work: &Statistics, done: f64, span: &Span) -> Result<(), SimulationEr
     let time = span.start + done * (span.end - span.start);
     let step = work.advanced / work.steps.max(1) as f64;
     Err(SimulationError::Endless { time, end: span.end, step, evaluations })
-}
-
-impl SimulationError {
-    /// The same with a cause that is known.
-    fn because(self, cause: Option<String>) -> Self {
-        match (self, cause) {
-            (Self::Integration { source, entry }, Some(cause)) => {
-                Self::Integration { source, entry: format!("{entry}; {cause}") }
-            }
-            (error, _) => error,
-        }
-    }
-
-    pub(crate) fn integration(source: IntegrationError, layout: &Layout) -> Self {
-        let component = match source {
-            IntegrationError::Stopped { time } => return Self::Stopped { time },
-            IntegrationError::StepTooSmall { component, .. } | IntegrationError::NotFinite { component, .. } => {
-                component
-            }
-        };
-        Self::Integration { entry: layout.name(component), source }
-    }
 }
 
 #[cfg(test)]

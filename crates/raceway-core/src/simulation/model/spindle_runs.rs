@@ -4,18 +4,6 @@
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
-use crate::simulation::input::channel::{Axis, Channel, Motion};
-use crate::simulation::input::control::{Control, Live, Phase};
-use crate::simulation::model::integrate::SimulationError;
-use crate::simulation::solve::ladder::Rung;
-use crate::simulation::model::Mechanism;
-use crate::simulation::model::radially_condensed::{MOST_STEPS, Pace};
-use crate::simulation::model::spindle_only::{Corrections, Driven, SpindleMotion, SpindleOnly};
-use crate::simulation::model::terms::Needs;
-use crate::simulation::model::observer::{ContactExtremes, RATE, Recording, kept_values};
-use crate::simulation::input::scene::Scene;
-use crate::simulation::input::settings::{Outputs, RunSettings};
-use crate::simulation::recording::windows::Recorder;
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{InstructionSet, Task};
 use crate::numerics::ode::adams_moulton::{AdamsMoulton, EquationsOfMotion};
@@ -25,6 +13,21 @@ use crate::numerics::statistics::{peak, rms};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::damping::DampingLaw;
 use crate::physics::spindle::AxialHold;
+use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::Mechanism;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::radially_condensed::{MOST_STEPS, Pace};
+use crate::simulation::model::spindle_only::{Corrections, Driven, SpindleMotion, SpindleOnly};
+use crate::simulation::model::terms::Needs;
+use crate::simulation::recording::record::ContactExtremes;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::sampling::kept_values;
+use crate::simulation::recording::windows::Recorder;
 
 /// Nodes of the method, and the longest step times the frequency of the stiffest direction: there it errs by up to 0.01 dB.
 const NODES: usize = 7;
@@ -124,7 +127,7 @@ fn prepared(
     rung: &'static str,
     unable: fn(&Scene, &Needs, &Outputs) -> Option<String>,
 ) -> Result<(SpindleOnly, Mechanism), SimulationError> {
-    let needs = Needs::of(scene, &settings.outputs, Some(Rung::Full))?;
+    let needs = Needs::of(scene, &settings.outputs, Some(ModelLevel::Full))?;
     if let Some(reason) = unable(scene, &needs, &settings.outputs) {
         return Err(SimulationError::Unable { rung, reason });
     }
@@ -135,7 +138,7 @@ fn prepared(
     ))
 }
 
-/// Rung `spindle_only`: simulates the scene in time. `settings.fixed_step` bounds the step.
+/// ModelLevel `spindle_only`: simulates the scene in time. `settings.fixed_step` bounds the step.
 pub fn simulate(
     scene: &Scene,
     settings: &RunSettings,
@@ -527,7 +530,7 @@ impl Passage {
     }
 }
 
-/// Rung `periodic`: the steady motion, extended over the time asked for.
+/// ModelLevel `periodic`: the steady motion, extended over the time asked for.
 pub fn simulate_periodic(
     scene: &Scene,
     settings: &RunSettings,

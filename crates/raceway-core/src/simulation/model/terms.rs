@@ -1,15 +1,15 @@
 //! What a scene needs: which terms and degrees of freedom are in its equations, and why the others are not.
 //! Decided once per run; what is left out is not tested for in the step.
 
-use crate::simulation::solve::ladder::Rung;
-use crate::simulation::input::scene::{Scene, Term, TermChoice};
-use crate::simulation::input::settings::Outputs;
 use crate::physics::cage::PocketFilm;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::lubricant::LubricantKind;
 use crate::physics::pocket::PocketTerms;
 use crate::physics::raceway::{RacewayTerms, nominal_rolling_friction};
 use crate::physics::spindle::{AxialHold, Unbalance};
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::Outputs;
 
 /// Why a term may be left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub struct LeftOut {
 /// What the model of a scene contains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Needs {
-    pub rung: Rung,
+    pub rung: ModelLevel,
     pub raceway: RacewayTerms,
     pub pocket: PocketTerms,
     pub gravity: bool,
@@ -56,7 +56,7 @@ pub struct Needs {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unmet {
     #[error("rung {rung} cannot represent this scene or its outputs: {reason}", rung = .rung.name())]
-    Rung { rung: Rung, reason: String },
+    ModelLevel { rung: ModelLevel, reason: String },
     #[error("term {term} cannot be {choice}: {reason}", term = .term.name())]
     Term { term: Term, choice: &'static str, reason: &'static str },
 }
@@ -70,13 +70,13 @@ const STEEP_SLIP: f64 = 0.02;
 
 impl Needs {
     /// Decides for a scene, the asked-for outputs and, when given, a rung asked for by name.
-    pub fn of(scene: &Scene, outputs: &Outputs, rung: Option<Rung>) -> Result<Self, Unmet> {
+    pub fn of(scene: &Scene, outputs: &Outputs, rung: Option<ModelLevel>) -> Result<Self, Unmet> {
         let mut decision = Decision { scene, left_out: Vec::new() };
         refuse_unbuilt(scene)?;
         let cage = decision.keep(Term::Cage, true, || None);
         let axial_spindle = decision.axial()?;
         let rung = decision.rung(rung, cage, axial_spindle)?;
-        let planar = rung == Rung::Planar;
+        let planar = rung == ModelLevel::Planar;
         decision.orientation();
         let conformity = decision.keep(Term::Conformity, true, || None);
         let spin = decision.keep(Term::Spin, true, || {
@@ -196,7 +196,7 @@ impl Decision<'_> {
     }
 
     /// The rung: planar where nothing can leave the plane, or where the request says so.
-    fn rung(&mut self, asked: Option<Rung>, cage: bool, axial_spindle: bool) -> Result<Rung, Unmet> {
+    fn rung(&mut self, asked: Option<ModelLevel>, cage: bool, axial_spindle: bool) -> Result<ModelLevel, Unmet> {
         let scene = self.scene;
         let out_of_plane = if axial_spindle {
             Some("the spindle moves along X")
@@ -209,35 +209,37 @@ impl Decision<'_> {
         };
         let symmetric_cage = !cage || scene.cage.is_symmetric();
         let choice = scene.terms.get(Term::CageTilt);
-        let planar = Rung::Planar;
+        let planar = ModelLevel::Planar;
         match (asked, out_of_plane) {
-            (Some(Rung::Planar), Some(reason)) => return Err(Unmet::Rung { rung: planar, reason: reason.into() }),
-            (Some(Rung::Planar), None) if choice == TermChoice::On => {
-                return Err(Unmet::Rung { rung: planar, reason: "terms.cage_tilt is on".into() });
+            (Some(ModelLevel::Planar), Some(reason)) => {
+                return Err(Unmet::ModelLevel { rung: planar, reason: reason.into() });
+            }
+            (Some(ModelLevel::Planar), None) if choice == TermChoice::On => {
+                return Err(Unmet::ModelLevel { rung: planar, reason: "terms.cage_tilt is on".into() });
             }
             (_, Some(_)) if choice == TermChoice::Off => {
                 let reason = "the scene moves along X; only a planar scene can do without";
                 return Err(Unmet::Term { term: Term::CageTilt, choice: "off", reason });
             }
-            (Some(Rung::Full), _) => return Ok(Rung::Full),
-            (None, Some(_)) => return Ok(Rung::Full),
+            (Some(ModelLevel::Full), _) => return Ok(ModelLevel::Full),
+            (None, Some(_)) => return Ok(ModelLevel::Full),
             _ => {}
         }
         if symmetric_cage && choice != TermChoice::On {
             let reason = "nothing acts along X and the cage is symmetric: no ball or cage leaves the plane";
             self.leave_out(Term::CageTilt, Grounds::Identity, reason.into());
-            return Ok(Rung::Planar);
+            return Ok(ModelLevel::Planar);
         }
-        if asked == Some(Rung::Planar) {
+        if asked == Some(ModelLevel::Planar) {
             let reason = "tilt and axial motion of cage and balls: the request asks for the planar rung".into();
             self.leave_out(Term::CageTilt, Grounds::Convention, reason);
-            return Ok(Rung::Planar);
+            return Ok(ModelLevel::Planar);
         }
         if choice == TermChoice::Off {
             self.switched_off(Term::CageTilt);
-            return Ok(Rung::Planar);
+            return Ok(ModelLevel::Planar);
         }
-        Ok(Rung::Full)
+        Ok(ModelLevel::Full)
     }
 
     fn orientation(&mut self) {

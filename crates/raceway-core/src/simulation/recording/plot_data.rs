@@ -1,10 +1,13 @@
 //! What pictures of a run show: its motions thinned, and the loads of one ball along its way. Kept of every run; a second of it where
 //! there is more.
 
-use crate::simulation::input::channel::{Axis, Channel, Motion};
-use crate::simulation::model::observer::{RATE, Recording};
-use crate::simulation::recording::windows::Signal;
 use crate::numerics::statistics::thin;
+use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::recording::load_course::LoadsAlong;
+use crate::simulation::recording::load_course::stretch;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::windows::Signal;
 
 /// Values of a signal that a picture of some hundred dots across shows, and ball passages that they can show.
 const MOST_VALUES: usize = 500;
@@ -12,9 +15,6 @@ const PASSAGES: f64 = 12.0;
 /// Points of an orbit, and turns that it shows: those of the shaft for the spindle, those of the cage for the cage.
 const TURNS: f64 = 4.0;
 const MOST_POINTS: usize = 500;
-/// Places of a ball at which its loads are kept, and turns of it that they can show.
-const MOST_PLACES: usize = 600;
-const BALL_TURNS: f64 = 3.0;
 
 /// A signal, thinned so that peaks survive.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,61 +39,12 @@ pub struct Orbit {
     pub z: Vec<f64>,
 }
 
-/// Loads of the first ball along its way.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct LoadsAlong {
-    /// From Y towards Z, 0 to 2π [rad].
-    pub azimuth: Vec<f64>,
-    /// [N]
-    pub inner: Vec<f64>,
-    /// [N]
-    pub outer: Vec<f64>,
-}
-
 /// All of a run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Views {
     pub traces: Vec<Trace>,
     pub orbits: Vec<Orbit>,
     pub loads: Option<LoadsAlong>,
-}
-
-/// Takes the loads of the first ball ever so many kept values.
-#[derive(Debug, Clone)]
-pub struct LoadsTaken {
-    every: usize,
-    seen: usize,
-    loads: LoadsAlong,
-}
-
-impl LoadsTaken {
-    /// Of a run that keeps so many values, ours among them as far as one window goes; of a steady one, whose balls go round at `orbit_speed`
-    /// [rad/s], the first turns.
-    pub fn new(values: usize, orbit_speed: Option<f64>) -> Self {
-        let window = stretch(values.min(RATE as usize), BALL_TURNS, orbit_speed);
-        Self { every: window.div_ceil(MOST_PLACES).max(1), seen: 0, loads: LoadsAlong::default() }
-    }
-
-    /// Shows a kept value: azimuth [rad], inner and outer load [N].
-    pub fn look(&mut self, at: impl FnOnce() -> (f64, f64, f64)) {
-        if self.seen.is_multiple_of(self.every) && self.loads.azimuth.len() < MOST_PLACES {
-            let (azimuth, inner, outer) = at();
-            self.loads.azimuth.push(azimuth.rem_euclid(std::f64::consts::TAU));
-            self.loads.inner.push(inner);
-            self.loads.outer.push(outer);
-        }
-        self.seen += 1;
-    }
-
-    pub fn finish(self) -> LoadsAlong {
-        self.loads
-    }
-}
-
-/// Values that so many turns at a speed [rad/s] take, of those that there are; without a speed, and at rest, all.
-fn stretch(values: usize, turns: f64, speed: Option<f64>) -> usize {
-    let of_turns = |speed: f64| turns * std::f64::consts::TAU * RATE / speed.abs().max(f64::MIN_POSITIVE);
-    speed.map_or(values, |speed| of_turns(speed).min(values as f64) as usize)
 }
 
 impl Views {

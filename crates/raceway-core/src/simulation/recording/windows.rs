@@ -4,15 +4,18 @@
 
 use std::sync::OnceLock;
 
-use crate::simulation::error::estimate::{BATCHES, REPEATED};
-use crate::simulation::input::channel::{Axis, Channel, Motion};
-use crate::simulation::error::comparison::ACCELERATIONS;
-use crate::simulation::result::metrics::{BAND, ENVELOPE_BAND};
-use crate::simulation::model::observer::{RATE, kept_values};
-use crate::simulation::result::run_result::ChannelSpectra;
-use crate::simulation::input::settings::Outputs;
 use crate::numerics::spectrum::{amplitude_spectrum, band_limited, envelope_spectrum};
 use crate::numerics::statistics::{self, CentralMoments};
+use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::sampling::ACCELERATIONS;
+use crate::simulation::recording::sampling::BAND;
+use crate::simulation::recording::sampling::BATCHES;
+use crate::simulation::recording::sampling::ENVELOPE_BAND;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::sampling::REPEATED;
+use crate::simulation::recording::sampling::kept_values;
+use crate::simulation::recording::spectra::ChannelSpectra;
 
 /// Longest window [s]: a run of the longest default duration is one.
 const LONGEST: f64 = 1.0;
@@ -177,23 +180,6 @@ fn join<T>(before: &mut OnceLock<T>, window: T, add: impl FnOnce(&mut T, T)) {
     match before.get_mut() {
         Some(all) => add(all, window),
         None => *before = OnceLock::from(window),
-    }
-}
-
-impl ChannelSpectra {
-    /// Of a signal [SI].
-    fn of(channel: Channel, signal: &[f64]) -> Self {
-        let signal: Vec<f64> = signal.iter().map(|value| channel.scale() * value).collect();
-        Self {
-            channel,
-            amplitude: amplitude_spectrum(&signal, RATE),
-            envelope: envelope_spectrum(&signal, RATE, ENVELOPE_BAND),
-        }
-    }
-
-    fn join(&mut self, other: &Self) {
-        self.amplitude.join(&other.amplitude);
-        self.envelope.join(&other.envelope);
     }
 }
 

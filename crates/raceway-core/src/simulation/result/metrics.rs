@@ -1,18 +1,23 @@
 //! Summary metrics of a run, in the units in which results show them.
 
-use crate::simulation::error::estimate::Doubt;
-use crate::simulation::input::channel::{Channel, Motion};
-use crate::simulation::error::comparison::LevelErrors;
-use crate::simulation::result::lines::{Line, find_lines};
-use crate::simulation::model::Mechanism;
-use crate::simulation::model::observer::{ContactExtremes, RATE, Recording};
-use crate::simulation::result::run_result::{ChannelSpectra, Series};
-use crate::simulation::input::scene::Scene;
-use crate::simulation::input::settings::RunSettings;
-use crate::simulation::recording::windows::InBand;
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
+use crate::simulation::error::comparison::LevelErrors;
+use crate::simulation::error::report::AccuracyReport;
+use crate::simulation::error::report::Doubt;
+use crate::simulation::input::channel::{Channel, Motion};
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::Mechanism;
+use crate::simulation::recording::record::ContactExtremes;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::BAND;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::spectra::ChannelSpectra;
+use crate::simulation::recording::windows::InBand;
+use crate::simulation::result::lines::{Line, find_lines};
+use crate::simulation::result::run_result::Series;
 
 /// Statistics of one channel over the kept time, mean removed, 0–20 kHz, in the channel's unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,64 +93,6 @@ pub struct SolverReport {
     pub strips: usize,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MotionKind {
-    Decaying,
-    Diverging,
-}
-
-/// Estimated errors of single numbers, as shares of them [-].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct QuantityErrors {
-    pub max_load: f64,
-    pub cage_speed: f64,
-    pub max_pocket_load: f64,
-    /// Of the raceway where it is the larger.
-    pub max_slip: f64,
-    /// Of the cage's centre about its mean position.
-    pub orbit_radius: f64,
-}
-
-impl QuantityErrors {
-    /// The larger of both of each.
-    pub(crate) fn larger(&self, other: &Self) -> Self {
-        Self {
-            max_load: self.max_load.max(other.max_load),
-            cage_speed: self.cage_speed.max(other.cage_speed),
-            max_pocket_load: self.max_pocket_load.max(other.max_pocket_load),
-            max_slip: self.max_slip.max(other.max_slip),
-            orbit_radius: self.orbit_radius.max(other.orbit_radius),
-        }
-    }
-}
-
-/// How far the result can be trusted.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct AccuracyReport {
-    /// Estimated errors of the levels [dB].
-    pub level_errors: LevelErrors,
-    /// What a repetition of a part, or of the whole, differed by; absent where nothing was repeated.
-    pub quantity_errors: Option<QuantityErrors>,
-    pub how: String,
-    /// `None`: the run is too short to tell.
-    pub motion: Option<MotionKind>,
-    /// Rate at which two runs 1e-10 apart part (negative: meet) [1/s].
-    pub divergence_rate: f64,
-    /// A repetition of the whole run went another way: its signals are others.
-    pub is_sample: bool,
-    /// Why it may not be trusted; `None`: that was never asked.
-    pub doubt: Option<Doubt>,
-    /// In words, where the result is not to be trusted; made last, of what is stated in the end.
-    pub warning: Option<String>,
-}
-
-impl AccuracyReport {
-    /// Error of the worst level [dB]; `None` where there is none.
-    pub fn level_error_db(&self) -> Option<f64> {
-        self.level_errors.worst()
-    }
-}
-
 /// Everything a user reads first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
@@ -167,14 +114,10 @@ pub struct Summary {
     pub settling: Option<String>,
 }
 
-/// Upper end of the band in which vibration is judged [Hz].
-pub const BAND: f64 = 20_000.0;
 /// Reference of the acceleration level, equation (15) [m/s²].
 pub const REFERENCE_ACCELERATION: f64 = 9.81e-3;
 /// The unit of a level in full, as headings say it.
 pub const LEVEL_UNIT: &str = "dB re 9.81 mm/s²";
-/// Band whose envelope is analysed [Hz]: above the shaft and ball-pass lines, where impacts ring.
-pub(crate) const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
 
 /// Level of an acceleration rms [m/s²], L = 20 lg(rms / 9.81e-3) [dB], equation (15); `None` for 0.
 pub fn level_db(rms: f64) -> Option<f64> {

@@ -1,15 +1,17 @@
 //! What a run leaves behind.
 
-use crate::simulation::input::channel::Channel;
+use crate::numerics::spectrum::Spectrum;
 use crate::simulation::error::comparison::LevelErrors;
-use crate::simulation::result::metrics::{self, AccuracyReport, SolverReport, Summary};
-use crate::simulation::model::Mechanism;
-use crate::simulation::model::terms::LeftOut;
-use crate::simulation::model::observer::Recording;
+use crate::simulation::error::report::AccuracyReport;
+use crate::simulation::input::channel::Channel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::Mechanism;
+use crate::simulation::model::terms::LeftOut;
 use crate::simulation::recording::plot_data::Views;
-use crate::numerics::spectrum::Spectrum;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::spectra::ChannelSpectra;
+use crate::simulation::result::metrics::{self, SolverReport, Summary};
 
 /// A signal at a uniform rate, in the channel's unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,14 +22,6 @@ pub struct Series {
     /// Time between values [s].
     pub step: f64,
     pub values: Vec<f64>,
-}
-
-/// Spectra of one channel, in the channel's unit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChannelSpectra {
-    pub channel: Channel,
-    pub amplitude: Spectrum,
-    pub envelope: Spectrum,
 }
 
 /// All that a run leaves behind.

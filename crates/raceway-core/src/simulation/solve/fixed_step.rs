@@ -1,15 +1,17 @@
 //! The dynamics in steps of a fixed length, where `auto` may choose: tried first, for they take a fraction of what error control
 //! takes, and kept where a quarter of the step tells the same level.
 
+use crate::numerics::ode::Method;
 use crate::simulation::error::estimate::{self, FORGETS};
+use crate::simulation::error::report::AccuracyReport;
+use crate::simulation::error::report::MotionKind;
 use crate::simulation::input::control::Control;
-use crate::simulation::model::integrate::{SimulationError, Stepping};
-use crate::simulation::result::metrics::{AccuracyReport, MotionKind};
+use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Model;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::Stepping;
 use crate::simulation::model::terms::Needs;
 use crate::simulation::solve::run::{Attempt, MAIN_SHARE, Setup};
-use crate::simulation::input::settings::RunSettings;
-use crate::numerics::ode::Method;
 
 /// First step that is tried [s]: levels of the article's bearing err by 0.02 dB at most.
 pub const STEP: f64 = 7.5e-6;

@@ -4,18 +4,18 @@
 //! The factors of the bounds are measured (`benches/omissions.rs`, docs/ACCURACY.md). Where no bound was found that holds, nothing
 //! is left out.
 
-use crate::simulation::input::channel::{BallContact, Channel};
-use crate::simulation::model::equilibrium::equilibrium;
-use crate::simulation::model::equilibrium::start_state;
-use crate::simulation::model::integrate::SimulationError;
-use crate::simulation::model::{Mechanism, Model, Watch};
-use crate::simulation::model::terms::{Grounds, LeftOut, Needs};
-use crate::simulation::input::scene::{Scene, Term, TermChoice};
-use crate::simulation::input::settings::Outputs;
 use crate::numerics::ode::OdeSystem;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
+use crate::simulation::input::channel::{BallContact, Channel};
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::equilibrium::equilibrium;
+use crate::simulation::model::equilibrium::start_state;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::terms::{Grounds, LeftOut, Needs};
+use crate::simulation::model::{Mechanism, Model, Watch};
 
 /// Decibels of a small relative change of an amplitude.
 const DB_PER_UNIT: f64 = 20.0 / std::f64::consts::LN_10;

@@ -6,47 +6,39 @@
 
 mod check;
 
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::recording::sampling::ACCELERATIONS;
 use std::cell::Cell;
 use std::time::Instant;
 
-use crate::simulation::error::estimate::{self, Doubt};
-use crate::simulation::input::channel::Channel;
-use crate::simulation::input::control::{Control, Live, Phase};
-use crate::simulation::error::comparison::{self, Distance};
-use crate::simulation::error::lyapunov::{self, Pairs, Parted};
-use crate::simulation::model::integrate::SimulationError;
-use crate::simulation::solve::judgement;
-use crate::simulation::error::stationarity::{self, Stretches};
-use crate::simulation::result::metrics::{AccuracyReport, MotionKind, SolverReport};
-use crate::simulation::model::Mechanism;
-use crate::simulation::model::radially_condensed::{self, Pace, RadiallyCondensed};
-use crate::simulation::model::terms::{Grounds, LeftOut, Needs, Unmet};
-use crate::simulation::model::observer::{RATE, Recording, kept_values};
-use crate::simulation::model::spindle_runs;
-use crate::simulation::result::run_result::{Account, RunResult};
-use crate::simulation::input::scene::{Scene, Term, TermChoice};
-use crate::simulation::input::settings::{Outputs, RunSettings};
-use crate::simulation::solve::startup;
-use crate::simulation::recording::windows::Windows;
 use crate::numerics::ode::Method;
 use crate::numerics::ode::Statistics;
+use crate::simulation::error::comparison::{self, Distance};
+use crate::simulation::error::estimate::{self};
+use crate::simulation::error::lyapunov::{self, Pairs, Parted};
+use crate::simulation::error::report::AccuracyReport;
+use crate::simulation::error::report::Doubt;
+use crate::simulation::error::report::MotionKind;
+use crate::simulation::error::stationarity::{self, Stretches};
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::Mechanism;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::radially_condensed::{self, Pace, RadiallyCondensed};
+use crate::simulation::model::spindle_runs;
+use crate::simulation::model::terms::{Grounds, LeftOut, Needs, Unmet};
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::sampling::kept_values;
+use crate::simulation::recording::windows::Windows;
+use crate::simulation::result::metrics::SolverReport;
+use crate::simulation::result::run_result::{Account, RunResult};
+use crate::simulation::solve::judgement;
+use crate::simulation::solve::startup;
 pub use check::check_time;
 use check::{Check, Reached, check, check_settings, thrown_about, uneven};
-
-/// A rung of the ladder of models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rung {
-    /// Six degrees of freedom of every ball and of the cage.
-    Full,
-    /// No motion along the axis, no tilt.
-    Planar,
-    /// Planar, and every ball in radial equilibrium between its raceways.
-    RadiallyCondensed,
-    /// The balls go round equally spaced.
-    SpindleOnly,
-    /// The same, repeating with every ball.
-    Periodic,
-}
 
 /// Share of the progress that a check stands for.
 const CHECK_SHARE: f64 = 0.1;
@@ -72,7 +64,7 @@ const DISPLACEMENT: f64 = 1e-10;
 const STATIC_DISPLACEMENT: f64 = 1e-6;
 /// States of the rungs that integrate the spindle alone.
 const SPINDLE_STATES: usize = 4;
-impl Rung {
+impl ModelLevel {
     /// All, the richest first.
     pub const ALL: [Self; 5] = [Self::Full, Self::Planar, Self::RadiallyCondensed, Self::SpindleOnly, Self::Periodic];
     const REDUCED: [Self; 3] = [Self::Periodic, Self::SpindleOnly, Self::RadiallyCondensed];
@@ -126,17 +118,22 @@ impl Rung {
 
 /// What the equations of a scene hold on a rung asked for by name, or on the dynamics that the scene needs: these without single
 /// terms that it can do without by judgement. Reduced rungs, which would save nothing by that, have all.
-pub fn needs(scene: &Scene, outputs: &Outputs, rung: Option<Rung>, model_tolerance_db: f64) -> Result<Needs, Unmet> {
+pub fn needs(
+    scene: &Scene,
+    outputs: &Outputs,
+    rung: Option<ModelLevel>,
+    model_tolerance_db: f64,
+) -> Result<Needs, Unmet> {
     let Some(rung) = rung.filter(|rung| rung.is_reduced()) else {
-        if rung == Some(Rung::Full) && scene.terms.get(Term::CageTilt) == TermChoice::Off {
-            return Err(Unmet::Rung { rung: Rung::Full, reason: "terms.cage_tilt is off".into() });
+        if rung == Some(ModelLevel::Full) && scene.terms.get(Term::CageTilt) == TermChoice::Off {
+            return Err(Unmet::ModelLevel { rung: ModelLevel::Full, reason: "terms.cage_tilt is off".into() });
         }
         return Ok(judgement::within(Needs::of(scene, outputs, rung)?, scene, outputs, model_tolerance_db));
     };
-    if let Some(reason) = rung.refusal(scene, &Needs::of(scene, outputs, Some(Rung::Full))?, outputs) {
-        return Err(Unmet::Rung { rung, reason });
+    if let Some(reason) = rung.refusal(scene, &Needs::of(scene, outputs, Some(ModelLevel::Full))?, outputs) {
+        return Err(Unmet::ModelLevel { rung, reason });
     }
-    let mut needs = Needs::of(scene, outputs, Some(Rung::Planar))?;
+    let mut needs = Needs::of(scene, outputs, Some(ModelLevel::Planar))?;
     needs.left_out.retain(|left_out| left_out.term != Term::CageTilt.name() || left_out.by == Grounds::Identity);
     let tilts = !needs.left_out.iter().any(|left_out| left_out.term == Term::CageTilt.name());
     needs.left_out.extend(omissions(rung, tilts));
@@ -144,7 +141,7 @@ pub fn needs(scene: &Scene, outputs: &Outputs, rung: Option<Rung>, model_toleran
 }
 
 /// What a reduced rung leaves out by judgement; the bound is that of its check, of all together.
-fn omissions(rung: Rung, tilts: bool) -> Vec<LeftOut> {
+fn omissions(rung: ModelLevel, tilts: bool) -> Vec<LeftOut> {
     let one = |term: Term, reason: &str| LeftOut {
         term: term.name(),
         reason: format!("rung {}: {reason}", rung.name()),
@@ -155,7 +152,7 @@ fn omissions(rung: Rung, tilts: bool) -> Vec<LeftOut> {
     if tilts {
         all.push(one(Term::CageTilt, "no ball or cage leaves the plane"));
     }
-    if rung != Rung::RadiallyCondensed {
+    if rung != ModelLevel::RadiallyCondensed {
         all.push(one(Term::Cage, "balls go round equally spaced, at the speed of ideal rolling"));
         all.push(one(Term::BallSpinDynamics, "balls roll ideally"));
     }
@@ -163,17 +160,17 @@ fn omissions(rung: Rung, tilts: bool) -> Vec<LeftOut> {
 }
 
 /// The rungs that are tried, the leanest first; the last one is sure to serve.
-pub fn tried(scene: &Scene, settings: &RunSettings) -> Result<Vec<Rung>, Unmet> {
+pub fn tried(scene: &Scene, settings: &RunSettings) -> Result<Vec<ModelLevel>, Unmet> {
     if let Some(rung) = settings.rung {
         return Ok(vec![rung]);
     }
     let dynamics = Needs::of(scene, &settings.outputs, None)?;
     let mut rungs = if not_tried(scene, settings, &dynamics).is_none() {
-        let serves = |rung: &Rung| {
-            (*rung == Rung::RadiallyCondensed || lean_not_tried(scene).is_none())
+        let serves = |rung: &ModelLevel| {
+            (*rung == ModelLevel::RadiallyCondensed || lean_not_tried(scene).is_none())
                 && rung.refusal(scene, &dynamics, &settings.outputs).is_none()
         };
-        Rung::REDUCED.into_iter().filter(serves).collect()
+        ModelLevel::REDUCED.into_iter().filter(serves).collect()
     } else {
         Vec::new()
     };
@@ -273,7 +270,7 @@ pub(crate) fn run(
 
 /// The result of a reduced rung; `Err`: what its check has shown instead, where it was not asked for by name.
 fn on_rung(
-    rung: Rung,
+    rung: ModelLevel,
     scene: &Scene,
     settings: &RunSettings,
     begin: Instant,
@@ -314,7 +311,7 @@ fn on_rung(
         .filter(|apart| !apart.within(&settings.outputs, settings.model_tolerance_db))
         .map(|apart| apart.words_beyond(&settings.outputs, settings.model_tolerance_db))
         .map(|words| format!("finer steps take another course over the whole run ({words})"));
-    let unseen = if rung != Rung::RadiallyCondensed {
+    let unseen = if rung != ModelLevel::RadiallyCondensed {
         lean_not_tried(scene).map(str::to_owned)
     } else if check.fault.is_none() {
         check.reached.gone_on(&Reached::of(&made.recording), scene)
@@ -323,7 +320,7 @@ fn on_rung(
     };
     let unseen = unseen.or_else(|| thrown_about(scene, settings, &made.recording));
     // What finer steps tell is known, and more than that.
-    let may_be_uneven = rung == Rung::RadiallyCondensed && check.fault.is_none() && another_course.is_none();
+    let may_be_uneven = rung == ModelLevel::RadiallyCondensed && check.fault.is_none() && another_course.is_none();
     let unseen = unseen.or_else(|| uneven(&made.recording).filter(|_| may_be_uneven));
     if let (Some(what), None) = (unseen.as_ref().or(another_course.as_ref()), settings.rung) {
         return Ok(Err(format!("{what}, and the check tells nothing of that")));
@@ -373,8 +370,8 @@ struct Finer {
 }
 
 /// Finer steps of a run, and how many of them go into one of its own; `None`: of another rung, or one that has none.
-fn finer_pace(rung: Rung, scene: &Scene, settings: &RunSettings) -> Result<Option<(Pace, f64)>, SimulationError> {
-    if rung != Rung::RadiallyCondensed {
+fn finer_pace(rung: ModelLevel, scene: &Scene, settings: &RunSettings) -> Result<Option<(Pace, f64)>, SimulationError> {
+    if rung != ModelLevel::RadiallyCondensed {
         return Ok(None);
     }
     let model = RadiallyCondensed::new(scene, &settings.outputs)?;
@@ -411,14 +408,19 @@ struct Made {
     states: usize,
 }
 
-fn record(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<Made, SimulationError> {
+fn record(
+    rung: ModelLevel,
+    scene: &Scene,
+    settings: &RunSettings,
+    control: &Control<'_>,
+) -> Result<Made, SimulationError> {
     let (recording, statistics) = match rung {
-        Rung::Periodic => spindle_runs::simulate_periodic(scene, settings, control)?,
-        Rung::SpindleOnly => spindle_runs::simulate(scene, settings, control)?,
+        ModelLevel::Periodic => spindle_runs::simulate_periodic(scene, settings, control)?,
+        ModelLevel::SpindleOnly => spindle_runs::simulate(scene, settings, control)?,
         _ => radially_condensed::simulate(scene, settings, control)?,
     };
     let states = match rung {
-        Rung::Periodic | Rung::SpindleOnly => SPINDLE_STATES,
+        ModelLevel::Periodic | ModelLevel::SpindleOnly => SPINDLE_STATES,
         _ => RadiallyCondensed::new(scene, &settings.outputs)?.states(),
     };
     Ok(Made { recording, statistics, states })
@@ -426,7 +428,7 @@ fn record(rung: Rung, scene: &Scene, settings: &RunSettings, control: &Control<'
 
 /// Do two motions on the condensed rung that start next to each other part? On a leaner rung over the time of its check.
 fn parted(
-    rung: Rung,
+    rung: ModelLevel,
     scene: &Scene,
     settings: &RunSettings,
     made: &Made,
@@ -436,13 +438,13 @@ fn parted(
     let of = |one: &Recording, settings: &RunSettings| {
         let other = beside(scene, [DISPLACEMENT; 2], settings, control)?;
         let both = |channel: &Channel| Some((&*one.of(*channel)?.excerpts, &*other.of(*channel)?.excerpts));
-        let pairs: Vec<Pairs<'_>> = comparison::ACCELERATIONS.iter().filter_map(both).collect();
+        let pairs: Vec<Pairs<'_>> = ACCELERATIONS.iter().filter_map(both).collect();
         let spacing = Windows::of(kept_values(settings.duration)).length;
         Ok(lyapunov::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE))
     };
     match finer {
         Some(finer) => of(&finer.recording, &finer.settings),
-        None if rung == Rung::RadiallyCondensed => of(&made.recording, settings),
+        None if rung == ModelLevel::RadiallyCondensed => of(&made.recording, settings),
         None => {
             let (short, quiet) = (check_settings(rung, scene, settings), Control::until(control.stop));
             of(&beside(scene, [0.0; 2], &short, &quiet)?, &short)
@@ -451,7 +453,7 @@ fn parted(
 }
 
 fn summarise(
-    rung: Rung,
+    rung: ModelLevel,
     scene: &Scene,
     settings: &RunSettings,
     made: &Made,
@@ -520,7 +522,7 @@ fn summarise(
     .of_stretch(&made.recording, stretches.as_ref(), &settings.outputs);
     let mechanism = Mechanism::new(scene, &needs);
     // The rung that repeats a passage has no start, and chaos forgets it by itself.
-    let keeps_start = rung != Rung::Periodic && !by_chance;
+    let keeps_start = rung != ModelLevel::Periodic && !by_chance;
     let settling = keeps_start.then(|| startup::rings_on(scene, settings.settle)).flatten();
     let account =
         Account { solver, accuracy, scatter: stretches.map(|of| of.scatter), settling, left_out: needs.left_out };

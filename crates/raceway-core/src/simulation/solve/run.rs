@@ -3,21 +3,26 @@
 use std::cell::Cell;
 use std::time::Instant;
 
+use crate::numerics::ode::Integrator;
 use crate::simulation::error::estimate::{self, LEAST_EVALUATIONS, UNRESOLVED};
-use crate::simulation::input::control::{Control, Live, Phase};
-use crate::simulation::model::integrate::{Integrated, STEPS_PER_LOOK, SimulationError, Span, Stepping, integrate};
-use crate::simulation::solve::ladder::{self, Rung};
+use crate::simulation::error::report::AccuracyReport;
+use crate::simulation::error::report::MotionKind;
 use crate::simulation::error::stationarity;
-use crate::simulation::result::metrics::{AccuracyReport, MotionKind, SolverReport};
-use crate::simulation::model::Model;
-use crate::simulation::model::terms::{Grounds, Needs};
-use crate::simulation::model::observer::{Observer, Recording};
-use crate::simulation::result::run_result::{Account, RunResult};
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::solve::startup::{self, Beginning, Shared};
+use crate::simulation::model::Model;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::{Integrated, STEPS_PER_LOOK, Span, Stepping, integrate};
+use crate::simulation::model::observer::Observer;
+use crate::simulation::model::terms::{Grounds, Needs};
+use crate::simulation::recording::record::Recording;
+use crate::simulation::result::metrics::SolverReport;
+use crate::simulation::result::run_result::{Account, RunResult};
 use crate::simulation::solve::fixed_step::{self, Stepped};
-use crate::numerics::ode::Integrator;
+use crate::simulation::solve::ladder::{self};
+use crate::simulation::solve::startup::{self, Beginning, Shared};
 
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from `wall_time`.
 pub fn run(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
@@ -228,18 +233,19 @@ fn summarise(
 ) -> Result<RunResult, SimulationError> {
     let &Setup { model, needs, settings, .. } = setup;
     let main = &attempt.integrated;
-    let leaves_plane = || Needs::of(scene, &settings.outputs, None).is_ok_and(|own| own.rung == Rung::Full);
+    let leaves_plane = || Needs::of(scene, &settings.outputs, None).is_ok_and(|own| own.rung == ModelLevel::Full);
     attempt.recording.evaluate(&settings.outputs);
     let is_steady = scene.operation.speed.is_constant();
-    let later = |of: &RunSettings| control.part((MADE, 1.0), |control| stationarity::of_dynamics(setup, attempt, of, control));
+    let later =
+        |of: &RunSettings| control.part((MADE, 1.0), |control| stationarity::of_dynamics(setup, attempt, of, control));
     let stretches = || stationarity::stretches(needs.rung, &attempt.recording, settings, later);
     let stretches = is_steady.then(stretches).transpose()?;
     let mut check = match needs.rung {
-        Rung::Planar if settings.rung.is_some() && leaves_plane() => {
+        ModelLevel::Planar if settings.rung.is_some() && leaves_plane() => {
             "planar motion was asked for: what tilt and motion along the axis change here is in no error that is stated"
                 .to_owned()
         }
-        Rung::Planar => "planar motion: see left_out for why no motion along the axis is needed".to_owned(),
+        ModelLevel::Planar => "planar motion: see left_out for why no motion along the axis is needed".to_owned(),
         _ => "the full dynamics: nothing richer to check against".to_owned(),
     };
     let mut left_out = needs.left_out.clone();
@@ -271,8 +277,7 @@ fn summarise(
     let accuracy = accuracy.of_stretch(recording, stretches.as_ref(), &settings.outputs);
     // Neither chaos nor what was damped keeps its start.
     let keeps_start = !setup.beginning.is_damped && accuracy.motion != Some(MotionKind::Diverging);
-    let rings =
-        || startup::rings_on(scene, settings.settle).or_else(|| startup::cage_rings_on(scene, model, settings));
+    let rings = || startup::rings_on(scene, settings.settle).or_else(|| startup::cage_rings_on(scene, model, settings));
     let settling = keeps_start.then(rings).flatten();
     let all: Vec<String> = settling.into_iter().chain(startup::tilts_on(scene, needs, settings.settle)).collect();
     let settling = (!all.is_empty()).then(|| all.join("; "));

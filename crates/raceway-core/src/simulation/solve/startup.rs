@@ -4,17 +4,19 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::simulation::input::control::{Control, Live, Phase};
-use crate::simulation::model::equilibrium::{equilibrium, start_state};
-use crate::simulation::model::integrate::{SimulationError, Span, Stepping, integrate};
-use crate::simulation::solve::ladder::{self, Rung};
-use crate::simulation::model::{FadingDamping, Mechanism, Model};
-use crate::simulation::model::terms::Needs;
-use crate::simulation::input::scene::Scene;
-use crate::simulation::input::settings::{Outputs, RunSettings};
-use crate::simulation::solve::fixed_step;
 use crate::numerics::ode::{Method, Statistics};
 use crate::physics::kinematics;
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::equilibrium::{equilibrium, start_state};
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::{Span, Stepping, integrate};
+use crate::simulation::model::terms::Needs;
+use crate::simulation::model::{FadingDamping, Mechanism, Model};
+use crate::simulation::solve::fixed_step;
+use crate::simulation::solve::ladder::{self};
 
 /// e-folds after which free vibration has gone: one five times as strong as the steady one adds less than 0.05 dB to its level then.
 const GONE: f64 = 4.0;
@@ -236,7 +238,7 @@ pub fn cage_rings_on(scene: &Scene, model: &Model, settings: &RunSettings) -> Op
 /// What a run on `full` says in which cage and balls may still come to tilt: under hydrodynamic forces that takes seconds (levels of a 608 under
 /// 115 N in oil of 0.05 Pa·s, 6000 r/min, fall by 0.6 dB over four).
 pub fn tilts_on(scene: &Scene, needs: &Needs, settle: f64) -> Option<String> {
-    let may_tilt = needs.rung == Rung::Full && needs.raceway.hydrodynamics && ladder::tilts_slowly(scene);
+    let may_tilt = needs.rung == ModelLevel::Full && needs.raceway.hydrodynamics && ladder::tilts_slowly(scene);
     (may_tilt && settle < TILT_SETTLES).then(|| {
         format!(
             "cage and balls may still come to tilt, which takes seconds in an oil so viscous for the speed, and settle_s is {settle:?} s. Try \

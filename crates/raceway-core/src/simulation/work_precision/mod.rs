@@ -8,25 +8,28 @@
 mod course;
 mod errors;
 
+use crate::simulation::recording::sampling::ACCELERATIONS;
 use std::cell::Cell;
 
-use crate::simulation::error::estimate;
-use crate::simulation::input::channel::{Axis, Channel};
-use crate::simulation::input::control::Control;
-use crate::simulation::error::comparison;
-use crate::simulation::error::lyapunov;
-use crate::simulation::model::equilibrium::start_state;
-use crate::simulation::model::integrate::{SimulationError, Stepping};
-use crate::simulation::solve::ladder;
-use crate::simulation::result::lines::Line;
-use crate::simulation::result::metrics::{self, MotionKind};
-use crate::simulation::model::Model;
-use crate::simulation::model::terms::LeftOut;
-use crate::simulation::input::scene::Scene;
-use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::numerics::ode::Method;
 use crate::numerics::ode::{Choice, Statistics};
 use crate::physics::spindle::AxialHold;
+use crate::simulation::error::comparison;
+use crate::simulation::error::estimate;
+use crate::simulation::error::lyapunov;
+use crate::simulation::error::report::MotionKind;
+use crate::simulation::input::channel::{Axis, Channel};
+use crate::simulation::input::control::Control;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::Model;
+use crate::simulation::model::equilibrium::start_state;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::Stepping;
+use crate::simulation::model::terms::LeftOut;
+use crate::simulation::result::lines::Line;
+use crate::simulation::result::metrics::{self};
+use crate::simulation::solve::ladder;
 pub use course::Taken;
 use course::{Course, Finished};
 use errors::{Comparison, largest};
@@ -332,7 +335,7 @@ pub fn level_floor(own_error_db: Option<f64>, sampling_error_db: Option<f64>) ->
 fn accelerations(scene: &Scene) -> Vec<Channel> {
     let moves =
         |channel: &Channel| !matches!(channel, Channel::Spindle(Axis::X, _)) || scene.spindle.axial == AxialHold::Free;
-    comparison::ACCELERATIONS.into_iter().filter(moves).collect()
+    ACCELERATIONS.into_iter().filter(moves).collect()
 }
 
 /// Levels of the accelerations [dB].
@@ -342,7 +345,7 @@ fn levels(run: &Finished) -> Vec<(Channel, Option<f64>)> {
         let variance = recording.total_variance(channel);
         recording.of(channel).and_then(|signal| metrics::in_band_metrics(channel, signal.in_band(), variance).level_db)
     };
-    comparison::ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
+    ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! Loads as they are seen, and the extremes of what was met.
 
-use super::ContactExtremes;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::pocket::PocketLoad;
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::simulation::input::channel::BallContact;
 use crate::simulation::model::{Model, Watch};
+use crate::simulation::recording::record::ContactExtremes;
 
 /// Loads of one look.
 pub(super) struct Snapshot {

@@ -8,9 +8,11 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
-use crate::simulation::model::observer::{ContactExtremes, Recording, picked_channels};
 use crate::simulation::input::settings::Outputs;
-use crate::simulation::recording::plot_data::LoadsTaken;
+use crate::simulation::recording::load_course::LoadsTaken;
+use crate::simulation::recording::record::ContactExtremes;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::picked_channels;
 use crate::simulation::recording::windows::Recorder;
 
 use super::evaluation::total;

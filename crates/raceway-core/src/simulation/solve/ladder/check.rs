@@ -1,23 +1,27 @@
 //! The check of a reduced rung: a short run of it beside one of the next richer rung, and what of the run such a check cannot tell.
 
-use crate::simulation::error::estimate::BATCHES;
-use crate::simulation::input::channel::Channel;
-use crate::simulation::input::control::Control;
-use crate::simulation::error::comparison::{self, Distance};
-use crate::simulation::model::integrate::{SimulationError, Stepping};
-use crate::simulation::model::radially_condensed::RadiallyCondensed;
-use crate::simulation::model::{Model, condensed_contact};
-use crate::simulation::model::terms::Needs;
-use crate::simulation::model::observer::{Quantities, Recording};
-use crate::simulation::solve::run::Setup;
-use crate::simulation::input::scene::Scene;
-use crate::simulation::input::settings::{Outputs, RunSettings};
-use crate::simulation::solve::startup::Beginning;
-use crate::simulation::solve::fixed_step;
-use super::{Rung, record};
+use super::record;
 use crate::numerics::ode::Method;
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::kinematics;
+use crate::simulation::error::comparison::{self, Distance};
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::control::Control;
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::Stepping;
+use crate::simulation::model::radially_condensed::RadiallyCondensed;
+use crate::simulation::model::terms::Needs;
+use crate::simulation::model::{Model, condensed_contact};
+use crate::simulation::recording::record::Quantities;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::ACCELERATIONS;
+use crate::simulation::recording::sampling::BATCHES;
+use crate::simulation::solve::fixed_step;
+use crate::simulation::solve::run::Setup;
+use crate::simulation::solve::startup::Beginning;
 
 /// Stretch of a check, and what comes before it [s], which takes long enough for the run's start to be forgotten: over 6 ms after 2, single
 /// levels that were off by a tenth of a decibel and more showed a fifth of that. Of a short run they are this share, and at least so
@@ -76,7 +80,7 @@ pub fn check_time(scene: &Scene, settings: &RunSettings) -> f64 {
 /// What a reduced rung has shown beside the next richer one.
 #[derive(Debug, Clone)]
 pub(crate) struct Check {
-    against: Rung,
+    against: ModelLevel,
     /// [s]
     stretch: f64,
     pub distance: Distance,
@@ -126,7 +130,7 @@ impl Reached {
 /// becomes of that shows long after a check; `None`: it does not.
 pub(crate) fn thrown_about(scene: &Scene, settings: &RunSettings, recording: &Recording) -> Option<String> {
     let rms = |channel| recording.of(channel).map_or(0.0, |signal| signal.in_band().moments.rms());
-    let [x, y, z] = comparison::ACCELERATIONS.map(rms);
+    let [x, y, z] = ACCELERATIONS.map(rms);
     let mass = scene.spindle.mass;
     let held = (scene.operation.load[1] + mass * scene.gravity).hypot(scene.operation.load[2]);
     let share = mass * x.hypot(y).hypot(z) / held.max(f64::MIN_POSITIVE);
@@ -159,7 +163,7 @@ impl Check {
     pub fn failed(fault: String) -> Self {
         let distance = Distance::UNKNOWN;
         Self {
-            against: Rung::Full,
+            against: ModelLevel::Full,
             stretch: 0.0,
             distance,
             reached: Reached::default(),
@@ -193,12 +197,12 @@ impl Check {
 }
 
 /// The short run of a check.
-pub(crate) fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) -> RunSettings {
+pub(crate) fn check_settings(rung: ModelLevel, scene: &Scene, settings: &RunSettings) -> RunSettings {
     let (settle, duration) = check_times(scene, settings);
     // A rung that was asked for by name may be of a run that is shorter than a ball passage.
     // And what the start does is in the check where it is in the run.
     let (mut settle, mut duration) = (settle.min(settings.settle), duration.min(settings.duration.max(LEAST_CHECKED)));
-    if rung != Rung::RadiallyCondensed {
+    if rung != ModelLevel::RadiallyCondensed {
         // The richer rung costs little; and a periodic motion is none from the start.
         settle = settle.max(settings.settle).max(LEAST_SETTLED);
         duration = settings.duration.min(LONGER * duration).max(duration);
@@ -209,7 +213,7 @@ pub(crate) fn check_settings(rung: Rung, scene: &Scene, settings: &RunSettings) 
 
 /// A short run of the rung beside one of the next richer rung.
 pub(crate) fn check(
-    rung: Rung,
+    rung: ModelLevel,
     scene: &Scene,
     settings: &RunSettings,
     control: &Control<'_>,
@@ -219,7 +223,7 @@ pub(crate) fn check(
     let duration = short.duration;
     let mut own = record(rung, scene, &short, &quiet)?.recording;
     let mut leaves = None;
-    let (against, richer) = if rung == Rung::RadiallyCondensed {
+    let (against, richer) = if rung == ModelLevel::RadiallyCondensed {
         let needs = Needs::of(scene, &short.outputs, None)?;
         let model = Model::new(scene, &needs);
         let beginning = Beginning::at_rest(&model)?;
@@ -246,13 +250,13 @@ pub(crate) fn check(
         }
         (needs.rung, richer)
     } else {
-        (Rung::RadiallyCondensed, record(Rung::RadiallyCondensed, scene, &short, &quiet)?.recording)
+        (ModelLevel::RadiallyCondensed, record(ModelLevel::RadiallyCondensed, scene, &short, &quiet)?.recording)
     };
     let unseen = (1.0 - duration / settings.duration).max(0.0).sqrt();
     let mut distance = Distance::of_recordings(&own, &richer, unseen);
     let mut step = None;
     // Of a speed that varies the stretch tells nothing later.
-    if rung == Rung::RadiallyCondensed
+    if rung == ModelLevel::RadiallyCondensed
         && settings.fixed_step.is_none()
         && scene.operation.speed.is_constant()
         && let Some((longer, stepped)) = longer_step(scene, &short, &own, &quiet)
@@ -264,7 +268,7 @@ pub(crate) fn check(
     }
     let reached = Reached::of(&own);
     distance = distance.of_asked(&settings.outputs);
-    if rung == Rung::RadiallyCondensed
+    if rung == ModelLevel::RadiallyCondensed
         && let Some(errors) = &mut distance.quantities
     {
         // The run's largest load is at another approach than that of the check, where the law of its contacts errs otherwise.
