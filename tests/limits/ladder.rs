@@ -238,7 +238,7 @@ fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
     let settings = asked(true, None);
     let stopped = run(&scene(&article()), &settings, &Control::until(&|| true));
     assert!(
-        matches!(stopped, Err(raceway::simulation::model::integrate::SimulationError::Stopped { .. })),
+        matches!(stopped, Err(raceway::simulation::model::failure::SimulationError::Stopped { .. })),
         "{stopped:?}"
     );
     let (a, b) = (simulate(&article(), &settings), simulate(&article(), &settings));
