@@ -24,14 +24,12 @@ use crate::simulation::recording::load_course::LoadsAlong;
 use crate::simulation::recording::load_course::LoadsTaken;
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
-use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::sampling::{PART, RATE};
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
 use crate::simulation::recording::windows::{Recorder, Signal, Whirl};
 use snapshot::{Contact, Look, Met, Peaks, Snapshot};
 
-/// Kept values of a part whose largest load and cage speed are noted: eight parts in 10 ms.
-const PART: usize = 128;
 /// Looks per kept value, unless steps of a fixed length damp what so many would see.
 const OVERSAMPLING: usize = 4;
 /// Steps to a look from which one sees all that the steps have left: what is faster than half of the looks turns by 120° a step and

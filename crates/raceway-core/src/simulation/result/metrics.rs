@@ -3,9 +3,9 @@
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
-use crate::simulation::error::comparison::LevelErrors;
+use crate::simulation::error::codes::{NotEligible, Rejection};
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::error::report::Doubt;
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::channel::{Channel, Motion};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
@@ -76,10 +76,13 @@ pub struct CageMetrics {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverReport {
     pub method: &'static str,
-    pub method_reason: String,
-    pub rung: &'static str,
-    /// How the rung was checked, in words.
-    pub check: String,
+    /// Why `auto` runs this method.
+    pub choice: Option<String>,
+    pub level: ModelLevel,
+    /// Candidates that did not become the result, in the order in which they were tried.
+    pub rejections: Vec<Rejection>,
+    /// Model levels that were no candidates.
+    pub not_eligible: Vec<NotEligible>,
     pub statistics: crate::numerics::ode::Statistics,
     /// [s]
     pub wall_time: f64,
@@ -108,10 +111,6 @@ pub struct Summary {
     pub lines: Vec<(Channel, Line)>,
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
-    /// What the levels of another stretch as long may differ by, one standard deviation [dB]; of none where the speed changes.
-    pub scatter: LevelErrors,
-    /// In words, where the kept time may still hold the vibration that the run started with.
-    pub settling: Option<String>,
 }
 
 /// Reference of the acceleration level, equation (15) [m/s²].

@@ -1,7 +1,6 @@
 //! What a run leaves behind.
 
 use crate::numerics::spectrum::Spectrum;
-use crate::simulation::error::comparison::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::scene::Scene;
@@ -39,10 +38,6 @@ pub struct RunResult {
 pub(crate) struct Account {
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
-    /// Of the levels, from stretch to stretch; none at changing speed.
-    pub scatter: Option<LevelErrors>,
-    /// Of a start that may still ring.
-    pub settling: Option<String>,
     pub left_out: Vec<LeftOut>,
 }
 
@@ -55,7 +50,7 @@ impl RunResult {
         recording: &Recording,
         account: Account,
     ) -> Self {
-        let Account { solver, accuracy, scatter, settling, left_out } = account;
+        let Account { solver, accuracy, left_out } = account;
         let outputs = &settings.outputs;
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
         let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
@@ -66,8 +61,6 @@ impl RunResult {
         };
         let frequencies = metrics::frequencies(scene, recording);
         let summary = Summary {
-            scatter: scatter.unwrap_or_default(),
-            settling,
             channels: channels(),
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
             cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
