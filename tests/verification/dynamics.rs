@@ -11,7 +11,7 @@ use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Mechanism;
-use raceway::simulation::model::spindle_runs::simulate;
+use raceway::simulation::model::spindle_only::simulate;
 use raceway::simulation::model::terms::Needs;
 use raceway::simulation::result::metrics::{channel_metrics, level_db};
 use serde_json::json;

@@ -8,9 +8,10 @@ use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
 use crate::physics::raceway::RacewayContact;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::state::{BallState, SpindleState};
+use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::Needs;
-use crate::simulation::model::{Mechanism, Model};
 
 /// Where spindle and balls rest.
 #[derive(Debug, Clone, PartialEq)]

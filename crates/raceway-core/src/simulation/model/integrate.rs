@@ -1,14 +1,12 @@
 //! From one time to another by one method, and why that may fail.
 
 use crate::numerics::ode::stability::{self, StabilityWatch};
-use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
+use crate::numerics::ode::{Choice, Integrator, Method, Statistics};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::model::Model;
 use crate::simulation::model::failure::MOST_EVALUATIONS;
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::state::Layout;
-use crate::simulation::model::terms::Unmet;
+use crate::simulation::model::system::Model;
 
 /// Evaluations before that is judged, so that a rough start is forgiven.
 const PACE: u64 = 2_000_000;

@@ -11,23 +11,21 @@ mod snapshot;
 use crate::numerics::interpolation::Course;
 use crate::numerics::ode::Integrator;
 use crate::numerics::ode::Method;
-use crate::numerics::parallel::both;
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, length};
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
-use crate::simulation::input::settings::{Outputs, RunSettings};
-use crate::simulation::model::Model;
+use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::step_loads::{Seen, Sight};
+use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::Needs;
-use crate::simulation::recording::load_course::LoadsAlong;
 use crate::simulation::recording::load_course::LoadsTaken;
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
-use crate::simulation::recording::windows::{Recorder, Signal, Whirl};
+use crate::simulation::recording::windows::Recorder;
 use snapshot::{Contact, Look, Met, Peaks, Snapshot};
 
 /// Kept values of a part whose largest load and cage speed are noted: eight parts in 10 ms.

@@ -5,11 +5,9 @@ use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
-use crate::simulation::model::dynamics::Watch;
+use crate::simulation::model::dynamics::{Full, Planar, Watch};
 use crate::simulation::model::fading_damping::FadingDamping;
-use crate::simulation::model::full::Full;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::planar::Planar;
 use crate::simulation::model::terms::Needs;
 
 /// The equations of motion of a scene: any rung.

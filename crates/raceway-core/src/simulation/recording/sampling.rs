@@ -21,6 +21,16 @@ pub(crate) const ACCELERATIONS: [Channel; 3] = [
     Channel::Spindle(Axis::Z, Motion::Acceleration),
 ];
 
+/// Signals of the spindle in the plane of the bearing, in the order of the models that know no axial motion.
+pub(crate) const SPINDLE_IN_PLANE: [Channel; 6] = [
+    Channel::Spindle(Axis::Y, Motion::Displacement),
+    Channel::Spindle(Axis::Z, Motion::Displacement),
+    Channel::Spindle(Axis::Y, Motion::Velocity),
+    Channel::Spindle(Axis::Z, Motion::Velocity),
+    Channel::Spindle(Axis::Y, Motion::Acceleration),
+    Channel::Spindle(Axis::Z, Motion::Acceleration),
+];
+
 /// Number of values kept of a channel over a duration [s]; at least one.
 pub fn kept_values(duration: f64) -> usize {
     ((duration * RATE).round() as usize).max(1)

@@ -4,14 +4,13 @@
 
 use std::sync::OnceLock;
 
-use crate::numerics::spectrum::{amplitude_spectrum, band_limited, envelope_spectrum};
+use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{self, CentralMoments};
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::sampling::ACCELERATIONS;
 use crate::simulation::recording::sampling::BAND;
 use crate::simulation::recording::sampling::BATCHES;
-use crate::simulation::recording::sampling::ENVELOPE_BAND;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::sampling::REPEATED;
 use crate::simulation::recording::sampling::kept_values;

@@ -5,7 +5,6 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
 use crate::simulation::error::comparison::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::error::report::Doubt;
 use crate::simulation::input::channel::{Channel, Motion};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
@@ -17,7 +16,7 @@ use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::recording::windows::InBand;
 use crate::simulation::result::lines::{Line, find_lines};
-use crate::simulation::result::run_result::Series;
+use crate::simulation::result::series::Series;
 
 /// Statistics of one channel over the kept time, mean removed, 0–20 kHz, in the channel's unit.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,3 +3,4 @@
 pub mod lines;
 pub mod metrics;
 pub mod run_result;
+pub mod series;

@@ -1,9 +1,7 @@
 //! What a run leaves behind.
 
-use crate::numerics::spectrum::Spectrum;
 use crate::simulation::error::comparison::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::input::channel::Channel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
@@ -12,17 +10,7 @@ use crate::simulation::recording::plot_data::Views;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::result::metrics::{self, SolverReport, Summary};
-
-/// A signal at a uniform rate, in the channel's unit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Series {
-    pub channel: Channel,
-    /// Time of the first value since the start of the run [s].
-    pub start: f64,
-    /// Time between values [s].
-    pub step: f64,
-    pub values: Vec<f64>,
-}
+use crate::simulation::result::series::Series;
 
 /// All that a run leaves behind.
 #[derive(Debug, Clone, PartialEq)]

@@ -27,8 +27,8 @@ use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::Mechanism;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::radially_condensed::{self, Pace, RadiallyCondensed};
-use crate::simulation::model::spindle_runs;
 use crate::simulation::model::terms::{Grounds, LeftOut, Needs, Unmet};
+use crate::simulation::model::{periodic, spindle_only};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::sampling::kept_values;
@@ -65,26 +65,6 @@ const STATIC_DISPLACEMENT: f64 = 1e-6;
 /// States of the rungs that integrate the spindle alone.
 const SPINDLE_STATES: usize = 4;
 impl ModelLevel {
-    /// All, the richest first.
-    pub const ALL: [Self; 5] = [Self::Full, Self::Planar, Self::RadiallyCondensed, Self::SpindleOnly, Self::Periodic];
-    const REDUCED: [Self; 3] = [Self::Periodic, Self::SpindleOnly, Self::RadiallyCondensed];
-
-    /// The name in requests and results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Full => "full",
-            Self::Planar => "planar",
-            Self::RadiallyCondensed => "radially_condensed",
-            Self::SpindleOnly => "spindle_only",
-            Self::Periodic => "periodic",
-        }
-    }
-
-    /// Whether it leaves out more than identities allow, and has an integrator of its own.
-    pub fn is_reduced(self) -> bool {
-        Self::REDUCED.contains(&self)
-    }
-
     /// By how much it may differ from the next richer rung [dB]. The leaner ones are checked against a reduced one, which has a
     /// part of the tolerance of its own.
     fn allowed(self, model_tolerance_db: f64) -> f64 {
@@ -110,8 +90,8 @@ impl ModelLevel {
         match self {
             Self::Full | Self::Planar => None,
             Self::RadiallyCondensed => condensed(),
-            Self::SpindleOnly => spindle_runs::unable(scene, needs, outputs).or_else(condensed),
-            Self::Periodic => spindle_runs::unable_periodic(scene, needs, outputs).or_else(condensed),
+            Self::SpindleOnly => spindle_only::unable(scene, needs, outputs).or_else(condensed),
+            Self::Periodic => periodic::unable(scene, needs, outputs).or_else(condensed),
         }
     }
 }
@@ -415,8 +395,8 @@ fn record(
     control: &Control<'_>,
 ) -> Result<Made, SimulationError> {
     let (recording, statistics) = match rung {
-        ModelLevel::Periodic => spindle_runs::simulate_periodic(scene, settings, control)?,
-        ModelLevel::SpindleOnly => spindle_runs::simulate(scene, settings, control)?,
+        ModelLevel::Periodic => periodic::simulate(scene, settings, control)?,
+        ModelLevel::SpindleOnly => spindle_only::simulate(scene, settings, control)?,
         _ => radially_condensed::simulate(scene, settings, control)?,
     };
     let states = match rung {

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use super::SETTLED;
 use crate::numerics::ode::{Choice, Integrator, OdeSystem, Statistics};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
@@ -16,6 +15,8 @@ use crate::simulation::recording::sampling::RATE;
 
 /// Points of the output grid at most; fewer where the rate of kept signals gives fewer.
 const MOST_GRID_POINTS: usize = 4096;
+/// Share of the progress at which the scene has settled.
+pub(super) const SETTLED: f64 = 0.05;
 /// Share of the stretch that each run goes once before it is timed.
 const WARM_UP: f64 = 0.05;
 

@@ -1,14 +1,17 @@
 //! How far a run is from the reference.
 
 use super::course::{Course, Finished};
-use super::{MOST_GROWN, levels};
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
 use crate::simulation::error::comparison::FAINT;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::scene::Scene;
+use crate::simulation::recording::sampling::ACCELERATIONS;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::result::lines::Line;
 use crate::simulation::result::metrics;
+
+/// Trajectories are compared as long as the tolerance, grown at the divergence rate, is below this.
+pub const MOST_GROWN: f64 = 0.1;
 
 /// Least scale of a component, in its natural size: what hardly moves is not divided by nearly nothing.
 pub const LEAST_SCALE: f64 = 0.01;
@@ -54,6 +57,16 @@ impl Errors {
 /// The larger of those that are there.
 pub fn largest(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     a.into_iter().chain(b).reduce(f64::max)
+}
+
+/// Levels of the accelerations [dB].
+fn levels(run: &Finished) -> Vec<(Channel, Option<f64>)> {
+    let level = |channel: Channel| {
+        let recording = &run.recording;
+        let variance = recording.total_variance(channel);
+        recording.of(channel).and_then(|signal| metrics::in_band_metrics(channel, signal.in_band(), variance).level_db)
+    };
+    ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
 }
 
 /// The channels that are judged by their levels [dB]: those that move, but for faint ones.

@@ -5,7 +5,8 @@ use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::pocket::PocketLoad;
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::simulation::input::channel::BallContact;
-use crate::simulation::model::{Model, Watch};
+use crate::simulation::model::dynamics::Watch;
+use crate::simulation::model::system::Model;
 use crate::simulation::recording::record::ContactExtremes;
 
 /// Loads of one look.

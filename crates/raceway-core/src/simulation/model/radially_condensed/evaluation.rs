@@ -1,9 +1,10 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
 use super::ball::{BallRates, Balls, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
+use super::border::Border;
+use super::equations::RadiallyCondensed;
 use super::pocket::ByWall;
 use super::traction::{General, RacewayTraction, RisingTraction};
-use super::{Border, RadiallyCondensed};
 use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, larger};
 use crate::numerics::ode::adams_moulton::{Defect, Shares};
 use crate::physics::bearing::PerRaceway;

@@ -18,9 +18,10 @@
 //! each ball is eliminated from the spindle's equations before these are solved, and then follows the spindle; without that, errors are
 //! several times as large.
 
-use super::ball::{OneBall, Passed};
-use super::evaluation::Scratch;
-use super::{BallRates, Balls, Border, RadiallyCondensed, Rates, Seen};
+use super::ball::{BallRates, Balls, OneBall, Passed};
+use super::border::Border;
+use super::equations::RadiallyCondensed;
+use super::evaluation::{Rates, Scratch, Seen};
 use crate::numerics::lanes::{LANES, Real, SideBySide, Singles, Task, side_by_side};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::adams_moulton::{Shares, solve};

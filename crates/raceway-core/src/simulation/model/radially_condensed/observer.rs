@@ -1,28 +1,40 @@
 //! Looks at the motion, one a step: what of it is kept.
 
-use super::{Look, RadiallyCondensed, Seen, Stepper};
+use super::equations::RadiallyCondensed;
+use super::evaluation::{Seen, total};
+use super::stepping::{Look, Stepper};
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
-use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
+use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::pace::Pace;
 use crate::simulation::recording::load_course::LoadsTaken;
 use crate::simulation::recording::record::ContactExtremes;
 use crate::simulation::recording::record::Recording;
-use crate::simulation::recording::sampling::picked_channels;
+use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, picked_channels};
 use crate::simulation::recording::windows::Recorder;
 
-use super::evaluation::total;
-use super::recording::{Pace, Schedule};
-
-/// Spindle signals: place in y and z, velocity, acceleration.
-pub(super) const SIGNALS: usize = 6;
+/// Signals of the spindle.
+const SIGNALS: usize = SPINDLE_IN_PLANE.len();
 
 /// Frames that are taken in at once.
 const FRAMES: usize = 64;
+
+/// When something is kept, in steps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Schedule {
+    pub pace: Pace,
+    /// Steps of the first and of the last kept value, and the number of values.
+    pub first: u64,
+    pub last: u64,
+    pub values: usize,
+    /// Steps by which the filter comes later.
+    pub delay: usize,
+}
 
 /// What was seen so far.
 pub(super) struct Looks<'a> {
@@ -105,7 +117,7 @@ impl<'a> Looks<'a> {
             frames: Vec::with_capacity(FRAMES),
             waiting_from: 0,
             primed,
-            filtered: recorder(&spindle_channels()),
+            filtered: recorder(&SPINDLE_IN_PLANE),
             picked: recorder(&channels),
             pick: [vec![0.0; channels.len()], vec![0.0; channels.len()]],
             between: Vec::with_capacity(channels.len()),
@@ -252,7 +264,7 @@ impl<'a> Looks<'a> {
         let (picked, whirl) = self.picked.finish();
         Recording {
             start,
-            total_variance: spindle_channels().into_iter().zip((0..SIGNALS).map(variance)).collect(),
+            total_variance: SPINDLE_IN_PLANE.into_iter().zip((0..SIGNALS).map(variance)).collect(),
             contacts,
             max_pocket_load: self.extremes.map_or(0.0, |seen| seen.pocket.0.into_iter().fold(0.0, f32::max).into()),
             signals: spindle.into_iter().chain(picked).collect(),
@@ -320,11 +332,6 @@ impl Look for Looks<'_> {
             self.keep(stepper);
         }
     }
-}
-
-fn spindle_channels() -> Vec<Channel> {
-    let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
-    motions.into_iter().flat_map(|motion| [Axis::Y, Axis::Z].map(|axis| Channel::Spindle(axis, motion))).collect()
 }
 
 /// The spindle's signals at a look, as they stand in the stepper: what has just been stored in pairs can be read at once only so.

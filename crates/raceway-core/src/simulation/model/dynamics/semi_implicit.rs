@@ -19,14 +19,15 @@ mod correction;
 use std::array::from_fn;
 use std::cell::{Cell, OnceCell};
 
-use super::Dynamics;
-use super::dynamics::{Balls, Reaction, Slopes};
-use super::step_loads::Sight;
+use super::ball_group::{Balls, Slopes};
+use super::equations::Dynamics;
+use super::forces::Reaction;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
 use crate::physics::frames::Vector;
 use crate::simulation::model::state::{BallState, CageState, SpindleState};
+use crate::simulation::model::step_loads::Sight;
 use correction::{Corrected, Stiff, corrected_cage};
 
 /// Nodes of the spindle's formulas; as many states are remembered.

@@ -4,14 +4,13 @@
 //! ball, on the ball itself and, since each ball's reaction is seen apart, on cage and spindle. An entry of the spindle changes
 //! nothing but the inner contacts, one of the cage nothing but the pockets, and only those are evaluated.
 
-use super::Dynamics;
-use super::dynamics::{Balls, Border, CagePose, Reaction, Wrench};
+use super::ball_group::Balls;
+use super::border::{Border, CagePose};
+use super::equations::Dynamics;
+use super::forces::{Reaction, Wrench};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::structure::Jacobian;
 use crate::simulation::model::state::{BallState, MAX_BORDER};
-
-/// Displacement over the size of an entry: small against the indentation of a contact, large against rounding.
-pub(super) const DISPLACEMENT: f64 = 1e-5;
 
 /// One Jacobian, to be compiled for each instruction set.
 struct Differences<'a, const PLANAR: bool> {

@@ -10,6 +10,7 @@ use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{SceneParameters, Terms};
 use crate::simulation::model::terms::Needs;
+use crate::simulation::work_precision::errors::MOST_GROWN;
 
 /// The article's case at a speed [rad/s].
 fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {

@@ -7,7 +7,9 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, cross, dot, scale};
 use crate::physics::pocket::PocketSlopes;
 use crate::physics::raceway::ContactSlopes;
-use crate::simulation::model::dynamics::{Balls, Dynamics, Reaction, Slopes};
+use crate::simulation::model::dynamics::ball_group::{Balls, Slopes};
+use crate::simulation::model::dynamics::equations::Dynamics;
+use crate::simulation::model::dynamics::forces::Reaction;
 use crate::simulation::model::state::{BallState, CageState};
 use crate::simulation::model::step_loads::Seen;
 
