@@ -17,7 +17,7 @@ use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Model;
 use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::model::observer::Observer;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 use raceway::simulation::model::{periodic, spindle_only};
 use raceway::simulation::recording::record::Recording;
 use raceway::simulation::recording::sampling::RATE;
@@ -94,7 +94,7 @@ fn reference(file: &str) {
     for parameters in SCENES {
         let scene = scene(parameters);
         let settings = settings(WINDOWS as f64 * WINDOW);
-        let needs = Needs::of(&scene, &settings.outputs, Some(ModelLevel::Full)).expect("full serves all");
+        let needs = ActiveTerms::of(&scene, &settings.outputs, Some(ModelLevel::Full)).expect("full serves all");
         let model = Model::new(&scene, &needs);
         let start = start_state(&model).expect("an equilibrium");
         let mut observer = Observer::new(&model, &needs, &settings);

@@ -155,7 +155,7 @@ impl From<SimulationError> for RunFailure {
             | SimulationError::Unable { .. }
             | SimulationError::Endless { .. } => DID_NOT_CONVERGE,
             // A checked job has had its needs decided already.
-            SimulationError::Unmet(_) => INTERNAL,
+            SimulationError::UnsupportedChoice(_) => INTERNAL,
         };
         Self::Failed { cause, detail: error.to_string() }
     }

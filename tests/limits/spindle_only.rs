@@ -13,7 +13,7 @@ use raceway::simulation::model::failure::SimulationError;
 use raceway::simulation::model::observer::Observer;
 use raceway::simulation::model::periodic::{self, passage};
 use raceway::simulation::model::spindle_only::simulate;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 use raceway::simulation::recording::record::Recording;
 use raceway::simulation::result::metrics::channel_metrics;
 
@@ -56,7 +56,7 @@ fn worst_db(one: &[f64; 4], other: &[f64; 4]) -> f64 {
 }
 
 fn full(scene: &Scene, settings: &RunSettings) -> [f64; 4] {
-    let needs = Needs::of(scene, &settings.outputs, Some(ModelLevel::Full)).unwrap();
+    let needs = ActiveTerms::of(scene, &settings.outputs, Some(ModelLevel::Full)).unwrap();
     let model = Model::new(scene, &needs);
     let tolerances = model.mechanism().layout.tolerances(settings.relative_tolerance);
     let start = start_state(&model).unwrap();

@@ -82,7 +82,7 @@ pub(crate) fn judge(
     let motion = parted.and_then(|parted| parted.motion());
     let dies_out = parted.is_some_and(|parted| parted.growth < 0.0);
     // Contacts that lean keep light oscillations along the axis, which long steps damp.
-    let leans = setup.model.mechanism().leans();
+    let leans = setup.model.mechanism().has_axial_motion_or_tilt();
     let forgets = if leans { dies_out } else { motion != Some(MotionKind::Diverging) };
     if settings.method == Method::SemiImplicit && !forgets {
         // Chaos, a step beyond the limit of stability, or slow motions that keep what steps have damped: error control has to, and

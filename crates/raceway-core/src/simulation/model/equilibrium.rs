@@ -11,7 +11,7 @@ use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::state::{BallState, SpindleState};
 use crate::simulation::model::system::Model;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// Where spindle and balls rest.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,7 @@ pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
 }
 
 /// Equilibrium of a scene's raceways under its applied loads alone.
-pub fn static_loads(scene: &Scene, needs: &Needs) -> Result<StaticLoads, SimulationError> {
+pub fn static_loads(scene: &Scene, needs: &ActiveTerms) -> Result<StaticLoads, SimulationError> {
     let mut mechanism = Mechanism::new(scene, needs);
     mechanism.gravity = 0.0;
     let rest = equilibrium(&mechanism, 0.0)?;

@@ -2,7 +2,7 @@
 
 use crate::numerics::ode::IntegrationError;
 use crate::simulation::model::state::Layout;
-use crate::simulation::model::terms::Unmet;
+use crate::simulation::model::terms::UnsupportedChoice;
 
 /// Evaluations of a run that count as endless: more than a day of one core.
 pub(crate) const MOST_EVALUATIONS: f64 = 3e10;
@@ -12,7 +12,7 @@ pub(crate) const MOST_EVALUATIONS: f64 = 3e10;
 pub enum SimulationError {
     /// The scene cannot be given what the request chose.
     #[error(transparent)]
-    Unmet(#[from] Unmet),
+    UnsupportedChoice(#[from] UnsupportedChoice),
     /// A reduced rung cannot represent the scene, or not this motion of it.
     #[error("the rung {rung} does not serve: {reason}")]
     Unable { rung: &'static str, reason: String },

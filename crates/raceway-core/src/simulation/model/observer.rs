@@ -18,7 +18,7 @@ use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::step_loads::{Seen, Sight};
 use crate::simulation::model::system::Model;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::load_course::LoadsTaken;
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
@@ -122,7 +122,7 @@ struct CageMoments {
 
 impl<'m> Observer<'m> {
     /// Keeps what metrics, spectra and series of `settings` need.
-    pub fn new(model: &'m Model, needs: &Needs, settings: &RunSettings) -> Self {
+    pub fn new(model: &'m Model, needs: &ActiveTerms, settings: &RunSettings) -> Self {
         let layout = model.mechanism().layout;
         let axes = if layout.axial_spindle { &[Axis::X, Axis::Y, Axis::Z][..] } else { &[Axis::Y, Axis::Z] };
         let values = kept_values(settings.duration);

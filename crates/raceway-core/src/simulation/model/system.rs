@@ -8,7 +8,7 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::model::dynamics::{Full, Planar, Watch};
 use crate::simulation::model::fading_damping::FadingDamping;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// The equations of motion of a scene: any rung.
 #[derive(Debug, Clone)]
@@ -19,7 +19,7 @@ pub enum Model {
 
 impl Model {
     /// The rung that `needs` chose.
-    pub fn new(scene: &Scene, needs: &Needs) -> Self {
+    pub fn new(scene: &Scene, needs: &ActiveTerms) -> Self {
         let mechanism = Mechanism::new(scene, needs);
         match needs.rung {
             ModelLevel::Full => Self::Full(Full::new(mechanism)),

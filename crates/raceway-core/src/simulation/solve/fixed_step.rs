@@ -10,7 +10,7 @@ use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Model;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::Stepping;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::solve::run::{Attempt, MAIN_SHARE, Setup};
 
 /// First step that is tried [s]: levels of the article's bearing err by 0.02 dB at most.
@@ -89,7 +89,7 @@ fn another_sample<'a>(
     if let Some((what, _)) = judged.in_doubt(&setup.settings.outputs) {
         return Ok(Err(what));
     }
-    if setup.model.mechanism().leans() || !grows_slowly || !forgets {
+    if setup.model.mechanism().has_axial_motion_or_tilt() || !grows_slowly || !forgets {
         let why = match (grows_slowly, forgets) {
             (false, _) => "motions that start next to each other part faster than chaos has them part",
             (true, false) => "disturbances grow, but the run is too short to be a sample of chaos",
@@ -132,7 +132,7 @@ pub(crate) struct Stepped<'a> {
     pub settings: RunSettings,
     /// The equations that ran.
     pub model: &'a Model,
-    pub needs: &'a Needs,
+    pub needs: &'a ActiveTerms,
 }
 
 /// A run in steps that serve, or why error control has to. `allowed_db`: error of the level that serves, as stated; `tells_chaos`: whether

@@ -14,7 +14,7 @@ use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::equilibrium::equilibrium;
 use crate::simulation::model::equilibrium::start_state;
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::terms::{Grounds, LeftOut, Needs};
+use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut};
 use crate::simulation::model::{Mechanism, Model, Watch};
 
 /// Decibels of a small relative change of an amplitude.
@@ -58,7 +58,7 @@ impl Omission {
     }
 
     /// Takes it out of the equations.
-    pub fn leave_out(self, needs: &mut Needs) {
+    pub fn leave_out(self, needs: &mut ActiveTerms) {
         match self {
             Self::Strips(points) => (needs.raceway.gauss, needs.raceway.strips) = (true, points),
             Self::Drag => needs.drag = false,
@@ -66,7 +66,7 @@ impl Omission {
         }
     }
 
-    fn reason(self, whole: &Needs) -> String {
+    fn reason(self, whole: &ActiveTerms) -> String {
         match self {
             Self::Strips(points) => {
                 format!("{points} points of a Gauss rule in place of {} strips across a contact", whole.raceway.strips)
@@ -98,7 +98,7 @@ impl Omission {
 
 /// The same without what changes the levels by no more than a tolerance, all together [dB]; on the rungs of the dynamics. The
 /// saving decides the order: strips first, as few as fit.
-pub fn within(whole: Needs, scene: &Scene, outputs: &Outputs, tolerance_db: f64) -> Needs {
+pub fn within(whole: ActiveTerms, scene: &Scene, outputs: &Outputs, tolerance_db: f64) -> ActiveTerms {
     let mut needs = whole.clone();
     if tolerance_db == 0.0 || whole.rung.is_reduced() {
         return needs;
@@ -115,7 +115,7 @@ pub fn within(whole: Needs, scene: &Scene, outputs: &Outputs, tolerance_db: f64)
         needs.left_out.push(LeftOut {
             term: omission.name(),
             reason: omission.reason(&whole),
-            by: Grounds::Judgement,
+            by: Justification::Judgement,
             bound: Some((bound, "dB")),
         });
         true
@@ -131,7 +131,7 @@ pub fn within(whole: Needs, scene: &Scene, outputs: &Outputs, tolerance_db: f64)
 #[derive(Debug)]
 pub struct Judge<'a> {
     scene: &'a Scene,
-    needs: &'a Needs,
+    needs: &'a ActiveTerms,
     mechanism: Mechanism,
     motions: Vec<(BallContact, RelativeMotion)>,
 }
@@ -155,11 +155,11 @@ impl Watch for Motions {
 impl<'a> Judge<'a> {
     /// `None` where nothing bounds what small forces do: the cage rattles, traction grows steeply, the speed varies or is low, or the
     /// spindle may leave the balls; and with a load or motion along the axis, or a misaligned spindle, for which no bound was measured.
-    pub fn new(scene: &'a Scene, needs: &'a Needs) -> Result<Option<Self>, SimulationError> {
+    pub fn new(scene: &'a Scene, needs: &'a ActiveTerms) -> Result<Option<Self>, SimulationError> {
         let model = Model::new(scene, needs);
         let m = model.mechanism();
         let damped = !m.layout.cage || m.pocket.film_is_damped();
-        let in_plane = !m.leans();
+        let in_plane = !m.has_axial_motion_or_tilt();
         let orbit_speed = m.orbit_ratio * m.speed.largest();
         let centrifuge = m.pitch_radius * orbit_speed * orbit_speed;
         let law = &scene.lubricant.traction;
@@ -218,8 +218,9 @@ impl<'a> Judge<'a> {
     /// Slip by which balls make up for what traction changes with Gauss points, over the speed of their orbit: Σ |ΔT| / Σ dT/du.
     fn slip_without_strips(&self, points: usize) -> f64 {
         let damping = self.scene.raceway_damping.resolve();
-        let pair =
-            |needs: &Needs| RacewayContact::pair(&self.scene.bearing, &self.scene.lubricant, damping, needs.raceway);
+        let pair = |needs: &ActiveTerms| {
+            RacewayContact::pair(&self.scene.bearing, &self.scene.lubricant, damping, needs.raceway)
+        };
         let mut fewer = self.needs.clone();
         Omission::Strips(points).leave_out(&mut fewer);
         let (strips, gauss) = (pair(self.needs), pair(&fewer));

@@ -27,7 +27,7 @@ use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::Mechanism;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::radially_condensed::{self, Pace, RadiallyCondensed};
-use crate::simulation::model::terms::{Grounds, LeftOut, Needs, Unmet};
+use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut, UnsupportedChoice};
 use crate::simulation::model::{periodic, spindle_only};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::RATE;
@@ -84,7 +84,7 @@ impl ModelLevel {
     }
 
     /// Why a reduced rung cannot have this scene or give these outputs; `None`: it can, or it is none.
-    fn refusal(self, scene: &Scene, needs: &Needs, outputs: &Outputs) -> Option<String> {
+    fn refusal(self, scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<String> {
         // The leaner rungs are checked against this one.
         let condensed = || radially_condensed::unable(scene, outputs).map(str::to_owned);
         match self {
@@ -103,18 +103,21 @@ pub fn needs(
     outputs: &Outputs,
     rung: Option<ModelLevel>,
     model_tolerance_db: f64,
-) -> Result<Needs, Unmet> {
+) -> Result<ActiveTerms, UnsupportedChoice> {
     let Some(rung) = rung.filter(|rung| rung.is_reduced()) else {
         if rung == Some(ModelLevel::Full) && scene.terms.get(Term::CageTilt) == TermChoice::Off {
-            return Err(Unmet::ModelLevel { rung: ModelLevel::Full, reason: "terms.cage_tilt is off".into() });
+            return Err(UnsupportedChoice::ModelLevel {
+                rung: ModelLevel::Full,
+                reason: "terms.cage_tilt is off".into(),
+            });
         }
-        return Ok(judgement::within(Needs::of(scene, outputs, rung)?, scene, outputs, model_tolerance_db));
+        return Ok(judgement::within(ActiveTerms::of(scene, outputs, rung)?, scene, outputs, model_tolerance_db));
     };
-    if let Some(reason) = rung.refusal(scene, &Needs::of(scene, outputs, Some(ModelLevel::Full))?, outputs) {
-        return Err(Unmet::ModelLevel { rung, reason });
+    if let Some(reason) = rung.refusal(scene, &ActiveTerms::of(scene, outputs, Some(ModelLevel::Full))?, outputs) {
+        return Err(UnsupportedChoice::ModelLevel { rung, reason });
     }
-    let mut needs = Needs::of(scene, outputs, Some(ModelLevel::Planar))?;
-    needs.left_out.retain(|left_out| left_out.term != Term::CageTilt.name() || left_out.by == Grounds::Identity);
+    let mut needs = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;
+    needs.left_out.retain(|left_out| left_out.term != Term::CageTilt.name() || left_out.by == Justification::Identity);
     let tilts = !needs.left_out.iter().any(|left_out| left_out.term == Term::CageTilt.name());
     needs.left_out.extend(omissions(rung, tilts));
     Ok(needs)
@@ -125,7 +128,7 @@ fn omissions(rung: ModelLevel, tilts: bool) -> Vec<LeftOut> {
     let one = |term: Term, reason: &str| LeftOut {
         term: term.name(),
         reason: format!("rung {}: {reason}", rung.name()),
-        by: Grounds::Judgement,
+        by: Justification::Judgement,
         bound: None,
     };
     let mut all = vec![one(Term::BallRadialDynamics, "balls are in radial equilibrium between their raceways")];
@@ -140,11 +143,11 @@ fn omissions(rung: ModelLevel, tilts: bool) -> Vec<LeftOut> {
 }
 
 /// The rungs that are tried, the leanest first; the last one is sure to serve.
-pub fn tried(scene: &Scene, settings: &RunSettings) -> Result<Vec<ModelLevel>, Unmet> {
+pub fn tried(scene: &Scene, settings: &RunSettings) -> Result<Vec<ModelLevel>, UnsupportedChoice> {
     if let Some(rung) = settings.rung {
         return Ok(vec![rung]);
     }
-    let dynamics = Needs::of(scene, &settings.outputs, None)?;
+    let dynamics = ActiveTerms::of(scene, &settings.outputs, None)?;
     let mut rungs = if not_tried(scene, settings, &dynamics).is_none() {
         let serves = |rung: &ModelLevel| {
             (*rung == ModelLevel::RadiallyCondensed || lean_not_tried(scene).is_none())
@@ -159,7 +162,7 @@ pub fn tried(scene: &Scene, settings: &RunSettings) -> Result<Vec<ModelLevel>, U
 }
 
 /// Why no reduced rung is tried; `None`: nothing else is asked for, and a check would tell and be worth it.
-fn not_tried(scene: &Scene, settings: &RunSettings, needs: &Needs) -> Option<&'static str> {
+fn not_tried(scene: &Scene, settings: &RunSettings, needs: &ActiveTerms) -> Option<&'static str> {
     let dynamics = [Term::BallRadialDynamics, Term::BallSpinDynamics, Term::CageTilt];
     if settings.method != Method::Auto || settings.fixed_step.is_some() {
         Some("a method or a fixed step was asked for")
@@ -220,7 +223,7 @@ pub(crate) fn run(
 ) -> Result<(Option<RunResult>, Vec<String>), SimulationError> {
     let begin = Instant::now();
     let mut found = Vec::new();
-    let dynamics = Needs::of(scene, &settings.outputs, None)?;
+    let dynamics = ActiveTerms::of(scene, &settings.outputs, None)?;
     if let (None, Some(reason)) = (settings.rung, not_tried(scene, settings, &dynamics)) {
         found.push(format!("no reduced rung was tried: {reason}"));
     } else if let (None, Some(reason)) = (settings.rung, lean_not_tried(scene)) {
@@ -447,7 +450,7 @@ fn summarise(
         (None, None) => check.distance,
     };
     let bound = distance.levels.worst().map(|error| (error, "dB"));
-    for left_out in needs.left_out.iter_mut().filter(|left_out| left_out.by == Grounds::Judgement) {
+    for left_out in needs.left_out.iter_mut().filter(|left_out| left_out.by == Justification::Judgement) {
         left_out.bound = bound;
     }
     let allowed = rung.allowed(settings.model_tolerance_db);

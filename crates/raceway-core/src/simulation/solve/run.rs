@@ -16,7 +16,7 @@ use crate::simulation::model::Model;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{Integrated, STEPS_PER_LOOK, Span, Stepping, integrate};
 use crate::simulation::model::observer::Observer;
-use crate::simulation::model::terms::{Grounds, Needs};
+use crate::simulation::model::terms::{ActiveTerms, Justification};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::result::metrics::SolverReport;
 use crate::simulation::result::run_result::{Account, RunResult};
@@ -69,7 +69,7 @@ fn dynamics(
     let may_step = fixed_step::may_choose(settings);
     let tells_chaos = !ladder::tilts_late(scene);
     let share = match may_step {
-        true if tells_chaos && !model.mechanism().leans() => STEPPED_SHARE,
+        true if tells_chaos && !model.mechanism().has_axial_motion_or_tilt() => STEPPED_SHARE,
         true => TRIED_SHARE,
         false => 0.0,
     };
@@ -122,7 +122,7 @@ fn under_error_control<'a>(
     // A run that has been tightened for the noise of its steps is not run at a looser tolerance again.
     let looser = |made: &Attempt| tighter.filter(|_| made.relative_tolerance == settings.relative_tolerance);
     // Where contacts lean, hardly anything moves, and a loose tolerance may take the noise of its steps for chaos.
-    let leans = setup.model.mechanism().leans();
+    let leans = setup.model.mechanism().has_axial_motion_or_tilt();
     let believed =
         |accuracy: &AccuracyReport| tighter.is_none() || !leans || accuracy.motion != Some(MotionKind::Diverging);
     let known = |made: &Attempt, accuracy: &AccuracyReport| {
@@ -180,11 +180,11 @@ pub(crate) const MAIN_SHARE: f64 = 0.85;
 #[derive(Clone, Copy)]
 pub(crate) struct Setup<'a> {
     pub model: &'a Model,
-    pub needs: &'a Needs,
+    pub needs: &'a ActiveTerms,
     pub settings: &'a RunSettings,
     pub beginning: &'a Beginning,
     /// The equations with all that judgement has left out of `model`; `None`: nothing.
-    pub whole: Option<(&'a Model, &'a Needs)>,
+    pub whole: Option<(&'a Model, &'a ActiveTerms)>,
 }
 
 /// The whole run at one tolerance.
@@ -233,7 +233,7 @@ fn summarise(
 ) -> Result<RunResult, SimulationError> {
     let &Setup { model, needs, settings, .. } = setup;
     let main = &attempt.integrated;
-    let leaves_plane = || Needs::of(scene, &settings.outputs, None).is_ok_and(|own| own.rung == ModelLevel::Full);
+    let leaves_plane = || ActiveTerms::of(scene, &settings.outputs, None).is_ok_and(|own| own.rung == ModelLevel::Full);
     attempt.recording.evaluate(&settings.outputs);
     let is_steady = scene.operation.speed.is_constant();
     let later =
@@ -251,7 +251,7 @@ fn summarise(
     let mut left_out = needs.left_out.clone();
     // What the repetition with all terms has shown, of all of them and the integration together, if it is more than was foreseen.
     for (bound, _) in
-        left_out.iter_mut().filter(|one| one.by == Grounds::Judgement).filter_map(|one| one.bound.as_mut())
+        left_out.iter_mut().filter(|one| one.by == Justification::Judgement).filter_map(|one| one.bound.as_mut())
     {
         *bound = bound.max(accuracy.level_error_db().unwrap_or(0.0));
     }

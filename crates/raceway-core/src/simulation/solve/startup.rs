@@ -13,7 +13,7 @@ use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::equilibrium::{equilibrium, start_state};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{Span, Stepping, integrate};
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{FadingDamping, Mechanism, Model};
 use crate::simulation::solve::fixed_step;
 use crate::simulation::solve::ladder::{self};
@@ -71,7 +71,7 @@ impl Rest {
     fn of(scene: &Scene) -> Option<Self> {
         // Which outputs are asked for does not matter to what holds the spindle.
         let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: vec![] };
-        let mut mechanism = Mechanism::new(scene, &Needs::of(scene, &outputs, None).ok()?);
+        let mut mechanism = Mechanism::new(scene, &ActiveTerms::of(scene, &outputs, None).ok()?);
         let law = scene.raceway_damping.resolve();
         // Balls go round: a place with one of them under the load, and the one halfway to the next.
         let (mut damping, mut all_carry) = (Matrix3::zeros(), true);
@@ -99,7 +99,7 @@ impl Rest {
             true => damping.symmetric_eigenvalues().min(),
             false => damping.fixed_view::<2, 2>(1, 1).into_owned().symmetric_eigenvalues().min(),
         };
-        let leans = mechanism.leans() && mechanism.layout.cage;
+        let leans = mechanism.has_axial_motion_or_tilt() && mechanism.layout.cage;
         Some(Self { decay: 0.5 * least / mechanism.spindle_mass, all_carry, leans })
     }
 }
@@ -147,7 +147,7 @@ impl Shared {
         }
         let time = settle - turning.min(settle * (1.0 - LEANING_SHARED));
         let turns = mechanism.speed.at(0.0).1 != 0.0;
-        if mechanism.leans()
+        if mechanism.has_axial_motion_or_tilt()
             && turns
             && time >= LEAST_SHARED
             && Rest::of(scene).is_some_and(|rest| rest.has_one_motion())
@@ -218,7 +218,7 @@ impl Beginning {
 /// What a run says that was not damped at first and in which the cage may still ring: where contacts lean, and all carry.
 pub fn cage_rings_on(scene: &Scene, model: &Model, settings: &RunSettings) -> Option<String> {
     let (mechanism, settle) = (model.mechanism(), settings.settle);
-    let rings = mechanism.leans() && mechanism.layout.cage && settle < CAGE_RINGS;
+    let rings = mechanism.has_axial_motion_or_tilt() && mechanism.layout.cage && settle < CAGE_RINGS;
     let rest = rings.then(|| Rest::of(scene)).flatten().filter(|rest| rest.all_carry)?;
     let why = if !mechanism.speed.is_constant() {
         "at a changing speed"
@@ -237,7 +237,7 @@ pub fn cage_rings_on(scene: &Scene, model: &Model, settings: &RunSettings) -> Op
 
 /// What a run on `full` says in which cage and balls may still come to tilt: under hydrodynamic forces that takes seconds (levels of a 608 under
 /// 115 N in oil of 0.05 Pa·s, 6000 r/min, fall by 0.6 dB over four).
-pub fn tilts_on(scene: &Scene, needs: &Needs, settle: f64) -> Option<String> {
+pub fn tilts_on(scene: &Scene, needs: &ActiveTerms, settle: f64) -> Option<String> {
     let may_tilt = needs.rung == ModelLevel::Full && needs.raceway.hydrodynamics && ladder::tilts_slowly(scene);
     (may_tilt && settle < TILT_SETTLES).then(|| {
         format!(

@@ -9,7 +9,7 @@ use crate::simulation::model::Model;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{Span, Stepping, integrate};
 use crate::simulation::model::observer::Observer;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::RATE;
 
@@ -23,7 +23,7 @@ const WARM_UP: f64 = 0.05;
 /// From where to where, and what is looked at.
 pub struct Course<'m> {
     model: &'m Model,
-    needs: &'m Needs,
+    needs: &'m ActiveTerms,
     pub settings: RunSettings,
     /// [s]
     pub begin: f64,
@@ -90,7 +90,7 @@ impl<'m> Course<'m> {
     /// the kept time, for the filters to fill.
     pub fn settled(
         model: &'m Model,
-        needs: &'m Needs,
+        needs: &'m ActiveTerms,
         settings: &RunSettings,
         rest: Vec<f64>,
         control: &Control<'_>,

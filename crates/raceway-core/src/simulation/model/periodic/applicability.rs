@@ -3,10 +3,10 @@
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::spindle_only;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// Why there is no steady orbit of one ball passage; `None`: there may be one.
-pub fn unable(scene: &Scene, needs: &Needs, outputs: &Outputs) -> Option<String> {
+pub fn unable(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<String> {
     let reason = if !scene.operation.speed.is_constant() {
         "the speed changes"
     } else if scene.operating_speed() == 0.0 {

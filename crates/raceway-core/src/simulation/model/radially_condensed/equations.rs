@@ -20,7 +20,7 @@ use crate::simulation::model::condensed_contact::CondensedContact;
 use crate::simulation::model::equilibrium::{Equilibrium, equilibrium};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// Loads beyond the largest static one for which contacts count as narrow.
 const LOAD_MARGIN: f64 = 1.5;
@@ -36,7 +36,7 @@ pub(super) struct Alike {
 #[derive(Debug, Clone)]
 pub struct RadiallyCondensed {
     pub(super) mechanism: Mechanism,
-    pub(super) needs: Needs,
+    pub(super) needs: ActiveTerms,
     /// Azimuths at which the balls start, eight at a time; 1 for each ball, 0 for the copies of the last one that fill up.
     pub(super) start: Vec<Azimuth<Singles>>,
     pub(super) present: Vec<Singles>,
@@ -84,7 +84,7 @@ fn shows_cage(channel: &Channel) -> bool {
 }
 
 /// Traction in short form where the law has one and the contact stays narrow up to a load [N].
-fn traction(scene: &Scene, needs: &Needs, contact: &RacewayContact, load: f64) -> RacewayTraction {
+fn traction(scene: &Scene, needs: &ActiveTerms, contact: &RacewayContact, load: f64) -> RacewayTraction {
     let TractionLaw::FourParameter { at_rest: 0.0, maximum, at_slip, limit } = scene.lubricant.traction else {
         return RacewayTraction::General;
     };
@@ -109,7 +109,7 @@ impl RadiallyCondensed {
         if let Some(reason) = unable(scene, outputs) {
             return Err(SimulationError::Unable { rung: "radially_condensed", reason: reason.into() });
         }
-        let needs = Needs::of(scene, outputs, Some(ModelLevel::Planar))?;
+        let needs = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;
         let m = Mechanism::new(scene, &needs);
         let balls = m.layout.balls;
         let rest = equilibrium(&m, m.speed.at(0.0).1)?;
@@ -238,7 +238,7 @@ impl RadiallyCondensed {
         &self.mechanism
     }
 
-    pub fn needs(&self) -> &Needs {
+    pub fn needs(&self) -> &ActiveTerms {
         &self.needs
     }
 

@@ -6,16 +6,16 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// The equations and the mechanism of a scene; an error where `unable` finds a reason against them.
 pub(crate) fn scene_model(
     scene: &Scene,
     settings: &RunSettings,
     rung: &'static str,
-    unable: fn(&Scene, &Needs, &Outputs) -> Option<String>,
+    unable: fn(&Scene, &ActiveTerms, &Outputs) -> Option<String>,
 ) -> Result<(SpindleOnly, Mechanism), SimulationError> {
-    let needs = Needs::of(scene, &settings.outputs, Some(ModelLevel::Full))?;
+    let needs = ActiveTerms::of(scene, &settings.outputs, Some(ModelLevel::Full))?;
     if let Some(reason) = unable(scene, &needs, &settings.outputs) {
         return Err(SimulationError::Unable { rung, reason });
     }

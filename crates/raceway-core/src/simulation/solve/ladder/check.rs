@@ -13,7 +13,7 @@ use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::Stepping;
 use crate::simulation::model::radially_condensed::RadiallyCondensed;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{Model, condensed_contact};
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
@@ -224,7 +224,7 @@ pub(crate) fn check(
     let mut own = record(rung, scene, &short, &quiet)?.recording;
     let mut leaves = None;
     let (against, richer) = if rung == ModelLevel::RadiallyCondensed {
-        let needs = Needs::of(scene, &short.outputs, None)?;
+        let needs = ActiveTerms::of(scene, &short.outputs, None)?;
         let model = Model::new(scene, &needs);
         let beginning = Beginning::at_rest(&model)?;
         let tolerance = settings.tightest().max(CHECK_TOLERANCE);

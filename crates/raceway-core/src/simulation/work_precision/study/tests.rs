@@ -9,7 +9,7 @@ use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{SceneParameters, Terms};
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::work_precision::errors::MOST_GROWN;
 
 /// The article's case at a speed [rad/s].
@@ -102,7 +102,7 @@ fn chaotic_motion_is_compared_over_a_stated_horizon() {
 fn a_run_that_takes_too_many_evaluations_has_failed_and_tighter_ones_are_not_tried() {
     let scene = greased();
     let settings = settings(0.0, 0.0005);
-    let needs = Needs::of(&scene, &settings.outputs, settings.rung).unwrap();
+    let needs = ActiveTerms::of(&scene, &settings.outputs, settings.rung).unwrap();
     let model = Model::new(&scene, &needs);
     let control = Control::until(&|| false);
     let course = Course::settled(&model, &needs, &settings, start_state(&model).unwrap(), &control).unwrap();
