@@ -111,7 +111,7 @@ fn simulated(job: &Job, result: &RunResult) -> Simulated {
         metrics: Metrics::of(result, &job.settings.outputs),
         spectra: result.spectra.iter().flat_map(of_channel).collect(),
         series: result.series.iter().map(SeriesAnswer::of).collect(),
-        views: ViewsAnswer::of(&result.views),
+        views: ViewsAnswer::of(&result.plot_data),
     }
 }
 

@@ -71,7 +71,7 @@ pub(crate) fn judge(
 ) -> Result<(Attempt, AccuracyReport), SimulationError> {
     let settings = setup.settings;
     (control.live)(&Live::of(Phase::Judging));
-    let aside = &control.aside();
+    let aside = &control.without_live();
     let (stretch, checkpoint) = (judged_stretch(settings), &first.integrated.checkpoint);
     let most = JUDGING * first.integrated.statistics.rhs_evaluations.max(LEAST_EVALUATIONS);
     let parted = divergence_rate(setup.model, settings, settings.settle, checkpoint, stretch, most, aside);
@@ -156,7 +156,7 @@ pub(crate) fn judge(
             Ok(report(Distance { levels, ..of_repetition }, how, first, failure.as_ref()))
         }
         // For levels that nobody asked for it is not worth its while.
-        Some(repeated) if !fixed && repeated.is_unresolved() && settings.outputs.are_of_levels() => {
+        Some(repeated) if !fixed && repeated.is_unresolved() && settings.outputs.include_levels() => {
             let taken = first.relative_tolerance;
             let (attempt, distance, tightest) = resolve(setup, first, of_repetition, control)?;
             let how = match distance.levels.worst() {
@@ -399,7 +399,7 @@ impl AccuracyReport {
         let level = self.level_error_db();
         let doubtful = |chance: bool| {
             // Of chaos levels tell by themselves that the sample is a short one.
-            let quantities = self.quantity_errors.filter(|_| !chance || !outputs.are_of_levels());
+            let quantities = self.quantity_errors.filter(|_| !chance || !outputs.include_levels());
             doubtful(level, quantities, outputs)
         };
         match self.doubt.as_ref()? {
@@ -521,7 +521,7 @@ fn too_short(rate: f64, duration: f64) -> Option<String> {
 /// What of these is in doubt, and by how much.
 fn doubtful(level_error_db: Option<f64>, quantities: Option<QuantityErrors>, outputs: &Outputs) -> Option<String> {
     let level = level_error_db
-        .filter(|error| *error > DOUBTFUL && outputs.are_of_levels())
+        .filter(|error| *error > DOUBTFUL && outputs.include_levels())
         .map(|error| format!("the level (an error of {error:.1} dB or more)"));
     let share = |name: &str, error: Option<f64>| {
         error

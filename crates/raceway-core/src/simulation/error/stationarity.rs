@@ -118,7 +118,7 @@ pub(crate) fn of_dynamics(
     };
     (control.live)(&Live::of(Phase::Judging));
     let later = Setup { settings, beginning: &beginning, ..*setup };
-    Ok(later.attempt(&stepping, (0.0, 1.0), &control.aside())?.recording)
+    Ok(later.attempt(&stepping, (0.0, 1.0), &control.without_live())?.recording)
 }
 
 /// What the levels of equal parts of a recording, each as long as the kept one, differ by from those of that, rms [dB].

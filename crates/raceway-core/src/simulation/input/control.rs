@@ -23,7 +23,7 @@ impl<'a> Control<'a> {
     }
 
     /// The same for a run whose levels are not those of the result.
-    pub fn aside(&self) -> Self {
+    pub fn without_live(&self) -> Self {
         Self { live: &|_| (), ..*self }
     }
 }

@@ -18,7 +18,7 @@ pub struct Outputs {
 
 impl Outputs {
     /// Whether the answer has to do with levels of the spindle.
-    pub fn are_of_levels(&self) -> bool {
+    pub fn include_levels(&self) -> bool {
         self.vibration || self.spectra.iter().any(|channel| matches!(channel, Channel::Spindle(..)))
     }
 

@@ -16,10 +16,10 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, length};
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::model::step_loads::{Seen, Sight};
+use crate::simulation::model::step_loads::{PackedStepLoads, StepLoads};
 use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
-use crate::simulation::recording::load_course::LoadsTaken;
+use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::RATE;
@@ -103,7 +103,7 @@ pub struct Observer<'m> {
     /// What steps have shown of themselves: `frame`, `pick`, and of the first ball azimuth and loads.
     course: Course,
     between: Vec<f64>,
-    loads: Option<LoadsTaken>,
+    loads: Option<BallLoadRecorder>,
     shaft: Moments,
     cage: Moments,
     spin: Moments,
@@ -171,7 +171,7 @@ impl<'m> Observer<'m> {
                 counts: false,
             },
             loads: (settings.outputs.contacts && settings.outputs.keep_signals())
-                .then(|| LoadsTaken::new(values, model.mechanism().steady_orbit_speed())),
+                .then(|| BallLoadRecorder::new(values, model.mechanism().steady_orbit_speed())),
             shaft: Moments::default(),
             cage: Moments::default(),
             spin: Moments::default(),
@@ -208,7 +208,7 @@ impl<'m> Observer<'m> {
             self.course.clear();
             self.look_within(step);
         }
-        self.see(step.time(), step.state(), &Sight(sight));
+        self.see(step.time(), step.state(), &PackedStepLoads(sight));
         if let Some(known) = self.course.known() {
             self.keep_between(known);
         }
@@ -239,12 +239,12 @@ impl<'m> Observer<'m> {
     }
 
     /// Sees the end of a step.
-    fn see(&mut self, time: f64, state: &[f64], sight: &Sight<'_>) {
+    fn see(&mut self, time: f64, state: &[f64], sight: &PackedStepLoads<'_>) {
         self.state.copy_from_slice(state);
         self.begin(time);
         let m = self.model.mechanism();
         for ball in 0..m.layout.balls {
-            let Seen { load, pocket, slip_square, angle, rolling_speed } = sight.of(ball);
+            let StepLoads { load, pocket, slip_square, angle, rolling_speed } = sight.of(ball);
             let inner = Contact { load: load.inner, slip_square: slip_square.inner, angle: angle.inner };
             let outer = Contact { load: load.outer, slip_square: slip_square.outer, angle: angle.outer };
             self.snapshot.meet(&m.raceway, (ball, BallContact::Inner), &inner, |_| rolling_speed.inner);
@@ -345,7 +345,7 @@ impl<'m> Observer<'m> {
         let (mut orbit, mut spin) = (0.0, 0.0);
         for state in states {
             orbit += state.arc_velocity / balls as f64;
-            // Seen from the orbit frame, about the axis that a contact angle leans.
+            // StepLoads from the orbit frame, about the axis that a contact angle leans.
             let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
             spin += length([about_x, state.spin[1], state.spin[2]]) / balls as f64;
         }
@@ -433,8 +433,8 @@ impl<'m> Observer<'m> {
             cage_speed: self.cage.mean().abs(),
             ball_spin: self.spin.mean(),
             parts: self.parts,
-            loads: self.loads.map(LoadsTaken::finish),
-            wander: None,
+            loads: self.loads.map(BallLoadRecorder::finish),
+            largest_pocket_offset: None,
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::physics::frames::Vector;
 
 /// What presses on a ball, and how it slips and rolls.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Seen<T = f64> {
+pub struct StepLoads<T = f64> {
     /// Normal loads [N].
     pub load: PerRaceway<T>,
     pub pocket: T,
@@ -18,16 +18,16 @@ pub struct Seen<T = f64> {
     /// Mean rolling speeds at the contacts' centres [m/s].
     pub rolling_speed: PerRaceway<T>,
 }
-side_by_side!(Seen { load, pocket, slip_square, angle, rolling_speed });
+side_by_side!(StepLoads { load, pocket, slip_square, angle, rolling_speed });
 
 /// Numbers of a ball in a row of them.
 const COLUMNS: usize = 11;
 
 /// All that is seen, as numbers in a row: the form in which an integrator hands it on.
 #[derive(Debug, Clone, Copy)]
-pub struct Sight<'a>(pub &'a [f64]);
+pub struct PackedStepLoads<'a>(pub &'a [f64]);
 
-impl Sight<'_> {
+impl PackedStepLoads<'_> {
     /// Numbers of so many groups of balls.
     pub fn numbers(groups: usize) -> usize {
         3 + groups * COLUMNS * LANES
@@ -40,12 +40,12 @@ impl Sight<'_> {
 
     /// What is seen of a ball.
     #[inline]
-    pub fn of(&self, ball: usize) -> Seen {
+    pub fn of(&self, ball: usize) -> StepLoads {
         let first = 3 + ball / LANES * COLUMNS * LANES + ball % LANES;
         let row = &self.0[first..=first + (COLUMNS - 1) * LANES];
         let [inner, outer, pocket, slip_i, slip_e, sine_i, cosine_i, sine_e, cosine_e, rolling_i, rolling_e] =
             std::array::from_fn(|column| row[column * LANES]);
-        Seen {
+        StepLoads {
             load: PerRaceway { inner, outer },
             pocket,
             slip_square: PerRaceway { inner: slip_i, outer: slip_e },
@@ -55,7 +55,7 @@ impl Sight<'_> {
     }
 }
 
-impl Seen<Lanes> {
+impl StepLoads<Lanes> {
     /// Puts a group of balls into its place of the row.
     #[inline(always)]
     pub fn put_into(&self, numbers: &mut [f64], group: usize) {
@@ -89,7 +89,7 @@ mod tests {
     fn what_is_put_in_comes_out_ball_by_ball() {
         let one = |ball: usize| {
             let number = |column: usize| (10 * ball + column) as f64;
-            Seen {
+            StepLoads {
                 load: PerRaceway { inner: number(0), outer: number(1) },
                 pocket: number(2),
                 slip_square: PerRaceway { inner: number(3), outer: number(4) },
@@ -97,16 +97,16 @@ mod tests {
                 rolling_speed: PerRaceway { inner: number(9), outer: number(10) },
             }
         };
-        let mut numbers = vec![0.0; Sight::numbers(2)];
+        let mut numbers = vec![0.0; PackedStepLoads::numbers(2)];
         for group in 0..2 {
-            let mut seen = Seen::<Lanes>::default();
+            let mut seen = StepLoads::<Lanes>::default();
             for lane in 0..LANES {
                 seen.put(lane, one(group * LANES + lane));
             }
             seen.put_into(&mut numbers, group);
         }
         numbers[..3].copy_from_slice(&[1.0, 2.0, 3.0]);
-        let sight = Sight(&numbers);
+        let sight = PackedStepLoads(&numbers);
         assert_eq!(sight.acceleration(), [1.0, 2.0, 3.0]);
         for ball in 0..2 * LANES {
             assert_eq!(format!("{:?}", sight.of(ball)), format!("{:?}", one(ball)));

@@ -8,7 +8,7 @@ const BALL_TURNS: f64 = 3.0;
 
 /// Loads of the first ball along its way.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct LoadsAlong {
+pub struct BallLoadCourse {
     /// From Y towards Z, 0 to 2π [rad].
     pub azimuth: Vec<f64>,
     /// [N]
@@ -19,18 +19,18 @@ pub struct LoadsAlong {
 
 /// Takes the loads of the first ball ever so many kept values.
 #[derive(Debug, Clone)]
-pub struct LoadsTaken {
+pub struct BallLoadRecorder {
     every: usize,
     seen: usize,
-    loads: LoadsAlong,
+    loads: BallLoadCourse,
 }
 
-impl LoadsTaken {
+impl BallLoadRecorder {
     /// Of a run that keeps so many values, ours among them as far as one window goes; of a steady one, whose balls go round at `orbit_speed`
     /// [rad/s], the first turns.
     pub fn new(values: usize, orbit_speed: Option<f64>) -> Self {
         let window = stretch(values.min(RATE as usize), BALL_TURNS, orbit_speed);
-        Self { every: window.div_ceil(MOST_PLACES).max(1), seen: 0, loads: LoadsAlong::default() }
+        Self { every: window.div_ceil(MOST_PLACES).max(1), seen: 0, loads: BallLoadCourse::default() }
     }
 
     /// Shows a kept value: azimuth [rad], inner and outer load [N].
@@ -44,7 +44,7 @@ impl LoadsTaken {
         self.seen += 1;
     }
 
-    pub fn finish(self) -> LoadsAlong {
+    pub fn finish(self) -> BallLoadCourse {
         self.loads
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::numerics::statistics::thin;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
-use crate::simulation::recording::load_course::LoadsAlong;
+use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::load_course::stretch;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::RATE;
@@ -41,13 +41,13 @@ pub struct Orbit {
 
 /// All of a run.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Views {
+pub struct PlotData {
     pub traces: Vec<Trace>,
     pub orbits: Vec<Orbit>,
-    pub loads: Option<LoadsAlong>,
+    pub loads: Option<BallLoadCourse>,
 }
 
-impl Views {
+impl PlotData {
     /// Of what a run has shown: of a steady one as much as can be told apart, its end.
     pub fn of(recording: &Recording, balls: usize, is_steady: bool) -> Self {
         let passage = is_steady.then_some(recording.cage_speed * balls as f64);

@@ -4,7 +4,7 @@ use crate::numerics::parallel::both;
 use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::settings::Outputs;
-use crate::simulation::recording::load_course::LoadsAlong;
+use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::windows::{Signal, Whirl};
 
 /// What was seen of one kind of raceway contact, all balls, SI.
@@ -57,9 +57,9 @@ pub struct Recording {
     /// Over each stretch of `PART` kept values.
     pub parts: Vec<Quantities>,
     /// Of the first ball along its way, where contacts are asked for.
-    pub loads: Option<LoadsAlong>,
+    pub loads: Option<BallLoadCourse>,
     /// Largest distance along the orbit of a ball from the middle of its pocket [m]; `None` where nobody looked.
-    pub wander: Option<f64>,
+    pub largest_pocket_offset: Option<f64>,
 }
 
 impl Recording {

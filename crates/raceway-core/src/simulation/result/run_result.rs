@@ -6,7 +6,7 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
 use crate::simulation::model::terms::LeftOut;
-use crate::simulation::recording::plot_data::Views;
+use crate::simulation::recording::plot_data::PlotData;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::result::metrics::{self, SolverReport, Summary};
@@ -19,12 +19,12 @@ pub struct RunResult {
     pub spectra: Vec<ChannelSpectra>,
     pub series: Vec<Series>,
     /// For pictures, where any signal is asked for.
-    pub views: Views,
+    pub plot_data: PlotData,
     pub left_out: Vec<LeftOut>,
 }
 
 /// What a result says of itself.
-pub(crate) struct Account {
+pub(crate) struct Provenance {
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
     /// Of the levels, from stretch to stretch; none at changing speed.
@@ -41,16 +41,16 @@ impl RunResult {
         settings: &RunSettings,
         mechanism: &Mechanism,
         recording: &Recording,
-        account: Account,
+        provenance: Provenance,
     ) -> Self {
-        let Account { solver, accuracy, scatter, settling, left_out } = account;
+        let Provenance { solver, accuracy, scatter, settling, left_out } = provenance;
         let outputs = &settings.outputs;
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
         let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
-        let views = || Views::of(recording, balls, is_steady);
-        let (spectra, views) = match outputs.keep_signals() {
-            true => (metrics::spectra(recording, settings), views()),
-            false => (Vec::new(), Views::default()),
+        let plot_data = || PlotData::of(recording, balls, is_steady);
+        let (spectra, plot_data) = match outputs.keep_signals() {
+            true => (metrics::spectra(recording, settings), plot_data()),
+            false => (Vec::new(), PlotData::default()),
         };
         let frequencies = metrics::frequencies(scene, recording);
         let summary = Summary {
@@ -64,6 +64,6 @@ impl RunResult {
             solver,
             accuracy,
         };
-        Self { summary, spectra, series: metrics::series(recording, settings), views, left_out }
+        Self { summary, spectra, series: metrics::series(recording, settings), plot_data, left_out }
     }
 }

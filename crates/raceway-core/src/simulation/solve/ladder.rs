@@ -34,7 +34,7 @@ use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::windows::Windows;
 use crate::simulation::result::metrics::SolverReport;
-use crate::simulation::result::run_result::{Account, RunResult};
+use crate::simulation::result::run_result::{Provenance, RunResult};
 use crate::simulation::solve::judgement;
 use crate::simulation::solve::startup;
 pub use check::check_time;
@@ -261,7 +261,7 @@ fn on_rung(
 ) -> Result<Result<RunResult, String>, SimulationError> {
     // The check decides, so it comes first.
     (control.live)(&Live::of(Phase::Checking));
-    let checked = control.aside().part((0.0, CHECK_SHARE), |control| check(rung, scene, settings, control));
+    let checked = control.without_live().part((0.0, CHECK_SHARE), |control| check(rung, scene, settings, control));
     let check = match checked {
         Ok(check) => check,
         // A rung by name is run whatever its check shows.
@@ -282,7 +282,7 @@ fn on_rung(
     let (run, repeated) = (CHECK_SHARE + rest, CHECK_SHARE + (1.0 + again) * rest);
     let made = control.part((CHECK_SHARE, run), |control| record(rung, scene, &stepped, control))?;
     (control.live)(&Live::of(Phase::Judging));
-    let finer = control.aside().part((run, repeated), |control| finer(finer_pace, scene, &stepped, control));
+    let finer = control.without_live().part((run, repeated), |control| finer(finer_pace, scene, &stepped, control));
     let finer = match finer {
         Err(error) if settings.rung.is_none() || matches!(error, SimulationError::Stopped { .. }) => return Err(error),
         finer => finer.ok().flatten(),
@@ -310,7 +310,7 @@ fn on_rung(
     }
     let turns = scene.operating_speed() != 0.0;
     let pair = |control: &Control<'_>| parted(rung, scene, &stepped, &made, finer.as_ref(), control);
-    let parted = match control.aside().part((repeated, PARTED), pair) {
+    let parted = match control.without_live().part((repeated, PARTED), pair) {
         Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
         // Where nothing turns, two motions may stay apart for ever.
         parted => parted.ok().filter(|_| turns),
@@ -323,7 +323,7 @@ fn on_rung(
     }
     // It has left no state to go on from, and begins anew.
     let later = |of: &RunSettings| {
-        control.aside().part((PARTED, 1.0), |control| Ok(record(rung, scene, of, control)?.recording))
+        control.without_live().part((PARTED, 1.0), |control| Ok(record(rung, scene, of, control)?.recording))
     };
     let is_steady = scene.operation.speed.is_constant();
     let stretches = is_steady.then(|| stationarity::stretches(rung, &made.recording, &stepped, later)).transpose()?;
@@ -381,7 +381,7 @@ fn beside(
     settings: &RunSettings,
     control: &Control<'_>,
 ) -> Result<Recording, SimulationError> {
-    Ok(radially_condensed::simulate_beside(scene, displacement, settings, control)?.0)
+    Ok(radially_condensed::simulate_perturbed(scene, displacement, settings, control)?.0)
 }
 
 /// What a reduced rung has left behind, and its first-order states.
@@ -508,6 +508,6 @@ fn summarise(
     let keeps_start = rung != ModelLevel::Periodic && !by_chance;
     let settling = keeps_start.then(|| startup::rings_on(scene, settings.settle)).flatten();
     let account =
-        Account { solver, accuracy, scatter: stretches.map(|of| of.scatter), settling, left_out: needs.left_out };
+        Provenance { solver, accuracy, scatter: stretches.map(|of| of.scatter), settling, left_out: needs.left_out };
     Ok(RunResult::new(scene, settings, &mechanism, &made.recording, account))
 }

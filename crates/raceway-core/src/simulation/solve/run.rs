@@ -19,7 +19,7 @@ use crate::simulation::model::observer::Observer;
 use crate::simulation::model::terms::{ActiveTerms, Justification};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::result::metrics::SolverReport;
-use crate::simulation::result::run_result::{Account, RunResult};
+use crate::simulation::result::run_result::{Provenance, RunResult};
 use crate::simulation::solve::fixed_step::{self, Stepped};
 use crate::simulation::solve::ladder::{self};
 use crate::simulation::solve::startup::{self, Beginning, Shared};
@@ -281,7 +281,7 @@ fn summarise(
     let settling = keeps_start.then(rings).flatten();
     let all: Vec<String> = settling.into_iter().chain(startup::tilts_on(scene, needs, settings.settle)).collect();
     let settling = (!all.is_empty()).then(|| all.join("; "));
-    let account = Account { solver, accuracy, scatter: stretches.map(|of| of.scatter), settling, left_out };
+    let account = Provenance { solver, accuracy, scatter: stretches.map(|of| of.scatter), settling, left_out };
     Ok(RunResult::new(scene, settings, mechanism, recording, account))
 }
 

@@ -55,7 +55,7 @@ pub fn study(
         furthest.set(share.max(furthest.get()));
         (control.progress)(furthest.get());
     };
-    let control = &Control { progress: &progress, ..control.aside() };
+    let control = &Control { progress: &progress, ..control.without_live() };
     let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db)?;
     let model = Model::new(scene, &needs);
     let course = Course::settled(&model, &needs, &settings, start_state(&model)?, control)?;

@@ -8,7 +8,7 @@ use crate::physics::frames::Vector;
 use crate::physics::pocket::PocketSlopes;
 use crate::physics::raceway::ContactSlopes;
 use crate::simulation::model::state::BallState;
-use crate::simulation::model::step_loads::Seen;
+use crate::simulation::model::step_loads::StepLoads;
 
 /// Balls side by side: how they move, how that changes, and what they pass on.
 #[derive(Debug, Clone, Copy, Default)]
@@ -28,5 +28,5 @@ pub(super) struct Slopes<T = f64> {
     /// Slip of the raceways over the ball, along the groove and across it [m/s].
     pub slip: PerRaceway<(T, T)>,
     /// What answers, but for the squares of the slip.
-    pub seen: Seen<T>,
+    pub seen: StepLoads<T>,
 }

@@ -27,7 +27,7 @@ use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
 use crate::physics::frames::Vector;
 use crate::simulation::model::state::{BallState, CageState, SpindleState};
-use crate::simulation::model::step_loads::Sight;
+use crate::simulation::model::step_loads::PackedStepLoads;
 use correction::{Corrected, Stiff, corrected_cage};
 
 /// Nodes of the spindle's formulas; as many states are remembered.
@@ -125,7 +125,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let (work, formulas) = (Statistics::default(), Formulas::new(1));
         let (balls, slopes, corrected) = (Balls::default(), Slopes::default(), Corrected::default());
         let (previous, flat, room) = (time, OnceCell::new(), Cell::new(vec![0.0; layout.dimension()]));
-        let sight = vec![0.0; Sight::numbers(layout.balls.div_ceil(LANES))];
+        let sight = vec![0.0; PackedStepLoads::numbers(layout.balls.div_ceil(LANES))];
         Self {
             dynamics,
             asked: step,

@@ -32,5 +32,5 @@ mod run;
 pub use crate::simulation::model::pace::Pace;
 pub use applicability::unable;
 pub use equations::RadiallyCondensed;
-pub use run::{simulate, simulate_beside};
-pub use stepping::{Look, Stepper};
+pub use run::{simulate, simulate_perturbed};
+pub use stepping::{Observe, Stepper};

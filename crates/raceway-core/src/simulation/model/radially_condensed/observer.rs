@@ -1,8 +1,8 @@
-//! Looks at the motion, one a step: what of it is kept.
+//! Observer at the motion, one a step: what of it is kept.
 
 use super::equations::RadiallyCondensed;
-use super::evaluation::{Seen, total};
-use super::stepping::{Look, Stepper};
+use super::evaluation::{BallLoads, total};
+use super::stepping::{Observe, Stepper};
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::numerics::spectrum::Decimator;
@@ -12,7 +12,7 @@ use crate::physics::raceway::{RacewayContact, RelativeMotion};
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::pace::Pace;
-use crate::simulation::recording::load_course::LoadsTaken;
+use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::record::ContactExtremes;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, picked_channels};
@@ -37,7 +37,7 @@ pub(super) struct Schedule {
 }
 
 /// What was seen so far.
-pub(super) struct Looks<'a> {
+pub(super) struct Observer<'a> {
     model: &'a RadiallyCondensed,
     schedule: Schedule,
     decimator: Decimator,
@@ -67,9 +67,9 @@ pub(super) struct Looks<'a> {
     spin: Lanes,
     kept: f64,
     /// Largest distance of a ball from the middle of its pocket, along the orbit [m].
-    wander: Lanes,
+    largest_pocket_offset: Lanes,
     extremes: Option<Extremes>,
-    loads: Option<LoadsTaken>,
+    loads: Option<BallLoadRecorder>,
     thinnest: Option<PerRaceway<ThinnestFilm>>,
 }
 
@@ -89,7 +89,7 @@ fn grow(largest: &mut Singles, seen: impl Fn(usize) -> f32) {
 
 impl Extremes {
     #[inline(always)]
-    fn look(&mut self, group: usize, seen: &Seen) {
+    fn observe(&mut self, group: usize, seen: &BallLoads) {
         let (load, slip) = (&seen.load, &seen.slip);
         grow(&mut self.load[group].inner, |lane| load.inner[lane]);
         grow(&mut self.load[group].outer, |lane| load.outer[lane]);
@@ -100,7 +100,7 @@ impl Extremes {
     }
 }
 
-impl<'a> Looks<'a> {
+impl<'a> Observer<'a> {
     pub fn new(model: &'a RadiallyCondensed, outputs: &Outputs, schedule: Schedule, primed: bool) -> Self {
         let channels = picked_channels(outputs, model.mechanism().layout.cage);
         let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), outputs, schedule.values);
@@ -131,10 +131,10 @@ impl<'a> Looks<'a> {
             arc_velocity: Lanes::default(),
             spin: Lanes::default(),
             kept: 0.0,
-            wander: Lanes::default(),
+            largest_pocket_offset: Lanes::default(),
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
             loads: (outputs.contacts && outputs.keep_signals())
-                .then(|| LoadsTaken::new(schedule.values, model.mechanism().steady_orbit_speed())),
+                .then(|| BallLoadRecorder::new(schedule.values, model.mechanism().steady_orbit_speed())),
             thinnest: model
                 .needs()
                 .film_thickness
@@ -189,17 +189,18 @@ impl<'a> Looks<'a> {
         let speed = model.speed_at(stepper.time());
         let cage_arc = stepper.border().cage_arc;
         // Copies: what is stored in the loop cannot change them.
-        let (mut wander, mut arc_velocity, mut spin) = (self.wander, self.arc_velocity, self.spin);
+        let (mut largest_pocket_offset, mut arc_velocity, mut spin) =
+            (self.largest_pocket_offset, self.arc_velocity, self.spin);
         for (balls, present) in stepper.balls().iter().zip(&model.present) {
             let (balls, present) = (*balls, *present);
             for lane in 0..LANES {
                 // Copies of the last ball are as far as it is.
-                wander[lane] = larger(wander[lane], (balls.arc[lane] - cage_arc).abs());
+                largest_pocket_offset[lane] = larger(largest_pocket_offset[lane], (balls.arc[lane] - cage_arc).abs());
                 arc_velocity[lane] += f64::from(balls.arc_velocity[lane] * present[lane]);
                 spin[lane] += f64::from(balls.spin[lane] * present[lane]);
             }
         }
-        (self.wander, self.arc_velocity, self.spin) = (wander, arc_velocity, spin);
+        (self.largest_pocket_offset, self.arc_velocity, self.spin) = (largest_pocket_offset, arc_velocity, spin);
         self.shaft += speed;
         self.cage += stepper.border().cage_velocity[2];
         let [last, now] = &mut self.pick;
@@ -274,8 +275,8 @@ impl<'a> Looks<'a> {
             cage_speed: (m.orbit_ratio * shaft + cage).abs(),
             ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             parts: Vec::new(),
-            loads: self.loads.map(LoadsTaken::finish),
-            wander: m.layout.cage.then(|| self.wander.0.into_iter().fold(0.0, f64::max)),
+            loads: self.loads.map(BallLoadRecorder::finish),
+            largest_pocket_offset: m.layout.cage.then(|| self.largest_pocket_offset.0.into_iter().fold(0.0, f64::max)),
         }
     }
 
@@ -304,9 +305,9 @@ impl<'a> Looks<'a> {
 }
 
 /// One look after the other, in the order of the steps.
-impl Look for Looks<'_> {
+impl Observe for Observer<'_> {
     #[inline(always)]
-    fn look(&mut self, stepper: &Stepper<'_>) {
+    fn observe(&mut self, stepper: &Stepper<'_>) {
         let (now, schedule) = (stepper.steps(), self.schedule);
         if now + (schedule.delay as u64) < schedule.first {
             return;
@@ -316,7 +317,7 @@ impl Look for Looks<'_> {
             self.begin(&frame(stepper));
         }
         if let (true, Some(extremes)) = (counts, &mut self.extremes) {
-            stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.look(group, seen));
+            stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.observe(group, seen));
         }
         if !self.primed || now >= schedule.first {
             if self.frames.is_empty() {

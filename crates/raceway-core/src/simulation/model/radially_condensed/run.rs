@@ -4,7 +4,7 @@
 //! `numerics/spectrum.rs` on their way to it; where they are longer, values between steps come from `numerics/interpolation.rs`.
 
 use super::equations::RadiallyCondensed;
-use super::observer::{Looks, Schedule};
+use super::observer::{Observer, Schedule};
 use super::stepping::Stepper;
 use crate::numerics::ode::{IntegrationError, Statistics};
 use crate::simulation::input::control::{Control, Live, Phase};
@@ -33,7 +33,7 @@ pub fn simulate(
 
 /// The same with the spindle starting a little beside its equilibrium (y, z) [m], and nothing kept that is asked for as a
 /// spectrum or a series.
-pub fn simulate_beside(
+pub fn simulate_perturbed(
     scene: &Scene,
     displacement: [f64; 2],
     settings: &RunSettings,
@@ -88,17 +88,17 @@ impl RadiallyCondensed {
         let schedule = Schedule { pace, first, last, values, delay };
         // A run without time to settle has no past for the filter: it starts from a standstill then.
         let primed = first < stepper.steps() + delay as u64;
-        let mut looks = Looks::new(self, &settings.outputs, schedule, primed);
+        let mut observer = Observer::new(self, &settings.outputs, schedule, primed);
         let all = last + delay as u64 + 1;
         while stepper.steps() < all {
             if (control.stop)() {
                 return Err(SimulationError::Stopped { time: stepper.time() });
             }
-            stepper.advance(STEPS_PER_LOOK.min(all - stepper.steps()), &mut looks);
+            stepper.advance(STEPS_PER_LOOK.min(all - stepper.steps()), &mut observer);
             finite(&stepper)?;
             (control.progress)(stepper.steps() as f64 / all as f64);
             let phase = if stepper.steps() < first { Phase::Settling } else { Phase::Recording };
-            (control.live)(&Live { phase, accelerations: &|| looks.accelerations() });
+            (control.live)(&Live { phase, accelerations: &|| observer.accelerations() });
         }
         let statistics = Statistics {
             steps: stepper.steps(),
@@ -107,7 +107,7 @@ impl RadiallyCondensed {
             advanced: stepper.time() - offset,
             ..Statistics::default()
         };
-        Ok((looks.finish(settings.settle), statistics))
+        Ok((observer.finish(settings.settle), statistics))
     }
 }
 

@@ -36,7 +36,7 @@ pub(crate) fn recording(
         ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
         parts: Vec::new(),
         loads: None,
-        wander: None,
+        largest_pocket_offset: None,
     }
 }
 

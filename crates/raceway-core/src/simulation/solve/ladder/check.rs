@@ -99,12 +99,12 @@ pub(crate) struct Reached {
     /// [rad/s]
     cage_speed: f64,
     /// [m]
-    wander: Option<f64>,
+    largest_pocket_offset: Option<f64>,
 }
 
 impl Reached {
     pub fn of(recording: &Recording) -> Self {
-        Self { cage_speed: recording.cage_speed, wander: recording.wander }
+        Self { cage_speed: recording.cage_speed, largest_pocket_offset: recording.largest_pocket_offset }
     }
 
     /// What has gone on after the check; `None`: nothing that matters.
@@ -112,7 +112,10 @@ impl Reached {
         let slipped = (later.cage_speed - self.cage_speed).abs() / self.cage_speed.max(f64::MIN_POSITIVE);
         let p = &scene.bearing.parameters;
         let spacing = 0.5 * std::f64::consts::TAU * p.pitch_diameter / p.ball_count as f64;
-        let wandered = self.wander.zip(later.wander).map_or(0.0, |(before, after)| (after - before) / spacing);
+        let wandered = self
+            .largest_pocket_offset
+            .zip(later.largest_pocket_offset)
+            .map_or(0.0, |(before, after)| (after - before) / spacing);
         if slipped > SLIPPED {
             Some(format!("the cage's speed changed by {:.1} % after the check", 100.0 * slipped))
         } else if wandered > WANDERED {

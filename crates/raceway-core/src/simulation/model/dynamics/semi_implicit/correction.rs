@@ -11,7 +11,7 @@ use crate::simulation::model::dynamics::ball_group::{Balls, Slopes};
 use crate::simulation::model::dynamics::equations::Dynamics;
 use crate::simulation::model::dynamics::forces::Reaction;
 use crate::simulation::model::state::{BallState, CageState};
-use crate::simulation::model::step_loads::Seen;
+use crate::simulation::model::step_loads::StepLoads;
 
 /// What a further motion passes on to the border per unit of it: stiffness and damping, by the shares that a step has of them.
 #[derive(Debug, Clone, Copy, Default)]
@@ -47,7 +47,7 @@ pub(super) struct Corrected {
     /// What the correction passes on to cage and spindle.
     pub reaction: Reaction<Lanes>,
     /// Loads and slip after it.
-    pub seen: Seen<Lanes>,
+    pub seen: StepLoads<Lanes>,
 }
 
 /// Places of a cage take its predicted rates and what the velocities are corrected by.
@@ -232,7 +232,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let slip = slopes.slip.at(lane);
             corrected.seen.put(
                 lane,
-                Seen {
+                StepLoads {
                     load: PerRaceway {
                         inner: inner.load(before.load.inner, in_plane),
                         outer: outer.load(before.load.outer, in_plane),
