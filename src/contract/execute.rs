@@ -150,10 +150,10 @@ impl From<SimulationError> for RunFailure {
             SimulationError::Integration { source: IntegrationError::Stopped { .. }, .. } => return Self::Cancelled,
             SimulationError::Integration { source: IntegrationError::NotFinite { .. }, .. } => NUMERICAL_BLOWUP,
             SimulationError::Integration { source: IntegrationError::StepTooSmall { .. }, .. }
-            | SimulationError::Exhausted { .. }
+            | SimulationError::EvaluationLimit { .. }
             | SimulationError::NoEquilibrium(_)
-            | SimulationError::Unable { .. }
-            | SimulationError::Endless { .. } => DID_NOT_CONVERGE,
+            | SimulationError::NotApplicable { .. }
+            | SimulationError::TooManyEvaluations { .. } => DID_NOT_CONVERGE,
             // A checked job has had its needs decided already.
             SimulationError::UnsupportedChoice(_) => INTERNAL,
         };

@@ -110,7 +110,7 @@ pub(crate) fn integrate(
                     return Err(SimulationError::Stopped { time });
                 }
                 if stepping.most_evaluations.is_some_and(|most| evaluations > most) {
-                    return Err(SimulationError::Exhausted { time, evaluations });
+                    return Err(SimulationError::EvaluationLimit { time, evaluations });
                 }
                 let done = (integrator.time() - span.start) / (span.end - span.start);
                 endless(&integrator.statistics(), done, span)?;
@@ -139,7 +139,7 @@ fn endless(work: &Statistics, done: f64, span: &Span) -> Result<(), SimulationEr
     }
     let time = span.start + done * (span.end - span.start);
     let step = work.advanced / work.steps.max(1) as f64;
-    Err(SimulationError::Endless { time, end: span.end, step, evaluations })
+    Err(SimulationError::TooManyEvaluations { time, end: span.end, step, evaluations })
 }
 
 #[cfg(test)]

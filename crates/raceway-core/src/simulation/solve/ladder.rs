@@ -26,7 +26,7 @@ use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::Mechanism;
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::radially_condensed::{self, Pace, RadiallyCondensed};
+use crate::simulation::model::radially_condensed::{self, RadiallyCondensed, StepRatio};
 use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut, UnsupportedChoice};
 use crate::simulation::model::{periodic, spindle_only};
 use crate::simulation::recording::record::Recording;
@@ -86,12 +86,12 @@ impl ModelLevel {
     /// Why a reduced rung cannot have this scene or give these outputs; `None`: it can, or it is none.
     fn refusal(self, scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<String> {
         // The leaner rungs are checked against this one.
-        let condensed = || radially_condensed::unable(scene, outputs).map(str::to_owned);
+        let condensed = || radially_condensed::inapplicability(scene, outputs).map(str::to_owned);
         match self {
             Self::Full | Self::Planar => None,
             Self::RadiallyCondensed => condensed(),
-            Self::SpindleOnly => spindle_only::unable(scene, needs, outputs).or_else(condensed),
-            Self::Periodic => periodic::unable(scene, needs, outputs).or_else(condensed),
+            Self::SpindleOnly => spindle_only::inapplicability(scene, needs, outputs).or_else(condensed),
+            Self::Periodic => periodic::inapplicability(scene, needs, outputs).or_else(condensed),
         }
     }
 }
@@ -242,7 +242,7 @@ pub(crate) fn run(
             Ok(Err(check)) => found.push(format!("{} was not confirmed: {check}", rung.name())),
             Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
             Err(error) if settings.rung.is_some() => return Err(error),
-            Err(SimulationError::Unable { reason, .. }) => {
+            Err(SimulationError::NotApplicable { reason, .. }) => {
                 found.push(format!("{} does not serve: {reason}", rung.name()))
             }
             Err(error) => found.push(format!("{} failed: {error}", rung.name())),
@@ -275,14 +275,15 @@ fn on_rung(
         return Ok(Err(check.words_beyond(&settings.outputs, allowed)));
     }
     let stepped = RunSettings { fixed_step: settings.fixed_step.or(check.step), ..settings.clone() };
-    let finer_pace = finer_pace(rung, scene, &stepped)?;
+    let finer_step_ratio = finer_step_ratio(rung, scene, &stepped)?;
     // What follows the run takes as long, by finer steps the more of them there are.
-    let again = finer_pace.map_or(0.0, |(_, steps)| steps);
+    let again = finer_step_ratio.map_or(0.0, |(_, steps)| steps);
     let rest = (PARTED - CHECK_SHARE) / (1.0 + 2.0 * again);
     let (run, repeated) = (CHECK_SHARE + rest, CHECK_SHARE + (1.0 + again) * rest);
     let made = control.part((CHECK_SHARE, run), |control| record(rung, scene, &stepped, control))?;
     (control.live)(&Live::of(Phase::Judging));
-    let finer = control.without_live().part((run, repeated), |control| finer(finer_pace, scene, &stepped, control));
+    let finer =
+        control.without_live().part((run, repeated), |control| finer(finer_step_ratio, scene, &stepped, control));
     let finer = match finer {
         Err(error) if settings.rung.is_none() || matches!(error, SimulationError::Stopped { .. }) => return Err(error),
         finer => finer.ok().flatten(),
@@ -353,17 +354,21 @@ struct Finer {
 }
 
 /// Finer steps of a run, and how many of them go into one of its own; `None`: of another rung, or one that has none.
-fn finer_pace(rung: ModelLevel, scene: &Scene, settings: &RunSettings) -> Result<Option<(Pace, f64)>, SimulationError> {
+fn finer_step_ratio(
+    rung: ModelLevel,
+    scene: &Scene,
+    settings: &RunSettings,
+) -> Result<Option<(StepRatio, f64)>, SimulationError> {
     if rung != ModelLevel::RadiallyCondensed {
         return Ok(None);
     }
     let model = RadiallyCondensed::new(scene, &settings.outputs)?;
-    let steps = |pace: Pace| (pace, model.pace_for(settings).step() / pace.step());
-    Ok(model.finer_pace(settings).map(steps))
+    let steps = |pace: StepRatio| (pace, model.step_ratio_for(settings).step() / pace.step());
+    Ok(model.finer_step_ratio(settings).map(steps))
 }
 
 fn finer(
-    pace: Option<(Pace, f64)>,
+    pace: Option<(StepRatio, f64)>,
     scene: &Scene,
     settings: &RunSettings,
     control: &Control<'_>,

@@ -187,10 +187,10 @@ fn points(
             }
             let stepping = Stepping { method, relative_tolerance, fixed_step: None, most_evaluations: Some(most) };
             let (taken, ended) = course.timed(&stepping, plan.repetitions, share, control)?;
-            hopeless = matches!(ended, Err(SimulationError::Exhausted { .. }));
+            hopeless = matches!(ended, Err(SimulationError::EvaluationLimit { .. }));
             let measured = match ended {
                 Ok(run) => measured(&run, references, reference, comparison, relative_tolerance),
-                Err(SimulationError::Exhausted { time, evaluations }) => Err(format!(
+                Err(SimulationError::EvaluationLimit { time, evaluations }) => Err(format!(
                     "stopped at t = {time:.9} s after {evaluations} evaluations of the equations: a run may take {most}, \
                      {EVALUATIONS_OVER_REFERENCE} times those of the reference"
                 )),

@@ -7,6 +7,6 @@ mod passage;
 
 mod run;
 
-pub use applicability::unable;
+pub use applicability::inapplicability;
 pub use passage::{LARGEST_RADIUS, Passage, passage};
 pub use run::simulate;

@@ -2,7 +2,7 @@
 
 use realfft::RealFftPlanner;
 
-use super::applicability::unable;
+use super::applicability::inapplicability;
 use crate::numerics::lanes::{InstructionSet, Task};
 use crate::numerics::ode::Statistics;
 use crate::numerics::ode::adams_moulton::{AdamsMoulton, EquationsOfMotion};
@@ -91,7 +91,7 @@ impl Task for Shot<'_> {
 
 /// The steady motion of a scene, refused where it is not stable.
 pub fn passage(scene: &Scene, settings: &RunSettings) -> Result<Passage, SimulationError> {
-    let (model, _) = scene_model(scene, settings, "periodic", unable)?;
+    let (model, _) = scene_model(scene, settings, "periodic", inapplicability)?;
     steady(&model)
 }
 
@@ -102,7 +102,7 @@ fn grows(orbit: &PeriodicOrbit<4>) -> String {
 pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
     let (rest, frequency) = model.rest();
     if frequency == 0.0 {
-        return Err(SimulationError::Unable {
+        return Err(SimulationError::NotApplicable {
             rung: "periodic",
             reason: "nothing holds the spindle: where it rests it touches no ball".into(),
         });
@@ -113,7 +113,7 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
     let coarse = ((length / longest).ceil() as usize).max(16);
     if coarse > MOST_STEPS_A_PASSAGE {
         let reason = format!("a ball passes every {length:.1e} s, which takes {coarse} steps of {longest:.1e} s");
-        return Err(SimulationError::Unable { rung: "periodic", reason });
+        return Err(SimulationError::NotApplicable { rung: "periodic", reason });
     }
     let set = InstructionSet::best();
     let shot = |state: &[f64; 4], steps: usize, signals: Option<&mut Signals>| {
@@ -196,7 +196,7 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
         let statistics = statistics(evaluations, evaluations, length / steps as f64);
         return Ok(Passage { length, orbit, statistics, signals });
     }
-    Err(SimulationError::Unable { rung: "periodic", reason: refusal })
+    Err(SimulationError::NotApplicable { rung: "periodic", reason: refusal })
 }
 
 impl Passage {

@@ -3,7 +3,7 @@
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
-use super::applicability::unable;
+use super::applicability::inapplicability;
 use super::passage::{Passage, Signals, steady};
 use crate::numerics::ode::Statistics;
 use crate::numerics::statistics::rms;
@@ -27,7 +27,7 @@ pub fn simulate(
     settings: &RunSettings,
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
-    let (model, mechanism) = scene_model(scene, settings, "periodic", unable)?;
+    let (model, mechanism) = scene_model(scene, settings, "periodic", inapplicability)?;
     if (control.stop)() {
         return Err(SimulationError::Stopped { time: 0.0 });
     }

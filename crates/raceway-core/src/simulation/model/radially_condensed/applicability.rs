@@ -7,7 +7,7 @@ use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
 
 /// Why this rung cannot stand for a scene and its outputs; `None`: it can.
-pub fn unable(scene: &Scene, outputs: &Outputs) -> Option<&'static str> {
+pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<&'static str> {
     let term_on = |term| scene.terms.get(term) == TermChoice::On;
     let along_x =
         |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));

@@ -1,6 +1,6 @@
 //! Equations of the radially condensed model: its constants, made once a scene.
 
-use super::applicability::unable;
+use super::applicability::inapplicability;
 use super::ball::{Balls, Mixture, OneBall};
 use super::border::Border;
 use super::pocket::Film;
@@ -106,8 +106,8 @@ fn traction(scene: &Scene, needs: &ActiveTerms, contact: &RacewayContact, load: 
 impl RadiallyCondensed {
     /// The model of a scene, or why it has none on this rung.
     pub fn new(scene: &Scene, outputs: &Outputs) -> Result<Self, SimulationError> {
-        if let Some(reason) = unable(scene, outputs) {
-            return Err(SimulationError::Unable { rung: "radially_condensed", reason: reason.into() });
+        if let Some(reason) = inapplicability(scene, outputs) {
+            return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason: reason.into() });
         }
         let needs = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;
         let m = Mechanism::new(scene, &needs);

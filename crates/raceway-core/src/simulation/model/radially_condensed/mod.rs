@@ -29,8 +29,8 @@ mod observer;
 
 mod run;
 
-pub use crate::simulation::model::pace::Pace;
-pub use applicability::unable;
+pub use crate::simulation::model::step_ratio::StepRatio;
+pub use applicability::inapplicability;
 pub use equations::RadiallyCondensed;
 pub use run::{simulate, simulate_perturbed};
 pub use stepping::{Observe, Stepper};

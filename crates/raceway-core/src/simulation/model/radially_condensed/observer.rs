@@ -11,7 +11,7 @@ use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
-use crate::simulation::model::pace::Pace;
+use crate::simulation::model::step_ratio::StepRatio;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::record::ContactExtremes;
 use crate::simulation::recording::record::Recording;
@@ -27,7 +27,7 @@ const FRAMES: usize = 64;
 /// When something is kept, in steps.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Schedule {
-    pub pace: Pace,
+    pub ratio: StepRatio,
     /// Steps of the first and of the last kept value, and the number of values.
     pub first: u64,
     pub last: u64,
@@ -112,8 +112,8 @@ impl<'a> Observer<'a> {
         Self {
             model,
             schedule,
-            decimator: Decimator::new(if schedule.pace.is_long() { 1 } else { schedule.pace.steps }, SIGNALS),
-            interpolator: Interpolator::new(schedule.pace.steps, schedule.pace.values),
+            decimator: Decimator::new(if schedule.ratio.is_long() { 1 } else { schedule.ratio.steps }, SIGNALS),
+            interpolator: Interpolator::new(schedule.ratio.steps, schedule.ratio.values),
             frames: Vec::with_capacity(FRAMES),
             waiting_from: 0,
             primed,
@@ -167,9 +167,9 @@ impl<'a> Observer<'a> {
             }
         }
         (self.sums, self.squares) = (sums, squares);
-        if self.schedule.pace.is_long() {
+        if self.schedule.ratio.is_long() {
             self.filtered.extend(self.interpolator.push(&self.frames, self.model.instructions));
-        } else if self.schedule.pace.steps == 1 {
+        } else if self.schedule.ratio.steps == 1 {
             self.filtered.extend(&self.frames);
         } else {
             for frame in &self.frames {
@@ -207,7 +207,7 @@ impl<'a> Observer<'a> {
         for (channel, now) in self.channels.iter().zip(now.iter_mut()) {
             *now = value(model, *channel, stepper, speed);
         }
-        let Pace { steps, values } = self.schedule.pace;
+        let StepRatio { steps, values } = self.schedule.ratio;
         if values > 1 && self.kept > 0.0 && !now.is_empty() {
             // Straight between steps.
             while self.next_pick < values {
@@ -245,7 +245,7 @@ impl<'a> Observer<'a> {
     /// What was seen.
     pub fn finish(mut self, start: f64) -> Recording {
         self.keep_frames();
-        if self.schedule.pace.is_long() && !self.channels.is_empty() {
+        if self.schedule.ratio.is_long() && !self.channels.is_empty() {
             // The last value of all may fall on the last step.
             self.picked.push(&self.pick[0]);
         }
@@ -328,8 +328,8 @@ impl Observe for Observer<'_> {
                 self.keep_frames();
             }
         }
-        let pace = schedule.pace;
-        if counts && (pace.is_long() || (now - schedule.first).is_multiple_of(pace.steps as u64)) {
+        let ratio = schedule.ratio;
+        if counts && (ratio.is_long() || (now - schedule.first).is_multiple_of(ratio.steps as u64)) {
             self.keep(stepper);
         }
     }

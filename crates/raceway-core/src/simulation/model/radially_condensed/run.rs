@@ -11,7 +11,7 @@ use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::pace::{MOST_STEPS, Pace};
+use crate::simulation::model::step_ratio::{MOST_STEPS, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::kept_values;
 
@@ -49,18 +49,18 @@ fn run(
     settings: &RunSettings,
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
-    let mut pace = model.pace_for(settings);
+    let mut ratio = model.step_ratio_for(settings);
     loop {
-        if pace.steps > MOST_STEPS {
+        if ratio.steps > MOST_STEPS {
             let reason =
-                format!("spindle, cage or traction are too quick for it: they need steps of {:.1e} s", pace.step());
-            return Err(SimulationError::Unable { rung: "radially_condensed", reason });
+                format!("spindle, cage or traction are too quick for it: they need steps of {:.1e} s", ratio.step());
+            return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason });
         }
-        match model.run(settings, pace, control) {
+        match model.run(settings, ratio, control) {
             // What comes later in a run, such as balls thrown against their walls by a changing speed, is not foreseen. Where another
             // rung can follow, it is the quicker way out.
             Err(SimulationError::Integration { .. }) if settings.rung.is_some() && settings.fixed_step.is_none() => {
-                pace = Pace::of_steps(FINER * pace.steps);
+                ratio = StepRatio::of_steps(FINER * ratio.steps);
             }
             ended => return ended,
         }
@@ -72,10 +72,10 @@ impl RadiallyCondensed {
     pub fn run(
         &self,
         settings: &RunSettings,
-        pace: Pace,
+        ratio: StepRatio,
         control: &Control<'_>,
     ) -> Result<(Recording, Statistics), SimulationError> {
-        let step = pace.step();
+        let step = ratio.step();
         let values = kept_values(settings.duration);
         // The first kept value falls on a step: the part of a step before that is a short start.
         let before = (settings.settle / step).floor();
@@ -83,9 +83,9 @@ impl RadiallyCondensed {
         let (balls, border) = self.start();
         let mut stepper = Stepper::new(self, offset, balls, border, step);
         let first = (before as u64).max(stepper.steps());
-        let last = first + ((values - 1) * pace.steps).div_ceil(pace.values) as u64;
-        let delay = pace.delay();
-        let schedule = Schedule { pace, first, last, values, delay };
+        let last = first + ((values - 1) * ratio.steps).div_ceil(ratio.values) as u64;
+        let delay = ratio.delay();
+        let schedule = Schedule { ratio, first, last, values, delay };
         // A run without time to settle has no past for the filter: it starts from a standstill then.
         let primed = first < stepper.steps() + delay as u64;
         let mut observer = Observer::new(self, &settings.outputs, schedule, primed);

@@ -2,7 +2,7 @@
 
 use super::equations::RadiallyCondensed;
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::model::pace::{MOST_STEPS, Pace};
+use crate::simulation::model::step_ratio::{MOST_STEPS, StepRatio};
 use crate::simulation::recording::sampling::RATE;
 
 /// Largest product of the step with the rate at which the contacts at rest damp the spindle, and with its frequency on them.
@@ -22,29 +22,29 @@ const LONGEST: f64 = 20e-6;
 impl RadiallyCondensed {
     /// Longest steps that serve: a film holds the balls in their pockets gently, walls do not; the spindle on its loaded
     /// contacts, the cage on a stiff film and steep traction bound them.
-    pub fn pace(&self) -> Pace {
+    pub fn step_ratio(&self) -> StepRatio {
         let stable = (self.fastest(LARGEST_TURN, LARGEST_FILM_TURN) / RATE).ceil().max(1.0) as usize;
-        Pace::of_steps(stable.max(if self.is_gentle() { 1 } else { 4 }))
+        StepRatio::of_steps(stable.max(if self.is_gentle() { 1 } else { 4 }))
     }
 
     /// The steps of a run.
-    pub fn pace_for(&self, settings: &RunSettings) -> Pace {
-        settings.fixed_step.map_or(self.pace(), Pace::of)
+    pub fn step_ratio_for(&self, settings: &RunSettings) -> StepRatio {
+        settings.fixed_step.map_or(self.step_ratio(), StepRatio::of)
     }
 
     /// Finer steps than those of a run: its own where it took longer ones, else half of them; `None`: they would be too many.
-    pub fn finer_pace(&self, settings: &RunSettings) -> Option<Pace> {
-        let (own, taken) = (self.pace(), self.pace_for(settings));
-        let finer = if taken.is_long() && !own.is_long() { own } else { Pace::of_steps(2 * taken.steps) };
+    pub fn finer_step_ratio(&self, settings: &RunSettings) -> Option<StepRatio> {
+        let (own, taken) = (self.step_ratio(), self.step_ratio_for(settings));
+        let finer = if taken.is_long() && !own.is_long() { own } else { StepRatio::of_steps(2 * taken.steps) };
         (finer.steps <= MOST_STEPS).then_some(finer)
     }
 
     /// Longer steps that may serve, the longest first: what they do to the levels has to be tried.
-    pub fn longer_paces(&self) -> impl Iterator<Item = Pace> {
+    pub fn longer_step_ratios(&self) -> impl Iterator<Item = StepRatio> {
         let film_turn = if self.shows_cage { LARGEST_FILM_TURN } else { LARGEST_FILM_TURN_TRIED };
         let longest =
             if self.is_gentle() { LONGEST.min(1.0 / self.fastest(LARGEST_TURN_TRIED, film_turn)) } else { 0.0 };
-        Pace::LONG.into_iter().filter(move |pace| pace.step() <= longest)
+        StepRatio::LONG.into_iter().filter(move |ratio| ratio.step() <= longest)
     }
 
     /// Whether nothing but films acts in the pockets, as long as balls stay off their walls.

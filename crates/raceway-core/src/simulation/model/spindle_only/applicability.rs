@@ -8,7 +8,7 @@ use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::terms::ActiveTerms;
 
 /// Why the spindle alone cannot stand for this scene and these outputs; `None`: it can.
-pub fn unable(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<String> {
+pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<String> {
     let channels = || outputs.spectra.iter().chain(&outputs.series);
     let of_spindle = |channel: &Channel| matches!(channel, Channel::Spindle(Axis::Y | Axis::Z, _));
     let reason = if scene.operation.load[0] != 0.0 {

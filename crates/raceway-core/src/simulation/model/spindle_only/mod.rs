@@ -11,7 +11,7 @@ mod recording;
 
 mod run;
 
-pub use applicability::unable;
+pub use applicability::inapplicability;
 pub(crate) use recording::{recording, statistics};
 pub use run::simulate;
 pub(crate) use scene_model::scene_model;

@@ -1,6 +1,6 @@
 //! Run of the spindle alone in time, in fixed steps.
 
-use super::applicability::unable;
+use super::applicability::inapplicability;
 use super::equations::{Driven, SpindleMotion, SpindleOnly};
 use super::recording::{recording, statistics};
 use super::scene_model::scene_model;
@@ -12,7 +12,7 @@ use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::pace::{MOST_STEPS, Pace};
+use crate::simulation::model::step_ratio::{MOST_STEPS, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, kept_values};
 use crate::simulation::recording::windows::Recorder;
@@ -35,13 +35,13 @@ pub fn simulate(
     settings: &RunSettings,
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
-    let (mut model, mechanism) = scene_model(scene, settings, "spindle_only", unable)?;
+    let (mut model, mechanism) = scene_model(scene, settings, "spindle_only", inapplicability)?;
     let (rest, frequency) = model.rest();
-    let pace = Pace::of(settings.fixed_step.unwrap_or(LONGEST.min(LONGEST_STEP / frequency)));
-    let step = pace.step();
-    if pace.steps > MOST_STEPS {
+    let ratio = StepRatio::of(settings.fixed_step.unwrap_or(LONGEST.min(LONGEST_STEP / frequency)));
+    let step = ratio.step();
+    if ratio.steps > MOST_STEPS {
         let reason = format!("the spindle on its contacts is too quick for it: it needs steps of {step:.1e} s");
-        return Err(SimulationError::Unable { rung: "spindle_only", reason });
+        return Err(SimulationError::NotApplicable { rung: "spindle_only", reason });
     }
     let values = kept_values(settings.duration);
     let before = (settings.settle / step).floor() as usize;
@@ -49,11 +49,11 @@ pub fn simulate(
     let begin = settings.settle - before as f64 * step;
     let mut recorder = Recorder::new(SPINDLE_IN_PLANE, &settings.outputs, values);
     // Values between steps need steps on either side; before the first of all steps there is a standstill.
-    let mut interpolator = Interpolator::new(pace.steps, pace.values);
-    let delay = if pace.is_long() { Interpolator::<{ SPINDLE_IN_PLANE.len() }>::DELAY } else { 0 };
+    let mut interpolator = Interpolator::new(ratio.steps, ratio.values);
+    let delay = if ratio.is_long() { Interpolator::<{ SPINDLE_IN_PLANE.len() }>::DELAY } else { 0 };
     let mut primed = before >= delay;
     let first = if primed { before - delay } else { before };
-    let all = before + ((values - 1) * pace.steps).div_ceil(pace.values) + delay + 1;
+    let all = before + ((values - 1) * ratio.steps).div_ceil(ratio.values) + delay + 1;
     let set = InstructionSet::best();
     let mut fitted = model.speed(begin).0;
     model.refit(fitted);
@@ -68,10 +68,10 @@ pub fn simulate(
         let mut frames = [Frame::default(); STEPS_PER_LOOK];
         set.run(Advance { model: &model, method: &mut method, begins: from == 0, frames: &mut frames[..to - from] });
         let kept = &frames[first.clamp(from, to) - from..to - from];
-        if !pace.is_long() {
+        if !ratio.is_long() {
             let done = from.max(first) - first;
-            let next = done.next_multiple_of(pace.steps) - done;
-            kept.iter().skip(next).step_by(pace.steps).for_each(|frame| recorder.push(frame));
+            let next = done.next_multiple_of(ratio.steps) - done;
+            kept.iter().skip(next).step_by(ratio.steps).for_each(|frame| recorder.push(frame));
         } else if let Some(frame) = kept.first() {
             if !primed {
                 interpolator.prime(frame);

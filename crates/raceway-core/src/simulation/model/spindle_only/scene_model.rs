@@ -8,16 +8,16 @@ use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::terms::ActiveTerms;
 
-/// The equations and the mechanism of a scene; an error where `unable` finds a reason against them.
+/// The equations and the mechanism of a scene; an error where `inapplicability` finds a reason against them.
 pub(crate) fn scene_model(
     scene: &Scene,
     settings: &RunSettings,
     rung: &'static str,
-    unable: fn(&Scene, &ActiveTerms, &Outputs) -> Option<String>,
+    inapplicability: fn(&Scene, &ActiveTerms, &Outputs) -> Option<String>,
 ) -> Result<(SpindleOnly, Mechanism), SimulationError> {
     let needs = ActiveTerms::of(scene, &settings.outputs, Some(ModelLevel::Full))?;
-    if let Some(reason) = unable(scene, &needs, &settings.outputs) {
-        return Err(SimulationError::Unable { rung, reason });
+    if let Some(reason) = inapplicability(scene, &needs, &settings.outputs) {
+        return Err(SimulationError::NotApplicable { rung, reason });
     }
     let mechanism = Mechanism::new(scene, &needs);
     Ok((

@@ -295,7 +295,7 @@ pub(crate) fn check(
 /// it; `None`: its own.
 fn longer_step(scene: &Scene, short: &RunSettings, own: &Recording, control: &Control<'_>) -> Option<(f64, Recording)> {
     let model = RadiallyCondensed::new(scene, &short.outputs).ok()?;
-    model.longer_paces().find_map(|pace| {
+    model.longer_step_ratios().find_map(|pace| {
         let (stepped, _) = model.run(short, pace, control).ok()?;
         let apart = Distance::of_recordings(&stepped, own, 0.0);
         apart.within(&short.outputs, SHARE_OF_STEPS * short.model_tolerance_db).then(|| (pace.step(), stepped))

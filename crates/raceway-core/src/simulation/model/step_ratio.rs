@@ -10,12 +10,12 @@ pub const MOST_STEPS: usize = 64;
 /// How long a step is: so many steps take as long as so many intervals of the kept values, 1/102 400 s. Either there is one interval,
 /// or there are fewer steps than intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pace {
+pub struct StepRatio {
     pub steps: usize,
     pub values: usize,
 }
 
-impl Pace {
+impl StepRatio {
     /// Steps longer than an interval: 24.4, 22.0, 19.5, 17.1, 14.6 and 12.2 µs.
     pub const LONG: [Self; 6] =
         [Self::over(2, 5), Self::over(4, 9), Self::over(1, 2), Self::over(4, 7), Self::over(2, 3), Self::over(4, 5)];
@@ -31,10 +31,10 @@ impl Pace {
 
     /// The longest step not longer than this [s].
     pub fn of(longest: f64) -> Self {
-        // A hair's breadth: the step of a pace, taken for the longest one, is that pace.
+        // A hair's breadth: the step of a ratio, taken for the longest one, is that ratio.
         let longest = longest * (1.0 + 1e-9);
         let finer = || Self::of_steps((1.0 / (RATE * longest)).ceil().max(1.0) as usize);
-        Self::LONG.into_iter().find(|pace| pace.step() <= longest).unwrap_or_else(finer)
+        Self::LONG.into_iter().find(|ratio| ratio.step() <= longest).unwrap_or_else(finer)
     }
 
     /// [s]
