@@ -1,17 +1,17 @@
 //! The levels of the model, from full dynamics to a periodic orbit of the spindle alone.
 
-/// A rung of the ladder of models.
+/// Model level, called `rung` in requests and results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelLevel {
     /// Six degrees of freedom of every ball and of the cage.
     Full,
-    /// No motion along the axis, no tilt.
+    /// Six degrees of freedom less axial motion and tilt.
     Planar,
-    /// Planar, and every ball in radial equilibrium between its raceways.
+    /// Planar, with every ball in radial equilibrium between its raceways.
     RadiallyCondensed,
-    /// The balls go round equally spaced.
+    /// Spindle alone, on equally spaced balls in radial equilibrium.
     SpindleOnly,
-    /// The same, repeating with every ball.
+    /// Steady motion of `SpindleOnly`, which repeats with every ball.
     Periodic,
 }
 
@@ -32,7 +32,7 @@ impl ModelLevel {
         }
     }
 
-    /// Whether the level is one of `REDUCED`.
+    /// Returns whether the level is one of `REDUCED`.
     pub fn is_reduced(self) -> bool {
         Self::REDUCED.contains(&self)
     }

@@ -401,7 +401,7 @@ impl<'m> Observer<'m> {
 
     fn take_loads(&mut self, [azimuth, inner, outer]: [f64; OF_THE_FIRST_BALL]) {
         if let Some(loads) = &mut self.loads {
-            loads.look(|| (azimuth, inner, outer));
+            loads.offer(|| (azimuth, inner, outer));
         }
     }
 

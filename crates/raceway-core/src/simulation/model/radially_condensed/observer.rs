@@ -224,7 +224,7 @@ impl<'a> Observer<'a> {
         }
         std::mem::swap(last, now);
         if let Some(loads) = &mut self.loads {
-            loads.look(|| {
+            loads.offer(|| {
                 let (angle, _, _) = m.speed.at(stepper.time());
                 let (arc, load) = (stepper.balls()[0].arc[0], &stepper.seen()[0].load);
                 let azimuth = m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius;
