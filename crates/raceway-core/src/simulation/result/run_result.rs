@@ -1,4 +1,4 @@
-//! What a run leaves behind.
+//! The result of a run, assembled from its recording and the reports of the solver.
 
 use crate::simulation::error::comparison::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
@@ -12,30 +12,30 @@ use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::result::metrics::{self, SolverReport, Summary};
 use crate::simulation::result::series::Series;
 
-/// All that a run leaves behind.
+/// Result of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunResult {
     pub summary: Summary,
     pub spectra: Vec<ChannelSpectra>,
     pub series: Vec<Series>,
-    /// For pictures, where any signal is asked for.
+    /// Data of plots, where any signal is requested.
     pub plot_data: PlotData,
     pub left_out: Vec<LeftOut>,
 }
 
-/// What a result says of itself.
+/// Provenance of a result: solver, accuracy, omitted terms.
 pub(crate) struct Provenance {
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
-    /// Of the levels, from stretch to stretch; none at changing speed.
+    /// Standard deviation of the levels between windows; `None` at changing speed.
     pub scatter: Option<LevelErrors>,
-    /// Of a start that may still ring.
+    /// Warning about a transient that may not have decayed.
     pub settling: Option<String>,
     pub left_out: Vec<LeftOut>,
 }
 
 impl RunResult {
-    /// Everything that the outputs ask for, from what a run has shown.
+    /// Assembles the requested outputs from a recording.
     pub(crate) fn new(
         scene: &Scene,
         settings: &RunSettings,

@@ -1,9 +1,9 @@
 //! Error against run time: one scene run by several methods at several tolerances, each compared with a reference whose
 //! own error is known.
 //!
-//! All runs start from the same state, in which the scene has settled, and are looked at alike. What is timed is the
-//! integration, the looks at the motion that any run takes, and the interpolation to the output grid; not the
-//! equilibrium, the settling, the reference, the spectra and the comparison. One thread; evaluations are bounded.
+//! All runs start from the same settled state and are observed alike. The timed part is the integration, the observation of the
+//! motion and the interpolation to the output grid. Equilibrium, settling, reference, spectra and comparison are not timed. Each run
+//! uses one thread and a bounded number of evaluations. Knows no JSON, no plot and no choice of method by itself.
 
 mod course;
 

@@ -8,7 +8,7 @@ use crate::simulation::input::channel::Channel;
 use crate::simulation::model::terms::LeftOut;
 use crate::simulation::result::lines::Line;
 
-/// What is compared.
+/// Methods and tolerances of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     pub methods: Vec<Method>,
@@ -17,12 +17,12 @@ pub struct Plan {
     pub repetitions: u32,
 }
 
-/// What a study leaves behind. Times in seconds.
+/// Outcome of a study. Times in seconds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorkPrecision {
     /// Time of the state that all runs start from.
     pub begin: f64,
-    /// Distance of the points of the output grid, and their number; the first is one distance after `begin`.
+    /// Interval of the output grid, and its number of points; the first point is one interval after `begin`.
     pub grid: (f64, usize),
     pub states: usize,
     pub rung: &'static str,
@@ -31,7 +31,7 @@ pub struct WorkPrecision {
     /// [1/s]
     pub divergence_rate: f64,
     pub reference: Reference,
-    /// Evaluations that a run might take.
+    /// Largest number of evaluations of a run.
     pub most_evaluations: u64,
     pub points: Vec<Point>,
     pub left_out: Vec<LeftOut>,
@@ -42,14 +42,14 @@ pub struct WorkPrecision {
 pub struct Reference {
     pub method: Method,
     pub relative_tolerance: f64,
-    /// `None`: no second reference finished, and nothing is known of its error.
+    /// `None`: no second reference finished, and the error of the first is unknown.
     pub check: Option<(Method, f64)>,
     pub own_error_db: Option<f64>,
-    /// `None` in chaotic motion, too: each point is compared over a time of its own, and has it for that time.
+    /// `None` in chaotic motion, too: each point is compared over a time of its own, and states this error for that time.
     pub own_trajectory: Option<TrajectoryError>,
-    /// Chaotic motion: what the level of another run of the same length would scatter by, worst of the judged channels [dB].
+    /// Chaotic motion: standard deviation of the level between runs of this length, largest of the compared channels [dB].
     pub sampling_error_db: Option<f64>,
-    /// Of the spindle's accelerations [dB]; absent where it stands still.
+    /// Levels of the spindle's accelerations [dB]; absent where it stands still.
     pub levels: Vec<(Channel, Option<f64>)>,
     /// The lines that are compared.
     pub lines: Vec<(Channel, Line)>,
@@ -62,23 +62,23 @@ pub struct Reference {
 pub struct Point {
     pub method: Method,
     pub relative_tolerance: f64,
-    /// By each repetition until its end or its failure; empty where it was not tried.
+    /// Duration of each repetition until its end or its failure; empty where the point was not tried.
     pub taken: Vec<Taken>,
-    /// Or why there is no result, in words.
+    /// The measurement, or the reason why there is none.
     pub measured: Result<Measured, String>,
 }
 
-/// What a finished run has shown.
+/// Measurement of a finished run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// What ran, and why where it chose itself.
+    /// Integrator that ran, with its reason where the method is automatic.
     pub choice: Choice,
     pub statistics: Statistics,
     pub errors: Errors,
     /// The reference's own trajectory error (root mean square) over the same time.
     pub own_trajectory: Option<f64>,
-    /// The trajectory's error is less than ten times that: it says nothing.
+    /// The trajectory error is less than ten times the reference's own, and therefore not significant.
     pub below_reference: bool,
-    /// The same of the level, or it is less than the level's sampling error.
+    /// The level error is less than ten times the reference's own, or less than the level's sampling error.
     pub level_below_reference: bool,
 }

@@ -21,18 +21,18 @@ use crate::simulation::model::integrate::Stepping;
 use crate::simulation::recording::sampling::ACCELERATIONS;
 use crate::simulation::solve::ladder;
 
-/// Methods that may be the reference, best first: the first that finishes is, the next that finishes tells its error.
-/// The other method comes first, for it shares no fault with the reference; then the same at another tolerance.
+/// Candidates for the reference, best first. The first that finishes is the reference; its difference from the next that finishes
+/// is its error. Another method comes before another tolerance, because it shares no fault with the reference.
 pub const REFERENCES: [(Method, f64); 4] =
     [(Method::Radau, 1e-11), (Method::DormandPrince, 1e-11), (Method::Radau, 1e-10), (Method::DormandPrince, 1e-10)];
-/// By what the scene settles: any state that all runs share will do.
+/// Method and tolerance of the settling: any common state suffices.
 pub const SETTLING: (Method, f64) = (Method::Auto, 1e-6);
-/// A run may take this many times the evaluations of the cheaper reference.
+/// Largest number of evaluations of a run over those of the cheaper reference [-].
 pub const EVALUATIONS_OVER_REFERENCE: u64 = 20;
-/// The first reference may take so many evaluations a simulated second, and at least `LEAST_EVALUATIONS`.
+/// Largest number of evaluations of the first reference for each simulated second [1/s], at least `MIN_EVALUATIONS`.
 const EVALUATIONS_PER_SECOND: f64 = 5e9;
-const LEAST_EVALUATIONS: u64 = 10_000_000;
-/// Errors below this many times the reference's own say nothing.
+const MIN_EVALUATIONS: u64 = 10_000_000;
+/// Smallest significant error over the reference's own [-].
 pub const ABOVE_OWN_ERROR: f64 = 10.0;
 /// Runs the study. Deterministic apart from wall times. `settings` give times, outputs and rung; its method, tolerance
 /// and fixed step are not used.
@@ -49,7 +49,7 @@ pub fn study(
         outputs: Outputs { spectra: accelerations(scene), series: Vec::new(), ..settings.outputs.clone() },
         ..settings.clone()
     };
-    // A reference that fails is followed by another: what was told is not taken back.
+    // Another reference follows one that fails. The progress does not fall back meanwhile.
     let furthest = Cell::new(0.0);
     let progress = |share: f64| {
         furthest.set(share.max(furthest.get()));
@@ -106,7 +106,7 @@ impl References {
 /// Fails only when no reference finishes, with the reason of the first.
 fn references(course: &Course<'_>, control: &Control<'_>) -> Result<References, SimulationError> {
     let middle = 0.5 * (DIVERGENCE_KNOWN + REFERENCES_KNOWN);
-    let mut most = ((EVALUATIONS_PER_SECOND * course.length()) as u64).max(LEAST_EVALUATIONS);
+    let mut most = ((EVALUATIONS_PER_SECOND * course.length()) as u64).max(MIN_EVALUATIONS);
     let mut failure = None;
     let mut first: Option<(Finished, (Method, f64))> = None;
     for (method, relative_tolerance) in REFERENCES {
@@ -117,8 +117,7 @@ fn references(course: &Course<'_>, control: &Control<'_>) -> Result<References, 
             Err(error) => drop(failure.get_or_insert(error)),
             Ok(run) => match first.take() {
                 None => {
-                    most =
-                        most.min((EVALUATIONS_OVER_REFERENCE * run.statistics.rhs_evaluations).max(LEAST_EVALUATIONS));
+                    most = most.min((EVALUATIONS_OVER_REFERENCE * run.statistics.rhs_evaluations).max(MIN_EVALUATIONS));
                     first = Some((run, (method, relative_tolerance)));
                 }
                 // The same run twice would find no error.
@@ -229,8 +228,7 @@ fn measured(
     })
 }
 
-/// Below this the error of a level says nothing [dB]. In chaotic motion any two runs are samples of the same, the references
-/// too.
+/// Smallest significant error of a level [dB]. In chaotic motion two runs, references included, are samples of one distribution.
 pub fn level_floor(own_error_db: Option<f64>, sampling_error_db: Option<f64>) -> Option<f64> {
     match sampling_error_db {
         Some(sampling) => largest(Some(sampling), own_error_db),

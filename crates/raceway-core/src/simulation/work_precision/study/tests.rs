@@ -58,7 +58,7 @@ fn studied(scene: &Scene, settings: &RunSettings, plan: &Plan) -> WorkPrecision 
 }
 
 #[test]
-fn a_point_at_the_references_tolerance_says_nothing() {
+fn a_point_at_the_references_tolerance_is_below_the_reference() {
     let found = studied(&greased(), &settings(0.0, 0.001), &plan(&[1e-4, 1e-11]));
     assert_eq!((found.begin, found.states), (0.0, 79));
     let below: Vec<bool> = found.points.iter().map(|p| p.measured.as_ref().unwrap().below_reference).collect();
@@ -107,7 +107,7 @@ fn a_run_that_takes_too_many_evaluations_has_failed_and_tighter_ones_are_not_tri
     let control = Control::until(&|| false);
     let course = Course::settled(&model, &needs, &settings, start_state(&model).unwrap(), &control).unwrap();
     let mut references = references(&course, &control).unwrap();
-    // As if the references had been cheap.
+    // References as cheap as possible.
     references.first.statistics.rhs_evaluations = 100;
     references.check = None;
     let comparison = Comparison::new(&scene, &course, &references.first, 0.0);
