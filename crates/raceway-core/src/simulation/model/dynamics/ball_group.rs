@@ -10,7 +10,7 @@ use crate::physics::raceway::ContactSlopes;
 use crate::simulation::model::state::BallState;
 use crate::simulation::model::step_loads::StepLoads;
 
-/// Balls side by side: how they move, how that changes, and what they pass on.
+/// Balls side by side: their motion, its rates, and the forces that they exert.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Balls {
     pub motion: BallMotion<Lanes>,
@@ -18,7 +18,7 @@ pub(super) struct Balls {
     pub reaction: Reaction<Lanes>,
 }
 
-/// How what acts on balls side by side answers to their own motion, in their orbit frames.
+/// Slopes of the loads on balls side by side over their own motion, in their orbit frames.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Slopes<T = f64> {
     pub raceway: PerRaceway<ContactSlopes<T>>,
@@ -27,6 +27,6 @@ pub(super) struct Slopes<T = f64> {
     pub arm: Vector<T>,
     /// Slip of the raceways over the ball, along the groove and across it [m/s].
     pub slip: PerRaceway<(T, T)>,
-    /// What answers, but for the squares of the slip.
-    pub seen: StepLoads<T>,
+    /// Loads, angles and rolling speeds, without the squares of the slip.
+    pub loads: StepLoads<T>,
 }

@@ -7,18 +7,18 @@ use crate::simulation::model::state::{CageState, SpindleState};
 /// Angle [rad], speed [rad/s] and acceleration [rad/s²] of the shaft.
 pub(super) type Shaft = (f64, f64, f64);
 
-/// Cage and spindle at a time.
+/// State of cage and spindle at one time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Border {
     pub cage: CageState,
     pub pose: CagePose,
     pub spindle: SpindleState,
     pub shaft: Shaft,
-    /// Of a start that settles [1/s]; else 0.
+    /// Rate of the fading start-up damping [1/s]; else 0.
     pub damping: f64,
 }
 
-/// The cage in the form in which pockets need it.
+/// Position and motion of the cage, for its pockets.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CagePose {
     pub motion: CageMotion,

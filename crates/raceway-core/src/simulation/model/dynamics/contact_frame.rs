@@ -3,22 +3,22 @@
 use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
 use crate::physics::frames::{Azimuth, Vector, add, cross, dot, scale, subtract};
 
-/// Where a ball sits on the inner raceway: place and axes of the contact's frame, in the orbit frame.
+/// Position of a ball on the inner raceway: place and axes of the contact's frame, in the orbit frame.
 pub(super) trait ContactFrame: Copy {
     type Several: SideBySide<One = Self> + Default;
-    /// What it needs to know of the raceway's axis.
+    /// Data of the raceway's axis.
     type Axis: Copy;
-    /// Of a ball at an azimuth, `from_centre` of the raceway in its orbit frame.
+    /// Frame of a ball at an azimuth; `from_centre`: its place relative to the centre of the raceway, in its orbit frame.
     fn new(axis: &Self::Axis, azimuth: Azimuth, from_centre: Vector) -> Self;
-    /// Along the raceway's axis and from it.
+    /// Distances along the raceway's axis and from it [m].
     fn place(&self) -> (f64, f64);
-    /// A vector of the orbit frame, in the contact's.
+    /// Components in the contact's frame of a vector of the orbit frame.
     fn components(&self, v: Vector) -> Vector;
-    /// A vector of the contact's frame, in the orbit frame.
+    /// Vector of the orbit frame with components in the contact's frame.
     fn vector(&self, c: Vector) -> Vector;
 }
 
-/// On a raceway whose axis is parallel to X: the contact's frame is the orbit frame turned about X.
+/// Frame on a raceway whose axis is parallel to X: the orbit frame turned about X.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct StraightFrame<T = f64> {
     axial: T,
@@ -54,7 +54,7 @@ impl ContactFrame for StraightFrame {
     }
 }
 
-/// On a raceway whose axis is tilted.
+/// Frame on a raceway whose axis is tilted.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TiltedFrame<T = f64> {
     axial: T,

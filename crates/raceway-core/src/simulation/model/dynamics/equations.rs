@@ -37,9 +37,9 @@ pub struct Dynamics<const PLANAR: bool> {
     one: OneBall,
     /// The spindle's axis in the inertial frame; `None`: along X.
     tilted_axis: Option<Vector>,
-    /// What the processor offers for balls side by side.
+    /// Vector instructions of the processor for balls side by side.
     instructions: InstructionSet,
-    /// By which the Jacobian displaces the entries of a ball, of cage and spindle.
+    /// Displacements of the Jacobian: of the entries of a ball, of cage and spindle.
     displacements: Vec<f64>,
 }
 
@@ -81,7 +81,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         &self.mechanism
     }
 
-    /// Writes `dy/dt`, showing each load to `watch`.
+    /// Writes `dy/dt` and passes each load to `watch`.
     pub fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: Option<&mut (dyn Watch + '_)>) {
         self.instructions.run(Evaluation { dynamics: self, time, y, dy, watch });
     }
@@ -90,7 +90,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     #[inline(always)]
     fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
         let layout = self.mechanism.layout;
-        // Before the border: what is written one by one has reached the cache when it is read side by side.
+        // The state is gathered before the border: the scalar stores reach the cache before the vector loads.
         let mut state = layout.side_by_side::<PLANAR>(y, 0);
         let border = self.border(layout.cage(y), layout.spindle(y), time);
         let mut sum = Reaction::default();
@@ -107,7 +107,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle));
     }
 
-    /// What the balls from `first` on do in a state.
+    /// Evaluates motion, rates and reactions of the balls from `first` on.
     #[inline(always)]
     pub(super) fn balls(
         &self,
@@ -148,7 +148,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             frames.put(lane, frame);
             balls.motion.put(lane, motion);
         }
-        // Before the raceways: what waits for itself has something else beside it.
+        // Drag stands before the raceways: its long dependency chains overlap with their work.
         let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
         if let Some(drag) = m.drag {
             for lane in 0..LANES {
@@ -171,17 +171,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             m.raceway.outer.rolling_speeds(
                 &relative.outer,
                 &slopes.raceway.outer,
-                &mut slopes.seen.rolling_speed.outer,
+                &mut slopes.loads.rolling_speed.outer,
             );
             m.raceway.inner.rolling_speeds(
                 &relative.inner,
                 &slopes.raceway.inner,
-                &mut slopes.seen.rolling_speed.inner,
+                &mut slopes.loads.rolling_speed.inner,
             );
-            slopes.seen.load = PerRaceway { inner: load.inner.normal, outer: load.outer.normal };
-            slopes.seen.angle = PerRaceway { inner: load.inner.angle, outer: load.outer.angle };
+            slopes.loads.load = PerRaceway { inner: load.inner.normal, outer: load.outer.normal };
+            slopes.loads.angle = PerRaceway { inner: load.inner.angle, outer: load.outer.angle };
             slopes.slip = PerRaceway { inner: load.inner.slip, outer: load.outer.slip };
-            slopes.seen.pocket = in_pocket.normal;
+            slopes.loads.pocket = in_pocket.normal;
             let tilt = pose.motion.tilt;
             for lane in 0..LANES {
                 let (azimuth, pocket) = (balls.motion.azimuth.at(lane), slopes.pocket.at(lane));
@@ -220,8 +220,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Writes loads in the pockets of the balls from `first` on, the balls' places in the cage, and how the loads answer to
-    /// the balls' own motion where that is asked for, in the cage's tilted frame; nothing without a cage.
+    /// Writes the pocket loads of the balls from `first` on and the balls' places in the cage, in the cage's tilted frame. On request it
+    /// also writes the slopes of the loads over the balls' own motion. Writes nothing without a cage.
     #[inline(always)]
     fn pockets(
         &self,
@@ -251,7 +251,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// The inner raceway alone on the balls, and the balls on the spindle.
+    /// Loads of the inner raceway on the balls, and of the balls on the spindle.
     #[inline(always)]
     pub(super) fn inner_part(&self, motion: &BallMotion<Lanes>, border: &Border) -> (Wrench<Lanes>, Vector<Lanes>) {
         match self.tilted_axis {
@@ -286,7 +286,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         parts
     }
 
-    /// The pockets alone on their balls, and the balls on the cage: force and moment.
+    /// Loads of the pockets on their balls, and force and moment of the balls on the cage.
     #[inline(always)]
     pub(super) fn pocket_part(
         &self,
@@ -308,7 +308,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         parts
     }
 
-    /// What a further wrench adds to the rates of the balls.
+    /// Rates of the balls caused by an additional wrench.
     #[inline(always)]
     pub(super) fn ball_response(&self, motion: &BallMotion<Lanes>, wrench: &Wrench<Lanes>) -> BallState<Lanes> {
         let one = self.one;
@@ -358,7 +358,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             moment[0] += braking;
         }
         let mut rates = m.cage.acceleration(&pose.motion, force, moment, m.gravity);
-        // Along the axis and in tilt: in the plane, films in the pockets damp it, and it has to come to its orbit.
+        // Damping acts along the axis and in tilt only. In the plane the pocket films damp the cage, and it has to reach its orbit.
         rates.linear[0] -= damping * state.velocity[0];
         for (rate, turning) in rates.angular[1..].iter_mut().zip(state.tilt_rate) {
             *rate -= damping * turning;
@@ -375,7 +375,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// What a reaction adds to the rates of the cage.
+    /// Rates of the cage caused by a reaction.
     #[inline(always)]
     pub(super) fn cage_response(&self, pose: &CagePose, reaction: &Reaction) -> CageState {
         let m = &self.mechanism;
@@ -389,7 +389,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// What a reaction adds to the rates of the spindle.
+    /// Rates of the spindle caused by a reaction.
     #[inline(always)]
     pub(super) fn spindle_response(&self, reaction: Vector) -> SpindleState {
         SpindleState { velocity: scale(1.0 / self.mechanism.spindle_mass, reaction), ..SpindleState::default() }
@@ -410,7 +410,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 }
 
-/// One evaluation, to be compiled for each instruction set.
+/// One evaluation, compiled for each instruction set.
 struct Evaluation<'a, 'w, const PLANAR: bool> {
     dynamics: &'a Dynamics<PLANAR>,
     time: f64,

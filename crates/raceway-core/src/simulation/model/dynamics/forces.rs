@@ -12,7 +12,7 @@ pub struct Wrench<T = f64> {
 side_by_side!(Wrench { force, moment });
 
 impl Wrench {
-    /// Both together.
+    /// The sum.
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         Self { force: add(self.force, other.force), moment: add(self.moment, other.moment) }
@@ -25,14 +25,14 @@ impl Wrench {
     }
 }
 
-/// Forces that balls exert, one or all.
+/// Forces and moments that one ball exerts, or all of them together.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Reaction<T = f64> {
-    /// On the spindle, inertial frame.
+    /// Force on the spindle, inertial frame [N].
     pub spindle: Vector<T>,
-    /// On the cage, in its tilted frame.
+    /// Force on the cage, in its tilted frame [N].
     pub cage_force: Vector<T>,
-    /// On the cage about its centre of mass, in its tilted frame.
+    /// Moment on the cage about its centre of mass, in its tilted frame [N m].
     pub cage_moment: Vector<T>,
 }
 side_by_side!(Reaction { spindle, cage_force, cage_moment });
@@ -57,7 +57,7 @@ impl Reaction {
 }
 
 impl Reaction<Lanes> {
-    /// Adds those of the first `balls` lanes to `sum`, one ball after the other.
+    /// Adds the first `balls` lanes to `sum`, one ball after the other.
     #[inline(always)]
     pub(super) fn sum_into(&self, sum: &mut Reaction, balls: usize) {
         for lane in 0..LANES.min(balls) {

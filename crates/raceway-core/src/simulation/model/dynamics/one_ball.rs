@@ -10,8 +10,8 @@ use crate::physics::pocket::{PocketLoad, PocketMotion};
 use crate::physics::raceway::{RacewayLoad, RelativeMotion};
 use crate::simulation::model::state::{BallState, SpindleState};
 
-/// Constants of one ball, and its formulas. Small: a copy of it stands before each loop over balls, so that the compiler sees
-/// that nothing stored in the loop changes it.
+/// Constants of one ball, and its formulas. Each loop over balls has its own copy, so that the compiler knows that no store in the
+/// loop changes it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OneBall {
     pub pitch_radius: f64,
@@ -44,7 +44,7 @@ impl OneBall {
         }
     }
 
-    /// Relative to the outer raceway.
+    /// Motion relative to the outer raceway.
     #[inline(always)]
     pub fn over_outer(&self, motion: &BallMotion) -> RelativeMotion {
         RelativeMotion {
@@ -58,7 +58,7 @@ impl OneBall {
         }
     }
 
-    /// Relative to the inner raceway, with the frame that is in.
+    /// Motion relative to the inner raceway, and the frame of its components.
     #[inline(always)]
     pub fn over_inner<F: ContactFrame>(
         &self,
@@ -85,8 +85,8 @@ impl OneBall {
         (relative, frame)
     }
 
-    /// Relative to its pocket, which starts at an azimuth, and the ball's place in the cage's tilted frame, from its centre
-    /// of mass.
+    /// Motion relative to the pocket that starts at an azimuth, and the ball's place from the cage's centre of mass in the cage's
+    /// tilted frame.
     #[inline(always)]
     pub fn in_pocket(&self, motion: &BallMotion, cage: &CagePose, start: Azimuth) -> (PocketMotion, Vector) {
         let CageMotion { centre, velocity, tilt, spin } = cage.motion;
@@ -102,7 +102,7 @@ impl OneBall {
         (motion, place)
     }
 
-    /// Rates of its state under all that acts on it but its weight.
+    /// Rates of the ball's state under a wrench and its weight.
     #[inline(always)]
     pub fn rates(
         &self,
@@ -126,7 +126,7 @@ impl OneBall {
         }
     }
 
-    /// What force and moment add to them.
+    /// Rates caused by force and moment alone.
     #[inline(always)]
     pub fn response(&self, motion: &BallMotion, wrench: Wrench) -> BallState {
         let still = BallMotion { orbit_speed: 0.0, ..*motion };
@@ -142,14 +142,15 @@ impl OneBall {
     }
 }
 
-/// The inner raceway on a ball, in its orbit frame, and the ball on the spindle, in the inertial frame.
+/// Load of the inner raceway on a ball, in its orbit frame, and of the ball on the spindle, in the inertial frame.
 #[inline(always)]
 pub(super) fn on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> (Wrench, Vector) {
     let force = frame.vector(load.force);
     (Wrench { force, moment: frame.vector(load.moment) }, scale(-1.0, azimuth.to_inertial(force)))
 }
 
-/// A pocket on its ball, in the ball's orbit frame, and the ball on the cage, in its tilted frame about its centre of mass.
+/// Load of a pocket on its ball, in the ball's orbit frame, and of the ball on the cage, in the cage's tilted frame about its centre
+/// of mass.
 #[inline(always)]
 pub(super) fn on_pocket(azimuth: Azimuth, tilt: &Tilt, place: Vector, load: &PocketLoad) -> (Wrench, [Vector; 2]) {
     let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));

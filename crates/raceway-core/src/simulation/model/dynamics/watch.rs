@@ -4,13 +4,13 @@ use crate::physics::pocket::PocketLoad;
 use crate::physics::raceway::{RacewayLoad, RelativeMotion};
 use crate::simulation::input::channel::BallContact;
 
-/// Sees every load of one evaluation of the equations, as they are applied.
+/// Receiver of every load in one evaluation of the equations.
 pub trait Watch {
-    /// A raceway contact of a ball; forces in the orbit frame, on the ball.
+    /// Receives a raceway contact of a ball; forces on the ball in the orbit frame.
     fn raceway(&mut self, ball: usize, side: BallContact, motion: &RelativeMotion, load: &RacewayLoad) {
         let _ = (ball, side, motion, load);
     }
-    /// A pocket contact; forces in the cage's tilted frame, on the ball.
+    /// Receives a pocket contact; forces on the ball in the cage's tilted frame.
     fn pocket(&mut self, ball: usize, load: &PocketLoad) {
         let _ = (ball, load);
     }
