@@ -188,7 +188,7 @@ fn levels(scene: &Scene, needs: &ActiveTerms) -> Levels {
     let mut observer = Observer::new(&model, needs, &settings);
     let tolerances = model.mechanism().layout.tolerances(TOLERANCE);
     let mut integrator = Method::Auto.start(&model, 0.0, &start, tolerances, None);
-    while observer.next_look().is_some() {
+    while observer.next_sample_time().is_some() {
         integrator.step(observer.end()).expect("a step");
         observer.after(integrator.as_ref());
     }

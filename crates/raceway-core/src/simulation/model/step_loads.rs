@@ -1,15 +1,15 @@
-//! What a step of the own method (`semi_implicit.rs`) has found at its end besides the state: who looks on need not evaluate the
-//! equations again.
+//! Loads at the end of a step of the semi-implicit integrator, so that the observer need not evaluate the equations again.
 
 use crate::numerics::lanes::{LANES, Lanes, side_by_side};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Vector;
 
-/// What presses on a ball, and how it slips and rolls.
+/// Loads, slip and rolling speeds of a ball at the end of a step.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct StepLoads<T = f64> {
-    /// Normal loads [N].
+    /// Normal loads of the raceways [N].
     pub load: PerRaceway<T>,
+    /// Normal load of the pocket [N].
     pub pocket: T,
     /// Squares of the slip at the contacts' centres [m²/s²].
     pub slip_square: PerRaceway<T>,
@@ -20,15 +20,15 @@ pub struct StepLoads<T = f64> {
 }
 side_by_side!(StepLoads { load, pocket, slip_square, angle, rolling_speed });
 
-/// Numbers of a ball in a row of them.
+/// Packed numbers of a ball.
 const COLUMNS: usize = 11;
 
-/// All that is seen, as numbers in a row: the form in which an integrator hands it on.
+/// Loads of all balls and the acceleration of the spindle, packed into one row of numbers for the integrator interface.
 #[derive(Debug, Clone, Copy)]
 pub struct PackedStepLoads<'a>(pub &'a [f64]);
 
 impl PackedStepLoads<'_> {
-    /// Numbers of so many groups of balls.
+    /// Length of the row for a number of groups of balls.
     pub fn numbers(groups: usize) -> usize {
         3 + groups * COLUMNS * LANES
     }
@@ -38,7 +38,7 @@ impl PackedStepLoads<'_> {
         [self.0[0], self.0[1], self.0[2]]
     }
 
-    /// What is seen of a ball.
+    /// Loads of a ball.
     #[inline]
     pub fn of(&self, ball: usize) -> StepLoads {
         let first = 3 + ball / LANES * COLUMNS * LANES + ball % LANES;
@@ -56,7 +56,7 @@ impl PackedStepLoads<'_> {
 }
 
 impl StepLoads<Lanes> {
-    /// Puts a group of balls into its place of the row.
+    /// Writes a group of balls into its place of the row.
     #[inline(always)]
     pub fn put_into(&self, numbers: &mut [f64], group: usize) {
         let Self { load, pocket, slip_square, angle, rolling_speed } = self;
@@ -86,7 +86,7 @@ mod tests {
     use crate::numerics::lanes::SideBySide;
 
     #[test]
-    fn what_is_put_in_comes_out_ball_by_ball() {
+    fn packed_loads_are_read_back_ball_by_ball() {
         let one = |ball: usize| {
             let number = |column: usize| (10 * ball + column) as f64;
             StepLoads {
@@ -106,10 +106,10 @@ mod tests {
             seen.put_into(&mut numbers, group);
         }
         numbers[..3].copy_from_slice(&[1.0, 2.0, 3.0]);
-        let sight = PackedStepLoads(&numbers);
-        assert_eq!(sight.acceleration(), [1.0, 2.0, 3.0]);
+        let packed = PackedStepLoads(&numbers);
+        assert_eq!(packed.acceleration(), [1.0, 2.0, 3.0]);
         for ball in 0..2 * LANES {
-            assert_eq!(format!("{:?}", sight.of(ball)), format!("{:?}", one(ball)));
+            assert_eq!(format!("{:?}", packed.of(ball)), format!("{:?}", one(ball)));
         }
     }
 }
