@@ -12,7 +12,7 @@ use raceway::numerics::ode::{Method, OdeSystem, Statistics, Tolerances};
 use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
 use raceway::simulation::model::equilibrium::start_state;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 use serde_json::json;
 
 const BALLS: [u32; 5] = [7, 14, 21, 30, 50];
@@ -77,7 +77,7 @@ fn model(balls: u32) -> Model {
     });
     let scene = scene_from_json(&json.to_string()).expect("a scene");
     let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() };
-    Model::new(&scene, &Needs::of(&scene, &outputs, None).expect("no rung is asked for"))
+    Model::new(&scene, &ActiveTerms::of(&scene, &outputs, None).expect("no rung is asked for"))
 }
 
 /// Seconds a step, median, and the work of the steps that count.

@@ -14,7 +14,7 @@ use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Model;
 use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::model::observer::Observer;
-use raceway::simulation::model::terms::{Grounds, Needs};
+use raceway::simulation::model::terms::{ActiveTerms, Justification};
 use raceway::simulation::recording::sampling::RATE;
 use raceway::simulation::result::metrics::channel_metrics;
 use raceway::simulation::solve::judgement::{self, Judge, Omission};
@@ -103,26 +103,26 @@ fn merge(into: &mut Value, changes: Value) {
 /// Leaves something out; with what is said of it beforehand, where that is bounded.
 struct Case {
     name: String,
-    needs: Needs,
+    needs: ActiveTerms,
     bound: Option<f64>,
 }
 
 /// Every single omission that changes the equations of a scene, and all together that the default tolerance leaves out where
 /// levels alone are asked for.
-fn cases(scene: &Scene, whole: &Needs) -> Vec<Case> {
+fn cases(scene: &Scene, whole: &ActiveTerms) -> Vec<Case> {
     let judge = Judge::new(scene, whole).expect("a scene at rest");
     let judged = |name: &str, omission: Omission| {
         let mut needs = whole.clone();
         omission.leave_out(&mut needs);
         Case { name: name.into(), needs, bound: judge.as_ref().and_then(|judge| judge.bound(omission)) }
     };
-    let plain = |name: &str, leave_out: fn(&mut Needs)| {
+    let plain = |name: &str, leave_out: fn(&mut ActiveTerms)| {
         let mut needs = whole.clone();
         leave_out(&mut needs);
         Case { name: name.into(), needs, bound: None }
     };
     let default = judgement::within(whole.clone(), scene, &outputs(), 0.05);
-    let by_judgement = default.left_out.iter().filter(|left_out| left_out.by == Grounds::Judgement);
+    let by_judgement = default.left_out.iter().filter(|left_out| left_out.by == Justification::Judgement);
     let bound = by_judgement.filter_map(|left_out| left_out.bound).map(|(bound, _)| bound).sum();
     let mut cases = vec![
         judged("6 points", Omission::Strips(6)),
@@ -137,7 +137,8 @@ fn cases(scene: &Scene, whole: &Needs) -> Vec<Case> {
         Case { name: "within 0.05 dB".into(), needs: default, bound: Some(bound) },
     ];
     cases.retain(|case| {
-        Needs { left_out: Vec::new(), ..case.needs.clone() } != Needs { left_out: Vec::new(), ..whole.clone() }
+        ActiveTerms { left_out: Vec::new(), ..case.needs.clone() }
+            != ActiveTerms { left_out: Vec::new(), ..whole.clone() }
     });
     cases
 }
@@ -179,7 +180,7 @@ fn outputs() -> Outputs {
     Outputs { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() }
 }
 
-fn levels(scene: &Scene, needs: &Needs) -> Levels {
+fn levels(scene: &Scene, needs: &ActiveTerms) -> Levels {
     let settings = settings(scene, outputs());
     let model = Model::new(scene, needs);
     let start = start_state(&model).expect("a scene at rest");
@@ -187,7 +188,7 @@ fn levels(scene: &Scene, needs: &Needs) -> Levels {
     let mut observer = Observer::new(&model, needs, &settings);
     let tolerances = model.mechanism().layout.tolerances(TOLERANCE);
     let mut integrator = Method::Auto.start(&model, 0.0, &start, tolerances, None);
-    while observer.next_look().is_some() {
+    while observer.next_sample_time().is_some() {
         integrator.step(observer.end()).expect("a step");
         observer.after(integrator.as_ref());
     }
@@ -287,7 +288,7 @@ fn main() {
     let mut spreads: [Vec<f64>; 4] = Default::default();
     let decibels = |values: &[f64]| values.iter().map(|v| format!("{v:.4}")).collect::<Vec<_>>().join(" ");
     for (name, scene) in named() {
-        let needs = Needs::of(&scene, &outputs(), None).expect("a scene");
+        let needs = ActiveTerms::of(&scene, &outputs(), None).expect("a scene");
         let whole = levels(&scene, &needs);
         let judged = Judge::new(&scene, &needs).expect("a scene at rest").is_some();
         println!(

@@ -9,7 +9,7 @@ use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
-use raceway::simulation::model::spindle_runs;
+use raceway::simulation::model::{periodic, spindle_only};
 use raceway::simulation::recording::record::Recording;
 use raceway::simulation::recording::sampling::BAND;
 use raceway::simulation::result::metrics::channel_metrics;
@@ -76,15 +76,15 @@ fn main() {
                 let mut took: Vec<f64> = (0..RUNS)
                     .map(|_| {
                         let begin = cpu_time();
-                        let levels = spindle_runs::passage(&scene, &settings).map(|passage| passage.rms(BAND));
+                        let levels = periodic::passage(&scene, &settings).map(|passage| passage.rms(BAND));
                         let _ = std::hint::black_box(levels);
                         cpu_time() - begin
                     })
                     .collect();
                 took.sort_by(f64::total_cmp);
-                let (in_time, _) = spindle_runs::simulate(&scene, &settings, &control).expect("rung 3 runs");
+                let (in_time, _) = spindle_only::simulate(&scene, &settings, &control).expect("rung 3 runs");
                 let begin = cpu_time();
-                let periodic = spindle_runs::simulate_periodic(&scene, &settings, &control);
+                let periodic = periodic::simulate(&scene, &settings, &control);
                 extended.push(cpu_time() - begin);
                 match periodic {
                     Ok((recording, _)) => {
@@ -93,7 +93,7 @@ fn main() {
                             .zip(levels(&in_time))
                             .map(|(a, b)| (20.0 * (a / b).log10()).abs())
                             .fold(0.0, f64::max);
-                        let radius = spindle_runs::passage(&scene, &settings).expect("as before").orbit.radius();
+                        let radius = periodic::passage(&scene, &settings).expect("as before").orbit.radius();
                         worst = worst.max(difference);
                         times.push((speed, took[RUNS / 2]));
                         if difference <= RIGHT {

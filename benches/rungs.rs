@@ -17,7 +17,7 @@ use raceway::simulation::input::control::Control;
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
-use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
+use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRatio};
 use raceway::simulation::recording::record::Recording;
 use raceway::simulation::recording::sampling::RATE;
 use raceway::simulation::result::metrics::Summary;
@@ -27,7 +27,8 @@ use scenes::{SCENES, scene};
 
 const WINDOW: f64 = 0.1;
 const WINDOWS: usize = 4;
-const PACES: [Pace; 5] = [Pace::LONG[0], Pace::LONG[1], Pace::LONG[2], Pace::LONG[3], Pace::of_steps(1)];
+const RATIOS: [StepRatio; 5] =
+    [StepRatio::LONG[0], StepRatio::LONG[1], StepRatio::LONG[2], StepRatio::LONG[3], StepRatio::of_steps(1)];
 const TIMED_RUNS: usize = 7;
 const CHANNELS: [Channel; 4] = [
     Channel::Spindle(Axis::Y, Motion::Acceleration),
@@ -224,17 +225,17 @@ fn others() {
         let (reference, _) = full(&scene, &text);
         let long = settings(&scene, WINDOW * WINDOWS as f64);
         let model = RadiallyCondensed::new(&scene, &long.outputs).expect("a scene in the plane");
-        let pace = model.pace_for(&long);
-        let found = of_recording(&model.run(&long, pace, &CONTROL).expect("the scenes run").0);
+        let ratio = model.step_ratio_for(&long);
+        let found = of_recording(&model.run(&long, ratio, &CONTROL).expect("the scenes run").0);
         let level = |windows: &[f64; WINDOWS]| mean_and_spread(windows).0;
         let errors: Vec<String> = (0..4).map(|c| format!("{:.3}", level(&found[c]) - level(&reference[c]))).collect();
         println!(
             "| {} | {speed} | {load} | {what} | {:.2} | {} | {:.1} | {:.1} |",
             name.as_str().unwrap_or_default(),
-            1e6 * pace.step(),
+            1e6 * ratio.step(),
             errors.join(" "),
-            real_time_factor(&scene, pace, |model| model),
-            real_time_factor(&scene, pace, RadiallyCondensed::with_general_traction)
+            real_time_factor(&scene, ratio, |model| model),
+            real_time_factor(&scene, ratio, RadiallyCondensed::with_general_traction)
         );
     }
 }
@@ -253,8 +254,8 @@ fn main() {
         "| scene | r/min | N | P_d µm | balls | g | G | rms full a_y, a_z m/s² | spread a_y, a_z, v_y, v_z dB | full × | step µs | error a_y, a_z, v_y, v_z dB | × real time |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
-    let mut summary = PACES.map(|_| (Vec::new(), Vec::new()));
-    let (mut within, mut figures) = (PACES.map(|_| 0), 0);
+    let mut summary = RATIOS.map(|_| (Vec::new(), Vec::new()));
+    let (mut within, mut figures) = (RATIOS.map(|_| 0), 0);
     for (number, &(speed, load, clearance, balls, mass, grade)) in SCENES.iter().enumerate().take(last).skip(first - 1)
     {
         let (scene, text) = scene(number);
@@ -262,14 +263,14 @@ fn main() {
         let (reference, full_speed) = full(&scene, &text);
         let reference = reference.map(|windows| mean_and_spread(&windows));
         figures += 4;
-        for (i, pace) in PACES.into_iter().enumerate() {
+        for (i, ratio) in RATIOS.into_iter().enumerate() {
             let long = settings(&scene, WINDOW * WINDOWS as f64);
             let model = RadiallyCondensed::new(&scene, &long.outputs).expect("a scene in the plane");
-            let (errors, factor) = match model.run(&long, pace, &CONTROL) {
+            let (errors, factor) = match model.run(&long, ratio, &CONTROL) {
                 Ok((recording, _)) => {
                     let found = of_recording(&recording).map(|windows| mean_and_spread(&windows));
                     let errors: [f64; 4] = std::array::from_fn(|c| found[c].0 - reference[c].0);
-                    (errors, real_time_factor(&scene, pace, |model| model))
+                    (errors, real_time_factor(&scene, ratio, |model| model))
                 }
                 Err(fault) => {
                     println!("{fault}");
@@ -286,7 +287,7 @@ fn main() {
                 "| {} | {speed} | {load} | {clearance} | {balls} | {mass} | {grade} | {accelerations} | {} | {full_speed:.2} | {:.2} | {} | {factor:.1} |",
                 number + 1,
                 decibels(&reference.map(|r| r.1)),
-                pace.step() * 1e6,
+                ratio.step() * 1e6,
                 decibels(&errors)
             );
         }
@@ -299,7 +300,7 @@ fn main() {
     for (i, (mut errors, mut factors)) in summary.into_iter().enumerate() {
         errors.sort_by(f64::total_cmp);
         factors.sort_by(f64::total_cmp);
-        let step = PACES[i].step() * 1e6;
+        let step = RATIOS[i].step() * 1e6;
         let (median, worst) = (errors[errors.len() / 2], errors[errors.len() - 1]);
         println!(
             "| {step:.2} | {} of {figures} | {median:.3} | {worst:.3} | {:.0}, {:.0} |",
@@ -311,12 +312,12 @@ fn main() {
 }
 
 /// Simulated over CPU time, model and recording included. `change`: of the model.
-fn real_time_factor(scene: &Scene, pace: Pace, change: impl Fn(RadiallyCondensed) -> RadiallyCondensed) -> f64 {
+fn real_time_factor(scene: &Scene, ratio: StepRatio, change: impl Fn(RadiallyCondensed) -> RadiallyCondensed) -> f64 {
     let settings = RunSettings { settle: 0.02, ..settings(scene, 0.1) };
     let once = || {
         let begin = cpu_time();
         let model = change(RadiallyCondensed::new(scene, &settings.outputs).expect("a scene in the plane"));
-        let recording = model.run(&settings, pace, &CONTROL).expect("it ran before");
+        let recording = model.run(&settings, ratio, &CONTROL).expect("it ran before");
         std::hint::black_box(&recording);
         cpu_time() - begin
     };

@@ -13,7 +13,7 @@ use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
 use raceway::simulation::model::equilibrium::start_state;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 
 const ARTICLE: &str =
     r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 } }"#;
@@ -39,7 +39,7 @@ fn evaluations(scene: &Scene) {
     println!("one evaluation of dy/dt, and one of its Jacobian; start state of the article's case");
     println!("{:>8} {:>7} {:>10} {:>10} {:>22}", "rung", "states", "of", "ns", "range");
     for rung in [ModelLevel::Full, ModelLevel::Planar] {
-        let needs = Needs::of(scene, &outputs(), Some(rung)).expect("both rungs serve the article");
+        let needs = ActiveTerms::of(scene, &outputs(), Some(rung)).expect("both rungs serve the article");
         let model = Model::new(scene, &needs);
         let state = start_state(&model).expect("the article's case has an equilibrium");
         let mut rate = state.clone();

@@ -17,8 +17,8 @@ use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Model;
 use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::model::observer::Observer;
-use raceway::simulation::model::spindle_runs;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
+use raceway::simulation::model::{periodic, spindle_only};
 use raceway::simulation::recording::record::Recording;
 use raceway::simulation::recording::sampling::RATE;
 use raceway::simulation::result::metrics::{self, channel_metrics};
@@ -94,7 +94,7 @@ fn reference(file: &str) {
     for parameters in SCENES {
         let scene = scene(parameters);
         let settings = settings(WINDOWS as f64 * WINDOW);
-        let needs = Needs::of(&scene, &settings.outputs, Some(ModelLevel::Full)).expect("full serves all");
+        let needs = ActiveTerms::of(&scene, &settings.outputs, Some(ModelLevel::Full)).expect("full serves all");
         let model = Model::new(&scene, &needs);
         let start = start_state(&model).expect("an equilibrium");
         let mut observer = Observer::new(&model, &needs, &settings);
@@ -144,14 +144,14 @@ fn against(file: &str) {
         let full = mean(&windows);
         let spread = windows.iter().flat_map(|w| (0..4).map(|i| db(w[i], full[i]).abs())).fold(0.0, f64::max);
         let (scene, settings) = (scene(parameters), settings(WINDOWS as f64 * WINDOW));
-        let (recording, _) = spindle_runs::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
+        let (recording, _) = spindle_only::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
         let rung = mean(&(0..WINDOWS).map(|w| levels(&recording, w)).collect::<Vec<_>>());
         let mut row = format!("{parameters:?}");
         for i in 0..4 {
             let _ = write!(row, " {:+.3}", db(rung[i], full[i]));
         }
         let _ = write!(row, "; {spread:.3};");
-        match spindle_runs::simulate_periodic(&scene, &settings, &QUIET) {
+        match periodic::simulate(&scene, &settings, &QUIET) {
             Ok((recording, _)) => {
                 let periodic = mean(&(0..WINDOWS).map(|w| levels(&recording, w)).collect::<Vec<_>>());
                 for i in 0..4 {
@@ -181,7 +181,7 @@ fn steps() {
         let mut found = [0.0; 4];
         for _ in 0..RUNS {
             let begin = cpu_time();
-            let (recording, _) = spindle_runs::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
+            let (recording, _) = spindle_only::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
             times.push(cpu_time() - begin);
             found = levels(&recording, 0);
         }
@@ -213,7 +213,7 @@ fn parts() {
     let mut times: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
     for _ in 0..4 * RUNS + 1 {
         let mut clock = vec![cpu_time()];
-        let (recording, _) = spindle_runs::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
+        let (recording, _) = spindle_only::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
         clock.push(cpu_time());
         std::hint::black_box(metrics::vibration(&recording));
         clock.push(cpu_time());

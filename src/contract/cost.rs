@@ -12,9 +12,9 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Model;
 use crate::simulation::model::equilibrium::start_state;
-use crate::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
+use crate::simulation::model::radially_condensed::{RadiallyCondensed, StepRatio};
 use crate::simulation::model::stiffness::{FastestMode, fastest_mode};
-use crate::simulation::model::terms::Grounds;
+use crate::simulation::model::terms::Justification;
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::solve::fixed_step;
 use crate::simulation::solve::ladder::{self};
@@ -144,14 +144,14 @@ fn slower_on_the_condensed_rung(job: &Job) -> f64 {
     }) else {
         return 1.0;
     };
-    let step = model.pace_for(&job.settings).step();
+    let step = model.step_ratio_for(&job.settings).step();
     let general = if model.has_general_traction() { REDUCED_GENERAL } else { 1.0 };
-    general * (Pace::of_steps(1).step() / step).max(1.0)
+    general * (StepRatio::of_steps(1).step() / step).max(1.0)
 }
 
 /// How often a run of the dynamics may be made: as asked for, with all that judgement has left out, and at a tighter tolerance.
 fn attempts(job: &Job) -> f64 {
-    let judged = job.needs.left_out.iter().any(|left_out| left_out.by == Grounds::Judgement);
+    let judged = job.needs.left_out.iter().any(|left_out| left_out.by == Justification::Judgement);
     [true, judged, job.settings.tightened.is_some()].into_iter().filter(|may_come| *may_come).count() as f64
 }
 

@@ -111,7 +111,7 @@ fn simulated(job: &Job, result: &RunResult) -> Simulated {
         metrics: Metrics::of(result, &job.settings.outputs),
         spectra: result.spectra.iter().flat_map(of_channel).collect(),
         series: result.series.iter().map(SeriesAnswer::of).collect(),
-        views: ViewsAnswer::of(&result.views),
+        views: ViewsAnswer::of(&result.plot_data),
     }
 }
 
@@ -150,12 +150,12 @@ impl From<SimulationError> for RunFailure {
             SimulationError::Integration { source: IntegrationError::Stopped { .. }, .. } => return Self::Cancelled,
             SimulationError::Integration { source: IntegrationError::NotFinite { .. }, .. } => NUMERICAL_BLOWUP,
             SimulationError::Integration { source: IntegrationError::StepTooSmall { .. }, .. }
-            | SimulationError::Exhausted { .. }
+            | SimulationError::EvaluationLimit { .. }
             | SimulationError::NoEquilibrium(_)
-            | SimulationError::Unable { .. }
-            | SimulationError::Endless { .. } => DID_NOT_CONVERGE,
+            | SimulationError::NotApplicable { .. }
+            | SimulationError::TooManyEvaluations { .. } => DID_NOT_CONVERGE,
             // A checked job has had its needs decided already.
-            SimulationError::Unmet(_) => INTERNAL,
+            SimulationError::UnsupportedChoice(_) => INTERNAL,
         };
         Self::Failed { cause, detail: error.to_string() }
     }

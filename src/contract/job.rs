@@ -18,7 +18,7 @@ use super::{accuracy, given_fields, limits, times};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::model::terms::{Needs, Unmet};
+use crate::simulation::model::terms::{ActiveTerms, UnsupportedChoice};
 use crate::simulation::solve::ladder::{self};
 use crate::simulation::work_precision::{Plan, SETTLING};
 
@@ -134,7 +134,7 @@ pub struct Job {
     /// Rungs that are tried, the leanest first.
     pub rungs: Vec<ModelLevel>,
     /// What the equations hold on the last of them.
-    pub needs: Needs,
+    pub needs: ActiveTerms,
     /// Solver and outputs with every default, as in a request.
     pub solver: SolverInput,
     pub outputs: OutputsInput,
@@ -415,7 +415,11 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
 }
 
 /// What the equations hold, and the rungs that are tried.
-fn model(scene: &Scene, settings: &RunSettings, is_compared: bool) -> Result<(Needs, Vec<ModelLevel>), FieldError> {
+fn model(
+    scene: &Scene,
+    settings: &RunSettings,
+    is_compared: bool,
+) -> Result<(ActiveTerms, Vec<ModelLevel>), FieldError> {
     let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db).map_err(unmet)?;
     let rungs = if is_compared { vec![needs.rung] } else { ladder::tried(scene, settings).map_err(unmet)? };
     Ok((needs, rungs))
@@ -489,10 +493,10 @@ fn kind_of(request: &Value) -> Result<JobKind, FieldError> {
 }
 
 /// The choice that the scene cannot be given.
-fn unmet(unmet: Unmet) -> FieldError {
+fn unmet(unmet: UnsupportedChoice) -> FieldError {
     let pointer = match &unmet {
-        Unmet::ModelLevel { .. } => "/solver/rung".to_owned(),
-        Unmet::Term { term, .. } => format!("/scene/terms/{}", term.name()),
+        UnsupportedChoice::ModelLevel { .. } => "/solver/rung".to_owned(),
+        UnsupportedChoice::Term { term, .. } => format!("/scene/terms/{}", term.name()),
     };
     FieldError::new(pointer, unmet.to_string())
 }

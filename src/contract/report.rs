@@ -9,7 +9,7 @@ use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::error::report::MotionKind;
 use crate::simulation::error::report::QuantityErrors;
 use crate::simulation::input::settings::Outputs;
-use crate::simulation::model::terms::{Grounds, LeftOut};
+use crate::simulation::model::terms::{Justification, LeftOut};
 use crate::simulation::result::metrics::SolverReport;
 
 /// Characteristic frequencies [Hz].
@@ -241,9 +241,9 @@ impl From<&LeftOut> for LeftOutAnswer {
             term: left_out.term.to_owned(),
             reason: left_out.reason.clone(),
             by: match left_out.by {
-                Grounds::Identity => GroundsName::Identity,
-                Grounds::Judgement => GroundsName::Judgement,
-                Grounds::Convention => GroundsName::Convention,
+                Justification::Identity => GroundsName::Identity,
+                Justification::Judgement => GroundsName::Judgement,
+                Justification::Convention => GroundsName::Convention,
             },
             bound: bound.map(|bound| bound.0),
             unit: bound.map(|bound| bound.1.to_owned()),

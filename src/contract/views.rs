@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::signals::SeriesAnswer;
 use super::units::rounded;
-use crate::simulation::recording::plot_data::{Orbit, Trace, Views};
+use crate::simulation::recording::plot_data::{Orbit, PlotData, Trace};
 
 /// Digits of a value in a picture.
 const DIGITS: i32 = 4;
@@ -63,7 +63,7 @@ pub struct LoadsView {
 }
 
 impl ViewsAnswer {
-    pub fn of(views: &Views) -> Self {
+    pub fn of(views: &PlotData) -> Self {
         Self {
             traces: views.traces.iter().map(trace).collect(),
             orbits: views.orbits.iter().map(orbit).collect(),

@@ -7,7 +7,7 @@ use raceway::numerics::ode::structure::Jacobian;
 use raceway::simulation::input::control::Control;
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::RunSettings;
-use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
+use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRatio};
 use serde_json::{Value, json};
 
 use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_asked, rates, scene};
@@ -82,17 +82,17 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
     let control = Control::until(&|| false);
     for json in scenes {
         let model = RadiallyCondensed::new(&scene(&json), &settings.outputs).unwrap();
-        let by = |set: InstructionSet, pace: Pace| {
-            let (recording, _) = model.clone().with_instructions(set).run(&settings, pace, &control).unwrap();
+        let by = |set: InstructionSet, ratio: StepRatio| {
+            let (recording, _) = model.clone().with_instructions(set).run(&settings, ratio, &control).unwrap();
             assert!(
                 recording.signals.iter().filter_map(|signal| signal.values()).flatten().all(|value| value.is_finite())
             );
             format!("{recording:?}")
         };
-        for pace in std::iter::once(model.pace()).chain(model.longer_paces()) {
-            let baseline = by(InstructionSet::BASELINE, pace);
+        for ratio in std::iter::once(model.step_ratio()).chain(model.longer_step_ratios()) {
+            let baseline = by(InstructionSet::BASELINE, ratio);
             for set in InstructionSet::available() {
-                assert!(by(set, pace) == baseline, "{set:?} {pace:?} {json}");
+                assert!(by(set, ratio) == baseline, "{set:?} {ratio:?} {json}");
             }
         }
     }

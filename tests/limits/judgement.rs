@@ -4,7 +4,7 @@ use raceway::physics::raceway::{RacewayContact, RelativeMotion};
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
-use raceway::simulation::model::terms::{Grounds, Needs};
+use raceway::simulation::model::terms::{ActiveTerms, Justification};
 use raceway::simulation::result::run_result::RunResult;
 use raceway::simulation::solve::judgement::{Judge, Omission, within};
 use raceway::simulation::solve::run::run;
@@ -60,13 +60,13 @@ fn levels(result: &RunResult) -> [f64; 2] {
 }
 
 /// By judgement: name and bound of each.
-fn judged(needs: &Needs) -> Vec<(&'static str, f64)> {
-    let by_judgement = needs.left_out.iter().filter(|left_out| left_out.by == Grounds::Judgement);
+fn judged(needs: &ActiveTerms) -> Vec<(&'static str, f64)> {
+    let by_judgement = needs.left_out.iter().filter(|left_out| left_out.by == Justification::Judgement);
     by_judgement.map(|left_out| (left_out.term, left_out.bound.unwrap().0)).collect()
 }
 
-fn needs(scene: &Scene, outputs: &Outputs, tolerance_db: f64) -> Needs {
-    within(Needs::of(scene, outputs, Some(ModelLevel::Full)).unwrap(), scene, outputs, tolerance_db)
+fn needs(scene: &Scene, outputs: &Outputs, tolerance_db: f64) -> ActiveTerms {
+    within(ActiveTerms::of(scene, outputs, Some(ModelLevel::Full)).unwrap(), scene, outputs, tolerance_db)
 }
 
 /// Errors of integration, of level and repetition, at 1e-5 [dB].
@@ -93,7 +93,7 @@ fn what_is_left_out_changes_levels_by_no_more_than_its_bound() {
             println!("{name}, {tolerance} dB: {off:.4} of {bound:.4} dB, {all:?}");
             assert!(off <= bound + INTEGRATION && bound <= tolerance, "{name}: {off} {bound}");
             // Made again with all terms, or the repetition has them.
-            let whole = lean.left_out.iter().all(|one| one.by != Grounds::Judgement);
+            let whole = lean.left_out.iter().all(|one| one.by != Justification::Judgement);
             assert!(
                 whole || lean.summary.solver.check.contains("judgement has left out"),
                 "{}",
@@ -144,7 +144,7 @@ fn terms_stay_in_where_nothing_lets_them_go() {
 fn bounds_follow_the_forces() {
     let bound = |lubricant: Value, omission: Omission| {
         let scene = scene(&changed(article(), json!({ "lubricant": lubricant })));
-        let needs = Needs::of(&scene, &levels_only(), Some(ModelLevel::Full)).unwrap();
+        let needs = ActiveTerms::of(&scene, &levels_only(), Some(ModelLevel::Full)).unwrap();
         let judge = Judge::new(&scene, &needs).unwrap().unwrap();
         judge.bound(omission).unwrap()
     };
@@ -159,7 +159,7 @@ fn bounds_follow_the_forces() {
 #[test]
 fn folded_strips_are_an_identity() {
     let scene = scene(&article());
-    let needs = Needs::of(&scene, &levels_only(), Some(ModelLevel::Full)).unwrap();
+    let needs = ActiveTerms::of(&scene, &levels_only(), Some(ModelLevel::Full)).unwrap();
     let damping = scene.raceway_damping.resolve();
     let pair = |spin: bool| {
         let terms = raceway::physics::raceway::RacewayTerms { spin, ..needs.raceway };

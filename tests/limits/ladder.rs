@@ -4,7 +4,7 @@ use raceway::numerics::ode::Method;
 use raceway::simulation::input::control::Control;
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
-use raceway::simulation::model::terms::Grounds;
+use raceway::simulation::model::terms::Justification;
 use raceway::simulation::result::metrics::Summary;
 use raceway::simulation::result::run_result::RunResult;
 use raceway::simulation::solve::ladder::needs;
@@ -51,7 +51,7 @@ fn the_leanest_rung_that_is_confirmed_makes_the_result() {
         assert_eq!((&accuracy.warning, result.summary.contacts.is_some()), (&None, all));
         let bound = |term: &str| {
             let left_out = result.left_out.iter().find(|left_out| left_out.term == term)?;
-            (left_out.by == Grounds::Judgement).then_some(left_out.bound?.0)
+            (left_out.by == Justification::Judgement).then_some(left_out.bound?.0)
         };
         assert_eq!(bound("ball_radial_dynamics"), Some(stated));
         assert_eq!(bound("cage_tilt"), Some(stated));
@@ -371,9 +371,9 @@ fn a_bound_that_does_not_hold_is_found_out() {
         RunSettings { relative_tolerance: 1e-3, tightened: Some(1e-5), ..asked(false, Some(ModelLevel::Full)) };
     let settings = RunSettings { settle: 0.1, duration: 0.05, ..settings };
     let judged = needs(&scene(&json), &settings.outputs, settings.rung, 0.05).unwrap();
-    assert!(judged.left_out.iter().any(|one| one.term == "churning" && one.by == Grounds::Judgement));
+    assert!(judged.left_out.iter().any(|one| one.term == "churning" && one.by == Justification::Judgement));
     let result = simulate(&json, &settings);
-    assert!(result.left_out.iter().all(|one| one.by != Grounds::Judgement), "{:?}", result.left_out);
+    assert!(result.left_out.iter().all(|one| one.by != Justification::Judgement), "{:?}", result.left_out);
     let whole = simulate(&json, &RunSettings { model_tolerance_db: 0.0, relative_tolerance: 1e-5, ..settings });
     let stated = result.summary.accuracy.level_error_db().unwrap();
     assert!(stated <= 0.025 && apart(&result, &whole) < 2.0 * stated + 1e-3, "{stated} {}", apart(&result, &whole));

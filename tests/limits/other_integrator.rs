@@ -5,7 +5,7 @@ use raceway::numerics::ode::OdeSystem;
 use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
 use raceway::simulation::model::equilibrium::start_state;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 
 use crate::scenes::advance;
 
@@ -41,7 +41,7 @@ fn a_plain_runge_kutta_loop_takes_the_same_path() {
                     "spindle": { "balance_grade": 6.3 } }"#;
     let scene = scene_from_json(json).unwrap();
     let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() };
-    let model = Model::new(&scene, &Needs::of(&scene, &outputs, None).unwrap());
+    let model = Model::new(&scene, &ActiveTerms::of(&scene, &outputs, None).unwrap());
     let start = start_state(&model).unwrap();
     let expected = advance(&model, &start, (0.0, 5e-4), 1e-10, |_| {});
     let found = runge_kutta_4(&model, &start, 2000, 2.5e-7);

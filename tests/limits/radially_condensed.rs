@@ -7,7 +7,7 @@ use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
-use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed, Stepper, unable};
+use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRatio, Stepper, inapplicability};
 use raceway::simulation::recording::record::Recording;
 use raceway::simulation::solve::run::run;
 
@@ -53,7 +53,7 @@ fn model(scene: &Scene) -> RadiallyCondensed {
 fn recorded(scene: &Scene, settle: f64, duration: f64, steps_per_value: usize) -> Recording {
     let mut settings = settings(settle, duration);
     settings.outputs.contacts = true;
-    model(scene).run(&settings, Pace::of_steps(steps_per_value), &CONTROL).unwrap().0
+    model(scene).run(&settings, StepRatio::of_steps(steps_per_value), &CONTROL).unwrap().0
 }
 
 fn spread(signal: &[f64]) -> f64 {
@@ -100,21 +100,21 @@ fn long_steps_keep_levels() {
         let model = model(&scene);
         let mut settings = settings(20e-3, 150e-3);
         settings.outputs.series.push(Channel::CageSpeed);
-        let run = |pace: Pace| model.run(&settings, pace, &CONTROL).unwrap().0;
-        let short = run(Pace::of_steps(1));
-        for pace in Pace::LONG {
-            assert_eq!(Pace::of(pace.step()), pace);
-            let long = run(pace);
+        let run = |ratio: StepRatio| model.run(&settings, ratio, &CONTROL).unwrap().0;
+        let short = run(StepRatio::of_steps(1));
+        for ratio in StepRatio::LONG {
+            assert_eq!(StepRatio::of(ratio.step()), ratio);
+            let long = run(ratio);
             for channel in &settings.outputs.series {
                 let (found, expected) = (long.signal(*channel).unwrap(), short.signal(*channel).unwrap());
-                assert_eq!(found.len(), expected.len(), "{channel} {pace:?}");
+                assert_eq!(found.len(), expected.len(), "{channel} {ratio:?}");
                 let decibels = 20.0 * (spread(found) / spread(expected)).log10();
-                println!("{balls} balls at {speed} r/min, {pace:?}: {channel} {decibels:.3} dB");
+                println!("{balls} balls at {speed} r/min, {ratio:?}: {channel} {decibels:.3} dB");
                 // The cage's own motion on its films is damped by steps so long.
                 let most = if *channel == Channel::CageSpeed { 4.0 } else { 0.1 };
-                assert!(decibels.abs() < most, "{channel} {pace:?} {decibels} dB");
+                assert!(decibels.abs() < most, "{channel} {ratio:?} {decibels} dB");
             }
-            assert!((long.cage_speed / short.cage_speed - 1.0).abs() < 1e-4, "{pace:?}");
+            assert!((long.cage_speed / short.cage_speed - 1.0).abs() < 1e-4, "{ratio:?}");
         }
     }
 }
@@ -194,7 +194,7 @@ fn mean_forces_balance() {
 fn scenes_out_of_the_plane_are_refused() {
     let plain = settings(0.0, 1e-3).outputs;
     let scene = |text: &str| scene_from_json(text).unwrap();
-    let reason = |text: &str| unable(&scene(text), &plain);
+    let reason = |text: &str| inapplicability(&scene(text), &plain);
     assert_eq!(
         reason(r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9 } }"#),
         None
@@ -208,7 +208,7 @@ fn scenes_out_of_the_plane_are_refused() {
     let along_x = Outputs { series: vec![Channel::Spindle(Axis::X, Motion::Acceleration)], ..plain.clone() };
     let article =
         scene(r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9 } }"#);
-    assert_eq!(unable(&article, &along_x), Some("an output asks for motion along X"));
+    assert_eq!(inapplicability(&article, &along_x), Some("an output asks for motion along X"));
 }
 
 /// Laws of traction, lubricants and pockets that have no short form run through the contacts of the full model; an article
@@ -224,7 +224,8 @@ fn the_general_contact_agrees_with_the_short_form() {
     for (scene, most) in [(narrow, 4e-3), (scene_from_json(wide).unwrap(), 1e-3)] {
         let short = model(&scene);
         let general = short.clone().with_general_traction();
-        let run = |model: RadiallyCondensed| model.run(&settings(2e-3, 4e-3), Pace::of_steps(2), &CONTROL).unwrap().0;
+        let run =
+            |model: RadiallyCondensed| model.run(&settings(2e-3, 4e-3), StepRatio::of_steps(2), &CONTROL).unwrap().0;
         let [a, b] = [short, general].map(run);
         for axis in [Axis::Y, Axis::Z] {
             let channel = Channel::Spindle(axis, Motion::Acceleration);

@@ -11,7 +11,7 @@ use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::equilibrium::start_state;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 use raceway::simulation::model::{Model, Watch};
 use serde_json::{Value, json};
 
@@ -39,8 +39,8 @@ pub fn nothing_asked() -> Outputs {
     Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() }
 }
 
-pub fn needs(scene: &Scene, rung: Option<ModelLevel>) -> Needs {
-    Needs::of(scene, &nothing_asked(), rung).unwrap()
+pub fn needs(scene: &Scene, rung: Option<ModelLevel>) -> ActiveTerms {
+    ActiveTerms::of(scene, &nothing_asked(), rung).unwrap()
 }
 
 /// The model of a scene in JSON on the rung it needs.

@@ -11,8 +11,9 @@ use raceway::simulation::model::Model;
 use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::model::failure::SimulationError;
 use raceway::simulation::model::observer::Observer;
-use raceway::simulation::model::spindle_runs::{passage, simulate, simulate_periodic};
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::periodic::{self, passage};
+use raceway::simulation::model::spindle_only::simulate;
+use raceway::simulation::model::terms::ActiveTerms;
 use raceway::simulation::recording::record::Recording;
 use raceway::simulation::result::metrics::channel_metrics;
 
@@ -55,7 +56,7 @@ fn worst_db(one: &[f64; 4], other: &[f64; 4]) -> f64 {
 }
 
 fn full(scene: &Scene, settings: &RunSettings) -> [f64; 4] {
-    let needs = Needs::of(scene, &settings.outputs, Some(ModelLevel::Full)).unwrap();
+    let needs = ActiveTerms::of(scene, &settings.outputs, Some(ModelLevel::Full)).unwrap();
     let model = Model::new(scene, &needs);
     let tolerances = model.mechanism().layout.tolerances(settings.relative_tolerance);
     let start = start_state(&model).unwrap();
@@ -93,7 +94,7 @@ fn the_steady_orbit_is_where_a_run_in_time_ends() {
         let (scene, settings) = (article(clearance, load, speed), settings(0.1, 0.1));
         let (in_time, _) =
             simulate(&scene, &RunSettings { fixed_step: Some(3e-6), ..settings.clone() }, &QUIET).unwrap();
-        let (periodic, _) = simulate_periodic(&scene, &settings, &QUIET).unwrap();
+        let (periodic, _) = periodic::simulate(&scene, &settings, &QUIET).unwrap();
         assert_eq!(periodic.signals[0].values().unwrap().len(), in_time.signals[0].values().unwrap().len());
         let apart = worst_db(&levels(&periodic), &levels(&in_time));
         assert!(apart < 0.01, "{clearance} µm, {load} N, {speed} r/min: {apart} dB");
@@ -111,7 +112,10 @@ fn the_steady_orbit_is_where_a_run_in_time_ends() {
 fn motions_that_repeat_after_more_than_one_ball_are_refused() {
     for speed in [20_000.0, 40_000.0] {
         let refused = passage(&article(10.0, 200.0, speed), &settings(0.1, 0.1));
-        assert!(matches!(refused, Err(SimulationError::Unable { rung: "periodic", .. })), "{speed}: {refused:?}");
+        assert!(
+            matches!(refused, Err(SimulationError::NotApplicable { rung: "periodic", .. })),
+            "{speed}: {refused:?}"
+        );
     }
 }
 
@@ -131,7 +135,7 @@ fn what_the_spindle_alone_cannot_show_is_refused_in_words() {
     assert_eq!(words, "the rung spindle_only does not serve: the spindle is misaligned");
     let mut unbalanced = scene.clone();
     unbalanced.spindle.unbalance = raceway::physics::spindle::Unbalance::Grade(6.3e-3);
-    assert!(simulate_periodic(&unbalanced, &base, &QUIET).is_err());
+    assert!(periodic::simulate(&unbalanced, &base, &QUIET).is_err());
 }
 
 /// The steps that are chosen, some longer than the interval of the kept values, against steps an eighth of it.

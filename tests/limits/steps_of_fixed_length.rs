@@ -8,7 +8,7 @@ use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::model::Model;
 use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::model::observer::Observer;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 use raceway::simulation::result::run_result::RunResult;
 use raceway::simulation::solve::run::run;
 use serde_json::{Value, json};
@@ -219,7 +219,7 @@ fn steps_show_what_evaluations_show() {
         let json = changed(article(), changes.clone());
         let settings = RunSettings { method: Method::SemiImplicit, fixed_step: Some(step), ..free() };
         let scene = scene(&json);
-        let needs = Needs::of(&scene, &settings.outputs, settings.rung).unwrap();
+        let needs = ActiveTerms::of(&scene, &settings.outputs, settings.rung).unwrap();
         let model = Model::new(&scene, &needs);
         let start = start_state(&model).unwrap();
         let seen = |blind: bool| {

@@ -9,7 +9,7 @@ use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Mechanism;
 use raceway::simulation::model::equilibrium::{StaticLoads, equilibrium, static_loads};
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 use serde_json::{Value, json};
 
 use crate::table::{check, check_computed};
@@ -22,9 +22,9 @@ pub fn scene(json: &Value) -> Scene {
     scene_from_json(&json.to_string()).unwrap_or_else(|refusal| panic!("{refusal:?}\n{json:#}"))
 }
 
-fn needs(scene: &Scene) -> Needs {
+fn needs(scene: &Scene) -> ActiveTerms {
     let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
-    Needs::of(scene, &outputs, None).unwrap()
+    ActiveTerms::of(scene, &outputs, None).unwrap()
 }
 
 fn at_rest(scene: &Scene) -> StaticLoads {

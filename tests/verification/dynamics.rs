@@ -11,8 +11,8 @@ use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Mechanism;
-use raceway::simulation::model::spindle_runs::simulate;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::spindle_only::simulate;
+use raceway::simulation::model::terms::ActiveTerms;
 use raceway::simulation::result::metrics::{channel_metrics, level_db};
 use serde_json::json;
 
@@ -44,7 +44,7 @@ const KEEP: f64 = 0.1;
 /// each a nonlinear spring between spindle and ring, here with their centrifugal force F and contacts that lean with the
 /// spindle's displacement (of that each raceway takes half by traction), and no inertia besides. RK4 in time.
 fn two_degrees_of_freedom(scene: &Scene, outputs: &Outputs) -> [f64; 2] {
-    let mechanism = Mechanism::new(scene, &Needs::of(scene, outputs, None).unwrap());
+    let mechanism = Mechanism::new(scene, &ActiveTerms::of(scene, outputs, None).unwrap());
     let stiffness = mechanism.raceway.map(|contact| contact.hertz().stiffness);
     let damping = scene.raceway_damping.resolve().chi;
     let balls = scene.bearing.parameters.ball_count;

@@ -3,7 +3,7 @@
 use raceway::contract::scene_from_json;
 use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 
 use crate::table::{check, read};
 
@@ -28,7 +28,7 @@ fn forces(case: &str, bearing: &str) -> Vec<f64> {
     let scene = format!(r#"{{ "bearing": {bearing}, "operation": {{ "speed_rpm": 10000 }} }}"#);
     let scene = scene_from_json(&scene).unwrap_or_else(|refusal| panic!("{bearing}: {refusal}"));
     let outputs = Outputs { vibration: true, contacts: false, cage: true, spectra: Vec::new(), series: Vec::new() };
-    let needs = Needs::of(&scene, &outputs, None).expect("a model");
+    let needs = ActiveTerms::of(&scene, &outputs, None).expect("a model");
     let model = Model::new(&scene, &needs);
     rows(case).into_iter().map(|[penetration, ..]| model.mechanism().pocket.solid_load(penetration)).collect()
 }

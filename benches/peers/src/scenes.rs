@@ -6,7 +6,7 @@ use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::result::metrics::channel_metrics;
 use raceway::simulation::model::Model;
-use raceway::simulation::model::terms::Needs;
+use raceway::simulation::model::terms::ActiveTerms;
 use raceway::simulation::recording::sampling::RATE;
 use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::state::Layout;
@@ -43,7 +43,7 @@ impl Case {
     pub fn new(scene: Scene, settle: f64, duration: f64) -> Result<Self, String> {
         let scene = scene_from_json(scene.json()).map_err(|error| format!("{error:?}"))?;
         let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
-        let needs = Needs::of(&scene, &outputs, None).map_err(|error| error.to_string())?;
+        let needs = ActiveTerms::of(&scene, &outputs, None).map_err(|error| error.to_string())?;
         let model = Model::new(&scene, &needs);
         let start = start_state(&model).map_err(|error| error.to_string())?;
         let values = (duration * RATE).round() as usize;

@@ -148,7 +148,7 @@ pub(crate) fn divergence_rate(
                 step(integrator.as_mut(), stop, model, control)?;
                 let (time, evaluations) = (integrator.time(), integrator.statistics().rhs_evaluations);
                 if evaluations > most_evaluations {
-                    return Err(SimulationError::Exhausted { time, evaluations });
+                    return Err(SimulationError::EvaluationLimit { time, evaluations });
                 }
                 loop {
                     let time = (begin + spacing * (times.len() + 1) as f64).min(last);

@@ -59,8 +59,8 @@ impl AccuracyReport {
     /// The requested numbers whose errors are so large that the result warns.
     pub(crate) fn large_errors(&self, outputs: &Outputs) -> Vec<QuantityError> {
         // The level of a short chaotic sample shows by itself that single numbers are uncertain.
-        let quantities = self.quantity_errors.filter(|_| !self.is_chaotic() || !outputs.are_of_levels());
-        let level = self.level_error_db().filter(|_| outputs.are_of_levels());
+        let quantities = self.quantity_errors.filter(|_| !self.is_chaotic() || !outputs.include_levels());
+        let level = self.level_error_db().filter(|_| outputs.include_levels());
         let share = |error: fn(&QuantityErrors) -> f64, shown: bool| quantities.as_ref().filter(|_| shown).map(error);
         let all = [
             (Quantity::Level, level, WARNED_ERROR_DB),

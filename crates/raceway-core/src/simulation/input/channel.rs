@@ -1,4 +1,4 @@
-//! Signals that a run can keep, by name.
+//! Channels that a run can record, by name.
 
 /// A direction of the inertial frame: X along the bearing axis, Y down the load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

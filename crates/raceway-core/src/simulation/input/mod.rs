@@ -1,4 +1,4 @@
-//! What is asked for: the scene, how to simulate it, which outputs. Knows no equation of motion.
+//! The request: the scene, the settings of the run and its outputs. Knows no equation of motion.
 
 pub mod channel;
 pub mod control;

@@ -1,27 +1,27 @@
 //! The levels of the model, from full dynamics to a periodic orbit of the spindle alone.
 
-/// A level of the model, `rung` in requests and results.
+/// Model level, called `rung` in requests and results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelLevel {
     /// Six degrees of freedom of every ball and of the cage.
     Full,
-    /// No motion along the axis, no tilt.
+    /// Six degrees of freedom less axial motion and tilt.
     Planar,
-    /// Planar, and every ball in radial equilibrium between its raceways.
+    /// Planar, with every ball in radial equilibrium between its raceways.
     RadiallyCondensed,
-    /// The spindle alone; balls orbit at equal spacing.
+    /// Spindle alone, on equally spaced balls in radial equilibrium.
     SpindleOnly,
-    /// The spindle alone, on an orbit that repeats with every ball.
+    /// Steady motion of `SpindleOnly`, which repeats with every ball.
     Periodic,
 }
 
 impl ModelLevel {
     /// All levels, the richest first.
     pub const ALL: [Self; 5] = [Self::Full, Self::Planar, Self::RadiallyCondensed, Self::SpindleOnly, Self::Periodic];
-    /// Reduced levels, the leanest first.
+    /// Models that leave out more than identities allow and have an integrator of their own, the cheapest first.
     pub const REDUCED: [Self; 3] = [Self::Periodic, Self::SpindleOnly, Self::RadiallyCondensed];
 
-    /// The name in requests and results.
+    /// The name of the level in requests and results.
     pub fn name(self) -> &'static str {
         match self {
             Self::Full => "full",
@@ -32,7 +32,7 @@ impl ModelLevel {
         }
     }
 
-    /// Whether it leaves out more than identities allow, and has an integrator of its own.
+    /// Returns whether the level is one of `REDUCED`.
     pub fn is_reduced(self) -> bool {
         Self::REDUCED.contains(&self)
     }

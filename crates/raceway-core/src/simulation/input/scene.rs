@@ -1,4 +1,4 @@
-//! What to simulate, checked once on construction.
+//! The scene: bearing, load, speed and lubricant, checked once on construction.
 
 use crate::physics::InvalidParameter;
 use crate::physics::bearing::{Bearing, BearingParameters};
@@ -9,7 +9,7 @@ use crate::physics::lubricant::Lubricant;
 use crate::physics::operation::Operation;
 use crate::physics::spindle::{AxialHold, Spindle};
 
-/// Whether a term of the equations is in the model.
+/// Choice of the request for one term of the equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TermChoice {
     /// The scene decides.
@@ -83,7 +83,7 @@ impl Terms {
     }
 }
 
-/// What to simulate, unchecked. All in SI and radians.
+/// Unchecked parameters of a scene, in SI and radians.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneParameters {
     pub bearing: BearingParameters,
@@ -97,7 +97,7 @@ pub struct SceneParameters {
     pub gravity: f64,
 }
 
-/// What to simulate: after this nobody asks again whether a ball fits its groove.
+/// Checked scene. Later code relies on the checks of [`Scene::new`], for example that a ball fits its groove.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     pub bearing: Bearing,
@@ -111,7 +111,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Checks that everything can be built and fits together; tells all that does not.
+    /// Checks each parameter and their consistency; the error lists every fault.
     pub fn new(p: SceneParameters) -> Result<Self, Vec<InvalidParameter>> {
         let mut faults = Faults::default();
         let bearing = faults.part(Bearing::new(p.bearing));

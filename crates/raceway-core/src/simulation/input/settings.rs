@@ -1,55 +1,55 @@
-//! What a run is asked for, and how to simulate it.
+//! Settings of a run and its requested outputs.
 
 use crate::numerics::ode::Method;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
 
-/// What a run must produce; it decides what the model must contain.
+/// Requested outputs. They decide which terms the model must contain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outputs {
     pub vibration: bool,
     pub contacts: bool,
     pub cage: bool,
-    /// Amplitude and envelope spectra of these.
+    /// Channels with amplitude and envelope spectra.
     pub spectra: Vec<Channel>,
-    /// Full time series of these.
+    /// Channels with a full time series.
     pub series: Vec<Channel>,
 }
 
 impl Outputs {
-    /// Whether the answer has to do with levels of the spindle.
-    pub fn are_of_levels(&self) -> bool {
+    /// Returns whether an output depends on the vibration levels of the spindle.
+    pub fn include_levels(&self) -> bool {
         self.vibration || self.spectra.iter().any(|channel| matches!(channel, Channel::Spindle(..)))
     }
 
-    /// Whether any signal is kept; what pictures show is kept with them.
+    /// Returns whether any signal is kept. The data of plots are kept together with signals.
     pub fn keep_signals(&self) -> bool {
         !(self.spectra.is_empty() && self.series.is_empty())
     }
 }
 
-/// How to simulate. Times in seconds.
+/// Settings of a run. Times in seconds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunSettings {
     pub method: Method,
     pub rung: Option<ModelLevel>,
     pub relative_tolerance: f64,
-    /// The tolerance that is taken instead, and the run made again, where `model_tolerance_db` or a load or speed that is
-    /// asked for turns out to need it; `None`: the tolerance stands.
+    /// Tighter tolerance of a second run, where `model_tolerance_db` or a requested load or speed needs it; `None`: the tolerance
+    /// is not changed.
     pub tightened: Option<f64>,
-    /// How much a level may change by what is left out by judgement [dB]; 0: identities and conventions only.
+    /// Allowed change of a level by the terms that are omitted by judgement [dB]; 0: identities and conventions only.
     pub model_tolerance_db: f64,
-    /// Step without error control [s]; only for methods that take fixed steps.
+    /// Fixed step without error control [s], for methods that support one.
     pub fixed_step: Option<f64>,
-    /// Simulated before anything is kept.
+    /// Simulated time before the recording.
     pub settle: f64,
-    /// Simulated and kept.
+    /// Recorded time.
     pub duration: f64,
     pub outputs: Outputs,
 }
 
 impl RunSettings {
-    /// The tightest relative tolerance that the run may take by itself.
+    /// The tightest relative tolerance that the run may choose [-].
     pub fn tightest(&self) -> f64 {
         self.tightened.unwrap_or(self.relative_tolerance)
     }

@@ -8,9 +8,10 @@ use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
 use crate::physics::raceway::RacewayContact;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::state::{BallState, SpindleState};
-use crate::simulation::model::terms::Needs;
-use crate::simulation::model::{Mechanism, Model};
+use crate::simulation::model::system::Model;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// Where spindle and balls rest.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +52,7 @@ pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
 }
 
 /// Equilibrium of a scene's raceways under its applied loads alone.
-pub fn static_loads(scene: &Scene, needs: &Needs) -> Result<StaticLoads, SimulationError> {
+pub fn static_loads(scene: &Scene, needs: &ActiveTerms) -> Result<StaticLoads, SimulationError> {
     let mut mechanism = Mechanism::new(scene, needs);
     mechanism.gravity = 0.0;
     let rest = equilibrium(&mechanism, 0.0)?;

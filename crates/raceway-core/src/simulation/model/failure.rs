@@ -2,7 +2,7 @@
 
 use crate::numerics::ode::IntegrationError;
 use crate::simulation::model::state::Layout;
-use crate::simulation::model::terms::Unmet;
+use crate::simulation::model::terms::UnsupportedChoice;
 
 /// Evaluations of a run that count as endless: more than a day of one core.
 pub(crate) const MOST_EVALUATIONS: f64 = 3e10;
@@ -12,10 +12,10 @@ pub(crate) const MOST_EVALUATIONS: f64 = 3e10;
 pub enum SimulationError {
     /// The scene cannot be given what the request chose.
     #[error(transparent)]
-    Unmet(#[from] Unmet),
+    UnsupportedChoice(#[from] UnsupportedChoice),
     /// A reduced rung cannot represent the scene, or not this motion of it.
     #[error("the rung {rung} does not serve: {reason}")]
-    Unable { rung: &'static str, reason: String },
+    NotApplicable { rung: &'static str, reason: String },
     #[error("no static equilibrium was found to start from: {0}")]
     NoEquilibrium(String),
     #[error("{source} ({entry})")]
@@ -29,13 +29,13 @@ pub enum SimulationError {
         "given up at t = {time:.3e} s of {end} s: steps of {step:.1e} s in the mean would take some {evaluations:.0e} evaluations of \
          the equations, more than {MOST_EVALUATIONS:.0e}"
     )]
-    Endless { time: f64, end: f64, step: f64, evaluations: f64 },
+    TooManyEvaluations { time: f64, end: f64, step: f64, evaluations: f64 },
     /// `Control::stop` asked for it.
     #[error("stopped at t = {time:.9} s")]
     Stopped { time: f64 },
     /// It took more evaluations of the equations than it may.
     #[error("stopped at t = {time:.9} s after {evaluations} evaluations of the equations")]
-    Exhausted { time: f64, evaluations: u64 },
+    EvaluationLimit { time: f64, evaluations: u64 },
 }
 
 impl SimulationError {

@@ -1,14 +1,12 @@
 //! From one time to another by one method, and why that may fail.
 
 use crate::numerics::ode::stability::{self, StabilityWatch};
-use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
+use crate::numerics::ode::{Choice, Integrator, Method, Statistics};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::model::Model;
 use crate::simulation::model::failure::MOST_EVALUATIONS;
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::state::Layout;
-use crate::simulation::model::terms::Unmet;
+use crate::simulation::model::system::Model;
 
 /// Evaluations before that is judged, so that a rough start is forgiven.
 const PACE: u64 = 2_000_000;
@@ -112,7 +110,7 @@ pub(crate) fn integrate(
                     return Err(SimulationError::Stopped { time });
                 }
                 if stepping.most_evaluations.is_some_and(|most| evaluations > most) {
-                    return Err(SimulationError::Exhausted { time, evaluations });
+                    return Err(SimulationError::EvaluationLimit { time, evaluations });
                 }
                 let done = (integrator.time() - span.start) / (span.end - span.start);
                 endless(&integrator.statistics(), done, span)?;
@@ -141,7 +139,7 @@ fn endless(work: &Statistics, done: f64, span: &Span) -> Result<(), SimulationEr
     }
     let time = span.start + done * (span.end - span.start);
     let step = work.advanced / work.steps.max(1) as f64;
-    Err(SimulationError::Endless { time, end: span.end, step, evaluations })
+    Err(SimulationError::TooManyEvaluations { time, end: span.end, step, evaluations })
 }
 
 #[cfg(test)]

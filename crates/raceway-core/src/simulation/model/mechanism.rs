@@ -15,7 +15,7 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::fading_damping::FadingDamping;
 use crate::simulation::model::state::Layout;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// What stays the same during a run: constants of bodies and contacts.
 #[derive(Debug, Clone)]
@@ -81,7 +81,7 @@ impl StartAzimuths {
 
 impl Mechanism {
     /// Whether contacts lean: the spindle moves along X, is held off its centre there, or is tilted.
-    pub fn leans(&self) -> bool {
+    pub fn has_axial_motion_or_tilt(&self) -> bool {
         self.layout.axial_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
     }
 
@@ -91,7 +91,7 @@ impl Mechanism {
     }
 
     /// The constants of a scene with what it needs.
-    pub fn new(scene: &Scene, needs: &Needs) -> Self {
+    pub fn new(scene: &Scene, needs: &ActiveTerms) -> Self {
         let bearing = &scene.bearing;
         let operating_speed = scene.operating_speed();
         let orbit_ratio = kinematics::ideal_orbit_ratio(bearing);

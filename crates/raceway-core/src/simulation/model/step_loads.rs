@@ -1,15 +1,15 @@
-//! What a step of the own method (`semi_implicit.rs`) has found at its end besides the state: who looks on need not evaluate the
-//! equations again.
+//! Loads at the end of a step of the semi-implicit integrator, so that the observer need not evaluate the equations again.
 
 use crate::numerics::lanes::{LANES, Lanes, side_by_side};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Vector;
 
-/// What presses on a ball, and how it slips and rolls.
+/// Loads, slip and rolling speeds of a ball at the end of a step.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Seen<T = f64> {
-    /// Normal loads [N].
+pub struct StepLoads<T = f64> {
+    /// Normal loads of the raceways [N].
     pub load: PerRaceway<T>,
+    /// Normal load of the pocket [N].
     pub pocket: T,
     /// Squares of the slip at the contacts' centres [m²/s²].
     pub slip_square: PerRaceway<T>,
@@ -18,17 +18,17 @@ pub struct Seen<T = f64> {
     /// Mean rolling speeds at the contacts' centres [m/s].
     pub rolling_speed: PerRaceway<T>,
 }
-side_by_side!(Seen { load, pocket, slip_square, angle, rolling_speed });
+side_by_side!(StepLoads { load, pocket, slip_square, angle, rolling_speed });
 
-/// Numbers of a ball in a row of them.
+/// Packed numbers of a ball.
 const COLUMNS: usize = 11;
 
-/// All that is seen, as numbers in a row: the form in which an integrator hands it on.
+/// Loads of all balls and the acceleration of the spindle, packed into one row of numbers for the integrator interface.
 #[derive(Debug, Clone, Copy)]
-pub struct Sight<'a>(pub &'a [f64]);
+pub struct PackedStepLoads<'a>(pub &'a [f64]);
 
-impl Sight<'_> {
-    /// Numbers of so many groups of balls.
+impl PackedStepLoads<'_> {
+    /// Length of the row for a number of groups of balls.
     pub fn numbers(groups: usize) -> usize {
         3 + groups * COLUMNS * LANES
     }
@@ -38,14 +38,14 @@ impl Sight<'_> {
         [self.0[0], self.0[1], self.0[2]]
     }
 
-    /// What is seen of a ball.
+    /// Loads of a ball.
     #[inline]
-    pub fn of(&self, ball: usize) -> Seen {
+    pub fn of(&self, ball: usize) -> StepLoads {
         let first = 3 + ball / LANES * COLUMNS * LANES + ball % LANES;
         let row = &self.0[first..=first + (COLUMNS - 1) * LANES];
         let [inner, outer, pocket, slip_i, slip_e, sine_i, cosine_i, sine_e, cosine_e, rolling_i, rolling_e] =
             std::array::from_fn(|column| row[column * LANES]);
-        Seen {
+        StepLoads {
             load: PerRaceway { inner, outer },
             pocket,
             slip_square: PerRaceway { inner: slip_i, outer: slip_e },
@@ -55,8 +55,8 @@ impl Sight<'_> {
     }
 }
 
-impl Seen<Lanes> {
-    /// Puts a group of balls into its place of the row.
+impl StepLoads<Lanes> {
+    /// Writes a group of balls into its place of the row.
     #[inline(always)]
     pub fn put_into(&self, numbers: &mut [f64], group: usize) {
         let Self { load, pocket, slip_square, angle, rolling_speed } = self;
@@ -86,10 +86,10 @@ mod tests {
     use crate::numerics::lanes::SideBySide;
 
     #[test]
-    fn what_is_put_in_comes_out_ball_by_ball() {
+    fn packed_loads_are_read_back_ball_by_ball() {
         let one = |ball: usize| {
             let number = |column: usize| (10 * ball + column) as f64;
-            Seen {
+            StepLoads {
                 load: PerRaceway { inner: number(0), outer: number(1) },
                 pocket: number(2),
                 slip_square: PerRaceway { inner: number(3), outer: number(4) },
@@ -97,19 +97,19 @@ mod tests {
                 rolling_speed: PerRaceway { inner: number(9), outer: number(10) },
             }
         };
-        let mut numbers = vec![0.0; Sight::numbers(2)];
+        let mut numbers = vec![0.0; PackedStepLoads::numbers(2)];
         for group in 0..2 {
-            let mut seen = Seen::<Lanes>::default();
+            let mut seen = StepLoads::<Lanes>::default();
             for lane in 0..LANES {
                 seen.put(lane, one(group * LANES + lane));
             }
             seen.put_into(&mut numbers, group);
         }
         numbers[..3].copy_from_slice(&[1.0, 2.0, 3.0]);
-        let sight = Sight(&numbers);
-        assert_eq!(sight.acceleration(), [1.0, 2.0, 3.0]);
+        let packed = PackedStepLoads(&numbers);
+        assert_eq!(packed.acceleration(), [1.0, 2.0, 3.0]);
         for ball in 0..2 * LANES {
-            assert_eq!(format!("{:?}", sight.of(ball)), format!("{:?}", one(ball)));
+            assert_eq!(format!("{:?}", packed.of(ball)), format!("{:?}", one(ball)));
         }
     }
 }

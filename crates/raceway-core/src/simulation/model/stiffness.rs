@@ -1,8 +1,8 @@
 //! How stiff a model is: the fastest rate of its equations, which limits the step of an explicit method.
 
 use crate::numerics::ode::OdeSystem;
-use crate::simulation::model::Model;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::system::Model;
 
 /// The dominant mode of a linearised system.
 #[derive(Debug, Clone, Copy, PartialEq)]

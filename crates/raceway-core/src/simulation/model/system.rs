@@ -5,12 +5,10 @@ use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
-use crate::simulation::model::dynamics::Watch;
+use crate::simulation::model::dynamics::{Full, Planar, Watch};
 use crate::simulation::model::fading_damping::FadingDamping;
-use crate::simulation::model::full::Full;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::planar::Planar;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// The equations of motion of a scene: any rung.
 #[derive(Debug, Clone)]
@@ -21,7 +19,7 @@ pub enum Model {
 
 impl Model {
     /// The rung that `needs` chose.
-    pub fn new(scene: &Scene, needs: &Needs) -> Self {
+    pub fn new(scene: &Scene, needs: &ActiveTerms) -> Self {
         let mechanism = Mechanism::new(scene, needs);
         match needs.rung {
             ModelLevel::Full => Self::Full(Full::new(mechanism)),

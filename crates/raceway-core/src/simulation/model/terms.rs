@@ -13,7 +13,7 @@ use crate::simulation::input::settings::Outputs;
 
 /// Why a term may be left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Grounds {
+pub enum Justification {
     /// The result is the same.
     Identity,
     /// The effect is bounded for this scene.
@@ -28,14 +28,14 @@ pub struct LeftOut {
     /// Name of the term.
     pub term: &'static str,
     pub reason: String,
-    pub by: Grounds,
+    pub by: Justification,
     /// Size of the effect, with its unit.
     pub bound: Option<(f64, &'static str)>,
 }
 
 /// What the model of a scene contains.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Needs {
+pub struct ActiveTerms {
     pub rung: ModelLevel,
     pub raceway: RacewayTerms,
     pub pocket: PocketTerms,
@@ -54,7 +54,7 @@ pub struct Needs {
 
 /// A choice of the request that this scene cannot be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Unmet {
+pub enum UnsupportedChoice {
     #[error("rung {rung} cannot represent this scene or its outputs: {reason}", rung = .rung.name())]
     ModelLevel { rung: ModelLevel, reason: String },
     #[error("term {term} cannot be {choice}: {reason}", term = .term.name())]
@@ -68,9 +68,9 @@ const STRIPS_OF_STEEP_LAWS: usize = 17;
 /// A law is steep when it saturates within this slip speed [m/s].
 const STEEP_SLIP: f64 = 0.02;
 
-impl Needs {
+impl ActiveTerms {
     /// Decides for a scene, the asked-for outputs and, when given, a rung asked for by name.
-    pub fn of(scene: &Scene, outputs: &Outputs, rung: Option<ModelLevel>) -> Result<Self, Unmet> {
+    pub fn of(scene: &Scene, outputs: &Outputs, rung: Option<ModelLevel>) -> Result<Self, UnsupportedChoice> {
         let mut decision = Decision { scene, left_out: Vec::new() };
         refuse_unbuilt(scene)?;
         let cage = decision.keep(Term::Cage, true, || None);
@@ -126,11 +126,11 @@ impl Needs {
 }
 
 /// Terms that no rung of this version does without.
-fn refuse_unbuilt(scene: &Scene) -> Result<(), Unmet> {
+fn refuse_unbuilt(scene: &Scene) -> Result<(), UnsupportedChoice> {
     for term in [Term::BallRadialDynamics, Term::BallSpinDynamics] {
         if scene.terms.get(term) == TermChoice::Off {
             let reason = "no model without it is built in yet";
-            return Err(Unmet::Term { term, choice: "off", reason });
+            return Err(UnsupportedChoice::Term { term, choice: "off", reason });
         }
     }
     Ok(())
@@ -159,7 +159,7 @@ struct Decision<'a> {
 }
 
 impl Decision<'_> {
-    fn leave_out(&mut self, term: Term, by: Grounds, reason: String) -> bool {
+    fn leave_out(&mut self, term: Term, by: Justification, reason: String) -> bool {
         self.left_out.push(LeftOut { term: term.name(), reason, by, bound: None });
         false
     }
@@ -168,7 +168,7 @@ impl Decision<'_> {
     /// add nothing), or in by default.
     fn keep(&mut self, term: Term, default: bool, absent: impl FnOnce() -> Option<String>) -> bool {
         if let Some(reason) = absent() {
-            return self.leave_out(term, Grounds::Identity, reason);
+            return self.leave_out(term, Justification::Identity, reason);
         }
         match self.scene.terms.get(term) {
             TermChoice::Off => self.switched_off(term),
@@ -178,13 +178,13 @@ impl Decision<'_> {
     }
 
     fn switched_off(&mut self, term: Term) -> bool {
-        self.leave_out(term, Grounds::Convention, format!("switched off by the request (terms.{})", term.name()))
+        self.leave_out(term, Justification::Convention, format!("switched off by the request (terms.{})", term.name()))
     }
 
     /// Whether the spindle moves along X.
-    fn axial(&mut self) -> Result<bool, Unmet> {
+    fn axial(&mut self) -> Result<bool, UnsupportedChoice> {
         let free = self.scene.spindle.axial == AxialHold::Free;
-        let unmet = |choice, reason| Err(Unmet::Term { term: Term::Axial, choice, reason });
+        let unmet = |choice, reason| Err(UnsupportedChoice::Term { term: Term::Axial, choice, reason });
         match self.scene.terms.get(Term::Axial) {
             TermChoice::Off if self.scene.operation.load[0] != 0.0 => unmet("off", "an axial load acts"),
             TermChoice::Off => {
@@ -195,14 +195,19 @@ impl Decision<'_> {
             _ if free => Ok(true),
             _ => {
                 let reason = "spindle.axial holds the spindle along X; its balls still move there".into();
-                self.leave_out(Term::Axial, Grounds::Identity, reason);
+                self.leave_out(Term::Axial, Justification::Identity, reason);
                 Ok(false)
             }
         }
     }
 
     /// The rung: planar where nothing can leave the plane, or where the request says so.
-    fn rung(&mut self, asked: Option<ModelLevel>, cage: bool, axial_spindle: bool) -> Result<ModelLevel, Unmet> {
+    fn rung(
+        &mut self,
+        asked: Option<ModelLevel>,
+        cage: bool,
+        axial_spindle: bool,
+    ) -> Result<ModelLevel, UnsupportedChoice> {
         let scene = self.scene;
         let out_of_plane = if axial_spindle {
             Some("the spindle moves along X")
@@ -218,14 +223,14 @@ impl Decision<'_> {
         let planar = ModelLevel::Planar;
         match (asked, out_of_plane) {
             (Some(ModelLevel::Planar), Some(reason)) => {
-                return Err(Unmet::ModelLevel { rung: planar, reason: reason.into() });
+                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason: reason.into() });
             }
             (Some(ModelLevel::Planar), None) if choice == TermChoice::On => {
-                return Err(Unmet::ModelLevel { rung: planar, reason: "terms.cage_tilt is on".into() });
+                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason: "terms.cage_tilt is on".into() });
             }
             (_, Some(_)) if choice == TermChoice::Off => {
                 let reason = "the scene moves along X; only a planar scene can do without";
-                return Err(Unmet::Term { term: Term::CageTilt, choice: "off", reason });
+                return Err(UnsupportedChoice::Term { term: Term::CageTilt, choice: "off", reason });
             }
             (Some(ModelLevel::Full), _) => return Ok(ModelLevel::Full),
             (None, Some(_)) => return Ok(ModelLevel::Full),
@@ -233,12 +238,12 @@ impl Decision<'_> {
         }
         if symmetric_cage && choice != TermChoice::On {
             let reason = "nothing acts along X and the cage is symmetric: no ball or cage leaves the plane";
-            self.leave_out(Term::CageTilt, Grounds::Identity, reason.into());
+            self.leave_out(Term::CageTilt, Justification::Identity, reason.into());
             return Ok(ModelLevel::Planar);
         }
         if asked == Some(ModelLevel::Planar) {
             let reason = "tilt and axial motion of cage and balls: the request asks for the planar rung".into();
-            self.leave_out(Term::CageTilt, Grounds::Convention, reason);
+            self.leave_out(Term::CageTilt, Justification::Convention, reason);
             return Ok(ModelLevel::Planar);
         }
         if choice == TermChoice::Off {
@@ -252,7 +257,7 @@ impl Decision<'_> {
         self.left_out.push(LeftOut {
             term: "ball_orientation",
             reason: "a homogeneous ball without surface profile looks the same from every side".into(),
-            by: Grounds::Identity,
+            by: Justification::Identity,
             bound: None,
         });
     }
@@ -262,7 +267,7 @@ impl Decision<'_> {
         let lubricant = &self.scene.lubricant;
         let choice = self.scene.terms.get(Term::Hydrodynamics);
         if lubricant.kind == LubricantKind::Dry || lubricant.viscosity == 0.0 {
-            return self.leave_out(Term::Hydrodynamics, Grounds::Identity, "there is no viscous film".into());
+            return self.leave_out(Term::Hydrodynamics, Justification::Identity, "there is no viscous film".into());
         }
         if choice == TermChoice::Off {
             return self.switched_off(Term::Hydrodynamics);
@@ -273,7 +278,7 @@ impl Decision<'_> {
                 reason: "F_R, F_H and pocket rolling friction are neglected for grease, as in the source of the \
                          model; the bound is F_R of the most loaded ball if its base oil flooded the inlet"
                     .into(),
-                by: Grounds::Convention,
+                by: Justification::Convention,
                 bound: Some((
                     nominal_rolling_friction(
                         &self.scene.bearing,

@@ -1,4 +1,4 @@
-//! What is kept of a motion: sampled signals, windows, extremes, data of plots. Below every model.
+//! The recording of a motion: sampled signals, their windows and spectra, extremes, data of plots. Knows no model and no error.
 
 pub mod load_course;
 pub mod plot_data;

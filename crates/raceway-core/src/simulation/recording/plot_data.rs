@@ -1,29 +1,32 @@
-//! What pictures of a run show: its motions thinned, and the loads of one ball along its way. Kept of every run; a second of it where
-//! there is more.
+//! Data of the plots of a run: thinned motions, orbits, and the loads of one ball. Plots show at most the first second of the recorded
+//! time.
 
 use crate::numerics::statistics::thin;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
-use crate::simulation::recording::load_course::LoadsAlong;
-use crate::simulation::recording::load_course::stretch;
+use crate::simulation::recording::load_course::BallLoadCourse;
+use crate::simulation::recording::load_course::values_in_turns;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::windows::Signal;
 
-/// Values of a signal that a picture of some hundred dots across shows, and ball passages that they can show.
-const MOST_VALUES: usize = 500;
-const PASSAGES: f64 = 12.0;
-/// Points of an orbit, and turns that it shows: those of the shaft for the spindle, those of the cage for the cage.
-const TURNS: f64 = 4.0;
-const MOST_POINTS: usize = 500;
+/// Largest number of values of a trace: a plot is some hundred pixels wide.
+const MAX_TRACE_VALUES: usize = 500;
+/// Ball passages that a trace of a steady run shows.
+const TRACE_PASSAGES: f64 = 12.0;
+/// Turns that an orbit shows: of the shaft for the spindle, of the cage for the cage.
+const ORBIT_TURNS: f64 = 4.0;
+/// Largest number of points of an orbit.
+const MAX_ORBIT_POINTS: usize = 500;
 
 /// A signal, thinned so that peaks survive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     pub channel: Channel,
-    /// Time of the first kept value since the start of the run, and between two values before they were thinned [s].
+    /// Time of the first recorded value since the start of the run [s].
     pub start: f64,
+    /// Interval between two values before thinning [s].
     pub step: f64,
-    /// Which of those values are there.
+    /// Indices of the values that remain after thinning.
     pub place: Vec<usize>,
     /// In the channel's unit.
     pub value: Vec<f64>,
@@ -39,16 +42,16 @@ pub struct Orbit {
     pub z: Vec<f64>,
 }
 
-/// All of a run.
+/// Data of all plots of a run.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Views {
+pub struct PlotData {
     pub traces: Vec<Trace>,
     pub orbits: Vec<Orbit>,
-    pub loads: Option<LoadsAlong>,
+    pub loads: Option<BallLoadCourse>,
 }
 
-impl Views {
-    /// Of what a run has shown: of a steady one as much as can be told apart, its end.
+impl PlotData {
+    /// Data of a recording. Of a steady run only the last passages and turns are kept, as many as a plot can resolve.
     pub fn of(recording: &Recording, balls: usize, is_steady: bool) -> Self {
         let passage = is_steady.then_some(recording.cage_speed * balls as f64);
         let moves = [Motion::Velocity, Motion::Acceleration];
@@ -70,11 +73,11 @@ impl Views {
     }
 }
 
-/// `passage`: of balls [rad/s].
+/// Trace of a signal; `passage`: angular rate of ball passages [rad/s].
 fn trace(start: f64, signal: &Signal, passage: Option<f64>) -> Trace {
     let (scale, values) = (signal.channel.scale(), signal.first_window());
-    let first = values.len() - stretch(values.len(), PASSAGES, passage);
-    let kept = thin(&values[first..], MOST_VALUES);
+    let first = values.len() - values_in_turns(values.len(), TRACE_PASSAGES, passage);
+    let kept = thin(&values[first..], MAX_TRACE_VALUES);
     Trace {
         channel: signal.channel,
         start: start + first as f64 / RATE,
@@ -84,12 +87,12 @@ fn trace(start: f64, signal: &Signal, passage: Option<f64>) -> Trace {
     }
 }
 
-/// `speed`: of what turns [rad/s].
+/// Orbit of a body; `speed`: angular speed of its reference rotation [rad/s].
 fn orbit(body: &'static str, speed: f64, y: Option<&Signal>, z: Option<&Signal>) -> Option<Orbit> {
     let (y, z) = (y?, z?);
     let all = y.first_window().len();
-    let turns = stretch(all, TURNS, Some(speed));
-    let every = turns.div_ceil(MOST_POINTS).max(1);
+    let turns = values_in_turns(all, ORBIT_TURNS, Some(speed));
+    let every = turns.div_ceil(MAX_ORBIT_POINTS).max(1);
     let points = |signal: &Signal| {
         let scale = signal.channel.scale();
         signal.first_window().iter().skip(all - turns).step_by(every).map(|value| scale * value).collect()

@@ -1,32 +1,34 @@
-//! What a run has shown, in SI units.
+//! The recording of a run, in SI units.
 
 use crate::numerics::parallel::both;
 use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::sampling::{ACCELERATIONS, PART, RATE};
-use crate::simulation::recording::load_course::LoadsAlong;
+use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::windows::{Signal, Whirl};
 
-/// What was seen of one kind of raceway contact, all balls, SI.
+/// Extremes of the contacts of all balls on one raceway [SI].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactExtremes {
+    /// Largest load of each ball [N].
     pub max_load: Vec<f64>,
     /// Range of contact angles under load [rad].
     pub angle: Option<(f64, f64)>,
+    /// Largest slip speed under load [m/s].
     pub max_slip: f64,
-    /// Least minimum film thickness under load [m]; `None` where it was not asked for.
+    /// Smallest minimum film thickness under load [m]; `None` where it was not requested.
     pub least_film: Option<f64>,
 }
 
-/// Single numbers of a motion that are compared with those of a repetition, in SI.
+/// Scalar results of a motion, for the comparison with a repeated run [SI].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Quantities {
     /// Largest load of any raceway contact [N].
     pub max_load: f64,
-    /// Mean over the time, absolute value [rad/s].
+    /// Magnitude of the mean cage speed [rad/s].
     pub cage_speed: f64,
-    /// Sine of the largest contact angle under load, either way [-].
+    /// Sine of the largest contact angle under load, magnitude [-].
     pub out_of_plane: f64,
     /// Largest load of any pocket [N].
     pub max_pocket_load: f64,
@@ -36,41 +38,43 @@ pub struct Quantities {
     pub orbit_radius: f64,
 }
 
-/// What a run has shown, in SI.
+/// The recording of a run [SI].
 #[derive(Debug, Clone)]
 pub struct Recording {
-    /// Time of the first kept value [s]; the others follow at `RATE`.
+    /// Time of the first recorded value [s]; the others follow at `RATE`.
     pub start: f64,
     pub signals: Vec<Signal>,
-    /// Of the cage's centre over several windows.
+    /// Whirl of the cage's centre, where the run has several windows.
     pub whirl: Option<Whirl>,
-    /// Variance of the spindle's signals before the filter, where they passed one.
+    /// Variance of each spindle signal before the low-pass filter, where it passed one.
     pub total_variance: Vec<(Channel, f64)>,
     pub contacts: PerRaceway<ContactExtremes>,
+    /// Largest load of any pocket [N].
     pub max_pocket_load: f64,
     /// Sign of the shaft's mean speed.
     pub direction: f64,
-    /// Means over the kept time, absolute values [rad/s].
+    /// Magnitude of the mean shaft speed over the recorded time [rad/s].
     pub shaft_speed: f64,
+    /// Magnitude of the mean cage speed over the recorded time [rad/s].
     pub cage_speed: f64,
-    /// Of a ball about its own axis, seen from the orbit frame.
+    /// Mean spin of a ball about its own axis in the orbit frame [rad/s].
     pub ball_spin: f64,
-    /// Over each stretch of `PART` kept values.
+    /// Scalar results of consecutive parts of the recorded time.
     pub parts: Vec<Quantities>,
-    /// Of the first ball along its way, where contacts are asked for.
-    pub loads: Option<LoadsAlong>,
-    /// Largest distance along the orbit of a ball from the middle of its pocket [m]; `None` where nobody looked.
-    pub wander: Option<f64>,
+    /// Loads of the first ball over its azimuth, where contacts are requested.
+    pub loads: Option<BallLoadCourse>,
+    /// Largest distance of a ball from the middle of its pocket, along the orbit [m]; `None` where it was not observed.
+    pub largest_pocket_offset: Option<f64>,
 }
 
 impl Recording {
-    /// What is known of a channel.
+    /// The recorded signal of a channel.
     pub fn of(&self, channel: Channel) -> Option<&Signal> {
         self.signals.iter().find(|signal| signal.channel == channel)
     }
 
-    /// Works out on two cores what levels and spectra ask of the spindle's signals, which takes as long as a short run. Where no signals
-    /// are kept, many such runs go side by side, and each does what it is asked for when it is asked.
+    /// Computes levels and spectra of the spindle's signals on two cores, which takes as long as a short run. Runs that keep no signals
+    /// belong to a study and run in parallel already. They compute on request.
     pub fn evaluate(&self, outputs: &Outputs) {
         let one = |signal: &Signal| {
             if outputs.vibration {
@@ -85,18 +89,18 @@ impl Recording {
         }
     }
 
-    /// Every kept value of a channel [SI], in a run of one window or where the series is asked for.
+    /// Every recorded value of a channel [SI], in a run of one window or where its series is requested.
     pub fn signal(&self, channel: Channel) -> Option<&[f64]> {
         self.of(channel)?.values()
     }
 
-    /// How the cage's centre turned; `None` where it was not looked at.
+    /// Whirl of the cage's centre; `None` where it was not observed.
     pub fn whirl(&self) -> Option<Whirl> {
         let place = |axis| self.signal(Channel::CageDisplacement(axis));
         self.whirl.or_else(|| Some(Whirl::of(place(Axis::Y)?, place(Axis::Z)?)))
     }
 
-    /// Rms distance of the cage's centre from its mean position [m]; `None` where it was not looked at.
+    /// Rms distance of the cage's centre from its mean position [m]; `None` where it was not observed.
     pub fn orbit_radius(&self) -> Option<f64> {
         let rms = |axis| Some(self.of(Channel::CageDisplacement(axis))?.all().rms());
         Some(rms(Axis::Y)?.hypot(rms(Axis::Z)?))
@@ -121,7 +125,7 @@ impl Recording {
         before.map_or_else(unfiltered, |(_, variance)| *variance)
     }
 
-    /// Over all that was kept.
+    /// Scalar results over the whole recorded time.
     pub fn quantities(&self) -> Quantities {
         let loads = self.contacts.inner.max_load.iter().chain(&self.contacts.outer.max_load);
         Quantities {

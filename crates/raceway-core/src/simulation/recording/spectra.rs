@@ -13,7 +13,7 @@ pub struct ChannelSpectra {
 }
 
 impl ChannelSpectra {
-    /// Of a signal [SI].
+    /// Spectra of a signal [SI].
     pub fn of(channel: Channel, signal: &[f64]) -> Self {
         let signal: Vec<f64> = signal.iter().map(|value| channel.scale() * value).collect();
         Self {
@@ -23,6 +23,7 @@ impl ChannelSpectra {
         }
     }
 
+    /// Averages these spectra with those of a further window.
     pub fn join(&mut self, other: &Self) {
         self.amplitude.join(&other.amplitude);
         self.envelope.join(&other.envelope);

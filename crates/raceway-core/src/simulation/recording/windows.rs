@@ -1,17 +1,16 @@
-//! Signals of a run, taken window by window: a window that is full adds its moments and spectra to those of the run, and its
-//! values are dropped. So the memory of a run does not grow with its duration, but for the series that are asked for. A run of one
-//! window keeps its values, and is reduced to what is asked of it, when it is asked.
+//! Recorded signals, window by window. A full window adds its moments and spectra to those of the run, and its values are dropped.
+//! So the memory of a run does not grow with its duration, except for requested series. A run of one window keeps its values and
+//! computes moments and spectra on request.
 
 use std::sync::OnceLock;
 
-use crate::numerics::spectrum::{amplitude_spectrum, band_limited, envelope_spectrum};
+use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{self, CentralMoments};
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::sampling::ACCELERATIONS;
 use crate::simulation::recording::sampling::BAND;
 use crate::simulation::recording::sampling::BATCHES;
-use crate::simulation::recording::sampling::ENVELOPE_BAND;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::sampling::REPEATED;
 use crate::simulation::recording::sampling::kept_values;
@@ -20,31 +19,32 @@ use crate::simulation::recording::spectra::ChannelSpectra;
 /// Longest window [s]: a run of the longest default duration is one.
 const LONGEST: f64 = 1.0;
 
-/// Values at either end of one window of several that do not count in the band of levels: the band limit takes a window as
-/// periodic, and overshoots where its ends do not meet. Further in, that is less than a hundredth of the step between them.
+/// Values at either end of one window of several that the statistics in the band of levels omit. The band limit takes a window as
+/// periodic and overshoots where the ends do not meet. Further in, the overshoot is below a hundredth of the step between the ends.
 const EDGE: usize = 128;
 
-/// Windows of several are a multiple of so many values long: transforms of other lengths can take three times the time and room.
+/// Length unit of a window where there are several: transforms of other lengths can take three times the time and memory.
 const GRAIN: usize = 64;
 
-/// How the kept values of a run are cut: into as few windows of equal length as there can be. What is left over at the end, less
-/// than `GRAIN` values a window, counts in series alone.
+/// Division of the recorded values into the smallest number of windows of equal length. The remainder at the end, less than `GRAIN`
+/// values a window, appears in series alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Windows {
     pub count: usize,
-    /// Values of one.
+    /// Values of one window.
     pub length: usize,
 }
 
 impl Windows {
+    /// Division of so many recorded values.
     pub fn of(values: usize) -> Self {
         let count = values.div_ceil(kept_values(LONGEST)).max(1);
         let grain = if count > 1 { GRAIN } else { 1 };
         Self { count, length: values / count / grain * grain }
     }
 
-    /// How many of a window's first values are kept: of all together about as many as of one window, but at least what is
-    /// repeated from the start of the run.
+    /// Number of values that a window keeps from its start. All windows together keep about as many as one window holds, but the
+    /// first keeps at least the time that is repeated for the error estimate.
     fn excerpt(&self, window: usize) -> usize {
         let share = self.length / self.count;
         if window == 0 { share.max(kept_values(REPEATED)).min(self.length) } else { share }
@@ -57,21 +57,21 @@ pub struct InBand {
     pub moments: CentralMoments,
     /// Largest magnitude before the band limit.
     pub largest: f64,
-    /// Of `BATCHES` batches of each window.
+    /// Mean squares of `BATCHES` batches of each window.
     pub mean_squares: Vec<f64>,
 }
 
 impl InBand {
-    /// Of a run of one window.
+    /// Statistics of a run of one window.
     pub fn of(signal: &[f64]) -> Self {
         Self::within(signal, 0)
     }
 
-    /// Of one window, so many values at either end left out.
+    /// Statistics of one window without `edge` values at either end.
     fn within(signal: &[f64], edge: usize) -> Self {
         let in_band = band_limited(signal, RATE, BAND);
         let in_band = in_band.get(edge..in_band.len().saturating_sub(edge)).unwrap_or_default();
-        // The band limit takes the mean away, in which windows differ.
+        // The band limit removes the mean, and windows differ in their means.
         Self {
             moments: CentralMoments::of(in_band).shifted(statistics::mean(signal)),
             largest: signal.iter().fold(0.0, |most, value| f64::max(most, value.abs())),
@@ -86,21 +86,21 @@ impl InBand {
     }
 }
 
-/// What is known of one channel [SI].
+/// Recorded signal of one channel [SI].
 #[derive(Debug, Clone)]
 pub struct Signal {
     pub channel: Channel,
-    /// Values of the window on the way.
+    /// Values of the current window.
     window: Vec<f64>,
-    /// All values, where they are asked for and more than one window.
+    /// All values, where the series is requested and there are several windows.
     series: Option<Vec<f64>>,
-    /// The first values of each window, of accelerations; all values in a run of one window.
+    /// First values of each window, for accelerations; all values in a run of one window.
     pub excerpts: Vec<Vec<f64>>,
     all: OnceLock<CentralMoments>,
     in_band: OnceLock<InBand>,
     spectra: OnceLock<ChannelSpectra>,
     asked_for_spectra: bool,
-    /// Of a run of several windows, for pictures, where they are kept.
+    /// Values of the first of several windows, where plots need them.
     first: Option<Vec<f64>>,
 }
 
@@ -121,7 +121,7 @@ impl Signal {
         }
     }
 
-    /// Every kept value; `None` where they were dropped.
+    /// Every recorded value; `None` where the windows were dropped.
     pub fn values(&self) -> Option<&[f64]> {
         match &self.series {
             None if self.excerpts.len() == 1 => self.excerpts.first().map(Vec::as_slice),
@@ -129,28 +129,28 @@ impl Signal {
         }
     }
 
-    /// Values of the first window, or of all where there is one.
+    /// Values of the first window.
     pub fn first_window(&self) -> &[f64] {
         self.first.as_deref().or_else(|| self.values()).unwrap_or_default()
     }
 
-    /// Moments of all windows, nothing filtered.
+    /// Moments of all windows, at all recorded frequencies.
     pub fn all(&self) -> &CentralMoments {
         self.all.get_or_init(|| self.values().map(CentralMoments::of).unwrap_or_default())
     }
 
-    /// Of the spindle's motion, in the band of levels.
+    /// Statistics in the band of levels, for the spindle's motion.
     pub fn in_band(&self) -> &InBand {
         self.in_band.get_or_init(|| self.values().map(InBand::of).unwrap_or_default())
     }
 
-    /// In the channel's unit; `None` where they are not asked for.
+    /// Spectra in the channel's unit; `None` where they are not requested.
     pub fn spectra(&self) -> Option<&ChannelSpectra> {
         let values = self.values().unwrap_or_default();
         self.asked_for_spectra.then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values)))
     }
 
-    /// Adds the window to what is known of all, and empties it.
+    /// Adds the current window to the statistics of the run, and empties it.
     fn reduce(&mut self, windows: Windows, index: usize) {
         if windows.count == 1 {
             self.excerpts.push(std::mem::take(&mut self.window));
@@ -175,7 +175,7 @@ impl Signal {
     }
 }
 
-/// Adds what is known of a window to what is known of those before.
+/// Adds the statistics of a window to those of the windows before.
 fn join<T>(before: &mut OnceLock<T>, window: T, add: impl FnOnce(&mut T, T)) {
     match before.get_mut() {
         Some(all) => add(all, window),
@@ -183,12 +183,12 @@ fn join<T>(before: &mut OnceLock<T>, window: T, add: impl FnOnce(&mut T, T)) {
     }
 }
 
-/// How far (y, z) has turned about its mean, from +Y towards +Z.
+/// Rotation of a point (y, z) about its mean, from +Y towards +Z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Whirl {
-    /// [rad]
+    /// Angle turned [rad].
     angle: f64,
-    /// Distances between values that it was added up over.
+    /// Number of intervals between values.
     steps: usize,
 }
 
@@ -210,17 +210,18 @@ impl Whirl {
     }
 }
 
-/// Takes the values of channels that are seen at the same times.
+/// Recorder of several channels that are sampled at the same times.
 #[derive(Debug, Clone)]
 pub struct Recorder {
     windows: Windows,
-    /// Values to take, and taken so far.
+    /// Number of values to record.
     values: usize,
+    /// Number of values recorded so far.
     taken: usize,
-    /// Windows that are done.
+    /// Number of finished windows.
     done: usize,
     signals: Vec<Signal>,
-    /// Of several windows.
+    /// Whirl of the cage's centre over several windows.
     whirl: Option<Whirl>,
 }
 
@@ -236,7 +237,7 @@ impl Recorder {
         }
     }
 
-    /// rms of the spindle's accelerations in y and z over the window on the way [m/s²]; `None` of an empty one.
+    /// rms of the spindle's accelerations in y and z over the current window [m/s²]; `None` while it is empty.
     pub fn accelerations(&self) -> Option<[f64; 2]> {
         let of = |channel: Channel| {
             let window = &self.signals.iter().find(|signal| signal.channel == channel)?.window;
@@ -246,17 +247,17 @@ impl Recorder {
         Some([along(Axis::Y)?, along(Axis::Z)?])
     }
 
-    /// Takes a value of each channel; none after the last.
+    /// Records one value of each channel; values after the last are ignored.
     pub fn push(&mut self, frame: &[f64]) {
         self.take(1, |_, channel| frame[channel]);
     }
 
-    /// Takes several values of each channel, frame after frame.
+    /// Records several values of each channel, frame after frame.
     pub fn extend<const N: usize>(&mut self, frames: &[[f64; N]]) {
         self.take(frames.len(), |place, channel| frames[place][channel]);
     }
 
-    /// Takes so many values, channel after channel as far as a window goes.
+    /// Records `count` values, channel after channel up to the end of a window.
     #[inline(always)]
     fn take(&mut self, count: usize, value: impl Fn(usize, usize) -> f64) {
         let count = count.min(self.values - self.taken);
@@ -267,7 +268,7 @@ impl Recorder {
                 self.reduce();
                 continue;
             }
-            // What is left over after the last window counts in series alone.
+            // The remainder after the last window appears in series alone.
             let counts = self.done < self.windows.count;
             let to = if counts { count.min(from + window_end - self.taken) } else { count };
             for (channel, signal) in self.signals.iter_mut().enumerate() {
@@ -298,7 +299,7 @@ impl Recorder {
         self.done += 1;
     }
 
-    /// What is known of each channel, and how the cage's centre has turned over several windows.
+    /// The signals, and the whirl of the cage's centre over several windows.
     pub fn finish(mut self) -> (Vec<Signal>, Option<Whirl>) {
         if self.done < self.windows.count {
             self.reduce();
@@ -313,7 +314,7 @@ mod tests {
     use crate::simulation::input::channel::Motion;
 
     #[test]
-    fn windows_are_as_few_and_as_equal_as_can_be() {
+    fn the_recorded_time_is_cut_into_few_equal_windows() {
         let of = |duration: f64| Windows::of(kept_values(duration));
         assert_eq!(of(1.0), Windows { count: 1, length: 102_400 });
         assert_eq!(of(1.5), Windows { count: 2, length: 76_800 });
@@ -323,9 +324,9 @@ mod tests {
         assert_eq!((of(0.5).excerpt(0), of(20.0).excerpt(3), of(1000.0).excerpt(0)), (51_200, 5_120, 1_024));
     }
 
-    /// 2.5 windows' worth of tones, drift and a burst: three windows say what the whole signal says.
+    /// Tones, drift and a burst of 2.5 s: three windows give the statistics of the whole signal.
     #[test]
-    fn windows_together_are_the_whole_signal() {
+    fn statistics_of_windows_equal_those_of_the_whole_signal() {
         let values = kept_values(2.5);
         let signal = |i: usize| {
             let t = i as f64 / RATE;
@@ -366,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_for_as_a_series_is_kept_to_the_last_value() {
+    fn a_requested_series_is_kept_to_the_last_value() {
         let values = 2 * kept_values(LONGEST) + 1;
         let channel = Channel::CageSpeed;
         let outputs =

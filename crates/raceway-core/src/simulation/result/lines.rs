@@ -6,9 +6,9 @@ use crate::physics::kinematics::CharacteristicFrequencies;
 /// A line of a spectrum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// [Hz]
+    /// Frequency of the line [Hz].
     pub frequency: f64,
-    /// In the channel's unit, one-sided: a sine of amplitude 1 reads 1.
+    /// One-sided amplitude in the channel's unit: a sine of amplitude 1 reads 1.
     pub amplitude: f64,
     /// Nearest small combination, such as `2·BPFO` or `BPFO − f_r`; empty when none is near.
     pub label: String,
@@ -16,8 +16,8 @@ pub struct Line {
     pub deviation: f64,
 }
 
-/// Most lines that are listed.
-const MOST_LINES: usize = 20;
+/// Largest number of listed lines.
+const MAX_LINES: usize = 20;
 /// A line is the largest entry within this many bins to both sides: the half width of a Hann window's main lobe.
 const LOBE: usize = 2;
 /// Bins to both sides whose median is taken for the floor.
@@ -29,18 +29,18 @@ const LEAST_SHARE: f64 = 1e-3;
 
 /// A label may be off by this many bins …
 const TOLERANCE_BINS: f64 = 0.5;
-/// … and by this share of the frequency, for the mean slip of a run is known only so well.
+/// … plus this share of the frequency, the uncertainty of the mean slip of a run.
 const TOLERANCE_SHARE: f64 = 5e-4;
-/// A frequency takes part in labels only if it is this many tolerances: closer combs would fit anything.
+/// Smallest frequency of a label in tolerances: closer combs would fit any line.
 const SEPARATION: f64 = 6.0;
-/// Dearest label of more than one term.
+/// Largest cost of a label with more than one term.
 const LARGEST_COST: f64 = 4.2;
 /// Cost of a sideband of the first order of shaft or outer ball passage.
 const PLAIN_SIDEBAND: f64 = 1.0;
 /// Share of the tolerance within which a combination fits well.
 const GOOD_FIT: f64 = 0.1;
-/// Cost of lying at the edge of the tolerance: an exact sideband beats a simpler label that is off. It grows with the root of what it is
-/// off by: lines of steady motions lie within a hundredth of a bin where they should.
+/// Cost of a deviation at the edge of the tolerance, so that an exact sideband beats a simpler label that deviates. The cost grows with
+/// the root of the deviation: lines of steady motions deviate by less than a hundredth of a bin.
 const DEVIATION_COST: f64 = 3.0;
 /// Highest orders of the sidebands.
 const SHAFT_SIDEBANDS: i32 = 4;
@@ -48,15 +48,14 @@ const OUTER_SIDEBANDS: i32 = 2;
 const CAGE_SIDEBANDS: i32 = 3;
 /// Highest order of a harmonic.
 const HIGHEST_ORDER: f64 = 1000.0;
-/// The same of the cage alone: beyond, orders are those of the ball passage and its sidebands, and anything would fit.
+/// Highest order of a harmonic of the cage alone. Higher ones coincide with the ball passage and its sidebands, and would fit any line.
 const HIGHEST_CAGE_ORDER: f64 = 20.0;
 
-/// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20: local maxima above the local
-/// floor, interpolated between bins, each labelled with the simplest combination of the bearing's frequencies that
-/// lies within half a bin and 0.05 % of it.
+/// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
+/// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.05 %.
 pub fn find_lines(spectrum: &Spectrum, frequencies: &CharacteristicFrequencies, highest: f64) -> Vec<Line> {
     let amplitude = &spectrum.amplitude;
-    // The bins at 0 and 1 hold what drifts, and the last ones have no neighbours.
+    // The bins at 0 and 1 hold slow drift, and the last ones have no neighbours.
     let end = amplitude.len().saturating_sub(LOBE);
     let in_band = || (LOBE..end).take_while(|&bin| bin as f64 * spectrum.resolution <= highest);
     let strongest = in_band().map(|bin| amplitude[bin]).fold(0.0, f64::max);
@@ -68,7 +67,7 @@ pub fn find_lines(spectrum: &Spectrum, frequencies: &CharacteristicFrequencies, 
     let mut lines: Vec<Line> = bins
         .into_iter()
         // Interpolation raises a line by at most 18 %; a few more are kept until their order is known.
-        .take(2 * MOST_LINES)
+        .take(2 * MAX_LINES)
         .map(|bin| {
             let (frequency, amplitude) = interpolated_peak(spectrum, bin);
             let (label, deviation) = label(frequency, frequencies, spectrum.resolution);
@@ -76,17 +75,17 @@ pub fn find_lines(spectrum: &Spectrum, frequencies: &CharacteristicFrequencies, 
         })
         .collect();
     lines.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
-    lines.truncate(MOST_LINES);
+    lines.truncate(MAX_LINES);
     lines
 }
 
 fn is_local_maximum(amplitude: &[f64], bin: usize) -> bool {
     let at = amplitude[bin];
-    // Of two equal neighbours the first counts.
+    // The first of two equal neighbours is the maximum.
     (1..=LOBE).all(|d| at > amplitude[bin - d] && at >= amplitude[bin + d])
 }
 
-/// Median of the entries around a bin, its own main lobe left out.
+/// Median of the entries around a bin, without its main lobe.
 fn floor(amplitude: &[f64], bin: usize) -> f64 {
     let from = bin.saturating_sub(FLOOR_REACH);
     let to = (bin + FLOOR_REACH + 1).min(amplitude.len());
@@ -103,7 +102,7 @@ fn floor(amplitude: &[f64], bin: usize) -> f64 {
 struct Term {
     name: &'static str,
     frequency: f64,
-    /// How far-fetched the frequency is in its first order.
+    /// Cost of the first order.
     weight: f64,
     order: i32,
 }
@@ -119,7 +118,7 @@ impl Term {
     }
 }
 
-/// Simplest combination near a frequency and the deviation from it; empty and 0 when there is none.
+/// The simplest combination near a frequency and the deviation from it; an empty label and 0 without one.
 fn label(frequency: f64, frequencies: &CharacteristicFrequencies, resolution: f64) -> (String, f64) {
     let tolerance = TOLERANCE_BINS * resolution + TOLERANCE_SHARE * frequency;
     let mut best: Option<(f64, [Term; 3], f64)> = None;
@@ -141,10 +140,10 @@ fn label(frequency: f64, frequencies: &CharacteristicFrequencies, resolution: f6
     best.map_or_else(Default::default, |(_, combination, deviation)| (written(&combination), deviation))
 }
 
-/// The combinations that make sense in a bearing and come near the frequency: harmonics of the shaft and of the ball
-/// passage of the outer raceway, with sidebands of both and of the cage; the ball passage of the inner raceway with
-/// sidebands of the shaft, since it turns with it; and a ball's strikes with sidebands of the cage, since it orbits
-/// with it.
+/// Combinations with a physical cause that come near the frequency:
+/// - harmonics of the shaft and of the ball passage of the outer raceway, with sidebands of both and of the cage;
+/// - the ball passage of the inner raceway with sidebands of the shaft, which carries the raceway;
+/// - the strikes of a ball with sidebands of the cage, which carries the ball.
 fn combinations(frequency: f64, all: &CharacteristicFrequencies, tolerance: f64) -> Vec<[Term; 3]> {
     let term = |name, frequency, weight| Term { name, frequency, weight, order: 0 };
     let shaft = term("f_r", all.shaft, 1.0);
@@ -368,7 +367,7 @@ mod tests {
     #[test]
     fn many_tones_give_at_most_twenty_lines() {
         let tones: Vec<(f64, f64)> = (1..50).map(|i| (397.0 * f64::from(i), 1.0 / f64::from(i))).collect();
-        assert_eq!(find_lines(&spectrum_of(&tones, 0.0), &seven_balls(), 20_000.0).len(), MOST_LINES);
+        assert_eq!(find_lines(&spectrum_of(&tones, 0.0), &seven_balls(), 20_000.0).len(), MAX_LINES);
     }
 
     #[test]

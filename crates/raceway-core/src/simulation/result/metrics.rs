@@ -1,4 +1,4 @@
-//! Summary metrics of a run, in the units in which results show them.
+//! Summary metrics of a run, in the units of results.
 
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
@@ -17,7 +17,7 @@ use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::recording::windows::InBand;
 use crate::simulation::result::lines::{Line, find_lines};
-use crate::simulation::result::run_result::Series;
+use crate::simulation::result::series::Series;
 
 /// Statistics of one channel over the kept time, mean removed, 0–20 kHz, in the channel's unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +45,7 @@ pub struct RacewayContactMetrics {
     pub contact_angle: Option<(f64, f64)>,
     /// Largest slip speed at a contact's centre under load [m/s].
     pub max_slip: f64,
-    /// Least minimum film thickness under load [µm]; absent where the film was not asked for or there is none.
+    /// Smallest minimum film thickness under load [µm]; `None` where it was not requested or the contacts are dry.
     pub min_film_thickness: Option<f64>,
     /// Largest load of each ball [N].
     pub max_load_per_ball: Vec<f64>,
@@ -72,7 +72,7 @@ pub struct CageMetrics {
     pub max_pocket_load: f64,
 }
 
-/// How the solver worked.
+/// Method and work of the solver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverReport {
     pub method: &'static str,
@@ -88,7 +88,7 @@ pub struct SolverReport {
     pub wall_time: f64,
     /// [s]
     pub simulated_time: f64,
-    /// The tolerance that was taken [-]; `None` where the integrator follows none.
+    /// Relative tolerance of the run [-]; `None` for an integrator without error control.
     pub relative_tolerance: Option<f64>,
     /// Number of first-order states.
     pub states: usize,
@@ -115,7 +115,7 @@ pub struct Summary {
 
 /// Reference of the acceleration level, equation (15) [m/s²].
 pub const REFERENCE_ACCELERATION: f64 = 9.81e-3;
-/// The unit of a level in full, as headings say it.
+/// Unit of a level in full, for headings.
 pub const LEVEL_UNIT: &str = "dB re 9.81 mm/s²";
 
 /// Level of an acceleration rms [m/s²], L = 20 lg(rms / 9.81e-3) [dB], equation (15); `None` for 0.
@@ -123,7 +123,7 @@ pub fn level_db(rms: f64) -> Option<f64> {
     (rms > 0.0).then(|| 20.0 * (rms / REFERENCE_ACCELERATION).log10())
 }
 
-/// Spread below which a signal stands still but for rounding, as a share of the size of its values.
+/// Spread of a signal at rest, caused by rounding alone, as a share of the size of its values [-].
 const STANDSTILL: f64 = 1e-12;
 
 /// Metrics of one channel, from its values taken as one window, and its variance before the filter (SI).
@@ -131,7 +131,7 @@ pub fn channel_metrics(channel: Channel, signal: &[f64], total_variance: f64) ->
     in_band_metrics(channel, &InBand::of(signal), total_variance)
 }
 
-/// The same from the signal's statistics.
+/// Metrics of one channel from its statistics.
 pub(crate) fn in_band_metrics(channel: Channel, in_band: &InBand, total_variance: f64) -> ChannelMetrics {
     let still = in_band.moments.peak() <= STANDSTILL * in_band.largest;
     let moments = if still { CentralMoments::default() } else { in_band.moments };
@@ -195,7 +195,7 @@ pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
     })
 }
 
-/// Frequencies of the bearing from the speeds that were seen [Hz].
+/// Characteristic frequencies at the simulated speeds [Hz].
 pub fn frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFrequencies {
     let turns = |speed: f64| speed / std::f64::consts::TAU;
     kinematics::with_cage_speed(
@@ -212,9 +212,7 @@ pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpec
     settings.outputs.spectra.iter().filter_map(one).collect()
 }
 
-/// Lines of all spectra.
-///
-/// Where the speed varies no frequency is characteristic, and lines are not named.
+/// Lines of all spectra, without labels where the speed varies.
 pub fn lines(
     scene: &Scene,
     spectra: &[ChannelSpectra],
@@ -231,7 +229,8 @@ pub fn lines(
         .collect()
 }
 
-/// The frequencies that can show, others 0: nothing but an unbalance marks how the inner ring turns, and nothing how a smooth ball does.
+/// Frequencies that can appear in a spectrum, others 0. Only an unbalance marks the rotation of the inner ring, and nothing marks that of a
+/// smooth ball.
 fn marked(scene: &Scene, frequencies: &CharacteristicFrequencies) -> CharacteristicFrequencies {
     let ring = if scene.spindle.unbalance_product(scene.operating_speed()) != 0.0 { 1.0 } else { 0.0 };
     CharacteristicFrequencies {

@@ -1,5 +1,6 @@
-//! What a run leaves behind: metrics, spectral lines, series, reports.
+//! The result of a run: metrics, spectral lines, series and spectra in the units of the answer. Knows no integrator.
 
 pub mod lines;
 pub mod metrics;
 pub mod run_result;
+pub mod series;

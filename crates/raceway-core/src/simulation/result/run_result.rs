@@ -1,63 +1,51 @@
-//! What a run leaves behind.
+//! The result of a run, assembled from its recording and the reports of the solver.
 
-use crate::numerics::spectrum::Spectrum;
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::input::channel::Channel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
 use crate::simulation::model::terms::LeftOut;
-use crate::simulation::recording::plot_data::Views;
+use crate::simulation::recording::plot_data::PlotData;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::result::metrics::{self, SolverReport, Summary};
+use crate::simulation::result::series::Series;
 
-/// A signal at a uniform rate, in the channel's unit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Series {
-    pub channel: Channel,
-    /// Time of the first value since the start of the run [s].
-    pub start: f64,
-    /// Time between values [s].
-    pub step: f64,
-    pub values: Vec<f64>,
-}
-
-/// All that a run leaves behind.
+/// Result of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunResult {
     pub summary: Summary,
     pub spectra: Vec<ChannelSpectra>,
     pub series: Vec<Series>,
-    /// For pictures, where any signal is asked for.
-    pub views: Views,
+    /// Data of plots, where any signal is requested.
+    pub plot_data: PlotData,
     pub left_out: Vec<LeftOut>,
 }
 
-/// What a result says of itself.
-pub(crate) struct Account {
+/// Provenance of a result: solver, accuracy, omitted terms.
+pub(crate) struct Provenance {
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
     pub left_out: Vec<LeftOut>,
 }
 
 impl RunResult {
-    /// Everything that the outputs ask for, from what a run has shown.
+    /// Assembles the requested outputs from a recording.
     pub(crate) fn new(
         scene: &Scene,
         settings: &RunSettings,
         mechanism: &Mechanism,
         recording: &Recording,
-        account: Account,
+        provenance: Provenance,
     ) -> Self {
-        let Account { solver, accuracy, left_out } = account;
+        let Provenance { solver, accuracy, left_out } = provenance;
         let outputs = &settings.outputs;
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
         let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
-        let views = || Views::of(recording, balls, is_steady);
-        let (spectra, views) = match outputs.keep_signals() {
-            true => (metrics::spectra(recording, settings), views()),
-            false => (Vec::new(), Views::default()),
+        let plot_data = || PlotData::of(recording, balls, is_steady);
+        let (spectra, plot_data) = match outputs.keep_signals() {
+            true => (metrics::spectra(recording, settings), plot_data()),
+            false => (Vec::new(), PlotData::default()),
         };
         let frequencies = metrics::frequencies(scene, recording);
         let summary = Summary {
@@ -69,6 +57,6 @@ impl RunResult {
             solver,
             accuracy,
         };
-        Self { summary, spectra, series: metrics::series(recording, settings), views, left_out }
+        Self { summary, spectra, series: metrics::series(recording, settings), plot_data, left_out }
     }
 }

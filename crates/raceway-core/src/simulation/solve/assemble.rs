@@ -15,11 +15,11 @@ use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::Stepping;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::terms::Grounds;
+use crate::simulation::model::terms::Justification;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{BATCHES, REPEATED};
 use crate::simulation::result::metrics::SolverReport;
-use crate::simulation::result::run_result::{Account, RunResult};
+use crate::simulation::result::run_result::{Provenance, RunResult};
 use crate::simulation::solve::attempt::{Attempt, MIN_EVALUATIONS, Problem, record, run_from};
 use crate::simulation::solve::eligibility::active_terms;
 use crate::simulation::solve::judge::large_errors;
@@ -53,7 +53,7 @@ pub(crate) fn assemble(
     let Solved { candidate, attempt, mut report, rejections, not_eligible } = solved;
     attempt.recording.evaluate(&settings.outputs);
     if scene.operation.speed.is_constant() {
-        let windows = window_scatter(problem, &candidate, &attempt, &control.aside())?;
+        let windows = window_scatter(problem, &candidate, &attempt, &control.without_live())?;
         report = with_scatter(report, &attempt.recording, windows, &settings.outputs);
     }
     let level = Some(candidate.level).filter(|level| level.is_reduced() || settings.rung.is_some());
@@ -64,7 +64,7 @@ pub(crate) fn assemble(
     report.warnings.extend(startup::warnings(scene, &terms, settings.settle, keeps_start));
     let mut left_out = terms.left_out.clone();
     let bound = report.level_error_db().map(|error| (error, "dB"));
-    for left_out in left_out.iter_mut().filter(|left_out| left_out.by == Grounds::Judgement) {
+    for left_out in left_out.iter_mut().filter(|left_out| left_out.by == Justification::Judgement) {
         left_out.bound = bound;
     }
     let solver = SolverReport {
@@ -81,7 +81,7 @@ pub(crate) fn assemble(
         strips: attempt.strips,
     };
     let mechanism = Mechanism::new(scene, &terms);
-    let account = Account { solver, accuracy: report, left_out };
+    let account = Provenance { solver, accuracy: report, left_out };
     Ok(RunResult::new(scene, settings, &mechanism, &attempt.recording, account))
 }
 

@@ -12,9 +12,9 @@ use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{STEPS_PER_LOOK, Span, Stepping, integrate};
 use crate::simulation::model::observer::Observer;
 use crate::simulation::model::radially_condensed::{self, RadiallyCondensed};
-use crate::simulation::model::spindle_runs;
+use crate::simulation::model::{periodic, spindle_only};
 use crate::simulation::model::system::Model;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::solve::eligibility::{active_terms, window_times};
 use crate::simulation::solve::plan::{Candidate, CandidateSteps};
@@ -37,7 +37,7 @@ pub(crate) struct Problem<'a> {
 /// The dynamics of a scene, settled as far as all attempts share.
 pub(crate) struct Dynamics {
     pub model: Model,
-    pub terms: Needs,
+    pub terms: ActiveTerms,
     pub start: InitialState,
 }
 
@@ -74,8 +74,8 @@ impl<'a> Problem<'a> {
     }
 
     /// Whether the spindle moves along the axis or is tilted, where little damps light oscillations.
-    pub fn leans(&self) -> bool {
-        self.dynamics.get().is_some_and(|dynamics| dynamics.model.mechanism().leans())
+    pub fn has_axial_motion_or_tilt(&self) -> bool {
+        self.dynamics.get().is_some_and(|dynamics| dynamics.model.mechanism().has_axial_motion_or_tilt())
     }
 
     /// The dynamics, settled once.
@@ -208,8 +208,8 @@ pub(crate) fn record(
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
     match level {
-        ModelLevel::Periodic => spindle_runs::simulate_periodic(scene, settings, control),
-        ModelLevel::SpindleOnly => spindle_runs::simulate(scene, settings, control),
+        ModelLevel::Periodic => periodic::simulate(scene, settings, control),
+        ModelLevel::SpindleOnly => spindle_only::simulate(scene, settings, control),
         _ => radially_condensed::simulate(scene, settings, control),
     }
 }
@@ -219,13 +219,13 @@ fn longer_step(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> 
     let model = RadiallyCondensed::new(scene, &settings.outputs).ok()?;
     let short = window_settings(scene, settings);
     let own = OnceCell::new();
-    model.longer_paces().find_map(|pace| {
-        let own = own.get_or_init(|| model.run(&short, model.pace(), control).ok()).as_ref()?;
-        let (stepped, _) = model.run(&short, pace, control).ok()?;
+    model.longer_step_ratios().find_map(|step_ratio| {
+        let own = own.get_or_init(|| model.run(&short, model.step_ratio(), control).ok()).as_ref()?;
+        let (stepped, _) = model.run(&short, step_ratio, control).ok()?;
         let deviation = Deviation::of_recordings(&stepped, &own.0, 0.0);
         deviation
             .within(&short.outputs, STEP_SHARE * short.model_tolerance_db)
-            .then(|| (pace.step(), deviation.of_asked(&short.outputs)))
+            .then(|| (step_ratio.step(), deviation.of_asked(&short.outputs)))
     })
 }
 

@@ -13,8 +13,8 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::radially_condensed;
-use crate::simulation::model::spindle_runs;
-use crate::simulation::model::terms::{Grounds, LeftOut, Needs, Unmet};
+use crate::simulation::model::{periodic, spindle_only};
+use crate::simulation::model::terms::{Justification, LeftOut, ActiveTerms, UnsupportedChoice};
 
 /// Terms whose dynamics no reduced model has.
 const DYNAMICS: [Term; 3] = [Term::BallRadialDynamics, Term::BallSpinDynamics, Term::CageTilt];
@@ -28,11 +28,11 @@ pub struct Eligibility {
 
 impl Eligibility {
     /// The selected level alone, or the eligible reduced ones and the dynamics.
-    pub fn of(scene: &Scene, settings: &RunSettings) -> Result<Self, Unmet> {
+    pub fn of(scene: &Scene, settings: &RunSettings) -> Result<Self, UnsupportedChoice> {
         if let Some(level) = settings.rung {
             return Ok(Self { levels: vec![level], not_eligible: Vec::new() });
         }
-        let dynamics = Needs::of(scene, &settings.outputs, None)?;
+        let dynamics = ActiveTerms::of(scene, &settings.outputs, None)?;
         let known = |levels: Vec<ModelLevel>, reason| NotEligible { levels, reason: NotEligibleReason::Known(reason) };
         let (mut levels, mut not_eligible) = (Vec::new(), Vec::new());
         if let Some(reason) = no_reduced_model(scene, settings, &dynamics) {
@@ -59,19 +59,19 @@ impl Eligibility {
 }
 
 /// Terms of the equations on a selected level, or on the dynamics that the scene needs.
-pub fn active_terms(scene: &Scene, outputs: &Outputs, level: Option<ModelLevel>) -> Result<Needs, Unmet> {
+pub fn active_terms(scene: &Scene, outputs: &Outputs, level: Option<ModelLevel>) -> Result<ActiveTerms, UnsupportedChoice> {
     let Some(level) = level.filter(|level| level.is_reduced()) else {
         if level == Some(ModelLevel::Full) && scene.terms.get(Term::CageTilt) == TermChoice::Off {
-            return Err(Unmet::ModelLevel { rung: ModelLevel::Full, reason: "terms.cage_tilt is off".into() });
+            return Err(UnsupportedChoice::ModelLevel { rung: ModelLevel::Full, reason: "terms.cage_tilt is off".into() });
         }
-        return Needs::of(scene, outputs, level);
+        return ActiveTerms::of(scene, outputs, level);
     };
-    if let Some(reason) = cannot_represent(level, scene, &Needs::of(scene, outputs, Some(ModelLevel::Full))?, outputs) {
-        return Err(Unmet::ModelLevel { rung: level, reason });
+    if let Some(reason) = cannot_represent(level, scene, &ActiveTerms::of(scene, outputs, Some(ModelLevel::Full))?, outputs) {
+        return Err(UnsupportedChoice::ModelLevel { rung: level, reason });
     }
-    let mut terms = Needs::of(scene, outputs, Some(ModelLevel::Planar))?;
+    let mut terms = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;
     let is_tilt = |left_out: &LeftOut| left_out.term == Term::CageTilt.name();
-    terms.left_out.retain(|left_out| !is_tilt(left_out) || left_out.by == Grounds::Identity);
+    terms.left_out.retain(|left_out| !is_tilt(left_out) || left_out.by == Justification::Identity);
     let may_tilt = !terms.left_out.iter().any(is_tilt);
     terms.left_out.extend(omissions(level, may_tilt));
     Ok(terms)
@@ -82,7 +82,7 @@ fn omissions(level: ModelLevel, may_tilt: bool) -> Vec<LeftOut> {
     let one = |term: Term, reason: &str| LeftOut {
         term: term.name(),
         reason: format!("rung {}: {reason}", level.name()),
-        by: Grounds::Judgement,
+        by: Justification::Judgement,
         bound: None,
     };
     let mut all = vec![one(Term::BallRadialDynamics, "balls are in radial equilibrium between their raceways")];
@@ -105,18 +105,18 @@ pub fn allowed_deviation(level: ModelLevel, model_tolerance_db: f64) -> f64 {
 }
 
 /// Why a reduced model cannot represent a scene or its outputs.
-fn cannot_represent(level: ModelLevel, scene: &Scene, terms: &Needs, outputs: &Outputs) -> Option<String> {
+fn cannot_represent(level: ModelLevel, scene: &Scene, terms: &ActiveTerms, outputs: &Outputs) -> Option<String> {
     // The leaner models are verified by the condensed one.
-    let condensed = || radially_condensed::unable(scene, outputs).map(str::to_owned);
+    let condensed = || radially_condensed::inapplicability(scene, outputs).map(str::to_owned);
     match level {
         ModelLevel::Full | ModelLevel::Planar => None,
         ModelLevel::RadiallyCondensed => condensed(),
-        ModelLevel::SpindleOnly => spindle_runs::unable(scene, terms, outputs).or_else(condensed),
-        ModelLevel::Periodic => spindle_runs::unable_periodic(scene, terms, outputs).or_else(condensed),
+        ModelLevel::SpindleOnly => spindle_only::inapplicability(scene, terms, outputs).or_else(condensed),
+        ModelLevel::Periodic => periodic::inapplicability(scene, terms, outputs).or_else(condensed),
     }
 }
 
-fn no_reduced_model(scene: &Scene, settings: &RunSettings, terms: &Needs) -> Option<Ineligible> {
+fn no_reduced_model(scene: &Scene, settings: &RunSettings, terms: &ActiveTerms) -> Option<Ineligible> {
     if settings.method != Method::Auto || settings.fixed_step.is_some() {
         Some(Ineligible::MethodSelected)
     } else if settings.model_tolerance_db == 0.0 {

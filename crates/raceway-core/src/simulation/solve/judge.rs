@@ -100,7 +100,7 @@ fn reduced(candidate: &Candidate, attempt: &Attempt, verification: &Verification
     // Longer steps may be to blame.
     let own_step = || {
         let model = RadiallyCondensed::new(scene, outputs).ok()?;
-        Some(Candidate { stepping: CandidateSteps::Own(Some(model.pace().step())), ..*candidate })
+        Some(Candidate { stepping: CandidateSteps::Own(Some(model.step_ratio().step())), ..*candidate })
     };
     let refined = attempt.step_deviation.and_then(|_| own_step());
     match cause {
@@ -197,7 +197,7 @@ fn chaotic_step(candidate: &Candidate, step: f64, verification: &Verification, p
     if rate * settings.duration <= SAMPLE_EFOLDS {
         return reject(Cause::ShortChaos, None);
     }
-    if problem.leans() {
+    if problem.has_axial_motion_or_tilt() {
         return reject(Cause::NoDecay, None);
     }
     reject(Cause::NotCovered(Gap::Chaos), Some(half_step(candidate, step)))
@@ -252,7 +252,7 @@ fn controlled(
         worst.is_some_and(|error| error > UNRESOLVED_DB || verification.noise > INDEPENDENT_NOISE)
     });
     if let (CandidateSteps::Controlled(_, tolerance), true, false) =
-        (candidate.stepping, unresolved && outputs.are_of_levels(), report.is_chaotic())
+        (candidate.stepping, unresolved && outputs.include_levels(), report.is_chaotic())
         && let Some(refined) = much_tighter(candidate, tolerance)
     {
         let cause = deviates(&report.deviation(), outputs, allowed_db);
@@ -263,7 +263,7 @@ fn controlled(
         return Verdict::Accept(report);
     }
     // Where little moves, a loose tolerance may take the noise of its steps for chaos.
-    let is_believed = !problem.leans() || !report.is_chaotic();
+    let is_believed = !problem.has_axial_motion_or_tilt() || !report.is_chaotic();
     if is_believed {
         if let Some(report) = sufficient(&report, verification, &attempt.recording, outputs, allowed_db) {
             return Verdict::Accept(report);

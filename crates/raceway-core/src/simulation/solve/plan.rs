@@ -6,7 +6,7 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::system::Model;
-use crate::simulation::model::terms::{Needs, Unmet};
+use crate::simulation::model::terms::{ActiveTerms, UnsupportedChoice};
 use crate::simulation::solve::eligibility::{Eligibility, active_terms};
 use crate::simulation::solve::fixed_step;
 
@@ -51,7 +51,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    pub fn of(scene: &Scene, settings: &RunSettings) -> Result<Self, Unmet> {
+    pub fn of(scene: &Scene, settings: &RunSettings) -> Result<Self, UnsupportedChoice> {
         let Eligibility { levels, not_eligible } = Eligibility::of(scene, settings)?;
         let mut queue = Vec::new();
         for level in levels {
@@ -102,12 +102,12 @@ impl Plan {
 }
 
 /// Candidates of the dynamics: fixed steps where they are free, error control, and a tighter tolerance.
-fn dynamics(scene: &Scene, settings: &RunSettings, level: ModelLevel) -> Result<Vec<Candidate>, Unmet> {
+fn dynamics(scene: &Scene, settings: &RunSettings, level: ModelLevel) -> Result<Vec<Candidate>, UnsupportedChoice> {
     let candidate = |stepping| Candidate { level, stepping, reference: Reference::Refined };
     if let Some(step) = settings.fixed_step {
         return Ok(vec![candidate(CandidateSteps::Fixed(settings.method, step))]);
     }
-    let terms: Needs = active_terms(scene, &settings.outputs, Some(level).filter(|_| settings.rung.is_some()))?;
+    let terms: ActiveTerms = active_terms(scene, &settings.outputs, Some(level).filter(|_| settings.rung.is_some()))?;
     let model = Model::new(scene, &terms);
     let controlled = |tolerance| candidate(CandidateSteps::Controlled(settings.method, tolerance));
     let in_steps = fixed_step::is_eligible(&model, settings)

@@ -16,7 +16,7 @@ use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::equilibrium::{equilibrium, start_state};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{Span, Stepping, integrate};
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{FadingDamping, Mechanism, Model};
 use crate::simulation::solve::fixed_step;
 
@@ -54,7 +54,7 @@ struct StaticSupport {
     /// Each ball carries load wherever it stands, so that none knocks.
     all_carry: bool,
     /// Contacts lean, and there is a cage that rings along the axis.
-    leans: bool,
+    has_axial_motion_or_tilt: bool,
 }
 
 impl StaticSupport {
@@ -67,7 +67,7 @@ impl StaticSupport {
     fn of(scene: &Scene) -> Option<Self> {
         // Which outputs are asked for does not matter to what holds the spindle.
         let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: vec![] };
-        let mut mechanism = Mechanism::new(scene, &Needs::of(scene, &outputs, None).ok()?);
+        let mut mechanism = Mechanism::new(scene, &ActiveTerms::of(scene, &outputs, None).ok()?);
         let law = scene.raceway_damping.resolve();
         // Balls go round: a place with one of them under the load, and the one halfway to the next.
         let (mut damping, mut all_carry) = (Matrix3::zeros(), true);
@@ -95,8 +95,8 @@ impl StaticSupport {
             true => damping.symmetric_eigenvalues().min(),
             false => damping.fixed_view::<2, 2>(1, 1).into_owned().symmetric_eigenvalues().min(),
         };
-        let leans = mechanism.leans() && mechanism.layout.cage;
-        Some(Self { decay: 0.5 * least / mechanism.spindle_mass, all_carry, leans })
+        let has_axial_motion_or_tilt = mechanism.has_axial_motion_or_tilt() && mechanism.layout.cage;
+        Some(Self { decay: 0.5 * least / mechanism.spindle_mass, all_carry, has_axial_motion_or_tilt })
     }
 }
 
@@ -111,7 +111,7 @@ pub fn decay_rate(scene: &Scene) -> Option<f64> {
 /// speed, where waiting would leave out what is asked for.
 pub fn settling_time(scene: &Scene) -> Option<f64> {
     let rest = StaticSupport::of(scene).filter(|rest| rest.decay > 0.0 && scene.operation.speed.is_constant())?;
-    let of_cage = if rest.leans && rest.all_carry && !rest.has_one_attractor() { CAGE_SETTLE_S } else { 0.0 };
+    let of_cage = if rest.has_axial_motion_or_tilt && rest.all_carry && !rest.has_one_attractor() { CAGE_SETTLE_S } else { 0.0 };
     Some((SETTLED_EFOLDS / rest.decay).clamp(of_cage, MAX_SETTLE_S))
 }
 
@@ -143,7 +143,7 @@ impl StartupPhase {
         }
         let time = settle - turning.min(settle * (1.0 - AXIAL_SHARED));
         let turns = mechanism.speed.at(0.0).1 != 0.0;
-        if mechanism.leans()
+        if mechanism.has_axial_motion_or_tilt()
             && turns
             && time >= LEAST_SHARED
             && StaticSupport::of(scene).is_some_and(|rest| rest.has_one_attractor())
@@ -212,7 +212,7 @@ impl InitialState {
 }
 
 /// Warnings of vibration of the start in the recorded time. `keeps_start`: neither chaos nor damping has removed it.
-pub fn warnings(scene: &Scene, terms: &Needs, settle: f64, keeps_start: bool) -> Vec<Warning> {
+pub fn warnings(scene: &Scene, terms: &ActiveTerms, settle: f64, keeps_start: bool) -> Vec<Warning> {
     let vibration = || start_transient(scene, settle).or_else(|| cage_transient(scene, terms, settle));
     let tilt = || {
         let may_tilt = terms.rung == ModelLevel::Full && terms.raceway.hydrodynamics && eligibility::may_tilt(scene);
@@ -222,9 +222,9 @@ pub fn warnings(scene: &Scene, terms: &Needs, settle: f64, keeps_start: bool) ->
 }
 
 /// Warning of a cage that may still vibrate along its axis, where contacts with a contact angle all carry load.
-fn cage_transient(scene: &Scene, terms: &Needs, settle: f64) -> Option<Warning> {
+fn cage_transient(scene: &Scene, terms: &ActiveTerms, settle: f64) -> Option<Warning> {
     let mechanism = Mechanism::new(scene, terms);
-    let may_vibrate = mechanism.leans() && mechanism.layout.cage && settle < CAGE_SETTLE_S;
+    let may_vibrate = mechanism.has_axial_motion_or_tilt() && mechanism.layout.cage && settle < CAGE_SETTLE_S;
     may_vibrate.then(|| StaticSupport::of(scene)).flatten().filter(|support| support.all_carry)?;
     Some(Warning::CageTransient { settle, required: CAGE_SETTLE_S })
 }

@@ -94,7 +94,7 @@ pub(crate) fn verify(
     control: &Control<'_>,
 ) -> Result<Verification, SimulationError> {
     (control.live)(&Live::of(Phase::Judging));
-    let control = &control.aside();
+    let control = &control.without_live();
     match (candidate.reference, previous) {
         (Reference::RicherModel, _) => by_richer_model(candidate.level, attempt, problem, control),
         (Reference::IndependentSample, Some((before, verified))) => Ok(Verification {
@@ -229,7 +229,7 @@ fn compare_window(
     let own = record(level, scene, &own_settings, &quiet)?.0;
     let mut leaves = None;
     let (richer_level, richer) = if level == ModelLevel::RadiallyCondensed {
-        let terms = crate::simulation::model::terms::Needs::of(scene, &short.outputs, None)?;
+        let terms = crate::simulation::model::terms::ActiveTerms::of(scene, &short.outputs, None)?;
         let model = Model::new(scene, &terms);
         let start = InitialState::at_rest(&model)?;
         let dynamics = Dynamics { model, terms, start };
@@ -285,9 +285,9 @@ fn finer_run(
     control: &Control<'_>,
 ) -> Result<Option<Recording>, SimulationError> {
     let model = RadiallyCondensed::new(scene, &settings.outputs)?;
-    let Some(pace) = model.finer_pace(stepped) else { return Ok(None) };
-    let finer = RunSettings { fixed_step: Some(pace.step()), ..settings.clone() };
-    Ok(Some(radially_condensed::simulate_beside(scene, [0.0; 2], &finer, control)?.0))
+    let Some(step_ratio) = model.finer_step_ratio(stepped) else { return Ok(None) };
+    let finer = RunSettings { fixed_step: Some(step_ratio.step()), ..settings.clone() };
+    Ok(Some(radially_condensed::simulate_perturbed(scene, [0.0; 2], &finer, control)?.0))
 }
 
 /// Divergence of a trajectory of the condensed model that starts next to a recorded one. `whole`: over all of it; else over a window, as
@@ -301,7 +301,7 @@ fn divergence(
 ) -> Result<DivergenceEstimate, SimulationError> {
     let over = |duration: f64| {
         let short = RunSettings { duration, ..settings.clone() };
-        let other = radially_condensed::simulate_beside(scene, [DISPLACEMENT; 2], &short, control)?.0;
+        let other = radially_condensed::simulate_perturbed(scene, [DISPLACEMENT; 2], &short, control)?.0;
         let both = |channel: &Channel| Some((&*first.of(*channel)?.excerpts, &*other.of(*channel)?.excerpts));
         let pairs: Vec<Pairs<'_>> = ACCELERATIONS.iter().filter_map(both).collect();
         let spacing = Windows::of(kept_values(duration)).length;
@@ -355,7 +355,7 @@ fn slow_motion(window: &Recording, recording: &Recording, scene: &Scene) -> Opti
     let slipped = (recording.cage_speed - window.cage_speed).abs() / window.cage_speed.max(f64::MIN_POSITIVE);
     let p = &scene.bearing.parameters;
     let spacing = 0.5 * std::f64::consts::TAU * p.pitch_diameter / p.ball_count as f64;
-    let drift = window.wander.zip(recording.wander).map_or(0.0, |(before, after)| (after - before) / spacing);
+    let drift = window.largest_pocket_offset.zip(recording.largest_pocket_offset).map_or(0.0, |(before, after)| (after - before) / spacing);
     if slipped > CAGE_SPEED_CHANGE {
         Some(Gap::CageSpeedChanged(slipped))
     } else {
@@ -427,8 +427,8 @@ fn by_refinement(
     (control.progress)(0.2);
     let mut verification = Verification { divergence, ..Verification::default() };
     let decays = divergence.is_some_and(|divergence| divergence.growth < 0.0);
-    let leans = dynamics.model.mechanism().leans();
-    let forgets = if leans { decays } else { !verification.is_chaotic() };
+    let has_axial_motion_or_tilt = dynamics.model.mechanism().has_axial_motion_or_tilt();
+    let forgets = if has_axial_motion_or_tilt { decays } else { !verification.is_chaotic() };
     if method == Method::SemiImplicit && !forgets {
         // Chaos, instability of the step, or slow motions that keep what steps have damped: no repetition shows the error.
         verification.failure = failure;

@@ -1,8 +1,7 @@
-//! The way that every run of a study goes: from one state over one stretch of time, looked at alike.
+//! The common task of all runs of a study: one initial state, one time span, one observer.
 
 use std::time::Instant;
 
-use super::SETTLED;
 use crate::numerics::ode::{Choice, Integrator, OdeSystem, Statistics};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
@@ -10,30 +9,32 @@ use crate::simulation::model::Model;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{Span, Stepping, integrate};
 use crate::simulation::model::observer::Observer;
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::RATE;
 
-/// Points of the output grid at most; fewer where the rate of kept signals gives fewer.
-const MOST_GRID_POINTS: usize = 4096;
-/// Share of the stretch that each run goes once before it is timed.
+/// Largest number of points of the output grid; a short run has as many as recorded values.
+const MAX_GRID_POINTS: usize = 4096;
+/// Share of the progress at which the scene has settled.
+pub(super) const SETTLED: f64 = 0.05;
+/// Share of the time span that each run simulates once before it is timed.
 const WARM_UP: f64 = 0.05;
 
-/// From where to where, and what is looked at.
+/// Time span, initial state and observed outputs of the runs.
 pub struct Course<'m> {
     model: &'m Model,
-    needs: &'m Needs,
+    needs: &'m ActiveTerms,
     pub settings: RunSettings,
-    /// [s]
+    /// Begin of the runs [s].
     pub begin: f64,
-    /// The state then.
+    /// State at the begin.
     pub start: Vec<f64>,
     /// Distance of the points of the output grid [s].
     pub grid_step: f64,
     pub grid_count: usize,
 }
 
-/// A run that has reached the end.
+/// A run that has reached its end.
 pub struct Finished {
     pub recording: Recording,
     /// States on the output grid, one after the other.
@@ -43,15 +44,15 @@ pub struct Finished {
     pub taken: Taken,
 }
 
-/// Time that a run took [s].
+/// Duration of a run [s].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Taken {
     pub wall: f64,
-    /// What of it the processor was given to this thread; `None` where the system does not tell.
+    /// Processor time of this thread within it; `None` where the system does not measure it.
     pub processor: Option<f64>,
 }
 
-/// A clock of both kinds.
+/// Clock of wall time and processor time.
 struct Clock {
     begin: Instant,
     processor: Option<f64>,
@@ -69,7 +70,7 @@ impl Clock {
     }
 }
 
-/// Time that this thread has been given by the processor [s].
+/// Processor time of this thread so far [s].
 #[cfg(target_os = "linux")]
 fn processor_time() -> Option<f64> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
@@ -85,11 +86,11 @@ fn processor_time() -> Option<f64> {
 const SKIPPED: usize = 100;
 
 impl<'m> Course<'m> {
-    /// Lets the scene settle from a state at rest by the method and tolerance of `settings`. Runs begin a little before
-    /// the kept time, for the filters to fill.
+    /// Simulates the scene from a state at rest until it has settled, by the method and tolerance of `settings`. Runs begin
+    /// a little before the recorded time, so that the filters have a past.
     pub fn settled(
         model: &'m Model,
-        needs: &'m Needs,
+        needs: &'m ActiveTerms,
         settings: &RunSettings,
         rest: Vec<f64>,
         control: &Control<'_>,
@@ -102,17 +103,17 @@ impl<'m> Course<'m> {
             rest
         };
         let length = settings.settle + settings.duration - begin;
-        let grid_count = ((length * RATE).ceil() as usize).clamp(1, MOST_GRID_POINTS);
+        let grid_count = ((length * RATE).ceil() as usize).clamp(1, MAX_GRID_POINTS);
         let grid_step = length / grid_count as f64;
         Ok(Self { model, needs, settings: settings.clone(), begin, start, grid_step, grid_count })
     }
 
-    /// From the common start to the end of the kept time [s].
+    /// Time from the common start to the end of the recorded time [s].
     pub fn length(&self) -> f64 {
         self.grid_step * self.grid_count as f64
     }
 
-    /// Entries of a state.
+    /// Number of entries of a state.
     pub fn dimension(&self) -> usize {
         self.model.dimension()
     }
@@ -143,8 +144,8 @@ impl<'m> Course<'m> {
         Ok(Finished { recording, trajectory, statistics: done.statistics, choice: done.choice, taken })
     }
 
-    /// Runs `repetitions` times after a short untimed run: what each took, and how the first ended. A failure is
-    /// not repeated. Fails itself only when it is stopped.
+    /// Runs `repetitions` times after a short untimed run. Returns the duration of each and the outcome of the first. A failure is
+    /// not repeated. Fails only when the caller stops it.
     pub fn timed(
         &self,
         stepping: &Stepping,
@@ -166,14 +167,14 @@ impl<'m> Course<'m> {
             match self.run(stepping, share_of(index), control) {
                 Ok(again) => taken.push(again.taken),
                 Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
-                // What has ended well once ends well again: runs repeat bit for bit.
+                // Runs repeat bit for bit, so that a failure after a success is not expected.
                 Err(error) => return Ok((taken, Err(error))),
             }
         }
         Ok((taken, Ok(first)))
     }
 
-    /// A failure is left to the timed run, which tells of it.
+    /// Ignores a failure, because the timed run fails in the same way and returns it.
     fn warm_up(&self, stepping: &Stepping, at: f64, control: &Control<'_>) -> Result<(), SimulationError> {
         let end = self.begin + WARM_UP * self.length();
         let span = Span { start: self.begin, end, checkpoint: self.begin, share: (at, at) };
@@ -184,7 +185,7 @@ impl<'m> Course<'m> {
     }
 }
 
-/// Keeps the state at evenly spaced times.
+/// Recorder of the state at evenly spaced times.
 struct Grid {
     begin: f64,
     step: f64,
@@ -201,7 +202,7 @@ impl Grid {
         Self { begin: course.begin, step: course.grid_step, count: course.grid_count, dimension, kept: 0, trajectory }
     }
 
-    /// Keeps the states that lie within the last step.
+    /// Records the states that lie within the last step.
     fn after(&mut self, step: &dyn Integrator) {
         while self.kept < self.count {
             let time = self.begin + self.step * (self.kept + 1) as f64;

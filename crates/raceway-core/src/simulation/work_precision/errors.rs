@@ -1,16 +1,19 @@
-//! How far a run is from the reference.
+//! Deviation of a run from the reference: trajectory, levels and lines.
 
 use super::course::{Course, Finished};
-use super::{MOST_GROWN, levels};
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
 use crate::simulation::error::comparison::FAINT;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::scene::Scene;
+use crate::simulation::recording::sampling::ACCELERATIONS;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::result::lines::Line;
 use crate::simulation::result::metrics;
 
-/// Least scale of a component, in its natural size: what hardly moves is not divided by nearly nothing.
+/// Largest error up to which trajectories are compared: the tolerance, grown at the divergence rate [-].
+pub const MOST_GROWN: f64 = 0.1;
+
+/// Smallest scale of a component, in units of its natural size, so that a component at rest is not divided by nearly 0.
 pub const LEAST_SCALE: f64 = 0.01;
 /// Lines that are compared of a channel.
 const LINES: usize = 3;
@@ -33,9 +36,9 @@ pub struct TrajectoryError {
 /// All errors of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Errors {
-    /// `None`: the motion is chaotic and parts from the reference before the first point of the grid.
+    /// `None`: the motion is chaotic and diverges from the reference before the first point of the grid.
     pub trajectory: Option<TrajectoryError>,
-    /// Worst of the accelerations that are not faint [dB]; `None` where they stand still.
+    /// Largest deviation of an acceleration that is not faint [dB]; `None` where the spindle stands still.
     pub level_db: Option<f64>,
     /// Worst over the compared lines [Hz]; `None` where there are none.
     pub line_frequency: Option<f64>,
@@ -51,12 +54,22 @@ impl Errors {
     }
 }
 
-/// The larger of those that are there.
+/// The larger of the known values; `None` where neither is known.
 pub fn largest(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     a.into_iter().chain(b).reduce(f64::max)
 }
 
-/// The channels that are judged by their levels [dB]: those that move, but for faint ones.
+/// Levels of the accelerations [dB].
+fn levels(run: &Finished) -> Vec<(Channel, Option<f64>)> {
+    let level = |channel: Channel| {
+        let recording = &run.recording;
+        let variance = recording.total_variance(channel);
+        recording.of(channel).and_then(|signal| metrics::in_band_metrics(channel, signal.in_band(), variance).level_db)
+    };
+    ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
+}
+
+/// Channels whose levels are compared, from all levels [dB]: those that move and are not faint.
 fn judged(levels: &[(Channel, Option<f64>)]) -> Vec<Channel> {
     let strongest = levels.iter().filter_map(|(_, level)| *level).fold(f64::NEG_INFINITY, f64::max);
     levels.iter().filter(|(_, level)| level.is_some_and(|level| level >= strongest - FAINT)).map(|of| of.0).collect()
@@ -68,7 +81,7 @@ pub struct Comparison<'a> {
     reference: &'a Finished,
     /// One for each entry of the state.
     scales: Vec<f64>,
-    /// Rate at which trajectories part [1/s]; 0 where they do not.
+    /// Rate at which trajectories diverge [1/s]; 0 where they do not.
     growth: f64,
     pub levels: Vec<(Channel, Option<f64>)>,
     /// Channels whose levels and lines are judged.
@@ -166,7 +179,7 @@ fn peak_near(spectrum: &Spectrum, frequency: f64) -> Option<(f64, f64)> {
     Some(interpolated_peak(spectrum, strongest))
 }
 
-/// Of each component over the points of the grid.
+/// Standard deviation of each component over the points of the grid.
 fn standard_deviations(trajectory: &[f64], dimension: usize) -> Vec<f64> {
     let count = (trajectory.len() / dimension.max(1)).max(1) as f64;
     let component = |i: usize| trajectory.iter().skip(i).step_by(dimension.max(1));

@@ -1,49 +1,51 @@
-//! Loads as they are seen, and the extremes of what was met.
+//! Loads of one sample, and the extremes of all samples so far.
 
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::pocket::PocketLoad;
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::simulation::input::channel::BallContact;
-use crate::simulation::model::{Model, Watch};
+use crate::simulation::model::dynamics::Watch;
+use crate::simulation::model::system::Model;
 use crate::simulation::recording::record::ContactExtremes;
 
-/// Loads of one look.
+/// Loads of one sample and extremes of the run.
 pub(super) struct Snapshot {
+    /// Whether minimum film thickness is recorded.
     pub film: bool,
     pub inner: Vec<f64>,
     pub outer: Vec<f64>,
     pub pocket: Vec<f64>,
-    /// What was met so far; it grows only while `counts` is set.
-    pub met: PerRaceway<Met>,
-    /// The same since the last part ended.
+    /// Extremes of the recorded time so far, updated only while `is_recording` is set.
+    pub extremes: PerRaceway<RunningExtremes>,
+    /// Peaks of the current part of the recorded time.
     pub peaks: Peaks,
-    pub counts: bool,
+    pub is_recording: bool,
 }
 
 /// Largest values over a part of a run.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Peaks {
-    /// Of any raceway contact [N].
+    /// Largest load of any raceway contact [N].
     pub load: f64,
-    /// Of any pocket [N].
+    /// Largest load of any pocket [N].
     pub pocket_load: f64,
-    /// Sine of the contact angle, either way.
+    /// Sine of the largest contact angle, magnitude [-].
     pub out_of_plane: f64,
-    /// Square of the slip [m²/s²].
+    /// Square of the largest slip [m²/s²].
     pub slip_square: PerRaceway<f64>,
 }
 
-/// Extremes of one kind of contact on the way, in the form that costs least to compare.
+/// Extremes of the contacts on one raceway so far, in the form that is cheapest to compare.
 #[derive(Clone)]
-pub(super) struct Met {
+pub(super) struct RunningExtremes {
     max_load: Vec<f64>,
     /// Sine and cosine of the least and the largest contact angle, between ±90°: the sine grows with the angle.
     angles: Option<[(f64, f64); 2]>,
     film: ThinnestFilm,
 }
 
-impl Met {
+impl RunningExtremes {
     pub fn new(balls: usize) -> Self {
         Self { max_load: vec![0.0; balls], angles: None, film: ThinnestFilm::NONE }
     }
@@ -58,40 +60,40 @@ impl Met {
     }
 }
 
-/// What is seen of one raceway contact.
+/// Load, slip and angle of one raceway contact.
 pub(super) struct Contact {
-    /// [N]
+    /// Normal load [N].
     pub load: f64,
-    /// [m²/s²]
+    /// Square of the slip at the centre [m²/s²].
     pub slip_square: f64,
     /// Sine and cosine of its angle.
     pub angle: (f64, f64),
 }
 
 impl Snapshot {
-    /// Meets a raceway contact; `rolling_speed` [m/s] is asked for where films are looked at.
+    /// Records a raceway contact; `rolling_speed` [m/s] is evaluated only where film thickness is recorded.
     #[inline(always)]
-    pub fn meet(
+    pub fn record_contact(
         &mut self,
         raceway: &PerRaceway<RacewayContact>,
         (ball, side): (usize, BallContact),
         &Contact { load, slip_square, angle }: &Contact,
         rolling_speed: impl FnOnce(&RacewayContact) -> f64,
     ) {
-        let (met, peaks) = (&mut self.met, &mut self.peaks);
-        let (loads, met, largest_slip, contact) = match side {
-            BallContact::Inner => (&mut self.inner, &mut met.inner, &mut peaks.slip_square.inner, &raceway.inner),
-            _ => (&mut self.outer, &mut met.outer, &mut peaks.slip_square.outer, &raceway.outer),
+        let (extremes, peaks) = (&mut self.extremes, &mut self.peaks);
+        let (loads, extremes, largest_slip, contact) = match side {
+            BallContact::Inner => (&mut self.inner, &mut extremes.inner, &mut peaks.slip_square.inner, &raceway.inner),
+            _ => (&mut self.outer, &mut extremes.outer, &mut peaks.slip_square.outer, &raceway.outer),
         };
         loads[ball] = load;
-        if !self.counts || load <= 0.0 {
+        if !self.is_recording || load <= 0.0 {
             return;
         }
-        met.max_load[ball] = met.max_load[ball].max(load);
+        extremes.max_load[ball] = extremes.max_load[ball].max(load);
         *largest_slip = largest_slip.max(slip_square);
         peaks.load = peaks.load.max(load);
         peaks.out_of_plane = peaks.out_of_plane.max(angle.0.abs());
-        let [least, most] = met.angles.get_or_insert([angle; 2]);
+        let [least, most] = extremes.angles.get_or_insert([angle; 2]);
         if angle.0 < least.0 {
             *least = angle;
         }
@@ -99,34 +101,34 @@ impl Snapshot {
             *most = angle;
         }
         if self.film {
-            contact.meet_film(rolling_speed(contact), load, &mut met.film);
+            contact.meet_film(rolling_speed(contact), load, &mut extremes.film);
         }
     }
 
-    /// Meets the load of a pocket [N].
-    pub fn meet_pocket(&mut self, ball: usize, load: f64) {
+    /// Records the load of a pocket [N].
+    pub fn record_pocket(&mut self, ball: usize, load: f64) {
         self.pocket[ball] = load;
-        if self.counts {
+        if self.is_recording {
             self.peaks.pocket_load = self.peaks.pocket_load.max(load);
         }
     }
 }
 
-/// The watch of one look, with the model it looks at.
-pub(super) struct Look<'a> {
+/// Receiver of the loads of one sample, with the observed model.
+pub(super) struct SnapshotWatch<'a> {
     pub model: &'a Model,
     pub snapshot: &'a mut Snapshot,
 }
 
-impl Watch for Look<'_> {
+impl Watch for SnapshotWatch<'_> {
     fn raceway(&mut self, ball: usize, side: BallContact, motion: &RelativeMotion, load: &RacewayLoad) {
         let slip_square = load.slip.0 * load.slip.0 + load.slip.1 * load.slip.1;
         let seen = Contact { load: load.normal, slip_square, angle: load.angle };
         let rolling_speed = |contact: &RacewayContact| contact.rolling_speed(motion);
-        self.snapshot.meet(&self.model.mechanism().raceway, (ball, side), &seen, rolling_speed);
+        self.snapshot.record_contact(&self.model.mechanism().raceway, (ball, side), &seen, rolling_speed);
     }
 
     fn pocket(&mut self, ball: usize, load: &PocketLoad) {
-        self.snapshot.meet_pocket(ball, load.normal);
+        self.snapshot.record_pocket(ball, load.normal);
     }
 }

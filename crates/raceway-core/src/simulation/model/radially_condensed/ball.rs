@@ -1,7 +1,8 @@
 //! One ball between its raceways: where it is, what presses on it, what drives it. Formulas for one ball, run over several
 //! side by side.
 
-use super::Border;
+use super::border::Border;
+use super::contact::Contact;
 use super::traction::Sums;
 use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, larger, side_by_side};
 use crate::physics::bearing::PerRaceway;
@@ -176,16 +177,6 @@ pub(super) struct Loaded<T = f32> {
     pub slope: T,
 }
 side_by_side!(Loaded { inner, outer, slope });
-
-/// Load of a contact [N], square of its semi-major axis [m²], and slip: base + height over the ball's centre · per_height.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Contact<T = f32> {
-    pub load: T,
-    pub axis_square: T,
-    pub base: T,
-    pub per_height: T,
-}
-side_by_side!(Contact { load, axis_square, base, per_height });
 
 /// What a ball passes on to the spindle: force along Y and Z [N], and its slope over the acceleration with the sign turned (yy, yz,
 /// zz) [kg].

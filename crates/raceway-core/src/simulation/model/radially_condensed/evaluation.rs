@@ -1,9 +1,10 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
 use super::ball::{BallRates, Balls, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
+use super::border::Border;
+use super::equations::RadiallyCondensed;
 use super::pocket::ByWall;
 use super::traction::{General, RacewayTraction, RisingTraction};
-use super::{Border, RadiallyCondensed};
 use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, larger};
 use crate::numerics::ode::adams_moulton::{Defect, Shares};
 use crate::physics::bearing::PerRaceway;
@@ -23,7 +24,7 @@ pub struct Rates {
 
 /// What else was seen of eight balls in an evaluation.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Seen {
+pub struct BallLoads {
     pub load: PerRaceway<Singles>,
     pub slip: PerRaceway<Singles>,
     pub pocket: Singles,
@@ -32,13 +33,13 @@ pub struct Seen {
 /// Room for an evaluation, and what was seen in it.
 #[derive(Debug, Clone)]
 pub struct Scratch {
-    pub seen: Vec<Seen>,
+    pub seen: Vec<BallLoads>,
     cage: Turn,
 }
 
 impl Scratch {
     pub fn new(groups: usize) -> Self {
-        Self { seen: vec![Seen::default(); groups], cage: Turn::default() }
+        Self { seen: vec![BallLoads::default(); groups], cage: Turn::default() }
     }
 }
 
@@ -55,7 +56,7 @@ struct Plain {
     rates: BallRates<Singles>,
     passed: Passed<Singles>,
     on_cage: OnCage<Singles>,
-    seen: Seen,
+    seen: BallLoads,
 }
 
 /// Sums over the groups of balls, lane by lane: on the spindle and on the cage.
@@ -197,7 +198,7 @@ impl RadiallyCondensed {
         }
         *rates = rates_now;
         sums.add(&on_spindle, &OnCage { force: pushed.cage, damping: pushed.cage_damping });
-        scratch.seen[group] = Seen {
+        scratch.seen[group] = BallLoads {
             load: PerRaceway { inner: loaded.inner.load, outer: loaded.outer.load },
             slip: PerRaceway { inner: inner.slip, outer: outer.slip },
             pocket: pushed.load,

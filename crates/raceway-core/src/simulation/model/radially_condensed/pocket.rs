@@ -1,7 +1,7 @@
 //! Pockets of several balls: the film in a short form, walls and hydrodynamic terms by the pocket of the full model.
 
-use super::Border;
 use super::ball::{Held, Pushed};
+use super::border::Border;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Singles, Task, larger, side_by_side, smaller};
 use crate::physics::pocket::{DAMPING_ONSET, Pocket, PocketLoad, PocketMotion};
 

@@ -18,9 +18,10 @@
 //! each ball is eliminated from the spindle's equations before these are solved, and then follows the spindle; without that, errors are
 //! several times as large.
 
-use super::ball::{OneBall, Passed};
-use super::evaluation::Scratch;
-use super::{BallRates, Balls, Border, RadiallyCondensed, Rates, Seen};
+use super::ball::{BallRates, Balls, OneBall, Passed};
+use super::border::Border;
+use super::equations::RadiallyCondensed;
+use super::evaluation::{BallLoads, Rates, Scratch};
 use crate::numerics::lanes::{LANES, Real, SideBySide, Singles, Task, side_by_side};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::adams_moulton::{Shares, solve};
@@ -86,14 +87,14 @@ struct Node {
 }
 
 /// Who looks at the motion. What is always inlined there is compiled for the instructions of the steps.
-pub trait Look {
+pub trait Observe {
     /// At a time whose motion is corrected.
-    fn look(&mut self, stepper: &Stepper<'_>);
+    fn observe(&mut self, stepper: &Stepper<'_>);
 }
 
-impl<F: FnMut(&Stepper<'_>)> Look for F {
+impl<F: FnMut(&Stepper<'_>)> Observe for F {
     #[inline(always)]
-    fn look(&mut self, stepper: &Stepper<'_>) {
+    fn observe(&mut self, stepper: &Stepper<'_>) {
         self(stepper);
     }
 }
@@ -176,13 +177,13 @@ impl<'m> Stepper<'m> {
     }
 
     /// What was seen of the balls at the time of a look.
-    pub fn seen(&self) -> &[Seen] {
+    pub fn seen(&self) -> &[BallLoads] {
         &self.scratch.seen
     }
 
     /// Some steps on, with a look before each.
-    pub fn advance(&mut self, steps: u64, look: &mut impl Look) {
-        self.model.instructions.run(Stretch { stepper: self, steps, look });
+    pub fn advance(&mut self, steps: u64, observer: &mut impl Observe) {
+        self.model.instructions.run(Stretch { stepper: self, steps, observer });
     }
 
     /// Evaluates the rates where the motion was predicted, and corrects it.
@@ -309,17 +310,17 @@ impl Task for Start<'_, '_> {
 struct Stretch<'a, 's, 'm, L> {
     stepper: &'s mut Stepper<'m>,
     steps: u64,
-    look: &'a mut L,
+    observer: &'a mut L,
 }
 
-impl<L: Look> Task for Stretch<'_, '_, '_, L> {
+impl<L: Observe> Task for Stretch<'_, '_, '_, L> {
     type Answer = ();
 
     #[inline(always)]
     fn run(self) {
         for _ in 0..self.steps {
             self.stepper.rate();
-            self.look.look(self.stepper);
+            self.observer.observe(self.stepper);
             self.stepper.step();
         }
     }

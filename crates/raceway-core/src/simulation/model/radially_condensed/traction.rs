@@ -1,7 +1,7 @@
 //! Traction of one raceway in the plane. The law that rises from rest is integrated over a narrow contact by quadrature, over a wide one
 //! in strips; every other one by the contact of the full model.
 
-use super::ball::Contact;
+use super::contact::Contact;
 use crate::numerics::exponential::binary_saturation_single;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Singles, alike, larger, side_by_side, smaller};
 use crate::physics::contact::traction::{DEFAULT_STRIPS, FourParameters, Strips};

@@ -1,4 +1,4 @@
-//! Steps of fixed length through the full equations, linearly implicit in what is stiff: one evaluation a step.
+//! Fixed steps through the full equations, linearly implicit in the stiff terms: one evaluation a step.
 //!
 //! Each ball and the cage are advanced by backward differentiation of order 2, whose equation is solved by one step of Newton
 //! from an extrapolated state ŷ:
@@ -7,29 +7,30 @@
 //! y = Σ α_i y_{n+1−i} + β h (f(ŷ) + A (y − ŷ))
 //! ```
 //!
-//! A holds what answers fastest, from closed forms: the normal loads of both raceways and of the pocket, the turning of their
-//! directions, and traction. A ball is two systems of three equations, motion in its meridian plane with the spin about the
-//! orbit, and motion along the orbit with the other spins; the cage is taken entry by entry. What A leaves out is explicit and
-//! costs stability, not order. The spindle, hundreds of times as heavy, is predicted by Adams–Bashforth and corrected by
-//! Adams–Moulton, under the loads that the balls' corrections leave. Contacts that ring far above the band of interest are damped
-//! by long steps, as a radially condensed ball is.
+//! A holds the stiffest terms in closed form: the normal loads of both raceways and of the pocket, the turning of their
+//! directions, and traction. Each ball gives two systems of three equations: motion in its meridian plane with the spin about the
+//! orbit, and motion along the orbit with the other spins. The cage is solved entry by entry. Terms outside A are explicit, which
+//! costs stability and not order. The spindle, hundreds of times as heavy, is predicted by Adams–Bashforth and corrected by
+//! Adams–Moulton under the loads after the balls' corrections. Long steps damp contact resonances far above the band of interest, as in
+//! a radially condensed ball.
 
 mod correction;
 
 use std::array::from_fn;
 use std::cell::{Cell, OnceCell};
 
-use super::Dynamics;
-use super::dynamics::{Balls, Reaction, Slopes};
-use super::step_loads::Sight;
+use super::ball_group::{Balls, Slopes};
+use super::equations::Dynamics;
+use super::forces::Reaction;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
 use crate::physics::frames::Vector;
 use crate::simulation::model::state::{BallState, CageState, SpindleState};
+use crate::simulation::model::step_loads::PackedStepLoads;
 use correction::{Corrected, Stiff, corrected_cage};
 
-/// Nodes of the spindle's formulas; as many states are remembered.
+/// Nodes of the spindle's formulas, and number of stored states.
 const NODES: usize = 4;
 /// Short steps to one of full length at the start.
 const START: usize = 16;
@@ -47,20 +48,21 @@ const BACKWARD: [Backward; 2] = [
     Backward { past: [4.0 / 3.0, -1.0 / 3.0], rate: 2.0 / 3.0, ahead: [2.0, -1.0] },
 ];
 
-/// Formulas of a step after so many nodes.
+/// Formulas of a step with a given number of known nodes.
 #[derive(Debug, Clone, Copy)]
 struct Formulas {
     backward: Backward,
-    /// Of the spindle: through the known nodes, and through the new one and the others but the oldest.
+    /// Prediction of the spindle through the known nodes.
     predict: Weights<NODES>,
+    /// Correction of the spindle through the new node and all others but the oldest.
     correct: Weights<NODES>,
-    /// The acceleration with which the one formula is the other.
+    /// Acceleration for which both formulas agree.
     ahead: [f64; NODES],
 }
 
 impl Formulas {
     fn new(known: usize) -> Self {
-        // From a single node there is nothing to correct by.
+        // A single node allows no correction.
         let nothing = Weights { velocity: [0.0; NODES], place: [0.0; NODES] };
         Self {
             backward: BACKWARD[known.min(2) - 1],
@@ -79,32 +81,35 @@ struct Node {
     cage: CageState,
     cage_rates: CageState,
     spindle: SpindleState,
-    /// Of the spindle.
+    /// Acceleration of the spindle [m/s²].
     acceleration: Vector,
 }
 
-/// The motion on its way.
+/// Integrator with its last states.
 pub(super) struct SemiImplicit<'m, const PLANAR: bool> {
     dynamics: &'m Dynamics<PLANAR>,
-    /// Step that was asked for; that which is taken divides the time to the next stop.
+    /// Requested step [s].
     asked: f64,
+    /// Actual step [s], which divides the time to the next stop.
     step: f64,
     time: f64,
     previous: f64,
     /// Newest first.
     nodes: [Box<Node>; NODES],
-    /// How many of them count; 0: the method has to start.
+    /// Number of valid nodes; 0: the method has to start.
     known: usize,
     formulas: Formulas,
-    /// Room for one group of balls after the other.
+    /// Work space for one group of balls after the other.
     balls: Balls,
     slopes: Slopes<Lanes>,
     corrected: Corrected,
     work: Statistics,
-    /// The newest node as a state where that was asked for, room for the next, and what was seen at the node.
+    /// The newest node as a state, on request.
     flat: OnceCell<Vec<f64>>,
+    /// Work space for the next such state.
     room: Cell<Vec<f64>>,
-    sight: Vec<f64>,
+    /// Loads at the newest node, packed.
+    step_loads: Vec<f64>,
 }
 
 impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
@@ -124,7 +129,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let (work, formulas) = (Statistics::default(), Formulas::new(1));
         let (balls, slopes, corrected) = (Balls::default(), Slopes::default(), Corrected::default());
         let (previous, flat, room) = (time, OnceCell::new(), Cell::new(vec![0.0; layout.dimension()]));
-        let sight = vec![0.0; Sight::numbers(layout.balls.div_ceil(LANES))];
+        let step_loads = vec![0.0; PackedStepLoads::numbers(layout.balls.div_ceil(LANES))];
         Self {
             dynamics,
             asked: step,
@@ -140,11 +145,11 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             work,
             flat,
             room,
-            sight,
+            step_loads,
         }
     }
 
-    /// Initial acceleration, then short steps of rising order, and every sixteenth of them as the past of the long ones.
+    /// Starts with the initial acceleration and short steps of rising order; every sixteenth of them becomes a node of the long steps.
     fn start(&mut self, limit: f64) {
         let layout = self.dynamics.mechanism().layout;
         let mut rates = vec![0.0; layout.dimension()];
@@ -167,8 +172,8 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         self.work.steps += NODES as u64 - 1;
     }
 
-    /// One step, compiled for the processor's instructions. Whole steps lead to `limit`, to rounding, and end at it: beyond a kink of
-    /// the speed they would see the slope after it.
+    /// One step, compiled for the processor's instructions. Whole steps end exactly at `limit`, because beyond a kink of the speed
+    /// they would use the slope after it.
     fn advance(&mut self, limit: f64) {
         let end = self.time + self.step;
         let end = if (limit - end).abs() < 1e-3 * self.step { limit } else { end };
@@ -219,13 +224,13 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             dynamics.balls(first, &predicted, &border, balls, None, Some(slopes));
             dynamics.correct(&past, &predicted, balls, slopes, share, corrected);
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
-            corrected.seen.put_into(&mut self.sight, group);
+            corrected.loads.put_into(&mut self.step_loads, group);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             corrected.reaction.sum_into(&mut sum, layout.balls - first);
             dynamics.stiffness(balls, slopes, shares, share).sum_into(&mut stiff, layout.balls - first);
         }
 
-        // Cage and spindle, under what the balls' corrections leave.
+        // Cage and spindle, under the loads after the balls' corrections.
         let mut rates = dynamics.cage_rates(&border, &sum);
         if PLANAR {
             rates = in_plane(rates);
@@ -245,11 +250,11 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             new.spindle.position[i] += shares.0 * change;
             new.spindle.velocity[i] += shares.1 * change;
         }
-        self.sight[..3].copy_from_slice(&new.acceleration);
+        self.step_loads[..3].copy_from_slice(&new.acceleration);
     }
 }
 
-/// One step, to be compiled for each instruction set.
+/// One step, compiled for each instruction set.
 struct Step<'a, 'm, const PLANAR: bool> {
     integrator: &'a mut SemiImplicit<'m, PLANAR>,
 }
@@ -270,7 +275,7 @@ fn weighed(weights: &[f64; NODES], values: &[Vector; NODES]) -> Vector {
 }
 
 impl Backward {
-    /// Σ past_i y_{n−i} of the balls, and their predicted state: velocities by extrapolation, places as these take them.
+    /// Σ past_i y_{n−i} of the balls, and their predicted state: velocities by extrapolation, places by integration of these.
     #[inline(always)]
     fn predicted_balls(
         self,
@@ -307,7 +312,7 @@ impl Backward {
     }
 }
 
-/// Without motion along X and tilts, which pockets of a crown cage would drive.
+/// Rates of the cage without motion along X and tilt, which pockets of a crown cage would drive.
 fn in_plane(cage: CageState) -> CageState {
     let without_x = |[_, y, z]: Vector| [0.0, y, z];
     CageState {
@@ -332,7 +337,7 @@ fn rates_of_places(state: &BallState<Lanes>) -> BallState<Lanes> {
 
 impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
     fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
-        // A stop that whole steps do not lead to.
+        // The method starts again where whole steps do not meet the stop.
         if self.known > 0 && self.time + self.step > limit + 1e-3 * self.step {
             self.known = 0;
         }
@@ -376,10 +381,10 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
     }
 
     fn sight(&self) -> Option<&[f64]> {
-        Some(&self.sight)
+        Some(&self.step_loads)
     }
 
-    /// By the cubic through places, or velocities, and their rates at both ends.
+    /// Cubic interpolation through places or velocities and their rates at both ends.
     fn interpolate(&self, time: f64, state: &mut [f64]) {
         let layout = self.dynamics.mechanism().layout;
         // The start takes several steps at once.
@@ -422,7 +427,7 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
 
     fn choice(&self) -> Choice {
         let reason =
-            format!("steps of {:.2} µs, implicit in what is stiff: tried before error control", 1e6 * self.step);
+            format!("steps of {:.2} µs, implicit in the stiff terms: tried before error control", 1e6 * self.step);
         Choice { method: Method::SemiImplicit, reason: Some(reason) }
     }
 }

@@ -4,13 +4,13 @@
 
 use std::f64::consts::TAU;
 
-use super::Mechanism;
-use super::condensed_contact::{CondensedContact, Unloaded};
 use crate::numerics::lanes::{LANES, Lanes, larger};
 use crate::numerics::ode::adams_moulton::{Defect, EquationsOfMotion, Motion, Shares};
 use crate::physics::operation::SpeedProfile;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::unbalance_force;
+use crate::simulation::model::condensed_contact::{CondensedContact, Unloaded};
+use crate::simulation::model::mechanism::Mechanism;
 
 /// Load at which half of a ball's traction follows the spindle [N]: below, it slips.
 const ROLLING_LOAD: f64 = 1.0;

@@ -1,93 +1,57 @@
-//! Which signals are kept, and how often.
-//!
-//! The motion is looked at 409 600 times a second, by interpolation within the steps, and less often where long steps damp what is
-//! so fast. A look is an evaluation of the equations, but where the method itself shows what it has found (`Integrator::sight`): there
-//! each step is seen as it ends, and looks take their values from the steps around. The spindle's signals pass a
-//! low-pass filter on their way to 102 400 values a second (contact resonances lie above the band of interest and must not
-//! fold into it); all others are kept as they stand at those times, window by window (`windows.rs`). Extremes see every look.
+//! The observer of a run: its sampling times, and the path of each sample into the recording.
 
-mod snapshot;
-
+use super::moments::{CageMoments, Moments};
+use super::snapshot::{Contact, Peaks, RunningExtremes, Snapshot, SnapshotWatch};
 use crate::numerics::interpolation::Course;
 use crate::numerics::ode::Integrator;
 use crate::numerics::ode::Method;
-use crate::numerics::parallel::both;
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, length};
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
-use crate::simulation::input::settings::{Outputs, RunSettings};
-use crate::simulation::model::Model;
-use crate::simulation::model::step_loads::{Seen, Sight};
-use crate::simulation::model::terms::Needs;
-use crate::simulation::recording::load_course::LoadsAlong;
-use crate::simulation::recording::load_course::LoadsTaken;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::step_loads::{PackedStepLoads, StepLoads};
+use crate::simulation::model::system::Model;
+use crate::simulation::model::terms::ActiveTerms;
+use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{PART, RATE};
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
-use crate::simulation::recording::windows::{Recorder, Signal, Whirl};
-use snapshot::{Contact, Look, Met, Peaks, Snapshot};
+use crate::simulation::recording::windows::Recorder;
 
-/// Looks per kept value, unless steps of a fixed length damp what so many would see.
+/// Samples per recorded value, unless long fixed steps damp the motion that only so many samples resolve.
 const OVERSAMPLING: usize = 4;
-/// Steps to a look from which one sees all that the steps have left: what is faster than half of the looks turns by 120° a step and
-/// more then, and loses half of its size or more with each.
-const STEPS_TO_A_LOOK: f64 = 1.0 / 0.75;
+/// Steps per sample from which samples resolve all motion that the steps leave. Motion faster than half the sampling rate then turns by
+/// 120° a step or more, and loses half of its amplitude or more with each step.
+const STEPS_PER_SAMPLE: f64 = 1.0 / 0.75;
 
-/// Looks per kept value at the motion of a run.
-fn looks_per_value(settings: &RunSettings) -> usize {
+/// Samples per recorded value of a run.
+fn samples_per_value(settings: &RunSettings) -> usize {
     let damping = settings.fixed_step.filter(|_| settings.method == Method::SemiImplicit);
-    let is_enough = |looks: &usize| damping.is_some_and(|step| STEPS_TO_A_LOOK * step * RATE * *looks as f64 >= 1.0);
+    let is_enough =
+        |samples: &usize| damping.is_some_and(|step| STEPS_PER_SAMPLE * step * RATE * *samples as f64 >= 1.0);
     [1, 2].into_iter().find(is_enough).unwrap_or(OVERSAMPLING)
 }
 
-/// Mean and variance of a growing sample, about its first value.
-#[derive(Clone, Copy, Default)]
-struct Moments {
-    count: f64,
-    origin: f64,
-    sum: f64,
-    squares: f64,
-}
+/// Number of values of the first ball: azimuth, inner and outer load.
+const FIRST_BALL_VALUES: usize = 3;
 
-impl Moments {
-    fn add(&mut self, value: f64) {
-        if self.count == 0.0 {
-            self.origin = value;
-        }
-        self.count += 1.0;
-        let off = value - self.origin;
-        self.sum += off;
-        self.squares += off * off;
-    }
-
-    fn mean(&self) -> f64 {
-        self.origin + self.sum / self.count.max(1.0)
-    }
-
-    fn variance(&self) -> f64 {
-        let count = self.count.max(1.0);
-        ((self.squares - self.sum * self.sum / count) / count).max(0.0)
-    }
-}
-
-/// Azimuth, inner and outer load.
-const OF_THE_FIRST_BALL: usize = 3;
-
-/// Looks at a run and keeps what is needed.
+/// Observer of a run, which records the requested outputs.
 pub struct Observer<'m> {
     model: &'m Model,
+    /// Time of the first recorded value [s].
     start: f64,
-    /// Looks per kept value.
+    /// Samples per recorded value.
     oversampling: usize,
-    /// Number of values to keep.
+    /// Number of values to record.
     values: usize,
-    /// Looks taken so far, and in all.
-    looks: usize,
-    all_looks: usize,
-    /// Looks before the first kept value.
+    /// Number of samples so far.
+    samples: usize,
+    /// Number of samples of the whole run.
+    all_samples: usize,
+    /// Samples before the first recorded value.
     lead: usize,
     decimator: Decimator,
     filtered: Recorder,
@@ -100,29 +64,22 @@ pub struct Observer<'m> {
     state: Vec<f64>,
     derivative: Vec<f64>,
     snapshot: Snapshot,
-    /// What steps have shown of themselves: `frame`, `pick`, and of the first ball azimuth and loads.
-    course: Course,
+    /// Values at the ends of the last steps: `frame`, `pick`, azimuth and loads of the first ball.
+    history: Course,
     between: Vec<f64>,
-    loads: Option<LoadsTaken>,
+    loads: Option<BallLoadRecorder>,
     shaft: Moments,
     cage: Moments,
     spin: Moments,
-    /// What was seen of each stretch of `PART` kept values, and the cage over the one on the way.
+    /// Scalar results of each part of `PART` recorded values.
     parts: Vec<Quantities>,
+    /// Moments of the cage over the current part.
     part_cage: CageMoments,
 }
 
-/// Speed [rad/s] and place [m] of the cage over a part of a run.
-#[derive(Clone, Copy, Default)]
-struct CageMoments {
-    speed: Moments,
-    y: Moments,
-    z: Moments,
-}
-
 impl<'m> Observer<'m> {
-    /// Keeps what metrics, spectra and series of `settings` need.
-    pub fn new(model: &'m Model, needs: &Needs, settings: &RunSettings) -> Self {
+    /// Observer that records what metrics, spectra and series of `settings` need.
+    pub fn new(model: &'m Model, needs: &ActiveTerms, settings: &RunSettings) -> Self {
         let layout = model.mechanism().layout;
         let axes = if layout.axial_spindle { &[Axis::X, Axis::Y, Axis::Z][..] } else { &[Axis::Y, Axis::Z] };
         let values = kept_values(settings.duration);
@@ -135,10 +92,10 @@ impl<'m> Observer<'m> {
             .collect();
         let channels = picked_channels(&settings.outputs, layout.cage);
         let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), &settings.outputs, values);
-        let oversampling = looks_per_value(settings);
+        let oversampling = samples_per_value(settings);
         let decimator = Decimator::new(oversampling, spindle.len());
         let delay = decimator.delay();
-        // A run without time to settle has no past for the filter: it starts from a standstill then.
+        // A run without settling time has no past for the filter, which then starts from a standstill.
         let lead = if settings.settle * RATE * oversampling as f64 >= delay as f64 { delay } else { 0 };
         let balls = layout.balls;
         Self {
@@ -146,15 +103,15 @@ impl<'m> Observer<'m> {
             start: settings.settle,
             oversampling,
             values,
-            looks: 0,
-            all_looks: lead + (values - 1) * oversampling + delay + 1,
+            samples: 0,
+            all_samples: lead + (values - 1) * oversampling + delay + 1,
             lead,
             decimator,
             moments: vec![Moments::default(); spindle.len()],
             frame: vec![0.0; spindle.len()],
             pick: vec![0.0; channels.len()],
-            course: Course::new(spindle.len() + channels.len() + OF_THE_FIRST_BALL),
-            between: vec![0.0; spindle.len() + channels.len() + OF_THE_FIRST_BALL],
+            history: Course::new(spindle.len() + channels.len() + FIRST_BALL_VALUES),
+            between: vec![0.0; spindle.len() + channels.len() + FIRST_BALL_VALUES],
             filtered: recorder(&spindle),
             spindle,
             picked: recorder(&channels),
@@ -166,12 +123,12 @@ impl<'m> Observer<'m> {
                 inner: vec![0.0; balls],
                 outer: vec![0.0; balls],
                 pocket: vec![0.0; balls],
-                met: PerRaceway { inner: Met::new(balls), outer: Met::new(balls) },
+                extremes: PerRaceway { inner: RunningExtremes::new(balls), outer: RunningExtremes::new(balls) },
                 peaks: Peaks::default(),
-                counts: false,
+                is_recording: false,
             },
             loads: (settings.outputs.contacts && settings.outputs.keep_signals())
-                .then(|| LoadsTaken::new(values, model.mechanism().steady_orbit_speed())),
+                .then(|| BallLoadRecorder::new(values, model.mechanism().steady_orbit_speed())),
             shaft: Moments::default(),
             cage: Moments::default(),
             spin: Moments::default(),
@@ -180,117 +137,117 @@ impl<'m> Observer<'m> {
         }
     }
 
-    fn look_time(&self, look: usize) -> f64 {
-        (self.start + (look as f64 - self.lead as f64) / (RATE * self.oversampling as f64)).max(0.0)
+    fn sample_time(&self, sample: usize) -> f64 {
+        (self.start + (sample as f64 - self.lead as f64) / (RATE * self.oversampling as f64)).max(0.0)
     }
 
-    /// Time of the next look [s]; `None` when all are taken.
-    pub fn next_look(&self) -> Option<f64> {
-        (self.looks < self.all_looks).then(|| self.look_time(self.looks))
+    /// Time of the next sample [s]; `None` after the last.
+    pub fn next_sample_time(&self) -> Option<f64> {
+        (self.samples < self.all_samples).then(|| self.sample_time(self.samples))
     }
 
-    /// Time of the last look [s]: the filter's delay after the last kept value.
+    /// Time of the last sample [s]: the filter's delay after the last recorded value.
     pub fn end(&self) -> f64 {
-        self.look_time(self.all_looks - 1)
+        self.sample_time(self.all_samples - 1)
     }
 
-    /// Takes the looks that the last step has made known.
+    /// Records the samples that lie within the last step.
     pub fn after(&mut self, step: &dyn Integrator) {
-        let Some(sight) = step.sight() else {
-            self.look_within(step);
+        let Some(loads_of_step) = step.sight() else {
+            self.sample_within(step);
             return;
         };
-        if self.course.end() != Some(step.previous_time()) {
-            // A start of its own, which shows no more than its end.
-            if let Some(end) = self.course.end() {
-                self.keep_between(end);
+        if self.history.end() != Some(step.previous_time()) {
+            // The integrator started again, and its start states loads at its end alone.
+            if let Some(end) = self.history.end() {
+                self.keep_samples_until(end);
             }
-            self.course.clear();
-            self.look_within(step);
+            self.history.clear();
+            self.sample_within(step);
         }
-        self.see(step.time(), step.state(), &Sight(sight));
-        if let Some(known) = self.course.known() {
-            self.keep_between(known);
+        self.record_step(step.time(), step.state(), &PackedStepLoads(loads_of_step));
+        if let Some(known) = self.history.known() {
+            self.keep_samples_until(known);
         }
     }
 
-    /// All looks that lie within the last step, an evaluation each.
-    fn look_within(&mut self, step: &dyn Integrator) {
-        while let Some(time) = self.next_look().filter(|time| *time <= step.time()) {
+    /// Evaluates every sample within the last step.
+    fn sample_within(&mut self, step: &dyn Integrator) {
+        while let Some(time) = self.next_sample_time().filter(|time| *time <= step.time()) {
             step.interpolate(time, &mut self.state);
-            self.look(time);
+            self.sample(time);
         }
     }
 
-    /// Takes a look at a state.
-    fn look(&mut self, time: f64) {
+    /// Evaluates and records one sample at the current state.
+    fn sample(&mut self, time: f64) {
         self.begin(time);
-        let mut watch = Look { model: self.model, snapshot: &mut self.snapshot };
+        let mut watch = SnapshotWatch { model: self.model, snapshot: &mut self.snapshot };
         self.model.derivative_watched(time, &self.state, &mut self.derivative, &mut watch);
         let rate = self.model.mechanism().layout.spindle(&self.derivative);
         self.gather_spindle(rate.velocity);
         self.count(time);
-        if self.falls_on_a_value() {
+        if self.is_at_recorded_value() {
             self.pick(time);
             self.picked.push(&self.pick);
-            self.take_loads(self.of_the_first_ball(time));
+            self.keep_loads(self.first_ball_loads(time));
         }
-        self.keep();
+        self.keep_sample();
     }
 
-    /// Sees the end of a step.
-    fn see(&mut self, time: f64, state: &[f64], sight: &Sight<'_>) {
+    /// Records the end of a step from the loads that the integrator states.
+    fn record_step(&mut self, time: f64, state: &[f64], loads_of_step: &PackedStepLoads<'_>) {
         self.state.copy_from_slice(state);
         self.begin(time);
         let m = self.model.mechanism();
         for ball in 0..m.layout.balls {
-            let Seen { load, pocket, slip_square, angle, rolling_speed } = sight.of(ball);
+            let StepLoads { load, pocket, slip_square, angle, rolling_speed } = loads_of_step.of(ball);
             let inner = Contact { load: load.inner, slip_square: slip_square.inner, angle: angle.inner };
             let outer = Contact { load: load.outer, slip_square: slip_square.outer, angle: angle.outer };
-            self.snapshot.meet(&m.raceway, (ball, BallContact::Inner), &inner, |_| rolling_speed.inner);
-            self.snapshot.meet(&m.raceway, (ball, BallContact::Outer), &outer, |_| rolling_speed.outer);
+            self.snapshot.record_contact(&m.raceway, (ball, BallContact::Inner), &inner, |_| rolling_speed.inner);
+            self.snapshot.record_contact(&m.raceway, (ball, BallContact::Outer), &outer, |_| rolling_speed.outer);
             if m.layout.cage {
-                self.snapshot.meet_pocket(ball, pocket);
+                self.snapshot.record_pocket(ball, pocket);
             }
         }
-        self.gather_spindle(sight.acceleration());
+        self.gather_spindle(loads_of_step.acceleration());
         self.count(time);
         self.pick(time);
-        let sample = self.frame.iter().chain(&self.pick).copied().chain(self.of_the_first_ball(time));
-        self.course.push(time, sample);
+        let sample = self.frame.iter().chain(&self.pick).copied().chain(self.first_ball_loads(time));
+        self.history.push(time, sample);
     }
 
-    /// Takes the looks up to a time from the steps around them.
-    fn keep_between(&mut self, known: f64) {
+    /// Interpolates the samples up to a time between the steps around them.
+    fn keep_samples_until(&mut self, known: f64) {
         let smooth = self.frame.len();
-        while let Some(time) = self.next_look().filter(|time| *time <= known && self.course.end().is_some()) {
-            self.course.at(time, smooth, &mut self.between);
+        while let Some(time) = self.next_sample_time().filter(|time| *time <= known && self.history.end().is_some()) {
+            self.history.at(time, smooth, &mut self.between);
             self.frame.copy_from_slice(&self.between[..smooth]);
-            if self.falls_on_a_value() {
-                let (picked, of_the_first) = self.between[smooth..].split_at(self.pick.len());
+            if self.is_at_recorded_value() {
+                let (picked, first_ball) = self.between[smooth..].split_at(self.pick.len());
                 self.picked.push(picked);
-                let [azimuth, inner, outer] = [0, 1, 2].map(|i| of_the_first[i]);
-                self.take_loads([azimuth, inner, outer]);
+                let [azimuth, inner, outer] = [0, 1, 2].map(|i| first_ball[i]);
+                self.keep_loads([azimuth, inner, outer]);
             }
-            self.keep();
+            self.keep_sample();
         }
     }
 
-    /// At a time whose loads are about to be seen.
+    /// Prepares the snapshot and the parts for a time.
     fn begin(&mut self, time: f64) {
-        // To a quarter of a look: times are counted in different ways.
+        // A quarter of a sample covers the rounding between step times and sample times.
         let off = 0.25 / (RATE * self.oversampling as f64);
         let start = self.start;
         let value = |place: usize| start + place as f64 / RATE;
-        self.snapshot.counts = time > value(0) - off && time < value(self.values - 1) + off;
-        while self.snapshot.counts && time > value(PART * (self.parts.len() + 1)) - off {
+        self.snapshot.is_recording = time > value(0) - off && time < value(self.values - 1) + off;
+        while self.snapshot.is_recording && time > value(PART * (self.parts.len() + 1)) - off {
             self.end_part();
         }
     }
 
-    /// Takes what is in `frame` and `state` into the means.
+    /// Adds `frame` and `state` to the moments.
     fn count(&mut self, time: f64) {
-        if !self.snapshot.counts {
+        if !self.snapshot.is_recording {
             return;
         }
         for (moments, value) in self.moments.iter_mut().zip(&self.frame) {
@@ -305,21 +262,21 @@ impl<'m> Observer<'m> {
         }
     }
 
-    /// Whether the next look stands at a kept value.
-    fn falls_on_a_value(&self) -> bool {
-        let place = self.looks.checked_sub(self.lead);
+    /// Returns whether the next sample is at the time of a recorded value.
+    fn is_at_recorded_value(&self) -> bool {
+        let place = self.samples.checked_sub(self.lead);
         place.is_some_and(|place| place <= (self.values - 1) * self.oversampling && place % self.oversampling == 0)
     }
 
-    /// Takes `frame` as the next look.
-    fn keep(&mut self) {
-        if self.lead == 0 && self.looks == 0 {
+    /// Passes `frame` on as the next sample.
+    fn keep_sample(&mut self) {
+        if self.lead == 0 && self.samples == 0 {
             self.decimator.prime(&self.frame);
         }
         if let Some(frame) = self.decimator.push(&self.frame) {
             self.filtered.push(frame);
         }
-        self.looks += 1;
+        self.samples += 1;
     }
 
     fn gather_spindle(&mut self, acceleration: Vector) {
@@ -336,7 +293,7 @@ impl<'m> Observer<'m> {
         }
     }
 
-    /// Returns the speed of the cage [rad/s].
+    /// Adds the speeds of shaft, cage and balls to the moments, and returns the cage speed [rad/s].
     fn gather_speeds(&mut self, time: f64) -> f64 {
         let m = self.model.mechanism();
         let (_, speed, _) = m.speed.at(time);
@@ -345,11 +302,11 @@ impl<'m> Observer<'m> {
         let (mut orbit, mut spin) = (0.0, 0.0);
         for state in states {
             orbit += state.arc_velocity / balls as f64;
-            // Seen from the orbit frame, about the axis that a contact angle leans.
+            // StepLoads from the orbit frame, about the axis that a contact angle leans.
             let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
             spin += length([about_x, state.spin[1], state.spin[2]]) / balls as f64;
         }
-        // Without a cage the balls' mean orbit speed stands for it.
+        // Without a cage the mean orbit speed of the balls replaces its speed.
         let arc_velocity = if m.layout.cage { m.layout.cage(&self.state).arc_velocity } else { orbit };
         self.shaft.add(speed);
         let cage_speed = m.orbit_ratio * speed + arc_velocity / m.pitch_radius;
@@ -391,28 +348,28 @@ impl<'m> Observer<'m> {
         });
     }
 
-    /// Azimuth [rad], inner and outer load [N].
-    fn of_the_first_ball(&self, time: f64) -> [f64; OF_THE_FIRST_BALL] {
+    /// Azimuth [rad], inner and outer load [N] of the first ball.
+    fn first_ball_loads(&self, time: f64) -> [f64; FIRST_BALL_VALUES] {
         let (m, snapshot) = (self.model.mechanism(), &self.snapshot);
         let (angle, _, _) = m.speed.at(time);
         let arc = m.layout.ball(&self.state, 0).arc;
         [m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius, snapshot.inner[0], snapshot.outer[0]]
     }
 
-    fn take_loads(&mut self, [azimuth, inner, outer]: [f64; OF_THE_FIRST_BALL]) {
+    fn keep_loads(&mut self, [azimuth, inner, outer]: [f64; FIRST_BALL_VALUES]) {
         if let Some(loads) = &mut self.loads {
-            loads.look(|| (azimuth, inner, outer));
+            loads.offer(|| (azimuth, inner, outer));
         }
     }
 
-    /// rms of the spindle's accelerations in y and z so far [m/s²], any frequency; `None` before anything is kept.
+    /// rms of the spindle's accelerations in y and z so far [m/s²], at all frequencies; `None` before the first recorded value.
     pub fn accelerations(&self) -> Option<[f64; 2]> {
         self.filtered.accelerations()
     }
 
-    /// What was seen.
+    /// The recording.
     pub fn finish(mut self) -> Recording {
-        self.keep_between(f64::INFINITY);
+        self.keep_samples_until(f64::INFINITY);
         self.end_part();
         let total_variance = self.spindle.iter().zip(&self.moments).map(|(c, m)| (*c, m.variance())).collect();
         let (spindle, _) = self.filtered.finish();
@@ -424,8 +381,8 @@ impl<'m> Observer<'m> {
             whirl,
             total_variance,
             contacts: PerRaceway {
-                inner: self.snapshot.met.inner.extremes(largest(|part| part.max_slip.inner)),
-                outer: self.snapshot.met.outer.extremes(largest(|part| part.max_slip.outer)),
+                inner: self.snapshot.extremes.inner.extremes(largest(|part| part.max_slip.inner)),
+                outer: self.snapshot.extremes.outer.extremes(largest(|part| part.max_slip.outer)),
             },
             max_pocket_load: largest(|part| part.max_pocket_load),
             direction: if self.shaft.mean() < 0.0 { -1.0 } else { 1.0 },
@@ -433,8 +390,8 @@ impl<'m> Observer<'m> {
             cage_speed: self.cage.mean().abs(),
             ball_spin: self.spin.mean(),
             parts: self.parts,
-            loads: self.loads.map(LoadsTaken::finish),
-            wander: None,
+            loads: self.loads.map(BallLoadRecorder::finish),
+            largest_pocket_offset: None,
         }
     }
 }

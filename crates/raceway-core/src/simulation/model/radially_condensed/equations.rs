@@ -1,26 +1,10 @@
-//! ModelLevel 2: the radial motion of the balls is in equilibrium between the raceways, and nothing leaves the plane.
-//!
-//! A ball held between its raceways follows the spindle within microseconds, far above the band of interest. What is left of
-//! it are its azimuth, orbit speed and spin; its radius follows from the approach of the raceways (`condensed_contact.rs`),
-//! with what its inertia and the damping of both contacts do to first order. `ball.rs`, `pocket.rs` and `traction.rs` have the
-//! formulas, `evaluation.rs` runs them over eight balls side by side, `stepping.rs` advances the motion, `looks.rs` looks on,
-//! `recording.rs` has the run.
+//! Equations of the radially condensed model: its constants, made once a scene.
 
-mod ball;
-mod evaluation;
-mod looks;
-mod pocket;
-mod recording;
-mod stepping;
-mod traction;
-
-pub use ball::{BallRates, BallState, Balls};
-pub use evaluation::{Rates, Seen};
-pub use recording::{MOST_STEPS, Pace, simulate, simulate_beside};
-pub use stepping::{Look, Stepper};
-
-use super::Mechanism;
-use super::condensed_contact::CondensedContact;
+use super::applicability::inapplicability;
+use super::ball::{Balls, Mixture, OneBall};
+use super::border::Border;
+use super::pocket::Film;
+use super::traction::{RacewayTraction, RisingTraction, WIDEST, WideTraction};
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, Singles, alike};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::PocketFilm;
@@ -28,82 +12,55 @@ use crate::physics::contact::traction::{TractionLaw, four_parameters};
 use crate::physics::frames::Azimuth;
 use crate::physics::pocket::WEDGE_DAMPING;
 use crate::physics::raceway::RacewayContact;
-use crate::physics::spindle::AxialHold;
-use crate::simulation::input::channel::{Axis, Channel};
+use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
-use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::condensed_contact::CondensedContact;
 use crate::simulation::model::equilibrium::{Equilibrium, equilibrium};
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::terms::Needs;
-use ball::{Mixture, OneBall};
-use pocket::Film;
-use traction::{RacewayTraction, RisingTraction, WIDEST, WideTraction};
+use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// Loads beyond the largest static one for which contacts count as narrow.
 const LOAD_MARGIN: f64 = 1.5;
 
-/// Spindle and cage, (y, z).
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Border<T = f64> {
-    pub spindle: [T; 2],
-    pub spindle_velocity: [T; 2],
-    pub cage: [T; 2],
-    pub cage_arc: T,
-    /// y, z, along the arc [m/s].
-    pub cage_velocity: [T; 3],
-}
-
-impl Border {
-    /// In single precision, as the balls see it.
-    #[inline(always)]
-    fn single(&self) -> Border<f32> {
-        Border {
-            spindle: self.spindle.map(|x| x as f32),
-            spindle_velocity: self.spindle_velocity.map(|x| x as f32),
-            cage: self.cage.map(|x| x as f32),
-            cage_arc: self.cage_arc as f32,
-            cage_velocity: self.cage_velocity.map(|x| x as f32),
-        }
-    }
-}
-
 /// What eight balls have in common.
 #[derive(Debug, Clone, Copy)]
-struct Alike {
-    ball: OneBall<Singles>,
-    film: Film<Singles>,
+pub(super) struct Alike {
+    pub(super) ball: OneBall<Singles>,
+    pub(super) film: Film<Singles>,
 }
 
 /// The equations of the rung: made once a scene.
 #[derive(Debug, Clone)]
 pub struct RadiallyCondensed {
-    mechanism: Mechanism,
-    needs: Needs,
+    pub(super) mechanism: Mechanism,
+    pub(super) needs: ActiveTerms,
     /// Azimuths at which the balls start, eight at a time; 1 for each ball, 0 for the copies of the last one that fill up.
-    start: Vec<Azimuth<Singles>>,
-    present: Vec<Singles>,
-    contact: CondensedContact,
-    one: OneBall,
-    film: Film,
+    pub(super) start: Vec<Azimuth<Singles>>,
+    pub(super) present: Vec<Singles>,
+    pub(super) contact: CondensedContact,
+    pub(super) one: OneBall,
+    pub(super) film: Film,
     /// The same of every ball.
-    all: Box<Alike>,
-    traction: PerRaceway<RacewayTraction>,
+    pub(super) all: Box<Alike>,
+    pub(super) traction: PerRaceway<RacewayTraction>,
     /// Whether a ball between the walls of its pocket feels nothing but the film.
-    plain_pocket: bool,
+    pub(super) plain_pocket: bool,
     /// Whether a cage is there, its pockets are plain and raceways are without a viscous damper.
-    is_plain: bool,
+    pub(super) is_plain: bool,
     /// Where the speed never changes: it [rad/s], and what is made anew elsewhere.
-    constant: Option<(f64, (Mixture, f32))>,
+    pub(super) constant: Option<(f64, (Mixture, f32))>,
     /// Whether an output shows the motion of the cage.
-    shows_cage: bool,
+    pub(super) shows_cage: bool,
     /// Where the spindle starts [m].
-    rest: [f64; 2],
+    pub(super) rest: [f64; 2],
     /// Damping over mass and frequency of the spindle on its contacts at rest, as if all lay in one direction [1/s, rad/s].
-    spindle_rates: [f64; 2],
+    pub(super) spindle_rates: [f64; 2],
     /// Fastest rate at which traction holds a ball [1/s].
-    traction_rate: f64,
-    instructions: InstructionSet,
+    pub(super) traction_rate: f64,
+    pub(super) instructions: InstructionSet,
 }
 
 impl Mixture {
@@ -121,41 +78,13 @@ impl Mixture {
     }
 }
 
-/// Why this rung cannot stand for a scene and its outputs; `None`: it can.
-pub fn unable(scene: &Scene, outputs: &Outputs) -> Option<&'static str> {
-    let term_on = |term| scene.terms.get(term) == TermChoice::On;
-    let along_x =
-        |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
-    if scene.operation.load[0] != 0.0 {
-        Some("an axial load acts")
-    } else if scene.spindle.axial == AxialHold::Free {
-        Some("the spindle moves along X")
-    } else if matches!(scene.spindle.axial, AxialHold::Offset(offset) if offset != 0.0) {
-        Some("the spindle is held off its centre along X")
-    } else if scene.operation.misalignment != [0.0; 2] {
-        Some("the spindle is misaligned")
-    } else if scene.cage.film == PocketFilm::Empirical11 && scene.terms.get(Term::Cage) != TermChoice::Off {
-        Some("the pocket film empirical-11 is stiff and has no damping, which its fixed steps do not bear")
-    } else if term_on(Term::CageTilt) {
-        Some("terms.cage_tilt is on")
-    } else if term_on(Term::Axial) {
-        Some("terms.axial is on")
-    } else if term_on(Term::BallRadialDynamics) {
-        Some("terms.ball_radial_dynamics is on")
-    } else if outputs.spectra.iter().chain(&outputs.series).any(along_x) {
-        Some("an output asks for motion along X")
-    } else {
-        None
-    }
-}
-
 /// Whether a channel shows the motion of the cage.
 fn shows_cage(channel: &Channel) -> bool {
     matches!(channel, Channel::CageDisplacement(_) | Channel::CageSpeed)
 }
 
 /// Traction in short form where the law has one and the contact stays narrow up to a load [N].
-fn traction(scene: &Scene, needs: &Needs, contact: &RacewayContact, load: f64) -> RacewayTraction {
+fn traction(scene: &Scene, needs: &ActiveTerms, contact: &RacewayContact, load: f64) -> RacewayTraction {
     let TractionLaw::FourParameter { at_rest: 0.0, maximum, at_slip, limit } = scene.lubricant.traction else {
         return RacewayTraction::General;
     };
@@ -177,10 +106,10 @@ fn traction(scene: &Scene, needs: &Needs, contact: &RacewayContact, load: f64) -
 impl RadiallyCondensed {
     /// The model of a scene, or why it has none on this rung.
     pub fn new(scene: &Scene, outputs: &Outputs) -> Result<Self, SimulationError> {
-        if let Some(reason) = unable(scene, outputs) {
-            return Err(SimulationError::Unable { rung: "radially_condensed", reason: reason.into() });
+        if let Some(reason) = inapplicability(scene, outputs) {
+            return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason: reason.into() });
         }
-        let needs = Needs::of(scene, outputs, Some(ModelLevel::Planar))?;
+        let needs = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;
         let m = Mechanism::new(scene, &needs);
         let balls = m.layout.balls;
         let rest = equilibrium(&m, m.speed.at(0.0).1)?;
@@ -265,12 +194,12 @@ impl RadiallyCondensed {
 
     /// Speed of the spindle at a time [rad/s].
     #[inline(always)]
-    fn speed_at(&self, time: f64) -> f64 {
+    pub(super) fn speed_at(&self, time: f64) -> f64 {
         self.constant.map_or_else(|| self.mechanism.speed.at(time).1, |(speed, _)| speed)
     }
 
     /// Drag about ideal rolling and √δ of a ball that only the outer raceway holds, at a spindle speed [rad/s].
-    fn ideal(&self, speed: f64) -> (Mixture, f32) {
+    pub(super) fn ideal(&self, speed: f64) -> (Mixture, f32) {
         let (m, radius) = (&self.mechanism, f64::from(self.one.nominal));
         let free = self.contact.unloaded(m.ball_mass, radius, m.orbit_ratio * speed, m.ball_mass * m.gravity);
         (Mixture::at(m, speed), free.root as f32)
@@ -309,7 +238,7 @@ impl RadiallyCondensed {
         &self.mechanism
     }
 
-    pub fn needs(&self) -> &Needs {
+    pub fn needs(&self) -> &ActiveTerms {
         &self.needs
     }
 
@@ -318,12 +247,12 @@ impl RadiallyCondensed {
         self.start.len()
     }
 
-    fn pockets_are_damped(&self) -> bool {
+    pub(super) fn pockets_are_damped(&self) -> bool {
         self.film.damping > 0.0
     }
 
     /// Fastest frequency of balls and cage against each other on the film [rad/s]: the cage turns, or it moves in its plane.
-    fn film_frequency(&self) -> f64 {
+    pub(super) fn film_frequency(&self) -> f64 {
         let (m, balls) = (&self.mechanism, self.mechanism.layout.balls as f64);
         let turning = balls * m.pitch_radius * m.pitch_radius / m.cage.axial_inertia;
         let moving = 0.5 * balls / m.cage.mass;

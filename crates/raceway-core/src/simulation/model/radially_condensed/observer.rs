@@ -1,31 +1,43 @@
-//! Looks at the motion, one a step: what of it is kept.
+//! Observer at the motion, one a step: what of it is kept.
 
-use super::{Look, RadiallyCondensed, Seen, Stepper};
+use super::equations::RadiallyCondensed;
+use super::evaluation::{BallLoads, total};
+use super::stepping::{Observe, Stepper};
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
-use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
+use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
-use crate::simulation::recording::load_course::LoadsTaken;
+use crate::simulation::model::step_ratio::StepRatio;
+use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::record::ContactExtremes;
 use crate::simulation::recording::record::Recording;
-use crate::simulation::recording::sampling::picked_channels;
+use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, picked_channels};
 use crate::simulation::recording::windows::Recorder;
 
-use super::evaluation::total;
-use super::recording::{Pace, Schedule};
-
-/// Spindle signals: place in y and z, velocity, acceleration.
-pub(super) const SIGNALS: usize = 6;
+/// Signals of the spindle.
+const SIGNALS: usize = SPINDLE_IN_PLANE.len();
 
 /// Frames that are taken in at once.
 const FRAMES: usize = 64;
 
+/// When something is kept, in steps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Schedule {
+    pub ratio: StepRatio,
+    /// Steps of the first and of the last kept value, and the number of values.
+    pub first: u64,
+    pub last: u64,
+    pub values: usize,
+    /// Steps by which the filter comes later.
+    pub delay: usize,
+}
+
 /// What was seen so far.
-pub(super) struct Looks<'a> {
+pub(super) struct Observer<'a> {
     model: &'a RadiallyCondensed,
     schedule: Schedule,
     decimator: Decimator,
@@ -55,9 +67,9 @@ pub(super) struct Looks<'a> {
     spin: Lanes,
     kept: f64,
     /// Largest distance of a ball from the middle of its pocket, along the orbit [m].
-    wander: Lanes,
+    largest_pocket_offset: Lanes,
     extremes: Option<Extremes>,
-    loads: Option<LoadsTaken>,
+    loads: Option<BallLoadRecorder>,
     thinnest: Option<PerRaceway<ThinnestFilm>>,
 }
 
@@ -77,7 +89,7 @@ fn grow(largest: &mut Singles, seen: impl Fn(usize) -> f32) {
 
 impl Extremes {
     #[inline(always)]
-    fn look(&mut self, group: usize, seen: &Seen) {
+    fn observe(&mut self, group: usize, seen: &BallLoads) {
         let (load, slip) = (&seen.load, &seen.slip);
         grow(&mut self.load[group].inner, |lane| load.inner[lane]);
         grow(&mut self.load[group].outer, |lane| load.outer[lane]);
@@ -88,7 +100,7 @@ impl Extremes {
     }
 }
 
-impl<'a> Looks<'a> {
+impl<'a> Observer<'a> {
     pub fn new(model: &'a RadiallyCondensed, outputs: &Outputs, schedule: Schedule, primed: bool) -> Self {
         let channels = picked_channels(outputs, model.mechanism().layout.cage);
         let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), outputs, schedule.values);
@@ -100,12 +112,12 @@ impl<'a> Looks<'a> {
         Self {
             model,
             schedule,
-            decimator: Decimator::new(if schedule.pace.is_long() { 1 } else { schedule.pace.steps }, SIGNALS),
-            interpolator: Interpolator::new(schedule.pace.steps, schedule.pace.values),
+            decimator: Decimator::new(if schedule.ratio.is_long() { 1 } else { schedule.ratio.steps }, SIGNALS),
+            interpolator: Interpolator::new(schedule.ratio.steps, schedule.ratio.values),
             frames: Vec::with_capacity(FRAMES),
             waiting_from: 0,
             primed,
-            filtered: recorder(&spindle_channels()),
+            filtered: recorder(&SPINDLE_IN_PLANE),
             picked: recorder(&channels),
             pick: [vec![0.0; channels.len()], vec![0.0; channels.len()]],
             between: Vec::with_capacity(channels.len()),
@@ -119,10 +131,10 @@ impl<'a> Looks<'a> {
             arc_velocity: Lanes::default(),
             spin: Lanes::default(),
             kept: 0.0,
-            wander: Lanes::default(),
+            largest_pocket_offset: Lanes::default(),
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
             loads: (outputs.contacts && outputs.keep_signals())
-                .then(|| LoadsTaken::new(schedule.values, model.mechanism().steady_orbit_speed())),
+                .then(|| BallLoadRecorder::new(schedule.values, model.mechanism().steady_orbit_speed())),
             thinnest: model
                 .needs()
                 .film_thickness
@@ -155,9 +167,9 @@ impl<'a> Looks<'a> {
             }
         }
         (self.sums, self.squares) = (sums, squares);
-        if self.schedule.pace.is_long() {
+        if self.schedule.ratio.is_long() {
             self.filtered.extend(self.interpolator.push(&self.frames, self.model.instructions));
-        } else if self.schedule.pace.steps == 1 {
+        } else if self.schedule.ratio.steps == 1 {
             self.filtered.extend(&self.frames);
         } else {
             for frame in &self.frames {
@@ -177,24 +189,25 @@ impl<'a> Looks<'a> {
         let speed = model.speed_at(stepper.time());
         let cage_arc = stepper.border().cage_arc;
         // Copies: what is stored in the loop cannot change them.
-        let (mut wander, mut arc_velocity, mut spin) = (self.wander, self.arc_velocity, self.spin);
+        let (mut largest_pocket_offset, mut arc_velocity, mut spin) =
+            (self.largest_pocket_offset, self.arc_velocity, self.spin);
         for (balls, present) in stepper.balls().iter().zip(&model.present) {
             let (balls, present) = (*balls, *present);
             for lane in 0..LANES {
                 // Copies of the last ball are as far as it is.
-                wander[lane] = larger(wander[lane], (balls.arc[lane] - cage_arc).abs());
+                largest_pocket_offset[lane] = larger(largest_pocket_offset[lane], (balls.arc[lane] - cage_arc).abs());
                 arc_velocity[lane] += f64::from(balls.arc_velocity[lane] * present[lane]);
                 spin[lane] += f64::from(balls.spin[lane] * present[lane]);
             }
         }
-        (self.wander, self.arc_velocity, self.spin) = (wander, arc_velocity, spin);
+        (self.largest_pocket_offset, self.arc_velocity, self.spin) = (largest_pocket_offset, arc_velocity, spin);
         self.shaft += speed;
         self.cage += stepper.border().cage_velocity[2];
         let [last, now] = &mut self.pick;
         for (channel, now) in self.channels.iter().zip(now.iter_mut()) {
             *now = value(model, *channel, stepper, speed);
         }
-        let Pace { steps, values } = self.schedule.pace;
+        let StepRatio { steps, values } = self.schedule.ratio;
         if values > 1 && self.kept > 0.0 && !now.is_empty() {
             // Straight between steps.
             while self.next_pick < values {
@@ -211,7 +224,7 @@ impl<'a> Looks<'a> {
         }
         std::mem::swap(last, now);
         if let Some(loads) = &mut self.loads {
-            loads.look(|| {
+            loads.offer(|| {
                 let (angle, _, _) = m.speed.at(stepper.time());
                 let (arc, load) = (stepper.balls()[0].arc[0], &stepper.seen()[0].load);
                 let azimuth = m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius;
@@ -232,7 +245,7 @@ impl<'a> Looks<'a> {
     /// What was seen.
     pub fn finish(mut self, start: f64) -> Recording {
         self.keep_frames();
-        if self.schedule.pace.is_long() && !self.channels.is_empty() {
+        if self.schedule.ratio.is_long() && !self.channels.is_empty() {
             // The last value of all may fall on the last step.
             self.picked.push(&self.pick[0]);
         }
@@ -252,7 +265,7 @@ impl<'a> Looks<'a> {
         let (picked, whirl) = self.picked.finish();
         Recording {
             start,
-            total_variance: spindle_channels().into_iter().zip((0..SIGNALS).map(variance)).collect(),
+            total_variance: SPINDLE_IN_PLANE.into_iter().zip((0..SIGNALS).map(variance)).collect(),
             contacts,
             max_pocket_load: self.extremes.map_or(0.0, |seen| seen.pocket.0.into_iter().fold(0.0, f32::max).into()),
             signals: spindle.into_iter().chain(picked).collect(),
@@ -262,8 +275,8 @@ impl<'a> Looks<'a> {
             cage_speed: (m.orbit_ratio * shaft + cage).abs(),
             ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             parts: Vec::new(),
-            loads: self.loads.map(LoadsTaken::finish),
-            wander: m.layout.cage.then(|| self.wander.0.into_iter().fold(0.0, f64::max)),
+            loads: self.loads.map(BallLoadRecorder::finish),
+            largest_pocket_offset: m.layout.cage.then(|| self.largest_pocket_offset.0.into_iter().fold(0.0, f64::max)),
         }
     }
 
@@ -292,9 +305,9 @@ impl<'a> Looks<'a> {
 }
 
 /// One look after the other, in the order of the steps.
-impl Look for Looks<'_> {
+impl Observe for Observer<'_> {
     #[inline(always)]
-    fn look(&mut self, stepper: &Stepper<'_>) {
+    fn observe(&mut self, stepper: &Stepper<'_>) {
         let (now, schedule) = (stepper.steps(), self.schedule);
         if now + (schedule.delay as u64) < schedule.first {
             return;
@@ -304,7 +317,7 @@ impl Look for Looks<'_> {
             self.begin(&frame(stepper));
         }
         if let (true, Some(extremes)) = (counts, &mut self.extremes) {
-            stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.look(group, seen));
+            stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.observe(group, seen));
         }
         if !self.primed || now >= schedule.first {
             if self.frames.is_empty() {
@@ -315,16 +328,11 @@ impl Look for Looks<'_> {
                 self.keep_frames();
             }
         }
-        let pace = schedule.pace;
-        if counts && (pace.is_long() || (now - schedule.first).is_multiple_of(pace.steps as u64)) {
+        let ratio = schedule.ratio;
+        if counts && (ratio.is_long() || (now - schedule.first).is_multiple_of(ratio.steps as u64)) {
             self.keep(stepper);
         }
     }
-}
-
-fn spindle_channels() -> Vec<Channel> {
-    let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
-    motions.into_iter().flat_map(|motion| [Axis::Y, Axis::Z].map(|axis| Channel::Spindle(axis, motion))).collect()
 }
 
 /// The spindle's signals at a look, as they stand in the stepper: what has just been stored in pairs can be read at once only so.

@@ -9,7 +9,8 @@ use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{SceneParameters, Terms};
-use crate::simulation::model::terms::Needs;
+use crate::simulation::model::terms::ActiveTerms;
+use crate::simulation::work_precision::errors::MOST_GROWN;
 
 /// The article's case at a speed [rad/s].
 fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {
@@ -57,7 +58,7 @@ fn studied(scene: &Scene, settings: &RunSettings, plan: &Plan) -> WorkPrecision 
 }
 
 #[test]
-fn a_point_at_the_references_tolerance_says_nothing() {
+fn a_point_at_the_references_tolerance_is_below_the_reference() {
     let found = studied(&greased(), &settings(0.0, 0.001), &plan(&[1e-4, 1e-11]));
     assert_eq!((found.begin, found.states), (0.0, 79));
     let below: Vec<bool> = found.points.iter().map(|p| p.measured.as_ref().unwrap().below_reference).collect();
@@ -101,12 +102,12 @@ fn chaotic_motion_is_compared_over_a_stated_horizon() {
 fn a_run_that_takes_too_many_evaluations_has_failed_and_tighter_ones_are_not_tried() {
     let scene = greased();
     let settings = settings(0.0, 0.0005);
-    let needs = Needs::of(&scene, &settings.outputs, settings.rung).unwrap();
+    let needs = ActiveTerms::of(&scene, &settings.outputs, settings.rung).unwrap();
     let model = Model::new(&scene, &needs);
     let control = Control::until(&|| false);
     let course = Course::settled(&model, &needs, &settings, start_state(&model).unwrap(), &control).unwrap();
     let mut references = references(&course, &control).unwrap();
-    // As if the references had been cheap.
+    // References as cheap as possible.
     references.first.statistics.rhs_evaluations = 100;
     references.check = None;
     let comparison = Comparison::new(&scene, &course, &references.first, 0.0);

@@ -1,34 +1,34 @@
 //! Equations (1)–(14) in vector form: each contact gives one force and one moment, applied with
 //! opposite sign to the two bodies it joins.
 
-use super::Mechanism;
-use super::jacobian::DISPLACEMENT;
-use super::semi_implicit::SemiImplicit;
-use super::step_loads::Seen;
-use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, side_by_side};
-use crate::numerics::ode::structure::{Jacobian, Structure};
-use crate::numerics::ode::{Integrator, OdeSystem};
-use crate::physics::ball::{BallAcceleration, BallMotion};
+use super::ball_group::{Balls, Slopes};
+use super::border::{Border, CagePose, Shaft};
+use super::contact_frame::{ContactFrame, StraightFrame, TiltedFrame};
+use super::forces::{Reaction, Wrench};
+use super::one_ball::{OneBall, on_inner, on_pocket};
+use super::watch::Watch;
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
+use crate::physics::ball::BallMotion;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
-use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, length, scale, subtract};
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, length, scale};
 use crate::physics::pocket::{PocketLoad, PocketMotion, PocketSlopes};
-use crate::physics::raceway::{ContactSlopes, RacewayContact, RacewayLoad, RelativeMotion};
+use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
 use crate::simulation::input::channel::BallContact;
+use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::state::{BallState, CageState, Layout, SpindleState};
 
-/// Sees every load of one evaluation of the equations, as they are applied.
-pub trait Watch {
-    /// A raceway contact of a ball; forces in the orbit frame, on the ball.
-    fn raceway(&mut self, ball: usize, side: BallContact, motion: &RelativeMotion, load: &RacewayLoad) {
-        let _ = (ball, side, motion, load);
-    }
-    /// A pocket contact; forces in the cage's tilted frame, on the ball.
-    fn pocket(&mut self, ball: usize, load: &PocketLoad) {
-        let _ = (ball, load);
-    }
-}
+/// Displacement over the size of an entry, for difference quotients: small against the indentation of a contact, large
+/// against rounding.
+const DISPLACEMENT: f64 = 1e-5;
+
+/// Six degrees of freedom of each ball and of the cage: nine states a ball, twelve of the cage, four or six of the spindle.
+pub type Full = Dynamics<false>;
+
+/// Without motion along X and without tilt: five states a ball, six of the cage, four of the spindle. Exact where nothing acts
+/// along X and the cage is symmetric about its pocket plane.
+pub type Planar = Dynamics<true>;
 
 /// The equations of motion with (`PLANAR = false`) or without motion along X.
 #[derive(Debug, Clone)]
@@ -37,258 +37,10 @@ pub struct Dynamics<const PLANAR: bool> {
     one: OneBall,
     /// The spindle's axis in the inertial frame; `None`: along X.
     tilted_axis: Option<Vector>,
-    /// What the processor offers for balls side by side.
+    /// Vector instructions of the processor for balls side by side.
     instructions: InstructionSet,
-    /// By which the Jacobian displaces the entries of a ball, of cage and spindle.
+    /// Displacements of the Jacobian: of the entries of a ball, of cage and spindle.
     displacements: Vec<f64>,
-}
-
-/// Force and moment on a ball, in its orbit frame.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Wrench<T = f64> {
-    pub force: Vector<T>,
-    pub moment: Vector<T>,
-}
-side_by_side!(Wrench { force, moment });
-
-impl Wrench {
-    /// Both together.
-    #[inline(always)]
-    pub fn and(self, other: Self) -> Self {
-        Self { force: add(self.force, other.force), moment: add(self.moment, other.moment) }
-    }
-
-    /// The difference.
-    #[inline(always)]
-    pub fn less(self, other: &Self) -> Self {
-        Self { force: subtract(self.force, other.force), moment: subtract(self.moment, other.moment) }
-    }
-}
-
-/// Forces that balls exert, one or all.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Reaction<T = f64> {
-    /// On the spindle, inertial frame.
-    pub spindle: Vector<T>,
-    /// On the cage, in its tilted frame.
-    pub cage_force: Vector<T>,
-    /// On the cage about its centre of mass, in its tilted frame.
-    pub cage_moment: Vector<T>,
-}
-side_by_side!(Reaction { spindle, cage_force, cage_moment });
-
-impl Reaction {
-    /// The difference.
-    #[inline(always)]
-    pub fn less(&self, other: &Self) -> Self {
-        Self {
-            spindle: subtract(self.spindle, other.spindle),
-            cage_force: subtract(self.cage_force, other.cage_force),
-            cage_moment: subtract(self.cage_moment, other.cage_moment),
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn add(&mut self, other: &Self) {
-        self.spindle = add(self.spindle, other.spindle);
-        self.cage_force = add(self.cage_force, other.cage_force);
-        self.cage_moment = add(self.cage_moment, other.cage_moment);
-    }
-}
-
-impl Reaction<Lanes> {
-    /// Adds those of the first `balls` lanes to `sum`, one ball after the other.
-    #[inline(always)]
-    pub(super) fn sum_into(&self, sum: &mut Reaction, balls: usize) {
-        for lane in 0..LANES.min(balls) {
-            sum.add(&self.at(lane));
-        }
-    }
-}
-
-/// Angle [rad], speed [rad/s] and acceleration [rad/s²] of the shaft.
-pub(super) type Shaft = (f64, f64, f64);
-
-/// Cage and spindle at a time.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Border {
-    pub cage: CageState,
-    pub pose: CagePose,
-    pub spindle: SpindleState,
-    pub shaft: Shaft,
-    /// Of a start that settles [1/s]; else 0.
-    pub damping: f64,
-}
-
-/// Balls side by side: how they move, how that changes, and what they pass on.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Balls {
-    pub motion: BallMotion<Lanes>,
-    pub rates: BallState<Lanes>,
-    pub reaction: Reaction<Lanes>,
-}
-
-/// How what acts on balls side by side answers to their own motion, in their orbit frames.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Slopes<T = f64> {
-    pub raceway: PerRaceway<ContactSlopes<T>>,
-    pub pocket: PocketSlopes<T>,
-    /// From the cage's centre of mass to the contact, inertial frame [m].
-    pub arm: Vector<T>,
-    /// Slip of the raceways over the ball, along the groove and across it [m/s].
-    pub slip: PerRaceway<(T, T)>,
-    /// What answers, but for the squares of the slip.
-    pub seen: Seen<T>,
-}
-
-/// The cage in the form in which pockets need it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CagePose {
-    motion: CageMotion,
-    /// Azimuth of the first pocket about the cage axis.
-    azimuth: Azimuth,
-}
-
-/// Constants of one ball, and its formulas. Small: a copy of it stands before each loop over balls, so that the compiler sees
-/// that nothing stored in the loop changes it.
-#[derive(Debug, Clone, Copy)]
-struct OneBall {
-    pitch_radius: f64,
-    orbit_ratio: f64,
-    spin_ratio: f64,
-    mass: f64,
-    inertia: f64,
-    weight: f64,
-    /// Axial displacement at which the spindle is held [m].
-    axial_offset: f64,
-    /// Centre of the first pocket, in the orbit frame of the cage.
-    pocket_centre: Vector,
-}
-
-impl OneBall {
-    #[inline(always)]
-    fn motion(&self, start: f64, state: &BallState, (angle, speed, _): Shaft) -> BallMotion {
-        let per_radius = 1.0 / self.pitch_radius;
-        let azimuth = start + self.orbit_ratio * angle + state.arc * per_radius;
-        let radius = self.pitch_radius + state.radial;
-        let orbit_speed = self.orbit_ratio * speed + state.arc_velocity * per_radius;
-        BallMotion {
-            azimuth_angle: azimuth,
-            azimuth: Azimuth::new(azimuth),
-            axial: state.axial,
-            radius,
-            orbit_speed,
-            velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
-            spin: [state.spin[0] + self.spin_ratio * speed, state.spin[1], state.spin[2]],
-        }
-    }
-
-    /// Relative to the outer raceway.
-    #[inline(always)]
-    fn over_outer(&self, motion: &BallMotion) -> RelativeMotion {
-        RelativeMotion {
-            axial: motion.axial,
-            radius: motion.radius,
-            velocity: motion.velocity,
-            spin: motion.spin,
-            raceway_speed: 0.0,
-            orbit_speed: motion.orbit_speed,
-            azimuth: motion.azimuth_angle,
-        }
-    }
-
-    /// Relative to the inner raceway, with the frame that is in.
-    #[inline(always)]
-    fn over_inner<F: ContactFrame>(
-        &self,
-        motion: &BallMotion,
-        spindle: &SpindleState,
-        (angle, speed, _): Shaft,
-        axis: &F::Axis,
-    ) -> (RelativeMotion, F) {
-        let [x, y, z] = spindle.position;
-        let centre = motion.azimuth.to_orbit([x + self.axial_offset, y, z]);
-        let velocity = motion.azimuth.to_orbit(spindle.velocity);
-        let from_centre = [motion.axial - centre[0], motion.radius - centre[1], -centre[2]];
-        let frame = F::new(axis, motion.azimuth, from_centre);
-        let (axial, radius) = frame.place();
-        let relative = RelativeMotion {
-            axial,
-            radius,
-            velocity: frame.components(subtract(motion.velocity, velocity)),
-            spin: frame.components(motion.spin),
-            raceway_speed: speed,
-            orbit_speed: motion.orbit_speed,
-            azimuth: motion.azimuth_angle - angle,
-        };
-        (relative, frame)
-    }
-
-    /// Relative to its pocket, which starts at an azimuth, and the ball's place in the cage's tilted frame, from its centre
-    /// of mass.
-    #[inline(always)]
-    fn in_pocket(&self, motion: &BallMotion, cage: &CagePose, start: Azimuth) -> (PocketMotion, Vector) {
-        let CageMotion { centre, velocity, tilt, spin } = cage.motion;
-        let azimuth = motion.azimuth;
-        let place = tilt.to_tilted(subtract(azimuth.to_inertial([motion.axial, motion.radius, 0.0]), centre));
-        let pocket = cage.azimuth.turned(start).to_inertial(self.pocket_centre);
-        let relative = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), velocity));
-        let motion = PocketMotion {
-            displacement: subtract(place, pocket),
-            velocity: subtract(relative, cross(spin, place)),
-            spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), spin),
-        };
-        (motion, place)
-    }
-
-    /// Rates of its state under all that acts on it but its weight.
-    #[inline(always)]
-    fn rates(&self, state: &BallState, motion: &BallMotion, wrench: Wrench, (_, _, acceleration): Shaft) -> BallState {
-        let Azimuth { cosine, sine } = motion.azimuth;
-        let force = add(wrench.force, [0.0, self.weight * cosine, -self.weight * sine]);
-        let BallAcceleration { axial, radial, azimuthal, spin } =
-            motion.acceleration(force, wrench.moment, self.mass, self.inertia);
-        BallState {
-            axial: state.axial_velocity,
-            radial: state.radial_velocity,
-            arc: state.arc_velocity,
-            axial_velocity: axial,
-            radial_velocity: radial,
-            arc_velocity: self.pitch_radius * (azimuthal - self.orbit_ratio * acceleration),
-            spin: [spin[0] - self.spin_ratio * acceleration, spin[1], spin[2]],
-        }
-    }
-
-    /// What force and moment add to them.
-    #[inline(always)]
-    fn response(&self, motion: &BallMotion, wrench: Wrench) -> BallState {
-        let still = BallMotion { orbit_speed: 0.0, ..*motion };
-        let BallAcceleration { axial, radial, azimuthal, spin } =
-            still.acceleration(wrench.force, wrench.moment, self.mass, self.inertia);
-        BallState {
-            axial_velocity: axial,
-            radial_velocity: radial,
-            arc_velocity: self.pitch_radius * azimuthal,
-            spin,
-            ..BallState::default()
-        }
-    }
-}
-
-/// The inner raceway on a ball, in its orbit frame, and the ball on the spindle, in the inertial frame.
-#[inline(always)]
-fn on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> (Wrench, Vector) {
-    let force = frame.vector(load.force);
-    (Wrench { force, moment: frame.vector(load.moment) }, scale(-1.0, azimuth.to_inertial(force)))
-}
-
-/// A pocket on its ball, in the ball's orbit frame, and the ball on the cage, in its tilted frame about its centre of mass.
-#[inline(always)]
-fn on_pocket(azimuth: Azimuth, tilt: &Tilt, place: Vector, load: &PocketLoad) -> (Wrench, [Vector; 2]) {
-    let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
-    let moment = cross(add(place, load.lever), load.force);
-    let wrench = Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) };
-    (wrench, [scale(-1.0, load.force), scale(-1.0, moment)])
 }
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
@@ -312,7 +64,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     /// The same equations with other instructions of the same processor.
-    pub(super) fn with_instructions(mut self, instructions: InstructionSet) -> Self {
+    pub(crate) fn with_instructions(mut self, instructions: InstructionSet) -> Self {
         self.instructions = instructions;
         self
     }
@@ -329,7 +81,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         &self.mechanism
     }
 
-    /// Writes `dy/dt`, showing each load to `watch`.
+    /// Writes `dy/dt` and passes each load to `watch`.
     pub fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: Option<&mut (dyn Watch + '_)>) {
         self.instructions.run(Evaluation { dynamics: self, time, y, dy, watch });
     }
@@ -338,7 +90,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     #[inline(always)]
     fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
         let layout = self.mechanism.layout;
-        // Before the border: what is written one by one has reached the cache when it is read side by side.
+        // The state is gathered before the border: the scalar stores reach the cache before the vector loads.
         let mut state = layout.side_by_side::<PLANAR>(y, 0);
         let border = self.border(layout.cage(y), layout.spindle(y), time);
         let mut sum = Reaction::default();
@@ -355,7 +107,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle));
     }
 
-    /// What the balls from `first` on do in a state.
+    /// Evaluates motion, rates and reactions of the balls from `first` on.
     #[inline(always)]
     pub(super) fn balls(
         &self,
@@ -396,7 +148,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             frames.put(lane, frame);
             balls.motion.put(lane, motion);
         }
-        // Before the raceways: what waits for itself has something else beside it.
+        // Drag stands before the raceways: its long dependency chains overlap with their work.
         let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
         if let Some(drag) = m.drag {
             for lane in 0..LANES {
@@ -419,17 +171,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             m.raceway.outer.rolling_speeds(
                 &relative.outer,
                 &slopes.raceway.outer,
-                &mut slopes.seen.rolling_speed.outer,
+                &mut slopes.loads.rolling_speed.outer,
             );
             m.raceway.inner.rolling_speeds(
                 &relative.inner,
                 &slopes.raceway.inner,
-                &mut slopes.seen.rolling_speed.inner,
+                &mut slopes.loads.rolling_speed.inner,
             );
-            slopes.seen.load = PerRaceway { inner: load.inner.normal, outer: load.outer.normal };
-            slopes.seen.angle = PerRaceway { inner: load.inner.angle, outer: load.outer.angle };
+            slopes.loads.load = PerRaceway { inner: load.inner.normal, outer: load.outer.normal };
+            slopes.loads.angle = PerRaceway { inner: load.inner.angle, outer: load.outer.angle };
             slopes.slip = PerRaceway { inner: load.inner.slip, outer: load.outer.slip };
-            slopes.seen.pocket = in_pocket.normal;
+            slopes.loads.pocket = in_pocket.normal;
             let tilt = pose.motion.tilt;
             for lane in 0..LANES {
                 let (azimuth, pocket) = (balls.motion.azimuth.at(lane), slopes.pocket.at(lane));
@@ -468,8 +220,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Writes loads in the pockets of the balls from `first` on, the balls' places in the cage, and how the loads answer to
-    /// the balls' own motion where that is asked for, in the cage's tilted frame; nothing without a cage.
+    /// Writes the pocket loads of the balls from `first` on and the balls' places in the cage, in the cage's tilted frame. On request it
+    /// also writes the slopes of the loads over the balls' own motion. Writes nothing without a cage.
     #[inline(always)]
     fn pockets(
         &self,
@@ -499,7 +251,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// The inner raceway alone on the balls, and the balls on the spindle.
+    /// Loads of the inner raceway on the balls, and of the balls on the spindle.
     #[inline(always)]
     pub(super) fn inner_part(&self, motion: &BallMotion<Lanes>, border: &Border) -> (Wrench<Lanes>, Vector<Lanes>) {
         match self.tilted_axis {
@@ -534,7 +286,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         parts
     }
 
-    /// The pockets alone on their balls, and the balls on the cage: force and moment.
+    /// Loads of the pockets on their balls, and force and moment of the balls on the cage.
     #[inline(always)]
     pub(super) fn pocket_part(
         &self,
@@ -556,7 +308,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         parts
     }
 
-    /// What a further wrench adds to the rates of the balls.
+    /// Rates of the balls caused by an additional wrench.
     #[inline(always)]
     pub(super) fn ball_response(&self, motion: &BallMotion<Lanes>, wrench: &Wrench<Lanes>) -> BallState<Lanes> {
         let one = self.one;
@@ -606,7 +358,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             moment[0] += braking;
         }
         let mut rates = m.cage.acceleration(&pose.motion, force, moment, m.gravity);
-        // Along the axis and in tilt: in the plane, films in the pockets damp it, and it has to come to its orbit.
+        // Damping acts along the axis and in tilt only. In the plane the pocket films damp the cage, and it has to reach its orbit.
         rates.linear[0] -= damping * state.velocity[0];
         for (rate, turning) in rates.angular[1..].iter_mut().zip(state.tilt_rate) {
             *rate -= damping * turning;
@@ -623,7 +375,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// What a reaction adds to the rates of the cage.
+    /// Rates of the cage caused by a reaction.
     #[inline(always)]
     pub(super) fn cage_response(&self, pose: &CagePose, reaction: &Reaction) -> CageState {
         let m = &self.mechanism;
@@ -637,7 +389,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// What a reaction adds to the rates of the spindle.
+    /// Rates of the spindle caused by a reaction.
     #[inline(always)]
     pub(super) fn spindle_response(&self, reaction: Vector) -> SpindleState {
         SpindleState { velocity: scale(1.0 / self.mechanism.spindle_mass, reaction), ..SpindleState::default() }
@@ -658,99 +410,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 }
 
-/// Where a ball sits on the inner raceway: place and axes of the contact's frame, in the orbit frame.
-trait ContactFrame: Copy {
-    type Several: SideBySide<One = Self> + Default;
-    /// What it needs to know of the raceway's axis.
-    type Axis: Copy;
-    /// Of a ball at an azimuth, `from_centre` of the raceway in its orbit frame.
-    fn new(axis: &Self::Axis, azimuth: Azimuth, from_centre: Vector) -> Self;
-    /// Along the raceway's axis and from it.
-    fn place(&self) -> (f64, f64);
-    /// A vector of the orbit frame, in the contact's.
-    fn components(&self, v: Vector) -> Vector;
-    /// A vector of the contact's frame, in the orbit frame.
-    fn vector(&self, c: Vector) -> Vector;
-}
-
-/// On a raceway whose axis is parallel to X: the contact's frame is the orbit frame turned about X.
-#[derive(Debug, Clone, Copy, Default)]
-struct StraightFrame<T = f64> {
-    axial: T,
-    radius: T,
-    turn: Azimuth<T>,
-}
-side_by_side!(StraightFrame { axial, radius, turn });
-
-impl ContactFrame for StraightFrame {
-    type Several = StraightFrame<Lanes>;
-    type Axis = ();
-
-    #[inline(always)]
-    fn new(_: &(), _: Azimuth, [axial, r, t]: Vector) -> Self {
-        let radius = (r * r + t * t).sqrt();
-        let per_radius = 1.0 / radius;
-        Self { axial, radius, turn: Azimuth { cosine: per_radius * r, sine: per_radius * t } }
-    }
-
-    #[inline(always)]
-    fn place(&self) -> (f64, f64) {
-        (self.axial, self.radius)
-    }
-
-    #[inline(always)]
-    fn components(&self, v: Vector) -> Vector {
-        self.turn.to_orbit(v)
-    }
-
-    #[inline(always)]
-    fn vector(&self, c: Vector) -> Vector {
-        self.turn.to_inertial(c)
-    }
-}
-
-/// On a raceway whose axis is tilted.
-#[derive(Debug, Clone, Copy, Default)]
-struct TiltedFrame<T = f64> {
-    axial: T,
-    radius: T,
-    axis: Vector<T>,
-    radial: Vector<T>,
-    tangential: Vector<T>,
-}
-side_by_side!(TiltedFrame { axial, radius, axis, radial, tangential });
-
-impl ContactFrame for TiltedFrame {
-    type Several = TiltedFrame<Lanes>;
-    type Axis = Vector;
-
-    #[inline(always)]
-    fn new(axis: &Vector, azimuth: Azimuth, from_centre: Vector) -> Self {
-        let axis = azimuth.to_orbit(*axis);
-        let axial = dot(from_centre, axis);
-        let across = subtract(from_centre, scale(axial, axis));
-        let radius = dot(across, across).sqrt();
-        let radial = scale(1.0 / radius, across);
-        Self { axial, radius, axis, radial, tangential: cross(axis, radial) }
-    }
-
-    #[inline(always)]
-    fn place(&self) -> (f64, f64) {
-        (self.axial, self.radius)
-    }
-
-    #[inline(always)]
-    fn components(&self, v: Vector) -> Vector {
-        [dot(self.axis, v), dot(self.radial, v), dot(self.tangential, v)]
-    }
-
-    #[inline(always)]
-    fn vector(&self, c: Vector) -> Vector {
-        add(scale(c[0], self.axis), add(scale(c[1], self.radial), scale(c[2], self.tangential)))
-    }
-}
-
-/// One evaluation, to be compiled for each instruction set.
+/// One evaluation, compiled for each instruction set.
 struct Evaluation<'a, 'w, const PLANAR: bool> {
     dynamics: &'a Dynamics<PLANAR>,
     time: f64,
@@ -765,27 +425,5 @@ impl<const PLANAR: bool> Task for Evaluation<'_, '_, PLANAR> {
     #[inline(always)]
     fn run(self) {
         self.dynamics.evaluate_by(self.time, self.y, self.dy, self.watch);
-    }
-}
-
-impl<const PLANAR: bool> OdeSystem for Dynamics<PLANAR> {
-    fn dimension(&self) -> usize {
-        self.mechanism.layout.dimension()
-    }
-
-    fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
-        self.evaluate(time, state, derivative, None);
-    }
-
-    fn structure(&self) -> Structure {
-        self.mechanism.layout.structure()
-    }
-
-    fn own_method<'a>(&'a self, time: f64, state: &[f64], step: f64) -> Option<Box<dyn Integrator + 'a>> {
-        Some(Box::new(SemiImplicit::new(self, time, state, step)))
-    }
-
-    fn jacobian(&self, time: f64, state: &[f64], _rate: &[f64], _displacement: &[f64], jacobian: &mut Jacobian) -> u64 {
-        self.differences(time, state, jacobian)
     }
 }

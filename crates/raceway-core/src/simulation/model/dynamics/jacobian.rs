@@ -1,19 +1,18 @@
 //! ∂(rates)/∂(state) of a bearing by difference quotients, all balls displaced at once.
 //!
-//! Balls act on each other only through cage and spindle, so that one evaluation shows the effect of one entry of *every*
-//! ball, on the ball itself and, since each ball's reaction is seen apart, on cage and spindle. An entry of the spindle changes
-//! nothing but the inner contacts, one of the cage nothing but the pockets, and only those are evaluated.
+//! Balls act on each other only through cage and spindle. So one evaluation gives the effect of one entry of *every* ball: on the
+//! ball itself and, through the reaction of each ball, on cage and spindle. An entry of the spindle changes only the inner
+//! contacts, one of the cage only the pockets, and only those are evaluated.
 
-use super::Dynamics;
-use super::dynamics::{Balls, Border, CagePose, Reaction, Wrench};
+use super::ball_group::Balls;
+use super::border::{Border, CagePose};
+use super::equations::Dynamics;
+use super::forces::{Reaction, Wrench};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::structure::Jacobian;
 use crate::simulation::model::state::{BallState, MAX_BORDER};
 
-/// Displacement over the size of an entry: small against the indentation of a contact, large against rounding.
-pub(super) const DISPLACEMENT: f64 = 1e-5;
-
-/// One Jacobian, to be compiled for each instruction set.
+/// One Jacobian, compiled for each instruction set.
 struct Differences<'a, const PLANAR: bool> {
     dynamics: &'a Dynamics<PLANAR>,
     time: f64,
@@ -62,7 +61,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
         for first in (0..layout.balls).step_by(LANES) {
             let (count, group) = (LANES.min(layout.balls - first), first / LANES);
-            // Lanes beyond the last ball repeat it, and have no part in the Jacobian.
+            // Lanes beyond the last ball repeat it and do not enter the Jacobian.
             let mut share: Lanes = Lanes::default();
             share.0[..count].fill(1.0);
             let own = layout.side_by_side::<PLANAR>(state, first);
@@ -100,7 +99,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     part[row * block + column] = rates[row];
                 }
             }
-            // What cage and spindle change, undisplaced first, too.
+            // Effects of cage and spindle, again with the undisplaced border first.
             let inner = self.inner_part(&balls.motion, &at_rest).0;
             let pocket = self.pocket_part(first, &balls.motion, &at_rest.pose).0;
             for (column, displaced) in displaced.iter().enumerate() {
@@ -148,7 +147,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         self.mechanism().layout.border(&cage, &spindle)
     }
 
-    /// What a reaction adds to them.
+    /// Rates of cage and spindle caused by a reaction, in their order.
     #[inline(always)]
     fn border_response(&self, pose: &CagePose, reaction: &Reaction) -> [f64; MAX_BORDER] {
         let (cage, spindle) = (self.cage_response(pose, reaction), self.spindle_response(reaction.spindle));

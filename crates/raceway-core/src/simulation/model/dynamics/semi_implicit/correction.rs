@@ -1,4 +1,4 @@
-//! How balls and cage answer over a step: the linear systems that correct them from a predicted state, and what they pass on.
+//! Correction of balls and cage from their predicted state by small linear systems, and its reaction on cage and spindle.
 
 use std::array::from_fn;
 
@@ -7,11 +7,13 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, cross, dot, scale};
 use crate::physics::pocket::PocketSlopes;
 use crate::physics::raceway::ContactSlopes;
-use crate::simulation::model::dynamics::{Balls, Dynamics, Reaction, Slopes};
+use crate::simulation::model::dynamics::ball_group::{Balls, Slopes};
+use crate::simulation::model::dynamics::equations::Dynamics;
+use crate::simulation::model::dynamics::forces::Reaction;
 use crate::simulation::model::state::{BallState, CageState};
-use crate::simulation::model::step_loads::Seen;
+use crate::simulation::model::step_loads::StepLoads;
 
-/// What a further motion passes on to the border per unit of it: stiffness and damping, by the shares that a step has of them.
+/// Reaction on cage and spindle per unit of their own motion: stiffness and damping, weighted by the shares of a step.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Stiff<T = f64> {
     /// Spindle, by direction of the inertial frame, times the step's shares [kg].
@@ -23,7 +25,7 @@ pub(super) struct Stiff<T = f64> {
 side_by_side!(Stiff { spindle, cage, about });
 
 impl Stiff<Lanes> {
-    /// Adds those of the first `balls` lanes to `sum`, one ball after the other.
+    /// Adds the first `balls` lanes to `sum`, one ball after the other.
     #[inline(always)]
     pub fn sum_into(&self, sum: &mut Stiff, balls: usize) {
         for lane in 0..LANES.min(balls) {
@@ -42,13 +44,13 @@ impl Stiff<Lanes> {
 pub(super) struct Corrected {
     pub state: BallState<Lanes>,
     pub rates: BallState<Lanes>,
-    /// What the correction passes on to cage and spindle.
+    /// Reaction of the correction on cage and spindle.
     pub reaction: Reaction<Lanes>,
-    /// Loads and slip after it.
-    pub seen: Seen<Lanes>,
+    /// Loads and slip after the correction.
+    pub loads: StepLoads<Lanes>,
 }
 
-/// Places of a cage take its predicted rates and what the velocities are corrected by.
+/// Corrected state and rates of the cage. Places follow from the predicted rates and the corrections of the velocities.
 pub(super) fn corrected_cage(
     past: &CageState,
     predicted: &CageState,
@@ -88,7 +90,7 @@ fn solve([xx, xy, xz, yy, yz, zz]: [f64; 6], [a, b, c]: Vector) -> Vector {
     ]
 }
 
-/// What a contact adds to the system of a ball: outer products of directions with their strengths.
+/// Adds a contact to the system of a ball: the outer product of a direction with itself, times its strength.
 #[inline(always)]
 fn add_product(matrix: &mut [f64; 6], strength: f64, [x, y, z]: Vector) {
     let [sx, sy] = [strength * x, strength * y];
@@ -100,16 +102,17 @@ fn add_product(matrix: &mut [f64; 6], strength: f64, [x, y, z]: Vector) {
     matrix[5] += strength * z * z;
 }
 
-/// The answer of one contact over a step: directions that it resists, with their strengths [N s/m]; the first three of (axial
-/// velocity, radial velocity, spin about the orbit), the last of (orbit velocity, spin about x, spin about the radius).
-struct Answer {
+/// Resistance of one contact over a step: directions with their strengths [N s/m]. The components of the first three directions are
+/// axial velocity, radial velocity and spin about the orbit; those of the last are orbit velocity, spin about x and spin about the
+/// radius.
+struct Resistance {
     normal: (f64, Vector),
     turning: (f64, Vector),
     across: (f64, Vector),
     along: (f64, Vector),
 }
 
-impl Answer {
+impl Resistance {
     #[inline(always)]
     fn of(slopes: &ContactSlopes, radius: f64, share: f64) -> Self {
         let (a, r) = slopes.towards;
@@ -121,7 +124,7 @@ impl Answer {
         }
     }
 
-    /// Adds what resists to both systems.
+    /// Adds the resistance to both systems.
     #[inline(always)]
     fn add_to(&self, meridian: &mut [f64; 6], orbit: &mut [f64; 6]) {
         add_product(meridian, self.normal.0, self.normal.1);
@@ -130,7 +133,7 @@ impl Answer {
         add_product(orbit, self.along.0, self.along.1);
     }
 
-    /// Force on the ball that a change of its velocities brings.
+    /// Force on the ball caused by a change of its velocities [N].
     #[inline(always)]
     fn force(&self, meridian: Vector, orbit: Vector) -> Vector {
         let pull = |(strength, direction): (f64, Vector), change: Vector| -strength * dot(direction, change);
@@ -140,13 +143,13 @@ impl Answer {
         [in_plane(0), in_plane(1), pull(self.along, orbit)]
     }
 
-    /// Normal load after a change of the ball's velocities, where there was one.
+    /// Normal load after a change of the ball's velocities, not negative [N].
     #[inline(always)]
     fn load(&self, before: f64, meridian: Vector) -> f64 {
         larger(before + self.normal.0 * dot(self.normal.1, meridian), 0.0)
     }
 
-    /// Square of the slip after it: what the ball gains the raceway loses.
+    /// Square of the slip after such a change [m²/s²].
     #[inline(always)]
     fn slip_square(&self, (along, across): (f64, f64), meridian: Vector, orbit: Vector) -> f64 {
         let (along, across) = (along - dot(self.along.1, orbit), across - dot(self.across.1, meridian));
@@ -174,8 +177,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 PerRaceway { inner: slopes.raceway.inner.at(lane), outer: slopes.raceway.outer.at(lane) };
             let PocketSlopes { normal, stiffness, damping } = slopes.pocket.at(lane);
             let pocket = share * stiffness + damping;
-            let inner = Answer::of(&inner, radius, share);
-            let outer = Answer::of(&outer, radius, share);
+            let inner = Resistance::of(&inner, radius, share);
+            let outer = Resistance::of(&outer, radius, share);
 
             let (mut meridian, mut orbit) = (
                 [mass, 0.0, 0.0, mass, 0.0, inertia].map(|m| m / share),
@@ -203,7 +206,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     inertia * missing(old.spin[1], from.spin[1], rates.spin[1]),
                 ],
             );
-            // In the plane they are none, but for what pockets of a leaning cage would do.
+            // The planar model drops the axial corrections, which only pockets of a tilted cage would cause.
             let (in_plane, along) = match PLANAR {
                 true => ([0.0, in_plane[1], 0.0], [along[0], along[1], 0.0]),
                 false => (in_plane, along),
@@ -219,18 +222,18 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             };
             corrected.state.put(lane, state);
             corrected.rates.put(lane, state.combined(1.0 / share, &old, -1.0 / share));
-            // What the spindle and the cage feel of it.
+            // Reaction of the correction on spindle and cage.
             let azimuth = balls.motion.azimuth.at(lane);
             let spindle = scale(-1.0, azimuth.to_inertial(inner.force(in_plane, along)));
             let pull = pocket * dot(normal, [in_plane[0], in_plane[1], along[0]]);
             let cage_force = scale(pull, azimuth.to_inertial(normal));
             let cage_moment = cross(slopes.arm.at(lane), cage_force);
             corrected.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
-            let before = slopes.seen.at(lane);
+            let before = slopes.loads.at(lane);
             let slip = slopes.slip.at(lane);
-            corrected.seen.put(
+            corrected.loads.put(
                 lane,
-                Seen {
+                StepLoads {
                     load: PerRaceway {
                         inner: inner.load(before.load.inner, in_plane),
                         outer: outer.load(before.load.outer, in_plane),
@@ -246,8 +249,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// What balls would pass on to spindle and cage if these moved: by the `shares` that a step has of the spindle's place and
-    /// velocity, and by its `share` of the cage's places.
+    /// Resistance of the balls to motion of spindle and cage. `shares`: of the spindle's place and velocity in a step; `share`: of the
+    /// cage's places.
     #[inline(always)]
     pub(super) fn stiffness(
         &self,
@@ -277,7 +280,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         stiff
     }
 
-    /// The same of the cage's velocities [1/s].
+    /// Resistance of the balls to the cage's velocities [1/s].
     pub(super) fn cage_stiffness(&self, stiff: &Stiff) -> CageState {
         let cage = &self.mechanism().cage;
         let [x, y, z] = stiff.about;

@@ -1,0 +1,32 @@
+//! Balls side by side: their motion, its rates, and the slopes of what acts on them.
+
+use super::forces::Reaction;
+use crate::numerics::lanes::Lanes;
+use crate::physics::ball::BallMotion;
+use crate::physics::bearing::PerRaceway;
+use crate::physics::frames::Vector;
+use crate::physics::pocket::PocketSlopes;
+use crate::physics::raceway::ContactSlopes;
+use crate::simulation::model::state::BallState;
+use crate::simulation::model::step_loads::StepLoads;
+
+/// Balls side by side: their motion, its rates, and the forces that they exert.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Balls {
+    pub motion: BallMotion<Lanes>,
+    pub rates: BallState<Lanes>,
+    pub reaction: Reaction<Lanes>,
+}
+
+/// Slopes of the loads on balls side by side over their own motion, in their orbit frames.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Slopes<T = f64> {
+    pub raceway: PerRaceway<ContactSlopes<T>>,
+    pub pocket: PocketSlopes<T>,
+    /// From the cage's centre of mass to the contact, inertial frame [m].
+    pub arm: Vector<T>,
+    /// Slip of the raceways over the ball, along the groove and across it [m/s].
+    pub slip: PerRaceway<(T, T)>,
+    /// Loads, angles and rolling speeds, without the squares of the slip.
+    pub loads: StepLoads<T>,
+}

@@ -1,0 +1,27 @@
+//! Cage and spindle at one time, in the form in which the balls need them.
+
+use crate::physics::cage::CageMotion;
+use crate::physics::frames::Azimuth;
+use crate::simulation::model::state::{CageState, SpindleState};
+
+/// Angle [rad], speed [rad/s] and acceleration [rad/s²] of the shaft.
+pub(super) type Shaft = (f64, f64, f64);
+
+/// State of cage and spindle at one time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Border {
+    pub cage: CageState,
+    pub pose: CagePose,
+    pub spindle: SpindleState,
+    pub shaft: Shaft,
+    /// Rate of the fading start-up damping [1/s]; else 0.
+    pub damping: f64,
+}
+
+/// Position and motion of the cage, for its pockets.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CagePose {
+    pub motion: CageMotion,
+    /// Azimuth of the first pocket about the cage axis.
+    pub azimuth: Azimuth,
+}

@@ -1,0 +1,96 @@
+//! Frame of an inner contact: on a raceway parallel to X, and on a tilted one.
+
+use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
+use crate::physics::frames::{Azimuth, Vector, add, cross, dot, scale, subtract};
+
+/// Position of a ball on the inner raceway: place and axes of the contact's frame, in the orbit frame.
+pub(super) trait ContactFrame: Copy {
+    type Several: SideBySide<One = Self> + Default;
+    /// Data of the raceway's axis.
+    type Axis: Copy;
+    /// Frame of a ball at an azimuth; `from_centre`: its place relative to the centre of the raceway, in its orbit frame.
+    fn new(axis: &Self::Axis, azimuth: Azimuth, from_centre: Vector) -> Self;
+    /// Distances along the raceway's axis and from it [m].
+    fn place(&self) -> (f64, f64);
+    /// Components in the contact's frame of a vector of the orbit frame.
+    fn components(&self, v: Vector) -> Vector;
+    /// Vector of the orbit frame with components in the contact's frame.
+    fn vector(&self, c: Vector) -> Vector;
+}
+
+/// Frame on a raceway whose axis is parallel to X: the orbit frame turned about X.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct StraightFrame<T = f64> {
+    axial: T,
+    radius: T,
+    turn: Azimuth<T>,
+}
+side_by_side!(StraightFrame { axial, radius, turn });
+
+impl ContactFrame for StraightFrame {
+    type Several = StraightFrame<Lanes>;
+    type Axis = ();
+
+    #[inline(always)]
+    fn new(_: &(), _: Azimuth, [axial, r, t]: Vector) -> Self {
+        let radius = (r * r + t * t).sqrt();
+        let per_radius = 1.0 / radius;
+        Self { axial, radius, turn: Azimuth { cosine: per_radius * r, sine: per_radius * t } }
+    }
+
+    #[inline(always)]
+    fn place(&self) -> (f64, f64) {
+        (self.axial, self.radius)
+    }
+
+    #[inline(always)]
+    fn components(&self, v: Vector) -> Vector {
+        self.turn.to_orbit(v)
+    }
+
+    #[inline(always)]
+    fn vector(&self, c: Vector) -> Vector {
+        self.turn.to_inertial(c)
+    }
+}
+
+/// Frame on a raceway whose axis is tilted.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct TiltedFrame<T = f64> {
+    axial: T,
+    radius: T,
+    axis: Vector<T>,
+    radial: Vector<T>,
+    tangential: Vector<T>,
+}
+side_by_side!(TiltedFrame { axial, radius, axis, radial, tangential });
+
+impl ContactFrame for TiltedFrame {
+    type Several = TiltedFrame<Lanes>;
+    type Axis = Vector;
+
+    #[inline(always)]
+    fn new(axis: &Vector, azimuth: Azimuth, from_centre: Vector) -> Self {
+        let axis = azimuth.to_orbit(*axis);
+        let axial = dot(from_centre, axis);
+        let across = subtract(from_centre, scale(axial, axis));
+        let radius = dot(across, across).sqrt();
+        let radial = scale(1.0 / radius, across);
+        Self { axial, radius, axis, radial, tangential: cross(axis, radial) }
+    }
+
+    #[inline(always)]
+    fn place(&self) -> (f64, f64) {
+        (self.axial, self.radius)
+    }
+
+    #[inline(always)]
+    fn components(&self, v: Vector) -> Vector {
+        [dot(self.axis, v), dot(self.radial, v), dot(self.tangential, v)]
+    }
+
+    #[inline(always)]
+    fn vector(&self, c: Vector) -> Vector {
+        add(scale(c[0], self.axis), add(scale(c[1], self.radial), scale(c[2], self.tangential)))
+    }
+}

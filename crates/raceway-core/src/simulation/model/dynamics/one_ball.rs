@@ -1,0 +1,160 @@
+//! Constants and formulas of one ball between its raceways and in its pocket.
+
+use super::border::{CagePose, Shaft};
+use super::contact_frame::ContactFrame;
+use super::forces::Wrench;
+use crate::physics::ball::{BallAcceleration, BallMotion};
+use crate::physics::cage::CageMotion;
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, scale, subtract};
+use crate::physics::pocket::{PocketLoad, PocketMotion};
+use crate::physics::raceway::{RacewayLoad, RelativeMotion};
+use crate::simulation::model::state::{BallState, SpindleState};
+
+/// Constants of one ball, and its formulas. Each loop over balls has its own copy, so that the compiler knows that no store in the
+/// loop changes it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OneBall {
+    pub pitch_radius: f64,
+    pub orbit_ratio: f64,
+    pub spin_ratio: f64,
+    pub mass: f64,
+    pub inertia: f64,
+    pub weight: f64,
+    /// Axial displacement at which the spindle is held [m].
+    pub axial_offset: f64,
+    /// Centre of the first pocket, in the orbit frame of the cage.
+    pub pocket_centre: Vector,
+}
+
+impl OneBall {
+    #[inline(always)]
+    pub fn motion(&self, start: f64, state: &BallState, (angle, speed, _): Shaft) -> BallMotion {
+        let per_radius = 1.0 / self.pitch_radius;
+        let azimuth = start + self.orbit_ratio * angle + state.arc * per_radius;
+        let radius = self.pitch_radius + state.radial;
+        let orbit_speed = self.orbit_ratio * speed + state.arc_velocity * per_radius;
+        BallMotion {
+            azimuth_angle: azimuth,
+            azimuth: Azimuth::new(azimuth),
+            axial: state.axial,
+            radius,
+            orbit_speed,
+            velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
+            spin: [state.spin[0] + self.spin_ratio * speed, state.spin[1], state.spin[2]],
+        }
+    }
+
+    /// Motion relative to the outer raceway.
+    #[inline(always)]
+    pub fn over_outer(&self, motion: &BallMotion) -> RelativeMotion {
+        RelativeMotion {
+            axial: motion.axial,
+            radius: motion.radius,
+            velocity: motion.velocity,
+            spin: motion.spin,
+            raceway_speed: 0.0,
+            orbit_speed: motion.orbit_speed,
+            azimuth: motion.azimuth_angle,
+        }
+    }
+
+    /// Motion relative to the inner raceway, and the frame of its components.
+    #[inline(always)]
+    pub fn over_inner<F: ContactFrame>(
+        &self,
+        motion: &BallMotion,
+        spindle: &SpindleState,
+        (angle, speed, _): Shaft,
+        axis: &F::Axis,
+    ) -> (RelativeMotion, F) {
+        let [x, y, z] = spindle.position;
+        let centre = motion.azimuth.to_orbit([x + self.axial_offset, y, z]);
+        let velocity = motion.azimuth.to_orbit(spindle.velocity);
+        let from_centre = [motion.axial - centre[0], motion.radius - centre[1], -centre[2]];
+        let frame = F::new(axis, motion.azimuth, from_centre);
+        let (axial, radius) = frame.place();
+        let relative = RelativeMotion {
+            axial,
+            radius,
+            velocity: frame.components(subtract(motion.velocity, velocity)),
+            spin: frame.components(motion.spin),
+            raceway_speed: speed,
+            orbit_speed: motion.orbit_speed,
+            azimuth: motion.azimuth_angle - angle,
+        };
+        (relative, frame)
+    }
+
+    /// Motion relative to the pocket that starts at an azimuth, and the ball's place from the cage's centre of mass in the cage's
+    /// tilted frame.
+    #[inline(always)]
+    pub fn in_pocket(&self, motion: &BallMotion, cage: &CagePose, start: Azimuth) -> (PocketMotion, Vector) {
+        let CageMotion { centre, velocity, tilt, spin } = cage.motion;
+        let azimuth = motion.azimuth;
+        let place = tilt.to_tilted(subtract(azimuth.to_inertial([motion.axial, motion.radius, 0.0]), centre));
+        let pocket = cage.azimuth.turned(start).to_inertial(self.pocket_centre);
+        let relative = tilt.to_tilted(subtract(azimuth.to_inertial(motion.velocity), velocity));
+        let motion = PocketMotion {
+            displacement: subtract(place, pocket),
+            velocity: subtract(relative, cross(spin, place)),
+            spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), spin),
+        };
+        (motion, place)
+    }
+
+    /// Rates of the ball's state under a wrench and its weight.
+    #[inline(always)]
+    pub fn rates(
+        &self,
+        state: &BallState,
+        motion: &BallMotion,
+        wrench: Wrench,
+        (_, _, acceleration): Shaft,
+    ) -> BallState {
+        let Azimuth { cosine, sine } = motion.azimuth;
+        let force = add(wrench.force, [0.0, self.weight * cosine, -self.weight * sine]);
+        let BallAcceleration { axial, radial, azimuthal, spin } =
+            motion.acceleration(force, wrench.moment, self.mass, self.inertia);
+        BallState {
+            axial: state.axial_velocity,
+            radial: state.radial_velocity,
+            arc: state.arc_velocity,
+            axial_velocity: axial,
+            radial_velocity: radial,
+            arc_velocity: self.pitch_radius * (azimuthal - self.orbit_ratio * acceleration),
+            spin: [spin[0] - self.spin_ratio * acceleration, spin[1], spin[2]],
+        }
+    }
+
+    /// Rates caused by force and moment alone.
+    #[inline(always)]
+    pub fn response(&self, motion: &BallMotion, wrench: Wrench) -> BallState {
+        let still = BallMotion { orbit_speed: 0.0, ..*motion };
+        let BallAcceleration { axial, radial, azimuthal, spin } =
+            still.acceleration(wrench.force, wrench.moment, self.mass, self.inertia);
+        BallState {
+            axial_velocity: axial,
+            radial_velocity: radial,
+            arc_velocity: self.pitch_radius * azimuthal,
+            spin,
+            ..BallState::default()
+        }
+    }
+}
+
+/// Load of the inner raceway on a ball, in its orbit frame, and of the ball on the spindle, in the inertial frame.
+#[inline(always)]
+pub(super) fn on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> (Wrench, Vector) {
+    let force = frame.vector(load.force);
+    (Wrench { force, moment: frame.vector(load.moment) }, scale(-1.0, azimuth.to_inertial(force)))
+}
+
+/// Load of a pocket on its ball, in the ball's orbit frame, and of the ball on the cage, in the cage's tilted frame about its centre
+/// of mass.
+#[inline(always)]
+pub(super) fn on_pocket(azimuth: Azimuth, tilt: &Tilt, place: Vector, load: &PocketLoad) -> (Wrench, [Vector; 2]) {
+    let to_orbit = |v| azimuth.to_orbit(tilt.to_inertial(v));
+    let moment = cross(add(place, load.lever), load.force);
+    let wrench = Wrench { force: to_orbit(load.force), moment: to_orbit(load.moment) };
+    (wrench, [scale(-1.0, load.force), scale(-1.0, moment)])
+}

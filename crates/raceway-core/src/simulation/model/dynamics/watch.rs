@@ -1,0 +1,17 @@
+//! View of the loads of one evaluation, for observers and tests.
+
+use crate::physics::pocket::PocketLoad;
+use crate::physics::raceway::{RacewayLoad, RelativeMotion};
+use crate::simulation::input::channel::BallContact;
+
+/// Receiver of every load in one evaluation of the equations.
+pub trait Watch {
+    /// Receives a raceway contact of a ball; forces on the ball in the orbit frame.
+    fn raceway(&mut self, ball: usize, side: BallContact, motion: &RelativeMotion, load: &RacewayLoad) {
+        let _ = (ball, side, motion, load);
+    }
+    /// Receives a pocket contact; forces on the ball in the cage's tilted frame.
+    fn pocket(&mut self, ball: usize, load: &PocketLoad) {
+        let _ = (ball, load);
+    }
+}

@@ -1,0 +1,12 @@
+//! Model level `periodic`: the steady motion of the spindle alone, which repeats with every ball. One passage is found by shooting
+//! and extended over the time asked for. Knows no unbalance and no changing speed.
+
+mod applicability;
+
+mod passage;
+
+mod run;
+
+pub use applicability::inapplicability;
+pub use passage::{LARGEST_RADIUS, Passage, passage};
+pub use run::simulate;

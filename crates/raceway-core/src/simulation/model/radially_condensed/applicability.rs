@@ -1,0 +1,35 @@
+//! Scenes and outputs that the radially condensed model can stand for.
+
+use crate::physics::cage::PocketFilm;
+use crate::physics::spindle::AxialHold;
+use crate::simulation::input::channel::{Axis, Channel};
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::Outputs;
+
+/// Why this rung cannot stand for a scene and its outputs; `None`: it can.
+pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<&'static str> {
+    let term_on = |term| scene.terms.get(term) == TermChoice::On;
+    let along_x =
+        |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
+    if scene.operation.load[0] != 0.0 {
+        Some("an axial load acts")
+    } else if scene.spindle.axial == AxialHold::Free {
+        Some("the spindle moves along X")
+    } else if matches!(scene.spindle.axial, AxialHold::Offset(offset) if offset != 0.0) {
+        Some("the spindle is held off its centre along X")
+    } else if scene.operation.misalignment != [0.0; 2] {
+        Some("the spindle is misaligned")
+    } else if scene.cage.film == PocketFilm::Empirical11 && scene.terms.get(Term::Cage) != TermChoice::Off {
+        Some("the pocket film empirical-11 is stiff and has no damping, which its fixed steps do not bear")
+    } else if term_on(Term::CageTilt) {
+        Some("terms.cage_tilt is on")
+    } else if term_on(Term::Axial) {
+        Some("terms.axial is on")
+    } else if term_on(Term::BallRadialDynamics) {
+        Some("terms.ball_radial_dynamics is on")
+    } else if outputs.spectra.iter().chain(&outputs.series).any(along_x) {
+        Some("an output asks for motion along X")
+    } else {
+        None
+    }
+}

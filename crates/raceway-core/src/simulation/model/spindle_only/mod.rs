@@ -1,0 +1,17 @@
+//! Model level `spindle_only`: balls go round equally spaced at the cage's speed, each in radial equilibrium between its raceways;
+//! only place and velocity of the spindle are integrated. Knows no slip, no motion of the cage and no load of a single ball.
+
+mod applicability;
+
+pub mod equations;
+
+mod scene_model;
+
+mod recording;
+
+mod run;
+
+pub use applicability::inapplicability;
+pub(crate) use recording::{recording, statistics};
+pub use run::simulate;
+pub(crate) use scene_model::scene_model;

@@ -1,0 +1,47 @@
+//! Recording of a motion of the spindle alone: its signals, and cage and balls as ideal rolling has them.
+
+use super::equations::SpindleOnly;
+use crate::numerics::ode::Statistics;
+use crate::physics::bearing::PerRaceway;
+use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::recording::record::{ContactExtremes, Recording};
+use crate::simulation::recording::sampling::SPINDLE_IN_PLANE;
+use crate::simulation::recording::windows::Recorder;
+
+/// The recording of a run whose spindle signals are in `recorder`; `total_variance`: of each signal before any filter.
+pub(crate) fn recording(
+    model: &SpindleOnly,
+    mechanism: &Mechanism,
+    start: f64,
+    duration: f64,
+    recorder: Recorder,
+    total_variance: Option<[f64; 6]>,
+) -> Recording {
+    let (signals, whirl) = recorder.finish();
+    let balls = mechanism.layout.balls;
+    let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
+    let turned = |time: f64| mechanism.speed.at(time).0;
+    let (begin, _) = model.speed(start);
+    let mean = if duration > 0.0 { (turned(start + duration) - turned(start)) / duration } else { begin };
+    Recording {
+        start,
+        signals,
+        whirl,
+        total_variance: SPINDLE_IN_PLANE.into_iter().zip(total_variance.into_iter().flatten()).collect(),
+        contacts: PerRaceway { inner: none.clone(), outer: none },
+        max_pocket_load: 0.0,
+        direction: if mean < 0.0 { -1.0 } else { 1.0 },
+        shaft_speed: mean.abs(),
+        cage_speed: (model.orbit_ratio() * mean).abs(),
+        ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
+        parts: Vec::new(),
+        loads: None,
+        largest_pocket_offset: None,
+    }
+}
+
+/// Statistics of steps of one length [s].
+pub(crate) fn statistics(steps: u64, rhs_evaluations: u64, step: f64) -> Statistics {
+    let advanced = steps as f64 * step;
+    Statistics { steps, rhs_evaluations, least_step: step, advanced, ..Statistics::default() }
+}
