@@ -2,6 +2,7 @@
 
 pub mod run;
 pub mod plan;
+pub mod cost;
 pub mod eligibility;
 pub mod attempt;
 pub mod startup;
