@@ -1,7 +1,7 @@
-//! What a step costs against the number of balls: steps of each implicit method by the arrowhead of the model's Jacobian,
-//! and by the same Jacobian taken for a dense one.
+//! Time of a step against the number of balls, for each implicit method: with the arrowhead Jacobian of the model, and with
+//! the same Jacobian as a dense matrix.
 //!
-//! `cargo bench --bench ball_count`. The article's bearing; rings, cage, load and 1/speed grow with the number of balls.
+//! `cargo bench --bench ball_count` runs the article's bearing. Rings, cage, load and 1/speed grow with the number of balls.
 //! Times are medians of five.
 
 use std::time::Instant;
@@ -17,13 +17,13 @@ use serde_json::json;
 
 const BALLS: [u32; 5] = [7, 14, 21, 30, 50];
 const RUNS: usize = 5;
-/// Steps before the clock starts, and steps that count.
+/// Untimed steps, then the timed steps with the arrowhead and with the dense Jacobian.
 const WARM_UP: u64 = 100;
 const STEPS: u64 = 400;
 const STEPS_DENSE: u64 = 100;
 const TOLERANCE: f64 = 1e-5;
 
-/// A model whose Jacobian has no structure.
+/// A model whose Jacobian is declared dense.
 struct Dense<'a> {
     model: &'a Model,
 }
@@ -80,7 +80,7 @@ fn model(balls: u32) -> Model {
     Model::new(&scene, &ActiveTerms::of(&scene, &outputs, None).expect("no rung is asked for"))
 }
 
-/// Seconds a step, median, and the work of the steps that count.
+/// Median time of a step [s], and the work of the timed steps.
 fn cost(
     system: &dyn OdeSystem,
     tolerances: &Tolerances,
@@ -114,7 +114,7 @@ fn cost(
     (times[RUNS / 2], work)
 }
 
-/// Slope of a straight line through the logarithms.
+/// Exponent of a power law through the points: the slope of a line through the logarithms.
 fn exponent(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();

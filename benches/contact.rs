@@ -1,7 +1,7 @@
-//! What the hot formulas cost: a contact with the raceways, and the whole right-hand side, one ball at a time and side by
-//! side, by each set of instructions that this processor has.
+//! Time of the hot formulas with each instruction set of this processor: a contact with the raceways, and the whole
+//! right-hand side, one ball at a time and several balls in the lanes of a vector.
 //!
-//! `cargo bench --bench contact` prints medians of 201 short stretches, with the range of their middle 80 %.
+//! `cargo bench --bench contact` prints medians of 201 short samples, with the range of their middle 80 %.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -38,7 +38,7 @@ fn main() {
     }
 }
 
-/// The article's bearing, grown to more balls at the same distance; at the same speed of the balls.
+/// The article's bearing with more balls at the same distance and the same orbit speed.
 fn model(balls: usize) -> Model {
     let (growth, pitch) = (balls as f64 / 7.0, 13.0 * balls as f64 / 7.0);
     let json = serde_json::json!({
@@ -57,7 +57,7 @@ fn model(balls: usize) -> Model {
     Model::new(&scene, &needs)
 }
 
-/// Median time of a call and the range of the middle 80 % [ns]: others use this machine, too.
+/// Median time of a call and the range of its middle 80 % [ns], because other processes share the machine.
 fn time(mut once: impl FnMut()) -> (f64, f64, f64) {
     let mut mean = || {
         let begin = Instant::now();
@@ -79,7 +79,7 @@ fn contacts(model: &Model) {
         let raceway = if outer { &m.raceway.outer } else { &m.raceway.inner };
         let side = if outer { 1.0 } else { -1.0 };
         let reach = raceway.touch_distance() + 3e-6;
-        // The groove's centre lies where the ball would not touch at all.
+        // At the centre of the groove the ball has no contact.
         let centre = (0..60).fold((5e-3, 8e-3), |(low, high), _| {
             let middle = 0.5 * (low + high);
             let outside = raceway.penetration::<true>(0.0, middle).1.1 > 0.0;
@@ -150,7 +150,7 @@ fn evaluations(balls: usize, model: &Model) {
                 model.jacobian(black_box(0.0), black_box(&state), &[], &[], &mut jacobian);
             }),
         );
-        // As a step of 1 µs needs them.
+        // The terms of a step of 1 µs.
         factors = factors.with_instructions(set);
         row("factors", time(|| factors.factor(black_box(&jacobian), 1e6).expect("a regular matrix")));
         row(

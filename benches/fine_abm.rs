@@ -1,8 +1,8 @@
-//! What precise integration gains, by what it integrates exactly: the kinematic part, as the article has it, or the
-//! blocks of the Jacobian; and where the stability of either ends.
+//! Error, cost and limit of stability of precise integration, with either exact linear part: the kinematic part, as in the
+//! article, or the blocks of the Jacobian.
 //!
-//! `cargo bench --bench fine_abm` prints all tables. Errors are of the state at 200 times, in sizes of its entries
-//! (1 µm, 10 mm/s, 100 rad/s …), against Dormand–Prince at 1e-9.
+//! `cargo bench --bench fine_abm` prints all tables. The reference is Dormand–Prince at 1e-9. Errors are those of the state at
+//! 200 times, each entry relative to its size (1 µm, 10 mm/s, 100 rad/s …).
 
 use std::time::Instant;
 
@@ -35,7 +35,7 @@ fn main() {
     stability();
 }
 
-/// States at the samples, and the work.
+/// States at the sampling times, and the work of the run.
 type Run = (Vec<Vec<f64>>, Statistics, f64);
 
 fn run(mut method: Box<dyn Integrator + '_>, end: f64) -> Run {
@@ -63,7 +63,7 @@ fn bearing(title: &str, json: &str, end: f64) {
     let model = Model::new(&scene, &needs);
     let start = start_state(&model).expect("an equilibrium");
     let layout = model.mechanism().layout;
-    // Where stability holds it back, Dormand–Prince takes steps of 3.3 over the fastest rate of a decay.
+    // Where stability limits it, Dormand–Prince takes steps of 3.3 over the fastest decay rate.
     let explicit = run(Box::new(DormandPrince::new(&model, 0.0, &start, layout.tolerances(1e-5), None)), end).1;
     let rate = 3.3 * explicit.steps as f64 / explicit.advanced;
     println!("{title}; {} ms, {} states, fastest rate {rate:.2e} 1/s in the mean", end * 1e3, start.len());
@@ -147,7 +147,7 @@ fn prothero_robinson() {
     println!();
 }
 
-/// y' = J y, a number or an oscillator, of which the method is told `share · J`.
+/// y' = J y, a decay or an oscillator. The method is given `share · J` as the linear part.
 struct Misjudged {
     real: bool,
     rate: f64,
@@ -168,7 +168,7 @@ impl OdeSystem for Misjudged {
     }
 }
 
-/// The longest fixed step whose state stays bounded, by bisection.
+/// Longest fixed step whose state stays bounded, by bisection.
 fn stability() {
     println!("largest stable h|l - H| of y' = l y, by the share of l that H holds");
     println!("{:>7} {:>10} {:>10}", "share", "decay", "oscillation");
@@ -179,7 +179,7 @@ fn stability() {
                 let tolerances = Tolerances::uniform(2, 1e-9, 1e-9);
                 let mut method = FineAbm::new(&system, 0.0, &[1.0, 0.5], tolerances, Some(1.0), LinearPart::Blocks);
                 let size = |method: &FineAbm<'_, Misjudged>| method.state().iter().map(|x| x.abs()).fold(0.0, f64::max);
-                // The walk to the first five points may be long; what counts is growth afterwards.
+                // The first five points may be far away. The criterion is the growth after them.
                 while method.time() < 3000.0 && size(&method) < 1e3 {
                     if method.step(3000.0).is_err() {
                         return false;

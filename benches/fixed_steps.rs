@@ -1,9 +1,12 @@
-//! The rung `full` as a plain job gets it, in steps of a fixed length where they serve, beside error control: real-time factor with
-//! everything judged, and error of the levels against `gear` at 1e-6 with all terms over the same time.
+//! The full model in a plain job, with fixed steps where they are accepted, beside error control: real-time factor with
+//! verification included, and level error.
 //!
 //! `cargo bench --bench fixed_steps` runs the scenes of `benches/scenes/mod.rs`, then four of them with an axial load of 12 N and
-//! nothing left out by judgement. Medians of `RUNS` runs of 0.02 + 0.1 s on one core, both ways in turn. Then bearings whose cages rattle,
-//! once each, over 0.05 + 0.5 s, beside error control at 1e-3 and 1e-5: chaotic motions, of which only statistics can be compared.
+//! nothing left out by judgement. The reference is `gear` at 1e-6 with all terms over the same time. Times are medians of
+//! `RUNS` runs of 0.02 + 0.1 s on one core, both ways in turn.
+//!
+//! Bearings with rattling cages follow, once each, over 0.05 + 0.5 s, beside error control at 1e-3 and 1e-5. Their motion is
+//! chaotic, so that only statistics are compared.
 
 mod scenes;
 
@@ -25,7 +28,7 @@ const CHANNELS: [Channel; 4] = [
     Channel::Spindle(Axis::Y, Motion::Velocity),
     Channel::Spindle(Axis::Z, Motion::Velocity),
 ];
-/// Scenes that are given an axial load, too.
+/// Numbers of the scenes that also run with an axial load.
 const AXIAL: [usize; 4] = [0, 2, 7, 17];
 
 fn main() {
@@ -64,7 +67,7 @@ fn main() {
     }
 }
 
-/// Scenes whose cages rattle in their pockets.
+/// Scenes whose balls rattle in the cage pockets.
 fn rattling() -> [Value; 7] {
     let dry = |preset: &str, speed: f64, load: f64| {
         json!({
@@ -123,7 +126,7 @@ fn rattling_line(json: &Value) {
     );
 }
 
-/// As a plain job on `full` asks.
+/// Settings of a plain job on `full`.
 fn plain() -> RunSettings {
     RunSettings {
         method: Method::Auto,
@@ -138,7 +141,7 @@ fn plain() -> RunSettings {
     }
 }
 
-/// Prints a line of the table; returns real-time factor and worst error of what a plain job gets.
+/// Prints a line of the table and returns real-time factor and largest level error [dB] of the plain job.
 fn line(name: &str, scene: &Scene) -> (f64, f64) {
     let plain = plain();
     let controlled = RunSettings { tightened: None, ..plain.clone() };
@@ -172,7 +175,7 @@ fn line(name: &str, scene: &Scene) -> (f64, f64) {
         stepped.solver.method,
         stepped.solver.statistics.steps,
         words(&errors[0]),
-        // A spindle that settles slowly along its axis states more of that direction.
+        // A spindle with a slow axial transient states a larger error along its axis.
         CHANNELS.iter().filter_map(|channel| stepped.accuracy.level_errors.of(*channel)).fold(0.0, f64::max),
         factors[1],
         by_control.solver.method,

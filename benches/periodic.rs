@@ -1,7 +1,8 @@
-//! ModelLevel 4, the periodic orbit of rung 3, over a grid of speeds, clearances and loads: every scene is either right (levels
-//! within 0.01 dB of rung 3 in time) or refused by its Floquet multipliers.
+//! The periodic orbit of the spindle-only model over a grid of speeds, clearances and loads, with its cost.
 //!
-//! `cargo bench --bench periodic`. The article's bearing, spindle 50 g. Times are processor time of one thread, medians of five.
+//! Every scene is either right or rejected by its Floquet multipliers. Right is a level within 0.01 dB of the spindle-only
+//! model in time. `cargo bench --bench periodic` runs the article's bearing with a spindle of 50 g. Times are processor time
+//! of one thread, medians of five.
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
@@ -16,12 +17,12 @@ use raceway::simulation::result::metrics::channel_metrics;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
-/// [1000 r/min], [µm], [N]
+/// Speeds [1000 r/min], clearances [µm] and loads [N] of the grid.
 const SPEEDS: [f64; 6] = [10.0, 20.0, 30.0, 40.0, 50.0, 60.0];
 const CLEARANCES: [f64; 4] = [2.0, 5.0, 7.5, 10.0];
 const LOADS: [f64; 7] = [50.0, 75.0, 100.0, 150.0, 200.0, 300.0, 400.0];
 const RUNS: usize = 5;
-/// Above this a level counts as wrong [dB].
+/// Largest deviation of a right level [dB].
 const RIGHT: f64 = 0.01;
 const SIGNALS: [(Axis, Motion); 4] = [
     (Axis::Y, Motion::Acceleration),
@@ -52,7 +53,7 @@ fn levels(recording: &Recording) -> [f64; 4] {
 }
 
 fn main() {
-    // A quarter of the usual step, so that the difference is rung 4's.
+    // A quarter of the usual step, so that the deviation is that of the periodic orbit.
     let settings = RunSettings {
         method: Method::Auto,
         rung: None,

@@ -1,9 +1,15 @@
-//! The radially condensed rung against the full dynamics: error of the levels and run time.
+//! The radially condensed model against the full model: level error and run time.
 //!
-//! `cargo bench --bench rungs [-- FIRST LAST]` runs the scenes of these numbers, all without them. The full dynamics run by
-//! `auto` at a relative tolerance of 1e-7 over four windows of 0.1 s after settling; levels are the mean power of the windows, 0–20 kHz, the
-//! spread is the standard deviation of the windows' levels. Run time is that of 0.02 + 0.1 s, CPU time of the thread, least of
-//! several runs. `-- others` runs scenes that the short form of traction does not serve, and prints what takes its place. `-- chosen` runs plain jobs on the rung that is chosen beside the full dynamics, at tolerances of 0.05 and 0.2 dB. With `RUNGS_REFERENCE=DIR` the levels of the full dynamics are kept in that folder and read from it.
+//! | command | runs |
+//! |---|---|
+//! | `cargo bench --bench rungs [-- FIRST LAST]` | the scenes of these numbers, by default all, with several steps |
+//! | `-- others` | contacts outside the range of the short traction formula, with the formulas that replace it |
+//! | `-- chosen` | plain jobs on the model that the program chooses, at model tolerances of 0.05 and 0.2 dB |
+//!
+//! The full model runs by `auto` at a relative tolerance of 1e-7 over four windows of 0.1 s after settling. A level is the mean
+//! power of the windows, 0–20 kHz. The spread is the standard deviation of the windows' levels. Run time is the processor time
+//! of the thread for 0.02 + 0.1 s, the least of several runs. `RUNGS_REFERENCE=DIR` names a folder that stores the levels of the
+//! full model between runs.
 
 mod scenes;
 
@@ -120,8 +126,10 @@ fn mean_and_spread(windows: &[f64; WINDOWS]) -> (f64, f64) {
     (10.0 * power.log10(), variance.sqrt())
 }
 
-/// Plain runs of 0.02 + 0.1 s on the rung that is chosen, with all metrics and with vibration only, beside `full`: worst of the
-/// levels of a_y and a_z; and how often a rung of the spindle alone was admitted, and any rung wrong.
+/// Plain runs of 0.02 + 0.1 s on the chosen model, with all metrics and with vibration only, beside `full`.
+///
+/// Prints the larger level error of a_y and a_z. The last lines count scenes on a spindle-only model, and scenes with an error
+/// beyond the tolerance.
 fn chosen() {
     println!(
         "| r/min | N | P_d µm | balls | g | G | all metrics: dB off, stated | ms | vibration only: dB off, stated | ms | at 0.2 dB | ms |"
@@ -178,7 +186,8 @@ fn chosen() {
     }
 }
 
-/// What the short form of traction does not serve: wide contacts, which take the strips of the full model, and oil, which takes its contacts.
+/// Contacts outside the range of the short traction formula. Wide contacts use the strips of the full model, oil its contacts.
+/// Each with bearing, speed [r/min] and load [N].
 const OTHERS: [(&str, &str, f64, f64); 8] = [
     ("f 0.52", r#"{ "preset": "article-integrated" }"#, 50_000.0, 200.0),
     (
@@ -311,7 +320,7 @@ fn main() {
     }
 }
 
-/// Simulated over CPU time, model and recording included. `change`: of the model.
+/// Simulated time over processor time, model and recording included. `change` replaces parts of the model.
 fn real_time_factor(scene: &Scene, ratio: StepRatio, change: impl Fn(RadiallyCondensed) -> RadiallyCondensed) -> f64 {
     let settings = RunSettings { settle: 0.02, ..settings(scene, 0.1) };
     let once = || {

@@ -1,4 +1,4 @@
-//! What one evaluation of the equations of the article's case costs, and one of their Jacobian.
+//! Time of one evaluation of the equations of motion of the article's case, and of their Jacobian.
 //!
 //! `cargo bench --bench simulation` prints medians of five, with their range.
 
@@ -29,7 +29,7 @@ fn outputs() -> Outputs {
     Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() }
 }
 
-/// (median, least, largest)
+/// Median, least and largest time.
 fn spread(mut values: Vec<f64>) -> (f64, f64, f64) {
     values.sort_by(f64::total_cmp);
     (values[values.len() / 2], values[0], values[values.len() - 1])

@@ -1,9 +1,13 @@
-//! ModelLevel 3, the spindle alone, against the full dynamics: error in dB of the levels of y and z, and run time over steps.
+//! The spindle-only model against the full model: error of the levels of y and z [dB], and run time over the step.
 //!
-//! `cargo bench --bench spindle_only -- reference FILE` runs the full dynamics once (some minutes) and keeps their levels,
-//! `cargo bench --bench spindle_only -- against FILE` compares rungs 3 and 4 with them, and
-//! `cargo bench --bench spindle_only` shows error and run time over the step, with `-- trimmed` where the C library
-//! gives free memory back to the kernel as it usually does. Times are processor time of one thread, medians of five.
+//! | command | effect |
+//! |---|---|
+//! | `cargo bench --bench spindle_only -- reference FILE` | runs the full model once (some minutes) and stores its levels |
+//! | `-- against FILE` | compares the spindle-only model and its periodic orbit with these levels |
+//! | no option | prints error and run time over the step |
+//! | `-- trimmed` | the same, with a C library that returns free memory to the kernel, as it does by default |
+//!
+//! Times are processor time of one thread, medians of five.
 
 use std::fmt::Write as _;
 
@@ -74,7 +78,7 @@ fn settings(duration: f64) -> RunSettings {
     }
 }
 
-/// rms of a_y, a_z [m/s²], v_y, v_z [mm/s], 0–20 kHz, of a stretch of a recording.
+/// rms of a_y, a_z [m/s²], v_y, v_z [mm/s], 0–20 kHz, over a window of a recording.
 fn levels(recording: &Recording, window: usize) -> [f64; 4] {
     let length = (WINDOW * RATE).round() as usize;
     [
@@ -171,7 +175,7 @@ fn cpu_time() -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Worst error of a level over all scenes, and time for 0.12 s, over the step.
+/// Prints, for each step, the largest level error over all scenes and the time for 0.12 s.
 fn steps() {
     println!("step µs: worst and median error of the levels [dB] against 1.2 µs; ms for 0.12 s; times real time");
     let run = |parameters, step: f64| {
@@ -205,7 +209,7 @@ fn steps() {
     }
 }
 
-/// Where the time of a whole job goes, on the article's scene.
+/// Prints the parts of the run time of a whole job on the article's scene.
 fn parts() {
     let scene = scene(SCENES[0]);
     let mut settings = RunSettings { settle: 0.02, ..settings(0.1) };

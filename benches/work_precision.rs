@@ -1,12 +1,12 @@
 //! Error against run time of the scenes of docs/ACCURACY.md, by every method.
 //!
-//! `cargo bench --bench work_precision` runs all of `benches/scenes`; `-- a b` those named; `--repetitions N` times each run N
-//! times (default 5); `--plots DIR` writes `DIR/work-precision-NAME.svg`. Prints a table a scene, and a last one: for plain
-//! runs of the scenes, the level error that a result states beside the true one.
+//! `cargo bench --bench work_precision` runs all of `benches/scenes`, `-- a b` only the named ones. `--repetitions N` times each
+//! run N times (default 5). `--plots DIR` writes `DIR/work-precision-NAME.svg`. The output is a table for each scene. The last
+//! table compares the stated level error of plain runs with the true one.
 //!
-//! `-- models` compares models instead, from the whole dynamics to the periodic orbit, on the 18 scenes of `benches/scenes`: error of
-//! model and integrator together against the time that a user waits, checks and judgements included (about two minutes). With
-//! `--plots DIR` it writes a diagram a scene, `DIR/models-NUMBER.svg`.
+//! `-- models` compares models instead, from the full model to the periodic orbit, on the 18 scenes of `benches/scenes`. It
+//! prints the error of model and integrator together against the time until the answer, verification included (about two
+//! minutes). With `--plots DIR` it writes a diagram for each scene, `DIR/models-NUMBER.svg`.
 
 use std::path::{Path, PathBuf};
 
@@ -58,7 +58,7 @@ fn options() -> Options {
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
-            // Cargo's own.
+            // cargo passes it.
             "--bench" => {}
             "--repetitions" => {
                 let count = arguments.next().and_then(|count| count.parse().ok());
@@ -97,7 +97,7 @@ fn plain(name: &str, method: &str, tolerance: f64) -> Metrics {
     let study = job(name);
     let request = json!({
         "kind": "simulation", "scene": study["scene"], "settle_s": study["settle_s"], "duration_s": 0.05,
-        // Of integrators: no reduced rung.
+        // The full model, because integrators are compared.
         "solver": { "method": method, "relative_tolerance": tolerance, "model_tolerance_db": 0 },
         "outputs": { "metrics": ["vibration"], "spectra": [] }
     });
@@ -109,7 +109,7 @@ fn plain(name: &str, method: &str, tolerance: f64) -> Metrics {
     }
 }
 
-/// Rows of the last table. The truth is a run at 1e-10: for a chaotic scene another sample of the same motion.
+/// Rows of the last table. The reference is a run at 1e-10. For a chaotic scene it is another sample of the same motion.
 fn estimates(name: &str) {
     let levels = |metrics: &Metrics| {
         let channels = metrics.channels.as_ref().expect("vibration was asked for");
@@ -134,7 +134,7 @@ fn estimates(name: &str) {
     }
 }
 
-/// Name, solver, and whether all metrics are asked for: the spindle's levels alone let more go.
+/// Models: name, solver, and whether all metrics are requested. Levels of the spindle alone allow a smaller model.
 const MODELS: [(&str, &str, bool); 9] = [
     ("full, every term, 1e-3", r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-3}"#, true),
     ("full, every term, 1e-4", r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-4}"#, true),
@@ -146,12 +146,12 @@ const MODELS: [(&str, &str, bool); 9] = [
     ("spindle_only", r#"{"rung":"spindle_only"}"#, false),
     ("periodic", r#"{"rung":"periodic"}"#, false),
 ];
-/// What the others are compared with.
+/// Solver of the reference.
 const WHOLE: &str = r#"{"rung":"full","model_tolerance_db":0,"relative_tolerance":1e-9,"method":"gear"}"#;
 const LEVELS: [&str; 4] =
     ["spindle.y.acceleration", "spindle.z.acceleration", "spindle.y.velocity", "spindle.z.velocity"];
 
-/// Curves of the diagrams: the first models are one over their tolerances, each other is a point.
+/// Curves of the diagrams. Each of the first models is a curve over its tolerances, each other model a point.
 const CURVES: [(&str, std::ops::Range<usize>); 7] = [
     ("full, every term", 0..3),
     ("full as it chooses", 3..4),
@@ -161,11 +161,11 @@ const CURVES: [(&str, std::ops::Range<usize>); 7] = [
     ("spindle_only", 7..8),
     ("periodic", 8..9),
 ];
-/// Relative tolerances of the first models; the others tell none.
+/// Relative tolerances of the first models. The others have none.
 const TOLERANCES: [f64; 3] = [1e-3, 1e-4, 1e-5];
 
-/// Levels of a scene by a model [dB], the level error that it states [dB], and how long it took with all its checks [s];
-/// `Err`: why it does not serve.
+/// Levels of a scene by a model [dB], their stated error [dB], and the run time with verification [s]; `Err`: why the model is
+/// not applicable.
 fn by_model(scene: &str, solver: &str, all: bool) -> Result<([f64; 4], f64, f64), String> {
     let metrics = if all { r#"["vibration","contacts","cage"]"# } else { r#"["vibration"]"# };
     let request = format!(
@@ -180,13 +180,13 @@ fn by_model(scene: &str, solver: &str, all: bool) -> Result<([f64; 4], f64, f64)
     };
     let took = begin.elapsed().as_secs_f64();
     let channels = metrics.channels.as_ref().expect("vibration was asked for");
-    // Of a velocity only the root mean square is told.
+    // A velocity has no level, only its root mean square.
     let level = |channel: &str| channels[channel].level_db.unwrap_or_else(|| 20.0 * channels[channel].rms.log10());
     let levels = LEVELS.map(level);
     Ok((levels, metrics.accuracy.level_error_db.unwrap_or(f64::NAN), took))
 }
 
-/// The diagram of a scene, from time [s] and errors [dB] of each model that serves it.
+/// The diagram of a scene: time [s] and errors [dB] of each applicable model.
 fn diagram(scene: &str, found: &[Option<(f64, [f64; 4])>]) -> String {
     let point = |index: usize| {
         let (time_s, [ay, az, vy, vz]) = found[index]?;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Clients that are slow, silent, greedy or broken: meanwhile the service answers others, and afterwards nothing of them is left.
-Times are printed; what is judged of them is generous, because machines differ."""
+"""Slow, silent, greedy and broken clients. Meanwhile the service answers other clients, and afterwards it has released every
+connection. Times are printed. Their limits are generous, because machines differ."""
 
 import contextlib
 import http.client
@@ -20,14 +20,14 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from service import ARTICLE, Service, check  # noqa: E402
 
 FEW, MANY = 200, 10_000
-# As docs/OPERATIONS.md says.
+# The limits in docs/OPERATIONS.md.
 FIRST_BYTE_S, HEADER_S, CONNECTIONS, FOLLOWERS = 10, 30, 1024, 256
-# Sockets of ours; a child process inherits the limit.
+# Limit of open sockets of this program. A child process inherits it.
 resource.setrlimit(resource.RLIMIT_NOFILE, (min(4096, resource.getrlimit(resource.RLIMIT_NOFILE)[1]),) * 2)
 
 
 def probe(address, paths, stop, told):
-    """Asks again and again, over a connection of its own each time; tells how long each answer took, and every one but 200."""
+    """Sends requests until told to stop, each over its own connection. Returns all response times and each status other than 200."""
     took, others = [], []
     while not stop.is_set():
         for path in paths:
@@ -48,7 +48,7 @@ def probe(address, paths, stop, told):
 
 @contextlib.contextmanager
 def watched(service, name, *paths):
-    """What a good client sees meanwhile, in a process of its own, so that it measures the service and not this program."""
+    """Measurements of a well-behaved client, in a process of its own, so that they are those of the service and not of this program."""
     stop, told = multiprocessing.Event(), multiprocessing.Queue()
     watch = multiprocessing.Process(target=probe, args=(service.url.split("//")[1], paths, stop, told), daemon=True)
     watch.start()
@@ -61,7 +61,7 @@ def watched(service, name, *paths):
     print(f"{name}: {len(took)} answers meanwhile, {1e3 * median:.1f} ms in the median, {1e3 * high:.1f} ms at the 99th "
           f"percentile, {1e3 * took[-1]:.0f} ms at most")
     check(not others, f"{name}: each is 200 {others[:3]}")
-    check(median < 0.05 and took[-1] < 5, f"{name}: they come soon")
+    check(median < 0.05 and took[-1] < 5, f"{name}: they arrive soon")
 
 
 def connect(service, data=b"", **options):
@@ -81,7 +81,7 @@ def post(length):
 
 
 def answer(stream):
-    """What comes until the other end closes, or has said what it has to say for now."""
+    """The bytes until the other end closes the connection or pauses."""
     text = b""
     try:
         while piece := stream.recv(65536):
@@ -94,7 +94,7 @@ def answer(stream):
 
 
 def is_closed(stream):
-    """Whether the other end has closed, whatever it has said before."""
+    """Whether the other end has closed the connection."""
     stream.setblocking(False)
     try:
         while stream.recv(1 << 20):
@@ -114,14 +114,14 @@ def until(holds, at_most):
 
 
 def memory(service):
-    """Now and at most [MB]."""
+    """Current and largest memory [MB]."""
     with open(f"/proc/{service.process.pid}/status", encoding="utf-8") as file:
         fields = dict(line.split(":", 1) for line in file)
     return [int(fields[name].split()[0]) / 1024 for name in ("VmRSS", "VmHWM")]
 
 
 def sockets(service):
-    """How many are open. Not all files: the database's connections come and go as they are needed."""
+    """Number of open sockets. Other files do not count, because the database opens and closes connections on demand."""
     directory = f"/proc/{service.process.pid}/fd"
     count = 0
     for name in os.listdir(directory):
@@ -137,7 +137,7 @@ def big_bodies(service):
         stream = connect(service, post(f"Content-Length: {len(body)}") if number % 2 else post("Transfer-Encoding: chunked"))
         with contextlib.suppress(ConnectionError):
             stream.sendall(body if number % 2 else b"%x\r\n%s\r\n0\r\n\r\n" % (len(body), body))
-        # Who is still sending when the answer comes may find the connection closed before it.
+        # A client that still sends may find the connection closed before it reads the response.
         statuses.add(answer(stream)[9:12])
         stream.close()
     check(statuses <= {"413", ""} and "413" in statuses, f"bodies of 2 MB are refused: {statuses}")
@@ -156,7 +156,7 @@ def aborted(service, job):
     starts = [header(f"GET {job} HTTP/1.1"), post(f"Content-Length: {len(body)}") + body[:40],
               post(f"Content-Length: {len(body)}") + body, header("GET /v1/jobs HTTP/1.1")[:30]]
     for number in range(MANY):
-        # Closed with a reset, at once.
+        # Closed at once with a reset.
         connect(service, starts[number % 4], SO_LINGER=struct.pack("ii", 1, 0)).close()
 
 
@@ -174,7 +174,7 @@ def rubbish(service):
 
 
 def streams(service, job):
-    """More streams than there are places."""
+    """More event streams than the service serves at once."""
     opened = [connect(service, header(f"GET {job}/events HTTP/1.1")) for _ in range(FOLLOWERS + 44)]
     answers = [answer(stream) for stream in opened]
     served = [text for text in answers if text.startswith("HTTP/1.1 200")]
@@ -183,7 +183,7 @@ def streams(service, job):
     check(all(text.startswith("HTTP/1.1 503") and "retry-after: 1" in text and "problem:overloaded" in text for text in others),
           "others are told to come back")
     status, headers, _ = service.request("POST", "/v1/jobs", ARTICLE | {"duration_s": 900}, {"Prefer": "wait=30"})
-    check(status == 202 and "Preference-Applied" not in headers, "who would wait for a job gets it without waiting")
+    check(status == 202 and "Preference-Applied" not in headers, "a request with `Prefer: wait` is answered without waiting")
     service.request("POST", f"{headers['Location']}/cancel")
     return opened
 
@@ -199,7 +199,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
             silent = [connect(service) for _ in range(FEW)]
             half = [connect(service, header("GET /v1/jobs HTTP/1.1")[:30]) for _ in range(FEW)]
             slow = [connect(service, post("Content-Length: 500")) for _ in range(FEW)]
-            # Small windows, so that answers wait in the service and not in the kernel.
+            # Small windows, so that responses wait in the service and not in the kernel.
             unread = [connect(service, header("GET /openapi.json HTTP/1.1") * 50, SO_RCVBUF=4096) for _ in range(FEW)]
             for _ in range(8):
                 for stream in slow:
@@ -218,11 +218,12 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         for stream in follow:
             stream.close()
 
-        # Half a header, a body that trickles, answers that are not read: each has its time.
+        # Half a header, a slow body, responses that are not read: each has its timeout.
         left = begin + HEADER_S + 20
         for name, those in (("half a header", half), ("a body that trickles", slow)):
-            check(until(lambda: all(map(is_closed, those)), left - time.monotonic()), f"{name} is cut off after {HEADER_S} s")
-        # Not looked at from here, for that would be to read. The kernel takes a little more of some, which begins their time anew.
+            check(until(lambda: all(map(is_closed, those)), left - time.monotonic()), f"{name} is closed after {HEADER_S} s")
+        # This program does not test these sockets, because a test would read. The kernel accepts more data for some of them, which
+            # restarts their timeout.
         check(until(lambda: sockets(service) <= sockets_before + 4, 2 * HEADER_S),
               f"an answer is unread for {HEADER_S} s at most: {sockets(service)} sockets are open, as before ({sockets_before})")
         for stream in unread:
@@ -240,7 +241,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         check(until(lambda: sockets(service) <= sockets_before + 4, 10), f"{sockets(service)} sockets are open, as before ({sockets_before})")
         after, most = memory(service)
         print(f"memory: {before:.0f} MB before, {most:.0f} MB at most, {after:.0f} MB after")
-        check(most < 256, "memory stays within what docs/OPERATIONS.md says")
+        check(most < 256, "memory stays within the limit of docs/OPERATIONS.md")
         service.request("POST", f"{job}/cancel")
         service.ended(job)
         path, _ = service.submit(ARTICLE | {"duration_s": 0.02})

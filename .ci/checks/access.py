@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Who may reach the service: nobody from outside without tokens, nobody with a wrong one, no foreign page. And what is secret stays
-so: in no log, answer, figure, argument or row, however much is logged."""
+"""Access to the service: none from outside without tokens, none with a wrong token, none from a foreign page. Secrets appear in no
+log, response, metric, argument or database row at any log level."""
 
 import glob
 import json
@@ -20,10 +20,10 @@ REQUEST = "portal-17/a"
 
 
 def lan_address():
-    """An address of this machine that others reach; none where there is no network."""
+    """An address of this machine that others reach; None without a network."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            # Nothing is sent: only the way there is looked up.
+            # Nothing is sent. The call only selects the route.
             probe.connect(("192.0.2.1", 9))
             return [f"{probe.getsockname()[0]}:0"]
         except OSError:
@@ -31,7 +31,7 @@ def lan_address():
 
 
 def start(listen, tokens, insecure):
-    """What becomes of a start: whether it is let happen, and what a stranger is answered."""
+    """Result of a start: whether the service starts, and its response to an unknown client."""
     with tempfile.TemporaryDirectory() as directory:
         command = [binary(), "serve", "--listen", listen, "--database", f"sqlite://{directory}/r.db", "--workers", "1"]
         command += ["--insecure-no-auth"] * insecure
@@ -68,7 +68,7 @@ def matrix():
 
 
 def a_whole_run(directory, database):
-    """Everything that a service does with its secrets, while it logs all it can: what it logged, and what it answered."""
+    """Every use of secrets by a service with the most verbose log; returns its log and its responses."""
     environment = clean_environment(RACEWAY_API_TOKENS=f"{TOKEN},{OTHER}", RACEWAY_DATABASE=database, RACEWAY_LOG="trace", RUST_LOG="trace",
                                     RACEWAY_LOG_FORMAT="json")
     command = [binary(), "serve", "--listen", "0.0.0.0:0", "--workers", "1"]
@@ -87,19 +87,19 @@ def a_whole_run(directory, database):
         check(status == 401 and fields["WWW-Authenticate"] == "Bearer", "jobs need a token")
         for wrong in (WRONG, TOKEN[:-1], TOKEN + "x", f"{TOKEN},{OTHER}"):
             check(ask("GET", "/v1/jobs", Authorization=f"Bearer {wrong}")[0] == 401, "a wrong token is refused")
-        check(ask("GET", "/v1/jobs", Authorization=f"Basic {TOKEN}")[0] == 401, "and so is a right one in the wrong words")
+        check(ask("GET", "/v1/jobs", Authorization=f"Basic {TOKEN}")[0] == 401, "a right token in another scheme is refused")
         for query in (f"token={TOKEN}", f"access_token={TOKEN}", f"limit={TOKEN}"):
-            check(ask("GET", f"/v1/jobs?{query}")[0] == 401, "a token in the query lets nobody in")
-            check(ask("GET", f"/v1/jobs?{query}", Authorization=f"Bearer {TOKEN}")[0] == 400, "and is a mistake")
+            check(ask("GET", f"/v1/jobs?{query}")[0] == 401, "a token in the query gives no access")
+            check(ask("GET", f"/v1/jobs?{query}", Authorization=f"Bearer {TOKEN}")[0] == 400, "a token in the query is a bad request")
         mine = {"Authorization": f"Bearer {TOKEN}"}
         status, fields = ask("POST", "/v1/jobs", ARTICLE | {"duration_s": 0.02}, Prefer="wait=60", **mine,
                              **{"Idempotency-Key": "a-key", "X-Request-Id": REQUEST})
-        check(status == 200 and fields["X-Request-Id"] == REQUEST, "a job runs, and its request keeps its name")
+        check(status == 200 and fields["X-Request-Id"] == REQUEST, "a job runs, and its request keeps its identifier")
         path = fields["Location"]
         for rest in ("", "/metrics", "/events", "/spectrum?channel=spindle.y.acceleration", "/plots/spectrum.svg"):
             check(ask("GET", path + rest, **mine)[0] == 200, f"…{rest or '/'} is there")
-        check(ask("GET", path, Authorization=f"Bearer {OTHER}")[0] == 404, "for its owner alone")
-        check(ask("GET", "/metrics", **mine)[0] == 200 and ask("POST", "/v1/jobs", {"kind": 7}, **mine)[0] == 422, "figures and refusals")
+        check(ask("GET", path, Authorization=f"Bearer {OTHER}")[0] == 404, "a job exists for its owner only")
+        check(ask("GET", "/metrics", **mine)[0] == 200 and ask("POST", "/v1/jobs", {"kind": 7}, **mine)[0] == 422, "metrics and error responses are available")
         with open(f"/proc/{running.process.pid}/cmdline", encoding="utf-8") as file:
             answers.append(file.read())
         if database.startswith("postgres"):
@@ -108,13 +108,13 @@ def a_whole_run(directory, database):
             answers.append(worker.stdout.readline())
             worker.terminate()
             worker.wait()
-            # Sessions that break off are told of in the log.
+            # Broken database sessions appear in the log.
             tell("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE application_name = 'raceway'")
             time.sleep(3)
-            check(ask("GET", path, **mine)[0] == 200, "a session that was cut is made again")
+            check(ask("GET", path, **mine)[0] == 200, "a broken database session is replaced")
         second = subprocess.run(command, env=environment | {"RACEWAY_DATABASE": f"postgres://raceway:{PASSWORD}@127.0.0.1:1/r"},
                                 capture_output=True, text=True, timeout=30)
-        check(second.returncode == 1 and "127.0.0.1:1" in second.stderr, "a server that is not there is named")
+        check(second.returncode == 1 and "127.0.0.1:1" in second.stderr, "the error names the unreachable server")
         answers.append(second.stdout + second.stderr)
     finally:
         running.stop()
@@ -130,22 +130,22 @@ def tell(sql):
 
 
 def check_lines(log):
-    """Each line is an object, and those of a request name it."""
+    """Each line is an object, and each line of a request contains its identifier."""
     lines = [json.loads(line) for line in log.splitlines()]
     mine = [line["message"] for line in lines if line.get("span", {}).get("id") == REQUEST]
-    check({"accepted", "answered"} <= set(mine), f"lines of a request name it: {mine}")
-    check(not any("spans" in line for line in lines), "and once")
+    check({"accepted", "answered"} <= set(mine), f"log lines of a request contain its identifier: {mine}")
+    check(not any("spans" in line for line in lines), "they contain it once")
     said = {line["message"]: line for line in lines if line["level"] == "INFO"}
-    check({"version", "address", "database", "workers"} <= set(said["serving"]), "the start is told")
-    check("stopping; running jobs go back into the queue" in said and "stopped" in said, "and the stop")
+    check({"version", "address", "database", "workers"} <= set(said["serving"]), "the log contains the start")
+    check("stopping; running jobs go back into the queue" in said and "stopped" in said, "the log contains the stop")
     ended = said.get("a run has succeeded", {})
-    check({"job", "seconds", "rung"} <= set(ended), f"and the end of a run: {ended}")
+    check({"job", "seconds", "rung"} <= set(ended), f"the log contains the end of a run: {ended}")
 
 
 def check_secrets(name, log, answers, rows):
     check_lines(log)
     print(f"{name}: {len(log)} bytes of log, {len(answers)} of answers, {len(rows)} of records")
-    check("TRACE" in log or "DEBUG" in log, f"{name}: much is logged")
+    check("TRACE" in log or "DEBUG" in log, f"{name}: the log is verbose")
     for secret in (TOKEN, OTHER, WRONG, PASSWORD):
         kind = secret.split("-")[0]
         for where, text in (("log", log), ("answer or argument", answers), ("record", rows)):
@@ -157,7 +157,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     if server:
         log, answers = a_whole_run(directory, server.replace("raceway@", f"raceway:{PASSWORD}@"))
         dump = subprocess.run([postgres("pg_dump"), server], capture_output=True, text=True, check=True).stdout
-        check("COPY public.jobs" in dump, "what is on record can be read")
+        check("COPY public.jobs" in dump, "the database dump can be read")
         check_secrets("PostgreSQL", log, answers, dump)
     else:
         matrix()

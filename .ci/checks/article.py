@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the article's case must show, by the release binary: lines, clearance sweep, unbalance, tolerance, chaos."""
+"""Results of the article's case by the release binary: lines, clearance sweep, unbalance, tolerance, chaos."""
 
 import concurrent.futures
 import json

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Numbers to look at, never to fail on: time and memory of the article's case, memory of an idle server."""
+"""Prints time and memory of the article's case and memory of an idle server beside their goals. It does not fail on them."""
 
 import json
 import os

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The API as others see it: linters and generators read its description, schemathesis holds the service to it, and the
-examples run. With words, only those parts: description, types, client, examples, schemathesis."""
+"""The API from the side of its clients. Linters and generators read the OpenAPI document, schemathesis compares the service with it,
+and the examples run. Arguments select parts: description, types, client, examples, schemathesis."""
 
 import contextlib
 import json
@@ -18,13 +18,13 @@ HERE = os.path.join(ROOT, ".ci", "checks", "api")
 DOCUMENT = os.path.join(ROOT, "openapi", "openapi.json")
 EXAMPLES = os.path.join(ROOT, "examples")
 TOKEN = "a-token-for-this-check"
-# Where the tools are put, once for each pinned set of versions.
+# Folder of the tools, installed once for each pinned set of versions.
 TOOLS = os.path.join(os.environ.get("CARGO_TARGET_DIR", os.path.join(ROOT, "target")), "api-tools")
 NODE, PYTHON = os.path.join(TOOLS, "node"), os.path.join(TOOLS, "python")
 
 
 def run(*command, shown=True, environment=None, timeout=300, **options):
-    """The output of a command that must succeed, both streams."""
+    """Both output streams of a command that must succeed."""
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           timeout=timeout, env=environment or clean_environment(), **options)
     if shown or done.returncode != 0:
@@ -42,7 +42,7 @@ def python(name):
 
 
 def is_there(place, pins):
-    """Whether the tools in a place are those of the pins; if not, the place is emptied."""
+    """Whether the tools in a folder have the pinned versions. If not, the folder is emptied."""
     mark = os.path.join(place, "pinned")
     wanted = "".join(open(os.path.join(HERE, pin), encoding="utf-8").read() for pin in pins)
     if os.path.exists(mark) and open(mark, encoding="utf-8").read() == wanted:
@@ -62,7 +62,7 @@ def mark(place, pins):
 def install():
     pins = ("package.json", "package-lock.json")
     if not is_there(NODE, pins):
-        # Scripts of packages are not run: none of these needs one.
+        # Scripts of packages do not run, because none of these packages needs one.
         run("npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error", cwd=NODE, timeout=600)
         mark(NODE, pins)
     pins = ("requirements.txt",)
@@ -74,18 +74,18 @@ def install():
 
 
 def description():
-    """Linters find nothing."""
+    """Linters have no findings."""
     run(tool("spectral"), "lint", DOCUMENT, "--ruleset", os.path.join(HERE, "spectral.yaml"), "--fail-severity", "hint",
         "--display-only-failures")
     told = run(tool("redocly"), "lint", DOCUMENT, "--config", os.path.join(HERE, "redocly.yaml"),
                environment=clean_environment(REDOCLY_TELEMETRY="off"))
-    check("warning" not in told.lower(), "redocly warns of nothing")
+    check("warning" not in told.lower(), "redocly has no warning")
 
 
 def types(place):
-    """Types for TypeScript compile, and the portal's example with them; returns where its program is."""
+    """Compiles the types for TypeScript and the example of a portal; returns the path of its program."""
     shutil.copytree(EXAMPLES, place)
-    # Fields with a default need not be given; it is what requests are made of.
+    # Fields with a default are optional in requests.
     run(tool("openapi-typescript"), DOCUMENT, "--default-non-nullable=false", "--output", os.path.join(place, "raceway.d.ts"))
     run(tool("tsc"), "--strict", "--noEmit", os.path.join(place, "raceway.d.ts"))
     run(tool("tsc"), "--project", place)
@@ -101,11 +101,11 @@ def generated_client(place, url):
 
 
 def examples(portal, url, place):
-    """The examples, on a service with tokens."""
+    """Runs the examples on a service with tokens."""
     os.makedirs(place)
     environment = clean_environment(RACEWAY_TOKEN=TOKEN, RACEWAY_URL=url)
     told = run("node", portal, environment=environment)
-    check("beside the field: 6000000 r/min" in told and "BPFO" in told and "501 points" in told, "portal.ts tells what it should")
+    check("beside the field: 6000000 r/min" in told and "BPFO" in told and "501 points" in told, "portal.ts prints the expected lines")
     for command in ([sys.executable, os.path.join(EXAMPLES, "client.py"), url], [os.path.join(EXAMPLES, "curl.sh"), url]):
         for name in os.listdir(place):
             os.remove(os.path.join(place, name))
@@ -116,15 +116,15 @@ def examples(portal, url, place):
     check("5·BPFO" in run(*[sys.executable, os.path.join(EXAMPLES, "client.py"), url], environment=environment, cwd=place,
                           shown=False), "client.py names lines")
     told = run(sys.executable, os.path.join(EXAMPLES, "client.py"), "--help", environment=clean_environment(), shown=False)
-    check("RACEWAY_TOKEN" in told and "http://127.0.0.1:8080" in told, "client.py --help tells what it does and takes")
+    check("RACEWAY_TOKEN" in told and "http://127.0.0.1:8080" in told, "client.py --help describes purpose and options")
     refused = subprocess.run([sys.executable, os.path.join(EXAMPLES, "client.py"), url], capture_output=True, text=True,
                              timeout=60, env=clean_environment(RACEWAY_TOKEN="wrong"), cwd=place)
-    check(refused.returncode == 1 and "401 A token is needed" in refused.stderr, "client.py tells of a wrong token")
+    check(refused.returncode == 1 and "401 A token is needed" in refused.stderr, "client.py reports a wrong token")
 
 
 @contextlib.contextmanager
 def served(folder, time_limit_s):
-    """A service with a token. Fuzzed scenes may be costly: one at a time, and none for long."""
+    """A service with a token. Generated scenes may be expensive: one at a time, with a short time limit."""
     os.makedirs(folder)
     running = Service(folder, "--workers", "1", "--time-limit-s", str(time_limit_s),
                       environment=clean_environment(RACEWAY_API_TOKENS=TOKEN))
@@ -136,13 +136,13 @@ def served(folder, time_limit_s):
 
 
 def schemathesis(running, place):
-    """No request of thousands is answered otherwise than the description says."""
+    """Thousands of requests have responses that the OpenAPI document describes."""
     sys.path.insert(0, HERE)
     from examples import JOBS
     ids = {}
     for kind, job in JOBS.items():
         path = running.submit(job)[0]
-        check(running.ended(path)["status"] == "succeeded", f"a job of kind {kind} is there to be read")
+        check(running.ended(path)["status"] == "succeeded", f"a job of kind {kind} has succeeded")
         ids[kind.upper()] = path.rsplit("/", 1)[1]
     settings = os.path.join(HERE, "schemathesis.toml")
     without_ids = os.path.join(place, "schemathesis.toml")
@@ -150,14 +150,14 @@ def schemathesis(running, place):
         kept.write(given.read().partition("# Jobs that have succeeded")[0])
 
     def tried(url, phases, config):
-        # A key that comes again is answered with its job, which may have been deleted since: not every job that is told of
-        # is there. (Told here, since `--checks all` outweighs what the settings switch off.)
+        # A repeated key is answered with its job, which may be deleted by then: not every job in a response still
+        # exists. This check is excluded here, because `--checks all` overrides the settings.
         run(python("schemathesis"), "--config-file", config, "run", f"{url}/openapi.json", "--checks", "all",
             "--exclude-checks", "ensure_resource_availability", "--phases", phases, "--no-color",
             environment=clean_environment(RACEWAY_TOKEN=TOKEN, **ids), timeout=600, cwd=place)
 
     tried(running.url, "coverage,fuzzing", settings)
-    # Nothing here needs a job that has succeeded, and many are posted that take as long as they may, one after the other.
+    # No test needs a succeeded job, and many jobs run until their time limit, one after the other.
     with served(os.path.join(place, "stateful"), 1) as brief:
         tried(brief.url, "examples,stateful", without_ids)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Exit statuses and streams of the commands: stdout carries only what was asked for."""
+"""Exit statuses and output streams of the commands. stdout contains only the requested output."""
 
 import json
 import os
@@ -64,5 +64,5 @@ with tempfile.TemporaryDirectory() as directory:
           "what a microsecond does not tell is said so")
     check(done.stderr == "", "--quiet leaves stderr empty")
 check("openapi" in json.loads(raceway("openapi").stdout), "openapi prints the document")
-check(raceway("health", "--listen", "127.0.0.1:1").returncode == 1, "health of nobody ends with 1")
-check(raceway("--version").stdout.startswith("raceway "), "the version is told")
+check(raceway("health", "--listen", "127.0.0.1:1").returncode == 1, "health without a service ends with 1")
+check(raceway("--version").stdout.startswith("raceway "), "the version is printed")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the Dockerfile promises, without a container engine: its command, as its user, with nothing but /data to write to."""
+"""The Dockerfile without a container engine: its command, as its user, with /data as the only writable folder."""
 
 import json
 import os
@@ -31,12 +31,12 @@ with open(os.path.join(ROOT, ".dockerignore"), encoding="utf-8") as file:
 with tempfile.TemporaryDirectory(prefix="raceway-context-") as context:
     for source in re.findall(r"^COPY (?!--from)(.+) \S+$", text, re.MULTILINE):
         for path in source.split():
-            check(path in let_in, f"{path} is let into the build")
+            check(path in let_in, f".dockerignore admits {path}")
             if os.path.isdir(os.path.join(ROOT, path)):
                 shutil.copytree(os.path.join(ROOT, path), os.path.join(context, path))
             else:
                 shutil.copy(os.path.join(ROOT, path), context)
-    # Instead of a second build: whatever file the manifest or the code names is among those copied.
+    # In place of a second build: every file that the manifest or the code names is copied.
     with open(os.path.join(context, "Cargo.toml"), "rb") as file:
         manifest = tomllib.load(file)
     for kind, folder in (("bench", "benches"), ("test", "tests"), ("example", "examples")):
@@ -92,7 +92,7 @@ try:
         check(owner == (uid if as_user else os.geteuid()), f"the service runs as {owner}")
         probe = as_user + [program] + in_container(health[1:])
         asked = subprocess.run(probe, env={"PATH": "/usr/bin:/bin"}, cwd="/", capture_output=True, timeout=10)
-        check(asked.returncode == 0, "the health check is content")
+        check(asked.returncode == 0, "the health check succeeds")
         path, _ = running.submit(ARTICLE | {"duration_s": 0.01, "settle_s": 0})
         check(running.ended(path)["status"] == "succeeded", "a job succeeds")
         check(os.path.exists(os.path.join(data, "raceway.db")), "the database lies in /data")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Scenes at the edge of what is allowed, as jobs of the service: each is refused with the field's name, ends with finite numbers, or
-fails with a cause that says what to do; none takes the service down or keeps a worker for longer than it may."""
+"""Scenes at the limits of the input, as jobs of the service. Each is refused with the name of the field, ends with finite numbers, or
+fails with a cause and advice. None stops the service or exceeds the time limit of a worker."""
 
 import json
 import os
@@ -15,14 +15,14 @@ CAUSES = {"did-not-converge", "numerical-blowup", "time-limit"}
 
 
 def merged(base, changes):
-    """`base` with the fields of `changes` in place of its own, object by object."""
+    """`base` with the fields of `changes`, merged object by object."""
     if not (isinstance(base, dict) and isinstance(changes, dict)):
         return changes
     return {**base, **{name: merged(base.get(name), change) for name, change in changes.items()}}
 
 
 def finite(answer):
-    """Whether there is a number in every place of a number: what is none is written as null."""
+    """Whether the answer has no null, which is written in place of a number that is not finite."""
     if isinstance(answer, dict):
         return all(finite(value) for value in answer.values())
     return all(finite(value) for value in answer) if isinstance(answer, list) else answer is not None
@@ -55,5 +55,5 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
             cause = error.get("type", "").rsplit(":", 1)[-1]
             check(ended["status"] == "failed" and cause in CAUSES and error["detail"], f"{name}: {cause}: {error['detail']}")
         ends[ended["status"]] = ends.get(ended["status"], 0) + 1
-    check(service.request("GET", "/health/ready")[0] == 200, f"the service is there after {len(cases)} extreme scenes: {ends}")
+    check(service.request("GET", "/health/ready")[0] == 200, f"the service is ready after {len(cases)} extreme scenes: {ends}")
     service.stop()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What the service does while its surroundings fail, and afterwards: a full disk, a database that takes no writes, a link to the server
-that is cut or falls silent, a clock that is set back. Each time: problems as answers, readiness red with its reason, recovery
-without help, nothing lost, every job ended once. With words, only those parts: disk, readonly, clock, link."""
+"""The service during and after faults of its environment: a full disk, a read-only database, a broken or silent connection to the
+database server, a clock that is set back. Each time requests are answered with problems, readiness fails with its reason, the
+service recovers without help, no job is lost, and every job ends once. Arguments select parts: disk, readonly, clock, link."""
 
 import contextlib
 import ctypes
@@ -29,20 +29,20 @@ NOBODY = 65534
 
 
 def run(seconds, number):
-    """A job of about so many seconds of computing, of one thread of an ordinary machine; each a work of its own."""
+    """A job of about this many seconds on one thread of an ordinary machine; no two jobs are identical."""
     operation = {"speed_rpm": 50000, "radial_load_y_n": 200 + number}
     return ARTICLE | {"scene": ARTICLE["scene"] | {"operation": operation}, "settle_s": 0, "duration_s": 0.12 * seconds,
                       "reuse": False, "solver": {"rung": "full", "relative_tolerance": 1e-6}}
 
 
 class Jobs:
-    """What was handed in, by key, so that it can be handed in again when the answer was lost."""
+    """Submitted jobs by idempotency key, so that a job is submitted again after a lost response."""
 
     def __init__(self, service):
         self.service, self.paths, self.number = service, {}, 0
 
     def submit(self, seconds, padding=0):
-        """The status; a refused job is handed in again by `settle`."""
+        """Status of a submission. `settle` submits a refused job again."""
         self.number += 1
         job = run(seconds, self.number) | {"labels": [f"{self.number}"] + ["x" * 200] * padding}
         self.paths[str(uuid.uuid4())] = (job, None)
@@ -63,7 +63,7 @@ class Jobs:
         return [path for _, path in self.paths.values() if path][-1]
 
     def settle(self, name, at_most=90):
-        """Hands in what was refused, and sees that all have succeeded, each once."""
+        """Submits refused jobs again and checks that all have succeeded, each once."""
         for key, (_, path) in list(self.paths.items()):
             if path is None and self._send(key) != 202:
                 sys.exit(f"FAILED: {name}: still refused afterwards: {self.answer}")
@@ -85,7 +85,7 @@ class Jobs:
 
 @contextlib.contextmanager
 def served(directory, command, **more):
-    """A service that ends well, unless it is killed or something else does not."""
+    """A service that stops with status 0, unless it is killed or the check fails."""
     service = Service(directory, command=command, **more)
     try:
         yield service
@@ -128,7 +128,7 @@ def place():
 
 @contextlib.contextmanager
 def small_disk(megabytes):
-    """A disk of its own, where this may be made; otherwise a limit of the size of files stands for it."""
+    """A disk of its own; a limit of the file size where this program may not mount one."""
     with place() as directory:
         command = ["mount", "-t", "tmpfs", "-o", f"size={megabytes}m,mode=777", "tmpfs", directory]
         mounted = IS_ROOT and subprocess.run(command, stderr=subprocess.DEVNULL).returncode == 0
@@ -140,7 +140,7 @@ def small_disk(megabytes):
 
 
 class Ballast:
-    """Fills a disk, and empties it again."""
+    """Fills a disk and empties it again."""
 
     def __init__(self, directory, mounted, service):
         self.path, self.mounted, self.pid = os.path.join(directory, "ballast"), mounted, service.process.pid
@@ -165,7 +165,7 @@ def full_disk():
     with small_disk(16) as (directory, mounted), place() as elsewhere:
         name = "a full disk" if mounted else "a limit of the size of files"
         command = [binary(), "serve", "--listen", "127.0.0.1:0", "--workers", "1", "--database", f"sqlite://{directory}/raceway.db"]
-        # The signal of that limit stays ignored, as this program ignores it.
+        # The child inherits that this program ignores the signal of the limit.
         with served(elsewhere, command, restore_signals=False) as service:
             jobs, ballast = Jobs(service), Ballast(directory, mounted, service)
             jobs.submit(2)
@@ -180,17 +180,17 @@ def full_disk():
             is_problem(jobs.answer, 507, "disk-full", status)
             check(jobs.headers["Retry-After"] is not None, f"{name}: {accepted} more are accepted, then none")
             until_not_ready(service, "no space is left")
-            # Longer than the run takes: its end finds the disk full.
+            # Longer than the run, so that the disk is full at its end.
             deadline = time.monotonic() + 60
             while "the end of a run could not be written" not in service.stderr() and time.monotonic() < deadline:
                 time.sleep(0.2)
-            check(service.request("GET", running)[2]["status"] == "running", f"{name}: an end that cannot be written is none")
+            check(service.request("GET", running)[2]["status"] == "running", f"{name}: a run whose end cannot be stored stays running")
             check(service.request("GET", "/health/live")[0] == 200, f"{name}: the service is alive")
             ballast.remove()
             until_ready(service, name, 20)
             jobs.settle(name)
         with contextlib.closing(sqlite3.connect(f"{directory}/raceway.db")) as connection:
-            check(connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)], f"{name}: the file is whole")
+            check(connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)], f"{name}: the file is intact")
 
 
 def refusal(program, database, **popen):
@@ -202,7 +202,7 @@ def refusal(program, database, **popen):
 
 
 def read_only():
-    """A file, a folder, a disk that take no writes refuse the start, as an ordinary user; what was in them is there afterwards."""
+    """A read-only file, folder or disk prevents the start as an ordinary user. Its contents are unchanged afterwards."""
     user = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if IS_ROOT else {}
     with small_disk(64) as (directory, mounted), place() as elsewhere:
         program = shutil.copy(binary(), os.path.join(elsewhere, "raceway"))
@@ -218,7 +218,7 @@ def read_only():
             with served(elsewhere, command, **user) as service:
                 if not paths:
                     paths.append(service.submit(run(0.02, 1))[0])
-                check(all(service.ended(path)["status"] == "succeeded" for path in paths), "its job is there")
+                check(all(service.ended(path)["status"] == "succeeded" for path in paths), "its job has succeeded")
 
         paths = []
         serves(paths)
@@ -226,7 +226,7 @@ def read_only():
         refusal(program, database, **user)
         os.chmod(database, 0o644)
         serves(paths)
-        # A file that may be written in a folder that may not: there is no place for the log.
+        # A writable file in a read-only folder: there is no place for the write-ahead log.
         os.chmod(data, 0o555)
         refusal(program, database, **user)
         os.chmod(data, 0o755)
@@ -239,7 +239,7 @@ def read_only():
 
 
 def set_clock():
-    """A clock that is set back by a day while jobs run and wait, then forward, and back again between two lives of the service."""
+    """A clock that is set back by a day while jobs run and wait, then forward, and back again between two starts of the service."""
     libraries = glob.glob("/usr/lib/*/faketime/libfaketimeMT.so.1")
     check(libraries != [], "Debian's libfaketime is there")
     with place() as directory:
@@ -251,7 +251,7 @@ def set_clock():
             os.rename(offset + ".new", offset)
 
         turn(0)
-        # Time that passes is not faked: computers keep that by another clock, which nobody sets.
+        # The monotonic clock is not faked, because nobody can set it.
         environment = clean_environment(LD_PRELOAD=libraries[0], FAKETIME_TIMESTAMP_FILE=offset, FAKETIME_NO_CACHE="1",
                                         FAKETIME_DONT_FAKE_MONOTONIC="1", DONT_FAKE_MONOTONIC="1")
         command = [binary(), "serve", "--listen", "127.0.0.1:0", "--workers", "1", "--lost-after-s", "1",
@@ -263,13 +263,13 @@ def set_clock():
             jobs.submit(0.1)
             turn(-86_400)
             for _ in range(2):
-                check(jobs.submit(0.1) == 202, "a clock set back: jobs are taken")
+                check(jobs.submit(0.1) == 202, "a clock set back: jobs are accepted")
             made = [service.request("GET", path)[2]["created_at"] for _, path in jobs.paths.values()]
             check(made[-1] < made[0], f"a clock set back: {made[0]}, then {made[-1]}")
             jobs.settle("a clock set back")
             figures = service.request("GET", "/metrics")[2].decode().splitlines()
             oldest = [line.split()[1] for line in figures if line.startswith("raceway_oldest_waiting_seconds ")]
-            check(float(oldest[0]) >= 0, "a clock set back: nobody has waited for less than nothing")
+            check(float(oldest[0]) >= 0, "a clock set back: no waiting time is negative")
             turn(+3600)
             jobs.submit(0.1)
             jobs.settle("a clock set forward")
@@ -281,17 +281,17 @@ def set_clock():
             turn(-7 * 86_400)
             with served(directory, command, environment=environment) as again:
                 ends = [again.ended(path)["status"] for _, path in jobs.paths.values()]
-                check(set(ends) == {"succeeded"}, f"a clock set back between two lives: all of {len(ends)} jobs have succeeded")
+                check(set(ends) == {"succeeded"}, f"a clock set back between two starts: all of {len(ends)} jobs have succeeded")
 
 
-# A filter of packets, as `man 7 socket` describes it, that lets none in: what is sent to such a socket is not even acknowledged.
+# A packet filter (`man 7 socket`) that drops every packet. Data to such a socket are not even acknowledged.
 NOTHING = ctypes.create_string_buffer(struct.pack("HBBI", 0x06, 0, 0, 0))
 DROP_ALL = struct.pack("HxxxxxxP", 1, ctypes.addressof(NOTHING))
 SO_ATTACH_FILTER, SO_DETACH_FILTER = 26, 27
 
 
 class Link:
-    """A relay to the server, whose links can be cut with a refusal or fall silent."""
+    """A relay to the server that can refuse or silence its connections."""
 
     def __init__(self, port):
         self.port, self.pairs, self.mode = port, [], "open"
@@ -328,7 +328,7 @@ class Link:
                     other[side].sendall(data)
 
     def refuse(self):
-        """All links are reset, and new ones refused."""
+        """Resets all connections and refuses new ones."""
         self.mode = "refuse"
         self.listener.shutdown(socket.SHUT_RDWR)
         self.listener.close()
@@ -341,14 +341,14 @@ class Link:
         self.pairs = []
 
     def fall_silent(self):
-        """Nothing goes through and nothing is acknowledged, on old links and new; the server's side stays open, as it would."""
+        """Drops all data without acknowledgement, on old and new connections. The side of the server stays open, as in a real outage."""
         self.mode = "silent"
         for near in [self.listener, *(near for near, _ in self.pairs)]:
             with contextlib.suppress(OSError):
                 near.setsockopt(socket.SOL_SOCKET, SO_ATTACH_FILTER, DROP_ALL)
 
     def restore(self):
-        """New links go through; those that fell silent stay so for ever."""
+        """Opens new connections again. Silent ones stay silent."""
         if self.mode == "refuse":
             self.mode = "open"
             self._listen(self.own_port)
@@ -397,7 +397,7 @@ def lost_link(server):
 
 
 def server_without_writes(server):
-    """As a server that has become a replica, or one whose disk is full, refuses them."""
+    """Refuses writes, like a server that became a replica or has a full disk."""
     with place() as directory:
         psql(server, "CREATE DATABASE raceway_reads")
         database = server.rsplit("/", 1)[0] + "/raceway_reads"
@@ -417,7 +417,7 @@ def server_without_writes(server):
             status = jobs.submit(0.1)
             is_problem(jobs.answer, 503, "database-away", status)
             until_not_ready(service, "takes no writes")
-            check(service.request("GET", path)[0] == 200, "a server without writes: what is on record can be read")
+            check(service.request("GET", path)[0] == 200, "a server without writes: stored jobs can be read")
             writes(True)
             until_ready(service, "a server without writes", 30)
             jobs.settle("a server without writes")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""SIGKILL at random times, of a service on SQLite, and of a service and two workers on PostgreSQL, while jobs are handed in with
-idempotency keys: each ends once, with the result of an undisturbed run to the bit. KILLS and JOBS say how many on each database
-(20 and 200 unless told), SEED at which times; `KILLS=200 JOBS=500 .ci/checks/kills.py` is the long form."""
+"""SIGKILL at random times: of a service on SQLite, and of a service and two workers on PostgreSQL. Jobs are submitted with idempotency
+keys. Each ends once, with the result of an undisturbed run to the bit. KILLS and JOBS set their numbers on each database (20 and
+200 by default), SEED the times. `.ci/long kills` is the long form."""
 
 import atexit
 import json
@@ -22,20 +22,20 @@ from service import ROOT, Service, binary, check, clean_environment, free_port  
 KILLS = int(os.environ.get("KILLS", "20"))
 JOBS = int(os.environ.get("JOBS", "200"))
 SEED = int(os.environ.get("SEED", "1"))
-# Scenes, each run again and again: what they leave behind is known from an undisturbed run.
+# Scenes that run repeatedly. Their results are known from an undisturbed run.
 SCENES = 10
 PATIENCE = ["--max-lost-runs", "1000", "--lost-after-s", "1"]
 
 
 def job(number):
-    """Some tens of milliseconds of computing."""
+    """A job of some tens of milliseconds."""
     operation = {"speed_rpm": 20000 + 1000 * (number % SCENES), "radial_load_y_n": 150}
     return {"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": operation}, "reuse": False,
             "duration_s": 0.2, "solver": {"rung": "radially_condensed"}, "labels": [f"job-{number}"]}
 
 
 def timeless(metrics):
-    """What no clock has measured."""
+    """The result without measured times."""
     solver = {name: value for name, value in metrics["solver"].items() if name not in ("wall_time_s", "real_time_factor")}
     return json.dumps({**metrics, "solver": solver}, sort_keys=True)
 
@@ -71,7 +71,7 @@ class Worker:
         self.process.wait()
 
 
-# Whatever has been started, so that nothing outlives a check that fails.
+# All started processes, so that none outlives a failed check.
 STARTED = []
 atexit.register(lambda: [process.kill() for process in STARTED])
 
@@ -84,7 +84,7 @@ def serve(directory, database, port, *options):
 
 
 def hand_in(client, paths):
-    """Every job, again and again until it is answered: its key makes it once."""
+    """Submits every job until it is answered. Its key creates it once."""
     for number in range(JOBS):
         while paths[number] is None:
             try:
@@ -99,7 +99,7 @@ def hand_in(client, paths):
 
 
 def storm(name, start, expected):
-    """Kills until all kills are made and all jobs have ended."""
+    """Kills processes until the number of kills is reached and all jobs have ended."""
     rng = random.Random(SEED)
     processes = [one() for one in start]
     client = {"service": processes[0]}
@@ -114,22 +114,22 @@ def storm(name, start, expected):
         processes[which] = start[which]()
         client["service"] = processes[0]
     hands.join(timeout=300)
-    check(not hands.is_alive(), f"{name}: all of {JOBS} jobs are handed in")
+    check(not hands.is_alive(), f"{name}: all of {JOBS} jobs are submitted")
     service = processes[0]
     for path in paths:
         check_succeeded(service.ended(path, at_most=300))
     check(True, f"{name}: all have succeeded, {time.monotonic() - begin:.0f} s after the first, through {KILLS} kills")
-    check(len(set(paths)) == JOBS, f"{name}: no two are one")
+    check(len(set(paths)) == JOBS, f"{name}: all jobs have different identifiers")
     for number, path in enumerate(paths):
         result = timeless(service.request("GET", f"{path}/metrics")[2])
         if result != expected[number % SCENES]:
             sys.exit(f"FAILED: {path} differs from the undisturbed run")
-    check(True, f"{name}: results are those of undisturbed runs, to the bit")
+    check(True, f"{name}: results equal those of undisturbed runs, to the bit")
     count, page = 0, "/v1/jobs?limit=200"
     while page:
         listed = service.request("GET", page)[2]
         count, page = count + len(listed["jobs"]), listed["next"]
-    check(count == JOBS, f"{name}: {count} jobs are on record, each once")
+    check(count == JOBS, f"{name}: {count} jobs are stored, each once")
     return processes
 
 
@@ -141,7 +141,7 @@ def on_sqlite(expected):
         with sqlite3.connect(database) as connection:
             told = connection.execute("PRAGMA integrity_check").fetchall()
             results, = connection.execute("SELECT count(*) FROM results").fetchone()
-        check(told == [("ok",)] and results == JOBS, f"SQLite: the file is whole and holds {results} results")
+        check(told == [("ok",)] and results == JOBS, f"SQLite: the file is intact and holds {results} results")
 
 
 def on_postgres(expected, server):
@@ -150,7 +150,7 @@ def on_postgres(expected, server):
         with open(os.path.join(directory, "workers.log"), "ab") as log:
             start = [lambda: serve(directory, server, port, "--workers", "0"), lambda: Worker(server, log), lambda: Worker(server, log)]
             processes = storm("PostgreSQL", start, expected)
-            # Asleep past its claim, then awake: what has ended stays as it is.
+            # A worker that sleeps past its lease and wakes up does not change a finished job.
             service, sleeper, other = processes
             other.kill()
             path = service.submit({**job(0), "duration_s": 100})[0]
@@ -162,7 +162,7 @@ def on_postgres(expected, server):
             sleeper.process.send_signal(signal.SIGCONT)
             time.sleep(3)
             now = service.request("GET", path)[2]
-            check(now["finished_at"] == ended["finished_at"], "PostgreSQL: a worker that slept past its claim changes nothing")
+            check(now["finished_at"] == ended["finished_at"], "PostgreSQL: a worker that slept past its lease changes nothing")
             for process in processes:
                 process.kill()
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What the service adds to the solver's time, and how quickly it answers while all cores simulate. Times are printed, not judged:
-machines differ. What is judged is that every answer is right. Under .ci/with-postgres the first is measured there, too."""
+"""Time that the service adds to the solver, and its response times while all cores simulate. Times are printed and have no limit,
+because machines differ. The check fails on a wrong response. Under .ci/with-postgres the first is measured there, too."""
 
 import http.client
 import json
@@ -25,7 +25,7 @@ def told(name, seconds):
 
 
 class Client:
-    """One connection that is kept."""
+    """One persistent connection."""
 
     def __init__(self, url):
         self.connection = http.client.HTTPConnection(url.split("//")[1], timeout=60)
@@ -38,13 +38,13 @@ class Client:
 
 
 def quick(number):
-    """The article's case on its quickest rung, another each time."""
+    """The article's case on its fastest model, different in each call."""
     scene = {**ARTICLE["scene"], "operation": {"speed_rpm": 50000, "radial_load_y_n": 150 + 0.1 * number}}
     return {**ARTICLE, "scene": scene, "outputs": {"metrics": ["vibration"]}, "solver": {"rung": "periodic"}}
 
 
 def overhead(client, where):
-    """What waiting for jobs takes beyond their solver; the last of them."""
+    """Waiting times beyond the solver [s], and the last job."""
     over = []
     for number in range(RUNS):
         begin = time.perf_counter()
@@ -52,7 +52,7 @@ def overhead(client, where):
         took = time.perf_counter() - begin
         job = json.loads(answer)
         if number == 0:
-            check(status == 200, "a job that is waited for comes with its metrics")
+            check(status == 200, "the response to `Prefer: wait` contains the metrics")
         over.append(took - job["metrics"]["solver"]["wall_time_s"])
     told(f"from POST with Prefer: wait to metrics on {where}, over the solver's own time", over)
     return job
@@ -74,7 +74,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         job = overhead(client, "SQLite")
         path = job["links"]["self"]
 
-        # Every worker is busy from here on.
+        # From here on every worker is busy.
         long = {**ARTICLE, "duration_s": 20, "solver": {"rung": "full", "relative_tolerance": 1e-6}}
         busy = [service.submit({**long, "scene": {**ARTICLE["scene"], "operation": {"speed_rpm": 50000, "radial_load_y_n": 200 + k}}})[0] for k in range(os.cpu_count() or 1)]
         for one in busy:
@@ -85,10 +85,10 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
                 begin = time.perf_counter()
                 status, _ = client.ask("GET", asked)
                 took.append(time.perf_counter() - begin)
-            check(status == 200, f"{name} is there")
+            check(status == 200, f"{name} is available")
             told(f"{name} while all cores simulate", took)
 
-        # How long after a cancellation has ended the job its last event arrives.
+        # Time from the end of a cancelled job to its last event.
         ended = {}
 
         def follow(path):
@@ -107,7 +107,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
             follower.join()
         for one in busy:
             seen, body = ended[one]
-            check(b"event: progress" in body and b"event: cancelled" in body, "a stream shows the way and the end")
+            check(b"event: progress" in body and b"event: cancelled" in body, "an event stream has progress and end")
         print("streams have ended with their jobs")
     finally:
         service.stop()

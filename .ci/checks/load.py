@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""More requests than can be answered: reads, submissions, and submissions that find the queue full, over 500 connections by wrk. Figures are
-printed, with the processor's time for each answer, which is the same however busy the machine is. What is judged is generous."""
+"""Overload by wrk over 500 connections: reads, submissions, and submissions to a full queue. The check prints rates and processor time
+for each response, which does not depend on the load of the machine. Its limits are generous."""
 
 import json
 import os
@@ -22,7 +22,7 @@ wrk.headers["Content-Type"] = "application/json"
 
 
 def processor_time(service):
-    """Of all threads but the solver's, which run at a lower priority [s]."""
+    """Processor time of all threads except those of the solver, which have a lower priority [s]."""
     ticks = 0
     for thread in os.listdir(f"/proc/{service.process.pid}/task"):
         with open(f"/proc/{service.process.pid}/task/{thread}/stat", encoding="utf-8") as file:
@@ -37,7 +37,7 @@ def seconds(text):
 
 
 def load(name, service, path, connections, script=None):
-    """Answers a second, how many of them are refusals, and the times of half and of 99 of 100 of them [s]."""
+    """Responses a second, number of refusals among them, and median and 99th percentile of their times [s]."""
     command = ["wrk", "-t1", f"-c{connections}", f"-d{SECONDS}", "--timeout", "20", "--latency"]
     before = processor_time(service)
     told = subprocess.run([*command, *(["-s", script] if script else []), service.url + path], capture_output=True, text=True, check=True).stdout
@@ -57,7 +57,7 @@ def load(name, service, path, connections, script=None):
 
 
 def busy(directory, queue_limit):
-    """A service whose only worker computes, a job that has ended, and a script by which wrk submits."""
+    """A service with its only worker busy, a finished job, and a script with which wrk submits."""
     service = Service(directory, "--workers", "1", "--queue-limit", str(queue_limit))
     path, _ = service.submit(SMALL)
     check(service.ended(path)["status"] == "succeeded", "a job has ended")
@@ -78,10 +78,10 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
                 rate, refused, *_ = load(name, service, asked, connections)
                 check(refused == 0 and rate > 20, f"{name}: none is refused")
             rate, refused, *_ = load("a submission", service, "/v1/jobs", connections, script)
-            check(refused == 0 and rate > 5, "submissions: each is on the disk")
-        # More than are worked on at a time: those beyond are told so, and nobody waits long.
+            check(refused == 0 and rate > 5, "submissions: each is stored")
+        # More requests than are processed at a time. The others are refused soon.
         _, refused, _, high = load("a job's status", service, path, 900)
-        check(high < 20, "beyond the limit answers come soon, too")
+        check(high < 20, "responses beyond the limit arrive soon, too")
         probe = time.perf_counter()
         check(service.request("GET", "/health/ready")[0] == 200, f"ready again {1e3 * (time.perf_counter() - probe):.1f} ms later")
         counted = service.request("GET", "/metrics")[2].decode()
@@ -96,8 +96,8 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         service.submit(SMALL)
         for connections in (50, 500):
             rate, refused, _, high = load("a submission to a full queue", service, "/v1/jobs", connections, script)
-            check(refused == 1 and rate > 20 and high < 20, "a full queue: each is refused, and soon")
+            check(refused == 1 and rate > 20 and high < 20, "a full queue: each is refused soon")
         status, headers, problem = service.request("POST", "/v1/jobs", SMALL)
-        check((status, headers["Retry-After"]) == (429, "5") and problem["type"].endswith(":queue-full"), "with 429 and a time to come back")
+        check((status, headers["Retry-After"]) == (429, "5") and problem["type"].endswith(":queue-full"), "a full queue is answered with 429 and Retry-After")
     finally:
         service.stop()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A study of 64 points on PostgreSQL with one `raceway worker` and with two, each of one place, in turn: the tables are alike, and the
-ratio of the times is printed. Two need two free cores to be twice as fast, which a check cannot be sure of: the ratio is a number to
-look at. So is what a waited-for job takes beyond its solver."""
+"""A study of 64 points on PostgreSQL with one and with two `raceway worker` processes of one thread each, in turn. The tables must be
+equal. The ratio of the times is printed without a limit, because two workers need two free cores. So is the waiting time of a
+job beyond its solver."""
 
 import json
 import os
@@ -24,18 +24,18 @@ STUDY = {
 
 
 def timeless(table):
-    """Levels and loads, which no clock has measured."""
+    """The table without measured times."""
     return json.dumps([[row["point"], row["metrics"]["channels"]] for row in table["rows"]], sort_keys=True)
 
 
 def run(server, workers):
-    """Seconds from the submission to the end, and what came out."""
+    """Time from submission to end [s], and the table."""
     command = [binary(), "worker", "--database", server, "--workers", "1"]
     started = [subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                                 env=clean_environment()) for _ in range(workers)]
     try:
         for worker in started:
-            check(worker.stdout.readline().startswith("working for postgres://"), "a worker is there")
+            check(worker.stdout.readline().startswith("working for postgres://"), "a worker has started")
         begin = time.monotonic()
         path = service.submit(STUDY)[0]
         ended = service.ended(path, at_most=600)
@@ -50,7 +50,7 @@ def run(server, workers):
 
 
 def overhead():
-    """What waited-for jobs take beyond their solver [ms]."""
+    """Waiting times of jobs beyond their solver [ms]."""
     beyond = []
     for number in range(WAITED_FOR):
         operation = {"speed_rpm": 50000, "radial_load_y_n": 100 + number}
@@ -82,4 +82,4 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     beyond = overhead()
     print(f"machines: {WAITED_FOR} waited-for jobs on PostgreSQL take {statistics.median(beyond):.1f} ms beyond their solver in the median, "
           f"{beyond[0]:.1f} to {beyond[-1]:.1f} ms")
-    check(alone.stop() == 0, "and so does one that runs jobs itself")
+    check(alone.stop() == 0, "a service with its own worker stops with status 0")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The memory of a run does not grow with its duration: what is not asked for as a series is dropped second by second."""
+"""The memory of a run does not grow with its duration, because samples outside a requested series are dropped every second."""
 
 import json
 import os
@@ -18,7 +18,7 @@ with subprocess.Popen([binary(), "simulate", "-", "--quiet"], stdin=subprocess.P
     run.stdin.write(json.dumps(job).encode())
     run.stdin.close()
     answer = json.loads(run.stdout.read())
-    # Of this child alone: RUSAGE_CHILDREN is the largest of all.
+    # Usage of this child only. RUSAGE_CHILDREN would give the largest of all.
     _, status, usage = os.wait4(run.pid, 0)
     run.returncode = os.waitstatus_to_exitcode(status)
 check(run.returncode == 0, f"{SECONDS} s are simulated")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The README's way from a catalogue to a labelled spectrum, its shell block as it stands, against a real service."""
+"""The shell block of the README from a catalogue to a labelled spectrum, run unchanged against a service."""
 
 import os
 import re
@@ -15,7 +15,7 @@ with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as readme:
     found = re.search(r"<!-- \.ci/checks/newcomer\.py[^\n]*-->\n```sh\n(.*?)```", readme.read(), re.DOTALL)
 check(found is not None, "README.md has its marked block")
 block = found.group(1)
-check("http://127.0.0.1:8080" in block, "the block speaks to the default address")
+check("http://127.0.0.1:8080" in block, "the block uses the default address")
 
 with service() as running, tempfile.TemporaryDirectory() as directory:
     script = block.replace("http://127.0.0.1:8080", running.url)
@@ -31,7 +31,7 @@ with service() as running, tempfile.TemporaryDirectory() as directory:
     root = xml.etree.ElementTree.parse(picture).getroot()
     check(root.tag.endswith("svg"), "spectrum.svg is well-formed")
     check("BPFO" in "".join(root.itertext()), "spectrum.svg names BPFO")
-    # What the README says around the block.
+    # Other statements of the README near the block.
     jobs = running.request("GET", "/v1/jobs")[2]["jobs"]
     path = f"/v1/jobs/{jobs[0]['id']}"
     status, headers, table = running.request(

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The finite elements of verification/pocket, on their coarsest mesh, are those that are stored, and the law agrees with them."""
+"""The finite elements of verification/pocket on their coarsest mesh give the stored results, and the pocket law agrees with them."""
 
 import pathlib
 import subprocess

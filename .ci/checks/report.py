@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/ARTICLE.md is what the program writes, figure by figure; sampled sets of parameters give a report and a table."""
+"""The program writes docs/ARTICLE.md, figure by figure. Sampled sets of parameters give a report and a table."""
 
 import os
 import pathlib
@@ -20,7 +20,7 @@ def article(directory, *arguments):
 
 
 def sections(path):
-    """Text of each figure by its heading."""
+    """Text of each figure, by its heading."""
     parts = path.read_text().split("\n## ")[1:]
     return {part.split("\n", 1)[0]: part for part in parts}
 

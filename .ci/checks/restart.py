@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""SIGKILL in the middle of a job: after a restart it succeeds, once, and so does the one that was waiting."""
+"""SIGKILL during a job. After a restart this job and the waiting job succeed, each once."""
 
 import os
 import sys
@@ -8,7 +8,7 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
 from service import ARTICLE, Service, check  # noqa: E402
 
-# Seconds of computing: the kill meets it on a quick machine, too.
+# A job of some seconds, so that the kill interrupts it on a fast machine, too.
 LONG = ARTICLE | {"duration_s": 10, "solver": {"rung": "full"}}
 
 with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
@@ -26,12 +26,12 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         check(second.url != "", "the service starts again on the same database")
         job = second.ended(long)
         check(job["status"] == "succeeded" and job["error"] is None, "the killed job has succeeded")
-        check(second.ended(waiting)["status"] == "succeeded", "and so has the waiting one")
+        check(second.ended(waiting)["status"] == "succeeded", "the waiting job has succeeded")
         jobs = second.request("GET", "/v1/jobs")[2]["jobs"]
         check(len(jobs) == 2, "there are two jobs, no more")
         metrics = second.request("GET", f"{long}/metrics")[2]
-        check(metrics["channels"]["spindle.y.acceleration"]["level_db"] > 0, "its metrics are there")
+        check(metrics["channels"]["spindle.y.acceleration"]["level_db"] > 0, "its metrics are available")
         again = second.request("POST", "/v1/jobs", LONG)[2]
-        check(again["status"] == "succeeded" and again["reused"], "its result answers the same work")
+        check(again["status"] == "succeeded" and again["reused"], "its result is reused for the same job")
     finally:
         second.stop()

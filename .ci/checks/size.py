@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a thousand finished jobs of the usual outputs take on the disk, and how long a page of their list takes."""
+"""Disk space of finished jobs with default outputs, and response time of a page of their list."""
 
 import os
 import statistics
@@ -11,7 +11,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from service import ARTICLE, Service, check  # noqa: E402
 
 JOBS = int(os.environ.get("JOBS", "200"))
-# Bytes a job that the service promises.
+# Largest disk space of a job [bytes].
 PROMISED = 60_000
 
 with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
@@ -23,7 +23,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
 
         for begin in range(0, JOBS, 100):
             status, _, answer = service.request("POST", "/v1/jobs/batch", {"jobs": [job(n) for n in range(begin, min(JOBS, begin + 100))]})
-            check(status == 200 and all(item["status"] == 202 for item in answer["answers"]), f"jobs from {begin} on are taken")
+            check(status == 200 and all(item["status"] == 202 for item in answer["answers"]), f"jobs from {begin} on are accepted")
         last = answer["answers"][-1]["job"]["links"]["self"]
         while service.request("GET", "/v1/jobs?status=queued&limit=1")[2]["jobs"] or service.request("GET", "/v1/jobs?status=running&limit=1")[2]["jobs"]:
             time.sleep(0.5)
@@ -35,7 +35,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         check(status == 200 and len(page["jobs"]) == 50, "a page is listed")
         print(f"a page of 50 jobs: {1e3 * statistics.median(took):.1f} ms in the median, {1e3 * max(took):.1f} ms at most")
     finally:
-        # Moves the log into the database.
+        # The stop moves the write-ahead log into the database.
         service.stop()
     size = sum(os.path.getsize(os.path.join(directory, name)) for name in os.listdir(directory) if ".db" in name)
     print(f"{JOBS} jobs take {size / 1e6:.1f} MB: {size / JOBS / 1e3:.1f} kB a job")

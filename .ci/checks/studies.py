@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A map of 20 × 20 points: cancelled in the middle, resumed, killed, and the same table as undisturbed; two workers against one."""
+"""A map of 20 × 20 points, cancelled during its run, resumed and killed, gives the table of an undisturbed run. Two workers against one."""
 
 import os
 import sys
@@ -46,17 +46,17 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     service.until(path, lambda job: job["status"] == "cancelled", at_most=2)
     kept = table(service, path)["ended"]
     check(80 <= kept < 400, f"and keeps its {kept} points of 400")
-    check(service.request("POST", f"{path}/resume")[0] == 202, "it goes on")
+    check(service.request("POST", f"{path}/resume")[0] == 202, "it is resumed")
     reach(service, path, 200)
     service.kill()
     service = Service(directory, "--workers", "2")
     try:
-        check(table(service, path)["ended"] >= 200, "after a kill all that had ended is there")
-        check(service.ended(path)["status"] == "succeeded", "and it succeeds by itself")
+        check(table(service, path)["ended"] >= 200, "finished points survive a kill")
+        check(service.ended(path)["status"] == "succeeded", "the killed study succeeds without help")
         disturbed = timeless(table(service, path))
         again, _ = service.submit(study(20))
-        check(service.ended(again)["status"] == "succeeded", "so does the same study undisturbed")
-        check(timeless(table(service, again)) == disturbed, "with the same table")
+        check(service.ended(again)["status"] == "succeeded", "the same study succeeds undisturbed")
+        check(timeless(table(service, again)) == disturbed, "both studies have the same table")
         picture = service.request("GET", f"{path}/plots/map.svg")
         check(picture[0] == 200 and b"</svg>" in picture[2], "drawn as a map")
     finally:
@@ -65,7 +65,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
 with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     service = Service(directory)
     try:
-        # The optimum of one parameter against a study fine enough to show where it must lie.
+        # The optimum of one parameter, against a study on a fine grid.
         wish = ARTICLE | {"kind": "optimum", "settle_s": 0.02, "duration_s": 0.05, "metric": LEVEL, "solver": {"rung": "radially_condensed"},
                           "axes": [{"path": "/bearing/radial_clearance_um", "from": 2, "to": 8}]}
         path, _ = service.submit(wish)
@@ -85,7 +85,7 @@ times = []
 for workers in ("1", "2"):
     with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         service = Service(directory, "--workers", workers)
-        # Not from the start of the process on.
+        # The time of the start of the process does not count.
         service.ended(service.submit(study(2))[0])
         begin = time.monotonic()
         path, _ = service.submit(study(16))

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""64 jobs through the service on one worker and on two, in turn: each ends once and alike; the ratio of the times is printed.
+"""64 jobs on a service with one worker and with two, in turn: each ends once, with the same result.
 
-Two workers need two free cores to be twice as fast, which a check cannot be sure of: the ratio is a number to look at."""
+The ratio of the times is printed without a limit, because two workers need two free cores."""
 
 import json
 import os
@@ -23,7 +23,7 @@ def job(number):
 
 
 def run(workers):
-    """Seconds from the first submission to the last end, and what came out."""
+    """Time from the first submission to the last end [s], and the results."""
     with service("--workers", str(workers)) as running:
         begin = time.monotonic()
         paths = [running.submit(job(number))[0] for number in range(JOBS)]

@@ -1,4 +1,4 @@
-//! Bytes → job → what the service does with one that it accepts → model → ten steps.
+//! Fuzz target for jobs: parses the bytes as a job, resolves an accepted job, builds its model and takes ten steps.
 #![no_main]
 
 mod mutation;
@@ -30,7 +30,7 @@ fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
     mutation::mutate(data, size, max_size, seed)
 });
 
-/// Whether it is the turn of something slow; the same for the same bytes.
+/// Whether these bytes are selected for a slow check. The selection depends on the bytes alone.
 fn one_in(turns: u64, body: &[u8]) -> bool {
     let hash = body
         .iter()
@@ -38,7 +38,7 @@ fn one_in(turns: u64, body: &[u8]) -> bool {
     (hash >> 20).is_multiple_of(turns)
 }
 
-/// A refusal tells what is wrong, and where.
+/// An error response names each invalid field and the reason.
 fn refused(refusal: &Refusal) {
     assert!(!refusal.to_string().is_empty());
     match refusal {
@@ -54,13 +54,13 @@ fn refused(refusal: &Refusal) {
     }
 }
 
-/// What the service says of a job before it runs.
+/// The answers of the service before a job runs: priority, hash, resolved scene, cost.
 fn accepted(job: &Job) {
     let row = NewJob::new(job, "", None);
     assert!((1..=4).contains(&row.priority) && row.content_hash.len() == 32);
     let answer = contract::resolve_answer(job);
     let json = serde_json::to_value(&answer).expect("an answer is JSON");
-    // JSON has no infinities: they are written as null, which no answer holds otherwise.
+    // JSON has no infinity. serde_json writes null in its place, and no answer contains null otherwise.
     assert_eq!(null_in(&json, String::new()), None, "{json}");
     assert_eq!(contract::estimate(job).estimated_wall_time_s, answer.cost.estimated_wall_time_s);
     again(job);
@@ -77,7 +77,7 @@ fn accepted(job: &Job) {
     }
 }
 
-/// What was resolved is the same work when it is posted.
+/// A resolved job, posted again, is the same job.
 fn again(job: &Job) {
     let mut complete = job.complete();
     if !matches!(job.kind, JobKind::Simulation | JobKind::Accuracy) {
@@ -121,7 +121,7 @@ fn ten_steps(job: &Job) {
         if integrator.time() >= end {
             break;
         }
-        // A run that fails says why, and is no fault.
+        // A run may fail, but with a reason.
         if let Err(error) = integrator.step(end) {
             return assert!(!error.to_string().is_empty());
         }
@@ -132,7 +132,7 @@ fn ten_steps(job: &Job) {
     }
 }
 
-/// The beginning of the whole run, as a worker makes it, reduced rungs and all; of a short one its end, too.
+/// The first 5 ms of wall time of a whole run, as a worker executes it, reduced models included.
 fn run(job: &Job) {
     if job.kind == JobKind::Study {
         return;

@@ -1,4 +1,4 @@
-//! Changes jobs as JSON: bytes changed at random are refused by the first check, while most of these reach the steps.
+//! Mutations of a job as JSON. Random bytes are refused by the first check; most of these mutations reach the solver.
 
 use std::sync::LazyLock;
 
@@ -6,7 +6,7 @@ use libfuzzer_sys::fuzzer_mutate;
 use raceway::contract::parse_job;
 use serde_json::{Map, Number, Value, json};
 
-/// Good jobs, which the corpus begins with.
+/// Valid jobs, with which the corpus begins.
 const SEEDS: [&str; 12] = [
     include_str!("../corpus/job/accuracy.json"),
     include_str!("../corpus/job/angular.json"),
@@ -22,10 +22,10 @@ const SEEDS: [&str; 12] = [
     include_str!("../corpus/job/study.json"),
 ];
 
-/// What may stand where.
+/// The values that may stand at each path of a job.
 struct Library {
     jobs: Vec<Value>,
-    /// Values by their way from the root, of all jobs and of the same with every default.
+    /// Values by their path from the root, from all jobs as written and with every default.
     fields: Vec<(Vec<String>, Value)>,
     words: Vec<String>,
 }
@@ -69,7 +69,7 @@ fn gather(value: &Value, way: &mut Vec<String>, library: &mut Library) {
     }
 }
 
-/// Numbers at which formulas break.
+/// Numbers at which formulas reach their limits.
 const NUMBERS: [f64; 22] = [
     0.0,
     -0.0,
@@ -94,7 +94,7 @@ const NUMBERS: [f64; 22] = [
     1e300,
     f64::MAX,
 ];
-/// By which numbers are multiplied: most stay near, so that the scene still fits together.
+/// Factors for numbers. Most are near 1, so that the scene remains consistent.
 const FACTORS: [f64; 16] =
     [1.000000001, 0.999999999, 1.001, 0.999, 1.01, 0.99, 1.1, 0.9, 1.3, 0.7, 2.0, 0.5, 10.0, 0.1, 1e3, -1.0];
 
@@ -115,7 +115,7 @@ impl Dice {
     }
 }
 
-/// A mutator as libFuzzer wants it: the new size.
+/// The mutator that libFuzzer calls; returns the new size.
 pub fn mutate(data: &mut [u8], size: usize, most: usize, seed: u32) -> usize {
     let mut dice = Dice(u64::from(seed));
     if dice.below(16) == 0 {
@@ -136,7 +136,7 @@ pub fn mutate(data: &mut [u8], size: usize, most: usize, seed: u32) -> usize {
 
 fn change(job: &mut Value, dice: &mut Dice) {
     match dice.below(8) {
-        // Another field, or another value of one.
+        // Adds a field, or changes the value of one.
         0 | 1 => {
             let (way, value) = dice.of(&LIBRARY.fields).clone();
             graft(job, &way, value);
@@ -156,7 +156,7 @@ fn change(job: &mut Value, dice: &mut Dice) {
     }
 }
 
-/// Other values in the place of a node.
+/// Candidates that replace a node.
 fn alter(node: &mut Value, dice: &mut Dice) {
     let number = |value: f64| Number::from_f64(value).map_or(Value::Null, Value::Number);
     *node = match (&*node, dice.below(32)) {
@@ -176,13 +176,13 @@ fn alter(node: &mut Value, dice: &mut Dice) {
             }
             items.into()
         }
-        // What stands in such a place elsewhere is grafted; here something that does not.
+        // Values from the same path of other jobs are inserted elsewhere; these come from other paths.
         (Value::Object(_), 1) => dice.of(&LIBRARY.fields).1.clone(),
         (same, _) => same.clone(),
     };
 }
 
-/// Sets a value, making what leads to it.
+/// Sets a value and creates the objects on its path.
 fn graft(job: &mut Value, way: &[String], value: Value) {
     let Some((name, rest)) = way.split_first() else {
         *job = value;
@@ -210,7 +210,7 @@ fn nodes(value: &Value) -> usize {
     }
 }
 
-/// The node at a place, counted from the root downwards.
+/// The node at an index, counted in preorder from the root.
 fn nth<'a>(value: &'a mut Value, place: &mut usize) -> Option<&'a mut Value> {
     if *place == 0 {
         return Some(value);
@@ -223,7 +223,7 @@ fn nth<'a>(value: &'a mut Value, place: &mut usize) -> Option<&'a mut Value> {
     }
 }
 
-/// Removes a part of the object at or below a place.
+/// Removes a member of the object at or below a path.
 fn remove(value: &mut Value, place: &mut usize, dice: &mut Dice) {
     if let Some(Value::Object(fields)) = nth(value, place) {
         let names: Vec<String> = fields.keys().cloned().collect();

@@ -1,4 +1,4 @@
-//! A request as text → route, path, query, headers and body as the service reads them → answer.
+//! Fuzz target for HTTP: the service reads route, path, query, headers and body of a request and answers it.
 #![no_main]
 
 use std::sync::LazyLock;
@@ -32,7 +32,7 @@ fuzz_target!(|text: &[u8]| {
 
 type Headers<'a> = Vec<(&'a [u8], &'a [u8])>;
 
-/// Method, target, headers and body of `GET /v1/jobs`, `Accept: text/csv`, …, an empty line, and the rest.
+/// Method, target, headers and body of a text: request line, header lines, an empty line, the body.
 fn parts(text: &[u8]) -> Option<(&str, &str, Headers<'_>, &[u8])> {
     let mut lines = text.splitn(2, |byte| *byte == b'\n');
     let (method, target) = std::str::from_utf8(lines.next()?).ok()?.split_once(' ')?;
@@ -54,7 +54,7 @@ fn check(method: &str, target: &str, answer: &Answer) {
     let header = |name: &str| answer.headers.get(name).and_then(|value| value.to_str().ok());
     assert!(answer.status < 500, "{answer:?}");
     if answer.status >= 400 {
-        // The body of an answer to HEAD is another's to leave out.
+        // The HTTP server removes the body of an answer to HEAD, not this router.
         if method == "HEAD" {
             return;
         }
@@ -70,14 +70,14 @@ fn check(method: &str, target: &str, answer: &Answer) {
         let page = ask(&SERVICE, "GET", next);
         assert_eq!((page.status, page.headers.get("link")), (200, answer.headers.get("link")), "{next}");
     }
-    // A fragment is no part of what is asked for.
+    // A fragment is not part of the request target.
     let path = target.split(['?', '#']).next().unwrap_or_default();
     if answer.status == 200 && (path.ends_with("/spectrum") || path.ends_with("/series")) {
         signal(header("content-type"), &answer.body);
     }
 }
 
-/// As many values as places, all finite; lines or records alike.
+/// Each line or record has as many values as there are columns, and all values are finite.
 fn signal(media_type: Option<&str>, body: &[u8]) {
     match media_type {
         Some("application/json") => {

@@ -1,27 +1,27 @@
-//! Error at the end against the tolerance asked for, with the options every run has.
+//! Error at the end of a run against its tolerance, with the options of every run.
 
 use raceway::numerics::ode::{Integrator, Method, Statistics, Tolerances};
 
 use crate::problems::{E5, Problem, all};
 
-/// Implicit methods with step control: each runs every problem.
+/// Implicit methods with step control. Each runs every problem.
 const IMPLICIT: [Method; 2] = [Method::Radau, Method::Gear];
-/// Explicit ones run those that are not stiff.
+/// Explicit methods. They run the problems that are not stiff.
 const EXPLICIT: [Method; 1] = [Method::DormandPrince];
 
 const TOLERANCES: [f64; 7] = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10];
 
 /// Largest error over the relative tolerance.
 const MOST: f64 = 100.0;
-/// Where it may be larger: method, problem, bound.
+/// Exceptions with a larger bound: method, problem, bound.
 const EXCEPTIONS: [(Method, &str, f64); 3] = [
-    // Measured: 1 080 at 1e-6. Each close encounter of two stars multiplies what erred before it, and the steps there
-    // err by as much as they may; only from 1e-9 on is the run resolved well enough for 100.
+    // Measured: 1 080 at 1e-6. Each close encounter of two stars amplifies the error before it, and the steps there use
+    // their whole tolerance. From 1e-9 on the run is resolved well enough for 100.
     (Method::DormandPrince, "Pleiades", 2e3),
-    // Measured: 700 at 1e-4, 8 000 at 1e-10. The same, and a multistep method adds the errors of all its steps, whose
-    // number grows as they shrink.
+    // Measured: 700 at 1e-4, 8 000 at 1e-10. The encounters amplify errors here, too. A multistep method also sums the
+    // errors of all its steps, whose number grows with a tighter tolerance.
     (Method::Gear, "Pleiades", 2e4),
-    // Measured: 113 at 1e-10, at most 21 before. The same sum of errors, over 8 000 steps.
+    // Measured: 113 at 1e-10, at most 21 before. The errors of 8 000 steps add up.
     (Method::Gear, "OREGO", 200.0),
 ];
 
@@ -30,14 +30,14 @@ fn most(method: Method, problem: &Problem) -> f64 {
     exception.map_or(MOST, |exception| exception.2)
 }
 
-/// Every method with every problem it is for.
+/// Every method with every problem that it runs.
 fn pairs() -> impl Iterator<Item = (Method, Problem)> {
     let implicit = IMPLICIT.into_iter().flat_map(|method| all().into_iter().map(move |problem| (method, problem)));
     let explicit = EXPLICIT.into_iter().flat_map(|method| all().into_iter().map(move |problem| (method, problem)));
     implicit.chain(explicit.filter(|(_, problem)| !problem.stiff))
 }
 
-/// Runs to the end; there must be no failure on the way.
+/// Error at the end of a run that must not fail.
 fn run<'a>(method: Method, problem: &'a Problem, tolerances: Tolerances) -> Box<dyn Integrator + 'a> {
     let mut integrator = method.start(problem, 0.0, &problem.start, tolerances, None);
     while integrator.time() < problem.end {
@@ -64,7 +64,7 @@ fn row(method: Method, problem: &Problem, tolerance: f64, error: f64, work: Stat
     )
 }
 
-/// No failure, an error near the tolerance, and a smaller one for a smaller tolerance.
+/// No run fails. The error is near the tolerance, and a tighter tolerance gives a smaller error.
 #[test]
 fn the_error_follows_the_tolerance() {
     println!(
@@ -79,7 +79,8 @@ fn the_error_follows_the_tolerance() {
             let (error, work) = (problem.error(integrator.state()), integrator.statistics());
             let row = row(method, &problem, tolerance, error, work);
             println!("{row}");
-            // Close to what was asked, or as good as can be, counts as fallen: a lucky run before is no fault of this one.
+            // An error near its tolerance, or near the floor of the problem, counts as smaller. The run before may have had
+            // an unusually small error.
             let fallen = error <= (3.0 * best).max(10.0 * tolerance).max(problem.floor);
             let met = error <= (most(method, &problem) * tolerance).max(problem.floor);
             if !met || !fallen {
@@ -93,14 +94,14 @@ fn the_error_follows_the_tolerance() {
     assert!(misses.is_empty(), "{misses:#?}");
 }
 
-/// Down to the rounding of numbers, and up to no tolerance at all, a run ends.
+/// A run ends at every tolerance from rounding to infinity.
 #[test]
 fn no_tolerance_is_too_tight_or_too_loose() {
     for problem in all() {
         for method in IMPLICIT {
             let tight = problem.error(run(method, &problem, problem.tolerances(1e-13)).state());
             assert!(
-                // Rounding scatters more the more steps there are.
+                // Rounding error grows with the number of steps.
                 tight <= (5.0 * problem.floor).max(1e-11 * most(method, &problem)),
                 "{} on {}: {tight:e}",
                 method.name(),
@@ -112,8 +113,8 @@ fn no_tolerance_is_too_tight_or_too_loose() {
     }
 }
 
-/// Nothing reacts backwards: amounts stay positive but for the tolerance, and y₂ = y₃ but for rounding (Radau: 0.035 of
-/// them apart at 1e-4, 1e-3 at tighter tolerances).
+/// No reaction runs backwards. Amounts stay positive within the tolerance, and y₂ = y₃ within rounding (Radau: a relative
+/// difference of 0.035 at 1e-4, of 1e-3 at tighter tolerances).
 #[test]
 fn e5_keeps_what_its_equations_keep() {
     let problem = all().into_iter().find(|problem| problem.name == E5).expect("one of the problems");

@@ -1,6 +1,6 @@
-//! The integrators against problems whose answers are known.
+//! The integrators on problems with known solutions.
 //!
-//! `cargo test --test ivp -- --nocapture` prints what each method made of each problem.
+//! `cargo test --test ivp -- --nocapture` prints the error of each method on each problem.
 
 mod accuracy;
 mod order;

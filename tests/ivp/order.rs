@@ -1,8 +1,8 @@
-//! How fast the error falls with the step.
+//! Order of convergence: the error against the step.
 //!
-//! A method that chooses its own steps takes those of a grid when each point of the grid is its limit and nothing is
-//! too large an error. So loose a tolerance also ends Newton's iteration after one increment: exact for the linear
-//! problems here, whose Jacobian is exact.
+//! A method with step control takes the steps of a grid where each point of the grid is its limit and the tolerance accepts
+//! every error. Such a tolerance also ends Newton's iteration after one increment. That is exact for the linear problems
+//! here, because their Jacobian is exact.
 
 use raceway::numerics::ode::structure::Jacobian;
 use raceway::numerics::ode::{Integrator, Method, OdeSystem, Tolerances};
@@ -42,7 +42,7 @@ impl OdeSystem for Forced {
     }
 }
 
-/// Order 5 at the ends of steps; 4 within, where the polynomial of degree 3 is as good as it can be.
+/// Order 5 at the ends of steps. Order 4 within a step, the best that a polynomial of degree 3 gives.
 #[test]
 fn radau_has_order_five_and_four_between_steps() {
     let errors = |steps: u32| {
@@ -59,7 +59,7 @@ fn radau_has_order_five_and_four_between_steps() {
     assert!((between - 4.0).abs() < 0.3, "{between}");
 }
 
-/// Nonlinear, with its own steps: the error falls with the fifth power of their mean.
+/// On a nonlinear problem with step control, the error falls with the fifth power of the mean step.
 #[test]
 fn radau_keeps_order_five_with_its_own_steps() {
     let problem = all().into_iter().find(|problem| problem.name == "Pleiades").expect("one of the problems");
@@ -91,8 +91,8 @@ impl OdeSystem for Follower {
     }
 }
 
-/// Where the step is long against 1/|λ| the order is that of the stages, 3, and not 5; but the error has a factor
-/// 1/|λ| (Hairer & Wanner II, table IV.15.1: h⁴/(hλ)).
+/// With steps long against 1/|λ| the order is 3, that of the stages, and not 5. The error then has a factor 1/|λ|
+/// (Hairer & Wanner II, table IV.15.1: h⁴/(hλ)).
 #[test]
 fn radau_falls_to_order_three_on_a_stiff_follower_with_a_small_error() {
     let error = |lambda: f64, steps: u32| {
@@ -125,10 +125,12 @@ impl OdeSystem for Decay {
     }
 }
 
-/// One step multiplies by R(z) = (1 + 2z/5 + z²/20)/(1 − 3z/5 + 3z²/20 − z³/60), the Padé approximation of e^z that
-/// Radau IIA stands for (Hairer & Wanner II, §IV.5): what is fast dies in one step, without a change of sign.
+/// One step multiplies by R(z) = (1 + 2z/5 + z²/20)/(1 − 3z/5 + 3z²/20 − z³/60).
+///
+/// R is the Padé approximation of e^z that defines Radau IIA (Hairer & Wanner II, §IV.5). Fast components vanish in one
+/// step, without a change of sign.
 #[test]
-fn radau_damps_what_is_fast_without_oscillation() {
+fn radau_damps_fast_components_without_oscillation() {
     for z in [-0.1, -1.0, -10.0, -1e3, -1e6, -1e9] {
         let expected = (1.0 + 0.4 * z + 0.05 * z * z) / (1.0 - 0.6 * z + 0.15 * z * z - z * z * z / 60.0);
         let decay = Decay(z);

@@ -1,8 +1,8 @@
-//! Initial value problems whose end values are known, most of them from the Test Set for IVP Solvers
+//! Initial value problems with known end values, most of them from the Test Set for IVP Solvers
 //! (F. Mazzia et al., University of Bari) and from Hairer & Wanner, *Solving Ordinary Differential Equations II*.
 //!
 //! Every published end value was recomputed once in 128-bit arithmetic by another method (linearly implicit
-//! extrapolation, at two tolerances). Where the two disagree the comment at the problem says so.
+//! extrapolation, at two tolerances). The comment at a problem states where both values differ.
 
 // End values are given with the digits in which they were published.
 #![allow(clippy::excessive_precision)]
@@ -15,21 +15,21 @@ pub const E5: &str = "E5";
 type Rate = Box<dyn Fn(f64, &[f64], &mut [f64])>;
 type Slope = fn(&[f64], &mut [f64]);
 
-/// One problem with its answer.
+/// A problem with its solution.
 pub struct Problem {
     pub name: &'static str,
     rate: Rate,
-    /// Writes ∂f/∂y row by row. Only where difference quotients would break a law of conservation that matters.
+    /// Writes ∂f/∂y row by row. Given only where difference quotients would violate a conservation law of the problem.
     slope: Option<Slope>,
     pub start: Vec<f64>,
     pub end: f64,
     /// State at `end`.
     pub answer: Vec<f64>,
-    /// Relative error that no tolerance goes below: digits of the answer that can be relied on, or rounding.
+    /// Smallest relative error that a tolerance reaches: the reliable digits of the solution, or rounding.
     pub floor: f64,
-    /// Absolute tolerance over relative tolerance, of each component.
+    /// Absolute over relative tolerance of each component.
     pub scale: Vec<f64>,
-    /// Too dear for an explicit method.
+    /// Whether the problem is too stiff for an explicit method.
     pub stiff: bool,
 }
 
@@ -54,7 +54,7 @@ impl OdeSystem for Problem {
 }
 
 impl Problem {
-    /// A relative tolerance and, per component, the absolute one that goes with it.
+    /// The tolerances of a run: relative, and absolute for each component.
     pub fn tolerances(&self, relative: f64) -> Tolerances {
         Tolerances {
             relative: vec![relative; self.start.len()],
@@ -62,7 +62,7 @@ impl Problem {
         }
     }
 
-    /// What of a state is compared: in E5 the mean of y₂ and y₃ in place of both.
+    /// The compared components of a state. E5 compares the mean of y₂ and y₃ in place of both.
     fn reading(&self, state: &[f64]) -> Vec<f64> {
         let mut reading = state.to_vec();
         if self.name == E5 {
@@ -71,8 +71,8 @@ impl Problem {
         reading
     }
 
-    /// Largest error of an end state, each component against its size and scale: at most the relative
-    /// tolerance where the tolerance is met.
+    /// Largest error of an end state, each component relative to its size and scale. It is at most the relative tolerance
+    /// where the tolerance is met.
     pub fn error(&self, state: &[f64]) -> f64 {
         let reading = self.reading(state);
         let errors = reading.iter().zip(&self.answer).zip(&self.scale);
@@ -95,10 +95,10 @@ pub fn all() -> Vec<Problem> {
     ]
 }
 
-/// Three reactions over 18 decades of time. The published y₃ breaks y₁ + y₂ + y₃ = 1 by 1e-14; here the rest.
+/// Three reactions over 18 decades of time. The published y₃ violates y₁ + y₂ + y₃ = 1 by 1e-14; here y₃ = 1 − y₁ − y₂.
 ///
-/// Known to 12 digits, but at the end y₁ changes by 2e-19 a second, the difference of two rates of 8e-10: what is
-/// rounded there shows in the ninth digit, with whatever tolerance.
+/// The solution is known to 12 digits. At the end y₁ changes by 2e-19 a second, the difference of two rates of 8e-10. The
+/// rounding of these rates shows in the ninth digit at any tolerance.
 fn robertson() -> Problem {
     let (y1, y2) = (2.083_340_149_701e-8, 8.333_360_770_335e-14);
     Problem {
@@ -122,7 +122,7 @@ fn robertson() -> Problem {
     }
 }
 
-/// Light and the growth of plants: eight reactants, a fast change at the end of a long rest.
+/// Growth of plants under light: eight reactants, a fast change after a long slow phase.
 fn hires() -> Problem {
     Problem {
         name: "HIRES",
@@ -156,7 +156,7 @@ fn hires() -> Problem {
     }
 }
 
-/// The Oregonator. Published y₂ and y₃ are off by 2e-14 and 1.5e-13 of their size; here as recomputed.
+/// The Oregonator. The published y₂ and y₃ have relative errors of 2e-14 and 1.5e-13; here as recomputed.
 fn oregonator() -> Problem {
     Problem {
         name: "OREGO",
@@ -193,7 +193,7 @@ fn van_der_pol_slow() -> Problem {
     }
 }
 
-/// Until t = 2 as t = 11 is known to fewer digits.
+/// The end is t = 2, because the solution at t = 11 is known to fewer digits.
 fn van_der_pol_fast() -> Problem {
     Problem {
         name: "van der Pol, eps = 1e-6",
@@ -208,14 +208,14 @@ fn van_der_pol_fast() -> Problem {
     }
 }
 
-/// Pyrolysis; the reactants fall to 1e-22 and their difference matters.
+/// Pyrolysis. The reactants fall to 1e-22, and the result depends on their difference.
 ///
-/// The published y₂ = 8.8677e-23 and y₃ = 8.8548e-23 are wrong from the third digit on: all rates keep y₂ = y₃ + y₄,
-/// and y₄, at most B y₁ y₃ / C, has long vanished. Left alone, y₂' = −MC y₂² gives y₂ → 1/(MC (t − t*)) with
-/// 1/(MC t) = 8.850e-23, which the recomputed value meets for t* = 1.3e10. y₁ decays as e^{−At} to nothing.
+/// The published y₂ = 8.8677e-23 and y₃ = 8.8548e-23 are wrong from the third digit on. All rates conserve y₂ = y₃ + y₄,
+/// and y₄ ≤ B y₁ y₃ / C has vanished by then. Without y₄, y₂' = −MC y₂² gives y₂ → 1/(MC (t − t*)) with
+/// 1/(MC t) = 8.850e-23. The recomputed value agrees for t* = 1.3e10. y₁ decays as e^{−At} to zero.
 ///
-/// y₂ − y₃ is kept by the equations, but y₂ and y₃ come from 1.5e-10, where one rounding is 2.6e-26: in double precision
-/// each ends with an error of per mille to percent. Their mean feels that by its square only.
+/// The equations conserve y₂ − y₃. Both come down from 1.5e-10, where one rounding is 2.6e-26. In double precision each ends
+/// with an error of 0.1 to 1 percent; their mean has only the square of that error.
 fn e5() -> Problem {
     Problem {
         name: E5,
@@ -273,7 +273,7 @@ fn pollution() -> Problem {
     Problem {
         name: "POLLU",
         rate: Box::new(pollution_rate),
-        // Traces: each at a thousandth of its own end value.
+        // Trace species: the scale of each is a thousandth of its end value.
         scale: answer.iter().map(|amount| 1e-3 * amount).collect(),
         slope: None,
         start,
@@ -403,7 +403,7 @@ fn pleiades() -> Problem {
     }
 }
 
-/// `y' = lambda (y − sin t) + cos t`: a solution that does not feel the stiffness, sin t.
+/// `y' = lambda (y − sin t) + cos t` with the solution sin t, which is smooth in spite of the stiffness.
 pub fn prothero_robinson(lambda: f64) -> Problem {
     Problem {
         name: "Prothero-Robinson",
@@ -418,7 +418,7 @@ pub fn prothero_robinson(lambda: f64) -> Problem {
     }
 }
 
-/// `y' = −50 (y − cos t)` from off its slow solution. The end value is the formula's.
+/// `y' = −50 (y − cos t)`, started away from its slow solution. The end value is exact.
 fn curtiss_hirschfelder() -> Problem {
     let exact = |t: f64| (2500.0 * t.cos() + 50.0 * t.sin()) / 2501.0 - 2500.0 / 2501.0 * (-50.0 * t).exp();
     Problem {

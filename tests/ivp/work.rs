@@ -1,4 +1,4 @@
-//! What an integrator says it has done is what it has done.
+//! The counts that an integrator reports: evaluations, Jacobians, steps.
 
 use std::cell::Cell;
 
@@ -6,7 +6,7 @@ use raceway::numerics::ode::{Integrator, Method, OdeSystem};
 
 use crate::problems::{Problem, all};
 
-/// Counts every evaluation, those for its Jacobian included: by differences, as any system has it unless it knows better.
+/// A system that counts every evaluation. Its Jacobian comes from difference quotients, the default, and counts, too.
 struct Counted<'a> {
     problem: &'a Problem,
     evaluations: Cell<u64>,
@@ -32,7 +32,7 @@ fn named(name: &str) -> Problem {
     all().into_iter().find(|problem| problem.name == name).expect("one of the problems")
 }
 
-/// To both limits, with a restart at the first; after each step `look` may look.
+/// A run to both limits with a restart at the first. `look` is called after each step.
 fn run(integrator: &mut dyn Integrator, limits: [f64; 2], mut look: impl FnMut(&mut dyn Integrator)) {
     for limit in limits {
         while integrator.time() < limit {
@@ -58,9 +58,9 @@ fn every_evaluation_is_counted() {
     }
 }
 
-/// Steps of a fixed size are watched for stability, which takes a Jacobian of a method that otherwise has none.
+/// A fixed step is checked for stability. The check evaluates a Jacobian, which an explicit method does not otherwise need.
 #[test]
-fn looks_at_stability_are_counted() {
+fn stability_checks_are_counted() {
     let problem = named("Pleiades");
     for method in Method::NAMED.into_iter().filter(|method| method.takes_fixed_steps()) {
         let counted = Counted::new(&problem);

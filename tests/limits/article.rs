@@ -1,4 +1,4 @@
-//! The article's case as JSON, and what is made of it. The benches have it from here, too.
+//! The article's case as JSON, and changes of it. The benches include this file, too.
 
 use serde_json::{Value, json};
 
@@ -10,7 +10,7 @@ pub fn article() -> Value {
     })
 }
 
-/// `base` with the fields of `changes` in place of its own, object by object.
+/// `base` with the fields of `changes`, merged object by object.
 pub fn changed(mut base: Value, changes: Value) -> Value {
     fn merge(base: &mut Value, changes: Value) {
         match (base, changes) {

@@ -1,4 +1,4 @@
-//! Runs of the article's case, each made once for all tests that look at it: 20 ms to settle, 30 ms kept.
+//! Runs of the article's case, each executed once for all tests: 20 ms of settling, 30 ms recorded.
 
 use std::sync::OnceLock;
 
@@ -16,13 +16,13 @@ use crate::scenes::{article, changed, scene};
 pub const Y: Channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
 pub const Z: Channel = Channel::Spindle(Axis::Z, Motion::Acceleration);
 
-/// 20 ms to settle, 30 ms kept, all metrics, spectra of both accelerations.
+/// Settings: 20 ms of settling, 30 ms recorded, all metrics, spectra of both accelerations.
 pub fn settings() -> RunSettings {
     RunSettings {
         method: Method::Auto,
         rung: None,
         relative_tolerance: 1e-5,
-        // The dynamics; the ladder below them has tests of its own.
+        // The full model. The reduced models have tests of their own.
         tightened: None,
         model_tolerance_db: 0.0,
         fixed_step: None,
@@ -32,7 +32,7 @@ pub fn settings() -> RunSettings {
     }
 }
 
-/// A control that never stops a run and hears nothing.
+/// A control that never aborts a run and ignores its progress.
 pub fn patient() -> Control<'static> {
     Control::until(&|| false)
 }
@@ -43,7 +43,7 @@ pub fn balanced() -> &'static RunResult {
     RUN.get_or_init(|| run(&scene(&article()), &settings(), &patient()).unwrap())
 }
 
-/// The same with the unbalance of grade G 6.3.
+/// The article's case with an unbalance of grade G 6.3.
 pub fn unbalanced() -> &'static RunResult {
     static RUN: OnceLock<RunResult> = OnceLock::new();
     RUN.get_or_init(|| {
@@ -52,12 +52,12 @@ pub fn unbalanced() -> &'static RunResult {
     })
 }
 
-/// The lines of a channel, strongest first.
+/// Lines of a channel, the strongest first.
 pub fn lines(result: &RunResult, channel: Channel) -> Vec<&Line> {
     result.summary.lines.iter().filter(|(of, _)| *of == channel).map(|(_, line)| line).collect()
 }
 
-/// The line of that label.
+/// The line with a label.
 pub fn line<'a>(result: &'a RunResult, channel: Channel, label: &str) -> Option<&'a Line> {
     lines(result, channel).into_iter().find(|line| line.label == label)
 }

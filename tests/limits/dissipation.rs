@@ -1,5 +1,5 @@
-//! Friction never makes energy: what a contact takes from both bodies together is not negative, whatever their
-//! motion. This fails where a force, its moment and the slip that makes them do not belong together.
+//! Friction dissipates energy: the power that a contact takes from both bodies is not negative in any motion. This fails
+//! where force, moment and slip are inconsistent.
 
 use raceway::physics::frames::{dot, scale, subtract};
 use raceway::physics::pocket::PocketMotion;
@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 
 use crate::scenes::{Random, article, changed, everything, model};
 
-/// Raceways without damping: power of force and moment on ball and raceway, less the elastic part −Q δ̇, for each
-/// law and term by itself. To rounding of the parts that are added.
+/// Raceways without damping: the power of force and moment on ball and raceway without the elastic part −Q δ̇, for each law and
+/// term alone. To rounding of the summands.
 #[test]
 fn raceways_take_energy_from_slip_spin_and_rolling() {
     let undamped = changed(everything(), json!({ "damping": { "raceway": { "law": "none" } } }));
@@ -33,7 +33,7 @@ fn raceways_take_energy_from_slip_spin_and_rolling() {
         let mut random = Random::new(11);
         for (contact, radius, speed) in [(&m.raceway.inner, 6.5e-3, 5236.0), (&m.raceway.outer, 6.5e-3, 0.0)] {
             for trial in 0..500 {
-                // Near rolling, and far from it; forwards and backwards.
+                // From almost pure rolling to large slip, in both directions.
                 let far = [0.0, 1e-3, 0.03, 0.3][trial % 4];
                 let sign = if trial % 8 < 4 { 1.0 } else { -1.0 };
                 let speed = sign * speed;
@@ -64,8 +64,8 @@ fn raceways_take_energy_from_slip_spin_and_rolling() {
     }
 }
 
-/// Rolling friction acts at the contact point along the groove: its moment on the ball lies across the contact
-/// normal, to rounding, and brakes the ball's rolling on either raceway.
+/// Rolling friction acts at the contact point along the groove. Its moment on the ball is normal to the contact normal, to
+/// rounding, and brakes the rolling of the ball on both raceways.
 #[test]
 fn rolling_friction_turns_no_ball_about_its_contact_normal() {
     let model = model(&changed(everything(), json!({ "lubricant": { "traction": { "maximum": 0, "limit": 0 } } })));
@@ -94,7 +94,7 @@ fn rolling_friction_turns_no_ball_about_its_contact_normal() {
     }
 }
 
-/// Pockets with an elastic film and solid contact: friction, rolling friction and film shear take energy.
+/// Pockets with an elastic film and solid contact: friction, rolling friction and film shear dissipate energy.
 #[test]
 fn pockets_take_energy_from_sliding_and_rolling() {
     let elastic = json!({

@@ -1,5 +1,5 @@
-//! Energy is kept where nothing dissipates it: no damping, traction, friction, drag or churning. What is left over
-//! is the integrator's error and falls with its tolerance.
+//! Energy is conserved without damping, traction, friction, drag and churning. The remaining change is the error of the
+//! integrator and falls with its tolerance.
 
 use raceway::physics::frames::{Azimuth, dot};
 use raceway::physics::pocket::Pocket;
@@ -24,7 +24,7 @@ fn frictionless(changes: Value) -> Value {
 /// Stiffness of the pocket film [N/m].
 const FILM: f64 = 3.8e4;
 
-/// Energy of all bodies [J]: motion, elastic contacts ⅖ K δ^2.5, pocket films, loads and weights.
+/// Energy of all bodies [J]: kinetic energy, elastic contacts ⅖ K δ^2.5, pocket films, loads and weights.
 fn energy(model: &Model, time: f64, state: &[f64]) -> f64 {
     let m = model.mechanism();
     let layout = m.layout;
@@ -57,8 +57,8 @@ fn energy(model: &Model, time: f64, state: &[f64]) -> f64 {
     sum
 }
 
-/// Elastic energy of a pocket from its normal load: a linear film up to the clearance, then the solid contact on top of the
-/// film's largest force.
+/// Elastic energy of a pocket from its normal load: a linear film up to the clearance, then the solid contact in addition to
+/// the largest force of the film.
 fn pocket_energy(model: &Model, normal: f64) -> f64 {
     let pocket = &model.mechanism().pocket;
     let film = pocket.film_stiffness();
@@ -71,7 +71,7 @@ fn pocket_energy(model: &Model, normal: f64) -> f64 {
     0.5 * edge * clearance + edge * penetration + solid_energy(pocket, penetration)
 }
 
-/// Where the solid contact bears a load, by bisection in the logarithm.
+/// Penetration at which the solid contact carries a load, by bisection in the logarithm.
 fn penetration_at(pocket: &Pocket, load: f64) -> f64 {
     let (mut low, mut high) = (1e-15_f64, 1e-2_f64);
     for _ in 0..60 {
@@ -81,7 +81,7 @@ fn penetration_at(pocket: &Pocket, load: f64) -> f64 {
     low
 }
 
-/// ∫ Q dδ from touch, by Simpson's rule in √δ, in which the integrand is smooth.
+/// ∫ Q dδ from first contact, by Simpson's rule in √δ, because the integrand is smooth in √δ.
 fn solid_energy(pocket: &Pocket, penetration: f64) -> f64 {
     const PARTS: usize = 64;
     let step = penetration.sqrt() / PARTS as f64;
@@ -107,10 +107,11 @@ fn drift(model: &Model, start: &[f64], duration: f64, tolerance: f64) -> f64 {
     most
 }
 
-/// Over 1 ms, two ball passes and some 150 oscillations of the balls between their raceways, with balls that leave
-/// their raceways and hit pockets and rims. Of 0.09 J, about 1e-3 J of it elastic, less than 1e-8 J is lost or won
-/// at a tolerance of 1e-10; the change falls in proportion to the tolerance, at least tenfold for a hundredth of
-/// it.
+/// The energy is 0.09 J, of which about 1e-3 J is elastic. At a tolerance of 1e-10 it changes by less than 1e-8 J. The change
+/// falls with the tolerance, at least tenfold for a hundredth of it.
+///
+/// The run of 1 ms holds two ball passages and about 150 oscillations of the balls between their raceways. Balls leave their
+/// raceways and hit pockets and rims.
 #[test]
 fn energy_is_kept_without_dissipation() {
     for (name, json) in [
@@ -127,7 +128,7 @@ fn energy_is_kept_without_dissipation() {
     }
 }
 
-/// With damping of the raceways the energy falls: the test above would notice dissipation.
+/// With damping of the raceways the energy falls, so that the test above detects dissipation.
 #[test]
 fn damping_takes_energy() {
     let damped = json!({ "damping": { "raceway": { "law": "restitution", "restitution": 0.9, "at_speed_m_s": 0.1 } } });
@@ -139,9 +140,8 @@ fn damping_takes_energy() {
     assert!(lost > 1e-6, "{lost:e} J");
 }
 
-/// A bearing that stands still but for a disturbance is driven by nothing: with traction, rolling friction, friction
-/// in pockets, drag and churning its energy falls at every instant, in whatever way its bodies move. Rate by a central
-/// difference along the rates of state.
+/// Nothing drives a disturbed bearing at rest. With traction, rolling friction, pocket friction, drag and churning its energy
+/// falls at every instant, in any motion of its bodies. The rate is a central difference along the rates of the state.
 #[test]
 fn a_standing_bearing_loses_energy_at_every_instant() {
     const STEP: f64 = 1e-9;

@@ -1,4 +1,4 @@
-//! Extreme scenes end in finite numbers or in an error that says what is wrong, and soon.
+//! Extreme scenes end within seconds, in finite numbers or in an error with its reason.
 
 use std::time::{Duration, Instant};
 
@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 use crate::article_run::settings;
 use crate::scenes::{article, changed, scene};
 
-/// What a scene may take before it counts as stuck; it takes well under a second on an idle machine.
+/// Longest wall time of a scene. On an idle machine it takes well under a second.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Simulates a time to settle and twice that to keep.
+/// Simulates a settling time and records twice that time.
 fn short_run(json: &Value, settle: f64) -> Result<RunResult, SimulationError> {
     let mut settings = settings();
     settings.settle = settle;
@@ -36,7 +36,7 @@ fn ends_finite_over(name: &str, changes: Value, settle: f64) -> RunResult {
     assert_eq!(summary.channels.iter().filter(|(_, metrics)| !metrics.rms.is_finite()).count(), 0, "{name}");
     let text = format!("{summary:?} {:?}", result.spectra);
     assert!(!text.contains("NaN") && !text.contains("inf"), "{name}: {summary:?}");
-    // No contact of a bearing this small carries a kilonewton in these scenes, and no spindle leaves its bearing.
+    // In these scenes no contact of such a small bearing carries a kilonewton, and no spindle leaves its bearing.
     let contacts = summary.contacts.as_ref().unwrap();
     assert!(contacts.raceway.inner.max_load < 2000.0, "{name}: {contacts:?}");
     result
@@ -54,7 +54,7 @@ fn operation(changes: Value) -> Value {
 fn without_load() {
     let still = changed(operation(json!({ "radial_load_y_n": 0 })), json!({ "gravity_m_s2": 0 }));
     let free = ends_finite("no load, no gravity", still);
-    // Nothing disturbs the balance: the spindle stays where it is.
+    // In equilibrium without a disturbance the spindle stays in its place.
     assert!(free.summary.channels.iter().all(|(_, metrics)| metrics.rms < 1e-3));
     ends_finite("no load", operation(json!({ "radial_load_y_n": 0 })));
     ends_finite("heavy load", operation(json!({ "radial_load_y_n": 600 })));
@@ -79,7 +79,7 @@ fn at_every_clearance_and_curvature() {
         ends_finite(&format!("clearance {um} µm"), bearing(json!({ "radial_clearance_um": um })));
     }
     for curvature in [0.501, 0.505, 0.6] {
-        // The clearance that the closest curvature allows.
+        // The largest clearance with the smallest curvature.
         let both = json!({
             "inner_groove_curvature": curvature, "outer_groove_curvature": curvature, "radial_clearance_um": 2
         });
@@ -135,12 +135,12 @@ fn with_every_lubricant_and_traction_law() {
     ] {
         ends_finite(name, json!({ "lubricant": { "kind": "grease", "traction": law } }));
     }
-    // Oil under a gigapascal is so stiff that an explicit method needs steps of 30 ns: 0.3 ms are enough.
+    // Oil at a gigapascal is so stiff that an explicit method needs steps of 30 ns. A run of 0.3 ms is enough.
     let eyring = json!({ "lubricant": { "kind": "grease", "traction": { "law": "eyring" } } });
     ends_finite_over("Eyring", eyring, 1e-4);
 }
 
-/// What cannot be built is refused with the field's name, before anything runs.
+/// A scene that cannot be built is refused with the name of the field, before a run.
 #[test]
 fn impossible_scenes_are_refused_by_name() {
     for (changes, field) in [

@@ -1,4 +1,4 @@
-//! Balls side by side: the same bits by whatever instructions, in whatever number.
+//! Balls in the lanes of a vector: the same bits with every instruction set and any number of balls.
 
 use raceway::numerics::lanes::InstructionSet;
 use raceway::numerics::ode::Method;
@@ -14,7 +14,7 @@ use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_a
 
 const TIME: f64 = 2.3e-4;
 
-/// Scenes that between them hold every law and every term.
+/// Scenes that together contain every law and every term.
 fn scenes() -> Vec<(Value, ModelLevel)> {
     let everything_with = |change: Value| changed(everything(), change);
     let traction = |law: Value| everything_with(json!({ "lubricant": { "traction": law } }));
@@ -31,7 +31,7 @@ fn scenes() -> Vec<(Value, ModelLevel)> {
     ]
 }
 
-/// Rates and Jacobians to the bit, on every set that this machine has.
+/// Rates and Jacobians to the bit, with every instruction set of this machine.
 #[test]
 fn every_set_of_instructions_gives_the_same_bits() {
     for (json, rung) in scenes() {
@@ -53,8 +53,8 @@ fn every_set_of_instructions_gives_the_same_bits() {
     }
 }
 
-/// A run of the radially condensed rung to the bit: two groups of balls, walls of pockets, slip beyond the fitted law, viscous
-/// raceways, every law of traction.
+/// A run of the radially condensed model to the bit: two groups of balls, pocket walls, slip beyond the range of the fit,
+/// viscous raceways, every traction law.
 #[test]
 fn runs_of_the_condensed_rung_have_the_same_bits() {
     let with = |change: Value| changed(article(), change);
@@ -98,8 +98,8 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
     }
 }
 
-/// A ball's rates do not depend on who stands beside it: with the cage and the spindle in their places, the same ball
-/// alone in all lanes.
+/// The rates of a ball do not depend on the other lanes. Cage and spindle keep their places; the reference has the same ball
+/// in contact alone.
 #[test]
 fn a_ball_does_not_depend_on_its_neighbours() {
     for (json, rung) in scenes() {
@@ -108,7 +108,7 @@ fn a_ball_does_not_depend_on_its_neighbours() {
         let state = disturbed(&model, 5);
         let together = rates(&model, TIME, &state);
         for ball in 0..layout.balls {
-            // The others far from every contact.
+            // The other balls are far from every contact.
             let mut alone = state.clone();
             for other in (0..layout.balls).filter(|other| *other != ball) {
                 let mut lonely = layout.ball(&alone, other);

@@ -27,7 +27,7 @@ fn dense(system: &impl OdeSystem, state: &[f64], sizes: &[f64]) -> Vec<Vec<f64>>
         .collect()
 }
 
-/// `J e` for each unit vector must be the column that the differences show; errors in units of the row's size.
+/// `J e` of each unit vector equals the column of the difference quotients. Errors are relative to the size of the row.
 #[test]
 fn the_arrowhead_is_the_whole_jacobian() {
     let oil = changed(everything(), json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } }));
@@ -69,7 +69,7 @@ fn the_arrowhead_is_the_whole_jacobian() {
     }
 }
 
-/// Two states far from each other: each copy must be given its own Jacobian, in its own place.
+/// Two distant states: each copy has its own Jacobian, in its own block.
 #[test]
 fn jacobian_of_a_pair_is_that_of_both() {
     let model = model_on(&article(), Some(ModelLevel::Full));

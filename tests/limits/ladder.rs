@@ -1,4 +1,4 @@
-//! Which rung a scene is simulated on, and what the result says of it.
+//! The model that a scene is simulated on, and the statements of the result about it.
 
 use raceway::numerics::ode::Method;
 use raceway::simulation::input::control::Control;
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::article_run::{Y, Z, patient, settings};
 use crate::scenes::{article, changed, scene};
 
-/// 20 ms to settle, 40 ms kept; `all`: contacts and cage, too.
+/// Settings: 20 ms of settling, 40 ms recorded. `all` adds contacts and cage.
 fn asked(all: bool, rung: Option<ModelLevel>) -> RunSettings {
     let outputs = Outputs { contacts: all, cage: all, ..settings().outputs };
     RunSettings { rung, model_tolerance_db: 0.05, settle: 0.02, duration: 0.04, outputs, ..settings() }
@@ -37,9 +37,9 @@ fn apart(a: &RunResult, b: &RunResult) -> f64 {
     (a[0] - b[0]).abs().max((a[1] - b[1]).abs())
 }
 
-/// What is chosen is within what was asked, and what it states of itself is right within a factor of three.
+/// The chosen model meets the model tolerance, and the stated error is right within a factor of three.
 #[test]
-fn the_leanest_rung_that_is_confirmed_makes_the_result() {
+fn the_cheapest_verified_model_gives_the_result() {
     let full = simulate(&article(), &asked(true, Some(ModelLevel::Full)));
     for (all, expected) in [(true, "radially_condensed"), (false, "periodic")] {
         let result = simulate(&article(), &asked(all, None));
@@ -58,10 +58,10 @@ fn the_leanest_rung_that_is_confirmed_makes_the_result() {
     }
 }
 
-/// A heavy shaft under little load bounces on its balls long after a check from the start, which tells nothing of that: by name the rung
-/// warns, by itself it is not taken.
+/// A heavy shaft under a small load bounces on its balls, long after the window of a verification from the start. A model
+/// requested by name warns, and the program does not choose it.
 #[test]
-fn a_spindle_that_is_thrown_about_is_left_to_the_dynamics() {
+fn a_bouncing_spindle_runs_on_the_full_model() {
     let light = json!({ "bearing": "6205", "operation": { "speed_rpm": 6000, "radial_load_y_n": 18.3 } });
     let asked = |rung| RunSettings { settle: 0.1, duration: 0.1, ..asked(false, rung) };
     let chosen = simulate(&light, &asked(None)).summary;
@@ -71,9 +71,9 @@ fn a_spindle_that_is_thrown_about_is_left_to_the_dynamics() {
     assert!(condensed.accuracy.warning.unwrap().contains("thrown about"));
 }
 
-/// Largest load and cage speed are those of the full dynamics, too.
+/// Largest load and cage speed are those of the full model.
 #[test]
-fn contacts_and_cage_of_the_condensed_rung_are_those_of_the_full_dynamics() {
+fn contacts_and_cage_of_the_condensed_model_are_those_of_the_full_model() {
     let full = simulate(&article(), &asked(true, Some(ModelLevel::Full))).summary;
     let lean = simulate(&article(), &asked(true, Some(ModelLevel::RadiallyCondensed))).summary;
     let near = |a: f64, b: f64, within: f64| assert!((a / b - 1.0).abs() < within, "{a} {b}");
@@ -88,8 +88,8 @@ fn contacts_and_cage_of_the_condensed_rung_are_those_of_the_full_dynamics() {
     near(lean.frequencies.ball_pass_outer, full.frequencies.ball_pass_outer, 1e-4);
 }
 
-/// What is stated of the largest load holds over a time that its check has not seen, in bearings of several sizes, speeds and
-/// contacts, against the full dynamics with all terms at a tight tolerance.
+/// The stated error of the largest load holds beyond the window of its verification, in bearings of several sizes, speeds and
+/// contacts. The reference is the full model with all terms at a tight tolerance.
 #[test]
 fn the_stated_error_of_the_largest_load_holds() {
     let scene = |bearing: &str, speed: f64, load: f64, grade: f64| {
@@ -122,9 +122,9 @@ fn the_stated_error_of_the_largest_load_holds() {
     }
 }
 
-/// Reduced rungs are left where they do not serve, and the result says why.
+/// Reduced models are rejected where they are not applicable, and the result states the reason.
 #[test]
-fn the_dynamics_are_taken_where_no_reduced_rung_serves() {
+fn the_full_model_runs_where_no_reduced_model_is_applicable() {
     let rung_of = |changes: Value, settings: &RunSettings| {
         let solver = simulate(&changed(article(), changes), settings).summary.solver;
         (solver.rung, solver.check)
@@ -151,7 +151,7 @@ fn the_dynamics_are_taken_where_no_reduced_rung_serves() {
     }
 }
 
-/// P_d 10 µm at 40 000 r/min: the motion repeats after two balls, not after one.
+/// P_d 10 µm at 40 000 r/min: the period of the motion is two ball passages and not one.
 #[test]
 fn a_periodic_motion_that_is_unstable_is_never_the_answer() {
     let json =
@@ -163,18 +163,18 @@ fn a_periodic_motion_that_is_unstable_is_never_the_answer() {
     assert!(words.contains("the rung periodic does not serve"), "{words}");
 }
 
-/// Without load and weight the spindle floats between the balls: every place is as good, and no disturbance dies out.
+/// Without load and weight the spindle floats between the balls. It has no preferred position, and no disturbance decays.
 #[test]
-fn a_spindle_that_nothing_holds_has_no_periodic_motion() {
+fn a_free_spindle_has_no_periodic_motion() {
     let json = changed(article(), json!({ "operation": { "radial_load_y_n": 0 }, "terms": { "gravity": "off" } }));
     let words = run(&scene(&json), &asked(false, Some(ModelLevel::Periodic)), &patient()).unwrap_err().to_string();
     assert!(words.contains("it touches no ball"), "{words}");
     assert_ne!(simulate(&json, &asked(false, None)).summary.solver.rung, "periodic");
 }
 
-/// A rung asked for by name is run and checked, and warns where it is not confirmed.
+/// A model requested by name is run and verified. The result warns where the verification fails.
 #[test]
-fn a_rung_by_name_that_is_not_confirmed_warns() {
+fn a_requested_model_that_fails_verification_warns() {
     let settings = RunSettings { model_tolerance_db: 1e-3, ..asked(false, Some(ModelLevel::SpindleOnly)) };
     let summary = simulate(&article(), &settings).summary;
     assert_eq!((summary.solver.rung, summary.solver.method), ("spindle_only", "adams_moulton"));
@@ -182,9 +182,9 @@ fn a_rung_by_name_that_is_not_confirmed_warns() {
     assert!(warning.contains("spindle_only was asked for and is not confirmed within 0.0007 dB"), "{warning}");
 }
 
-/// Nothing turns, or hardly: a check is no longer than the run.
+/// At rest, or almost, the verification is no longer than the run.
 #[test]
-fn rungs_by_name_of_a_bearing_at_rest_end() {
+fn requested_models_of_a_bearing_at_rest_end() {
     for rpm in [0.0, 1e-3] {
         let json = changed(article(), json!({ "operation": { "speed_rpm": rpm } }));
         for rung in [ModelLevel::RadiallyCondensed, ModelLevel::SpindleOnly] {
@@ -195,9 +195,9 @@ fn rungs_by_name_of_a_bearing_at_rest_end() {
     }
 }
 
-/// A check from the start tells nothing of a speed that changes later, nor of less than it compares.
+/// A verification from the start is not valid for a speed that changes later, nor for a run shorter than its window.
 #[test]
-fn rungs_by_name_whose_check_tells_nothing_say_so() {
+fn requested_models_with_an_invalid_verification_say_so() {
     let slows = json!({ "operation": { "speed_rpm": [{ "at_s": 0, "rpm": 50_000 }, { "at_s": 0.03, "rpm": 3_000 }] } });
     let brief = RunSettings { settle: 1e-3, duration: 5e-4, ..asked(false, Some(ModelLevel::SpindleOnly)) };
     for (changes, settings, words) in [
@@ -210,10 +210,10 @@ fn rungs_by_name_whose_check_tells_nothing_say_so() {
     }
 }
 
-/// The rung that it is checked against does not hold at 500 000 r/min.
+/// The reference model of the verification fails at 500 000 r/min.
 #[test]
-fn a_rung_by_name_is_run_even_where_its_check_fails() {
-    // A cage so light that the rung above needs steps too short to be worth it.
+fn a_requested_model_runs_even_where_its_verification_fails() {
+    // The cage is so light that the reference model needs uneconomically short steps.
     let light = json!({ "mass_g": 1e-6, "axial_inertia_kg_m2": 4e-14, "transverse_inertia_kg_m2": 2e-14 });
     let json = changed(article(), json!({ "bearing": { "cage": light } }));
     let summary = simulate(&json, &asked(false, Some(ModelLevel::SpindleOnly))).summary;
@@ -221,9 +221,9 @@ fn a_rung_by_name_is_run_even_where_its_check_fails() {
     assert!(summary.accuracy.warning.is_some() && summary.accuracy.level_error_db().is_none());
 }
 
-/// A speed that rises so fast throws balls against the walls of their pockets, which steps of 9.8 µs do not bear.
+/// Such a fast rise of the speed throws balls against the pocket walls. Steps of 9.8 µs are unstable there.
 #[test]
-fn a_rung_by_name_takes_shorter_steps_where_its_own_lose_the_motion() {
+fn a_requested_model_takes_shorter_steps_where_its_own_are_unstable() {
     let rising = json!([{ "at_s": 0.02, "rpm": 3000 }, { "at_s": 0.025, "rpm": 60_000 }]);
     let json = changed(article(), json!({ "operation": { "speed_rpm": rising } }));
     let made = |rung| simulate(&json, &asked(false, Some(rung)));
@@ -234,7 +234,7 @@ fn a_rung_by_name_takes_shorter_steps_where_its_own_lose_the_motion() {
 }
 
 #[test]
-fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
+fn a_reduced_run_can_be_aborted_and_repeats_bit_for_bit() {
     let settings = asked(true, None);
     let stopped = run(&scene(&article()), &settings, &Control::until(&|| true));
     assert!(
@@ -245,9 +245,9 @@ fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
     assert_eq!((a.spectra, a.summary.channels, a.left_out), (b.spectra, b.summary.channels, b.left_out));
 }
 
-/// What goes on after a check is not what was checked: balls that wander in wide pockets, of a cage that does not tilt.
+/// The motion after the verification differs from the verified one: balls drift in wide pockets of a cage that does not tilt.
 #[test]
-fn slow_motions_that_go_on_after_the_check_are_left_to_the_dynamics() {
+fn slow_motions_beyond_the_verification_window_run_on_the_full_model() {
     let wide = json!({
         "bearing": { "preset": "608", "cage": { "pocket_clearance_mm": 0.4, "seat": "closed", "offset_mm": 0 } },
         "operation": { "speed_rpm": 20000, "radial_load_y_n": 50 }
@@ -261,10 +261,10 @@ fn slow_motions_that_go_on_after_the_check_are_left_to_the_dynamics() {
     assert!(warning.contains("after the check"), "{warning}");
 }
 
-/// A heavy spindle with much unbalance and wide clearance: a check of its first milliseconds finds 0.04 dB, while its levels are chance.
-/// Finer steps tell, and what they tell is stated where the rung was asked for by name.
+/// A heavy spindle with large unbalance and wide clearance. A verification of its first milliseconds gives 0.04 dB, but its
+/// levels are random. Finer steps reveal that. A model requested by name states the deviation.
 #[test]
-fn a_run_that_finer_steps_take_elsewhere_is_left_to_the_dynamics() {
+fn a_run_that_finer_steps_contradict_runs_on_the_full_model() {
     let heavy = json!({
         "bearing": { "preset": "article-integrated", "inner_groove_curvature": 0.532, "radial_clearance_um": 14 },
         "operation": { "speed_rpm": 44200, "radial_load_y_n": 177 },
@@ -284,10 +284,10 @@ fn a_run_that_finer_steps_take_elsewhere_is_left_to_the_dynamics() {
     assert!(named.accuracy.level_error_db() > Some(0.3), "{:?}", named.accuracy);
 }
 
-/// In a viscous lubricant at low speed a small tilt of cage and balls grows over tenths of a second, to 7° and 2 dB. A check sees
-/// its beginning, and rungs that are checked in the plane are not tried.
+/// In a viscous lubricant at low speed a small tilt of cage and balls grows over tenths of a second, to 7° and 2 dB. A
+/// verification covers only its beginning. Models that are verified in the plane are not tried.
 #[test]
-fn balls_that_leave_the_plane_are_left_to_the_dynamics() {
+fn balls_that_leave_the_plane_run_on_the_full_model() {
     let outputs = Outputs { contacts: false, cage: false, ..settings().outputs };
     let settings = RunSettings { outputs, duration: 0.1, model_tolerance_db: 0.2, ..asked(false, None) };
     let scenes = [
@@ -309,10 +309,10 @@ fn balls_that_leave_the_plane_are_left_to_the_dynamics() {
     }
 }
 
-/// A heavy crown cage far off its balls tilts them, levels are off by 4.5 dB in the plane: no rung that is checked in the plane
-/// is tried, and one asked for by name states no error.
+/// A heavy crown cage with a large axial offset tilts the balls, and a planar model has a level error of 4.5 dB. No model that
+/// is verified in the plane is tried. One requested by name states no error.
 #[test]
-fn a_crown_cage_that_may_tilt_its_balls_is_not_left_to_checks_in_the_plane() {
+fn a_crown_cage_that_may_tilt_its_balls_is_not_verified_in_the_plane() {
     let json = json!({
         "bearing": { "preset": "article-integrated", "cage": { "mass_g": 5.2, "offset_mm": 2.8 } },
         "operation": { "speed_rpm": 8215, "radial_load_y_n": 293 }
@@ -328,10 +328,10 @@ fn a_crown_cage_that_may_tilt_its_balls_is_not_left_to_checks_in_the_plane() {
     assert!(["periodic", "spindle_only"].contains(&chosen.rung), "{} {}", chosen.rung, chosen.check);
 }
 
-/// A level that goes up and down along the run by decibels (slow beats of a lightly loaded, unbalanced spindle): a check of its beginning
-/// does not stand for the rest; levels were 0.1 dB off for 0.01.
+/// A level varies by decibels along the run: slow beats of a lightly loaded, unbalanced spindle. A verification of the beginning
+/// is not valid for the rest. It stated 0.01 dB for an error of 0.1 dB.
 #[test]
-fn a_level_that_scatters_along_the_run_is_left_to_the_dynamics() {
+fn a_level_that_scatters_along_the_run_is_left_to_the_full_model() {
     let json = json!({
         "bearing": { "preset": "6205", "cage": { "offset_mm": 0.602 }, "materials": { "ball": "si3n4" } },
         "operation": { "speed_rpm": 2712, "radial_load_y_n": 28.4 }, "spindle": { "balance_grade": 0.4 },
@@ -343,9 +343,10 @@ fn a_level_that_scatters_along_the_run_is_left_to_the_dynamics() {
     assert!(solver.check.contains("scatters by"), "{}", solver.check);
 }
 
-/// A beat that is slower than the kept time is told on a reduced rung, too, by a later stretch: parts of the kept one differ by a third of it.
+/// A beat slower than the recorded time is detected on a reduced model, too, by a second window. Parts of the recorded time
+/// differ by a third of the beat only.
 #[test]
-fn a_slow_beat_is_told_on_a_reduced_rung() {
+fn a_slow_beat_is_reported_on_a_reduced_model() {
     let json = json!({
         "bearing": { "preset": "608", "radial_clearance_um": 29.8 },
         "operation": { "speed_rpm": 17_400, "radial_load_y_n": 348 },
@@ -361,9 +362,10 @@ fn a_slow_beat_is_told_on_a_reduced_rung() {
     assert!(off > 0.5 && off < 2.0 * scatter, "{off} dB off, {scatter} dB stated");
 }
 
-/// What judgement leaves out is in the repetition: a bound that is too small shows, and the run is made again with all terms.
+/// The repetition contains the terms that judgement omits. A bound that is too small is detected, and the run is repeated with
+/// all terms.
 #[test]
-fn a_bound_that_does_not_hold_is_found_out() {
+fn an_exceeded_bound_is_detected() {
     let json = json!({
         "bearing": "6205", "operation": { "speed_rpm": 5000, "radial_load_y_n": 500 }, "lubricant": "oil"
     });

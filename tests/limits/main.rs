@@ -1,5 +1,5 @@
-//! Limits that physics sets to the model, a file a law. Tolerances are stated where they are used, with their reason:
-//! "to rounding" is measured against the sizes of what is added up, "to integration error" falls with the tolerance.
+//! Physical laws that the model must obey, a file a law. Each tolerance is stated with its reason where it is used. "To
+//! rounding" is relative to the sizes of the summands. "To integration error" falls with the tolerance of the run.
 
 mod article;
 mod article_run;

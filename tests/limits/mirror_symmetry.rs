@@ -1,5 +1,5 @@
-//! Mirrored in the plane of X and Y, a bearing is a bearing: φ → −φ, with the load along Z, the speed, the phase of
-//! the unbalance (it starts at +Y and turns the other way) and the tilt about Y of the other sign.
+//! The mirror image of a bearing in the plane of X and Y is a bearing, with φ → −φ. The load along Z, the speed and the tilt
+//! about Y change their sign. So does the phase of the unbalance: it starts at +Y and turns in the other direction.
 
 use raceway::physics::frames::Vector;
 use raceway::simulation::model::Model;
@@ -14,17 +14,17 @@ use raceway::simulation::solve::run::run;
 
 const TIME: f64 = 2.3e-4;
 
-/// [x, y, z] or [x, r, t] of a force, displacement or velocity.
+/// Mirror image of a force, displacement or velocity, as [x, y, z] or [x, r, t].
 fn polar([x, y, z]: Vector) -> Vector {
     [x, y, -z]
 }
 
-/// Of a moment or angular velocity: the component normal to the mirror stays.
+/// Mirror image of a moment or angular velocity: the component normal to the mirror keeps its sign.
 fn axial([x, y, z]: Vector) -> Vector {
     [-x, -y, z]
 }
 
-/// A state, or rates of state, in the mirror: ball j becomes ball Z − j.
+/// Mirror image of a state or of its rates: ball j becomes ball Z − j.
 pub fn mirrored(model: &Model, y: &[f64]) -> Vec<f64> {
     let layout = model.mechanism().layout;
     let mut image = vec![0.0; y.len()];
@@ -49,7 +49,7 @@ pub fn mirrored(model: &Model, y: &[f64]) -> Vec<f64> {
     image
 }
 
-/// The scene in the mirror.
+/// Mirror image of a scene.
 fn mirrored_scene(mut json: Value) -> Value {
     let negate = |value: &mut Value| {
         if let Some(number) = value.as_f64() {
@@ -71,8 +71,8 @@ fn mirrored_scene(mut json: Value) -> Value {
     json
 }
 
-/// Largest difference of two vectors of rates, each entry over the size of its unit and, in that unit, over the largest
-/// acceleration (or velocity) among all balls, of the cage or of the spindle.
+/// Largest difference of two vectors of rates. Each entry is relative to the size of its unit and to the largest acceleration
+/// or velocity among the balls, of the cage or of the spindle.
 pub fn difference(model: &Model, a: &[f64], b: &[f64]) -> f64 {
     let layout = model.mechanism().layout;
     let sizes = layout.sizes();
@@ -89,8 +89,8 @@ pub fn difference(model: &Model, a: &[f64], b: &[f64]) -> f64 {
     (0..a.len()).map(|i| (a[i] - b[i]).abs() / sizes[i] / largest(groups[i])).fold(0.0, f64::max)
 }
 
-/// Penetrations of about 1 µm are differences of millimetres, so that forces keep 12 of their digits; sums run in
-/// another order.
+/// Rounding error of the rates: penetrations of about 1 µm are differences of millimetres, so that forces have 12 digits, and
+/// the sums run in another order.
 const ROUNDING: f64 = 1e-11;
 
 /// dy/dt of the mirrored state in the mirrored scene = mirrored dy/dt, to rounding.
@@ -129,7 +129,7 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
     }
 }
 
-/// The same in the plane.
+/// The mirrored rates of planar models are equal, too.
 #[test]
 fn plane_motion_is_mirrored_too() {
     let json =
@@ -144,8 +144,8 @@ fn plane_motion_is_mirrored_too() {
     }
 }
 
-/// A load of the other sign along Z alone is no mirror image, because the speed breaks that symmetry: the test
-/// above would notice if it ignored the speed.
+/// A load of opposite sign along Z is not a mirror image without the change of speed. So the tests above detect an ignored
+/// speed.
 #[test]
 fn the_speed_alone_breaks_the_symmetry() {
     let json = changed(article(), json!({ "operation": { "radial_load_z_n": 70 } }));
@@ -156,7 +156,7 @@ fn the_speed_alone_breaks_the_symmetry() {
     assert!(difference(&model, &rates(&image, 0.0, &mirrored(&model, &state)), &expected) > 1e-2);
 }
 
-/// Turning the other way mirrors the motion: metrics, the whirl's sense against the shaft among them, stay the same.
+/// The opposite rotation mirrors the motion. The metrics are the same, the direction of whirl relative to the shaft included.
 #[test]
 fn metrics_do_not_depend_on_the_sense_of_rotation() {
     let run_at = |speed: f64| {

@@ -1,5 +1,5 @@
-//! Newton's third law: what one body feels, another one gives. Checked at states far from equilibrium, where spin,
-//! slip, hydrodynamic forces, pocket contacts and the cage's tilt all act, and with the speed rising.
+//! Newton's third law: each force acts on two bodies in opposite directions. The states are far from equilibrium, with spin,
+//! slip, hydrodynamic forces, pocket contacts and tilt of the cage, and at rising speed.
 
 use raceway::physics::frames::{Azimuth, Tilt, Vector, add, cross, length, scale, subtract};
 use raceway::physics::raceway::{RacewayLoad, RelativeMotion};
@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use crate::scenes::{Loads, azimuth, changed, disturbed, everything, model, sizes, watched};
 
 const TIME: f64 = 1.7e-4;
-/// Rounding of sums of forces: a few units in the last place for each of the 21 contacts, and the terms r θ̇² and
-/// 2 ṙ θ̇ that are added to rates and taken away again here.
+/// Rounding error of sums of forces: a few units in the last place for each of the 21 contacts. The terms r θ̇² and 2 ṙ θ̇ add
+/// to it, because the rates contain them and they are subtracted here.
 const ROUNDING: f64 = 1e-14;
 
 /// Scenes with all forces: radial type, misaligned, angular contact with a rising speed, each traction law.
@@ -35,7 +35,7 @@ fn all_scenes() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// Force on the cage and on the spindle as the watch saw them, and on all balls from the outer raceway; inertial frame.
+/// Force on the cage, on the spindle, and of the outer raceway on all balls, in the inertial frame.
 struct Forces {
     inner: Vec<Vector>,
     outer: Vec<Vector>,
@@ -87,7 +87,7 @@ fn assert_near(what: &str, a: Vector, b: Vector, tolerance: f64) {
     assert!(off <= tolerance, "{what}: {a:?} and {b:?} differ by {off:e}, allowed {tolerance:e}");
 }
 
-/// dp/dt of all bodies = loads, weights and the reaction of the outer ring: no force between bodies is left over.
+/// dp/dt of all bodies = loads, weights and reaction of the outer ring. The forces between bodies cancel.
 #[test]
 fn momentum_changes_by_outer_forces_alone() {
     for (name, json) in all_scenes() {
@@ -111,9 +111,9 @@ fn momentum_changes_by_outer_forces_alone() {
     }
 }
 
-/// The spindle feels its loads and minus the sum of the forces of the inner raceway on the balls.
+/// The force on the spindle is its loads minus the sum of the forces of the inner raceway on the balls.
 #[test]
-fn spindle_feels_the_opposite_of_what_the_balls_feel() {
+fn force_on_the_spindle_is_opposite_to_that_on_the_balls() {
     for (name, json) in all_scenes() {
         let model = model(&json);
         let m = model.mechanism();
@@ -128,10 +128,10 @@ fn spindle_feels_the_opposite_of_what_the_balls_feel() {
     }
 }
 
-/// The cage feels its weight and minus the sum of the forces of the pockets on the balls; in these states most
-/// pockets carry.
+/// The force on the cage is its weight minus the sum of the forces of the pockets on the balls. In these states most pockets
+/// carry a load.
 #[test]
-fn cage_feels_the_opposite_of_what_its_pockets_give() {
+fn force_on_the_cage_is_opposite_to_that_of_its_pockets() {
     for (name, json) in all_scenes() {
         let model = model(&json);
         let m = model.mechanism();
@@ -158,7 +158,7 @@ fn cage_spin_momentum(model: &Model, time: f64, state: &[f64]) -> Vector {
     Tilt::new(cage.tilt[0], cage.tilt[1]).to_inertial(local)
 }
 
-/// Place of the cage's centre of mass from the bearing centre.
+/// Position of the centre of mass of the cage from the bearing centre.
 fn cage_centre(model: &Model, state: &[f64]) -> Vector {
     let m = model.mechanism();
     let [x, y, z] = m.layout.cage(state).centre;
@@ -192,9 +192,8 @@ fn rate_of(quantity: impl Fn(f64, &[f64]) -> Vector, state: &[f64], rates: &[f64
     scale(0.5 / STEP, change)
 }
 
-/// dL/dt of the cage about its centre = moments of the forces at the contact points of its pockets. Pins the
-/// levers, the gyroscopic terms and the tilt angles' rates together. To the rounding of the difference quotient,
-/// 1e-16 L / 2 ns.
+/// dL/dt of the cage about its centre = moments of the forces at the contact points of its pockets. This tests levers,
+/// gyroscopic terms and rates of the tilt angles together. To the rounding of the difference quotient, 1e-16 L / 2 ns.
 #[test]
 fn cage_turns_by_the_moments_of_its_pockets() {
     for (name, json) in all_scenes() {
@@ -223,8 +222,8 @@ fn cage_turns_by_the_moments_of_its_pockets() {
     }
 }
 
-/// dL/dt of balls and cage about the bearing centre = moments of raceways and weights: what passes between ball and
-/// pocket, moments included, cancels. Tolerance as above.
+/// dL/dt of balls and cage about the bearing centre = moments of raceways and weights. Forces and moments between balls and
+/// pockets cancel. Tolerance as above.
 #[test]
 fn angular_momentum_changes_by_raceways_and_weight_alone() {
     for (name, json) in all_scenes() {
@@ -253,9 +252,9 @@ fn angular_momentum_changes_by_raceways_and_weight_alone() {
     }
 }
 
-/// Drag and churning act from outside: they take momentum from the balls alone, each ball the same at the same speed.
+/// Drag and churning are external: they reduce the momentum of the balls alone, equally at equal speed.
 #[test]
-fn drag_brakes_each_ball_and_nothing_else() {
+fn drag_brakes_balls_only() {
     let bare = model(&everything());
     let braked = model(&changed(everything(), json!({ "terms": { "drag": "on", "churning": "on" } })));
     let m = braked.mechanism();
@@ -276,8 +275,8 @@ fn drag_brakes_each_ball_and_nothing_else() {
     assert_eq!(m.layout.spindle(&with), m.layout.spindle(&without));
 }
 
-/// The unbalance is the inertia of a mass that turns with the spindle: F = −m e d²(cos ψ, sin ψ)/dt², also while
-/// the speed changes; to the difference quotient's 1e-6.
+/// The unbalance is the inertia of a mass that turns with the spindle: F = −m e d²(cos ψ, sin ψ)/dt², at changing speed, too.
+/// To the error of the difference quotient, 1e-6.
 #[test]
 fn unbalance_is_the_inertia_of_a_turning_mass() {
     let ramp = json!([{ "at_s": 0, "rpm": 1_000 }, { "at_s": 0.001, "rpm": 60_000 }]);
@@ -298,7 +297,7 @@ fn unbalance_is_the_inertia_of_a_turning_mass() {
     }
 }
 
-/// Places of the balls as their raceways see them.
+/// Positions of the balls in the coordinates of their raceways.
 #[derive(Default)]
 struct Motions(Vec<RelativeMotion>);
 
@@ -308,10 +307,10 @@ impl Watch for Motions {
     }
 }
 
-/// The velocity that a contact sees is the rate of the place that it sees, spindle's motion and tilt included: by a
-/// central difference, to its 1e-7 m/s.
+/// The velocity in a contact is the rate of the position in it, motion and tilt of the spindle included. To the error of the
+/// central difference, 1e-7 m/s.
 #[test]
-fn contacts_see_velocities_that_are_rates_of_their_places() {
+fn velocities_in_contacts_are_rates_of_their_positions() {
     const STEP: f64 = 1e-9;
     for (name, json) in all_scenes() {
         let model = model(&json);
@@ -334,11 +333,10 @@ fn contacts_see_velocities_that_are_rates_of_their_places() {
     }
 }
 
-/// The rate at which a film in a pocket is squeezed is the rate of the ball's displacement in it, cage's motion,
-/// rotation and tilting included: the damping force of a film over its damping against a central difference of its
-/// elastic force over its stiffness.
+/// The squeeze rate of a pocket film is the rate of the ball displacement in the pocket, with motion, rotation and tilt of the
+/// cage. Damping force over damping is compared with the central difference of elastic force over stiffness.
 #[test]
-fn pockets_see_velocities_that_are_rates_of_their_places() {
+fn velocities_in_pockets_are_rates_of_their_positions() {
     const STEP: f64 = 1e-9;
     const STIFFNESS: f64 = 1e5;
     const DAMPING: f64 = 1.0;
@@ -361,7 +359,7 @@ fn pockets_see_velocities_that_are_rates_of_their_places() {
         let (after, before) = (seen(STEP), seen(-STEP));
         for ball in 0..7 {
             let (slow, fast) = (loads.pocket[ball].normal, damped_loads.pocket[ball].normal);
-            // Within the clearance, beyond the film's onset, and not leaving so fast that the film cannot follow.
+            // Within the clearance, beyond the onset of the film, and not separating faster than the film follows.
             if slow < 0.2e-6 * STIFFNESS || slow > 0.99 * edge || fast == 0.0 {
                 continue;
             }

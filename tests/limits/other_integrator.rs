@@ -1,4 +1,4 @@
-//! The library's model is a system dy/dt = f(t, y) for any integrator, not only its own.
+//! The model of the library is a system dy/dt = f(t, y) for any integrator.
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::OdeSystem;
@@ -9,7 +9,7 @@ use raceway::simulation::model::terms::ActiveTerms;
 
 use crate::scenes::advance;
 
-/// The classical method of Runge and Kutta with a constant step, as anyone would write it.
+/// The classical Runge–Kutta method with a constant step, written without the library.
 fn runge_kutta_4(system: &impl OdeSystem, state: &[f64], steps: u32, step: f64) -> Vec<f64> {
     let slope = |time: f64, y: &[f64]| {
         let mut dy = vec![0.0; system.dimension()];
@@ -31,9 +31,8 @@ fn runge_kutta_4(system: &impl OdeSystem, state: &[f64], steps: u32, step: f64) 
     y
 }
 
-/// A scene from JSON, its equilibrium, 0.5 ms (more than a ball passage) by steps of 0.25 µs: within 1e-5 of the
-/// sizes at which deviations matter (1e-11 m in places, 1e-7 m/s in velocities) of the built-in integrator at
-/// 1e-10.
+/// A run of 0.5 ms, more than a ball passage, by steps of 0.25 µs from the equilibrium of a scene. It agrees with the built-in
+/// integrator at 1e-10 to 1e-11 m in positions and 1e-7 m/s in velocities, which is 1e-5 of relevant deviations.
 #[test]
 fn a_plain_runge_kutta_loop_takes_the_same_path() {
     let json = r#"{ "bearing": "article-integrated",

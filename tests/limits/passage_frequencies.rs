@@ -1,15 +1,15 @@
-//! A rigid spindle on ideal circles vibrates as the balls pass, and with its unbalance, and in no other way.
+//! A rigid spindle in ideally circular raceways vibrates at the ball passage frequency and by its unbalance only.
 
 use crate::article_run::{Y, Z, balanced, line, lines, unbalanced};
 
-/// Ball passage of the outer raceway at ideal rolling [Hz].
+/// Ball passage frequency of the outer raceway at ideal rolling [Hz].
 const PASSAGE: f64 = 2293.4;
 const SHAFT: f64 = 50_000.0 / 60.0;
 
-/// Varying compliance: the strongest line along Z is the ball passage, within 1 % of its frequency at ideal rolling
-/// (the cage lags by its slip), and the other lines of both directions are its harmonics.
+/// Varying compliance: the strongest line along Z is the ball passage, and the other lines of both directions are its
+/// harmonics. The frequency is within 1 % of ideal rolling, because the cage slips.
 #[test]
-fn ball_passage_rules_where_nothing_is_unbalanced() {
+fn ball_passage_dominates_without_unbalance() {
     let run = balanced();
     let strongest = lines(run, Z)[0];
     assert_eq!(strongest.label, "BPFO");
@@ -22,7 +22,7 @@ fn ball_passage_rules_where_nothing_is_unbalanced() {
             let times = order.chars().next().and_then(|digit| digit.to_digit(10)).unwrap_or(1);
             assert!((line.frequency / (f64::from(times) * PASSAGE) - 1.0).abs() < 0.01, "{line:?}");
         }
-        // Whatever stands out by more than a hundredth of the strongest line is a harmonic of the passage.
+        // Each line above a hundredth of the strongest one is a harmonic of the passage.
         for line in found.iter().filter(|line| line.amplitude > 0.01 * strongest) {
             let order = line.frequency / run.summary.frequencies.ball_pass_outer;
             assert!((order - order.round()).abs() < 0.01, "{channel}: {line:?}");
@@ -30,7 +30,7 @@ fn ball_passage_rules_where_nothing_is_unbalanced() {
     }
 }
 
-/// Amplitude at a frequency over the strongest one of the spectrum: the largest of the three nearest bins.
+/// Amplitude at a frequency, the largest of the three nearest bins, over the largest amplitude of the spectrum.
 fn share_at(
     run: &raceway::simulation::result::run_result::RunResult,
     channel: raceway::simulation::input::channel::Channel,
@@ -42,8 +42,8 @@ fn share_at(
     near / spectrum.amplitude.iter().copied().fold(0.0, f64::max)
 }
 
-/// Circles are ideal and nothing is unbalanced: nothing repeats with the shaft, so that no line stands at f_r or 2
-/// f_r. What a Hann window leaks there from the passage is below a hundredth of it.
+/// With ideal circles and without unbalance nothing is periodic with the shaft, so that f_r and 2 f_r have no line. The leakage
+/// of the Hann window from the passage is below a hundredth of its amplitude.
 #[test]
 fn no_line_at_the_shaft_frequency_without_unbalance() {
     for channel in [Y, Z] {
@@ -56,10 +56,10 @@ fn no_line_at_the_shaft_frequency_without_unbalance() {
     }
 }
 
-/// An unbalance of grade G 6.3 brings the line f_r in both directions, and on a bearing whose stiffness varies with the
-/// passage its sum and difference with it.
+/// An unbalance of grade G 6.3 gives the line f_r in both directions. The stiffness of the bearing varies with the passage,
+/// which gives sum and difference of both frequencies, too.
 #[test]
-fn unbalance_brings_the_shaft_frequency_and_its_combinations() {
+fn unbalance_gives_the_shaft_frequency_and_its_combinations() {
     let run = unbalanced();
     for channel in [Y, Z] {
         let shaft = line(run, channel, "f_r").unwrap_or_else(|| panic!("no f_r along {channel}"));

@@ -1,4 +1,4 @@
-//! Where the cage is symmetric and nothing acts along X, nothing leaves the plane: the planar rung is the full one.
+//! With a symmetric cage and no load along X the motion stays in the plane, and the planar model equals the full one.
 
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::model::Model;
@@ -15,7 +15,7 @@ fn symmetric() -> Value {
     )
 }
 
-/// A planar state, or rates of it, in the full layout.
+/// A planar state, or its rates, in the layout of the full model.
 fn lifted(planar: &Model, full: &Model, y: &[f64]) -> Vec<f64> {
     let (from, to) = (planar.mechanism().layout, full.mechanism().layout);
     let mut lifted = vec![0.0; to.dimension()];
@@ -27,10 +27,10 @@ fn lifted(planar: &Model, full: &Model, y: &[f64]) -> Vec<f64> {
     lifted
 }
 
-/// The scene is given the planar rung by itself, and both rungs have the same rates in the plane to rounding, the full
-/// one none out of it.
+/// The program chooses the planar model for the scene. Both models have the same rates in the plane to rounding, and the full
+/// model has none out of it.
 #[test]
-fn rates_in_the_plane_are_the_same_on_both_rungs() {
+fn rates_in_the_plane_are_the_same_in_both_models() {
     for change in [json!({}), json!({ "lubricant": { "kind": "oil" }, "terms": { "hydrodynamics": "on" } })] {
         let json = changed(symmetric(), change);
         let (planar, full) = (model(&json), model_on(&json, Some(ModelLevel::Full)));
@@ -40,16 +40,16 @@ fn rates_in_the_plane_are_the_same_on_both_rungs() {
             let expected = lifted(&planar, &full, &rates(&planar, 1e-4, &state));
             let found = rates(&full, 1e-4, &lifted(&planar, &full, &state));
             let off = difference(&full, &found, &expected);
-            // Strips in the full contact are added one by one, in the planar one in pairs.
+            // The full model adds single strips of a contact, the planar one pairs of them.
             assert!(off < 1e-14, "state {seed}: {off:e}");
         }
     }
 }
 
-/// From the same equilibrium both rungs take the same path, to integration error: steps differ, because errors are
-/// averaged over another number of states.
+/// From the same equilibrium both models follow the same path, to integration error. Their steps differ, because the error
+/// norm averages over different numbers of states.
 #[test]
-fn both_rungs_take_the_same_path() {
+fn both_models_follow_the_same_path() {
     let json = symmetric();
     let (planar, full) = (model(&json), model_on(&json, Some(ModelLevel::Full)));
     let start = start_state(&planar).unwrap();

@@ -1,4 +1,4 @@
-//! Slow turning is a sequence of static states, and at any speed the raceways carry the mean load.
+//! Slow rotation is a sequence of static states, and at any speed the raceways carry the mean load.
 
 use std::f64::consts::TAU;
 
@@ -11,10 +11,11 @@ use serde_json::json;
 
 use crate::scenes::{advance, article, azimuth, changed, model, watched};
 
-/// Where the spindle rests on balls at given azimuths under a load along Y [N]: raceways in series, Q = K δ^1.5,
-/// the balls' own weight and centrifugal force (2e-4 N) left out. A contact leans by the spindle's displacement
-/// over the radius; of the tangential force that this gives each raceway takes half by traction. Newton's method
-/// with differences.
+/// Static position of the spindle on balls at given azimuths under a load along Y [N].
+///
+/// Both raceways are in series, Q = K δ^1.5. Weight and centrifugal force of the balls (2e-4 N) are neglected. A contact
+/// inclines by the displacement of the spindle over the radius. Each raceway carries half of the resulting tangential force by
+/// traction. Newton's method with difference quotients.
 fn resting_place(model: &Model, clearance: f64, azimuths: &[f64], load: f64) -> [f64; 2] {
     let raceway = &model.mechanism().raceway;
     let compliance = |contact: &RacewayContact| contact.hertz().stiffness.powf(-2.0 / 3.0);
@@ -48,10 +49,11 @@ fn resting_place(model: &Model, clearance: f64, azimuths: &[f64], load: f64) -> 
     place
 }
 
-/// At 500 r/min the spindle passes through the static states of the balls' momentary azimuths: the ball passage of
-/// 23 Hz lies far below the contact resonance of 4 kHz, (23/4000)² = 3e-5. Pinned to 2 % of the path between a ball
-/// and half way between two, 0.3 µm. (Slow balls creep apart under the load by some 30 µm, because the traction law
-/// is linear in slip: hence momentary azimuths.)
+/// At 500 r/min the spindle passes through the static states of the momentary ball azimuths.
+///
+/// The ball passage frequency of 23 Hz is far below the contact resonance of 4 kHz, (23/4000)² = 3e-5. The bound is 2 % of the
+/// path between the position under a ball and that between two balls, 0.3 µm. The azimuths are the momentary ones, because
+/// slow balls creep by some 30 µm under the load with a traction law linear in slip.
 #[test]
 fn a_slow_spindle_passes_through_static_states() {
     let json = changed(article(), json!({ "gravity_m_s2": 0, "operation": { "speed_rpm": 500 } }));
@@ -75,10 +77,10 @@ fn a_slow_spindle_passes_through_static_states() {
     assert!(path > 2e-7 && worst < 0.02 * path, "{worst:e} m off a path of {path:e} m");
 }
 
-/// In the article's case the mean of the outer raceway's reactions over whole ball passes balances load and weight,
-/// but for what the bodies' momentum has changed meanwhile: an integral of rates, exact to the integrator's error.
-/// Over a periodic motion that change vanishes, and the mean of the inner raceway's reactions is the load on the
-/// spindle: to 0.05 N after 6 ms of settling.
+/// The mean reaction of the outer raceway over whole ball passages balances load, weight and the change of momentum.
+///
+/// The balance is an integral of rates and exact to integration error. In a periodic motion the momentum does not change. The
+/// mean reaction of the inner raceway then equals the load on the spindle, to 0.05 N after 6 ms of settling.
 #[test]
 fn mean_reactions_balance_the_mean_load() {
     let model = model(&article());
@@ -91,7 +93,7 @@ fn mean_reactions_balance_the_mean_load() {
     let mut look = 0;
     let mut between = vec![0.0; model.dimension()];
     advance(&model, &settled, (start, end), 1e-6, |step| {
-        // Midpoints of equal parts of whole passes: a mean without end corrections.
+        // Midpoints of equal parts of whole passages, for which the mean needs no end correction.
         loop {
             let time = start + (f64::from(look) + 0.5) * (end - start) / f64::from(looks);
             if look == looks || time > step.time() {

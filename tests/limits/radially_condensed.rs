@@ -1,4 +1,4 @@
-//! ModelLevel 2, balls in radial equilibrium, against the full dynamics and against itself.
+//! The radially condensed model, with balls in radial equilibrium, against the full model and against itself.
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
@@ -61,10 +61,10 @@ fn spread(signal: &[f64]) -> f64 {
     rms(&signal.iter().map(|value| value - mean).collect::<Vec<_>>())
 }
 
-/// Velocities and accelerations of a short run are those of the full dynamics: levels to 0.1 dB, and of the difference of
-/// the accelerations no more than 3 % is left.
+/// Velocities and accelerations of a short run are those of the full model. Levels agree to 0.1 dB, and the accelerations
+/// differ by at most 3 %.
 #[test]
-fn levels_are_those_of_the_full_dynamics() {
+fn levels_are_those_of_the_full_model() {
     for (speed, load, clearance, balls, grade) in
         [(50_000.0, 200.0, 5.0, 7, 6.3), (30_000.0, 100.0, 8.0, 8, 0.0), (60_000.0, 300.0, 3.0, 6, 0.0)]
     {
@@ -83,9 +83,9 @@ fn levels_are_those_of_the_full_dynamics() {
     }
 }
 
-/// Steps between the kept values' interval and 24.4 µs end on the same values: as many of them, and levels of the spindle to 0.1 dB.
+/// Steps from the sampling interval to 24.4 µs give the same number of samples, and levels of the spindle to 0.1 dB.
 #[test]
-fn long_steps_keep_levels() {
+fn long_steps_preserve_levels() {
     for (speed, balls) in [(30_000.0, 8), (50_000.0, 7), (50_000.0, 9)] {
         let pitch = if balls > 8 {
             r#""pitch_diameter_mm": 14, "outer_diameter_mm": 19, "inner_diameter_mm": 9.5,"#
@@ -110,7 +110,7 @@ fn long_steps_keep_levels() {
                 assert_eq!(found.len(), expected.len(), "{channel} {ratio:?}");
                 let decibels = 20.0 * (spread(found) / spread(expected)).log10();
                 println!("{balls} balls at {speed} r/min, {ratio:?}: {channel} {decibels:.3} dB");
-                // The cage's own motion on its films is damped by steps so long.
+                // Such long steps damp the motion of the cage on its films.
                 let most = if *channel == Channel::CageSpeed { 4.0 } else { 0.1 };
                 assert!(decibels.abs() < most, "{channel} {ratio:?} {decibels} dB");
             }
@@ -119,10 +119,11 @@ fn long_steps_keep_levels() {
     }
 }
 
-/// A method of order 3: the distance of steps h from steps h/2 falls by 8 with h. Measured on spindle and azimuths from 12
-/// to 3 µs, without cage and without clearance, over the second half of the run: of the spindle by 7 at least, of the balls' ways,
-/// 0.1 µm apart, by 3. Contacts that open hide it else, and so do first steps from balls that have yet to find their slip, which
-/// keep what order 1 makes of that.
+/// A method of order 3: the deviation between steps h and h/2 falls by a factor of 8 for half of h.
+///
+/// Measured on spindle and azimuths from 12 to 3 µs, over the second half of the run: by at least 7 for the spindle, by 3 for the
+/// ball paths, which are 0.1 µm apart. The scene has no cage and no clearance, because opening contacts hide the order. So does
+/// the first half of the run, in which balls reach their slip and the error has order 1.
 #[test]
 fn steps_are_of_third_order() {
     let text = r#"{ "bearing": { "preset": "article-integrated", "radial_clearance_um": -4 },
@@ -150,7 +151,7 @@ fn steps_are_of_third_order() {
     };
     let runs = [500, 1000, 2000].map(at);
     for (value, least) in [7.0, 7.0, 3.0].into_iter().enumerate() {
-        // Over many places: at a single one the distance may pass through zero.
+        // At many times, because the deviation may pass through zero at one of them.
         let distance = |pair: &[Vec<[f64; 3]>]| {
             let squares = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a[value] - b[value]).powi(2));
             squares.sum::<f64>().sqrt()
@@ -161,10 +162,10 @@ fn steps_are_of_third_order() {
     }
 }
 
-/// The mirror image of a motion is a motion: load in Z and speed change their signs, and so do the motion in Z and the
-/// azimuths. Rounding is all that differs, of balls in single precision.
+/// The mirror image of a motion is a motion. Load along Z and speed change their signs, and so do the motion along Z and the
+/// azimuths. Both differ by rounding only, for balls in single precision.
 #[test]
-fn the_mirror_image_moves_alike() {
+fn the_mirror_image_of_a_motion_is_a_motion() {
     let one = recorded(&article(40_000.0, [200.0, 50.0], 5.0, 7, 0.0), 2e-3, 4e-3, 2);
     let other = recorded(&article(-40_000.0, [200.0, -50.0], 5.0, 7, 0.0), 2e-3, 4e-3, 2);
     for (axis, sign) in [(Axis::Y, 1.0), (Axis::Z, -1.0)] {
@@ -175,7 +176,7 @@ fn the_mirror_image_moves_alike() {
     }
 }
 
-/// The forces of the raceways balance load and weight in the mean; cage and balls turn at nearly ideal speeds.
+/// The mean forces of the raceways balance load and weight. Cage and balls turn at almost ideal speeds.
 #[test]
 fn mean_forces_balance() {
     let scene = article(50_000.0, [200.0, 0.0], 5.0, 7, 0.0);
@@ -189,7 +190,7 @@ fn mean_forces_balance() {
     assert!(recording.contacts.inner.max_load[0] > 50.0 && recording.max_pocket_load < 10.0);
 }
 
-/// What the rung has no place for is refused in words.
+/// Scenes outside the range of the model are rejected with their reason.
 #[test]
 fn scenes_out_of_the_plane_are_refused() {
     let plain = settings(0.0, 1e-3).outputs;
@@ -211,9 +212,10 @@ fn scenes_out_of_the_plane_are_refused() {
     assert_eq!(inapplicability(&article, &along_x), Some("an output asks for motion along X"));
 }
 
-/// Laws of traction, lubricants and pockets that have no short form run through the contacts of the full model; an article
-/// scene that is forced through them moves as by the short form, but for strips of a finite width in place of a quadrature, and
-/// where contacts are wide, whose strips are the same, but for the slopes that a step takes.
+/// Traction laws, lubricants and pockets without a short formula use the contacts of the full model.
+///
+/// An article scene that uses these contacts follows the short formula, except for strips of finite width in place of a
+/// quadrature. Wide contacts have the same strips both ways and differ only by the slopes within a step.
 #[test]
 fn the_general_contact_agrees_with_the_short_form() {
     let narrow = article(50_000.0, [200.0, 0.0], 5.0, 7, 0.0);

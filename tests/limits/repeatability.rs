@@ -11,7 +11,7 @@ use crate::article_run::{patient, settings};
 use crate::scenes::{article, changed, scene};
 
 fn short_run() -> RunResult {
-    // Dry pockets: chaotic, so that one different bit would show everywhere.
+    // Dry pockets, because one different bit changes every number of a chaotic motion.
     let scene = scene(&changed(article(), json!({ "lubricant": "dry" })));
     let mut settings = settings();
     settings.settle = 2e-3;
@@ -22,7 +22,7 @@ fn short_run() -> RunResult {
     result
 }
 
-/// The same job gives the same bits when it is run again and when others run beside it.
+/// The same job gives the same bits when it is repeated and when other jobs run at the same time.
 #[test]
 fn same_job_gives_the_same_bits() {
     let threads: Vec<_> = (0..2).map(|_| std::thread::spawn(short_run)).collect();
@@ -35,11 +35,11 @@ fn same_job_gives_the_same_bits() {
     }
 }
 
-/// Every method, with its steps and with fixed ones, beside itself in another thread.
+/// Every method, with step control and with fixed steps, twice in two threads.
 #[test]
 fn every_method_repeats_bit_for_bit() {
     let run_by = |method: Method, fixed_step: Option<f64>| {
-        // Stiff enough that `auto` changes its method on the way.
+        // Stiff enough that `auto` changes its method during the run.
         let traction = json!({ "law": "four_parameter", "at_slip_m_s": 0.05 });
         let scene = scene(&changed(article(), json!({ "lubricant": { "kind": "grease", "traction": traction } })));
         let settings = RunSettings { method, fixed_step, settle: 3e-4, duration: 5e-4, ..settings() };

@@ -1,4 +1,4 @@
-//! Loaded balls roll, and carry cage and unloaded balls with them at the speed of rolling.
+//! Loaded balls roll, and drive cage and unloaded balls at the speed of rolling.
 
 use raceway::contract::{Outcome, execute, parse_job};
 use raceway::physics::kinematics::ideal_frequencies;
@@ -9,8 +9,8 @@ use serde_json::json;
 use crate::article_run::balanced;
 use crate::scenes::{advance, article, changed, model};
 
-/// The article's cage turns within 1 % of FTF = 327.6 Hz and balls spin within 1 % of BSF = 1860.8 Hz; no loaded
-/// contact slips by more than 1 % of the 27 m/s at which the inner raceway passes.
+/// The cage of the article's bearing turns within 1 % of FTF = 327.6 Hz, and its balls spin within 1 % of BSF = 1860.8 Hz. No
+/// loaded contact slips by more than 1 % of the 27 m/s of the inner raceway.
 #[test]
 fn cage_and_balls_turn_at_the_speeds_of_ideal_rolling() {
     let summary = &balanced().summary;
@@ -21,8 +21,8 @@ fn cage_and_balls_turn_at_the_speeds_of_ideal_rolling() {
     assert!(contacts.inner.max_slip < 0.27 && contacts.outer.max_slip < 0.27);
 }
 
-/// A ball that the load has left for the time being keeps orbiting and spinning near the speeds of rolling: it
-/// touches the outer raceway alone, pressed by its centrifugal force.
+/// A ball outside the load zone continues to orbit and spin near the speeds of rolling. Its centrifugal force presses it against
+/// the outer raceway only.
 #[test]
 fn unloaded_ball_orbits_at_rolling_speed() {
     let model = model(&article());
@@ -41,8 +41,8 @@ fn unloaded_ball_orbits_at_rolling_speed() {
     assert!(worst < 0.03, "{worst}");
 }
 
-/// Without any load the balls are held by their centrifugal force against the outer raceway alone and keep rolling
-/// on it, turned by nothing and braked by nothing but the mixture.
+/// Without load the centrifugal force presses the balls against the outer raceway only. They continue to roll on it without a
+/// driving force, braked by the lubricant mixture only.
 #[test]
 fn balls_without_a_load_keep_rolling() {
     let free = json!({ "gravity_m_s2": 0, "operation": { "radial_load_y_n": 0 }, "terms": { "drag": "off", "churning": "off" } });
@@ -57,8 +57,8 @@ fn balls_without_a_load_keep_rolling() {
     }
 }
 
-/// A ball under a contact angle turns about an axis that leans by it: BSF is what it turns by about that, and not about X, which is
-/// a quarter less under 40°.
+/// A ball with a contact angle spins about an axis inclined by that angle. BSF is the spin about this axis. The spin about X is a
+/// quarter less at 40°.
 #[test]
 fn balls_under_a_contact_angle_spin_at_bsf() {
     let job = json!({ "kind": "simulation", "settle_s": 0.03, "duration_s": 0.005,

@@ -1,4 +1,4 @@
-//! Turned by the angle between two balls, a bearing is itself, and its balls have no numbers.
+//! A bearing, rotated by a ball spacing, is the same bearing, and the numbers of its balls are arbitrary.
 
 use std::f64::consts::TAU;
 
@@ -13,8 +13,8 @@ use crate::scenes::{article, changed, disturbed, everything, model, rates};
 const TIME: f64 = 2.3e-4;
 const ROUNDING: f64 = 1e-11;
 
-/// A state, or rates of state, turned by `steps` ball spacings: ball j becomes ball j + `steps`. The cage must not
-/// be tilted, for Cardan angles do not turn like vectors.
+/// A state, or its rates, rotated by `steps` ball spacings: ball j becomes ball j + `steps`. The cage must not be tilted,
+/// because Cardan angles do not rotate like vectors.
 fn turned(model: &Model, y: &[f64], steps: usize) -> Vec<f64> {
     let layout = model.mechanism().layout;
     let turn = Azimuth::new(TAU * steps as f64 / layout.balls as f64);
@@ -42,9 +42,9 @@ fn turned(model: &Model, y: &[f64], steps: usize) -> Vec<f64> {
     image
 }
 
-/// Without gravity and unbalance, load and balls turned together give turned rates, to rounding.
+/// Without gravity and unbalance, a rotation of load and balls gives rotated rates, to rounding.
 #[test]
-fn turned_load_and_balls_give_turned_rates() {
+fn rotated_load_and_balls_give_rotated_rates() {
     let load = |steps: usize| {
         let angle = TAU * steps as f64 / 7.0;
         let (y, z) = (200.0 * angle.cos(), 200.0 * angle.sin());
@@ -73,9 +73,9 @@ fn turned_load_and_balls_give_turned_rates() {
     }
 }
 
-/// The static state turns with the load as well.
+/// The static state rotates with the load, too.
 #[test]
-fn turned_load_turns_the_static_state() {
+fn the_static_state_rotates_with_the_load() {
     let at = |steps: usize| {
         let angle = TAU * steps as f64 / 7.0;
         let load = json!({ "radial_load_y_n": 200.0 * angle.cos(), "radial_load_z_n": 200.0 * angle.sin() });
@@ -88,23 +88,23 @@ fn turned_load_turns_the_static_state() {
         let image = at(steps).1;
         let expected = turned(&model, &state, steps);
         for (found, expected) in image.iter().zip(&expected) {
-            // Each search ends where 1e-11 of the load is unbalanced, on contacts of 1e7 N/m.
+            // Each search ends at a residual of 1e-11 of the load, on contacts of 1e7 N/m.
             assert!((found - expected).abs() < 1e-14, "{steps}: {found:e} {expected:e}");
         }
     }
 }
 
-/// Numbers of balls and pockets moved on by `steps`, everything else where it was.
+/// A state with the numbers of balls and pockets shifted by `steps`, and otherwise unchanged.
 fn renumbered(model: &Model, y: &[f64], steps: usize, rates: bool) -> Vec<f64> {
     let m = model.mechanism();
     let layout = m.layout;
-    // The ball that gets another number starts elsewhere and has come from there.
+    // A renumbered ball has another start azimuth, from which its arc is measured.
     let moved = |number: usize| if rates { 0.0 } else { m.pitch_radius * m.start_azimuth(number) };
     let mut image = y.to_vec();
     for ball in 0..layout.balls {
         let number = (ball + steps) % layout.balls;
         let mut s = layout.ball(y, ball);
-        // Without turning past the start: all arcs move by the same amount, but for whole turns.
+        // All arcs change by the same amount, except for whole turns.
         s.arc += moved(ball) - moved(number);
         layout.set_ball(&mut image, number, &s);
     }
@@ -114,9 +114,10 @@ fn renumbered(model: &Model, y: &[f64], steps: usize, rates: bool) -> Vec<f64> {
     image
 }
 
-/// The resultant does not depend on the order in which balls are summed: the same balls and pockets with other
-/// numbers. To rounding: arcs of up to a circumference leave azimuths 1e-15 and places 1e-17 m, which a pocket film
-/// of 1e5 N/m and contacts of 1e8 N/m turn into 1e-9 N.
+/// The resultant does not depend on the order of summation: the same balls and pockets with other numbers.
+///
+/// To rounding: arcs of up to a circumference give errors of 1e-15 in azimuths and 1e-17 m in positions. A pocket film of
+/// 1e5 N/m and contacts of 1e8 N/m turn them into 1e-9 N.
 #[test]
 fn numbers_of_balls_do_not_matter() {
     let model = model(&everything());
@@ -131,9 +132,9 @@ fn numbers_of_balls_do_not_matter() {
     }
 }
 
-/// Without a cage any two balls may change their numbers.
+/// Without a cage any two balls may exchange their numbers.
 #[test]
-fn two_balls_change_numbers_without_a_cage() {
+fn two_balls_may_exchange_numbers_without_a_cage() {
     let model = model(&changed(everything(), json!({ "terms": { "cage": "off" } })));
     let m = model.mechanism();
     let swap = |y: &[f64], (a, b): (usize, usize), rates: bool| {

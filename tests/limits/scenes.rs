@@ -1,4 +1,4 @@
-//! Scenes from JSON, their models, and states off their equilibrium.
+//! Scenes from JSON, their models, and states away from equilibrium.
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::dormand_prince::DormandPrince;
@@ -17,8 +17,8 @@ use serde_json::{Value, json};
 
 pub use crate::article::{article, changed};
 
-/// The article's case in flooding oil with hydrodynamic forces, free along X under an axial load: every force
-/// between bodies is there; drag and churning, which act from outside, are not.
+/// The article's case in flooding oil with hydrodynamic forces, free along X under an axial load. It has every force between
+/// bodies. Drag and churning are off, because they are external.
 pub fn everything() -> Value {
     changed(
         article(),
@@ -43,7 +43,7 @@ pub fn needs(scene: &Scene, rung: Option<ModelLevel>) -> ActiveTerms {
     ActiveTerms::of(scene, &nothing_asked(), rung).unwrap()
 }
 
-/// The model of a scene in JSON on the rung it needs.
+/// The model that a scene in JSON needs.
 pub fn model(json: &Value) -> Model {
     model_on(json, None)
 }
@@ -59,7 +59,7 @@ pub fn rates(model: &Model, time: f64, state: &[f64]) -> Vec<f64> {
     rates
 }
 
-/// Numbers in −1 … 1, the same in every run.
+/// Random numbers in −1 … 1, the same in every run.
 pub struct Random(u64);
 
 impl Random {
@@ -75,9 +75,10 @@ impl Random {
     }
 }
 
-/// Equilibrium with every entry displaced at random: places by up to 2 µm (cage 30 µm, arcs 40 µm), velocities by
-/// up to 0.2 m/s, spins by 1000 rad/s, the cage's tilt by 1 mrad: some contacts separate, some pockets touch and
-/// hit their rims.
+/// Equilibrium with a random displacement of every entry. Some contacts are open, some pockets in contact up to their rims.
+///
+/// Largest displacements: 2 µm for positions (cage 30 µm, arcs 40 µm), 0.2 m/s for velocities, 1000 rad/s for spins, 1 mrad for
+/// the tilt of the cage.
 pub fn disturbed(model: &Model, seed: u64) -> Vec<f64> {
     let layout = model.mechanism().layout;
     let mut random = Random::new(seed);
@@ -109,7 +110,7 @@ pub fn disturbed(model: &Model, seed: u64) -> Vec<f64> {
     state
 }
 
-/// Every load of one evaluation, by ball.
+/// Every load of one evaluation, for each ball.
 #[derive(Default, Clone)]
 pub struct Loads {
     pub inner: Vec<RacewayLoad>,
@@ -144,7 +145,7 @@ pub fn azimuth(model: &Model, time: f64, state: &[f64], ball: usize) -> f64 {
     m.start_azimuth(ball) + m.orbit_ratio * m.speed.at(time).0 + m.layout.ball(state, ball).arc / m.pitch_radius
 }
 
-/// Advances a model with the built-in integrator and shows it after each step.
+/// Advances a model with the built-in integrator and passes on the state after each step.
 pub fn advance(
     model: &Model,
     state: &[f64],
@@ -161,7 +162,7 @@ pub fn advance(
     integrator.state().to_vec()
 }
 
-/// Sum of the magnitudes of vectors.
+/// Sum of the magnitudes of some vectors.
 pub fn sizes(vectors: &[Vector]) -> f64 {
     vectors.iter().map(|v| raceway::physics::frames::length(*v)).sum()
 }

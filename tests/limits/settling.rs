@@ -1,4 +1,4 @@
-//! How long a run has to go on until its start is forgotten.
+//! Duration of the initial transient, and the results before and after its decay.
 
 use raceway::numerics::ode::Method;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use crate::article_run::{Y, Z, patient, settings};
 use crate::scenes::{article, changed, scene};
 
-/// A 6204 with a spindle of 1.29 kg: across its load of 55 N little damps it.
+/// A 6204 with a spindle of 1.29 kg. Its motion normal to the load of 55 N has little damping.
 fn lightly_damped() -> Value {
     json!({
         "bearing": { "preset": "6204" },
@@ -22,7 +22,7 @@ fn lightly_damped() -> Value {
     })
 }
 
-/// Levels of y and z [dB] after settling for a time [s], and what is warned of.
+/// Levels of y and z [dB] after a settling time [s], and the warning of the result.
 fn levels(scene: &Scene, settle: f64) -> ([f64; 2], Option<String>) {
     let rung = Some(ModelLevel::RadiallyCondensed);
     let settings = RunSettings { rung, model_tolerance_db: 0.05, settle, duration: 0.145, ..settings() };
@@ -35,7 +35,8 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).abs().max((a[1] - b[1]).abs())
 }
 
-/// What three turns of the cage leave of the start is decibels here, and is warned of; after the time that damping sets, nothing is left.
+/// After three cage turns the transient still changes the levels by decibels, with a warning. After the default settling time,
+/// which the damping sets, it has decayed.
 #[test]
 fn a_lightly_damped_spindle_settles_in_the_time_that_its_contacts_set() {
     let scene = scene(&lightly_damped());
@@ -48,7 +49,7 @@ fn a_lightly_damped_spindle_settles_in_the_time_that_its_contacts_set() {
     assert!(apart(ringing, long) > 1.0 && warned.is_some_and(|warning| warning.contains("settle_s")));
 }
 
-/// Damping grows with the load and mass slows its work; which way a load points does not matter.
+/// The decay rate grows with the load and falls with the mass. The direction of the load does not matter.
 #[test]
 fn decay_follows_load_mass_and_no_direction() {
     let rate = |operation: Value, mass: f64| {
@@ -60,13 +61,14 @@ fn decay_follows_load_mass_and_no_direction() {
     };
     let (one, heavy, hard) = (loaded(200.0, 0.05), loaded(200.0, 0.5), loaded(400.0, 0.05));
     assert!((one / heavy - 10.0).abs() < 1e-9, "{one} {heavy}");
-    // A wider zone of contact helps beyond the load itself.
+    // A wider load zone adds to the effect of the load.
     assert!((2.0..3.0).contains(&(hard / one)), "{one} {hard}");
     let aslant = rate(json!({ "speed_rpm": 50_000, "radial_load_y_n": 0.0, "radial_load_z_n": 200.0 }), 0.05).unwrap();
     assert!((aslant / one - 1.0).abs() < 0.1, "{one} {aslant}");
 }
 
-/// Along its axis a spindle is damped by what its contacts lean that way alone: much longer than across, and the less they lean the longer.
+/// Axial motion of a spindle is damped only by the axial inclination of its contacts. It decays much more slowly than radial
+/// motion, and more slowly for a smaller inclination.
 #[test]
 fn motion_along_the_axis_decays_slowest() {
     let time = |radial: f64, axial: f64| {
@@ -78,11 +80,13 @@ fn motion_along_the_axis_decays_slowest() {
     assert!(leaning > 5.0 * radial && steep < 0.2 * leaning);
 }
 
-/// Where all contacts lean and carry, the cage rings along its axis on films that hardly damp it there; under the damping at the start that is gone
-/// after three turns of the cage, where a run without it is tens of decibels off. A ball that does not carry, a spindle whose vibration decays
-/// slowly, a fixed step and a start at no time have none of it, and what may ring then is told of.
+/// With all contacts inclined and loaded, the cage vibrates axially on films with little axial damping. The damping of the
+/// start-up phase removes that within three cage turns. A run without it has level errors of tens of decibels.
+///
+/// The damping is not applied with an unloaded ball, a slowly decaying spindle, a fixed step or no settling time. The result
+/// then warns of a possible transient.
 #[test]
-fn what_rings_along_the_axis_is_damped_at_the_start() {
+fn axial_vibration_is_damped_in_the_start_up_phase() {
     const X: Channel = Channel::Spindle(Axis::X, Motion::Acceleration);
     let pressed_with = |mass: f64, radial: f64, axial: f64| {
         let operation = json!({ "speed_rpm": 4536, "radial_load_y_n": radial, "axial_load_n": axial });
@@ -114,9 +118,9 @@ fn what_rings_along_the_axis_is_damped_at_the_start() {
     assert!(ringing.settling.is_some_and(|words| words.contains("the cage is hardly damped")));
 }
 
-/// At changing speed nothing is waited for, and the result says that the start may still ring.
+/// At changing speed there is no default settling time, and the result warns of the transient.
 #[test]
-fn a_changing_speed_is_not_waited_for_but_told_of() {
+fn changing_speed_has_no_default_settling_time_and_warns() {
     let speed = json!({ "operation": { "speed_rpm": [{ "at_s": 0, "rpm": 2710 }, { "at_s": 1, "rpm": 2720 }] } });
     let scene = scene(&changed(lightly_damped(), speed));
     let (_, settling) = levels(&scene, 0.174);
@@ -124,9 +128,9 @@ fn a_changing_speed_is_not_waited_for_but_told_of() {
     assert!(settling.is_some_and(|words| words.contains("Hold the first speed")));
 }
 
-/// However little damps and however short a time is, words and advice are such that one can follow them.
+/// With almost no damping and a very short time, the warning and its advice remain short and feasible.
 #[test]
-fn next_to_no_damping_is_told_in_few_words() {
+fn the_warning_of_almost_no_damping_is_short() {
     let faint = json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 1e-300 } } });
     let scene = scene(&changed(article(), faint));
     let words = rings_on(&scene, 1e-320).unwrap();
@@ -137,9 +141,9 @@ fn next_to_no_damping_is_told_in_few_words() {
     assert_eq!(settling_time(&scene), Some(5.0));
 }
 
-/// Without damping, without load and where the speed changes, nothing is known of it.
+/// Without damping, without load and at changing speed there is no decay rate.
 #[test]
-fn no_time_is_set_where_nothing_decays() {
+fn no_settling_time_is_set_without_decay() {
     assert!(settling_time(&scene(&article())).is_some());
     let without = [
         json!({ "damping": { "raceway": { "law": "none" } } }),
@@ -151,9 +155,9 @@ fn no_time_is_set_where_nothing_decays() {
     }
 }
 
-/// Attempts at a run share the first part of a long time to settle, and their levels are those of a run that shares nothing.
+/// All attempts reuse the first part of a long settling time. Their levels are those of a run without the reuse.
 #[test]
-fn what_is_shared_leaves_levels_as_they_are() {
+fn the_reused_start_up_phase_does_not_change_levels() {
     let changes =
         json!({ "operation": { "speed_rpm": 8000, "radial_load_y_n": 150.0 }, "spindle": { "mass_kg": 0.4 } });
     let scene = scene(&changed(lightly_damped(), changes));
@@ -182,14 +186,14 @@ fn what_is_shared_leaves_levels_as_they_are() {
         println!("{apart} dB, stated {stated}, {}", shared.scatter.of(channel).unwrap());
         assert!(apart < stated.max(0.002) && stated < 0.02);
     }
-    // Its steps count.
+    // The steps of the reused part are counted, too.
     let work = &shared.solver.statistics;
     assert!((work.advanced / (3.5 * last + 0.1) - 1.0).abs() < 1e-2 && work.steps as f64 * 7.5e-6 > 3.0 * last);
 }
 
-/// What beats more slowly than the kept time does not show in it: the level is held against that of a later stretch.
+/// A beat slower than the recorded time does not appear in it. A second window reveals it.
 #[test]
-fn slow_beats_show_in_a_later_stretch() {
+fn slow_beats_appear_in_a_second_window() {
     let scene = scene(&json!({
         "bearing": { "preset": "6203" },
         "operation": { "speed_rpm": 2680, "radial_load_y_n": 85.0 },
@@ -208,7 +212,7 @@ fn slow_beats_show_in_a_later_stretch() {
     assert!((level - later).abs() > 0.5 && scatter > 0.9 * (level - later).abs() && stated >= scatter);
 }
 
-/// Steps of 7.5 µs blow up after 38 ms: all attempts share what shorter ones lead to.
+/// Steps of 7.5 µs diverge after 38 ms. All attempts reuse the state that shorter steps reach.
 #[test]
 fn viscous_oil_that_is_too_stiff_for_long_steps_settles_once_in_shorter_ones() {
     let scene = scene(&json!({
@@ -222,7 +226,7 @@ fn viscous_oil_that_is_too_stiff_for_long_steps_settles_once_in_shorter_ones() {
         rung: Some(ModelLevel::Full),
         relative_tolerance: 1e-3,
         tightened: Some(1e-5),
-        // The way to the result is looked at, not its last digit.
+        // The test compares the path to the result, not its last digit.
         model_tolerance_db: 5.0,
         outputs: Outputs { contacts: false, cage: false, ..settings().outputs },
         settle: settling_time(&scene).unwrap(),

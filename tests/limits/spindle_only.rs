@@ -1,4 +1,4 @@
-//! Rungs 3 and 4, the spindle alone in time and its steady orbit, against the full dynamics and each other.
+//! The spindle-only model in time and its periodic orbit, against the full model and each other.
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
@@ -41,7 +41,7 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
     }
 }
 
-/// rms of y and z, acceleration and velocity, 0–20 kHz.
+/// rms of accelerations and velocities of y and z, 0–20 kHz.
 fn levels(recording: &Recording) -> [f64; 4] {
     let of = |axis, motion| {
         let channel = Channel::Spindle(axis, motion);
@@ -71,7 +71,7 @@ fn full(scene: &Scene, settings: &RunSettings) -> [f64; 4] {
 }
 
 #[test]
-fn the_spindle_alone_has_the_levels_of_the_full_dynamics() {
+fn the_spindle_only_model_has_the_levels_of_the_full_model() {
     for (clearance, load, speed) in [(5.0, 200.0, 50_000.0), (5.0, 400.0, 40_000.0)] {
         let (scene, settings) = (article(clearance, load, speed), settings(0.03, 0.03));
         let (recording, _) = simulate(&scene, &settings, &QUIET).unwrap();
@@ -81,8 +81,8 @@ fn the_spindle_alone_has_the_levels_of_the_full_dynamics() {
 }
 
 #[test]
-fn the_steady_orbit_is_where_a_run_in_time_ends() {
-    // In the last two a kink falls badly into the steps of a passage.
+fn the_periodic_orbit_is_the_limit_of_a_run_in_time() {
+    // In the last two a kink of the load has an unfavourable place in the steps of a passage.
     let scenes = [
         (5.0, 200.0, 50_000.0),
         (2.0, 400.0, 30_000.0),
@@ -101,15 +101,15 @@ fn the_steady_orbit_is_where_a_run_in_time_ends() {
         let orbit = passage(&scene, &settings).unwrap();
         assert!(orbit.orbit.radius() < 0.95);
         let series = orbit.rms(20_000.0);
-        // The window of the recording holds no whole number of passages.
+        // The recording window is not a whole number of passages.
         let apart = worst_db(&[series[4], series[5], 1e3 * series[2], 1e3 * series[3]], &levels(&in_time));
         assert!(apart < 0.2, "{clearance} µm, {load} N, {speed} r/min: {apart} dB");
     }
 }
 
-/// P_d 10 µm at 200 N: the motion repeats after two balls and not after one, though an orbit of one exists.
+/// P_d 10 µm at 200 N: the period is two ball passages, although an orbit with the period of one exists.
 #[test]
-fn motions_that_repeat_after_more_than_one_ball_are_refused() {
+fn motions_with_a_period_of_several_balls_are_rejected() {
     for speed in [20_000.0, 40_000.0] {
         let refused = passage(&article(10.0, 200.0, speed), &settings(0.1, 0.1));
         assert!(
@@ -120,7 +120,7 @@ fn motions_that_repeat_after_more_than_one_ball_are_refused() {
 }
 
 #[test]
-fn what_the_spindle_alone_cannot_show_is_refused_in_words() {
+fn scenes_outside_the_spindle_only_model_are_rejected_with_a_reason() {
     let scene = article(5.0, 200.0, 50_000.0);
     let base = settings(0.01, 0.01);
     let with = |outputs: Outputs| simulate(&scene, &RunSettings { outputs, ..base.clone() }, &QUIET);
@@ -138,9 +138,9 @@ fn what_the_spindle_alone_cannot_show_is_refused_in_words() {
     assert!(periodic::simulate(&unbalanced, &base, &QUIET).is_err());
 }
 
-/// The steps that are chosen, some longer than the interval of the kept values, against steps an eighth of it.
+/// The chosen steps, some longer than the sampling interval, against steps of an eighth of it.
 #[test]
-fn chosen_steps_err_by_a_hundredth_of_a_decibel() {
+fn chosen_steps_have_errors_below_a_hundredth_of_a_decibel() {
     for (clearance, load, speed) in [(5.0, 200.0, 50_000.0), (2.0, 400.0, 30_000.0), (10.0, 400.0, 20_000.0)] {
         let (scene, settings) = (article(clearance, load, speed), settings(0.02, 0.1));
         let (chosen, statistics) = simulate(&scene, &settings, &QUIET).unwrap();
@@ -151,9 +151,9 @@ fn chosen_steps_err_by_a_hundredth_of_a_decibel() {
     }
 }
 
-/// Nothing settles: the first value is the start, and values between steps know of no time before it.
+/// A run without settling time. The first sample is the initial state, and no interpolation uses a time before it.
 #[test]
-fn a_run_may_keep_everything() {
+fn a_run_without_settling_records_from_the_start() {
     let (scene, settings) = (article(5.0, 200.0, 50_000.0), settings(0.0, 0.02));
     let velocity = |fixed_step| {
         let (found, _) = simulate(&scene, &RunSettings { fixed_step, ..settings.clone() }, &QUIET).unwrap();
@@ -168,7 +168,7 @@ fn a_run_may_keep_everything() {
     assert!(apart(8..200) < 0.02, "{} {}", apart(8..200), apart(0..8));
 }
 
-/// G 6.3 on 50 g adds the acceleration 6.3 mm/s · ω in all directions, and a ramp ends at its speed.
+/// G 6.3 on 50 g adds an acceleration of 6.3 mm/s · ω in all directions, and a ramp ends at its speed.
 #[test]
 fn unbalance_and_ramps_run_in_time() {
     let mut scene = article(5.0, 200.0, 20_000.0);

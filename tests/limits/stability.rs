@@ -1,5 +1,5 @@
-//! A fixed step beyond the limit of stability stays bounded where traction saturates, and is wrong by ten decibels and
-//! more: it must be found out.
+//! A fixed step beyond the limit of stability gives a bounded motion where traction saturates, with level errors of ten decibels
+//! and more. The program must detect it.
 
 use raceway::numerics::ode::stability::{STEPS_PER_LOOK, Stability, StabilityWatch};
 use raceway::numerics::ode::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics};
@@ -15,10 +15,10 @@ use serde_json::{Value, json};
 use crate::article_run::{Y, patient, settings};
 use crate::scenes::{article, changed, model, needs, scene};
 
-/// Largest step times rate of a mode that decays.
+/// Limit of stability: step times decay rate of a mode.
 const LIMIT: f64 = 2.785;
 
-/// The classical method of Runge and Kutta, without any control of its error.
+/// The classical Runge–Kutta method without error control.
 struct RungeKutta4<'a, S: OdeSystem> {
     system: &'a S,
     step: f64,
@@ -27,7 +27,7 @@ struct RungeKutta4<'a, S: OdeSystem> {
     previous_time: f64,
     states: [Vec<f64>; 2],
     rates: [Vec<f64>; 2],
-    /// |λ| between the two stages in the middle of the last step.
+    /// Estimate of |λ| from both stages in the middle of the last step.
     seen: f64,
 }
 
@@ -77,7 +77,7 @@ impl<S: OdeSystem> Integrator for RungeKutta4<'_, S> {
         &self.states[1]
     }
 
-    /// Hermite's cubic.
+    /// Cubic Hermite interpolation.
     fn interpolate(&self, time: f64, state: &mut [f64]) {
         let h = self.time() - self.previous_time;
         let x = (time - self.previous_time) / h;
@@ -105,7 +105,7 @@ impl<S: OdeSystem> Integrator for RungeKutta4<'_, S> {
     }
 }
 
-/// The level in y [dB] and what the watch says.
+/// Level of y [dB] and result of the stability check.
 fn runge_kutta_4(json: &Value, settings: &RunSettings, step: f64) -> (f64, Option<String>) {
     let model = model(json);
     let start = start_state(&model).unwrap();
@@ -144,7 +144,7 @@ fn at_400_newton() -> Value {
 }
 
 #[test]
-fn an_unstable_runge_kutta_run_stays_bounded_and_is_found_out() {
+fn an_unstable_runge_kutta_run_stays_bounded_and_is_detected() {
     let article = article();
     let (wrong, warning) = runge_kutta_4(&article, &short(), 1e-6);
     let (right, none) = runge_kutta_4(&article, &short(), 0.25e-6);
@@ -163,9 +163,9 @@ fn an_unstable_runge_kutta_run_stays_bounded_and_is_found_out() {
     assert!(warning.is_some_and(|words| words.contains("4.000e-7 s")));
 }
 
-/// The program's own fixed steps: both its error of the level and its warning.
+/// Fixed steps of the program: level error and warning.
 #[test]
-fn a_fixed_step_beyond_the_limit_says_so() {
+fn a_fixed_step_beyond_the_limit_warns() {
     let right = level_of(&run(&scene(&article()), &short(), &patient()).unwrap());
     let fixed = |method: Method, step: f64| {
         let settings = RunSettings { method, fixed_step: Some(step), ..short() };
@@ -188,10 +188,10 @@ fn a_fixed_step_beyond_the_limit_says_so() {
     }
 }
 
-/// Precise integration, looked at after every step: beyond what its blocks leave, at some seven times the explicit limit, the
-/// motion soon is no longer finite, which is an error of its own; until then the watch knows.
+/// Precise integration, observed after every step. Beyond its limit, at about seven times the explicit one, the motion soon
+/// diverges, which is a failure with its own reason. Before that the stability check detects it.
 #[test]
-fn precise_integration_beyond_its_limit_says_so() {
+fn precise_integration_beyond_its_limit_warns() {
     let model = model(&article());
     let start = start_state(&model).unwrap();
     for (step, beyond) in [(2e-6, false), (3e-6, false), (6e-6, true)] {
@@ -209,9 +209,9 @@ fn precise_integration_beyond_its_limit_says_so() {
     }
 }
 
-/// Steps from well below to well beyond the limit: wrong is never without a word.
+/// Steps from well below to well beyond the limit: a wrong result always carries a warning.
 #[test]
-fn fixed_steps_are_right_or_say_so() {
+fn fixed_steps_are_right_or_warn() {
     let brief = RunSettings { settle: 2e-3, duration: 6e-3, ..settings() };
     for (json, unit) in [(article(), 1e-6), (at_400_newton(), 0.5e-6)] {
         let right = level_of(&run(&scene(&json), &brief, &patient()).unwrap());
@@ -229,7 +229,7 @@ fn fixed_steps_are_right_or_say_so() {
                             off < 3.0 || accuracy.warning.is_some(),
                             "{method:?} {step:e}: off by {off} dB, {accuracy:?}"
                         );
-                        // At 0.66 only some states are beyond the limit, which may do no harm yet.
+                        // At 0.66 only some states are beyond the limit, and the result may still be right.
                         assert!(steps > 0.6 || accuracy.warning.is_none(), "{method:?} {step:e}: {accuracy:?}");
                     }
                     Err(error) => println!("{method:?} {step:e}: {error}"),
@@ -239,7 +239,7 @@ fn fixed_steps_are_right_or_say_so() {
     }
 }
 
-/// Contacts with 10⁸ N s/m of damping: a peak that the tolerance does not resolve is stated, and the result warns.
+/// Contacts with 10⁸ N s/m of damping. The result states and warns of a peak that the tolerance does not resolve.
 #[test]
 fn a_peak_that_is_not_resolved_is_stated() {
     let stiff = json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 1e8 } } });
@@ -252,7 +252,7 @@ fn a_peak_that_is_not_resolved_is_stated() {
         (contacts.inner.max_load.max(contacts.outer.max_load), summary.accuracy)
     };
     let (right, _) = of(1e-7);
-    // 1e-4 happens to meet it, to 0.2 per cent.
+    // The run at 1e-4 happens to reach it within 0.2 percent.
     for tolerance in [3e-4, 3e-5, 1e-5] {
         let (load, accuracy) = of(tolerance);
         let (off, stated) = ((load / right - 1.0).abs(), accuracy.quantity_errors.unwrap().max_load);

@@ -1,4 +1,4 @@
-//! A load over the balls of a bearing at rest. Published distributions are in `tests/verification`.
+//! Load distribution of a bearing at rest. Published distributions are in `tests/verification`.
 
 use std::f64::consts::TAU;
 
@@ -16,8 +16,8 @@ fn clearance(um: f64) -> Value {
     changed(article(), json!({ "bearing": { "radial_clearance_um": um } }))
 }
 
-/// The raceways carry what is applied: Σ Q cos φ = F with φ the direction from the displaced spindle to the ball.
-/// To the share 1e-6 by which balls move off the pitch circle and change that direction.
+/// The raceways carry the applied load: Σ Q cos φ = F, with φ the direction from the displaced spindle to the ball. To the share
+/// of 1e-6 by which the displacement of the balls changes that direction.
 #[test]
 fn static_loads_balance_the_applied_load() {
     for um in [-2.0, 0.0, 5.0, 13.0] {
@@ -34,10 +34,10 @@ fn static_loads_balance_the_applied_load() {
     }
 }
 
-/// Grooves so close to the ball that a heavily loaded spindle takes the balls opposite the load past the centres of their grooves: a groove is
-/// an arc, and these carry nothing.
+/// Grooves with a curvature close to that of the ball. A heavy load moves the balls opposite to it past the centres of their
+/// grooves. A groove is an arc, and these balls carry no load.
 #[test]
-fn balls_opposite_the_load_carry_nothing() {
+fn balls_opposite_the_load_carry_no_load() {
     let json = json!({
         "bearing": {
             "preset": "6205", "inner_groove_curvature": 0.5005, "outer_groove_curvature": 0.5005, "radial_clearance_um": 5
@@ -55,9 +55,9 @@ fn balls_opposite_the_load_carry_nothing() {
     assert!((along / 14_000.0 - 1.0).abs() < 0.01, "{along}");
 }
 
-/// Loads under which nothing is left of a bearing are no equilibrium; at a tenth of that the balls still carry them.
+/// A load beyond the capacity of the geometry has no equilibrium. The balls still carry a tenth of it.
 #[test]
-fn a_load_that_presses_balls_into_their_raceways_is_no_equilibrium() {
+fn a_load_that_presses_balls_into_their_raceways_has_no_equilibrium() {
     let under = |load: f64| {
         let scene = scene(&changed(article(), json!({ "operation": { "radial_load_y_n": load } })));
         static_loads(&scene, &needs(&scene, None)).map(|rest| rest.ball_loads.iter().sum::<f64>())

@@ -1,4 +1,4 @@
-//! The dynamics in steps of a fixed length: how right they are, and where they are taken.
+//! The full model with fixed steps: error, and the scenes that use them.
 
 use raceway::numerics::ode::Method;
 use raceway::numerics::ode::{Choice, IntegrationError, Integrator, OdeSystem, Statistics};
@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use crate::article_run::{Y, Z, patient, settings};
 use crate::scenes::{advance, article, changed, model, scene};
 
-/// As a plain job asks, but for times: the method is free.
+/// Settings of a plain job with free choice of the method.
 fn free() -> RunSettings {
     RunSettings {
         rung: Some(ModelLevel::Full),
@@ -29,7 +29,7 @@ fn free() -> RunSettings {
     }
 }
 
-/// All terms, by error control.
+/// Settings of the reference: all terms, error control.
 fn exact() -> RunSettings {
     RunSettings { method: Method::Gear, relative_tolerance: 1e-7, tightened: None, model_tolerance_db: 0.0, ..free() }
 }
@@ -38,7 +38,7 @@ fn simulate(json: &Value, settings: &RunSettings) -> RunResult {
     run(&scene(json), settings, &patient()).unwrap_or_else(|error| panic!("{json}: {error}"))
 }
 
-/// Worst difference of the levels of y and z [dB].
+/// Larger deviation of the levels of y and z [dB].
 fn apart(a: &RunResult, b: &RunResult) -> f64 {
     let level = |result: &RunResult, channel| {
         let found = result.summary.channels.iter().find(|(of, _)| *of == channel);
@@ -47,7 +47,7 @@ fn apart(a: &RunResult, b: &RunResult) -> f64 {
     [Y, Z].into_iter().map(|channel| (level(a, channel) - level(b, channel)).abs()).fold(0.0, f64::max)
 }
 
-/// The state after some steps of a length [s], from the start of a run.
+/// State after some steps of a length [s] from the start of a run.
 fn stepped(model: &Model, end: f64, step: f64) -> Vec<f64> {
     let start = start_state(model).unwrap();
     let mut integrator = model.own_method(0.0, &start, step).unwrap();
@@ -57,11 +57,12 @@ fn stepped(model: &Model, end: f64, step: f64) -> Vec<f64> {
     integrator.state().to_vec()
 }
 
-/// Second order and better, for the spindle is of fourth: 4, 2 and 1 µs over two ball passages, ball radii and spins and the
-/// spindle against Radau IIA at 1e-10, in sizes that matter. No contact opens or closes: without clearance, under the load of
-/// a press fit.
+/// Order 2 at least, and order 4 for the spindle.
+///
+/// Steps of 4, 2 and 1 µs over two ball passages are compared with Radau IIA at 1e-10: ball radii, spins and spindle, relative to
+/// relevant sizes. The scene has no clearance and the load of a press fit, so that no contact opens or closes.
 #[test]
-fn halved_steps_err_by_a_quarter_or_less() {
+fn halved_steps_have_a_quarter_of_the_error_or_less() {
     let tight = changed(article(), json!({ "bearing": { "radial_clearance_um": -4.0 } }));
     let model = model(&tight);
     let end = 0.9e-3;
@@ -78,10 +79,10 @@ fn halved_steps_err_by_a_quarter_or_less() {
     assert!(errors.windows(2).all(|pair| pair[1] < pair[0] / 3.4), "{errors:?}");
 }
 
-/// Loads, clearances, preload along the axis, unbalance, leaning shafts, cages of other kinds and none, other laws: what the result
-/// states of itself is right within a factor of three, and no warning is needed.
+/// The stated error is right within a factor of three without a warning. Scenes vary load, clearance, axial preload, unbalance,
+/// misalignment, cage and laws.
 #[test]
-fn what_steps_state_of_themselves_is_right() {
+fn the_stated_error_of_fixed_steps_is_right() {
     for changes in [
         json!({}),
         json!({ "spindle": { "balance_grade": 6.3 }, "bearing": { "radial_clearance_um": 2.0 } }),
@@ -94,7 +95,7 @@ fn what_steps_state_of_themselves_is_right() {
     ] {
         let json = changed(article(), changes.clone());
         let asked = if changes["bearing"]["cage"].is_object() { RunSettings { rung: None, ..free() } } else { free() };
-        // The dynamics that the scene needs, also where it needs less than all.
+        // The full or planar model that the scene needs.
         let asked = RunSettings { rung: asked.rung.or(Some(ModelLevel::Planar)), ..asked };
         let found = simulate(&json, &asked);
         let off = apart(&found, &simulate(&json, &RunSettings { rung: asked.rung, ..exact() }));
@@ -102,17 +103,17 @@ fn what_steps_state_of_themselves_is_right() {
         let stated = accuracy.level_error_db().unwrap();
         println!("{changes}: {} by {}: {off:.4} dB off, {stated:.4} stated", solver.rung, solver.method);
         assert_eq!((solver.method, accuracy.warning.as_deref()), ("semi_implicit", None), "{changes}");
-        // Under the axial load the start still rings, and a later stretch shows it.
+        // Under the axial load the transient has not decayed, and a second window reveals it.
         let rings = changes.pointer("/operation/axial_load_n").is_some();
         let uneven = found.summary.scatter.worst().filter(|_| rings).unwrap_or(0.0);
         assert!(stated <= uneven.max(0.025) && off < 3.0 * stated + 1e-3, "{changes}: {off} {stated}");
     }
 }
 
-/// A tolerance, a series, a model without judgement or a method that is asked for is what runs; chaos under an axial load, whose light
-/// oscillations steps may have damped, is left to error control.
+/// A requested tolerance, series, method or model without judgement runs under error control. So does chaotic motion under an
+/// axial load, because fixed steps may damp its weak oscillations.
 #[test]
-fn error_control_is_taken_where_it_is_asked_for_or_needed() {
+fn error_control_runs_where_it_is_requested_or_needed() {
     let method = |json: &Value, settings: RunSettings| simulate(json, &settings).summary.solver.method;
     let short = || RunSettings { settle: 2e-3, duration: 5e-3, ..free() };
     assert_eq!(method(&article(), short()), "semi_implicit");
@@ -129,9 +130,10 @@ fn error_control_is_taken_where_it_is_asked_for_or_needed() {
     assert_ne!(result.summary.solver.method, "semi_implicit");
 }
 
-/// Cages that rattle in their pockets, dry or without a film: the levels are those of error control, as far as any two samples tell.
+/// Balls that rattle in dry pockets or in pockets without a film. The levels equal those of error control within the scatter of
+/// two samples.
 #[test]
-fn chaos_shows_the_same_statistics_in_steps() {
+fn chaotic_motion_has_the_same_statistics_with_fixed_steps() {
     for changes in [
         json!({ "bearing": { "cage": { "film": "none" } } }),
         json!({ "bearing": { "cage": { "film": "none" } }, "operation": { "speed_rpm": 20_000, "radial_load_y_n": 50 } }),
@@ -151,10 +153,10 @@ fn chaos_shows_the_same_statistics_in_steps() {
     }
 }
 
-/// Five milliseconds of a dry bearing that runs down: disturbances grow, but by five e-folds only. Two step lengths erred alike there, in
-/// the largest slip by a quarter.
+/// Five milliseconds of a dry bearing. Disturbances grow by five e-folds only, so that the samples depend on the start. Two step
+/// lengths have similar errors there, a quarter of the largest slip.
 #[test]
-fn a_motion_that_has_not_forgotten_its_start_is_no_sample_of_chaos() {
+fn a_motion_that_depends_on_its_start_is_no_sample_of_chaos() {
     let json = json!({
         "bearing": "608", "lubricant": "dry",
         "operation": {
@@ -171,7 +173,7 @@ fn a_motion_that_has_not_forgotten_its_start_is_no_sample_of_chaos() {
     assert!(stated < 0.1 && off < 3.0 * stated, "{off} {stated}");
 }
 
-/// A method of which nothing is known but states.
+/// A method that shows only its states.
 struct Blind<'a>(Box<dyn Integrator + 'a>);
 
 impl Integrator for Blind<'_> {
@@ -201,10 +203,10 @@ impl Integrator for Blind<'_> {
     }
 }
 
-/// What steps show of themselves is what evaluations between them show: levels, loads, slip, angles, films, the cage. With the walls of
-/// its pockets bare, too, though single blows on them are seen by one and missed by the other.
+/// Quantities recorded from the steps equal those from evaluations between steps: levels, loads, slip, angles, films, cage. With
+/// pockets without a film, too, although each way misses single impacts on the walls.
 #[test]
-fn steps_show_what_evaluations_show() {
+fn fixed_steps_record_what_evaluations_record() {
     let bare = json!({ "bearing": { "cage": { "film": "none" } } });
     for (changes, step, of_pockets) in [
         (json!({}), 7.5e-6, 0.02),
@@ -263,7 +265,7 @@ fn steps_show_what_evaluations_show() {
     }
 }
 
-/// Steps end at the kinks of a speed profile and begin anew there.
+/// Steps end at the kinks of a speed profile, and the method restarts there.
 #[test]
 fn steps_follow_a_speed_that_varies() {
     let profile =
@@ -276,10 +278,10 @@ fn steps_follow_a_speed_that_varies() {
     assert!(off < 3.0 * stated + 1e-3, "{off} {stated}");
 }
 
-/// The last step before a kink sees the slope that led there, wherever rounding puts the sum of the steps: a rise by 1 % within a
-/// microsecond is no jerk of the cage.
+/// The last step before a kink uses the slope before it, wherever rounding puts the sum of the steps. A rise by 1 % within a
+/// microsecond must not shock the cage.
 #[test]
-fn no_step_sees_the_slope_after_a_kink() {
+fn no_step_uses_the_slope_after_a_kink() {
     let pocket_load = |at: f64, settings: &RunSettings| {
         let profile = json!([{ "at_s": at, "rpm": 30_000 }, { "at_s": at + 1e-6, "rpm": 30_300 }]);
         let ramp = changed(article(), json!({ "operation": { "speed_rpm": profile } }));
@@ -287,7 +289,7 @@ fn no_step_sees_the_slope_after_a_kink() {
         (summary.solver.method, summary.cage.unwrap().max_pocket_load)
     };
     let (_, expected) = pocket_load(0.007, &exact());
-    // Asked for, for the repetition would see that these are too long for so short a jerk.
+    // The step is requested, because the verification rejects such long steps for such a short ramp.
     let steps = RunSettings { method: Method::SemiImplicit, fixed_step: Some(7.5e-6), tightened: None, ..free() };
     for at in [0.006, 0.007, 0.008, 0.009] {
         let (method, found) = pocket_load(at, &steps);
@@ -296,7 +298,7 @@ fn no_step_sees_the_slope_after_a_kink() {
     }
 }
 
-/// In the plane a crown cage stays there: its orbit and pocket loads are those of error control on the same rung.
+/// A crown cage in the planar model stays in the plane. Orbit and pocket loads are those of error control with the same model.
 #[test]
 fn a_planar_cage_keeps_to_its_plane() {
     let slow = json!({ "operation": { "speed_rpm": 6000, "radial_load_y_n": 20 } });

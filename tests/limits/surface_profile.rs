@@ -1,4 +1,4 @@
-//! A surface profile is a height that is added to the penetration.
+//! A surface profile is a height added to the penetration.
 
 use raceway::physics::raceway::{RacewayContact, RelativeMotion};
 use raceway::physics::surface::SurfaceProfile;
@@ -10,10 +10,10 @@ fn contacts() -> [RacewayContact; 2] {
     [raceway.inner, raceway.outer]
 }
 
-/// A ball near its raceway that moves, spins and slips.
+/// A ball near its raceway with velocity, spin and slip.
 fn motion(contact: &RacewayContact, outer: bool, random: &mut Random, penetration: f64) -> RelativeMotion {
     let towards = if outer { 1.0 } else { -1.0 };
-    // Where the ball touches: groove centre circle and the way to touch, found from how far a ball on the axis is from there.
+    // Position of first contact: groove centre circle and approach, from the penetration of a ball on the axis.
     let (at_zero, _) = contact.penetration::<true>(0.0, 0.0);
     let groove = -towards * (at_zero + contact.touch_distance());
     RelativeMotion {
@@ -27,7 +27,7 @@ fn motion(contact: &RacewayContact, outer: bool, random: &mut Random, penetratio
     }
 }
 
-/// The height 0 everywhere changes no bit of any load.
+/// A height of 0 everywhere changes no bit of any load.
 #[test]
 fn constant_height_zero_is_no_profile() {
     let mut random = Random::new(5);
@@ -44,8 +44,7 @@ fn constant_height_zero_is_no_profile() {
     }
 }
 
-/// A height h adds h to the penetration, and the load is that of a ball pushed in by as much more; to rounding of
-/// the radius.
+/// A height h adds h to the penetration, and the load is that of a ball displaced by h. To rounding of the radius.
 #[test]
 fn constant_height_adds_to_the_penetration() {
     const HEIGHT: f64 = 1.5e-6;
@@ -64,7 +63,7 @@ fn constant_height_adds_to_the_penetration() {
                 (raised.load::<false>(&at(penetration)), ideal.load::<false>(&at(penetration + HEIGHT)));
             assert!((found.penetration - penetration - HEIGHT).abs() < 1e-17);
             assert!(found.normal > 0.0 && (found.normal / expected.normal - 1.0).abs() < 1e-9);
-            // The recess takes contact away.
+            // The recess opens the contact.
             let recessed = ideal.clone().with_surface(SurfaceProfile::Constant(-HEIGHT));
             let found = recessed.load::<false>(&at(penetration));
             assert_eq!(found.normal > 0.0, penetration > HEIGHT);

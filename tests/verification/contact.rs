@@ -16,7 +16,7 @@ use serde_json::json;
 use crate::distribution::scene;
 use crate::table::check;
 
-/// a*, b*, δ* over F(ρ): a = a* (3Q/(2Σρ E'))^⅓ …, from the ellipse alone.
+/// Dimensionless a*, b*, δ* of a curvature difference F(ρ), with a = a* (3Q/(2Σρ E'))^⅓ and so on.
 #[test]
 fn ellipse() {
     for (case, difference) in [
@@ -47,7 +47,7 @@ fn sphere_on_flat() {
     check("sphere-on-flat", &[a * 1e6, max_pressure(&ellipse, 2.0 * modulus, load) * 1e-6, deflection * 1e6]);
 }
 
-/// An undamped impact at 0.1 m/s by the normal load of the program: leapfrog steps of a 20 000th of it.
+/// An undamped impact at 0.1 m/s with the normal load of the program, in leapfrog steps of 1/20 000 of its duration.
 #[test]
 fn impact_time() {
     let (mass, stiffness, speed) = (8.789e-5_f64, 1.399e10_f64, 0.1_f64);
@@ -85,7 +85,7 @@ fn published_damping() {
     }
 }
 
-/// The outer raceway of the article's bearing under a friction that saturates at a crawl.
+/// The outer raceway of the article's bearing with friction that saturates at a very low slip speed.
 fn rubbing(strips: usize, conformity: bool) -> (Bearing, RacewayContact) {
     let bearing = scene(&json!({ "bearing": "article-integrated" })).bearing;
     let lubricant = Lubricant {
@@ -109,7 +109,7 @@ fn pressed(bearing: &Bearing, contact: &RacewayContact) -> RelativeMotion {
     RelativeMotion { radius: touching + 5e-6, ..RelativeMotion::default() }
 }
 
-/// Moment about the normal of a ball that only spins about it, over μQa.
+/// Moment about the contact normal of a ball in pure spin, over μQa.
 #[test]
 fn pure_spin() {
     let (bearing, contact) = rubbing(17, false);
@@ -125,8 +125,10 @@ fn pure_spin() {
     check("pure-spin-strips", &[load.moment[1].abs() / (FRICTION * load.normal * a)]);
 }
 
-/// A ball that rolls on a groove it conforms to: where its traction vanishes in sum, the lines without slip are those at
-/// which the speed of its deformed surface, ω h(η), is that of the groove.
+/// Lines without slip of a ball that rolls freely on a conforming groove.
+///
+/// Where the sum of the traction vanishes, they are the lines at which the speed of its deformed surface, ω h(η), equals that
+/// of the groove.
 #[test]
 fn no_slip_lines() {
     let (bearing, contact) = rubbing(33, true);

@@ -1,4 +1,4 @@
-//! How a load is shared by the balls of a bearing at rest, and at speed without friction.
+//! Load distribution among the balls of a bearing at rest, and at speed without friction.
 
 use std::f64::consts::{PI, TAU};
 
@@ -50,8 +50,8 @@ fn many_balls(clearance_um: f64, load: f64) -> Scene {
     }))
 }
 
-/// Zero clearance. The loads are so small that the spindle sinks by 1e-4 of the raceway's radius: by as much the contacts
-/// lean.
+/// Zero clearance. The loads are so small that the spindle is displaced by 1e-4 of the raceway radius. The contacts incline by
+/// the same ratio.
 #[test]
 fn stribeck() {
     check("stribeck", &[share_of_the_largest(&many_balls(0.0, 200.0))]);
@@ -63,7 +63,7 @@ fn stribeck() {
     check_computed("stribeck-7", &[7.0 / sum], &[share_of_the_largest(&seven)]);
 }
 
-/// J_r(ε) = F/(Z Q_max): the clearance is sought at which ε = ½ (1 − P_d/2δ_r).
+/// J_r(ε) = F/(Z Q_max), at the clearance for which ε = ½ (1 − P_d/2δ_r).
 #[test]
 fn sjovall() {
     for (case, extent) in [("sjovall-0.3", 0.3), ("sjovall-0.4", 0.4), ("sjovall-0.5", 0.5), ("sjovall-0.7", 0.7)] {
@@ -76,15 +76,15 @@ fn sjovall() {
     }
 }
 
-/// K of a ball between its raceways.
+/// Load–deflection factor K of a ball between both raceways [N/m^1.5].
 fn series_stiffness(scene: &Scene) -> f64 {
     let stiffness =
         Mechanism::new(scene, &needs(scene)).raceway.map(|contact| contact.hertz().stiffness.powf(-2.0 / 3.0));
     (stiffness.inner + stiffness.outer).powf(-1.5)
 }
 
-/// Displacement [m] and ball loads of the classical theory, which lets no contact lean: Q_j = K (δ_r cos φ_j − P_d/2)^1.5,
-/// Σ Q_j cos φ_j = F.
+/// Displacement [m] and ball loads [N] of the classical theory, whose contacts keep their direction:
+/// Q_j = K (δ_r cos φ_j − P_d/2)^1.5, Σ Q_j cos φ_j = F.
 fn classical(scene: &Scene) -> (f64, Vec<f64>) {
     let stiffness = series_stiffness(scene);
     let balls = scene.bearing.parameters.ball_count;
@@ -98,7 +98,7 @@ fn classical(scene: &Scene) -> (f64, Vec<f64>) {
     (sunk, loads(sunk))
 }
 
-/// 8900 N on the 209; its contacts lean with the spindle's displacement of 61 µm on a radius of 32.5 mm.
+/// 8900 N on the 209. Its contacts incline with the displacement of the spindle, 61 µm on a radius of 32.5 mm.
 #[test]
 fn bearing_209() {
     let steel = json!({ "elastic_modulus_gpa": 206.9, "poisson_ratio": 0.3, "density_kg_m3": 7800 });
@@ -122,7 +122,7 @@ fn bearing_209() {
     assert!((1..9).all(|ball| (loads[ball] - loads[9 - ball]).abs() < 1e-6), "left and right alike");
 }
 
-/// The 218 angular-contact bearing of Jones and Harris under 17 800 N along its axis.
+/// The 218 angular-contact bearing of Jones and Harris under an axial load of 17 800 N.
 fn bearing_218() -> Scene {
     let steel = json!({ "elastic_modulus_gpa": 206.9, "poisson_ratio": 0.3, "density_kg_m3": 7830 });
     scene(&json!({
@@ -175,9 +175,10 @@ fn axial_load() {
     check_computed("218-closed-form", &[loaded.to_degrees(), along * 1e6], &[angle.inner, displacement]);
 }
 
-/// At 10 000 r/min the balls' centrifugal force parts the contact angles. Without friction and gyroscopic moment one unknown
-/// is left, the outer angle: Q_e sin α_e = Q_i sin α_i = F_a/Z, Q_e cos α_e − Q_i cos α_i = m θ̇² r, and the raceways'
-/// centres stay A cos α₀ apart along the radius.
+/// At 10 000 r/min the centrifugal force of the balls separates the contact angles.
+///
+/// Without friction and gyroscopic moment the outer angle is the only unknown: Q_e sin α_e = Q_i sin α_i = F_a/Z and
+/// Q_e cos α_e − Q_i cos α_i = m θ̇² r. The radial distance of the groove centres remains A cos α₀.
 #[test]
 fn axial_load_at_speed() {
     let scene = bearing_218();

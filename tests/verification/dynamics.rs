@@ -1,4 +1,4 @@
-//! Motion: varying compliance by another program, unbalance, level.
+//! Motion: varying compliance computed independently, unbalance, level.
 
 use std::f64::consts::{PI, TAU};
 
@@ -40,9 +40,11 @@ const LOAD: f64 = 200.0;
 const SETTLE: f64 = 0.2;
 const KEEP: f64 = 0.1;
 
-/// rms of acceleration along Y and Z [m/s²] by the two degrees of freedom of Sunnersjö: balls equally spaced on the cage,
-/// each a nonlinear spring between spindle and ring, here with their centrifugal force F and contacts that lean with the
-/// spindle's displacement (of that each raceway takes half by traction), and no inertia besides. RK4 in time.
+/// rms of acceleration along Y and Z [m/s²] of Sunnersjö's model with two degrees of freedom.
+///
+/// Balls are equally spaced on the cage, and each is a nonlinear spring between spindle and ring without inertia. Added here
+/// are the centrifugal force F of the balls and contacts that incline with the displacement of the spindle. Traction gives
+/// each raceway half of that inclination. RK4 in time.
 fn two_degrees_of_freedom(scene: &Scene, outputs: &Outputs) -> [f64; 2] {
     let mechanism = Mechanism::new(scene, &ActiveTerms::of(scene, outputs, None).unwrap());
     let stiffness = mechanism.raceway.map(|contact| contact.hertz().stiffness);
@@ -58,7 +60,7 @@ fn two_degrees_of_freedom(scene: &Scene, outputs: &Outputs) -> [f64; 2] {
             let lean = aside / mechanism.pitch_radius;
             let depth = towards - 0.5 * aside * lean - 0.5 * scene.bearing.radial_clearance;
             let rate = vy * cosine + vz * sine + orbit * aside;
-            // K_e (D − δ_i)^1.5 = K_i δ_i^1.5 + F; each contact is damped by its share of the rate.
+            // K_e (D − δ_i)^1.5 = K_i δ_i^1.5 + F. Each contact is damped in proportion to its part of the rate.
             let inner = bracketed_root(
                 |inner| stiffness.outer * (depth - inner).powf(1.5) - stiffness.inner * inner.powf(1.5) - centrifugal,
                 0.0,

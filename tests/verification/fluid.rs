@@ -31,8 +31,8 @@ fn torque_of_a_spinning_sphere() {
     check("churning-100", &[churning_coefficient(100.0)]);
 }
 
-/// Load number η N L D/W (R/C)² (L/D)², N in turns a second, and attitude angle: of the force of a land between load and
-/// displacement.
+/// Load number η N L D/W (R/C)² (L/D)² with N in turns a second, and attitude angle between load and displacement, of the
+/// force of a guiding land.
 #[test]
 fn short_bearing() {
     let oil = Lubricant {

@@ -29,7 +29,7 @@ fn drive_end() -> Value {
     bearing(9, 0.3126 * INCH, 1.537 * INCH)
 }
 
-/// BPFO, BPFI, FTF and 2·BSF over the shaft's frequency.
+/// BPFO, BPFI, FTF and 2·BSF over the shaft frequency.
 fn orders(bearing: &Bearing) -> [f64; 4] {
     let at = ideal_frequencies(bearing, TAU);
     [at.ball_pass_outer, at.ball_pass_inner, at.cage, 2.0 * at.ball_spin]
@@ -42,7 +42,7 @@ fn case_western() {
     check("orders-6203", &orders(&fan_end)[..3]);
 }
 
-/// Strongest line of the run along Z, and the cage's mean speed, both over the shaft's.
+/// Strongest line along Z and mean cage speed of a run, both over the shaft frequency.
 #[test]
 fn simulated() {
     let scene = scene(&json!({

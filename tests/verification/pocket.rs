@@ -7,7 +7,7 @@ use raceway::simulation::model::terms::ActiveTerms;
 
 use crate::table::{check, read};
 
-/// Penetration [m], converged force of the finite elements and force of the law [N] of the rows of a case in results.csv.
+/// Penetration [m], converged force of the finite elements [N] and force of the law [N] of a case in results.csv.
 fn rows(case: &str) -> Vec<[f64; 3]> {
     let text = read("verification/pocket/results.csv");
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());

@@ -6,7 +6,7 @@ use serde_json::json;
 use crate::distribution::scene;
 use crate::table::check;
 
-/// Catalogue ratings after ISO 281, grooves as the standard supposes.
+/// Catalogue ratings after ISO 281, with the groove curvature that the standard assumes.
 #[test]
 fn catalogue() {
     for (case, balls, diameter, pitch) in [

@@ -1,4 +1,4 @@
-//! The table of `docs/VERIFICATION.md` and what holds it to the tests.
+//! The table of `docs/VERIFICATION.md`, compared with the tests.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -19,7 +19,7 @@ struct Row {
     test: &'static str,
 }
 
-/// Cells of the lines that begin with a name in backticks and have so many of them.
+/// Cells of the table rows with this number of cells whose first one is a name in backticks.
 fn lines(cells: usize) -> impl Iterator<Item = Vec<&'static str>> {
     static DOCUMENT: OnceLock<String> = OnceLock::new();
     DOCUMENT
@@ -37,14 +37,14 @@ fn rows() -> impl Iterator<Item = Row> {
     })
 }
 
-/// Holds a row to what was computed: `ours` must be printed there, to the digits it is printed to; so must the largest
-/// relative difference from the expected numbers, and it must be allowed.
+/// Compares a row with the computed numbers: `ours`, to the digits printed, and the largest relative difference from the
+/// expected numbers, which must be within the allowed one.
 pub fn check(case: &str, ours: &[f64]) {
     let row = rows().find(|row| row.case == case).unwrap_or_else(|| panic!("no row `{case}`"));
     compare(&row, &numbers(row.expected), ours);
 }
 
-/// The same where what is expected is computed beside, too: the row must print it as well.
+/// Compares a row whose expected numbers are computed, too. The row must print both.
 pub fn check_computed(case: &str, expected: &[f64], ours: &[f64]) {
     let row = rows().find(|row| row.case == case).unwrap_or_else(|| panic!("no row `{case}`"));
     let printed = like(row.expected, expected);
@@ -65,13 +65,13 @@ fn compare(row: &Row, expected: &[f64], ours: &[f64]) {
     assert!(largest.abs() <= allowed, "`{}` is {largest} % apart, {allowed} % are allowed", row.case);
 }
 
-/// The numbers of a cell, without what follows each as its unit.
+/// The numbers of a cell without their units.
 fn numbers(cell: &str) -> Vec<f64> {
     let number = |part: &str| part.split_whitespace().next().and_then(|number| number.replace('−', "-").parse().ok());
     cell.split(", ").map(|part| number(part).unwrap_or_else(|| panic!("no number in {part:?}"))).collect()
 }
 
-/// `values` with the digits of the numbers of `cell`.
+/// `values`, printed with as many digits as the numbers of `cell`.
 fn like(cell: &str, values: &[f64]) -> String {
     let printed = cell.split(", ").zip(values).map(|(part, value)| format!("{value:.*}", decimals(part)));
     printed.collect::<Vec<_>>().join(", ").replace('-', "−")
@@ -82,7 +82,7 @@ fn decimals(number: &str) -> usize {
     digits.chars().take_while(char::is_ascii_digit).count()
 }
 
-/// The function exists in that file, and has that word in it.
+/// Whether a file has this function, and this word in it.
 fn has(file: &str, function: &str, word: &str) -> bool {
     read(file).split(&format!("fn {function}()")).nth(1).is_some_and(|rest| {
         let body = rest.split("\n#[test]").next().unwrap_or(rest);
@@ -90,7 +90,7 @@ fn has(file: &str, function: &str, word: &str) -> bool {
     })
 }
 
-/// Each row has the test that it names, and that test looks at it; each test that is named elsewhere exists.
+/// Each row names a test that exists and compares that row. Tests that other tables name exist, too.
 #[test]
 fn every_row_is_held_by_its_test() {
     let mut cases: Vec<&str> = rows().map(|row| row.case).collect();

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Records the answers that the OpenAPI document shows, from a run of the service; long lists are cut.
+"""Records the examples of the OpenAPI document from a run of the service. Long lists are shortened.
 
     .ci/checks/api/examples.py > src/api/examples.json"""
 
@@ -22,7 +22,7 @@ JOBS = {
     "accuracy": {"kind": "accuracy", "scene": SCENE, "methods": ["gear", "dormand_prince"],
                  "relative_tolerances": [1e-3, 1e-4], "duration_s": 0.02},
 }
-# Entries of a list or a map of many that are shown.
+# Number of entries of a long list or map.
 SHOWN = 2
 MAPS = ("bearings", "materials", "lubricants", "channels", "best", "trends")
 

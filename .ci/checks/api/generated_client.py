@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A run of the service through a client that openapi-python-client has made, with the generated types alone: submit, wait,
-metrics, spectrum. Takes the service's URL; the package raceway_client must be importable."""
+"""A job through the client that openapi-python-client generates, with the generated types only: submit, wait, metrics, spectrum. The
+argument is the URL of the service. The package raceway_client must be importable."""
 
 import sys
 import time
@@ -16,7 +16,7 @@ from raceway_client.models import (
 
 
 def of(kind, answer):
-    """The answer, which must be of this type."""
+    """The response, which must have this type."""
     if not isinstance(answer, kind):
         sys.exit(f"FAILED: {kind.__name__} was due, not {answer}")
     return answer
