@@ -1,5 +1,5 @@
-//! The equations of motion, one model level a folder or file: `dy/dt` of a scene with what it needs, loads summed over
-//! bodies. Knows no comparison of runs and no result.
+//! The equations of motion: `dy/dt` of a scene with its active terms, integrated and recorded. `dynamics` holds the full and the planar
+//! model; each reduced model has a folder of its own. Knows no comparison of runs, no plan and no result.
 
 pub mod condensed_contact;
 pub mod dynamics;

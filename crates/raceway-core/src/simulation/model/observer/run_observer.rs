@@ -304,7 +304,7 @@ impl<'m> Observer<'m> {
         let (mut orbit, mut spin) = (0.0, 0.0);
         for state in states {
             orbit += state.arc_velocity / balls as f64;
-            // StepLoads from the orbit frame, about the axis that a contact angle leans.
+            // Spin in the orbit frame, about the axis that the contact angle tilts.
             let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
             spin += length([about_x, state.spin[1], state.spin[2]]) / balls as f64;
         }

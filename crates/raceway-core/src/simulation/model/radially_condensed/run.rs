@@ -11,7 +11,7 @@ use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::step_ratio::{MOST_STEPS, StepRatio};
+use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::kept_values;
 
@@ -51,7 +51,7 @@ fn run(
 ) -> Result<(Recording, Statistics), SimulationError> {
     let mut ratio = model.step_ratio_for(settings);
     loop {
-        if ratio.steps > MOST_STEPS {
+        if ratio.steps > MAX_STEPS_PER_VALUE {
             let reason =
                 format!("spindle, cage or traction are too quick for it: they need steps of {:.1e} s", ratio.step());
             return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason });

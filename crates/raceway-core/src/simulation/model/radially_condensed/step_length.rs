@@ -2,7 +2,7 @@
 
 use super::equations::RadiallyCondensed;
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::model::step_ratio::{MOST_STEPS, StepRatio};
+use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::sampling::RATE;
 
 /// Largest product of the step with the rate at which the contacts at rest damp the spindle, and with its frequency on them.
@@ -36,7 +36,7 @@ impl RadiallyCondensed {
     pub fn finer_step_ratio(&self, settings: &RunSettings) -> Option<StepRatio> {
         let (own, taken) = (self.step_ratio(), self.step_ratio_for(settings));
         let finer = if taken.is_long() && !own.is_long() { own } else { StepRatio::of_steps(2 * taken.steps) };
-        (finer.steps <= MOST_STEPS).then_some(finer)
+        (finer.steps <= MAX_STEPS_PER_VALUE).then_some(finer)
     }
 
     /// Longer steps that may serve, the longest first: what they do to the levels has to be tried.

@@ -12,7 +12,7 @@ use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::step_ratio::{MOST_STEPS, StepRatio};
+use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, kept_values};
 use crate::simulation::recording::windows::Recorder;
@@ -39,7 +39,7 @@ pub fn simulate(
     let (rest, frequency) = model.rest();
     let ratio = StepRatio::of(settings.fixed_step.unwrap_or(LONGEST.min(LONGEST_STEP / frequency)));
     let step = ratio.step();
-    if ratio.steps > MOST_STEPS {
+    if ratio.steps > MAX_STEPS_PER_VALUE {
         let reason = format!("the spindle on its contacts is too quick for it: it needs steps of {step:.1e} s");
         return Err(SimulationError::NotApplicable { rung: "spindle_only", reason });
     }
