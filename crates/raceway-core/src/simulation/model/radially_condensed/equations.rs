@@ -1,7 +1,7 @@
 //! Equations of the radially condensed model: its constants, made once a scene.
 
 use super::applicability::inapplicability;
-use super::ball::{Balls, Mixture, OneBall};
+use super::ball::{Balls, LubricantDrag, OneBall};
 use super::border::Border;
 use super::pocket::Film;
 use super::traction::{RacewayTraction, RisingTraction, WIDEST, WideTraction};
@@ -51,7 +51,7 @@ pub struct RadiallyCondensed {
     /// Whether a cage is there, its pockets are plain and raceways are without a viscous damper.
     pub(super) is_plain: bool,
     /// Where the speed never changes: it [rad/s], and what is made anew elsewhere.
-    pub(super) constant: Option<(f64, (Mixture, f32))>,
+    pub(super) constant: Option<(f64, (LubricantDrag, f32))>,
     /// Whether an output shows the motion of the cage.
     pub(super) shows_cage: bool,
     /// Where the spindle starts [m].
@@ -63,7 +63,7 @@ pub struct RadiallyCondensed {
     pub(super) instructions: InstructionSet,
 }
 
-impl Mixture {
+impl LubricantDrag {
     fn at(m: &Mechanism, speed: f64) -> Self {
         let line = |f: &dyn Fn(f64) -> f64, at: f64| {
             let step = 1e-3 * at.abs() + 1e-9;
@@ -199,10 +199,10 @@ impl RadiallyCondensed {
     }
 
     /// Drag about ideal rolling and √δ of a ball that only the outer raceway holds, at a spindle speed [rad/s].
-    pub(super) fn ideal(&self, speed: f64) -> (Mixture, f32) {
+    pub(super) fn ideal(&self, speed: f64) -> (LubricantDrag, f32) {
         let (m, radius) = (&self.mechanism, f64::from(self.one.nominal));
         let free = self.contact.unloaded(m.ball_mass, radius, m.orbit_ratio * speed, m.ball_mass * m.gravity);
-        (Mixture::at(m, speed), free.root as f32)
+        (LubricantDrag::at(m, speed), free.root as f32)
     }
 
     fn rates_at_rest(&self, rest: &Equilibrium) -> [f64; 2] {

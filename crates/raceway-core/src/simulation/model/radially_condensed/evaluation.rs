@@ -1,6 +1,9 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
-use super::ball::{BallRates, Balls, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
+use super::ball::{
+    BallInRaceways, BallRates, Balls, Drive, PocketReaction, RacewayLoads, SpindleReaction, small_azimuth,
+    spindle_reaction,
+};
 use super::border::Border;
 use super::equations::RadiallyCondensed;
 use super::pocket::ByWall;
@@ -16,7 +19,7 @@ use crate::physics::spindle::unbalance_force;
 pub struct Rates {
     pub balls: Vec<BallRates<Singles>>,
     /// On the spindle, lane by lane.
-    pub(super) passed: Passed<Singles>,
+    pub(super) passed: SpindleReaction<Singles>,
     pub cage: [f64; 3],
     /// Diagonal of the damping of the cage by its pockets [1/s], not negative.
     pub cage_damping: [f64; 3],
@@ -33,13 +36,13 @@ pub struct BallLoads {
 /// Room for an evaluation, and what was seen in it.
 #[derive(Debug, Clone)]
 pub struct Scratch {
-    pub seen: Vec<BallLoads>,
+    pub ball_loads: Vec<BallLoads>,
     cage: Turn,
 }
 
 impl Scratch {
     pub fn new(groups: usize) -> Self {
-        Self { seen: vec![BallLoads::default(); groups], cage: Turn::default() }
+        Self { ball_loads: vec![BallLoads::default(); groups], cage: Turn::default() }
     }
 }
 
@@ -54,7 +57,7 @@ struct OnCage<T> {
 #[derive(Clone, Copy, Default)]
 struct Plain {
     rates: BallRates<Singles>,
-    passed: Passed<Singles>,
+    passed: SpindleReaction<Singles>,
     on_cage: OnCage<Singles>,
     seen: BallLoads,
 }
@@ -62,7 +65,7 @@ struct Plain {
 /// Sums over the groups of balls, lane by lane: on the spindle and on the cage.
 #[derive(Clone, Copy, Default)]
 struct AllBalls {
-    spindle: Passed<Singles>,
+    spindle: SpindleReaction<Singles>,
     cage: OnCage<Singles>,
 }
 
@@ -125,10 +128,10 @@ impl RadiallyCondensed {
             (self.is_plain, &self.traction.inner, &self.traction.outer)
         {
             let laws = PerRaceway { inner: &**inner, outer: &**outer };
-            if let Some(found) = self.plainly(drive, group, balls, border, laws) {
+            if let Some(found) = self.plain_group(drive, group, balls, border, laws) {
                 *rates = found.rates;
                 sums.add(&found.passed, &found.on_cage);
-                scratch.seen[group] = found.seen;
+                scratch.ball_loads[group] = found.seen;
                 return;
             }
         }
@@ -136,7 +139,7 @@ impl RadiallyCondensed {
         // Copies: what is stored in the loops cannot change them.
         let (one, all, start, present) = (self.one, &*self.all, self.start[group], self.present[group]);
         let (drive, balls, cage_arc, border) = (*drive, *balls, border.cage_arc, border.single());
-        let (mut ahead, mut held) = (Azimuth::<Singles>::default(), Held::<Singles>::default());
+        let (mut ahead, mut held) = (Azimuth::<Singles>::default(), BallInRaceways::<Singles>::default());
         if cage {
             let past = balls.past_pockets(cage_arc);
             for lane in 0..LANES {
@@ -148,29 +151,35 @@ impl RadiallyCondensed {
             }
         }
         for lane in 0..LANES {
-            held.put(lane, all.ball.at(lane).held(&drive, start.at(lane), ahead.at(lane), &border, &balls.at(lane)));
+            held.put(
+                lane,
+                all.ball.at(lane).in_raceways(&drive, start.at(lane), ahead.at(lane), &border, &balls.at(lane)),
+            );
         }
         if one.viscous > 0.0 {
             for lane in 0..LANES {
                 held.put(lane, one.with_viscous(&held.at(lane)));
             }
         }
-        let mut pushed = Pushed::<Singles>::default();
+        let mut pushed = PocketReaction::<Singles>::default();
         if cage {
             let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * one.per_pitch_radius;
             let displaced = self.film.displaced(&border, cage_spin, &held);
             if self.plain_pocket && self.film.reaches(&displaced) {
-                pushed = self.film.pushed(&held, &displaced, &present, drive.velocity_share);
+                pushed = self.film.film_reaction(&held, &displaced, &present, drive.velocity_share);
             } else {
                 let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
                 let pocket = &self.mechanism.pocket;
                 let loads = ByWall { pocket, spins: &spins, displaced: &displaced, instructions: self.instructions };
-                pushed = self.film.pushed_by_wall(&loads, &held, &present, drive.velocity_share);
+                pushed = self.film.wall_reaction(&loads, &held, &present, drive.velocity_share);
             }
         }
-        let mut loaded = Loaded::<Singles>::default();
+        let mut loaded = RacewayLoads::<Singles>::default();
         for lane in 0..LANES {
-            loaded.put(lane, all.ball.at(lane).loaded(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]));
+            loaded.put(
+                lane,
+                all.ball.at(lane).raceway_loads(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]),
+            );
         }
         let inner = match &self.traction.inner {
             RacewayTraction::Rising(law) => law.sums(&loaded.inner),
@@ -186,7 +195,7 @@ impl RadiallyCondensed {
                 self.general(&drive, false).sums(&loaded.outer, &balls.spin, &held.outer, &held.orbit)
             }
         };
-        let (mut rates_now, mut on_spindle) = (BallRates::<Singles>::default(), Passed::<Singles>::default());
+        let (mut rates_now, mut on_spindle) = (BallRates::<Singles>::default(), SpindleReaction::<Singles>::default());
         for lane in 0..LANES {
             let (held, loaded) = (held.at(lane), loaded.at(lane));
             let traction = PerRaceway { inner: inner.at(lane), outer: outer.at(lane) };
@@ -194,11 +203,11 @@ impl RadiallyCondensed {
                 lane,
                 all.ball.at(lane).rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction),
             );
-            on_spindle.put(lane, passed(&held, &loaded, &traction.inner, present[lane]));
+            on_spindle.put(lane, spindle_reaction(&held, &loaded, &traction.inner, present[lane]));
         }
         *rates = rates_now;
         sums.add(&on_spindle, &OnCage { force: pushed.cage, damping: pushed.cage_damping });
-        scratch.seen[group] = BallLoads {
+        scratch.ball_loads[group] = BallLoads {
             load: PerRaceway { inner: loaded.inner.load, outer: loaded.outer.load },
             slip: PerRaceway { inner: inner.slip, outer: outer.slip },
             pocket: pushed.load,
@@ -208,7 +217,7 @@ impl RadiallyCondensed {
     /// The same in one pass, where cage and film hold the balls and traction has its short form; `None`: a ball has come to the wall
     /// of its pocket, or slips beyond the short form.
     #[inline(always)]
-    fn plainly(
+    fn plain_group(
         &self,
         drive: &Drive,
         group: usize,
@@ -224,15 +233,15 @@ impl RadiallyCondensed {
         let mut beyond = Singles::default();
         for lane in 0..LANES {
             let (ball, one, film) = (balls.at(lane), all.ball.at(lane), all.film.at(lane));
-            let held = one.held(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball);
-            let displaced = film.displaced_one(&border, cage_spin, &held);
+            let held = one.in_raceways(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball);
+            let displaced = film.displacement_of_one(&border, cage_spin, &held);
             let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.velocity_share);
-            let loaded = one.loaded(&drive, &ball, &held, pushed.radial);
+            let loaded = one.raceway_loads(&drive, &ball, &held, pushed.radial);
             let (inner, slips) = laws.inner.all.at(lane).fitted(&loaded.inner);
             let (outer, skids) = laws.outer.all.at(lane).fitted(&loaded.outer);
             let traction = PerRaceway { inner, outer };
             found.rates.put(lane, one.rates(&drive, &ball, &held, &loaded, &pushed, &traction));
-            found.passed.put(lane, passed(&held, &loaded, &inner, present[lane]));
+            found.passed.put(lane, spindle_reaction(&held, &loaded, &inner, present[lane]));
             found.on_cage.force.put(lane, pushed.cage);
             found.on_cage.damping.put(lane, pushed.cage_damping);
             found.seen.load.inner[lane] = loaded.inner.load;
@@ -266,7 +275,7 @@ impl RadiallyCondensed {
         &self,
         (angle, speed, acceleration): (f64, f64, f64),
         [ay, az]: [f64; 2],
-        on_spindle: &Passed<Singles>,
+        on_spindle: &SpindleReaction<Singles>,
     ) -> Defect {
         let m = &self.mechanism;
         let mut spindle = Defect {
@@ -312,7 +321,7 @@ impl RadiallyCondensed {
 
 impl AllBalls {
     #[inline(always)]
-    fn add(&mut self, spindle: &Passed<Singles>, cage: &OnCage<Singles>) {
+    fn add(&mut self, spindle: &SpindleReaction<Singles>, cage: &OnCage<Singles>) {
         for lane in 0..LANES {
             self.spindle.force.0[lane] += spindle.force.0[lane];
             self.spindle.force.1[lane] += spindle.force.1[lane];

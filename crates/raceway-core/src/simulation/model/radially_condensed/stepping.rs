@@ -18,7 +18,7 @@
 //! each ball is eliminated from the spindle's equations before these are solved, and then follows the spindle; without that, errors are
 //! several times as large.
 
-use super::ball::{BallRates, Balls, OneBall, Passed};
+use super::ball::{BallRates, Balls, OneBall, SpindleReaction};
 use super::border::Border;
 use super::equations::RadiallyCondensed;
 use super::evaluation::{BallLoads, Rates, Scratch};
@@ -177,8 +177,8 @@ impl<'m> Stepper<'m> {
     }
 
     /// What was seen of the balls at the time of a look.
-    pub fn seen(&self) -> &[BallLoads] {
-        &self.scratch.seen
+    pub fn ball_loads(&self) -> &[BallLoads] {
+        &self.scratch.ball_loads
     }
 
     /// Some steps on, with a look before each.
@@ -404,7 +404,7 @@ fn eliminated(
     (leading, h, velocity_share): (f32, f64, f64),
     one: &OneBall,
     present: &Singles,
-    passed: &mut Passed<Singles>,
+    passed: &mut SpindleReaction<Singles>,
 ) -> Change<Singles> {
     let (missing, h, share, rates, present) = (*missing, h as f32, velocity_share as f32, *rates, *present);
     let (radius, per_mass, per_inertia) = (one.radius, one.per_mass, one.per_inertia);
