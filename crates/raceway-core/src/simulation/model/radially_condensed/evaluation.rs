@@ -14,18 +14,19 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Azimuth;
 use crate::physics::spindle::unbalance_force;
 
-/// Rates of the velocities at one time, with what the implicit part of a step needs of their derivatives.
+/// Rates of the velocities at one time, with their derivatives for the implicit part of a step.
 #[derive(Debug, Clone, Default)]
 pub struct Rates {
     pub balls: Vec<BallRates<Singles>>,
-    /// On the spindle, lane by lane.
+    /// Load on the spindle, by lane.
     pub(super) passed: SpindleReaction<Singles>,
+    /// Rates of the cage's velocities: y, z, along the arc [m/s²].
     pub cage: [f64; 3],
     /// Diagonal of the damping of the cage by its pockets [1/s], not negative.
     pub cage_damping: [f64; 3],
 }
 
-/// What else was seen of eight balls in an evaluation.
+/// Loads and slip of eight balls in an evaluation.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BallLoads {
     pub load: PerRaceway<Singles>,
@@ -33,7 +34,7 @@ pub struct BallLoads {
     pub pocket: Singles,
 }
 
-/// Room for an evaluation, and what was seen in it.
+/// Work space of an evaluation, and the loads of the last one.
 #[derive(Debug, Clone)]
 pub struct Scratch {
     pub ball_loads: Vec<BallLoads>,
@@ -46,14 +47,14 @@ impl Scratch {
     }
 }
 
-/// On the cage (y, z, moment), and the damping there.
+/// Load on the cage (y, z, moment), and its damping.
 #[derive(Clone, Copy, Default)]
 struct OnCage<T> {
     force: [T; 3],
     damping: [T; 3],
 }
 
-/// What eight balls do in the plain case.
+/// Result of eight balls in the plain case.
 #[derive(Clone, Copy, Default)]
 struct Plain {
     rates: BallRates<Singles>,
@@ -62,7 +63,7 @@ struct Plain {
     seen: BallLoads,
 }
 
-/// Sums over the groups of balls, lane by lane: on the spindle and on the cage.
+/// Sums of the loads on spindle and cage over the groups of balls, by lane.
 #[derive(Clone, Copy, Default)]
 struct AllBalls {
     spindle: SpindleReaction<Singles>,
@@ -70,7 +71,7 @@ struct AllBalls {
 }
 
 impl RadiallyCondensed {
-    /// Rates at a time [s]; `spindle_acceleration`: what the spindle's is taken to be, of which place and velocity have their shares.
+    /// Rates at a time [s]; `spindle_acceleration`: predicted acceleration, with its `shares` in place and velocity.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub fn rates(
@@ -111,7 +112,7 @@ impl RadiallyCondensed {
         turning
     }
 
-    /// Rates of eight balls, and what they pass on.
+    /// Rates of eight balls, and their loads on spindle and cage.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     fn group(
@@ -136,7 +137,7 @@ impl RadiallyCondensed {
             }
         }
         let cage = self.mechanism.layout.cage;
-        // Copies: what is stored in the loops cannot change them.
+        // Local copies, which no store in the loops can change.
         let (one, all, start, present) = (self.one, &*self.all, self.start[group], self.present[group]);
         let (drive, balls, cage_arc, border) = (*drive, *balls, border.cage_arc, border.single());
         let (mut ahead, mut held) = (Azimuth::<Singles>::default(), BallInRaceways::<Singles>::default());
@@ -214,8 +215,8 @@ impl RadiallyCondensed {
         };
     }
 
-    /// The same in one pass, where cage and film hold the balls and traction has its short form; `None`: a ball has come to the wall
-    /// of its pocket, or slips beyond the short form.
+    /// Rates of eight balls in one pass, where cage and film hold the balls and traction has its short form. `None`: a ball touches the
+    /// wall of its pocket, or slips beyond the short form.
     #[inline(always)]
     fn plain_group(
         &self,
@@ -269,7 +270,7 @@ impl RadiallyCondensed {
         }
     }
 
-    /// Equations of the spindle under what balls pass on, load, weight and unbalance.
+    /// Equations of the spindle under the loads of balls, applied load, weight and unbalance.
     #[inline(always)]
     pub(super) fn defect(
         &self,
@@ -334,7 +335,7 @@ impl AllBalls {
     }
 }
 
-/// Sum over the lanes, always in the same order: of the halves, of their halves, and so on, each in one go.
+/// Sum over the lanes, always in the same order: pairs of halves, then of quarters, then of eighths.
 #[inline(always)]
 pub(super) fn total<T: Real + Into<f64>>(lanes: &Lanes<LANES, T>) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes.0;
@@ -343,7 +344,7 @@ pub(super) fn total<T: Real + Into<f64>>(lanes: &Lanes<LANES, T>) -> f64 {
     (m + n).into()
 }
 
-/// An azimuth on its way: turned on by small angles, anew after some of them.
+/// A turning azimuth: rotated by small angles, and evaluated exactly after a number of them.
 #[derive(Debug, Clone)]
 struct Turn {
     angle: f64,
@@ -358,15 +359,17 @@ impl Default for Turn {
 }
 
 impl Turn {
-    const SMALL: f64 = 0.05;
-    const ANEW: u32 = 64;
+    /// Largest angle of one rotation [rad].
+    const MAX_ANGLE: f64 = 0.05;
+    /// Number of rotations between two exact evaluations.
+    const MAX_ROTATIONS: u32 = 64;
 
     #[inline(always)]
     fn to(&mut self, angle: f64) -> Azimuth {
         let by = angle - self.angle;
         self.angle = angle;
-        if self.left == 0 || by.abs() > Self::SMALL {
-            self.left = Self::ANEW;
+        if self.left == 0 || by.abs() > Self::MAX_ANGLE {
+            self.left = Self::MAX_ROTATIONS;
             self.azimuth = Azimuth::new(angle);
         } else {
             self.left -= 1;
