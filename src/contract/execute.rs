@@ -16,7 +16,7 @@ use crate::simulation::input::control::Control;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::result::run_result::RunResult;
-use crate::simulation::solve::run;
+use crate::simulation::solve::run::simulate;
 use crate::simulation::work_precision;
 
 /// The results of a job, by its kind.
@@ -65,7 +65,7 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
             let one = Control::until(control.stop);
             Outcome::Optimum(Box::new(sought.search(&|job| execute(job, &one), control)?))
         }
-        (None, None) => Outcome::Simulation(Box::new(simulated(job, &run::run(job.scene(), &job.settings, control)?))),
+        (None, None) => Outcome::Simulation(Box::new(simulated(job, &simulate(job.scene(), &job.settings, control)?))),
         (Some(plan), _) => {
             let study = work_precision::study(job.scene(), &job.settings, plan, control)?;
             Outcome::Accuracy(Box::new(WorkPrecisionAnswer::of(job, plan, &study)))

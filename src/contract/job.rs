@@ -19,7 +19,8 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::terms::{ActiveTerms, UnsupportedChoice};
-use crate::simulation::solve::ladder::{self};
+use crate::simulation::solve::eligibility::active_terms;
+use crate::simulation::solve::plan;
 use crate::simulation::work_precision::{Plan, SETTLING};
 
 /// A request: one simulation, a study of many, the optimum of a metric over one or two ranges, or the error of several methods against
@@ -420,8 +421,8 @@ fn model(
     settings: &RunSettings,
     is_compared: bool,
 ) -> Result<(ActiveTerms, Vec<ModelLevel>), FieldError> {
-    let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db).map_err(unmet)?;
-    let rungs = if is_compared { vec![needs.rung] } else { ladder::tried(scene, settings).map_err(unmet)? };
+    let needs = active_terms(scene, &settings.outputs, settings.rung).map_err(unmet)?;
+    let rungs = if is_compared { vec![needs.rung] } else { plan::Plan::of(scene, settings).map_err(unmet)?.levels() };
     Ok((needs, rungs))
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::messages::{self, MessageAnswer};
 pub use super::report::{AccuracyAnswer, FrequenciesAnswer, GroundsName, LeftOutAnswer, MotionName, SolverAnswer};
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::settings::Outputs;
@@ -42,6 +43,8 @@ pub struct Metrics {
     pub solver: SolverAnswer,
     /// How far the result can be trusted.
     pub accuracy: AccuracyAnswer,
+    /// What a user should know: warnings first, then how the result was made. See `MessageCode`.
+    pub messages: Vec<MessageAnswer>,
     /// What is not in the equations, and why.
     pub left_out: Vec<LeftOutAnswer>,
 }
@@ -186,7 +189,9 @@ pub struct LineAnswer {
 impl Metrics {
     pub fn of(result: &RunResult, outputs: &Outputs) -> Self {
         let summary = &result.summary;
-        let level = |channel: &Channel| (summary.accuracy.level_errors.of(*channel), summary.scatter.of(*channel));
+        let level = |channel: &Channel| {
+            (summary.accuracy.level_errors.of(*channel), summary.accuracy.level_scatter.of(*channel))
+        };
         let channels = summary
             .channels
             .iter()
@@ -202,8 +207,9 @@ impl Metrics {
                 .map(|cage| CageAnswer { orbit_radius_um: cage.orbit_radius, whirl_ratio: cage.whirl_ratio }),
             frequencies_hz: summary.frequencies.into(),
             lines: outputs.vibration.then(|| lines.collect()),
-            solver: (&summary.solver).into(),
-            accuracy: AccuracyAnswer::of(&summary.accuracy, summary.settling.as_deref(), outputs),
+            solver: SolverAnswer::of(&summary.solver, &summary.accuracy),
+            accuracy: AccuracyAnswer::of(&summary.accuracy, outputs),
+            messages: messages::of_result(&summary.accuracy.warnings, &summary.solver),
             left_out: result.left_out.iter().map(LeftOutAnswer::from).collect(),
         }
     }

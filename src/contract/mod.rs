@@ -23,6 +23,7 @@ pub mod terms;
 pub mod execute;
 pub mod in_words;
 pub mod machine;
+pub mod messages;
 pub mod metrics;
 pub mod recommended;
 pub mod report;

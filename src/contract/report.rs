@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::messages;
 use super::units::significant;
 use crate::physics::kinematics::CharacteristicFrequencies;
+use crate::simulation::error::errors::QuantityErrors;
+use crate::simulation::error::lyapunov::MotionKind;
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::error::report::MotionKind;
-use crate::simulation::error::report::QuantityErrors;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::terms::{Justification, LeftOut};
 use crate::simulation::result::metrics::SolverReport;
@@ -33,12 +34,10 @@ pub struct SolverAnswer {
     /// The integrator that ran; `auto` and the reduced rungs choose.
     #[schema(example = "gear")]
     pub method: String,
-    /// Why that one, in words.
-    pub method_reason: String,
     /// The rung of the ladder of models that made the result.
     #[schema(example = "full")]
     pub rung: String,
-    /// How the rung was checked against the next richer one, in words.
+    /// How the model level was verified, as one sentence.
     pub check: String,
     /// The tolerance that was taken [-]; tighter than asked for where `auto` found more noise than level. Absent where the integrator
     /// follows none: those of the reduced rungs, and fixed steps.
@@ -103,7 +102,7 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub orbit_radius_error: Option<f64>,
-    /// How these errors were estimated, in words.
+    /// How these errors were estimated, as one sentence.
     pub how: String,
     /// `decaying`: neighbouring runs meet, the motion is regular. `diverging`: they part, it is chaotic.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -114,19 +113,6 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub divergence_rate_per_s: Option<f64>,
-    /// Present where the level is not resolved (an error of more than 1 dB), where the largest contact load, the cage speed, or,
-    /// asked for, the largest pocket load or slip or the cage's orbit is not (more than 10 %, chaotic motion apart), where the kept time is uneven, still settling or too short
-    /// a sample of chaos for another stretch to be as stated, where a run could not be judged, or where a fixed step lies
-    /// beyond the limit of stability: then the result is wrong.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub warning: Option<String>,
-    /// Present where `settle_s` is so short that the kept time may still hold the vibration of the start, as the contacts' damping lets
-    /// expect, or that of the cage along its axis, where contacts lean and the start was not damped, or where cage and balls may still come
-    /// to tilt in viscous oil: no error that is stated contains that.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub settling: Option<String>,
 }
 
 /// `decaying`: neighbouring runs meet, or part by less than a factor of e² over the stretch that is watched (10 ms, or the run).
@@ -180,14 +166,13 @@ impl From<CharacteristicFrequencies> for FrequenciesAnswer {
     }
 }
 
-impl From<&SolverReport> for SolverAnswer {
-    fn from(report: &SolverReport) -> Self {
+impl SolverAnswer {
+    pub fn of(report: &SolverReport, accuracy: &AccuracyReport) -> Self {
         let work = &report.statistics;
         Self {
             method: report.method.to_owned(),
-            method_reason: report.method_reason.clone(),
-            rung: report.rung.to_owned(),
-            check: report.check.clone(),
+            rung: report.level.name().to_owned(),
+            check: messages::check(report, &accuracy.basis),
             steps: work.steps,
             rejected_steps: work.rejected_steps,
             rhs_evaluations: work.rhs_evaluations,
@@ -207,7 +192,7 @@ impl From<&SolverReport> for SolverAnswer {
 
 impl AccuracyAnswer {
     /// What is stated of a run, and of its peaks where they are shown.
-    pub fn of(report: &AccuracyReport, settling: Option<&str>, outputs: &Outputs) -> Self {
+    pub fn of(report: &AccuracyReport, outputs: &Outputs) -> Self {
         let share = |of: fn(&QuantityErrors) -> f64| report.quantity_errors.as_ref().map(|e| significant(of(e), 3));
         Self {
             level_error_db: report.level_error_db(),
@@ -216,11 +201,9 @@ impl AccuracyAnswer {
             max_pocket_load_error: share(|errors| errors.max_pocket_load).filter(|_| outputs.cage),
             orbit_radius_error: share(|errors| errors.orbit_radius).filter(|_| outputs.cage),
             max_slip_error: share(|errors| errors.max_slip).filter(|_| outputs.contacts),
-            how: report.how.clone(),
+            how: messages::how(&report.basis),
             motion: report.motion.map(MotionName::from),
             divergence_rate_per_s: report.motion.map(|_| report.divergence_rate),
-            warning: report.warning.clone(),
-            settling: settling.map(str::to_owned),
         }
     }
 }

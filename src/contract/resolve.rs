@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 use super::cost;
 use super::given_fields;
 use super::job::Job;
+use super::messages::{self, MessageAnswer};
 use super::metrics::{FrequenciesAnswer, LeftOutAnswer};
 use super::outputs::OutputsInput;
 use super::plausible;
@@ -19,7 +20,8 @@ use crate::physics::contact::hertz::raceway_contacts;
 use crate::physics::kinematics::ideal_frequencies;
 use crate::physics::rating::{dynamic_load_rating, dynamic_load_rating_full_formula};
 use crate::simulation::model::equilibrium::{StaticLoads, static_loads};
-use crate::simulation::solve::ladder;
+use crate::simulation::solve::eligibility::active_terms;
+use crate::simulation::solve::plan::Plan;
 
 /// The answer to `POST /v1/scenes/resolve`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -71,6 +73,8 @@ pub struct ResolveAnswer {
     /// Rungs of the ladder of models that are tried, the leanest first: a reduced one makes the result where its check holds.
     #[schema(example = json!(["radially_condensed", "full"]))]
     pub rungs: Vec<String>,
+    /// What a user should know: model levels that are not tried. See `MessageCode`.
+    pub messages: Vec<MessageAnswer>,
     /// What will not be in the equations of the first of them, and why; where its check fails, more is in them.
     pub left_out: Vec<LeftOutAnswer>,
     /// What the run will cost.
@@ -157,9 +161,8 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
     let at_rest = static_loads(job.scene(), &job.needs).ok();
     let plan = job.plan.as_ref();
     let leanest = job.rungs.first().filter(|rung| rung.is_reduced());
-    let tolerance = job.settings.model_tolerance_db;
-    let leanest =
-        leanest.and_then(|rung| ladder::needs(job.scene(), &job.settings.outputs, Some(*rung), tolerance).ok());
+    let leanest = leanest.and_then(|rung| active_terms(job.scene(), &job.settings.outputs, Some(*rung)).ok());
+    let not_eligible = Plan::of(job.scene(), &job.settings).map(|plan| plan.not_eligible).unwrap_or_default();
     let left_out = leanest.map_or_else(|| job.needs.left_out.clone(), |needs| needs.left_out);
     ResolveAnswer {
         scene: job.scene_json(),
@@ -174,6 +177,7 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
         most_runs: job.sought.as_ref().map(|sought| sought.most_runs() as u64),
         defaults: job.resolved.defaults.clone(),
         rungs: job.rungs.iter().map(|rung| rung.name().to_owned()).collect(),
+        messages: not_eligible.iter().filter(|_| plan.is_none()).map(messages::of_not_eligible).collect(),
         left_out: left_out.iter().map(LeftOutAnswer::from).collect(),
         cost: cost::estimate(job),
         derived: derived(job, at_rest.as_ref()),

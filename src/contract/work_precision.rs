@@ -327,7 +327,7 @@ impl WorkPrecisionAnswer {
 }
 
 fn compared(job: &Job, study: &WorkPrecision) -> ComparedAnswer {
-    let diverging = study.motion == Some(crate::simulation::error::report::MotionKind::Diverging);
+    let diverging = study.motion == Some(crate::simulation::error::lyapunov::MotionKind::Diverging);
     ComparedAnswer {
         scene: scene_in_words(job),
         quantity: format!(

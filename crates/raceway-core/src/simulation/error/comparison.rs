@@ -3,7 +3,9 @@
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{CentralMoments, mean, rms};
 use crate::physics::bearing::PerRaceway;
-use crate::simulation::error::report::QuantityErrors;
+use crate::simulation::error::codes::Quantity;
+use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
+use crate::simulation::error::thresholds::DETAIL_SHARE;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::record::Quantities;
@@ -13,52 +15,10 @@ use crate::simulation::recording::sampling::BAND;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::windows::Signal;
 
-/// Of these.
-pub(crate) const WORST: &str = "worst of the spindle's accelerations";
 /// A channel whose level lies this far below the strongest one's [dB] is not judged: its motion is a thousandth of the other's
 /// at most, adds less than 1e-5 dB to their sum, and is mostly what rounding and tolerances make of a symmetry, which every
 /// run makes anew.
 pub const FAINT: f64 = 60.0;
-
-/// Errors of the levels of `ACCELERATIONS` [dB]; `None`: not judged, or not there.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct LevelErrors([Option<f64>; 3]);
-
-impl LevelErrors {
-    pub fn of(&self, channel: Channel) -> Option<f64> {
-        self.0[ACCELERATIONS.iter().position(|one| *one == channel)?]
-    }
-
-    /// The largest; `None` where nothing moves.
-    pub fn worst(&self) -> Option<f64> {
-        self.0.into_iter().flatten().reduce(f64::max)
-    }
-
-    /// From the error of each channel.
-    pub(crate) fn each(error: impl Fn(Channel) -> Option<f64>) -> Self {
-        Self(ACCELERATIONS.map(error))
-    }
-
-    /// From both, where both are there.
-    pub(crate) fn beside(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        Self(std::array::from_fn(|i| Some(of(self.0[i]?, other.0[i]?))))
-    }
-
-    /// The larger ones of both.
-    pub(crate) fn larger(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i].into_iter().chain(other.0[i]).reduce(f64::max)))
-    }
-
-    /// Those that are there, no less than the others.
-    pub(crate) fn raised_to(self, least: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i].map(|error| error.max(least.0[i].unwrap_or(0.0)))))
-    }
-
-    /// Of those that are there.
-    pub(crate) fn map(self, change: impl Fn(f64) -> f64) -> Self {
-        Self(self.0.map(|error| error.map(&change)))
-    }
-}
 
 /// Parts of the repeated stretch whose levels are compared one by one.
 const PARTS: usize = 5;
@@ -73,9 +33,6 @@ const LEAST_SPEED: f64 = 0.06;
 const LEAST_POCKET_LOAD: f64 = 1e-3;
 const LEAST_SLIP: f64 = 1e-3;
 const LEAST_ORBIT: f64 = 1e-8;
-/// What largest pocket load, largest slip and the cage's orbit may be off by, whatever is allowed of a level: steps and terms that leave
-/// levels alone move these by per cents, and the slip is told by nine strips to two.
-const DETAIL: f64 = 0.03;
 
 /// Mean squares of so many equal parts of a run, from those of the batches of its windows.
 pub(crate) fn in_parts(mean_squares: &[f64], parts: usize) -> Vec<f64> {
@@ -156,10 +113,11 @@ pub(crate) fn judged(recording: &Recording) -> Vec<Channel> {
 
 /// Accelerations of a recording, and what was recorded again of all of it or of its first window.
 pub(crate) fn twice(first: &Recording, again: &Recording) -> Vec<(Channel, Twice)> {
+    let offset = ((again.start - first.start) * RATE).round().max(0.0) as usize;
     let both = |channel: Channel| {
         let (first, again) = (first.of(channel)?, again.of(channel)?);
         let Some(repeated) = again.values() else { return Some((channel, Twice::of_windows(first, again))) };
-        let stretch = first.excerpts.first()?.get(..repeated.len())?;
+        let stretch = first.excerpts.first()?.get(offset..offset + repeated.len())?;
         Some((channel, Twice::of_values(stretch, repeated, first.in_band().moments.rms())))
     };
     // What is faint in one of them may be the noise of the other.
@@ -175,32 +133,35 @@ pub(crate) fn level_errors(both: &[(Channel, Twice)], error: impl Fn(&Twice) -> 
 
 /// By how much two runs of a scene differ.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Distance {
+pub(crate) struct Deviation {
     pub levels: LevelErrors,
     /// Single numbers; `None` where they are not known.
     pub quantities: Option<QuantityErrors>,
 }
 
-impl Distance {
+impl Deviation {
     pub const UNKNOWN: Self = Self { levels: LevelErrors([None; 3]), quantities: None };
 
     /// Each error that was asked for over what is allowed of it: of the level so many decibels, of what else the share that these are,
-    /// or `DETAIL`; `None` where one is not known.
-    fn of_allowed(&self, outputs: &Outputs, tolerance_db: f64) -> Option<Vec<(&'static str, f64)>> {
-        let mut all = vec![("level", self.levels.worst()? / tolerance_db)];
+    /// or `DETAIL_SHARE`; `None` where one is not known.
+    fn of_allowed(&self, outputs: &Outputs, tolerance_db: f64) -> Option<Vec<(Quantity, f64)>> {
+        let mut all = vec![(Quantity::Level, self.levels.worst()? / tolerance_db)];
         if !(outputs.contacts || outputs.cage) {
             return Some(all);
         }
         let share = 10_f64.powf(tolerance_db / 20.0) - 1.0;
         let errors = self.quantities?;
         if outputs.contacts {
-            all.extend([("largest load", errors.max_load / share), ("slip", errors.max_slip / DETAIL)]);
+            all.extend([
+                (Quantity::MaxLoad, errors.max_load / share),
+                (Quantity::Slip, errors.max_slip / DETAIL_SHARE),
+            ]);
         }
         if outputs.cage {
             all.extend([
-                ("cage speed", errors.cage_speed / share),
-                ("pocket load", errors.max_pocket_load / DETAIL),
-                ("cage orbit", errors.orbit_radius / DETAIL),
+                (Quantity::CageSpeed, errors.cage_speed / share),
+                (Quantity::PocketLoad, errors.max_pocket_load / DETAIL_SHARE),
+                (Quantity::CageOrbit, errors.orbit_radius / DETAIL_SHARE),
             ]);
         }
         Some(all)
@@ -211,12 +172,10 @@ impl Distance {
         self.of_allowed(outputs, tolerance_db)?.into_iter().map(|(_, excess)| excess).reduce(f64::max)
     }
 
-    /// In words, and which of them are beyond what is allowed.
-    pub fn words_beyond(&self, outputs: &Outputs, tolerance_db: f64) -> String {
+    /// The requested numbers that deviate by more than is allowed.
+    pub fn beyond(&self, outputs: &Outputs, tolerance_db: f64) -> Vec<Quantity> {
         let all = self.of_allowed(outputs, tolerance_db).unwrap_or_default();
-        let beyond: Vec<&str> = all.iter().filter(|(_, excess)| *excess > 1.0).map(|(name, _)| *name).collect();
-        let words = self.words();
-        if beyond.is_empty() { words } else { format!("{words}; beyond what is allowed: {}", beyond.join(", ")) }
+        all.into_iter().filter(|(_, excess)| *excess > 1.0).map(|(quantity, _)| quantity).collect()
     }
 
     /// Whether everything that was asked for differs by no more than is allowed.
@@ -240,7 +199,7 @@ impl Distance {
     /// The larger of both errors of each; not known where one is not.
     pub fn larger(&self, other: &Self) -> Self {
         Self {
-            levels: self.levels.beside(&other.levels, f64::max),
+            levels: self.levels.zip(&other.levels, f64::max),
             quantities: self.quantities.zip(other.quantities).map(|(one, other)| one.larger(&other)),
         }
     }
@@ -255,24 +214,6 @@ impl Distance {
             ..errors
         });
         Self { quantities, ..*self }
-    }
-
-    pub fn words(&self) -> String {
-        match (self.levels.worst(), self.quantities) {
-            (Some(level), Some(q)) => {
-                // Those that were not asked for are 0.
-                let others = [("slip", q.max_slip), ("pocket load", q.max_pocket_load), ("cage orbit", q.orbit_radius)];
-                let others: String = others
-                    .into_iter()
-                    .filter(|(_, error)| *error > 0.0)
-                    .map(|(name, error)| format!(", {name} {:.2} %", 100.0 * error))
-                    .collect();
-                let (load, speed) = (100.0 * q.max_load, 100.0 * q.cage_speed);
-                format!("level {level:.4} dB, largest load {load:.3} %, cage speed {speed:.4} %{others} apart")
-            }
-            (Some(level), None) => format!("level {level:.4} dB apart"),
-            (None, _) => "nothing moves that could be compared".into(),
-        }
     }
 
     /// Of two samples of a chaotic motion.
@@ -325,24 +266,6 @@ pub(crate) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErr
             .max(of_peaks(&|part| part.max_slip.outer, LEAST_SLIP)),
         orbit_radius: rms_about_zero(&differences(&|part| part.orbit_radius, LEAST_ORBIT)),
     }
-}
-
-/// What the halves of a run differ by, from its parts; `None`: it has not as many.
-pub(crate) fn halves_apart(parts: &[Quantities]) -> Option<QuantityErrors> {
-    let of_all = |parts: &[Quantities]| {
-        let most = |of: fn(&Quantities) -> f64| parts.iter().map(of).fold(0.0, f64::max);
-        let mean = |of: fn(&Quantities) -> f64| parts.iter().map(of).sum::<f64>() / parts.len() as f64;
-        Quantities {
-            max_load: most(|part| part.max_load),
-            cage_speed: mean(|part| part.cage_speed),
-            out_of_plane: most(|part| part.out_of_plane),
-            max_pocket_load: most(|part| part.max_pocket_load),
-            max_slip: PerRaceway { inner: most(|part| part.max_slip.inner), outer: most(|part| part.max_slip.outer) },
-            orbit_radius: mean(|part| part.orbit_radius),
-        }
-    };
-    let (first, second) = parts.split_at(parts.len() / 2);
-    (!first.is_empty()).then(|| quantity_errors(&[of_all(first)], &[of_all(second)]))
 }
 
 /// What the peaks of single balls on a raceway differ by at most, as a share of the largest, of those that come near it: any of them

@@ -3,7 +3,6 @@
 use crate::numerics::ode::Method;
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
 use crate::numerics::statistics::{rms, slope};
-use crate::simulation::error::report::MotionKind;
 use crate::simulation::error::twin_system::Pair;
 use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
@@ -25,6 +24,8 @@ const SAMPLES: usize = 50;
 const ROUNDING: f64 = 1e-9;
 /// Growth by this many e-folds over the stretch counts as diverging; less may be a neutral drift of the azimuths.
 const FOLDS: f64 = 2.0;
+/// Time for which an undecided disturbance is followed, in first stretches [-].
+const UNDECIDED: f64 = 4.0;
 /// Loosest relative tolerance at which two motions are followed: whether they part is a matter of the scene, and must not
 /// drown in the errors of the steps.
 const PAIR_TOLERANCE: f64 = 1e-4;
@@ -40,9 +41,16 @@ pub(crate) fn judging(method: Method) -> Method {
     if method == Method::Radau { Method::Gear } else { method }
 }
 
+/// Whether neighbouring trajectories converge or diverge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MotionKind {
+    Decaying,
+    Diverging,
+}
+
 /// How a disturbance has grown.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parted {
+pub struct DivergenceEstimate {
     /// [1/s]; negative: it has shrunk.
     pub rate: f64,
     /// How long it was followed [s].
@@ -51,12 +59,17 @@ pub struct Parted {
     pub growth: f64,
 }
 
-impl Parted {
+impl DivergenceEstimate {
     /// What that says of the motion; `None`: too short to tell.
     pub fn motion(&self) -> Option<MotionKind> {
         let diverging = self.rate * self.over > FOLDS;
         let kind = if diverging { MotionKind::Diverging } else { MotionKind::Decaying };
         (self.over >= LEAST_STRETCH).then_some(kind)
+    }
+
+    /// Whether trajectories may diverge over a longer time [s], although they have not yet.
+    pub fn may_grow(&self, time: f64) -> bool {
+        self.motion() != Some(MotionKind::Diverging) && self.rate * time > FOLDS
     }
 }
 
@@ -65,7 +78,13 @@ pub(crate) type Pairs<'a> = (&'a [Vec<f64>], &'a [Vec<f64>]);
 
 /// How two motions part that started `disturbance` apart, in sizes of their signals, from what was recorded of them after a
 /// time to settle [s] at a rate [Hz]: of every `spacing` values the first few.
-pub(crate) fn of_signals(pairs: &[Pairs<'_>], spacing: usize, disturbance: f64, settle: f64, rate: f64) -> Parted {
+pub(crate) fn of_signals(
+    pairs: &[Pairs<'_>],
+    spacing: usize,
+    disturbance: f64,
+    settle: f64,
+    rate: f64,
+) -> DivergenceEstimate {
     let stretches = pairs.iter().map(|(one, other)| one.len().min(other.len())).min().unwrap_or(0);
     let length = |stretch: usize| {
         pairs.iter().map(|(one, other)| one[stretch].len().min(other[stretch].len())).min().unwrap_or(0)
@@ -92,9 +111,13 @@ pub(crate) fn of_signals(pairs: &[Pairs<'_>], spacing: usize, disturbance: f64, 
             let growth = largest - disturbance.ln();
             // However it came about: they have nothing more in common.
             let over = values as f64 / rate;
-            Parted { rate: late.max((FOLDS + growth).max(FOLDS) / over), over, growth }
+            DivergenceEstimate { rate: late.max((FOLDS + growth).max(FOLDS) / over), over, growth }
         }
-        _ => Parted { rate: late, over: values as f64 / rate, growth: late_mean(&logarithms) - disturbance.ln() },
+        _ => DivergenceEstimate {
+            rate: late,
+            over: values as f64 / rate,
+            growth: late_mean(&logarithms) - disturbance.ln(),
+        },
     }
 }
 
@@ -109,7 +132,7 @@ pub(crate) fn divergence_rate(
     stretch: f64,
     most_evaluations: u64,
     control: &Control<'_>,
-) -> Result<Parted, SimulationError> {
+) -> Result<DivergenceEstimate, SimulationError> {
     let n = model.dimension();
     let sizes = model.mechanism().layout.sizes();
     let pair = Pair::new(model);
@@ -151,7 +174,7 @@ pub(crate) fn divergence_rate(
                         // However it came about, on the whole or lately.
                         let mean = (distance / DISTURBANCE).ln() / (time - begin);
                         let growth = (distance / DISTURBANCE).ln();
-                        return Ok(Parted {
+                        return Ok(DivergenceEstimate {
                             rate: late_slope(&times, &logarithms).max(mean),
                             over: time.max(begin + stretch) - begin,
                             growth,
@@ -159,7 +182,7 @@ pub(crate) fn divergence_rate(
                     }
                     if distance == 0.0 {
                         let rate = late_slope(&times, &logarithms);
-                        return Ok(Parted { rate, over: stretch, growth: f64::MIN });
+                        return Ok(DivergenceEstimate { rate, over: stretch, growth: f64::MIN });
                     }
                     times.push(time);
                     logarithms.push(distance.ln());
@@ -170,9 +193,11 @@ pub(crate) fn divergence_rate(
             }
         }
         let growth = late_mean(&logarithms) - DISTURBANCE.ln();
-        let parted = Parted { rate: late_slope(&times, &logarithms), over: end - begin, growth };
+        let parted = DivergenceEstimate { rate: late_slope(&times, &logarithms), over: end - begin, growth };
         let might_grow = parted.rate * (last - begin) > FOLDS;
-        if end >= last || !might_grow || parted.motion() == Some(MotionKind::Diverging) {
+        // A disturbance that neither grows nor has decayed yet is followed a little longer.
+        let is_undecided = parted.growth >= 0.0 && end - begin < UNDECIDED * stretch;
+        if end >= last || !(might_grow || is_undecided) || parted.motion() == Some(MotionKind::Diverging) {
             return Ok(parted);
         }
         end = (begin + 2.0 * (end - begin)).min(last);

@@ -1,76 +1,78 @@
-//! How far a result can be trusted.
+//! How far a result can be trusted: its errors, how they were estimated, and what a user has to know.
 
-use crate::simulation::error::comparison::LevelErrors;
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MotionKind {
-    Decaying,
-    Diverging,
-}
-
-/// Estimated errors of single numbers, as shares of them [-].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct QuantityErrors {
-    pub max_load: f64,
-    pub cage_speed: f64,
-    pub max_pocket_load: f64,
-    /// Of the raceway where it is the larger.
-    pub max_slip: f64,
-    /// Of the cage's centre about its mean position.
-    pub orbit_radius: f64,
-}
-
-impl QuantityErrors {
-    /// The larger of both of each.
-    pub(crate) fn larger(&self, other: &Self) -> Self {
-        Self {
-            max_load: self.max_load.max(other.max_load),
-            cage_speed: self.cage_speed.max(other.cage_speed),
-            max_pocket_load: self.max_pocket_load.max(other.max_pocket_load),
-            max_slip: self.max_slip.max(other.max_slip),
-            orbit_radius: self.orbit_radius.max(other.orbit_radius),
-        }
-    }
-}
-
-/// Why what a run states may be in doubt; whether it is, and by how much, its errors tell in the end.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Doubt {
-    /// They are not known, or not of all of it; in words.
-    Failed(String),
-    /// Steps may be to blame.
-    Unresolved,
-    /// Finer steps lead the motion another way, with other peaks.
-    Sensitive,
-    /// The motion is chaotic, and the run a sample. `too_short`: in words, where it is too short to be one.
-    Chance { too_short: Option<String> },
-    /// Another stretch shows something else.
-    Uneven,
-}
+use crate::simulation::error::codes::{ErrorBasis, Quantity, QuantityError, Warning};
+use crate::simulation::error::comparison::Deviation;
+use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
+use crate::simulation::error::lyapunov::{DivergenceEstimate, MotionKind};
+use crate::simulation::error::thresholds::{WARNED_ERROR_DB, WARNED_ERROR_SHARE};
+use crate::simulation::input::settings::Outputs;
 
 /// How far the result can be trusted.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AccuracyReport {
     /// Estimated errors of the levels [dB].
     pub level_errors: LevelErrors,
-    /// What a repetition of a part, or of the whole, differed by; absent where nothing was repeated.
+    /// Estimated errors of single numbers; `None`: unknown.
     pub quantity_errors: Option<QuantityErrors>,
-    pub how: String,
-    /// `None`: the run is too short to tell.
+    /// Standard deviation of a level between windows as long as the recorded time [dB].
+    pub level_scatter: LevelErrors,
+    pub basis: ErrorBasis,
+    /// `None`: the run is too short to show it.
     pub motion: Option<MotionKind>,
-    /// Rate at which two runs 1e-10 apart part (negative: meet) [1/s].
+    /// Rate at which neighbouring trajectories diverge [1/s]; negative: they converge.
     pub divergence_rate: f64,
-    /// A repetition of the whole run went another way: its signals are others.
-    pub is_sample: bool,
-    /// Why it may not be trusted; `None`: that was never asked.
-    pub doubt: Option<Doubt>,
-    /// In words, where the result is not to be trusted; made last, of what is stated in the end.
-    pub warning: Option<String>,
+    pub warnings: Vec<Warning>,
 }
 
 impl AccuracyReport {
-    /// Error of the worst level [dB]; `None` where there is none.
+    pub(crate) fn new(deviation: Deviation, basis: ErrorBasis, divergence: Option<DivergenceEstimate>) -> Self {
+        Self {
+            level_errors: deviation.levels,
+            quantity_errors: deviation.quantities,
+            basis,
+            motion: divergence.and_then(|divergence| divergence.motion()),
+            divergence_rate: divergence.map_or(0.0, |divergence| divergence.rate),
+            ..Self::default()
+        }
+    }
+
+    /// Error of the worst level [dB]; `None` where no level error is known.
     pub fn level_error_db(&self) -> Option<f64> {
         self.level_errors.worst()
+    }
+
+    pub(crate) fn is_chaotic(&self) -> bool {
+        self.motion == Some(MotionKind::Diverging)
+    }
+
+    pub(crate) fn deviation(&self) -> Deviation {
+        Deviation { levels: self.level_errors, quantities: self.quantity_errors }
+    }
+
+    /// The largest stated error over what is allowed of it; `None` where one is unknown. Silence has no level that could err.
+    pub(crate) fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
+        let silent = self.quantity_errors.is_some() && self.level_errors.worst().is_none();
+        let levels = if silent { LevelErrors::each(|_| Some(0.0)) } else { self.level_errors };
+        Deviation { levels, ..self.deviation() }.excess(outputs, tolerance_db)
+    }
+
+    /// The requested numbers whose errors are so large that the result warns.
+    pub(crate) fn large_errors(&self, outputs: &Outputs) -> Vec<QuantityError> {
+        // The level of a short chaotic sample shows by itself that single numbers are uncertain.
+        let quantities = self.quantity_errors.filter(|_| !self.is_chaotic() || !outputs.include_levels());
+        let level = self.level_error_db().filter(|_| outputs.include_levels());
+        let share = |error: fn(&QuantityErrors) -> f64, shown: bool| quantities.as_ref().filter(|_| shown).map(error);
+        let all = [
+            (Quantity::Level, level, WARNED_ERROR_DB),
+            (Quantity::MaxLoad, share(|errors| errors.max_load, true), WARNED_ERROR_SHARE),
+            (Quantity::CageSpeed, share(|errors| errors.cage_speed, true), WARNED_ERROR_SHARE),
+            (Quantity::PocketLoad, share(|errors| errors.max_pocket_load, outputs.cage), WARNED_ERROR_SHARE),
+            (Quantity::Slip, share(|errors| errors.max_slip, outputs.contacts), WARNED_ERROR_SHARE),
+            (Quantity::CageOrbit, share(|errors| errors.orbit_radius, outputs.cage), WARNED_ERROR_SHARE),
+        ];
+        let is_large = |(quantity, error, limit): (Quantity, Option<f64>, f64)| {
+            error.filter(|error| *error > limit).map(|error| QuantityError { quantity, error })
+        };
+        all.into_iter().filter_map(is_large).collect()
     }
 }

@@ -1,135 +1,140 @@
-//! What the levels of another stretch of time may differ by: as the kept time tells by how they go up and down along it, and, where they do,
-//! as a later stretch shows, for what beats more slowly than the kept time does not show in it.
+//! Whether the recorded time stands for other windows of the same motion: batch means, trends, halves.
 
-use crate::numerics::statistics::mean;
-use crate::simulation::error::comparison::{Distance, LevelErrors, in_parts, level_difference, rms_about_zero};
-use crate::simulation::error::estimate;
-use crate::simulation::input::control::{Control, Live, Phase};
-use crate::simulation::input::model_level::ModelLevel;
-use crate::simulation::input::settings::{Outputs, RunSettings};
-use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::integrate::Stepping;
-use crate::simulation::recording::record::Recording;
-use crate::simulation::recording::sampling::BATCHES;
-use crate::simulation::recording::sampling::REPEATED;
-use crate::simulation::solve::run::{Attempt, Setup};
-use crate::simulation::solve::startup::Beginning;
+use crate::numerics::statistics::{CentralMoments, level_scatter_db, level_standard_error_db, mean, rms};
+use crate::physics::bearing::PerRaceway;
+use crate::simulation::error::comparison::{
+    Deviation, SILENCE, in_parts, judged, level_difference, quantity_errors, rms_about_zero,
+};
+use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
+use crate::simulation::error::thresholds::{
+    NOTABLE_CHANGE_DB, OSCILLATION_SHARE, STATIONARY_SCATTER_DB, TREND_RESIDUAL, WINDOW_SCATTER_DB,
+};
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::record::{Quantities, Recording};
+use crate::simulation::recording::sampling::{BATCHES, REPEATED, kept_values};
+use crate::simulation::recording::windows::Signal;
 
-/// Scatter of a level along the kept time from which on a later stretch is looked at [dB]: of motion that repeats itself it is less.
-const UNEVEN: f64 = 0.1;
-/// Kept time that is long beside what beats [s]: its own parts tell.
-const LONG: f64 = 2.0;
-/// Time between the kept stretch and the later one, in kept times, and at least [s]: next to it a slow beat is the same still.
-const BETWEEN: f64 = 1.0;
-const LEAST_BETWEEN: f64 = REPEATED;
-/// The later stretch may take so many times the evaluations of the run.
-const MOST: u64 = 4;
+/// Batches at either end of the recorded time whose mean levels make a trend.
+const END_BATCHES: usize = 3;
 
-/// Kept time on a reduced rung up to which as many later stretches are looked at as tell well by how much they differ [s].
-const QUICK: f64 = 0.5;
-
-/// Time that a later stretch and what lies between take after a kept one [s], at most.
-pub fn most_time(kept: f64) -> f64 {
-    if kept < LONG { between(kept) + as_long_as(kept, is_short(kept)) } else { 0.0 }
-}
-
-/// Whether the kept time [s] is too short for its own parts to tell anything.
-fn is_short(kept: f64) -> bool {
-    kept < REPEATED
-}
-
-/// Time that is kept later [s], `many`: of as many stretches as there are batches, for one alone may be the same by luck.
-fn as_long_as(kept: f64, many: bool) -> f64 {
-    if many { BATCHES as f64 * kept } else { kept }
-}
-
-fn between(kept: f64) -> f64 {
-    f64::max(BETWEEN * kept, LEAST_BETWEEN)
-}
-
-/// What the levels of other stretches differ by from those of the kept one.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Stretches {
+/// Standard deviation of a level between windows of one motion [dB], and what a later window shows.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct WindowScatter {
     /// One standard deviation [dB].
     pub scatter: LevelErrors,
-    /// Of a later one [dB], where one was looked at.
+    /// Deviation of a later window [dB], where one was recorded.
     pub later: Option<LevelErrors>,
-    /// Why there is none, where one should have been.
-    pub failure: Option<String>,
 }
 
-/// Of a run at constant speed on a rung. `later`: keeps the motion of this run by other settings, those of a later stretch. Where many are
-/// looked at, they alone tell: of motion that repeats itself parts of the kept time tell too much, for they need not hold whole periods.
-pub(crate) fn stretches(
-    rung: ModelLevel,
-    kept: &Recording,
-    settings: &RunSettings,
-    later: impl FnOnce(&RunSettings) -> Result<Recording, SimulationError>,
-) -> Result<Stretches, SimulationError> {
-    let own = Stretches { scatter: estimate::scatter(kept), ..Stretches::default() };
-    // What is too short to tell by itself is held against others in any case.
-    let is_short = is_short(settings.duration);
-    let many = is_short || (rung.is_reduced() && settings.duration <= QUICK);
-    let is_even = !is_short && own.scatter.worst().is_none_or(|scatter| scatter < UNEVEN);
-    if settings.duration >= LONG || is_even {
-        return Ok(own);
-    }
-    match later(&later_settings(settings, many)) {
-        Ok(later) if many => {
-            let apart = apart_from_parts(kept, &later);
-            Ok(Stretches { scatter: apart, later: Some(apart), failure: None })
-        }
-        Ok(later) => {
-            let apart = Distance::of_runs(kept, &later).levels;
-            Ok(Stretches { scatter: own.scatter.larger(apart), later: Some(apart), failure: None })
-        }
-        Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
-        // What the kept time tells has to do.
-        Err(error) => Ok(Stretches { failure: Some(error.to_string()), ..own }),
-    }
+/// Standard error of the levels of chaotic motion, by batch means [dB].
+pub fn sampling_errors(recording: &Recording) -> LevelErrors {
+    of_batches(recording, level_standard_error_db)
 }
 
-/// What a later stretch, or many, keep, and when.
-fn later_settings(kept: &RunSettings, many: bool) -> RunSettings {
-    let nothing_else =
-        Outputs { contacts: false, cage: false, spectra: Vec::new(), series: Vec::new(), ..kept.outputs.clone() };
-    RunSettings {
-        settle: kept.settle + kept.duration + between(kept.duration),
-        duration: as_long_as(kept.duration, many),
-        outputs: nothing_else,
-        ..kept.clone()
-    }
+/// Standard deviation of the levels of windows as long as the recorded time, by blocked batch means [dB]; `None` where the record is
+/// shorter than `REPEATED`.
+pub fn scatter(recording: &Recording) -> LevelErrors {
+    let scatter = of_batches(recording, level_scatter_db);
+    LevelErrors::each(|channel| scatter.of(channel).filter(|_| recording.of(channel).is_some_and(has_batches)))
 }
 
-/// A later stretch of a run of the dynamics, whose motion goes on from where it has ended.
-pub(crate) fn of_dynamics(
-    setup: &Setup<'_>,
-    run: &Attempt,
-    settings: &RunSettings,
-    control: &Control<'_>,
-) -> Result<Recording, SimulationError> {
-    let kept = setup.settings;
-    let beginning =
-        Beginning { time: kept.settle + kept.duration, state: run.integrated.end.clone(), ..setup.beginning.clone() };
-    let stepping = Stepping {
-        relative_tolerance: run.relative_tolerance,
-        most_evaluations: Some(MOST * run.integrated.statistics.rhs_evaluations.max(estimate::LEAST_EVALUATIONS)),
-        ..Stepping::of(kept)
+/// Whether levels and requested single numbers are the same all along the recorded time: one window stands for the others then.
+pub fn is_stationary(recording: &Recording, outputs: &Outputs, tolerance_db: f64) -> bool {
+    let levels = scatter(recording);
+    let is_steady = |channel: &Channel| levels.of(*channel).is_some_and(|scatter| scatter < STATIONARY_SCATTER_DB);
+    let quantities = halves_deviation(&recording.parts);
+    let halves = Deviation { levels: LevelErrors::each(|_| Some(0.0)), quantities };
+    heard(recording).iter().all(is_steady) && halves.within(outputs, tolerance_db)
+}
+
+/// Changes of the levels [dB] that rise or fall throughout the recorded time, where no later window shows an oscillation.
+pub fn trends(recording: &Recording, later: Option<&LevelErrors>) -> Vec<(Channel, f64)> {
+    let of = |channel: Channel| {
+        let signal = recording.of(channel).filter(|signal| has_batches(signal))?;
+        let change = trend(&in_parts(&signal.in_band().mean_squares, BATCHES))?;
+        let deviation = later.and_then(|later| later.of(channel));
+        deviation.is_none_or(|deviation| deviation > OSCILLATION_SHARE * change.abs()).then_some((channel, change))
     };
-    (control.live)(&Live::of(Phase::Judging));
-    let later = Setup { settings, beginning: &beginning, ..*setup };
-    Ok(later.attempt(&stepping, (0.0, 1.0), &control.without_live())?.recording)
+    heard(recording).into_iter().filter_map(of).collect()
 }
 
-/// What the levels of equal parts of a recording, each as long as the kept one, differ by from those of that, rms [dB].
-fn apart_from_parts(kept: &Recording, later: &Recording) -> LevelErrors {
+/// The channel whose level scatters so much that no window stands for the rest, and its scatter [dB].
+pub fn scattering_level(recording: &Recording) -> Option<(Channel, f64)> {
+    let scatter = |channel: Channel| {
+        let parts = in_parts(&recording.of(channel)?.in_band().mean_squares, BATCHES);
+        let levels: Vec<f64> = parts.iter().map(|square| 10.0 * square.max(f64::MIN_POSITIVE).log10()).collect();
+        Some((channel, CentralMoments::of(&levels).rms()))
+    };
+    let all = judged(recording).into_iter().filter_map(scatter);
+    all.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|(_, scatter)| *scatter > WINDOW_SCATTER_DB)
+}
+
+/// Deviation of the second half of a run from the first; `None`: it has fewer than two parts.
+pub fn halves_deviation(parts: &[Quantities]) -> Option<QuantityErrors> {
+    let of_all = |parts: &[Quantities]| {
+        let most = |of: fn(&Quantities) -> f64| parts.iter().map(of).fold(0.0, f64::max);
+        let mean = |of: fn(&Quantities) -> f64| parts.iter().map(of).sum::<f64>() / parts.len() as f64;
+        Quantities {
+            max_load: most(|part| part.max_load),
+            cage_speed: mean(|part| part.cage_speed),
+            out_of_plane: most(|part| part.out_of_plane),
+            max_pocket_load: most(|part| part.max_pocket_load),
+            max_slip: PerRaceway { inner: most(|part| part.max_slip.inner), outer: most(|part| part.max_slip.outer) },
+            orbit_radius: mean(|part| part.orbit_radius),
+        }
+    };
+    let (first, second) = parts.split_at(parts.len() / 2);
+    (!first.is_empty()).then(|| quantity_errors(&[of_all(first)], &[of_all(second)]))
+}
+
+/// Rms deviation of the levels of equal parts of a later record, each as long as the recorded time, from its level [dB].
+pub fn deviation_of_parts(recorded: &Recording, later: &Recording) -> LevelErrors {
     let parts = |recording: &Recording, channel| {
         recording.of(channel).map(|signal| in_parts(&signal.in_band().mean_squares, BATCHES))
     };
     LevelErrors::each(|channel| {
-        let level = mean(&parts(kept, channel)?).sqrt();
-        let apart = |part: &f64| level_difference((part.sqrt(), level));
-        let differences: Vec<f64> = parts(later, channel)?.iter().filter_map(apart).collect();
-        (!differences.is_empty()).then(|| rms_about_zero(&differences))
+        let level = mean(&parts(recorded, channel)?).sqrt();
+        let deviation = |part: &f64| level_difference((part.sqrt(), level));
+        let deviations: Vec<f64> = parts(later, channel)?.iter().filter_map(deviation).collect();
+        (!deviations.is_empty()).then(|| rms_about_zero(&deviations))
+    })
+}
+
+/// Errors of levels that are no silence.
+pub fn of_heard(errors: &LevelErrors, recording: &Recording) -> LevelErrors {
+    let heard = heard(recording);
+    LevelErrors::each(|channel| errors.of(channel).filter(|_| heard.contains(&channel)))
+}
+
+/// Change of a level along equal parts of a run [dB], where it is a trend.
+fn trend(mean_squares: &[f64]) -> Option<f64> {
+    if mean_squares.len() < BATCHES || mean_squares.iter().any(|square| *square <= 0.0) {
+        return None;
+    }
+    let levels: Vec<f64> = mean_squares.iter().map(|square| 10.0 * square.log10()).collect();
+    let change = mean(&levels[BATCHES - END_BATCHES..]) - mean(&levels[..END_BATCHES]);
+    let slope = change / (BATCHES - END_BATCHES) as f64;
+    let middle = 0.5 * (BATCHES - 1) as f64;
+    let residual: Vec<f64> = levels.iter().enumerate().map(|(i, level)| level - slope * (i as f64 - middle)).collect();
+    (change.abs() > NOTABLE_CHANGE_DB && rms(&residual) < TREND_RESIDUAL * change.abs()).then_some(change)
+}
+
+/// Whether a signal is long enough for batch means.
+fn has_batches(signal: &Signal) -> bool {
+    signal.in_band().moments.count() >= kept_values(REPEATED)
+}
+
+/// The compared accelerations that are no silence.
+fn heard(recording: &Recording) -> Vec<Channel> {
+    let is_heard = |channel: &Channel| recording.of(*channel).is_some_and(|of| of.in_band().moments.rms() > SILENCE);
+    judged(recording).into_iter().filter(is_heard).collect()
+}
+
+fn of_batches(recording: &Recording, error: impl Fn(&[f64]) -> Option<f64>) -> LevelErrors {
+    let heard = heard(recording);
+    LevelErrors::each(|channel| {
+        let signal = recording.of(channel).filter(|_| heard.contains(&channel))?;
+        error(&in_parts(&signal.in_band().mean_squares, BATCHES))
     })
 }

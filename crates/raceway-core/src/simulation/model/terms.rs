@@ -61,8 +61,8 @@ pub enum UnsupportedChoice {
     Term { term: Term, choice: &'static str, reason: &'static str },
 }
 
-/// Strips of a contact ellipse across the groove: nine give the traction of a gentle law to 1e-3 of its maximum.
-const STRIPS: usize = 9;
+/// Gauss points of a contact ellipse across the groove: six integrate the traction of a gentle law more accurately than nine equal strips.
+const GAUSS_POINTS: usize = 6;
 /// Strips for a steep law, which saturates within less slip than conformity spreads over the ellipse.
 const STRIPS_OF_STEEP_LAWS: usize = 17;
 /// Largest saturation slip of a steep law [m/s].
@@ -92,11 +92,16 @@ impl ActiveTerms {
             }
         });
         let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then(|| "nothing fills the bearing".into());
+        let is_steep = is_steep(&scene.lubricant.traction);
         let needs = Self {
             rung,
             raceway: RacewayTerms {
-                strips: if conformity || spin { strips(&scene.lubricant.traction) } else { 1 },
-                gauss: false,
+                strips: match (conformity || spin, is_steep) {
+                    (true, true) => STRIPS_OF_STEEP_LAWS,
+                    (true, false) => GAUSS_POINTS,
+                    (false, _) => 1,
+                },
+                gauss: (conformity || spin) && !is_steep,
                 conformity,
                 spin,
                 hydrodynamics,
@@ -131,7 +136,8 @@ fn refuse_unbuilt(scene: &Scene) -> Result<(), UnsupportedChoice> {
     Ok(())
 }
 
-fn strips(law: &TractionLaw) -> usize {
+/// Whether a law saturates within so little slip that it needs strips.
+fn is_steep(law: &TractionLaw) -> bool {
     let saturates_within = match *law {
         TractionLaw::FourParameter { at_rest, at_slip, .. } => {
             if at_rest > 0.0 {
@@ -143,7 +149,7 @@ fn strips(law: &TractionLaw) -> usize {
         TractionLaw::Coulomb { regularisation, .. } => regularisation,
         TractionLaw::SlideRoll { .. } | TractionLaw::Eyring { .. } => f64::INFINITY,
     };
-    if saturates_within < STEEP_SLIP { STRIPS_OF_STEEP_LAWS } else { STRIPS }
+    saturates_within < STEEP_SLIP
 }
 
 /// Decision over all terms, with the omitted ones so far.

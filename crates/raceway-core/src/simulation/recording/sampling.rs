@@ -11,6 +11,8 @@ pub const BAND: f64 = 20_000.0;
 pub(crate) const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
 /// Number of batches of a window, for batch means of a level.
 pub(crate) const BATCHES: usize = 10;
+/// Kept values of a part whose largest load and mean cage speed are noted: eight parts in 10 ms.
+pub(crate) const PART: usize = 128;
 /// Time that is repeated at a tighter tolerance [s], where disturbances decay and the motion stays the same. Otherwise the whole run
 /// is repeated.
 pub(crate) const REPEATED: f64 = 0.01;

@@ -3,9 +3,10 @@
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
-use crate::simulation::error::comparison::LevelErrors;
+use crate::simulation::error::codes::{NotEligible, Rejection};
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::channel::{Channel, Motion};
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
@@ -75,10 +76,13 @@ pub struct CageMetrics {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverReport {
     pub method: &'static str,
-    pub method_reason: String,
-    pub rung: &'static str,
-    /// Verification of the model level, as one sentence.
-    pub check: String,
+    /// Why `auto` runs this method.
+    pub choice: Option<String>,
+    pub level: ModelLevel,
+    /// Candidates that did not become the result, in the order in which they were tried.
+    pub rejections: Vec<Rejection>,
+    /// Model levels that were no candidates.
+    pub not_eligible: Vec<NotEligible>,
     pub statistics: crate::numerics::ode::Statistics,
     /// [s]
     pub wall_time: f64,
@@ -107,10 +111,6 @@ pub struct Summary {
     pub lines: Vec<(Channel, Line)>,
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
-    /// Standard deviation of each level between windows of this length [dB]; empty where the speed changes.
-    pub scatter: LevelErrors,
-    /// Warning where the recorded time may contain the initial transient.
-    pub settling: Option<String>,
 }
 
 /// Reference of the acceleration level, equation (15) [m/s²].

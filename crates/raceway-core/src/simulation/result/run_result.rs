@@ -1,6 +1,5 @@
 //! The result of a run, assembled from its recording and the reports of the solver.
 
-use crate::simulation::error::comparison::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
@@ -27,10 +26,6 @@ pub struct RunResult {
 pub(crate) struct Provenance {
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
-    /// Standard deviation of the levels between windows; `None` at changing speed.
-    pub scatter: Option<LevelErrors>,
-    /// Warning about a transient that may not have decayed.
-    pub settling: Option<String>,
     pub left_out: Vec<LeftOut>,
 }
 
@@ -43,7 +38,7 @@ impl RunResult {
         recording: &Recording,
         provenance: Provenance,
     ) -> Self {
-        let Provenance { solver, accuracy, scatter, settling, left_out } = provenance;
+        let Provenance { solver, accuracy, left_out } = provenance;
         let outputs = &settings.outputs;
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
         let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
@@ -54,8 +49,6 @@ impl RunResult {
         };
         let frequencies = metrics::frequencies(scene, recording);
         let summary = Summary {
-            scatter: scatter.unwrap_or_default(),
-            settling,
             channels: channels(),
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
             cage: if outputs.cage { metrics::cage(scene, recording) } else { None },

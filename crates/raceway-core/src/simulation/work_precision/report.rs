@@ -3,7 +3,7 @@
 use super::course::Taken;
 use super::errors::{Errors, TrajectoryError};
 use crate::numerics::ode::{Choice, Method, Statistics};
-use crate::simulation::error::report::MotionKind;
+use crate::simulation::error::lyapunov::MotionKind;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::model::terms::LeftOut;
 use crate::simulation::result::lines::Line;

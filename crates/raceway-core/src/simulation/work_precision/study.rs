@@ -7,9 +7,9 @@ use super::errors::{Comparison, largest};
 use super::report::{Measured, Plan, Point, Reference, WorkPrecision};
 use crate::numerics::ode::Method;
 use crate::physics::spindle::AxialHold;
-use crate::simulation::error::estimate;
 use crate::simulation::error::lyapunov;
-use crate::simulation::error::report::MotionKind;
+use crate::simulation::error::lyapunov::MotionKind;
+use crate::simulation::error::stationarity;
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::scene::Scene;
@@ -19,7 +19,7 @@ use crate::simulation::model::equilibrium::start_state;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::Stepping;
 use crate::simulation::recording::sampling::ACCELERATIONS;
-use crate::simulation::solve::ladder;
+use crate::simulation::solve::eligibility::active_terms;
 
 /// Candidates for the reference, best first. The first that finishes is the reference; its difference from the next that finishes
 /// is its error. Another method comes before another tolerance, because it shares no fault with the reference.
@@ -56,7 +56,7 @@ pub fn study(
         (control.progress)(furthest.get());
     };
     let control = &Control { progress: &progress, ..control.without_live() };
-    let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db)?;
+    let needs = active_terms(scene, &settings.outputs, settings.rung)?;
     let model = Model::new(scene, &needs);
     let course = Course::settled(&model, &needs, &settings, start_state(&model)?, control)?;
     let stretch = lyapunov::judged_stretch(&settings);
@@ -148,7 +148,7 @@ fn described(references: &References, comparison: &Comparison<'_>, motion: Optio
         check: references.check.as_ref().map(|(_, is)| *is),
         own_error_db: own.as_ref().and_then(|own| own.level_db),
         own_trajectory: own.and_then(|own| own.trajectory).filter(|_| !chaotic),
-        sampling_error_db: chaotic.then(|| estimate::sampling_errors(&first.recording).worst()).flatten(),
+        sampling_error_db: chaotic.then(|| stationarity::sampling_errors(&first.recording).worst()).flatten(),
         levels: comparison.levels.clone(),
         lines: comparison.lines.clone(),
         statistics: first.statistics,

@@ -16,13 +16,11 @@ use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
-use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
+use crate::simulation::recording::sampling::{PART, RATE};
 use crate::simulation::recording::windows::Recorder;
 
-/// Recorded values of one part, for which peaks and cage speed are recorded: eight parts in 10 ms.
-const PART: usize = 128;
 /// Samples per recorded value, unless long fixed steps damp the motion that only so many samples resolve.
 const OVERSAMPLING: usize = 4;
 /// Steps per sample from which samples resolve all motion that the steps leave. Motion faster than half the sampling rate then turns by

@@ -145,11 +145,10 @@ impl RisingTraction {
 }
 
 impl WideTraction {
-    /// Traction of a wide contact; `None` where the full model has another number of strips.
+    /// Traction of a wide contact; `None` where the law is steep, or neither conformity nor spin acts.
     pub fn new(law: FourParameters, needs: &RacewayTerms, ball_radius: f64, deformed_radius: f64) -> Option<Self> {
-        let strips = Strips::new(needs.strips);
-        let half =
-            strips.as_slice().get(..WIDE_POINTS).filter(|_| !needs.gauss && needs.strips == 2 * WIDE_POINTS - 1)?;
+        let strips = Strips::new(2 * WIDE_POINTS - 1);
+        let half = strips.as_slice().get(..WIDE_POINTS).filter(|_| needs.gauss)?;
         let conformity = if needs.conformity { 1.0 } else { 0.0 };
         let folded = std::array::from_fn(|k| {
             let (strip, images) = (half[k], if k + 1 == WIDE_POINTS { 1.0 } else { 2.0 });

@@ -1,0 +1,199 @@
+//! What a run reports about itself: codes with numbers. The text of each code stands above this crate.
+
+use crate::numerics::ode::Method;
+use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::model::failure::SimulationError;
+
+/// A number whose error is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    Level,
+    MaxLoad,
+    Slip,
+    CageSpeed,
+    PocketLoad,
+    CageOrbit,
+}
+
+/// An estimated error: of a level [dB], of any other number as a share of it [-].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuantityError {
+    pub quantity: Quantity,
+    pub error: f64,
+}
+
+/// How a repetition differs from the run that it verifies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Refinement {
+    /// Step of the repetition over that of the run [-].
+    Step(f64),
+    /// Relative tolerance of the repetition [-], and its method.
+    Tolerance(f64, Method),
+}
+
+impl Refinement {
+    /// Step of the repetition over that of the run [-].
+    pub fn step(&self) -> Option<f64> {
+        match self {
+            Self::Step(share) => Some(*share),
+            Self::Tolerance(..) => None,
+        }
+    }
+}
+
+/// How the stated errors were estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum ErrorBasis {
+    /// No error is stated.
+    #[default]
+    None,
+    /// Nothing moves: there is no level to compare.
+    Silence,
+    /// Difference from a richer model over a window [s].
+    RicherModel { level: ModelLevel, window: f64 },
+    /// Difference from a repetition over a window [s] of the recorded time [s].
+    Repetition { refinement: Refinement, window: f64, recorded: f64 },
+    /// Chaotic motion: standard error by batch means, or the difference from another sample if that is larger.
+    BatchMeans { refinement: Refinement },
+}
+
+/// What one window of verification does not cover.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Gap {
+    /// The cage speed changed after the window, as a share of it [-].
+    CageSpeedChanged(f64),
+    /// Balls moved on in their pockets after the window, as a share of their spacing [-].
+    BallsDrifted(f64),
+    /// Inertia of the spindle exceeds the share of its static load [-] up to which it stays on its balls.
+    InertiaExceedsPreload(f64),
+    /// The level scatters along the recorded time [dB].
+    LevelScatters(Channel, f64),
+    /// Balls leave the plane: contact angles before and after [rad], over a window [s].
+    BallsLeavePlane { before: f64, after: f64, window: f64 },
+    /// A lubricant so viscous for the speed may tilt cage and balls.
+    MayTilt,
+    /// A crown cage so heavy, or so far off its balls, may tilt them.
+    HeavyCage,
+    /// The speed changes.
+    SpeedChanges,
+    /// Less is recorded than a window of verification.
+    ShortRecord,
+    /// Neighbouring trajectories diverge.
+    Chaos,
+}
+
+/// Why a candidate was rejected.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cause {
+    /// It failed.
+    Failed(SimulationError),
+    /// The verification deviates by more than is allowed.
+    Deviation { levels: LevelErrors, quantities: Option<QuantityErrors>, beyond: Vec<Quantity> },
+    /// The window of verification does not cover the run.
+    NotCovered(Gap),
+    /// Refinement leads the whole run elsewhere.
+    CourseDiffers { levels: LevelErrors, quantities: Option<QuantityErrors>, beyond: Vec<Quantity> },
+    /// Disturbances grow faster than chaos lets them.
+    Instability,
+    /// Disturbances grow, and the recorded time is too short to be a sample of chaos.
+    ShortChaos,
+    /// Disturbances do not decay, where axial motion or tilt keeps light oscillations that long steps damp.
+    NoDecay,
+    /// Chaotic motion shows other levels with other steps.
+    SamplesDiffer,
+    /// The repetition failed.
+    NotVerified(SimulationError),
+}
+
+/// A candidate that did not become the result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rejection {
+    pub level: ModelLevel,
+    /// The integrator, where it is not the model's own.
+    pub method: Option<Method>,
+    /// [s]; `None`: error control, or the model's own step.
+    pub step: Option<f64>,
+    pub cause: Cause,
+}
+
+/// Why numbers are uncertain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Uncertainty {
+    /// Refinement still changes them.
+    Steps,
+    /// The least disturbance leads to other peaks.
+    Sensitive,
+    /// The recorded time is a short sample of chaotic motion.
+    ShortSample,
+    /// The levels vary along the recorded time.
+    Uneven,
+}
+
+/// What a user of a result has to know.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// Errors of numbers are large.
+    Uncertain { cause: Uncertainty, errors: Vec<QuantityError> },
+    /// A level rises or falls throughout the recorded time [dB].
+    NotStationary { channel: Channel, change_db: f64 },
+    /// A chaotic motion: disturbances take this long to grow e-fold, and this much has to be recorded [s].
+    ShortChaoticSample { growth_time: f64, required: f64 },
+    /// The recorded time [s] is shorter than an error estimate needs [s].
+    RecordTooShort { recorded: f64, required: f64 },
+    /// The repetition failed: no error is known.
+    NotVerified(SimulationError),
+    /// Only the first part [s] could be repeated.
+    PartlyVerified { window: f64, cause: SimulationError },
+    /// A later window could not be recorded.
+    LaterWindowFailed(SimulationError),
+    /// The selected model level is not confirmed within [dB].
+    ModelNotConfirmed { level: ModelLevel, allowed_db: f64, cause: Cause },
+    /// The window of verification does not cover the run: no error is stated.
+    ErrorUnknown(Gap),
+    /// The fixed step lies beyond the limit of stability.
+    UnstableStep(String),
+    /// Free vibration of the start decays with this time constant [s]; `settle` [s] is too short, `required` [s] is enough.
+    StartTransient { time_constant: f64, settle: f64, required: f64, constant_speed: bool },
+    /// The cage may still vibrate along its axis; a settling time [s] that is enough.
+    CageTransient { settle: f64, required: f64 },
+    /// Cage and balls may still begin to tilt; a settling time [s] that is enough.
+    TiltTransient { settle: f64, required: f64 },
+}
+
+/// Why no reduced model, or no model leaner than the condensed one, is a candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ineligible {
+    /// A method, a step or a tolerance was selected.
+    MethodSelected,
+    /// `model_tolerance_db` is 0.
+    NoModelError,
+    /// A term that it leaves out is on.
+    TermOn,
+    /// Hydrodynamic forces act: they tilt balls and cage later than a window shows.
+    Hydrodynamics,
+    /// The speed changes: a window shows nothing of later speeds.
+    SpeedChanges,
+    /// Its window of verification would be too large a part of the run.
+    ShortRun,
+    /// A lubricant so viscous for the speed may tilt cage and balls, which a planar window does not show.
+    MayTilt,
+    /// A crown cage so heavy, or so far off its balls, may tilt them, which a planar window does not show.
+    HeavyCage,
+}
+
+/// A model level that is no candidate of a run, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NotEligible {
+    pub levels: Vec<ModelLevel>,
+    pub reason: NotEligibleReason,
+}
+
+/// Why a level is no candidate.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NotEligibleReason {
+    Known(Ineligible),
+    /// The level cannot represent the scene or its outputs.
+    CannotRepresent(String),
+}

@@ -1,0 +1,193 @@
+//! Which model levels can solve a scene, and what each leaves out.
+
+use std::f64::consts::TAU;
+
+use crate::numerics::ode::Method;
+use crate::physics::kinematics;
+use crate::simulation::error::codes::{Ineligible, NotEligible, NotEligibleReason};
+use crate::simulation::error::thresholds::{
+    CROWN_MASS, CROWN_OFFSET, LATE_TILT_VISCOSITY, LEAN_SHARE, MIN_WINDOW_S, MIN_WINDOW_SETTLE_S, TILT_VISCOSITY,
+    WINDOW_PASSAGES, WINDOW_RUN_SHARE, WINDOW_S, WINDOW_SETTLE_S, WINDOW_SHARE,
+};
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::radially_condensed;
+use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut, UnsupportedChoice};
+use crate::simulation::model::{periodic, spindle_only};
+
+/// Terms whose dynamics no reduced model has.
+const DYNAMICS: [Term; 3] = [Term::BallRadialDynamics, Term::BallSpinDynamics, Term::CageTilt];
+
+/// The model levels that are tried, the cheapest first, and those that are not.
+#[derive(Debug, Clone)]
+pub struct Eligibility {
+    pub levels: Vec<ModelLevel>,
+    pub not_eligible: Vec<NotEligible>,
+}
+
+impl Eligibility {
+    /// The selected level alone, or the eligible reduced ones and the dynamics.
+    pub fn of(scene: &Scene, settings: &RunSettings) -> Result<Self, UnsupportedChoice> {
+        if let Some(level) = settings.rung {
+            return Ok(Self { levels: vec![level], not_eligible: Vec::new() });
+        }
+        let dynamics = ActiveTerms::of(scene, &settings.outputs, None)?;
+        let known = |levels: Vec<ModelLevel>, reason| NotEligible { levels, reason: NotEligibleReason::Known(reason) };
+        let (mut levels, mut not_eligible) = (Vec::new(), Vec::new());
+        if let Some(reason) = no_reduced_model(scene, settings, &dynamics) {
+            not_eligible.push(known(ModelLevel::REDUCED.to_vec(), reason));
+        } else {
+            let lean = tilt_risk(scene);
+            if let Some(reason) = lean {
+                not_eligible.push(known(vec![ModelLevel::Periodic, ModelLevel::SpindleOnly], reason));
+            }
+            for level in ModelLevel::REDUCED {
+                match cannot_represent(level, scene, &dynamics, &settings.outputs) {
+                    Some(reason) => {
+                        let reason = NotEligibleReason::CannotRepresent(reason);
+                        not_eligible.push(NotEligible { levels: vec![level], reason });
+                    }
+                    None if level == ModelLevel::RadiallyCondensed || lean.is_none() => levels.push(level),
+                    None => {}
+                }
+            }
+        }
+        levels.push(dynamics.rung);
+        Ok(Self { levels, not_eligible })
+    }
+}
+
+/// Terms of the equations on a selected level, or on the dynamics that the scene needs.
+pub fn active_terms(
+    scene: &Scene,
+    outputs: &Outputs,
+    level: Option<ModelLevel>,
+) -> Result<ActiveTerms, UnsupportedChoice> {
+    let Some(level) = level.filter(|level| level.is_reduced()) else {
+        if level == Some(ModelLevel::Full) && scene.terms.get(Term::CageTilt) == TermChoice::Off {
+            return Err(UnsupportedChoice::ModelLevel {
+                rung: ModelLevel::Full,
+                reason: "terms.cage_tilt is off".into(),
+            });
+        }
+        return ActiveTerms::of(scene, outputs, level);
+    };
+    if let Some(reason) =
+        cannot_represent(level, scene, &ActiveTerms::of(scene, outputs, Some(ModelLevel::Full))?, outputs)
+    {
+        return Err(UnsupportedChoice::ModelLevel { rung: level, reason });
+    }
+    let mut terms = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;
+    let is_tilt = |left_out: &LeftOut| left_out.term == Term::CageTilt.name();
+    terms.left_out.retain(|left_out| !is_tilt(left_out) || left_out.by == Justification::Identity);
+    let may_tilt = !terms.left_out.iter().any(is_tilt);
+    terms.left_out.extend(omissions(level, may_tilt));
+    Ok(terms)
+}
+
+/// Terms that a reduced model leaves out; the bound of all together is the error that its verification shows.
+fn omissions(level: ModelLevel, may_tilt: bool) -> Vec<LeftOut> {
+    let one = |term: Term, reason: &str| LeftOut {
+        term: term.name(),
+        reason: format!("rung {}: {reason}", level.name()),
+        by: Justification::Judgement,
+        bound: None,
+    };
+    let mut all = vec![one(Term::BallRadialDynamics, "balls are in radial equilibrium between their raceways")];
+    if may_tilt {
+        all.push(one(Term::CageTilt, "no ball or cage leaves the plane"));
+    }
+    if level != ModelLevel::RadiallyCondensed {
+        all.push(one(Term::Cage, "balls orbit at equal spacing, at the speed of ideal rolling"));
+        all.push(one(Term::BallSpinDynamics, "balls roll ideally"));
+    }
+    all
+}
+
+/// Share of the tolerance that the deviation of a model from the next richer one may take [dB].
+pub fn allowed_deviation(level: ModelLevel, model_tolerance_db: f64) -> f64 {
+    match level {
+        ModelLevel::SpindleOnly | ModelLevel::Periodic => LEAN_SHARE * model_tolerance_db,
+        _ => model_tolerance_db,
+    }
+}
+
+/// Why a reduced model cannot represent a scene or its outputs.
+fn cannot_represent(level: ModelLevel, scene: &Scene, terms: &ActiveTerms, outputs: &Outputs) -> Option<String> {
+    // The leaner models are verified by the condensed one.
+    let condensed = || radially_condensed::inapplicability(scene, outputs).map(str::to_owned);
+    match level {
+        ModelLevel::Full | ModelLevel::Planar => None,
+        ModelLevel::RadiallyCondensed => condensed(),
+        ModelLevel::SpindleOnly => spindle_only::inapplicability(scene, terms, outputs).or_else(condensed),
+        ModelLevel::Periodic => periodic::inapplicability(scene, terms, outputs).or_else(condensed),
+    }
+}
+
+fn no_reduced_model(scene: &Scene, settings: &RunSettings, terms: &ActiveTerms) -> Option<Ineligible> {
+    if settings.method != Method::Auto || settings.fixed_step.is_some() {
+        Some(Ineligible::MethodSelected)
+    } else if settings.model_tolerance_db == 0.0 {
+        Some(Ineligible::NoModelError)
+    } else if DYNAMICS.iter().any(|term| scene.terms.get(*term) == TermChoice::On) {
+        Some(Ineligible::TermOn)
+    } else if terms.raceway.hydrodynamics {
+        Some(Ineligible::Hydrodynamics)
+    } else if !scene.operation.speed.is_constant() {
+        Some(Ineligible::SpeedChanges)
+    } else if window_time(scene, settings) > WINDOW_SHARE * (settings.settle + settings.duration) {
+        Some(Ineligible::ShortRun)
+    } else {
+        None
+    }
+}
+
+/// Why the planar verification of the leanest models does not show tilt.
+pub fn tilt_risk(scene: &Scene) -> Option<Ineligible> {
+    if may_tilt(scene) {
+        Some(Ineligible::MayTilt)
+    } else if is_heavy_crown(scene) {
+        Some(Ineligible::HeavyCage)
+    } else {
+        None
+    }
+}
+
+/// Whether cage and balls may tilt in so viscous a lubricant at so low a speed.
+pub fn may_tilt(scene: &Scene) -> bool {
+    scene.lubricant.viscosity > TILT_VISCOSITY * scene.operating_speed().abs()
+}
+
+/// Whether they may begin to tilt late in a run.
+pub fn may_tilt_late(scene: &Scene) -> bool {
+    scene.lubricant.viscosity > LATE_TILT_VISCOSITY * scene.operating_speed().abs()
+}
+
+/// Whether weight and inertia of the cage, which act beside the plane of its balls, may take these out of it.
+fn is_heavy_crown(scene: &Scene) -> bool {
+    let (cage, bearing) = (&scene.cage, &scene.bearing);
+    let balls = bearing.parameters.ball_count as f64 * bearing.ball_mass;
+    !cage.is_symmetric()
+        && (cage.mass > CROWN_MASS * balls || cage.offset.abs() > CROWN_OFFSET * bearing.parameters.ball_diameter)
+}
+
+/// Time from one ball passage to the next [s]; infinite at rest.
+pub fn ball_passage(scene: &Scene) -> f64 {
+    let orbit = (kinematics::ideal_orbit_ratio(&scene.bearing) * scene.operating_speed()).abs();
+    TAU / (scene.bearing.parameters.ball_count as f64 * orbit)
+}
+
+/// Times of a verification against a richer model: before its window, and of the window [s].
+pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
+    let passage = ball_passage(scene);
+    let share = WINDOW_RUN_SHARE * (settings.settle + settings.duration);
+    let settle = share.clamp(MIN_WINDOW_SETTLE_S, WINDOW_SETTLE_S);
+    (passage.max(settle), (WINDOW_PASSAGES * passage).max(share.clamp(MIN_WINDOW_S, WINDOW_S)))
+}
+
+/// Time that the richer model simulates to verify a reduced one [s].
+pub fn window_time(scene: &Scene, settings: &RunSettings) -> f64 {
+    let (settle, window) = window_times(scene, settings);
+    settle + window
+}
