@@ -17,7 +17,7 @@ const ROOT_TERMS: usize = 15;
 /// Terms of the polynomial of the share, which enters small corrections only.
 const SHARE_TERMS: usize = 8;
 /// Largest relative error of the load from the polynomials [-]; tested.
-pub const LOAD_ERROR: f64 = 2e-6;
+pub(crate) const LOAD_ERROR: f64 = 2e-6;
 /// The constant c of t: where the two ends of the law meet.
 const MIDDLE: f64 = 1.1;
 /// Smallest outer penetration under a centrifugal force [m], that of a nanonewton; keeps quotients finite.
@@ -25,7 +25,7 @@ const MIN_TOUCH: f64 = 1e-13;
 
 /// The polynomials.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct CondensedContact<T = f64> {
+pub(crate) struct CondensedContact<T = f64> {
     /// K [N/m^1.5], and 1/K of the outer contact.
     stiffness: PerRaceway<T>,
     per_outer: T,
@@ -38,7 +38,7 @@ side_by_side!(CondensedContact { stiffness, per_outer, root, share });
 
 /// The outer contact under the centrifugal force alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unloaded<T = f64> {
+pub(crate) struct Unloaded<T = f64> {
     /// F [N].
     pub force: T,
     /// δ₀ [m], the approach at which the inner raceway touches, and its root.
@@ -49,7 +49,7 @@ pub struct Unloaded<T = f64> {
 /// State of the pair of contacts at an approach. Without inner contact all entries are 0, except the outer penetration and the inner
 /// share of 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct CondensedLoad<T = f64> {
+pub(crate) struct CondensedLoad<T = f64> {
     /// Approach beyond that at which the inner raceway touches [m].
     pub pressed: T,
     /// Penetrations [m].
@@ -89,7 +89,7 @@ fn exact_share(ratio: f64, gamma: f64) -> f64 {
 
 impl CondensedContact {
     /// Contact pair of Hertz contacts of stiffness K [N/m^1.5].
-    pub fn new(stiffness: PerRaceway<f64>) -> Self {
+    pub(crate) fn new(stiffness: PerRaceway<f64>) -> Self {
         let ratio = stiffness.inner / stiffness.outer;
         let w = |t: f64| MIDDLE * t / (1.0 - t);
         Self {
@@ -102,7 +102,7 @@ impl CondensedContact {
 
     /// The outer contact of a ball [kg] that orbits at a speed [rad/s] on a radius [m], that of a ball which touches the outer
     /// raceway without load. `weight`: further outward force [N].
-    pub fn unloaded(&self, mass: f64, radius: f64, orbit_speed: f64, weight: f64) -> Unloaded {
+    pub(crate) fn unloaded(&self, mass: f64, radius: f64, orbit_speed: f64, weight: f64) -> Unloaded {
         let outer = self.stiffness.outer;
         let force = |penetration: f64| mass * orbit_speed * orbit_speed * (radius + penetration) + weight;
         // Iterations include the growth of the orbit with the penetration, some 1e-4 to 1e-3 of it, to rounding.
@@ -112,7 +112,7 @@ impl CondensedContact {
     }
 
     /// The contact pair in single precision.
-    pub fn single(&self) -> CondensedContact<f32> {
+    pub(crate) fn single(&self) -> CondensedContact<f32> {
         CondensedContact {
             stiffness: self.stiffness.map(|stiffness| *stiffness as f32),
             per_outer: 1.0 / (self.stiffness.outer as f32),
@@ -126,7 +126,7 @@ impl<T: Real> CondensedContact<T> {
     /// The outer contact under a force [N] near that of a known root: ∛ by one step of Halley's method. Its relative error is 5e-4 where
     /// the forces agree within a third, and 1e-6 within a thirtieth.
     #[inline(always)]
-    pub fn unloaded_near(&self, root: T, force: T) -> Unloaded<T> {
+    pub(crate) fn unloaded_near(&self, root: T, force: T) -> Unloaded<T> {
         let (cube, known) = (force * self.per_outer, root * root * root);
         let root = root * (known + cube + cube) / (known + known + cube);
         Unloaded { force, penetration: root * root, root }
@@ -135,7 +135,7 @@ impl<T: Real> CondensedContact<T> {
     /// The pair of contacts at an approach [m], the sum of both penetrations, negative with clearance. The code has no branch, so that
     /// a loop over balls has none.
     #[inline(always)]
-    pub fn load(&self, approach: T, free: &Unloaded<T>) -> CondensedLoad<T> {
+    pub(crate) fn load(&self, approach: T, free: &Unloaded<T>) -> CondensedLoad<T> {
         let pressed = larger(approach - free.penetration, T::of(0.0));
         let u = pressed.sqrt();
         let (one, half) = (T::of(1.0), T::of(0.5));

@@ -3,7 +3,7 @@
 /// Damping of the spindle, and of the cage along its axis and in tilt, where little else damps them. The rate stays constant at first, then
 /// fades slowly compared with all vibration, so that its end excites nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FadingDamping {
+pub(crate) struct FadingDamping {
     /// Initial rate [1/s]; free vibration decays at half of it.
     pub rate: f64,
     /// Time at which the damping has become 0 [s].
@@ -15,7 +15,7 @@ const CONSTANT_SHARE: f64 = 0.5;
 
 impl FadingDamping {
     /// Rate at a time [1/s].
-    pub fn at(&self, time: f64) -> f64 {
+    pub(crate) fn at(&self, time: f64) -> f64 {
         let faded = ((time / self.end - CONSTANT_SHARE) / (1.0 - CONSTANT_SHARE)).clamp(0.0, 1.0);
         self.rate * (1.0 - faded) * (1.0 - faded) * (1.0 + 2.0 * faded)
     }

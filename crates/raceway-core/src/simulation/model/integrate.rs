@@ -28,7 +28,7 @@ pub(crate) struct Stepping {
 
 impl Stepping {
     /// Method and accuracy that the settings of a run request.
-    pub fn of(settings: &RunSettings) -> Self {
+    pub(crate) fn of(settings: &RunSettings) -> Self {
         Self {
             method: settings.method,
             relative_tolerance: settings.relative_tolerance,

@@ -28,7 +28,7 @@ pub struct Mechanism {
     pub spin_ratio: f64,
     pub pitch_radius: f64,
     /// Start azimuths of balls and pockets, padded to whole lanes by that of the last ball.
-    pub start: StartAzimuths,
+    pub(crate) start: StartAzimuths,
     pub ball_mass: f64,
     pub ball_inertia: f64,
     /// Radius of a ball [m].
@@ -51,12 +51,12 @@ pub struct Mechanism {
     /// Acceleration of gravity along +Y [m/s²].
     pub gravity: f64,
     /// Damping of the start-up phase, which is no part of the scene.
-    pub damping: Option<FadingDamping>,
+    pub(crate) damping: Option<FadingDamping>,
 }
 
 /// Start azimuths by column.
 #[derive(Debug, Clone)]
-pub struct StartAzimuths {
+pub(crate) struct StartAzimuths {
     /// [rad]
     pub angle: Vec<f64>,
     pub cosine: Vec<f64>,
@@ -69,7 +69,7 @@ impl StartAzimuths {
     }
 
     /// The azimuths, turned by an angle [rad].
-    pub fn turned(&self, by: f64) -> Self {
+    pub(crate) fn turned(&self, by: f64) -> Self {
         Self::of(self.angle.iter().map(|angle| angle + by).collect())
     }
 
@@ -81,12 +81,12 @@ impl StartAzimuths {
 
 impl Mechanism {
     /// Returns whether contact angles differ from 0: the spindle moves along X, is offset there, or is tilted.
-    pub fn has_axial_motion_or_tilt(&self) -> bool {
+    pub(crate) fn has_axial_motion_or_tilt(&self) -> bool {
         self.layout.axial_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
     }
 
     /// Orbit speed of ideally rolling balls at constant shaft speed [rad/s]; `None` where the speed changes.
-    pub fn steady_orbit_speed(&self) -> Option<f64> {
+    pub(crate) fn steady_orbit_speed(&self) -> Option<f64> {
         self.speed.is_constant().then(|| self.orbit_ratio * self.speed.at(0.0).1)
     }
 

@@ -42,7 +42,7 @@ impl<T: Copy + Default> BallState<T> {
 
     /// State from entries in that order.
     #[inline(always)]
-    pub fn from_entries(entries: [T; 9], planar: bool) -> Self {
+    pub(crate) fn from_entries(entries: [T; 9], planar: bool) -> Self {
         if planar {
             let [radial, arc, radial_velocity, arc_velocity, spin, ..] = entries;
             let none = T::default();
@@ -65,7 +65,7 @@ impl<T: Copy + Default> BallState<T> {
 impl BallState {
     /// `a · self + b · other`.
     #[inline(always)]
-    pub fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
+    pub(crate) fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
         let both = |one: f64, other: f64| a * one + b * other;
         Self {
             axial: both(self.axial, other.axial),
@@ -98,7 +98,7 @@ pub struct CageState {
 impl CageState {
     /// `a · self + b · other`.
     #[inline(always)]
-    pub fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
+    pub(crate) fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
         let both = |one: f64, other: f64| a * one + b * other;
         Self {
             centre: std::array::from_fn(|i| both(self.centre[i], other.centre[i])),
@@ -132,19 +132,19 @@ pub struct Layout {
 /// Natural sizes of the entries: the allowed error of a state is the relative tolerance times these.
 mod size {
     /// [m]
-    pub const POSITION: f64 = 1e-6;
+    pub(crate) const POSITION: f64 = 1e-6;
     /// [m]
-    pub const ARC: f64 = 1e-5;
+    pub(crate) const ARC: f64 = 1e-5;
     /// [m/s]
-    pub const VELOCITY: f64 = 1e-2;
+    pub(crate) const VELOCITY: f64 = 1e-2;
     /// [m/s]
-    pub const ARC_VELOCITY: f64 = 1e-1;
+    pub(crate) const ARC_VELOCITY: f64 = 1e-1;
     /// [rad/s]
-    pub const SPIN: f64 = 100.0;
+    pub(crate) const SPIN: f64 = 100.0;
     /// [rad]
-    pub const TILT: f64 = 1e-4;
+    pub(crate) const TILT: f64 = 1e-4;
     /// [rad/s]
-    pub const TILT_RATE: f64 = 10.0;
+    pub(crate) const TILT_RATE: f64 = 10.0;
 }
 
 const BALL_NAMES: [(&str, f64); 9] = [
@@ -185,16 +185,16 @@ const SPINDLE_NAMES: [(&str, f64); 6] = [
 const RADIAL_SPINDLE: [usize; 4] = [1, 2, 4, 5];
 
 /// Largest number of entries of cage and spindle.
-pub const MAX_BORDER: usize = 18;
+pub(crate) const MAX_BORDER: usize = 18;
 
 impl Layout {
     /// Number of entries of a ball.
-    pub fn ball_size(&self) -> usize {
+    pub(crate) fn ball_size(&self) -> usize {
         if self.planar { 5 } else { 9 }
     }
 
     /// Number of entries of the cage.
-    pub fn cage_size(&self) -> usize {
+    pub(crate) fn cage_size(&self) -> usize {
         match (self.cage, self.planar) {
             (false, _) => 0,
             (true, true) => 6,
@@ -207,7 +207,7 @@ impl Layout {
     }
 
     /// Layout of cage and spindle alone.
-    pub fn without_balls(self) -> Self {
+    pub(crate) fn without_balls(self) -> Self {
         Self { balls: 0, ..self }
     }
 
@@ -221,7 +221,7 @@ impl Layout {
     }
 
     /// Number of entries of cage and spindle.
-    pub fn border_size(&self) -> usize {
+    pub(crate) fn border_size(&self) -> usize {
         self.cage_size() + self.spindle_size()
     }
 
@@ -245,7 +245,7 @@ impl Layout {
 
     /// Balls from `first` on, side by side; lanes beyond the last ball repeat it.
     #[inline(always)]
-    pub fn side_by_side<const PLANAR: bool>(&self, y: &[f64], first: usize) -> BallState<Lanes> {
+    pub(crate) fn side_by_side<const PLANAR: bool>(&self, y: &[f64], first: usize) -> BallState<Lanes> {
         let layout = Self { planar: PLANAR, ..*self };
         let mut states = BallState::default();
         for lane in 0..LANES {
@@ -256,7 +256,7 @@ impl Layout {
 
     /// Writes balls back into the state; lanes beyond the last ball are dropped.
     #[inline(always)]
-    pub fn set_side_by_side<const PLANAR: bool>(&self, y: &mut [f64], first: usize, s: &BallState<Lanes>) {
+    pub(crate) fn set_side_by_side<const PLANAR: bool>(&self, y: &mut [f64], first: usize, s: &BallState<Lanes>) {
         let size = Self { planar: PLANAR, ..*self }.ball_size();
         let balls = y[first * size..self.balls * size].chunks_exact_mut(size);
         for (lane, ball) in balls.take(LANES).enumerate() {

@@ -43,7 +43,7 @@ impl StepRatio {
     }
 
     /// Returns whether a step is longer than the interval of recorded values, so that values lie between steps.
-    pub fn is_long(self) -> bool {
+    pub(crate) fn is_long(self) -> bool {
         self.values > 1
     }
 

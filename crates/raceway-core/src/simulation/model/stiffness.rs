@@ -6,7 +6,7 @@ use crate::simulation::model::system::Model;
 
 /// The dominant mode of a linearised system.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FastestMode {
+pub(crate) struct FastestMode {
     /// Magnitude of the eigenvalue [1/s].
     pub rate: f64,
     /// Whether the mode decays rather than oscillates.
@@ -25,14 +25,14 @@ const STABLE_OSCILLATION: f64 = 1.0;
 
 impl FastestMode {
     /// Longest stable step of the explicit method [s].
-    pub fn stable_step(&self) -> f64 {
+    pub(crate) fn stable_step(&self) -> f64 {
         (if self.decays { STABLE_DECAY } else { STABLE_OSCILLATION }) / self.rate
     }
 }
 
 /// The fastest mode at the start of a run: the faster of that with a centred cage and that with a cage displaced far enough for its
 /// pockets to act.
-pub fn fastest_mode(model: &Model, start: &[f64]) -> Result<FastestMode, SimulationError> {
+pub(crate) fn fastest_mode(model: &Model, start: &[f64]) -> Result<FastestMode, SimulationError> {
     let layout = model.mechanism().layout;
     let mut displaced = start.to_vec();
     let mut cage = layout.cage(start);

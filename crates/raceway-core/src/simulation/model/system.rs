@@ -36,7 +36,7 @@ impl Model {
     }
 
     /// The model with additional damping that fades.
-    pub fn damped(&self, damping: FadingDamping) -> Self {
+    pub(crate) fn damped(&self, damping: FadingDamping) -> Self {
         let mechanism = Mechanism { damping: Some(damping), ..self.mechanism().clone() };
         match self {
             Self::Full(_) => Self::Full(Full::new(mechanism)),

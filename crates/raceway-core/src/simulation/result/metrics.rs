@@ -114,7 +114,7 @@ pub struct Summary {
 }
 
 /// Reference of the acceleration level, equation (15) [m/s²].
-pub const REFERENCE_ACCELERATION: f64 = 9.81e-3;
+pub(crate) const REFERENCE_ACCELERATION: f64 = 9.81e-3;
 /// Unit of a level in full, for headings.
 pub const LEVEL_UNIT: &str = "dB re 9.81 mm/s²";
 

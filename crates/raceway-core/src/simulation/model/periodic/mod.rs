@@ -8,5 +8,5 @@ mod passage;
 mod run;
 
 pub use applicability::inapplicability;
-pub use passage::{LARGEST_RADIUS, Passage, passage};
+pub use passage::{Passage, passage};
 pub use run::simulate;

@@ -38,7 +38,7 @@ const MAX_PASSAGES: usize = 200;
 /// Largest distance of the motion from rest to the periodic motion, in amplitudes [-].
 const MAX_DISTANCE: f64 = 0.2;
 /// Smallest Floquet radius at which a periodic motion is rejected as unstable or nearly so [-].
-pub const LARGEST_RADIUS: f64 = 0.98;
+pub(crate) const LARGEST_RADIUS: f64 = 0.98;
 
 /// Signals of one passage, in the order of `SPINDLE_IN_PLANE`.
 pub(super) type Signals = [Vec<f64>; SPINDLE_IN_PLANE.len()];

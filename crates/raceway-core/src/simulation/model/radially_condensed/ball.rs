@@ -27,7 +27,7 @@ pub type Balls = BallState<Lanes, Singles>;
 impl Balls {
     /// Arc of the balls less that of their pockets [m].
     #[inline(always)]
-    pub fn past_pockets(&self, cage_arc: f64) -> Singles {
+    pub(crate) fn past_pockets(&self, cage_arc: f64) -> Singles {
         let mut past = Singles::default();
         for lane in 0..LANES {
             past[lane] = (self.arc[lane] - cage_arc) as f32;
@@ -52,7 +52,7 @@ impl SideBySide for Balls {
 
 /// Rates of the velocities of a ball, with their derivatives for the implicit part of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct BallRates<T = f32> {
+pub(crate) struct BallRates<T = f32> {
     pub arc_velocity: T,
     pub spin: T,
     /// −∂(arc rate)/∂(arc velocity), ∂(arc rate)/∂(spin), ∂(spin rate)/∂(arc velocity): each not negative.
@@ -255,19 +255,19 @@ pub(super) fn small_azimuth<T: Real>(x: T) -> Azimuth<T> {
 impl OneBall {
     /// Azimuth difference between a ball and its pocket, which stays within the pocket's clearance.
     #[inline(always)]
-    pub fn ahead(&self, past_pocket: f32) -> Azimuth<f32> {
+    pub(super) fn ahead(&self, past_pocket: f32) -> Azimuth<f32> {
         small_azimuth(past_pocket * self.per_pitch_radius)
     }
 
     /// Azimuth difference of a ball from ideal rolling, without a cage.
     #[inline(always)]
-    pub fn ahead_alone(&self, ball: &BallState) -> Azimuth<f32> {
+    pub(crate) fn ahead_alone(&self, ball: &BallState) -> Azimuth<f32> {
         Azimuth::new(ball.arc * (1.0 / f64::from(self.pitch_radius))).single()
     }
 
     /// Position and elastic state of the ball; `start`: start azimuth of its pocket.
     #[inline(always)]
-    pub fn in_raceways(
+    pub(crate) fn in_raceways(
         &self,
         drive: &Drive,
         start: Azimuth<f32>,
@@ -326,7 +326,7 @@ impl OneBall {
 
     /// Adds the viscous dampers of both raceways.
     #[inline(always)]
-    pub fn with_viscous(&self, held: &BallInRaceways) -> BallInRaceways {
+    pub(crate) fn with_viscous(&self, held: &BallInRaceways) -> BallInRaceways {
         let inner_share = 1.0 - held.outer_share;
         let damping = self.viscous
             * (inner_share * inner_share * viscous_ramp(held.inner)
@@ -336,7 +336,7 @@ impl OneBall {
 
     /// Loads and slip of both contacts under the radial force of the pocket.
     #[inline(always)]
-    pub fn raceway_loads(
+    pub(crate) fn raceway_loads(
         &self,
         drive: &Drive,
         ball: &BallState,
@@ -377,7 +377,7 @@ impl OneBall {
 
     /// Rates of the ball under the traction of both raceways.
     #[inline(always)]
-    pub fn rates(
+    pub(super) fn rates(
         &self,
         drive: &Drive,
         ball: &BallState,

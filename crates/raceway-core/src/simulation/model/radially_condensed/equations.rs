@@ -230,7 +230,7 @@ impl RadiallyCondensed {
     }
 
     /// Returns whether traction uses the contacts of the full model, which take several times as long.
-    pub fn has_general_traction(&self) -> bool {
+    pub(crate) fn has_general_traction(&self) -> bool {
         let is_general = |of: &RacewayTraction| matches!(of, RacewayTraction::General);
         is_general(&self.traction.inner) || is_general(&self.traction.outer)
     }
@@ -261,7 +261,7 @@ impl RadiallyCondensed {
     }
 
     /// Damping of the spindle over its mass on its contacts at rest [1/s].
-    pub fn spindle_damping(&self) -> f64 {
+    pub(crate) fn spindle_damping(&self) -> f64 {
         self.spindle_rates[0]
     }
 

@@ -16,7 +16,7 @@ use crate::physics::spindle::unbalance_force;
 
 /// Rates of the velocities at one time, with their derivatives for the implicit part of a step.
 #[derive(Debug, Clone, Default)]
-pub struct Rates {
+pub(crate) struct Rates {
     pub balls: Vec<BallRates<Singles>>,
     /// Load on the spindle, by lane.
     pub(super) passed: SpindleReaction<Singles>,
@@ -28,7 +28,7 @@ pub struct Rates {
 
 /// Loads and slip of eight balls in an evaluation.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct BallLoads {
+pub(crate) struct BallLoads {
     pub load: PerRaceway<Singles>,
     pub slip: PerRaceway<Singles>,
     pub pocket: Singles,
@@ -36,13 +36,13 @@ pub struct BallLoads {
 
 /// Work space of an evaluation, and the loads of the last one.
 #[derive(Debug, Clone)]
-pub struct Scratch {
+pub(crate) struct Scratch {
     pub ball_loads: Vec<BallLoads>,
     cage: Turn,
 }
 
 impl Scratch {
-    pub fn new(groups: usize) -> Self {
+    pub(crate) fn new(groups: usize) -> Self {
         Self { ball_loads: vec![BallLoads::default(); groups], cage: Turn::default() }
     }
 }
@@ -74,7 +74,7 @@ impl RadiallyCondensed {
     /// Rates at a time [s]; `spindle_acceleration`: predicted acceleration, with its `shares` in place and velocity.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    pub fn rates(
+    pub(crate) fn rates(
         &self,
         time: f64,
         balls: &[Balls],

@@ -105,7 +105,7 @@ impl Extremes {
 }
 
 impl<'a> Observer<'a> {
-    pub fn new(model: &'a RadiallyCondensed, outputs: &Outputs, schedule: Schedule, primed: bool) -> Self {
+    pub(super) fn new(model: &'a RadiallyCondensed, outputs: &Outputs, schedule: Schedule, primed: bool) -> Self {
         let channels = picked_channels(outputs, model.mechanism().layout.cage);
         let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), outputs, schedule.values);
         let extremes = Extremes {
@@ -242,12 +242,12 @@ impl<'a> Observer<'a> {
     }
 
     /// rms of the spindle's accelerations in y and z so far [m/s²]; `None` before the first recorded value.
-    pub fn accelerations(&self) -> Option<[f64; 2]> {
+    pub(super) fn accelerations(&self) -> Option<[f64; 2]> {
         self.filtered.accelerations()
     }
 
     /// The recording; `start`: time of the first recorded value [s].
-    pub fn finish(mut self, start: f64) -> Recording {
+    pub(super) fn finish(mut self, start: f64) -> Recording {
         self.keep_frames();
         if self.schedule.ratio.is_long() && !self.channels.is_empty() {
             // The last value may be at the time of the last step.

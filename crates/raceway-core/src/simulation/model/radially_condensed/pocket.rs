@@ -48,7 +48,7 @@ pub(super) struct PocketForce {
 
 impl Film {
     #[inline(always)]
-    pub fn displacement_of_one(
+    pub(crate) fn displacement_of_one(
         &self,
         border: &Border<f32>,
         cage_spin: f32,
@@ -70,7 +70,7 @@ impl Film {
 
     /// Force of the film: stiffness and damping along the displacement, never attractive.
     #[inline(always)]
-    pub fn push(&self, displaced: &PocketDisplacement) -> PocketForce {
+    pub(super) fn push(&self, displaced: &PocketDisplacement) -> PocketForce {
         let ((n, t), (v_n, v_t)) = (displaced.displacement, displaced.velocity);
         let per_square = 1.0 / (n * n + t * t + TINY);
         let damping = self.damping * smaller(displaced.distance * (1.0 / DAMPING_ONSET as f32), 1.0);
@@ -88,7 +88,7 @@ impl Film {
 
     /// Load in the directions of the ball's orbit and, times `present`, of the cage; `share`: of velocities in places [s].
     #[inline(always)]
-    pub fn turned(
+    pub(super) fn turned(
         &self,
         held: &BallInRaceways,
         displaced: &PocketDisplacement,
@@ -127,13 +127,13 @@ impl Film {
 
     /// Penetration of a ball into the wall of its pocket [m]; negative without contact.
     #[inline(always)]
-    pub fn beyond(&self, displaced: &PocketDisplacement) -> f32 {
+    pub(super) fn beyond(&self, displaced: &PocketDisplacement) -> f32 {
         displaced.distance - self.clearance
     }
 
     /// Displacements of balls in their pockets.
     #[inline(always)]
-    pub fn displaced(
+    pub(super) fn displaced(
         self,
         border: &Border<f32>,
         cage_spin: f32,
@@ -148,13 +148,13 @@ impl Film {
 
     /// Returns whether every ball is off the wall of its pocket.
     #[inline(always)]
-    pub fn reaches(&self, displaced: &PocketDisplacement<Singles>) -> bool {
+    pub(super) fn reaches(&self, displaced: &PocketDisplacement<Singles>) -> bool {
         (0..LANES).all(|lane| self.beyond(&displaced.at(lane)) <= 0.0)
     }
 
     /// Loads of pockets whose film alone acts.
     #[inline(always)]
-    pub fn film_reaction(
+    pub(crate) fn film_reaction(
         self,
         held: &BallInRaceways<Singles>,
         displaced: &PocketDisplacement<Singles>,
@@ -171,7 +171,7 @@ impl Film {
 
     /// Loads by the pockets of the full model.
     #[inline(never)]
-    pub fn wall_reaction(
+    pub(crate) fn wall_reaction(
         &self,
         by_wall: &ByWall<'_>,
         held: &BallInRaceways<Singles>,

@@ -32,7 +32,7 @@ pub fn simulate(
 }
 
 /// Simulates a scene with the spindle displaced from its equilibrium by (y, z) [m] at the start, without spectra and series.
-pub fn simulate_perturbed(
+pub(crate) fn simulate_perturbed(
     scene: &Scene,
     displacement: [f64; 2],
     settings: &RunSettings,

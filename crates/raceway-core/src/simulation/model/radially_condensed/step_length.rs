@@ -35,7 +35,7 @@ impl RadiallyCondensed {
 
     /// Finer steps than those of a run: `step_ratio` where the run took longer ones, else half of its steps; `None` where they would be too
     /// many.
-    pub fn finer_step_ratio(&self, settings: &RunSettings) -> Option<StepRatio> {
+    pub(crate) fn finer_step_ratio(&self, settings: &RunSettings) -> Option<StepRatio> {
         let (own, taken) = (self.step_ratio(), self.step_ratio_for(settings));
         let finer = if taken.is_long() && !own.is_long() { own } else { StepRatio::of_steps(2 * taken.steps) };
         (finer.steps <= MAX_STEPS_PER_VALUE).then_some(finer)

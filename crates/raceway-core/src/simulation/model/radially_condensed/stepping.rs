@@ -150,7 +150,7 @@ impl<'m> Stepper<'m> {
     }
 
     /// Length of a step [s].
-    pub fn step_length(&self) -> f64 {
+    pub(crate) fn step_length(&self) -> f64 {
         self.step
     }
 
@@ -172,12 +172,12 @@ impl<'m> Stepper<'m> {
     }
 
     /// Accelerations of the spindle at the observed time [m/s²].
-    pub fn spindle_acceleration(&self) -> [f64; 2] {
+    pub(crate) fn spindle_acceleration(&self) -> [f64; 2] {
         self.nodes[0].acceleration
     }
 
     /// Loads and slip of the balls at the observed time.
-    pub fn ball_loads(&self) -> &[BallLoads] {
+    pub(crate) fn ball_loads(&self) -> &[BallLoads] {
         &self.scratch.ball_loads
     }
 

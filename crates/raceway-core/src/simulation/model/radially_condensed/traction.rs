@@ -94,7 +94,7 @@ side_by_side!(ShortForm { steepest, fit, reach, weights, middle, rise, ball_radi
 
 impl RacewayTraction {
     /// dμ/du at rest [s/m]; 0 for the general law, where it is unknown.
-    pub fn steepest(&self) -> f64 {
+    pub(crate) fn steepest(&self) -> f64 {
         match self {
             Self::Rising(traction) => traction.short.steepest.into(),
             Self::Wide(traction) => traction.steepest,
@@ -105,7 +105,7 @@ impl RacewayTraction {
 
 impl RisingTraction {
     /// Traction of a narrow contact; `conformity`: whether slip varies across it.
-    pub fn new(law: FourParameters, conformity: bool, ball_radius: f64, deformed_radius: f64) -> Self {
+    pub(super) fn new(law: FourParameters, conformity: bool, ball_radius: f64, deformed_radius: f64) -> Self {
         let reach = REACH / law.c;
         // h = r_b + Σ c_j s^j [r_b^(1−2j) − R_d^(1−2j) (1 − t^2j)], s = a².
         let shape = |radius: f64, term: usize| SERIES[term] * radius.powi(-1 - 2 * term as i32);
@@ -126,7 +126,7 @@ impl RisingTraction {
     }
 
     #[inline(always)]
-    pub fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
+    pub(super) fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
         let mut sums = Sums::<Singles>::default();
         let mut beyond: Singles = Singles::default();
         for lane in 0..LANES {
@@ -146,7 +146,12 @@ impl RisingTraction {
 
 impl WideTraction {
     /// Traction of a wide contact; `None` where the law is steep, or neither conformity nor spin acts.
-    pub fn new(law: FourParameters, needs: &RacewayTerms, ball_radius: f64, deformed_radius: f64) -> Option<Self> {
+    pub(super) fn new(
+        law: FourParameters,
+        needs: &RacewayTerms,
+        ball_radius: f64,
+        deformed_radius: f64,
+    ) -> Option<Self> {
         let strips = Strips::new(2 * WIDE_POINTS - 1);
         let half = strips.as_slice().get(..WIDE_POINTS).filter(|_| needs.gauss)?;
         let conformity = if needs.conformity { 1.0 } else { 0.0 };
@@ -164,7 +169,7 @@ impl WideTraction {
     }
 
     #[inline(always)]
-    pub fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
+    pub(super) fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
         let wide = *self;
         let mut sums = Sums::<Singles>::default();
         for lane in 0..LANES {
@@ -189,7 +194,7 @@ impl WideTraction {
 impl ShortForm {
     /// The sums by the fit, and the excess of the slip over its range under load [m/s].
     #[inline(always)]
-    pub fn fitted(&self, contact: &Contact) -> (Sums, f32) {
+    pub(super) fn fitted(&self, contact: &Contact) -> (Sums, f32) {
         let (one, fastest) = self.sums_by(contact, |speed| polynomial(&self.fit, smaller(speed, self.reach)));
         // dμ/du = μ/u + u (μ/u)', the latter as a straight line: an error of a few per cent is small enough for the slope.
         let slope = larger(2.0 * one.slope - self.steepest, 0.0);
@@ -308,7 +313,7 @@ impl General<'_> {
     /// Force and moment over the loads, by the contact of the full model. Rates of penetration are chosen so that contacts carry exactly
     /// these loads. `spin`: deviations from ideal rolling; `penetration`: of this contact.
     #[inline(never)]
-    pub fn sums(
+    pub(super) fn sums(
         &self,
         contact: &Contact<Singles>,
         spin: &Singles,

@@ -17,7 +17,7 @@ const ROLLING_LOAD: f64 = 1.0;
 /// (0.4 m · ½ · ½ of its inertia 0.1 m d²).
 const ROLLING_MASS: f64 = 0.35;
 /// Place of the spindle y, z [m] and its velocity [m/s].
-pub type SpindleMotion = Motion<2>;
+pub(crate) type SpindleMotion = Motion<2>;
 
 /// Smallest stiffness in the search for the rest position [N/m].
 const MIN_STIFFNESS: f64 = 1e4;
@@ -26,7 +26,7 @@ const MAX_SEARCH_STEP: f64 = 2e-6;
 
 /// Corrections of first order, each of which can be omitted to measure its effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Corrections {
+pub(crate) struct Corrections {
     /// Approach −s_t²/(2r) and the force's direction.
     pub tilt: bool,
     /// Dissipation of both contacts.
@@ -38,12 +38,12 @@ pub struct Corrections {
 }
 
 impl Corrections {
-    pub const ALL: Self = Self { tilt: true, damping: true, inertia: true, rolling: true };
+    pub(crate) const ALL: Self = Self { tilt: true, damping: true, inertia: true, rolling: true };
 }
 
 /// The equations of motion.
 #[derive(Debug, Clone)]
-pub struct SpindleOnly {
+pub(crate) struct SpindleOnly {
     speed: SpeedProfile,
     /// Constant speed [rad/s]; `None` where the speed changes.
     constant: Option<f64>,
@@ -84,7 +84,7 @@ struct Group {
 
 /// Prescribed motion at one time: orbit speed [rad/s], direction of the first pocket, and applied force [N].
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Driven {
+pub(crate) struct Driven {
     orbit: f64,
     cosine: f64,
     sine: f64,
@@ -94,7 +94,7 @@ pub struct Driven {
 impl SpindleOnly {
     /// Equations from the mechanism of the full dynamics. `damping`: χ of the raceways [s/m]; `orbit_ratio`: cage speed over spindle speed.
     /// The centrifugal force is that of the largest speed.
-    pub fn new(mechanism: &Mechanism, damping: f64, orbit_ratio: f64, corrections: Corrections) -> Self {
+    pub(crate) fn new(mechanism: &Mechanism, damping: f64, orbit_ratio: f64, corrections: Corrections) -> Self {
         let m = mechanism;
         let balls = m.layout.balls;
         let touching = |contact: &RacewayContact| contact.penetration::<true>(0.0, m.pitch_radius).0;
@@ -140,23 +140,23 @@ impl SpindleOnly {
     }
 
     /// Sets the centrifugal force to that at another spindle speed [rad/s].
-    pub fn refit(&mut self, speed: f64) {
+    pub(crate) fn refit(&mut self, speed: f64) {
         self.unloaded = self.contact.unloaded(self.mass_of_ball, self.orbit_radius, self.orbit_ratio * speed, 0.0);
     }
 
     /// Angular speed of the spindle at a time [rad/s], and whether it is constant.
-    pub fn speed(&self, time: f64) -> (f64, bool) {
+    pub(crate) fn speed(&self, time: f64) -> (f64, bool) {
         (self.speed.at(time).1, self.constant.is_some())
     }
 
     /// Orbit speed over spindle speed [-].
-    pub fn orbit_ratio(&self) -> f64 {
+    pub(crate) fn orbit_ratio(&self) -> f64 {
         self.orbit_ratio
     }
 
     /// Rest position of the spindle with balls at their start azimuths [m], and the frequency of its stiffest direction there [rad/s].
     /// Newton's method takes steps that are small against clearances. The rest position need not be exact, because it only starts a run.
-    pub fn rest(&self) -> ([f64; 2], f64) {
+    pub(crate) fn rest(&self) -> ([f64; 2], f64) {
         let mut place = [0.0, 0.0];
         let mut stiffest = 0.0;
         for _ in 0..200 {
@@ -187,13 +187,13 @@ impl SpindleOnly {
         (place, (stiffest / self.mass).sqrt())
     }
 
-    pub fn balls(&self) -> usize {
+    pub(crate) fn balls(&self) -> usize {
         self.balls
     }
 
     /// Prescribed motion at the times of consecutive steps.
     #[inline(always)]
-    pub fn drives(&self, time: impl Fn(usize) -> f64, drives: &mut [Driven]) {
+    pub(crate) fn drives(&self, time: impl Fn(usize) -> f64, drives: &mut [Driven]) {
         for (eight, drives) in drives.chunks_exact_mut(LANES).enumerate() {
             let (mut turnings, mut azimuths) = ([(0.0, 0.0, 0.0); LANES], Lanes::<LANES>::default());
             for lane in 0..LANES {

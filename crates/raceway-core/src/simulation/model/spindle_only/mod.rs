@@ -3,7 +3,7 @@
 
 mod applicability;
 
-pub mod equations;
+pub(crate) mod equations;
 
 mod scene_model;
 
