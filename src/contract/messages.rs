@@ -98,7 +98,12 @@ pub fn of_not_eligible(not_eligible: &NotEligible) -> MessageAnswer {
 pub fn check(solver: &SolverReport, basis: &ErrorBasis) -> String {
     match basis {
         ErrorBasis::RicherModel { level, window } => {
-            format!("The model level {} was compared with {} over {}.", solver.level.name(), level.name(), time(*window))
+            format!(
+                "The model level {} was compared with {} over {}.",
+                solver.level.name(),
+                level.name(),
+                time(*window)
+            )
         }
         _ if solver.level.is_reduced() => format!("The model level {} was not verified.", solver.level.name()),
         _ if solver.level == ModelLevel::Planar => {
@@ -153,9 +158,7 @@ fn of_warning(warning: &Warning) -> MessageAnswer {
                 Uncertainty::ShortSample => {
                     ("the motion is chaotic and the recorded time is a short sample of it", "Increase duration_s.")
                 }
-                Uncertainty::Uneven => {
-                    ("levels vary along the recorded time", "Increase duration_s, or settle_s.")
-                }
+                Uncertainty::Uneven => ("levels vary along the recorded time", "Increase duration_s, or settle_s."),
             };
             let text = format!("Large errors of {}: {reason}. {remedy}", listed(errors));
             let values = errors.iter().map(|error| (field(error.quantity), json!(significant(error.error, 3))));
@@ -166,7 +169,8 @@ fn of_warning(warning: &Warning) -> MessageAnswer {
                 "Level not stationary: {channel} changed by {change_db:+.1} dB during the recorded time. Increase settle_s, or \
                  duration_s if the level oscillates."
             );
-            let values = vec![("channel", json!(channel.to_string())), ("change_db", json!(significant(*change_db, 3)))];
+            let values =
+                vec![("channel", json!(channel.to_string())), ("change_db", json!(significant(*change_db, 3)))];
             (MessageCode::NotStationary, text, values)
         }
         Warning::ShortChaoticSample { growth_time, required } => {
@@ -185,9 +189,11 @@ fn of_warning(warning: &Warning) -> MessageAnswer {
             );
             (MessageCode::RecordTooShort, text, numbers(&[("required_duration_s", *required)]))
         }
-        Warning::NotVerified(failure) => {
-            (MessageCode::NotVerified, format!("No error is known, because the verification failed: {failure}."), vec![])
-        }
+        Warning::NotVerified(failure) => (
+            MessageCode::NotVerified,
+            format!("No error is known, because the verification failed: {failure}."),
+            vec![],
+        ),
         Warning::PartlyVerified { window, cause } => {
             let text = format!(
                 "The errors were verified over the first {} only, because the repetition of the whole run failed: {cause}.",
@@ -196,7 +202,9 @@ fn of_warning(warning: &Warning) -> MessageAnswer {
             (MessageCode::PartlyVerified, text, numbers(&[("window_s", *window)]))
         }
         Warning::LaterWindowFailed(failure) => {
-            let text = format!("The scatter of the levels is that of the recorded time alone: a later window failed, {failure}.");
+            let text = format!(
+                "The scatter of the levels is that of the recorded time alone: a later window failed, {failure}."
+            );
             (MessageCode::LaterWindowFailed, text, vec![])
         }
         Warning::ModelNotConfirmed { level, allowed_db, cause } => {
@@ -210,7 +218,8 @@ fn of_warning(warning: &Warning) -> MessageAnswer {
             (MessageCode::ModelNotConfirmed, text, values)
         }
         Warning::ErrorUnknown(gap) => {
-            let text = format!("No error is stated, because the verification does not cover the run: {}.", gap_text(gap));
+            let text =
+                format!("No error is stated, because the verification does not cover the run: {}.", gap_text(gap));
             (MessageCode::ErrorUnknown, text, vec![])
         }
         Warning::UnstableStep(text) => (MessageCode::UnstableStep, sentence(text), vec![]),
@@ -381,7 +390,11 @@ fn field(quantity: Quantity) -> &'static str {
 }
 
 fn time(seconds: f64) -> String {
-    if seconds < 1.0 { format!("{} ms", significant(1e3 * seconds, 4)) } else { format!("{} s", significant(seconds, 4)) }
+    if seconds < 1.0 {
+        format!("{} ms", significant(1e3 * seconds, 4))
+    } else {
+        format!("{} s", significant(seconds, 4))
+    }
 }
 
 fn numbers<'a>(values: &[(&'a str, f64)]) -> Vec<(&'a str, Value)> {

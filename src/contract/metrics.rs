@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-pub use super::report::{AccuracyAnswer, FrequenciesAnswer, GroundsName, LeftOutAnswer, MotionName, SolverAnswer};
 use super::messages::{self, MessageAnswer};
+pub use super::report::{AccuracyAnswer, FrequenciesAnswer, GroundsName, LeftOutAnswer, MotionName, SolverAnswer};
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::result::lines::Line;
@@ -189,7 +189,9 @@ pub struct LineAnswer {
 impl Metrics {
     pub fn of(result: &RunResult, outputs: &Outputs) -> Self {
         let summary = &result.summary;
-        let level = |channel: &Channel| (summary.accuracy.level_errors.of(*channel), summary.accuracy.level_scatter.of(*channel));
+        let level = |channel: &Channel| {
+            (summary.accuracy.level_errors.of(*channel), summary.accuracy.level_scatter.of(*channel))
+        };
         let channels = summary
             .channels
             .iter()

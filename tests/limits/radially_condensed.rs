@@ -203,7 +203,7 @@ fn scenes_out_of_the_plane_are_refused() {
     let pushed = r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9, "axial_load_n": 10 }, "spindle": { "axial": "free" } }"#;
     assert_eq!(reason(pushed), Some("an axial load acts"));
     let words = RadiallyCondensed::new(&scene(pushed), &plain).unwrap_err().to_string();
-    assert_eq!(words, "the rung radially_condensed does not serve: an axial load acts");
+    assert_eq!(words, "rung radially_condensed is not applicable: an axial load acts");
     let free = r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 5000, "radial_load_y_n": 9 }, "spindle": { "axial": "free" } }"#;
     assert_eq!(reason(free), Some("the spindle moves along X"));
     let along_x = Outputs { series: vec![Channel::Spindle(Axis::X, Motion::Acceleration)], ..plain.clone() };

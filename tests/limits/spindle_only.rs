@@ -132,7 +132,7 @@ fn scenes_outside_the_spindle_only_model_are_rejected_with_a_reason() {
     let mut misaligned = scene.clone();
     misaligned.operation.misalignment = [1e-3, 0.0];
     let words = simulate(&misaligned, &base, &QUIET).unwrap_err().to_string();
-    assert_eq!(words, "the rung spindle_only does not serve: the spindle is misaligned");
+    assert_eq!(words, "rung spindle_only is not applicable: the spindle is misaligned");
     let mut unbalanced = scene.clone();
     unbalanced.spindle.unbalance = raceway::physics::spindle::Unbalance::Grade(6.3e-3);
     assert!(periodic::simulate(&unbalanced, &base, &QUIET).is_err());

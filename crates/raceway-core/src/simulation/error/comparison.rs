@@ -3,10 +3,10 @@
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{CentralMoments, mean, rms};
 use crate::physics::bearing::PerRaceway;
-use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
-use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::error::codes::Quantity;
+use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::error::thresholds::DETAIL_SHARE;
+use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
@@ -152,7 +152,10 @@ impl Deviation {
         let share = 10_f64.powf(tolerance_db / 20.0) - 1.0;
         let errors = self.quantities?;
         if outputs.contacts {
-            all.extend([(Quantity::MaxLoad, errors.max_load / share), (Quantity::Slip, errors.max_slip / DETAIL_SHARE)]);
+            all.extend([
+                (Quantity::MaxLoad, errors.max_load / share),
+                (Quantity::Slip, errors.max_slip / DETAIL_SHARE),
+            ]);
         }
         if outputs.cage {
             all.extend([
@@ -168,7 +171,6 @@ impl Deviation {
     pub fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
         self.of_allowed(outputs, tolerance_db)?.into_iter().map(|(_, excess)| excess).reduce(f64::max)
     }
-
 
     /// The requested numbers that deviate by more than is allowed.
     pub fn beyond(&self, outputs: &Outputs, tolerance_db: f64) -> Vec<Quantity> {
@@ -213,7 +215,6 @@ impl Deviation {
         });
         Self { quantities, ..*self }
     }
-
 
     /// Of two samples of a chaotic motion.
     pub fn of_samples(a: &Recording, b: &Recording) -> Self {

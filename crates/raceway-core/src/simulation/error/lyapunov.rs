@@ -78,7 +78,13 @@ pub(crate) type Pairs<'a> = (&'a [Vec<f64>], &'a [Vec<f64>]);
 
 /// How two motions part that started `disturbance` apart, in sizes of their signals, from what was recorded of them after a
 /// time to settle [s] at a rate [Hz]: of every `spacing` values the first few.
-pub(crate) fn of_signals(pairs: &[Pairs<'_>], spacing: usize, disturbance: f64, settle: f64, rate: f64) -> DivergenceEstimate {
+pub(crate) fn of_signals(
+    pairs: &[Pairs<'_>],
+    spacing: usize,
+    disturbance: f64,
+    settle: f64,
+    rate: f64,
+) -> DivergenceEstimate {
     let stretches = pairs.iter().map(|(one, other)| one.len().min(other.len())).min().unwrap_or(0);
     let length = |stretch: usize| {
         pairs.iter().map(|(one, other)| one[stretch].len().min(other[stretch].len())).min().unwrap_or(0)
@@ -107,7 +113,11 @@ pub(crate) fn of_signals(pairs: &[Pairs<'_>], spacing: usize, disturbance: f64, 
             let over = values as f64 / rate;
             DivergenceEstimate { rate: late.max((FOLDS + growth).max(FOLDS) / over), over, growth }
         }
-        _ => DivergenceEstimate { rate: late, over: values as f64 / rate, growth: late_mean(&logarithms) - disturbance.ln() },
+        _ => DivergenceEstimate {
+            rate: late,
+            over: values as f64 / rate,
+            growth: late_mean(&logarithms) - disturbance.ln(),
+        },
     }
 }
 

@@ -1,10 +1,10 @@
 //! How two runs of a scene are compared, and what that says of the error of each number. Knows no plan and no candidate.
 
 pub mod codes;
-pub mod thresholds;
-pub mod errors;
 pub mod comparison;
-pub mod stationarity;
-pub mod twin_system;
+pub mod errors;
 pub mod lyapunov;
 pub mod report;
+pub mod stationarity;
+pub mod thresholds;
+pub mod twin_system;

@@ -54,9 +54,7 @@ pub fn trends(recording: &Recording, later: Option<&LevelErrors>) -> Vec<(Channe
         let signal = recording.of(channel).filter(|signal| has_batches(signal))?;
         let change = trend(&in_parts(&signal.in_band().mean_squares, BATCHES))?;
         let deviation = later.and_then(|later| later.of(channel));
-        deviation
-            .is_none_or(|deviation| deviation > OSCILLATION_SHARE * change.abs())
-            .then_some((channel, change))
+        deviation.is_none_or(|deviation| deviation > OSCILLATION_SHARE * change.abs()).then_some((channel, change))
     };
     heard(recording).into_iter().filter_map(of).collect()
 }

@@ -23,7 +23,7 @@ impl<'a> Control<'a> {
     }
 
     /// Callbacks without live levels, for a run whose levels are not those of the result.
-    pub fn without_live(&self) -> Self {
+    pub(crate) fn without_live(&self) -> Self {
         Self { live: &|_| (), ..*self }
     }
 }

@@ -19,7 +19,7 @@ impl ModelLevel {
     /// All levels, the richest first.
     pub const ALL: [Self; 5] = [Self::Full, Self::Planar, Self::RadiallyCondensed, Self::SpindleOnly, Self::Periodic];
     /// Models that leave out more than identities allow and have an integrator of their own, the cheapest first.
-    pub const REDUCED: [Self; 3] = [Self::Periodic, Self::SpindleOnly, Self::RadiallyCondensed];
+    pub(crate) const REDUCED: [Self; 3] = [Self::Periodic, Self::SpindleOnly, Self::RadiallyCondensed];
 
     /// The name of the level in requests and results.
     pub fn name(self) -> &'static str {

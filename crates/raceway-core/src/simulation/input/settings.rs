@@ -18,12 +18,12 @@ pub struct Outputs {
 
 impl Outputs {
     /// Returns whether an output depends on the vibration levels of the spindle.
-    pub fn include_levels(&self) -> bool {
+    pub(crate) fn include_levels(&self) -> bool {
         self.vibration || self.spectra.iter().any(|channel| matches!(channel, Channel::Spindle(..)))
     }
 
     /// Returns whether any signal is kept. The data of plots are kept together with signals.
-    pub fn keep_signals(&self) -> bool {
+    pub(crate) fn keep_signals(&self) -> bool {
         !(self.spectra.is_empty() && self.series.is_empty())
     }
 }
@@ -50,7 +50,7 @@ pub struct RunSettings {
 
 impl RunSettings {
     /// The tightest relative tolerance that the run may choose [-].
-    pub fn tightest(&self) -> f64 {
+    pub(crate) fn tightest(&self) -> f64 {
         self.tightened.unwrap_or(self.relative_tolerance)
     }
 }

@@ -1,10 +1,10 @@
 //! A ball between both raceways in radial equilibrium, as one contact. The ball's radial motion (some 160 kHz) follows the
-//! approach of the raceways at once; what its inertia adds is of second order and stands in `outer_share`.
+//! approach of the raceways at once. The effect of its inertia is of second order, and `outer_share` gives it.
 //!
-//! Penetrations add up to the approach D, δ_i + δ_e = D, and K_e δ_e^1.5 = K_i δ_i^1.5 + F under a centrifugal force F. Without
-//! inner contact δ_e is δ₀ = (F/K_e)^⅔; inner contact begins at D = δ₀. With u = √(D − δ₀) and t = u/(u + c √δ₀), √δ_i/u and the
-//! outer contact's share of the approach over t are smooth functions of t alone on 0 … 1, from touch to plain Hertz contacts in
-//! series, whatever F: they depend on K_i/K_e only. Polynomials of them are made once a scene.
+//! The penetrations add up to the approach D: δ_i + δ_e = D. Under a centrifugal force F the loads obey K_e δ_e^1.5 = K_i δ_i^1.5 + F.
+//! Without inner contact δ_e is δ₀ = (F/K_e)^⅔; inner contact begins at D = δ₀. Let u = √(D − δ₀) and t = u/(u + c √δ₀). Then √δ_i/u
+//! and the outer contact's share of the approach over t are smooth functions of t alone on 0 … 1, from touch to plain Hertz contacts
+//! in series. They depend on K_i/K_e only, not on F. Polynomials approximate them, once a scene.
 
 use std::f64::consts::PI;
 
@@ -12,19 +12,20 @@ use crate::numerics::lanes::{Real, larger, side_by_side};
 use crate::numerics::roots::bracketed_root;
 use crate::physics::bearing::PerRaceway;
 
-/// Terms of the polynomial of √δ_i, and of that of the share, which only corrects.
+/// Terms of the polynomial of √δ_i.
 const ROOT_TERMS: usize = 15;
+/// Terms of the polynomial of the share, which enters small corrections only.
 const SHARE_TERMS: usize = 8;
-/// What the load of the polynomials errs by at most, as a share of it [-]; tested.
-pub const LOAD_ERROR: f64 = 2e-6;
+/// Largest relative error of the load from the polynomials [-]; tested.
+pub(crate) const LOAD_ERROR: f64 = 2e-6;
 /// The constant c of t: where the two ends of the law meet.
 const MIDDLE: f64 = 1.1;
-/// Outer penetration under the least centrifugal force that is told from none [m]: a nanonewton.
-const LEAST_TOUCH: f64 = 1e-13;
+/// Smallest outer penetration under a centrifugal force [m], that of a nanonewton; keeps quotients finite.
+const MIN_TOUCH: f64 = 1e-13;
 
 /// The polynomials.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct CondensedContact<T = f64> {
+pub(crate) struct CondensedContact<T = f64> {
     /// K [N/m^1.5], and 1/K of the outer contact.
     stiffness: PerRaceway<T>,
     per_outer: T,
@@ -37,7 +38,7 @@ side_by_side!(CondensedContact { stiffness, per_outer, root, share });
 
 /// The outer contact under the centrifugal force alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unloaded<T = f64> {
+pub(crate) struct Unloaded<T = f64> {
     /// F [N].
     pub force: T,
     /// δ₀ [m], the approach at which the inner raceway touches, and its root.
@@ -45,10 +46,10 @@ pub struct Unloaded<T = f64> {
     pub root: T,
 }
 
-/// What the pair of contacts does at an approach; all 0 where the inner raceway is free, but for the outer penetration, and for
-/// the inner share, which is 1 then.
+/// State of the pair of contacts at an approach. Without inner contact all entries are 0, except the outer penetration and the inner
+/// share of 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct CondensedLoad<T = f64> {
+pub(crate) struct CondensedLoad<T = f64> {
     /// Approach beyond that at which the inner raceway touches [m].
     pub pressed: T,
     /// Penetrations [m].
@@ -58,14 +59,14 @@ pub struct CondensedLoad<T = f64> {
     pub load: T,
     /// dQ_i/d(approach) = k_i k_e/(k_i + k_e) [N/m].
     pub stiffness: T,
-    /// Share of an approach that the inner contact takes, a_i = k_e/(k_i + k_e) [-].
+    /// Share of the inner contact in an approach, a_i = k_e/(k_i + k_e) [-].
     pub inner_share: T,
-    /// Share that the outer contact takes, a_e = 1 − a_i: how far the ball goes with the inner raceway [-].
+    /// Share of the outer contact, a_e = 1 − a_i, and thus of the ball's motion in that of the inner raceway [-].
     pub outer_share: T,
     /// ½ d(a_e²)/d(approach) [1/m].
     pub outer_share_slope: T,
-    /// a_i² Q_i + a_e² Q_e [N]: times χ and the rate of approach it is the damping force of two contacts Q (1 + χ δ̇) in
-    /// series, whose power is that of both.
+    /// a_i² Q_i + a_e² Q_e [N]. Times χ and the rate of approach it is the damping force of two contacts Q (1 + χ δ̇) in series; its
+    /// power equals that of both.
     pub damped_load: T,
 }
 
@@ -87,8 +88,8 @@ fn exact_share(ratio: f64, gamma: f64) -> f64 {
 }
 
 impl CondensedContact {
-    /// For Hertz contacts of stiffness K [N/m^1.5].
-    pub fn new(stiffness: PerRaceway<f64>) -> Self {
+    /// Contact pair of Hertz contacts of stiffness K [N/m^1.5].
+    pub(crate) fn new(stiffness: PerRaceway<f64>) -> Self {
         let ratio = stiffness.inner / stiffness.outer;
         let w = |t: f64| MIDDLE * t / (1.0 - t);
         Self {
@@ -99,19 +100,19 @@ impl CondensedContact {
         }
     }
 
-    /// The outer contact of a ball [kg] that orbits at a speed [rad/s] on a radius [m] (that of a ball which touches the outer
-    /// raceway without load); `weight`: what acts outwards besides [N].
-    pub fn unloaded(&self, mass: f64, radius: f64, orbit_speed: f64, weight: f64) -> Unloaded {
+    /// The outer contact of a ball [kg] that orbits at a speed [rad/s] on a radius [m], that of a ball which touches the outer
+    /// raceway without load. `weight`: further outward force [N].
+    pub(crate) fn unloaded(&self, mass: f64, radius: f64, orbit_speed: f64, weight: f64) -> Unloaded {
         let outer = self.stiffness.outer;
         let force = |penetration: f64| mass * orbit_speed * orbit_speed * (radius + penetration) + weight;
-        // Further turns take in that the orbit grows with the penetration, some 1e-4 to 1e-3 of it, to rounding.
-        let penetration = (0..8).fold(0.0, |touch: f64, _| (force(touch) / outer).cbrt().powi(2)).max(LEAST_TOUCH);
+        // Iterations include the growth of the orbit with the penetration, some 1e-4 to 1e-3 of it, to rounding.
+        let penetration = (0..8).fold(0.0, |touch: f64, _| (force(touch) / outer).cbrt().powi(2)).max(MIN_TOUCH);
         let root = penetration.sqrt();
         Unloaded { force: outer * penetration * root, penetration, root }
     }
 
-    /// The same in single precision.
-    pub fn single(&self) -> CondensedContact<f32> {
+    /// The contact pair in single precision.
+    pub(crate) fn single(&self) -> CondensedContact<f32> {
         CondensedContact {
             stiffness: self.stiffness.map(|stiffness| *stiffness as f32),
             per_outer: 1.0 / (self.stiffness.outer as f32),
@@ -122,19 +123,19 @@ impl CondensedContact {
 }
 
 impl<T: Real> CondensedContact<T> {
-    /// The same under a force [N] near that of a known root: ∛ by one step of Halley, to 5e-4 of itself where the forces are within
-    /// a third of each other, to 1e-6 within a thirtieth.
+    /// The outer contact under a force [N] near that of a known root: ∛ by one step of Halley's method. Its relative error is 5e-4 where
+    /// the forces agree within a third, and 1e-6 within a thirtieth.
     #[inline(always)]
-    pub fn unloaded_near(&self, root: T, force: T) -> Unloaded<T> {
+    pub(crate) fn unloaded_near(&self, root: T, force: T) -> Unloaded<T> {
         let (cube, known) = (force * self.per_outer, root * root * root);
         let root = root * (known + cube + cube) / (known + known + cube);
         Unloaded { force, penetration: root * root, root }
     }
 
-    /// The pair of contacts at an approach [m] (inner and outer penetration together; negative where there is play). No
-    /// branch, so that a loop over balls has none.
+    /// The pair of contacts at an approach [m], the sum of both penetrations, negative with clearance. The code has no branch, so that
+    /// a loop over balls has none.
     #[inline(always)]
-    pub fn load(&self, approach: T, free: &Unloaded<T>) -> CondensedLoad<T> {
+    pub(crate) fn load(&self, approach: T, free: &Unloaded<T>) -> CondensedLoad<T> {
         let pressed = larger(approach - free.penetration, T::of(0.0));
         let u = pressed.sqrt();
         let (one, half) = (T::of(1.0), T::of(0.5));
@@ -167,7 +168,7 @@ impl<T: Real> CondensedContact<T> {
     }
 }
 
-/// Value of a polynomial, coefficients by rising powers: in pairs, and pairs of these (Estrin), for it is waited for.
+/// Value of a polynomial, coefficients by rising powers, by Estrin's scheme of pairs, because the step waits for it.
 #[inline(always)]
 fn in_pairs<T: Real>(coefficients: &[T; ROOT_TERMS], x: T) -> T {
     let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o] = *coefficients;
@@ -178,8 +179,7 @@ fn in_pairs<T: Real>(coefficients: &[T; ROOT_TERMS], x: T) -> T {
     low + high * (fourth * fourth)
 }
 
-/// Value and slope, coefficients by rising powers. Four chains in powers of x⁴: Horner's one would have every term wait
-/// for the last.
+/// Value and slope, coefficients by rising powers. Four chains in powers of x⁴ shorten the dependency chain of Horner's scheme.
 #[inline(always)]
 fn polynomial<T: Real, const N: usize>(coefficients: &[T; N], x: T) -> (T, T) {
     let (square, chains) = (x * x, 4);
@@ -236,8 +236,8 @@ mod tests {
         CondensedContact::new(PerRaceway { inner: ratio * OUTER, outer: OUTER })
     }
 
-    /// Load to `LOAD_ERROR`, what only corrects to 2e-3, from touch to a hundred times the usual approach, at every orbit speed and for
-    /// raceways of like and of unlike stiffness.
+    /// Errors: load to `LOAD_ERROR`, corrections to 2e-3. Range: from touch to a hundred times the usual approach, at every orbit speed,
+    /// for raceways of equal and of different stiffness.
     #[test]
     fn the_fit_repeats_the_exact_solution_over_the_whole_range() {
         for ratio in [0.3, 0.8, 0.94, 1.0, 1.2, 3.0] {
@@ -298,7 +298,7 @@ mod tests {
         assert!((found / series - 1.0).abs() < 1e-6, "{found} {series}");
     }
 
-    /// Near a known root the cube root of another force is at hand.
+    /// Halley's step from a known root gives the cube root of a nearby force.
     #[test]
     fn nearby_forces_have_nearby_roots() {
         let contact = contact(0.94);

@@ -13,7 +13,7 @@ use crate::simulation::model::state::{BallState, SpindleState};
 use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
 
-/// Where spindle and balls rest.
+/// Static equilibrium of spindle and balls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
     /// Displacement of the spindle [m].
@@ -27,14 +27,15 @@ pub struct Equilibrium {
 /// Equilibrium of the raceways under the applied loads alone: no gravity, no centrifugal load, first ball under +Y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaticLoads {
-    /// From the centred position along the radial load, clearance included [m].
+    /// Displacement from the centred position along the radial load, clearance included [m].
     pub radial_displacement: f64,
-    /// Along the axial load [m]; 0 where the axial direction is held.
+    /// Displacement along the axial load [m]; 0 where the axial direction is held.
     pub axial_displacement: f64,
     /// Load of each ball on the inner raceway [N].
     pub ball_loads: Vec<f64>,
+    /// Largest load of a ball on the inner raceway [N].
     pub max_ball_load: f64,
-    /// Over both raceways [Pa].
+    /// Largest pressure on either raceway [Pa].
     pub max_pressure: f64,
 }
 
@@ -85,7 +86,7 @@ pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, Sim
     let raceway = &mechanism.raceway;
     for load in &rest.loads {
         let depth = raceway.inner.relative_depth(load.inner).max(raceway.outer.relative_depth(load.outer));
-        if depth > DEEPEST {
+        if depth > MAX_RELATIVE_DEPTH {
             let most = load.inner.max(load.outer);
             let reason = format!("{most:.1e} N press a ball into its raceways by {depth:.2} of its radius");
             return Err(SimulationError::NoEquilibrium(reason));
@@ -94,13 +95,13 @@ pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, Sim
     Ok(rest)
 }
 
-/// Penetration over the ball's radius from which on nothing is left of a bearing: soon after, balls are squeezed through.
-const DEEPEST: f64 = 0.5;
+/// Largest penetration over the ball's radius [-]: a little deeper, balls would pass through the raceways.
+const MAX_RELATIVE_DEPTH: f64 = 0.5;
 
-/// Most iterations of the minimiser; a loaded bearing needs ten to thirty.
-const ITERATIONS: usize = 2000;
-/// What applied load moves before anything touches [m]: of the size of clearances, for a longer step meets contacts far too deep
-/// and is taken back.
+/// Largest number of iterations of the minimiser; a loaded bearing needs ten to thirty.
+const MAX_ITERATIONS: usize = 2000;
+/// First step of the search under the applied load [m]: of the size of clearances, because a longer step would penetrate the contacts far
+/// too deep and be rejected.
 const FIRST_STEP: f64 = 1e-5;
 
 /// A damped Newton search (Levenberg–Marquardt) over [axial, radial] of each ball, then the free
@@ -115,7 +116,7 @@ struct Search<'a> {
     place: DVector<f64>,
 }
 
-/// One raceway contact of one ball, seen from the ball's meridian plane.
+/// One raceway contact of one ball, in the ball's meridian plane.
 struct Touch {
     load: f64,
     slope: f64,
@@ -189,7 +190,7 @@ impl<'a> Search<'a> {
         [m.load[0], m.load[1] + m.spindle_mass * m.gravity, m.load[2]]
     }
 
-    /// Radial force on a ball that no contact gives: weight and centrifugal force [N], and its slope [N/m].
+    /// Radial body force on a ball, weight and centrifugal force [N], and its slope [N/m].
     fn body_force(&self, ball: usize, radius: f64) -> (f64, f64) {
         let m = self.mechanism;
         let spring = m.ball_mass * self.orbit_speed * self.orbit_speed;
@@ -228,7 +229,7 @@ impl<'a> Search<'a> {
                 if touch.load == 0.0 {
                     continue;
                 }
-                // Entries of the unknowns that move this contact, and how they move it.
+                // Indices of the unknowns that move this contact, with their directions.
                 let spindle_towards = self.azimuths[ball].to_inertial(touch.towards);
                 let spindle_across = self.azimuths[ball].to_inertial(touch.across);
                 let mut entries = [(at, touch.towards[0], touch.across[0]); 5];
@@ -262,7 +263,7 @@ impl<'a> Search<'a> {
         let mut damping = scale / FIRST_STEP;
         let mut energy = self.energy(&self.place);
         let mut residual = f64::INFINITY;
-        for _ in 0..ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             let (gradient, hessian) = self.slopes(&self.place);
             residual = gradient.amax();
             if residual <= converged {
@@ -286,7 +287,7 @@ impl<'a> Search<'a> {
             }
             let next = &self.place + &step;
             let next_energy = self.energy(&next);
-            // Close to the minimum the energy no longer resolves the step: then the force decides.
+            // Close to the minimum the energy no longer resolves the step, and the force decides.
             let better = next_energy < energy || self.slopes(&next).0.amax() < residual;
             if better {
                 self.place = next;
@@ -299,7 +300,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        // Rounding of places near 1 m/kN-stiffness leaves at most this much.
+        // Rounding of places at a stiffness near 1 m/kN leaves at most this residual.
         if residual <= 1e-6 * scale + 1e-9 {
             return Ok(());
         }

@@ -1,45 +1,45 @@
-//! Why a run may fail.
+//! Errors of a run.
 
 use crate::numerics::ode::IntegrationError;
 use crate::simulation::model::state::Layout;
 use crate::simulation::model::terms::UnsupportedChoice;
 
-/// Evaluations of a run that count as endless: more than a day of one core.
-pub(crate) const MOST_EVALUATIONS: f64 = 3e10;
+/// Largest projected number of evaluations of a run: more than a day of one core.
+pub(crate) const MAX_EVALUATIONS: f64 = 3e10;
 
-/// Why a run failed.
+/// Cause of a failed run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// The scene cannot be given what the request chose.
     #[error(transparent)]
     UnsupportedChoice(#[from] UnsupportedChoice),
-    /// A reduced rung cannot represent the scene, or not this motion of it.
-    #[error("the rung {rung} does not serve: {reason}")]
+    /// A reduced model cannot represent the scene, or not this motion of it.
+    #[error("rung {rung} is not applicable: {reason}")]
     NotApplicable { rung: &'static str, reason: String },
     #[error("no static equilibrium was found to start from: {0}")]
     NoEquilibrium(String),
     #[error("{source} ({entry})")]
     Integration {
         source: IntegrationError,
-        /// The state component in words, such as "radial velocity of ball 3".
+        /// Name of the state component, such as "radial velocity of ball 3".
         entry: String,
     },
-    /// At the pace so far the run would never end.
+    /// At the present rate the run would take more evaluations than `MAX_EVALUATIONS`.
     #[error(
-        "given up at t = {time:.3e} s of {end} s: steps of {step:.1e} s in the mean would take some {evaluations:.0e} evaluations of \
-         the equations, more than {MOST_EVALUATIONS:.0e}"
+        "aborted at t = {time:.3e} s of {end} s: steps of {step:.1e} s on average would take some {evaluations:.0e} evaluations of \
+         the equations, more than {MAX_EVALUATIONS:.0e}"
     )]
     TooManyEvaluations { time: f64, end: f64, step: f64, evaluations: f64 },
-    /// `Control::stop` asked for it.
+    /// `Control::stop` returned true.
     #[error("stopped at t = {time:.9} s")]
     Stopped { time: f64 },
-    /// It took more evaluations of the equations than it may.
+    /// The run took more evaluations of the equations than allowed.
     #[error("stopped at t = {time:.9} s after {evaluations} evaluations of the equations")]
     EvaluationLimit { time: f64, evaluations: u64 },
 }
 
 impl SimulationError {
-    /// The same with a cause that is known.
+    /// This error with a known cause.
     pub(crate) fn because(self, cause: Option<String>) -> Self {
         match (self, cause) {
             (Self::Integration { source, entry }, Some(cause)) => {
@@ -49,6 +49,7 @@ impl SimulationError {
         }
     }
 
+    /// Error of an integrator, with the name of the state component.
     pub(crate) fn integration(source: IntegrationError, layout: &Layout) -> Self {
         let component = match source {
             IntegrationError::Stopped { time } => return Self::Stopped { time },

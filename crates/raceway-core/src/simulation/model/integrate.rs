@@ -1,33 +1,34 @@
-//! From one time to another by one method, and why that may fail.
+//! Integration of the dynamics from one time to another by one method.
 
 use crate::numerics::ode::stability::{self, StabilityWatch};
 use crate::numerics::ode::{Choice, Integrator, Method, Statistics};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::model::failure::MOST_EVALUATIONS;
+use crate::simulation::model::failure::MAX_EVALUATIONS;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::system::Model;
 
-/// Evaluations before that is judged, so that a rough start is forgiven.
-const PACE: u64 = 2_000_000;
-/// Steps between two looks at `Control`.
+/// Evaluations before the total number is projected, so that a rough start does not count.
+const MIN_EVALUATIONS_FOR_PROJECTION: u64 = 2_000_000;
+/// Steps between two polls of `Control`.
 pub(crate) const STEPS_PER_LOOK: u64 = 256;
-/// Evaluations between two looks at `Control`: a step of an implicit method takes many.
-const EVALUATIONS_PER_LOOK: u64 = 6 * STEPS_PER_LOOK;
+/// Evaluations between two polls of `Control`: a step of an implicit method takes many.
+const EVALUATIONS_PER_POLL: u64 = 6 * STEPS_PER_LOOK;
 
-/// By which method, and how finely.
+/// Method and accuracy of an integration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stepping {
     pub method: Method,
     pub relative_tolerance: f64,
-    /// [s]
+    /// Step without error control [s].
     pub fixed_step: Option<f64>,
-    /// Evaluations of the equations it may take; `None`: as many as it likes.
+    /// Largest number of evaluations of the equations; `None`: unlimited.
     pub most_evaluations: Option<u64>,
 }
 
 impl Stepping {
-    pub fn of(settings: &RunSettings) -> Self {
+    /// Method and accuracy that the settings of a run request.
+    pub(crate) fn of(settings: &RunSettings) -> Self {
         Self {
             method: settings.method,
             relative_tolerance: settings.relative_tolerance,
@@ -37,26 +38,26 @@ impl Stepping {
     }
 }
 
-/// From where to where, what to remember on the way, and which share of the progress that is.
+/// Time span of an integration, its checkpoint and its share of the progress.
 pub(crate) struct Span {
     pub start: f64,
     pub end: f64,
-    /// The state at this time is kept.
+    /// Time at which the state is stored [s].
     pub checkpoint: f64,
     /// Progress at its start and at its end.
     pub share: (f64, f64),
 }
 
-/// What an integration leaves behind.
+/// Outcome of an integration.
 pub(crate) struct Integrated {
     pub statistics: Statistics,
-    /// What ran at the end.
+    /// Integrator at the end.
     pub choice: Choice,
     /// State at the checkpoint.
     pub checkpoint: Vec<f64>,
     /// State at the end.
     pub end: Vec<f64>,
-    /// In words, where a fixed step lies beyond the limit of stability.
+    /// Warning where a fixed step lies beyond the limit of stability.
     pub unstable: Option<String>,
 }
 
@@ -66,8 +67,8 @@ pub(crate) fn stops(model: &Model, from: f64, to: f64) -> Vec<f64> {
     kinks.chain([to]).collect()
 }
 
-/// Integrates a span, showing the integrator to `after_step` after each step. Steps end exactly where
-/// the speed profile has a kink, and the method starts afresh there.
+/// Integrates a span and passes the integrator to `after_step` after each step. Steps end exactly where the speed profile has a
+/// kink, and the method starts again there.
 pub(crate) fn integrate(
     model: &Model,
     start: &[f64],
@@ -85,7 +86,7 @@ pub(crate) fn integrate(
     if model.mechanism().speed.kinks().any(|kink| kink == span.start) {
         integrator.restart();
     }
-    let mut next_look = EVALUATIONS_PER_LOOK;
+    let mut next_poll = EVALUATIONS_PER_POLL;
     for stop in stops {
         while integrator.time() < stop {
             if let Err(source) = integrator.step(stop) {
@@ -103,8 +104,8 @@ pub(crate) fn integrate(
                 watch.look(seen);
             }
             let evaluations = integrator.statistics().rhs_evaluations;
-            if evaluations >= next_look {
-                next_look = evaluations + EVALUATIONS_PER_LOOK;
+            if evaluations >= next_poll {
+                next_poll = evaluations + EVALUATIONS_PER_POLL;
                 let time = integrator.time();
                 if (control.stop)() {
                     return Err(SimulationError::Stopped { time });
@@ -113,7 +114,7 @@ pub(crate) fn integrate(
                     return Err(SimulationError::EvaluationLimit { time, evaluations });
                 }
                 let done = (integrator.time() - span.start) / (span.end - span.start);
-                endless(&integrator.statistics(), done, span)?;
+                check_projected_evaluations(&integrator.statistics(), done, span)?;
                 (control.progress)(span.share.0 + done * (span.share.1 - span.share.0));
             }
         }
@@ -130,11 +131,11 @@ pub(crate) fn integrate(
     })
 }
 
-/// Refuses to go on where the pace so far would take forever. Counts and no clock: the same run ends alike everywhere.
-/// `done`: the finished share of the span.
-fn endless(work: &Statistics, done: f64, span: &Span) -> Result<(), SimulationError> {
+/// Aborts a run whose projected number of evaluations is too large. The projection counts evaluations instead of time, so that the same
+/// run ends alike on every machine. `done`: the finished share of the span.
+fn check_projected_evaluations(work: &Statistics, done: f64, span: &Span) -> Result<(), SimulationError> {
     let evaluations = work.rhs_evaluations as f64 / done;
-    if work.rhs_evaluations < PACE || evaluations <= MOST_EVALUATIONS {
+    if work.rhs_evaluations < MIN_EVALUATIONS_FOR_PROJECTION || evaluations <= MAX_EVALUATIONS {
         return Ok(());
     }
     let time = span.start + done * (span.end - span.start);
@@ -147,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_run_that_would_take_forever_is_given_up_in_words() {
+    fn a_run_with_too_many_projected_evaluations_is_aborted() {
         let span = Span { start: 0.0, end: 0.1, checkpoint: 0.0, share: (0.0, 1.0) };
         let work = |evaluations: u64| Statistics {
             steps: evaluations / 6,
@@ -155,11 +156,11 @@ mod tests {
             advanced: 1e-9,
             ..Statistics::default()
         };
-        assert_eq!(endless(&work(1_000_000), 1e-8, &span), Ok(()));
-        assert_eq!(endless(&work(3_000_000), 1e-3, &span), Ok(()));
-        let words = endless(&work(3_000_000), 1e-8, &span).unwrap_err().to_string();
-        assert!(words.contains("given up at t = 1.000e-9 s of 0.1 s") && words.contains("3e14 evaluations"), "{words}");
-        // Not even a number that says how far it is.
-        assert!(endless(&work(3_000_000), 0.0, &span).is_err());
+        assert_eq!(check_projected_evaluations(&work(1_000_000), 1e-8, &span), Ok(()));
+        assert_eq!(check_projected_evaluations(&work(3_000_000), 1e-3, &span), Ok(()));
+        let words = check_projected_evaluations(&work(3_000_000), 1e-8, &span).unwrap_err().to_string();
+        assert!(words.contains("aborted at t = 1.000e-9 s of 0.1 s") && words.contains("3e14 evaluations"), "{words}");
+        // No progress at all is an error, too.
+        assert!(check_projected_evaluations(&work(3_000_000), 0.0, &span).is_err());
     }
 }

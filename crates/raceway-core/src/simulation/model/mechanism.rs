@@ -1,4 +1,4 @@
-//! What stays the same during a run: constants of bodies and contacts.
+//! Constants of bodies and contacts during a run.
 
 use crate::numerics::lanes::LANES;
 use crate::physics::bearing::PerRaceway;
@@ -17,21 +17,21 @@ use crate::simulation::model::fading_damping::FadingDamping;
 use crate::simulation::model::state::Layout;
 use crate::simulation::model::terms::ActiveTerms;
 
-/// What stays the same during a run: constants of bodies and contacts.
+/// Constants of bodies and contacts during a run, in SI units.
 #[derive(Debug, Clone)]
 pub struct Mechanism {
     pub layout: Layout,
     pub speed: SpeedProfile,
     /// Orbit speed of ideal balls over spindle speed.
     pub orbit_ratio: f64,
-    /// Spin ω_x of ideal balls in space (that in the orbit frame, and the orbit's own) over spindle speed.
+    /// Spin ω_x of ideal balls in space over spindle speed: the spin in the orbit frame plus the orbit speed.
     pub spin_ratio: f64,
     pub pitch_radius: f64,
-    /// Azimuths at which balls and pockets start; beyond the last ball, its own again, up to whole lanes.
-    pub start: StartAzimuths,
+    /// Start azimuths of balls and pockets, padded to whole lanes by that of the last ball.
+    pub(crate) start: StartAzimuths,
     pub ball_mass: f64,
     pub ball_inertia: f64,
-    /// [m]
+    /// Radius of a ball [m].
     pub ball_radius: f64,
     pub raceway: PerRaceway<RacewayContact>,
     pub pocket: Pocket,
@@ -48,15 +48,15 @@ pub struct Mechanism {
     pub load: Vector,
     /// Mass times eccentricity [kg m].
     pub unbalance: f64,
-    /// [m/s²]
+    /// Acceleration of gravity along +Y [m/s²].
     pub gravity: f64,
-    /// While a start settles; no part of the scene.
-    pub damping: Option<FadingDamping>,
+    /// Damping of the start-up phase, which is no part of the scene.
+    pub(crate) damping: Option<FadingDamping>,
 }
 
-/// Azimuths by column.
+/// Start azimuths by column.
 #[derive(Debug, Clone)]
-pub struct StartAzimuths {
+pub(crate) struct StartAzimuths {
     /// [rad]
     pub angle: Vec<f64>,
     pub cosine: Vec<f64>,
@@ -68,8 +68,8 @@ impl StartAzimuths {
         Self::of((0..balls.next_multiple_of(LANES)).map(|ball| start_azimuth(ball.min(balls - 1), balls)).collect())
     }
 
-    /// All of them further round by an angle [rad].
-    pub fn turned(&self, by: f64) -> Self {
+    /// The azimuths, turned by an angle [rad].
+    pub(crate) fn turned(&self, by: f64) -> Self {
         Self::of(self.angle.iter().map(|angle| angle + by).collect())
     }
 
@@ -80,17 +80,17 @@ impl StartAzimuths {
 }
 
 impl Mechanism {
-    /// Whether contacts lean: the spindle moves along X, is held off its centre there, or is tilted.
-    pub fn has_axial_motion_or_tilt(&self) -> bool {
+    /// Returns whether contact angles differ from 0: the spindle moves along X, is offset there, or is tilted.
+    pub(crate) fn has_axial_motion_or_tilt(&self) -> bool {
         self.layout.axial_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
     }
 
-    /// Speed at which balls go round where the shaft turns steadily and they roll [rad/s].
-    pub fn steady_orbit_speed(&self) -> Option<f64> {
+    /// Orbit speed of ideally rolling balls at constant shaft speed [rad/s]; `None` where the speed changes.
+    pub(crate) fn steady_orbit_speed(&self) -> Option<f64> {
         self.speed.is_constant().then(|| self.orbit_ratio * self.speed.at(0.0).1)
     }
 
-    /// The constants of a scene with what it needs.
+    /// The constants of a scene with its active terms.
     pub fn new(scene: &Scene, needs: &ActiveTerms) -> Self {
         let bearing = &scene.bearing;
         let operating_speed = scene.operating_speed();

@@ -28,7 +28,7 @@ pub struct BallState<T = f64> {
 side_by_side!(BallState { axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, spin });
 
 impl<T: Copy + Default> BallState<T> {
-    /// In the order of the state; of the planar ones, the first five.
+    /// Entries in the order of the state; planar states use the first five.
     #[inline(always)]
     pub fn entries(&self, planar: bool) -> [T; 9] {
         let Self { axial, radial, arc, axial_velocity, radial_velocity, arc_velocity, spin: [x, r, t] } = *self;
@@ -40,9 +40,9 @@ impl<T: Copy + Default> BallState<T> {
         }
     }
 
-    /// From entries in that order.
+    /// State from entries in that order.
     #[inline(always)]
-    pub fn from_entries(entries: [T; 9], planar: bool) -> Self {
+    pub(crate) fn from_entries(entries: [T; 9], planar: bool) -> Self {
         if planar {
             let [radial, arc, radial_velocity, arc_velocity, spin, ..] = entries;
             let none = T::default();
@@ -65,7 +65,7 @@ impl<T: Copy + Default> BallState<T> {
 impl BallState {
     /// `a · self + b · other`.
     #[inline(always)]
-    pub fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
+    pub(crate) fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
         let both = |one: f64, other: f64| a * one + b * other;
         Self {
             axial: both(self.axial, other.axial),
@@ -98,7 +98,7 @@ pub struct CageState {
 impl CageState {
     /// `a · self + b · other`.
     #[inline(always)]
-    pub fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
+    pub(crate) fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
         let both = |one: f64, other: f64| a * one + b * other;
         Self {
             centre: std::array::from_fn(|i| both(self.centre[i], other.centre[i])),
@@ -118,7 +118,7 @@ pub struct SpindleState {
     pub velocity: Vector,
 }
 
-/// Which entries a state has.
+/// Layout of a state: its bodies and their degrees of freedom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     pub balls: usize,
@@ -129,22 +129,22 @@ pub struct Layout {
     pub axial_spindle: bool,
 }
 
-/// Sizes of deviations at which errors begin to matter: a state may err by the relative tolerance times these.
+/// Natural sizes of the entries: the allowed error of a state is the relative tolerance times these.
 mod size {
     /// [m]
-    pub const POSITION: f64 = 1e-6;
+    pub(crate) const POSITION: f64 = 1e-6;
     /// [m]
-    pub const ARC: f64 = 1e-5;
+    pub(crate) const ARC: f64 = 1e-5;
     /// [m/s]
-    pub const VELOCITY: f64 = 1e-2;
+    pub(crate) const VELOCITY: f64 = 1e-2;
     /// [m/s]
-    pub const ARC_VELOCITY: f64 = 1e-1;
+    pub(crate) const ARC_VELOCITY: f64 = 1e-1;
     /// [rad/s]
-    pub const SPIN: f64 = 100.0;
+    pub(crate) const SPIN: f64 = 100.0;
     /// [rad]
-    pub const TILT: f64 = 1e-4;
+    pub(crate) const TILT: f64 = 1e-4;
     /// [rad/s]
-    pub const TILT_RATE: f64 = 10.0;
+    pub(crate) const TILT_RATE: f64 = 10.0;
 }
 
 const BALL_NAMES: [(&str, f64); 9] = [
@@ -184,17 +184,17 @@ const SPINDLE_NAMES: [(&str, f64); 6] = [
 ];
 const RADIAL_SPINDLE: [usize; 4] = [1, 2, 4, 5];
 
-/// Most entries that cage and spindle have.
-pub const MAX_BORDER: usize = 18;
+/// Largest number of entries of cage and spindle.
+pub(crate) const MAX_BORDER: usize = 18;
 
 impl Layout {
-    /// Entries of a ball.
-    pub fn ball_size(&self) -> usize {
+    /// Number of entries of a ball.
+    pub(crate) fn ball_size(&self) -> usize {
         if self.planar { 5 } else { 9 }
     }
 
-    /// Entries of the cage.
-    pub fn cage_size(&self) -> usize {
+    /// Number of entries of the cage.
+    pub(crate) fn cage_size(&self) -> usize {
         match (self.cage, self.planar) {
             (false, _) => 0,
             (true, true) => 6,
@@ -206,8 +206,8 @@ impl Layout {
         if self.axial_spindle { 6 } else { 4 }
     }
 
-    /// Cage and spindle alone.
-    pub fn without_balls(self) -> Self {
+    /// Layout of cage and spindle alone.
+    pub(crate) fn without_balls(self) -> Self {
         Self { balls: 0, ..self }
     }
 
@@ -220,8 +220,8 @@ impl Layout {
         entries
     }
 
-    /// Entries of cage and spindle.
-    pub fn border_size(&self) -> usize {
+    /// Number of entries of cage and spindle.
+    pub(crate) fn border_size(&self) -> usize {
         self.cage_size() + self.spindle_size()
     }
 
@@ -243,9 +243,9 @@ impl Layout {
         y[ball * size..][..size].copy_from_slice(&s.entries(self.planar)[..size]);
     }
 
-    /// Balls from `first` on, side by side; beyond the last one, the last one again.
+    /// Balls from `first` on, side by side; lanes beyond the last ball repeat it.
     #[inline(always)]
-    pub fn side_by_side<const PLANAR: bool>(&self, y: &[f64], first: usize) -> BallState<Lanes> {
+    pub(crate) fn side_by_side<const PLANAR: bool>(&self, y: &[f64], first: usize) -> BallState<Lanes> {
         let layout = Self { planar: PLANAR, ..*self };
         let mut states = BallState::default();
         for lane in 0..LANES {
@@ -254,9 +254,9 @@ impl Layout {
         states
     }
 
-    /// Puts the balls back into their places; what stands beyond the last one is dropped.
+    /// Writes balls back into the state; lanes beyond the last ball are dropped.
     #[inline(always)]
-    pub fn set_side_by_side<const PLANAR: bool>(&self, y: &mut [f64], first: usize, s: &BallState<Lanes>) {
+    pub(crate) fn set_side_by_side<const PLANAR: bool>(&self, y: &mut [f64], first: usize, s: &BallState<Lanes>) {
         let size = Self { planar: PLANAR, ..*self }.ball_size();
         let balls = y[first * size..self.balls * size].chunks_exact_mut(size);
         for (lane, ball) in balls.take(LANES).enumerate() {
@@ -264,7 +264,7 @@ impl Layout {
         }
     }
 
-    /// At rest in its place where the layout has no cage.
+    /// State of the cage; at rest in its place where the layout has no cage.
     #[inline(always)]
     pub fn cage(&self, y: &[f64]) -> CageState {
         let at = self.balls * self.ball_size();
@@ -325,8 +325,8 @@ impl Layout {
         }
     }
 
-    /// Balls as blocks, cage and spindle as border. The cage's angles count as pairs with their velocities: what its
-    /// tilt adds to their rates is of second order.
+    /// Structure of the Jacobian: balls as blocks, cage and spindle as border. The cage's angles form pairs with their velocities,
+    /// because the effect of its tilt on their rates is of second order.
     pub fn structure(&self) -> Structure {
         let pairs = |at: usize, count: usize| (0..count).map(move |i| (at + i, at + count + i));
         let half_cage = self.cage_size() / 2;
@@ -356,18 +356,18 @@ impl Layout {
             .chain(spindle.into_iter().map(|(name, size)| (format!("{name} of the spindle"), size)))
     }
 
-    /// An entry in words, such as "radial velocity of ball 3"; of several states side by side, too.
+    /// Name of an entry, such as "radial velocity of ball 3"; entries of several concatenated states repeat the names.
     pub fn name(&self, entry: usize) -> String {
         self.entries().nth(entry % self.dimension()).map_or_else(|| format!("entry {entry}"), |(name, _)| name)
     }
 
-    /// Sizes of the entries at which deviations begin to matter.
+    /// Natural sizes of the entries.
     pub fn sizes(&self) -> Vec<f64> {
         self.entries().map(|(_, size)| size).collect()
     }
 
-    /// Tolerances per step: the relative tolerance times the larger of an entry and its size, except that arcs
-    /// and spins, which drift with the cage, are judged by their size alone.
+    /// Tolerances of a step: the relative tolerance times the larger of an entry and its size. Arcs and spins drift with the cage, and
+    /// therefore use their size alone.
     pub fn tolerances(&self, relative: f64) -> Tolerances {
         let sizes = self.sizes();
         let drifting = |size: f64| size == size::ARC || size == size::SPIN || size == size::ARC_VELOCITY;
@@ -395,7 +395,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read_and_named() {
+    fn written_states_are_read_back_and_named() {
         for (planar, axial_spindle, dimension) in [(false, false, 79), (false, true, 81), (true, false, 45)] {
             let layout = Layout { balls: 7, planar, cage: true, axial_spindle };
             assert_eq!(layout.dimension(), dimension);

@@ -6,7 +6,7 @@ use crate::physics::frames::Vector;
 
 /// Loads, slip and rolling speeds of a ball at the end of a step.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct StepLoads<T = f64> {
+pub(crate) struct StepLoads<T = f64> {
     /// Normal loads of the raceways [N].
     pub load: PerRaceway<T>,
     /// Normal load of the pocket [N].
@@ -25,22 +25,22 @@ const COLUMNS: usize = 11;
 
 /// Loads of all balls and the acceleration of the spindle, packed into one row of numbers for the integrator interface.
 #[derive(Debug, Clone, Copy)]
-pub struct PackedStepLoads<'a>(pub &'a [f64]);
+pub(crate) struct PackedStepLoads<'a>(pub &'a [f64]);
 
 impl PackedStepLoads<'_> {
     /// Length of the row for a number of groups of balls.
-    pub fn numbers(groups: usize) -> usize {
+    pub(crate) fn numbers(groups: usize) -> usize {
         3 + groups * COLUMNS * LANES
     }
 
     /// Acceleration of the spindle [m/s²].
-    pub fn acceleration(&self) -> Vector {
+    pub(crate) fn acceleration(&self) -> Vector {
         [self.0[0], self.0[1], self.0[2]]
     }
 
     /// Loads of a ball.
     #[inline]
-    pub fn of(&self, ball: usize) -> StepLoads {
+    pub(crate) fn of(&self, ball: usize) -> StepLoads {
         let first = 3 + ball / LANES * COLUMNS * LANES + ball % LANES;
         let row = &self.0[first..=first + (COLUMNS - 1) * LANES];
         let [inner, outer, pocket, slip_i, slip_e, sine_i, cosine_i, sine_e, cosine_e, rolling_i, rolling_e] =
@@ -58,7 +58,7 @@ impl PackedStepLoads<'_> {
 impl StepLoads<Lanes> {
     /// Writes a group of balls into its place of the row.
     #[inline(always)]
-    pub fn put_into(&self, numbers: &mut [f64], group: usize) {
+    pub(crate) fn put_into(&self, numbers: &mut [f64], group: usize) {
         let Self { load, pocket, slip_square, angle, rolling_speed } = self;
         let columns: [&Lanes; COLUMNS] = [
             &load.inner,

@@ -4,11 +4,11 @@ use crate::numerics::interpolation::Interpolator;
 use crate::numerics::spectrum::Decimator;
 use crate::simulation::recording::sampling::{RATE, SPINDLE_IN_PLANE};
 
-/// Steps to a value beyond which the full dynamics are no slower.
-pub const MOST_STEPS: usize = 64;
+/// Largest number of steps per recorded value: with more, the full dynamics are no slower.
+pub(crate) const MAX_STEPS_PER_VALUE: usize = 64;
 
-/// How long a step is: so many steps take as long as so many intervals of the kept values, 1/102 400 s. Either there is one interval,
-/// or there are fewer steps than intervals.
+/// Length of a step as a ratio: `steps` steps take as long as `values` intervals of recorded values, 1/102 400 s each. Either there is
+/// one interval, or there are fewer steps than intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepRatio {
     pub steps: usize,
@@ -20,7 +20,7 @@ impl StepRatio {
     pub const LONG: [Self; 6] =
         [Self::over(2, 5), Self::over(4, 9), Self::over(1, 2), Self::over(4, 7), Self::over(2, 3), Self::over(4, 5)];
 
-    /// That many steps to a value: 9.8 µs, 4.9 µs, …
+    /// A number of steps per recorded value: 9.8 µs, 4.9 µs, …
     pub const fn of_steps(steps: usize) -> Self {
         Self::over(steps, 1)
     }
@@ -31,23 +31,23 @@ impl StepRatio {
 
     /// The longest step not longer than this [s].
     pub fn of(longest: f64) -> Self {
-        // A hair's breadth: the step of a ratio, taken for the longest one, is that ratio.
+        // The margin covers rounding, so that the step of a ratio gives that ratio.
         let longest = longest * (1.0 + 1e-9);
         let finer = || Self::of_steps((1.0 / (RATE * longest)).ceil().max(1.0) as usize);
         Self::LONG.into_iter().find(|ratio| ratio.step() <= longest).unwrap_or_else(finer)
     }
 
-    /// [s]
+    /// Length of a step [s].
     pub fn step(self) -> f64 {
         self.values as f64 / (RATE * self.steps as f64)
     }
 
-    /// Whether kept values lie between steps.
-    pub fn is_long(self) -> bool {
+    /// Returns whether a step is longer than the interval of recorded values, so that values lie between steps.
+    pub(crate) fn is_long(self) -> bool {
         self.values > 1
     }
 
-    /// Steps by which the spindle's signals are known later than others.
+    /// Delay of the spindle's signals by filter or interpolation, in steps.
     pub(crate) fn delay(self) -> usize {
         if self.is_long() {
             Interpolator::<{ SPINDLE_IN_PLANE.len() }>::DELAY

@@ -1,4 +1,4 @@
-//! How stiff a model is: the fastest rate of its equations, which limits the step of an explicit method.
+//! Stiffness of a model: the fastest rate of its equations, which limits the step of an explicit method.
 
 use crate::numerics::ode::OdeSystem;
 use crate::simulation::model::failure::SimulationError;
@@ -6,18 +6,18 @@ use crate::simulation::model::system::Model;
 
 /// The dominant mode of a linearised system.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FastestMode {
+pub(crate) struct FastestMode {
     /// Magnitude of the eigenvalue [1/s].
     pub rate: f64,
-    /// It decays rather than oscillates.
+    /// Whether the mode decays rather than oscillates.
     pub decays: bool,
 }
 
-/// Power iterations; the start vector is rich in all modes, so that few suffice for an estimate.
+/// Number of power iterations; the start vector contains all modes, so that few suffice for an estimate.
 const ITERATIONS: usize = 40;
-/// Iterations at the end whose growth is averaged, because a pair of complex modes makes it beat.
+/// Number of last iterations whose growth is averaged, because a pair of complex modes makes the growth beat.
 const AVERAGED: usize = 20;
-/// Size of the displacement that stands in for a derivative, in sizes of the state's entries.
+/// Displacement of the difference quotient, in sizes of the state's entries [-].
 const DISPLACEMENT: f64 = 1e-3;
 /// Longest step of Dormand–Prince times the rate of a mode that decays, and of one that oscillates.
 const STABLE_DECAY: f64 = 3.3;
@@ -25,14 +25,14 @@ const STABLE_OSCILLATION: f64 = 1.0;
 
 impl FastestMode {
     /// Longest stable step of the explicit method [s].
-    pub fn stable_step(&self) -> f64 {
+    pub(crate) fn stable_step(&self) -> f64 {
         (if self.decays { STABLE_DECAY } else { STABLE_OSCILLATION }) / self.rate
     }
 }
 
-/// The fastest mode at the start of a run, looked at with the cage centred and with it displaced far enough for its
+/// The fastest mode at the start of a run: the faster of that with a centred cage and that with a cage displaced far enough for its
 /// pockets to act.
-pub fn fastest_mode(model: &Model, start: &[f64]) -> Result<FastestMode, SimulationError> {
+pub(crate) fn fastest_mode(model: &Model, start: &[f64]) -> Result<FastestMode, SimulationError> {
     let layout = model.mechanism().layout;
     let mut displaced = start.to_vec();
     let mut cage = layout.cage(start);
@@ -48,7 +48,7 @@ fn dominant_mode(system: &impl OdeSystem, state: &[f64], sizes: &[f64]) -> Faste
     let n = state.len();
     let (mut base, mut moved, mut rate) = (vec![0.0; n], state.to_vec(), vec![0.0; n]);
     system.derivative(0.0, state, &mut base);
-    // Any vector without symmetry will do.
+    // Any vector without symmetry suffices.
     let mut direction: Vec<f64> = (0..n).map(|i| 1.0 + (i as f64 * 0.7).sin()).collect();
     let (mut growth, mut projection, mut averaged) = (0.0, 0.0, 0.0);
     for iteration in 0..ITERATIONS {

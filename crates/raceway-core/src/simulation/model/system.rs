@@ -10,7 +10,7 @@ use crate::simulation::model::fading_damping::FadingDamping;
 use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::terms::ActiveTerms;
 
-/// The equations of motion of a scene: any rung.
+/// The equations of motion of a scene, full or planar.
 #[derive(Debug, Clone)]
 pub enum Model {
     Full(Full),
@@ -18,12 +18,12 @@ pub enum Model {
 }
 
 impl Model {
-    /// The rung that `needs` chose.
+    /// The model of a scene, at the level of its active terms.
     pub fn new(scene: &Scene, needs: &ActiveTerms) -> Self {
         let mechanism = Mechanism::new(scene, needs);
         match needs.rung {
             ModelLevel::Full => Self::Full(Full::new(mechanism)),
-            // Reduced rungs have models of their own; what they leave of the dynamics is planar.
+            // Reduced levels have models of their own. Where one needs the dynamics as well, these are planar.
             _ => Self::Planar(Planar::new(mechanism)),
         }
     }
@@ -35,8 +35,8 @@ impl Model {
         }
     }
 
-    /// The same under damping that fades.
-    pub fn damped(&self, damping: FadingDamping) -> Self {
+    /// The model with additional damping that fades.
+    pub(crate) fn damped(&self, damping: FadingDamping) -> Self {
         let mechanism = Mechanism { damping: Some(damping), ..self.mechanism().clone() };
         match self {
             Self::Full(_) => Self::Full(Full::new(mechanism)),
@@ -44,7 +44,7 @@ impl Model {
         }
     }
 
-    /// As `OdeSystem::derivative`, showing each load to `watch` on the way.
+    /// Writes `dy/dt` as `OdeSystem::derivative` does, and passes each load to `watch`.
     pub fn derivative_watched(&self, time: f64, state: &[f64], derivative: &mut [f64], watch: &mut impl Watch) {
         match self {
             Self::Full(model) => model.evaluate(time, state, derivative, Some(watch)),
@@ -52,7 +52,7 @@ impl Model {
         }
     }
 
-    /// The same model with other instructions of the same processor; its rates are the same to the bit.
+    /// The model with other vector instructions of the same processor; its rates have the same bits.
     pub fn with_instructions(self, instructions: InstructionSet) -> Self {
         match self {
             Self::Full(model) => Self::Full(model.with_instructions(instructions)),

@@ -1,5 +1,5 @@
-//! What a scene needs: which terms and degrees of freedom are in its equations, and why the others are not.
-//! Decided once per run; what is left out is not tested for in the step.
+//! Terms and degrees of freedom in the equations of a scene, and the reasons against all others. They are decided once per run; a step
+//! does not test for omitted terms.
 
 use crate::physics::cage::PocketFilm;
 use crate::physics::contact::traction::TractionLaw;
@@ -11,14 +11,14 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
 
-/// Why a term may be left out.
+/// Justification of an omitted term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Justification {
-    /// The result is the same.
+    /// The result does not change.
     Identity,
     /// The effect is bounded for this scene.
     Judgement,
-    /// By a named convention, or because the request switched it off.
+    /// A named convention, or a choice of the request.
     Convention,
 }
 
@@ -29,11 +29,11 @@ pub struct LeftOut {
     pub term: &'static str,
     pub reason: String,
     pub by: Justification,
-    /// Size of the effect, with its unit.
+    /// Bound of the effect, with its unit.
     pub bound: Option<(f64, &'static str)>,
 }
 
-/// What the model of a scene contains.
+/// Terms and degrees of freedom in the model of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ActiveTerms {
     pub rung: ModelLevel,
@@ -52,7 +52,7 @@ pub struct ActiveTerms {
     pub left_out: Vec<LeftOut>,
 }
 
-/// A choice of the request that this scene cannot be given.
+/// A choice of the request that does not fit the scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnsupportedChoice {
     #[error("rung {rung} cannot represent this scene or its outputs: {reason}", rung = .rung.name())]
@@ -61,15 +61,15 @@ pub enum UnsupportedChoice {
     Term { term: Term, choice: &'static str, reason: &'static str },
 }
 
-/// Points across the groove at which the traction of a contact is evaluated. Six Gauss points integrate a gentle law more closely
-/// than nine equal strips; a law that saturates within less slip than conformity spreads over the ellipse needs strips.
+/// Gauss points of a contact ellipse across the groove: six integrate the traction of a gentle law more accurately than nine equal strips.
 const GAUSS_POINTS: usize = 6;
+/// Strips for a steep law, which saturates within less slip than conformity spreads over the ellipse.
 const STRIPS_OF_STEEP_LAWS: usize = 17;
-/// A law is steep when it saturates within this slip speed [m/s].
+/// Largest saturation slip of a steep law [m/s].
 const STEEP_SLIP: f64 = 0.02;
 
 impl ActiveTerms {
-    /// Decides for a scene, the asked-for outputs and, when given, a rung asked for by name.
+    /// The active terms of a scene with its outputs, at a requested model level or at the one that the scene needs.
     pub fn of(scene: &Scene, outputs: &Outputs, rung: Option<ModelLevel>) -> Result<Self, UnsupportedChoice> {
         let mut decision = Decision { scene, left_out: Vec::new() };
         refuse_unbuilt(scene)?;
@@ -125,7 +125,7 @@ impl ActiveTerms {
     }
 }
 
-/// Terms that no rung of this version does without.
+/// Refuses a request to omit terms that every model contains.
 fn refuse_unbuilt(scene: &Scene) -> Result<(), UnsupportedChoice> {
     for term in [Term::BallRadialDynamics, Term::BallSpinDynamics] {
         if scene.terms.get(term) == TermChoice::Off {
@@ -152,7 +152,7 @@ fn is_steep(law: &TractionLaw) -> bool {
     saturates_within < STEEP_SLIP
 }
 
-/// A decision in the making.
+/// Decision over all terms, with the omitted ones so far.
 struct Decision<'a> {
     scene: &'a Scene,
     left_out: Vec<LeftOut>,
@@ -164,8 +164,8 @@ impl Decision<'_> {
         false
     }
 
-    /// Whether a term is in: switched off by the request, absent by identity (even when asked for: it would
-    /// add nothing), or in by default.
+    /// Returns whether a term is active. A term without effect is omitted by identity even where the request asks for it. Otherwise the
+    /// request decides, then the default.
     fn keep(&mut self, term: Term, default: bool, absent: impl FnOnce() -> Option<String>) -> bool {
         if let Some(reason) = absent() {
             return self.leave_out(term, Justification::Identity, reason);
@@ -181,7 +181,7 @@ impl Decision<'_> {
         self.leave_out(term, Justification::Convention, format!("switched off by the request (terms.{})", term.name()))
     }
 
-    /// Whether the spindle moves along X.
+    /// Returns whether the spindle moves along X.
     fn axial(&mut self) -> Result<bool, UnsupportedChoice> {
         let free = self.scene.spindle.axial == AxialHold::Free;
         let unmet = |choice, reason| Err(UnsupportedChoice::Term { term: Term::Axial, choice, reason });
@@ -201,7 +201,7 @@ impl Decision<'_> {
         }
     }
 
-    /// The rung: planar where nothing can leave the plane, or where the request says so.
+    /// Model level: planar where nothing can leave the plane, or where the request chooses it.
     fn rung(
         &mut self,
         asked: Option<ModelLevel>,
@@ -315,7 +315,7 @@ impl Decision<'_> {
         })
     }
 
-    /// Film thickness as an output; forces that need it evaluate it by themselves.
+    /// Film thickness as an output. Forces that depend on it evaluate it independently.
     fn film_thickness(&mut self, outputs: &Outputs) -> bool {
         let viscous = self.scene.lubricant.viscosity > 0.0 && self.scene.lubricant.kind != LubricantKind::Dry;
         self.keep(Term::FilmThickness, true, || {

@@ -20,7 +20,7 @@ pub struct BallLoadCourse {
 
 /// Recorder that keeps the loads of the first ball at a fixed number of recorded values.
 #[derive(Debug, Clone)]
-pub struct BallLoadRecorder {
+pub(crate) struct BallLoadRecorder {
     every: usize,
     offered: usize,
     loads: BallLoadCourse,
@@ -29,13 +29,13 @@ pub struct BallLoadRecorder {
 impl BallLoadRecorder {
     /// Recorder for the first window of a run with that many recorded values. A steady run, whose balls orbit at `orbit_speed`
     /// [rad/s], keeps the first turns only.
-    pub fn new(values: usize, orbit_speed: Option<f64>) -> Self {
+    pub(crate) fn new(values: usize, orbit_speed: Option<f64>) -> Self {
         let window = values_in_turns(values.min(RATE as usize), BALL_TURNS, orbit_speed);
         Self { every: window.div_ceil(MAX_PLACES).max(1), offered: 0, loads: BallLoadCourse::default() }
     }
 
     /// Offers a recorded value: azimuth [rad], inner and outer load [N].
-    pub fn offer(&mut self, at: impl FnOnce() -> (f64, f64, f64)) {
+    pub(crate) fn offer(&mut self, at: impl FnOnce() -> (f64, f64, f64)) {
         if self.offered.is_multiple_of(self.every) && self.loads.azimuth.len() < MAX_PLACES {
             let (azimuth, inner, outer) = at();
             self.loads.azimuth.push(azimuth.rem_euclid(std::f64::consts::TAU));
@@ -45,7 +45,7 @@ impl BallLoadRecorder {
         self.offered += 1;
     }
 
-    pub fn finish(self) -> BallLoadCourse {
+    pub(crate) fn finish(self) -> BallLoadCourse {
         self.loads
     }
 }

@@ -1,6 +1,6 @@
 //! The recording of a motion: sampled signals, their windows and spectra, extremes, data of plots. Knows no model and no error.
 
-pub mod load_course;
+pub(crate) mod load_course;
 pub mod plot_data;
 pub mod record;
 pub mod sampling;

@@ -4,8 +4,8 @@ use crate::numerics::parallel::both;
 use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::settings::Outputs;
-use crate::simulation::recording::sampling::{ACCELERATIONS, PART, RATE};
 use crate::simulation::recording::load_course::BallLoadCourse;
+use crate::simulation::recording::sampling::{ACCELERATIONS, PART, RATE};
 use crate::simulation::recording::windows::{Signal, Whirl};
 
 /// Extremes of the contacts of all balls on one raceway [SI].
@@ -75,7 +75,7 @@ impl Recording {
 
     /// Computes levels and spectra of the spindle's signals on two cores, which takes as long as a short run. Runs that keep no signals
     /// belong to a study and run in parallel already. They compute on request.
-    pub fn evaluate(&self, outputs: &Outputs) {
+    pub(crate) fn evaluate(&self, outputs: &Outputs) {
         let one = |signal: &Signal| {
             if outputs.vibration {
                 signal.in_band();
@@ -119,7 +119,7 @@ impl Recording {
     }
 
     /// Variance of a signal before any filter.
-    pub fn total_variance(&self, channel: Channel) -> f64 {
+    pub(crate) fn total_variance(&self, channel: Channel) -> f64 {
         let before = self.total_variance.iter().find(|(of, _)| *of == channel);
         let unfiltered = || self.of(channel).map_or(0.0, |signal| signal.all().rms().powi(2));
         before.map_or_else(unfiltered, |(_, variance)| *variance)

@@ -34,12 +34,12 @@ pub(crate) const SPINDLE_IN_PLANE: [Channel; 6] = [
 ];
 
 /// Number of recorded values of a channel over a duration [s]; at least one.
-pub fn kept_values(duration: f64) -> usize {
+pub(crate) fn kept_values(duration: f64) -> usize {
     ((duration * RATE).round() as usize).max(1)
 }
 
 /// Channels other than the spindle's that the outputs need, recorded without a filter; `cage`: whether the model has a cage.
-pub fn picked_channels(outputs: &Outputs, cage: bool) -> Vec<Channel> {
+pub(crate) fn picked_channels(outputs: &Outputs, cage: bool) -> Vec<Channel> {
     let orbit = [Channel::CageDisplacement(Axis::Y), Channel::CageDisplacement(Axis::Z)];
     let mut picked: Vec<Channel> = if outputs.cage && cage { orbit.to_vec() } else { Vec::new() };
     for &channel in outputs.spectra.iter().chain(&outputs.series) {

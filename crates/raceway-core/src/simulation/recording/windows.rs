@@ -53,7 +53,7 @@ impl Windows {
 
 /// Statistics of a signal in the band of levels, window by window.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct InBand {
+pub(crate) struct InBand {
     pub moments: CentralMoments,
     /// Largest magnitude before the band limit.
     pub largest: f64,
@@ -63,7 +63,7 @@ pub struct InBand {
 
 impl InBand {
     /// Statistics of a run of one window.
-    pub fn of(signal: &[f64]) -> Self {
+    pub(crate) fn of(signal: &[f64]) -> Self {
         Self::within(signal, 0)
     }
 
@@ -130,7 +130,7 @@ impl Signal {
     }
 
     /// Values of the first window.
-    pub fn first_window(&self) -> &[f64] {
+    pub(crate) fn first_window(&self) -> &[f64] {
         self.first.as_deref().or_else(|| self.values()).unwrap_or_default()
     }
 
@@ -140,7 +140,7 @@ impl Signal {
     }
 
     /// Statistics in the band of levels, for the spindle's motion.
-    pub fn in_band(&self) -> &InBand {
+    pub(crate) fn in_band(&self) -> &InBand {
         self.in_band.get_or_init(|| self.values().map(InBand::of).unwrap_or_default())
     }
 
@@ -212,7 +212,7 @@ impl Whirl {
 
 /// Recorder of several channels that are sampled at the same times.
 #[derive(Debug, Clone)]
-pub struct Recorder {
+pub(crate) struct Recorder {
     windows: Windows,
     /// Number of values to record.
     values: usize,
@@ -226,7 +226,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    pub fn new(channels: impl IntoIterator<Item = Channel>, outputs: &Outputs, values: usize) -> Self {
+    pub(crate) fn new(channels: impl IntoIterator<Item = Channel>, outputs: &Outputs, values: usize) -> Self {
         Self {
             windows: Windows::of(values),
             values,
@@ -238,7 +238,7 @@ impl Recorder {
     }
 
     /// rms of the spindle's accelerations in y and z over the current window [m/s²]; `None` while it is empty.
-    pub fn accelerations(&self) -> Option<[f64; 2]> {
+    pub(crate) fn accelerations(&self) -> Option<[f64; 2]> {
         let of = |channel: Channel| {
             let window = &self.signals.iter().find(|signal| signal.channel == channel)?.window;
             (!window.is_empty()).then(|| CentralMoments::of(window).rms())
@@ -248,12 +248,12 @@ impl Recorder {
     }
 
     /// Records one value of each channel; values after the last are ignored.
-    pub fn push(&mut self, frame: &[f64]) {
+    pub(crate) fn push(&mut self, frame: &[f64]) {
         self.take(1, |_, channel| frame[channel]);
     }
 
     /// Records several values of each channel, frame after frame.
-    pub fn extend<const N: usize>(&mut self, frames: &[[f64; N]]) {
+    pub(crate) fn extend<const N: usize>(&mut self, frames: &[[f64; N]]) {
         self.take(frames.len(), |place, channel| frames[place][channel]);
     }
 
@@ -300,7 +300,7 @@ impl Recorder {
     }
 
     /// The signals, and the whirl of the cage's centre over several windows.
-    pub fn finish(mut self) -> (Vec<Signal>, Option<Whirl>) {
+    pub(crate) fn finish(mut self) -> (Vec<Signal>, Option<Whirl>) {
         if self.done < self.windows.count {
             self.reduce();
         }

@@ -53,7 +53,7 @@ const HIGHEST_CAGE_ORDER: f64 = 20.0;
 
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
 /// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.05 %.
-pub fn find_lines(spectrum: &Spectrum, frequencies: &CharacteristicFrequencies, highest: f64) -> Vec<Line> {
+pub(crate) fn find_lines(spectrum: &Spectrum, frequencies: &CharacteristicFrequencies, highest: f64) -> Vec<Line> {
     let amplitude = &spectrum.amplitude;
     // The bins at 0 and 1 hold slow drift, and the last ones have no neighbours.
     let end = amplitude.len().saturating_sub(LOBE);

@@ -5,8 +5,8 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
 use crate::simulation::error::codes::{NotEligible, Rejection};
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::channel::{Channel, Motion};
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
@@ -114,7 +114,7 @@ pub struct Summary {
 }
 
 /// Reference of the acceleration level, equation (15) [m/s²].
-pub const REFERENCE_ACCELERATION: f64 = 9.81e-3;
+pub(crate) const REFERENCE_ACCELERATION: f64 = 9.81e-3;
 /// Unit of a level in full, for headings.
 pub const LEVEL_UNIT: &str = "dB re 9.81 mm/s²";
 

@@ -166,10 +166,12 @@ fn with_scatter(
     }
     let trends = if report.is_chaotic() { Vec::new() } else { trends(recording, windows.later.as_ref()) };
     let of_trend = LevelErrors::each(|channel| Some(trends.iter().find(|(of, _)| *of == channel)?.1.abs()));
-    let notable = LevelErrors::each(|channel| windows.scatter.of(channel).filter(|scatter| *scatter > NOTABLE_CHANGE_DB));
+    let notable =
+        LevelErrors::each(|channel| windows.scatter.of(channel).filter(|scatter| *scatter > NOTABLE_CHANGE_DB));
     let is_uneven = notable.worst().is_some();
     report.level_errors = report.level_errors.raised_to(of_trend).raised_to(notable);
-    if let (true, Some(errors), Some(halves)) = (is_uneven, report.quantity_errors, halves_deviation(&recording.parts)) {
+    if let (true, Some(errors), Some(halves)) = (is_uneven, report.quantity_errors, halves_deviation(&recording.parts))
+    {
         report.quantity_errors = Some(errors.larger(&halves));
     }
     // Large errors are worded once, by what is stated in the end.

@@ -12,9 +12,9 @@ use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{STEPS_PER_LOOK, Span, Stepping, integrate};
 use crate::simulation::model::observer::Observer;
 use crate::simulation::model::radially_condensed::{self, RadiallyCondensed};
-use crate::simulation::model::{periodic, spindle_only};
 use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
+use crate::simulation::model::{periodic, spindle_only};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::solve::eligibility::{active_terms, window_times};
 use crate::simulation::solve::plan::{Candidate, CandidateSteps};
@@ -187,17 +187,7 @@ fn reduced(
         _ => (RadiallyCondensed::new(scene, &settings.outputs)?.states(), Method::SemiImplicit.name()),
     };
     let step_deviation = trial.map(|(_, deviation)| deviation);
-    Ok(Attempt {
-        recording,
-        work,
-        states,
-        strips,
-        method,
-        tolerance: None,
-        step,
-        step_deviation,
-        trajectory: None,
-    })
+    Ok(Attempt { recording, work, states, strips, method, tolerance: None, step, step_deviation, trajectory: None })
 }
 
 /// Records a run of a reduced model.

@@ -13,8 +13,8 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::radially_condensed;
+use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut, UnsupportedChoice};
 use crate::simulation::model::{periodic, spindle_only};
-use crate::simulation::model::terms::{Justification, LeftOut, ActiveTerms, UnsupportedChoice};
 
 /// Terms whose dynamics no reduced model has.
 const DYNAMICS: [Term; 3] = [Term::BallRadialDynamics, Term::BallSpinDynamics, Term::CageTilt];
@@ -59,14 +59,23 @@ impl Eligibility {
 }
 
 /// Terms of the equations on a selected level, or on the dynamics that the scene needs.
-pub fn active_terms(scene: &Scene, outputs: &Outputs, level: Option<ModelLevel>) -> Result<ActiveTerms, UnsupportedChoice> {
+pub fn active_terms(
+    scene: &Scene,
+    outputs: &Outputs,
+    level: Option<ModelLevel>,
+) -> Result<ActiveTerms, UnsupportedChoice> {
     let Some(level) = level.filter(|level| level.is_reduced()) else {
         if level == Some(ModelLevel::Full) && scene.terms.get(Term::CageTilt) == TermChoice::Off {
-            return Err(UnsupportedChoice::ModelLevel { rung: ModelLevel::Full, reason: "terms.cage_tilt is off".into() });
+            return Err(UnsupportedChoice::ModelLevel {
+                rung: ModelLevel::Full,
+                reason: "terms.cage_tilt is off".into(),
+            });
         }
         return ActiveTerms::of(scene, outputs, level);
     };
-    if let Some(reason) = cannot_represent(level, scene, &ActiveTerms::of(scene, outputs, Some(ModelLevel::Full))?, outputs) {
+    if let Some(reason) =
+        cannot_represent(level, scene, &ActiveTerms::of(scene, outputs, Some(ModelLevel::Full))?, outputs)
+    {
         return Err(UnsupportedChoice::ModelLevel { rung: level, reason });
     }
     let mut terms = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;

@@ -33,7 +33,11 @@ pub(crate) enum Verdict {
     /// The attempt before it is the result.
     AcceptPrevious(AccuracyReport),
     /// `refined`: to be tried next. `report`: what the attempt would state.
-    Reject { cause: Cause, refined: Option<Candidate>, report: Option<AccuracyReport> },
+    Reject {
+        cause: Cause,
+        refined: Option<Candidate>,
+        report: Option<AccuracyReport>,
+    },
 }
 
 /// How far the search has come.
@@ -352,10 +356,8 @@ fn dynamics_report(attempt: &Attempt, verification: &Verification, settings: &Ru
         let part = verification.part.clone();
         part.map(|(window, cause)| Warning::PartlyVerified { window, cause })
     });
-    let short = (kept_values(settings.duration) < MIN_VALUES).then(|| Warning::RecordTooShort {
-        recorded: settings.duration,
-        required: MIN_VALUES as f64 / RATE,
-    });
+    let short = (kept_values(settings.duration) < MIN_VALUES)
+        .then(|| Warning::RecordTooShort { recorded: settings.duration, required: MIN_VALUES as f64 / RATE });
     report.warnings = match failed.or(short) {
         Some(warning) => vec![warning],
         None => large_errors(&report, cause, &settings.outputs),
@@ -404,8 +406,7 @@ fn sufficient(
     let within = |excess: Option<f64>| is_clear && excess.is_some_and(|excess| excess <= 1.0);
     let scatter = scatter(recording);
     let beside_scatter = || {
-        let over =
-            |channel| allowed_db / allowed_db.max(HIDDEN_SHARE * scatter.of(channel).unwrap_or(0.0));
+        let over = |channel| allowed_db / allowed_db.max(HIDDEN_SHARE * scatter.of(channel).unwrap_or(0.0));
         let level_errors = LevelErrors::each(|channel| Some(report.level_errors.of(channel)? * over(channel)));
         AccuracyReport { level_errors, ..report.clone() }.excess(outputs, allowed_db)
     };
@@ -416,8 +417,6 @@ fn sufficient(
     let ratio = report.level_errors.zip(&scatter, |error, scatter| error / scatter.max(allowed_db));
     let is_sample = verification.is_whole && verification.noise > INDEPENDENT_NOISE && !report.is_chaotic();
     let only_uncertain = report.warnings.iter().all(|warning| matches!(warning, Warning::Uncertain { .. }));
-    (is_sample && only_uncertain && ratio.worst()? <= 1.0).then(|| AccuracyReport {
-        warnings: large_errors(report, Uncertainty::Sensitive, outputs),
-        ..report.clone()
-    })
+    (is_sample && only_uncertain && ratio.worst()? <= 1.0)
+        .then(|| AccuracyReport { warnings: large_errors(report, Uncertainty::Sensitive, outputs), ..report.clone() })
 }

@@ -29,11 +29,7 @@ const LOOSER_EVALUATIONS: u64 = 50;
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from wall times.
 ///
 /// The first candidate of the plan whose verification holds becomes the result. A rejection may insert a refined candidate.
-pub fn simulate(
-    scene: &Scene,
-    settings: &RunSettings,
-    control: &Control<'_>,
-) -> Result<RunResult, SimulationError> {
+pub fn simulate(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
     let begin = Instant::now();
     let furthest = Cell::new(0.0);
     let report_progress = |share: f64| {
@@ -61,14 +57,10 @@ pub fn simulate(
                 continue;
             }
         };
-        let verification = control.part((middle, to), |control| {
-            verify(&candidate, &attempt, search.previous.as_ref(), &problem, control)
-        })?;
-        let progress = Progress {
-            refinements: search.refinements,
-            is_last: plan.is_empty(),
-            previous: search.previous.as_ref(),
-        };
+        let verification = control
+            .part((middle, to), |control| verify(&candidate, &attempt, search.previous.as_ref(), &problem, control))?;
+        let progress =
+            Progress { refinements: search.refinements, is_last: plan.is_empty(), previous: search.previous.as_ref() };
         match judge(&candidate, &attempt, &verification, &problem, &progress) {
             Verdict::Accept(report) => search.fallback = Some((candidate, attempt, report)),
             Verdict::AcceptPrevious(report) => {
@@ -141,9 +133,8 @@ impl Search {
     ) {
         self.rejections.push(rejection(&candidate, cause));
         self.refinements = if refined.is_some() { self.refinements + 1 } else { 0 };
-        let is_compared = |refined: &Candidate| {
-            matches!(refined.reference, Reference::LooserRun | Reference::IndependentSample)
-        };
+        let is_compared =
+            |refined: &Candidate| matches!(refined.reference, Reference::LooserRun | Reference::IndependentSample);
         if refined.as_ref().is_some_and(|refined| refined.reference == Reference::LooserRun) {
             // A run that is refined against the noise of its steps is not run at a looser tolerance again.
             plan.clear();

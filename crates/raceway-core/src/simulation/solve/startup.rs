@@ -111,14 +111,19 @@ pub fn decay_rate(scene: &Scene) -> Option<f64> {
 /// speed, where waiting would leave out what is asked for.
 pub fn settling_time(scene: &Scene) -> Option<f64> {
     let rest = StaticSupport::of(scene).filter(|rest| rest.decay > 0.0 && scene.operation.speed.is_constant())?;
-    let of_cage = if rest.has_axial_motion_or_tilt && rest.all_carry && !rest.has_one_attractor() { CAGE_SETTLE_S } else { 0.0 };
+    let of_cage =
+        if rest.has_axial_motion_or_tilt && rest.all_carry && !rest.has_one_attractor() { CAGE_SETTLE_S } else { 0.0 };
     Some((SETTLED_EFOLDS / rest.decay).clamp(of_cage, MAX_SETTLE_S))
 }
 
 /// Time in which balls and cage settle [s], however long the spindle rings.
 pub fn turning_time(scene: &Scene) -> f64 {
     let turn = kinematics::ideal_frequencies(&scene.bearing, scene.operating_speed()).cage;
-    if turn > 0.0 { (SETTLE_CAGE_TURNS / turn).clamp(CAGE_SETTLE_RANGE_S[0], CAGE_SETTLE_RANGE_S[1]) } else { CAGE_SETTLE_RANGE_S[0] }
+    if turn > 0.0 {
+        (SETTLE_CAGE_TURNS / turn).clamp(CAGE_SETTLE_RANGE_S[0], CAGE_SETTLE_RANGE_S[1])
+    } else {
+        CAGE_SETTLE_RANGE_S[0]
+    }
 }
 
 /// What of settling the attempts at a run share.

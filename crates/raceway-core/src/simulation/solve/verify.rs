@@ -121,9 +121,7 @@ pub(crate) fn verify(
 }
 
 /// A result, or why there is none: a run is not lost because its verification fails. Only a stop is passed on.
-pub(crate) fn or_failure<T>(
-    result: Result<T, SimulationError>,
-) -> Result<Result<T, SimulationError>, SimulationError> {
+pub(crate) fn or_failure<T>(result: Result<T, SimulationError>) -> Result<Result<T, SimulationError>, SimulationError> {
     match result {
         Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
         result => Ok(result),
@@ -355,7 +353,10 @@ fn slow_motion(window: &Recording, recording: &Recording, scene: &Scene) -> Opti
     let slipped = (recording.cage_speed - window.cage_speed).abs() / window.cage_speed.max(f64::MIN_POSITIVE);
     let p = &scene.bearing.parameters;
     let spacing = 0.5 * std::f64::consts::TAU * p.pitch_diameter / p.ball_count as f64;
-    let drift = window.largest_pocket_offset.zip(recording.largest_pocket_offset).map_or(0.0, |(before, after)| (after - before) / spacing);
+    let drift = window
+        .largest_pocket_offset
+        .zip(recording.largest_pocket_offset)
+        .map_or(0.0, |(before, after)| (after - before) / spacing);
     if slipped > CAGE_SPEED_CHANGE {
         Some(Gap::CageSpeedChanged(slipped))
     } else {

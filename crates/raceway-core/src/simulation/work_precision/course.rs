@@ -21,7 +21,7 @@ pub(super) const SETTLED: f64 = 0.05;
 const WARM_UP: f64 = 0.05;
 
 /// Time span, initial state and observed outputs of the runs.
-pub struct Course<'m> {
+pub(crate) struct Course<'m> {
     model: &'m Model,
     needs: &'m ActiveTerms,
     pub settings: RunSettings,
@@ -88,7 +88,7 @@ const SKIPPED: usize = 100;
 impl<'m> Course<'m> {
     /// Simulates the scene from a state at rest until it has settled, by the method and tolerance of `settings`. Runs begin
     /// a little before the recorded time, so that the filters have a past.
-    pub fn settled(
+    pub(crate) fn settled(
         model: &'m Model,
         needs: &'m ActiveTerms,
         settings: &RunSettings,
@@ -109,22 +109,22 @@ impl<'m> Course<'m> {
     }
 
     /// Time from the common start to the end of the recorded time [s].
-    pub fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.grid_step * self.grid_count as f64
     }
 
     /// Number of entries of a state.
-    pub fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.model.dimension()
     }
 
     /// Sizes of the entries at which deviations begin to matter.
-    pub fn sizes(&self) -> Vec<f64> {
+    pub(crate) fn sizes(&self) -> Vec<f64> {
         self.model.mechanism().layout.sizes()
     }
 
     /// Runs once; the progress goes through `share`.
-    pub fn run(
+    pub(crate) fn run(
         &self,
         stepping: &Stepping,
         share: (f64, f64),
@@ -146,7 +146,7 @@ impl<'m> Course<'m> {
 
     /// Runs `repetitions` times after a short untimed run. Returns the duration of each and the outcome of the first. A failure is
     /// not repeated. Fails only when the caller stops it.
-    pub fn timed(
+    pub(crate) fn timed(
         &self,
         stepping: &Stepping,
         repetitions: u32,

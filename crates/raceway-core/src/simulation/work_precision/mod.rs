@@ -16,4 +16,4 @@ mod study;
 pub use course::Taken;
 pub use errors::{Errors, LEAST_SCALE, MOST_GROWN, TrajectoryError};
 pub use report::{Measured, Plan, Point, Reference, WorkPrecision};
-pub use study::{ABOVE_OWN_ERROR, EVALUATIONS_OVER_REFERENCE, REFERENCES, SETTLING, level_floor, study};
+pub use study::{ABOVE_OWN_ERROR, SETTLING, level_floor, study};

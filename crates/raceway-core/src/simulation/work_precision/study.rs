@@ -7,9 +7,9 @@ use super::errors::{Comparison, largest};
 use super::report::{Measured, Plan, Point, Reference, WorkPrecision};
 use crate::numerics::ode::Method;
 use crate::physics::spindle::AxialHold;
-use crate::simulation::error::stationarity;
 use crate::simulation::error::lyapunov;
 use crate::simulation::error::lyapunov::MotionKind;
+use crate::simulation::error::stationarity;
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::scene::Scene;
@@ -23,12 +23,12 @@ use crate::simulation::solve::eligibility::active_terms;
 
 /// Candidates for the reference, best first. The first that finishes is the reference; its difference from the next that finishes
 /// is its error. Another method comes before another tolerance, because it shares no fault with the reference.
-pub const REFERENCES: [(Method, f64); 4] =
+pub(crate) const REFERENCES: [(Method, f64); 4] =
     [(Method::Radau, 1e-11), (Method::DormandPrince, 1e-11), (Method::Radau, 1e-10), (Method::DormandPrince, 1e-10)];
 /// Method and tolerance of the settling: any common state suffices.
 pub const SETTLING: (Method, f64) = (Method::Auto, 1e-6);
 /// Largest number of evaluations of a run over those of the cheaper reference [-].
-pub const EVALUATIONS_OVER_REFERENCE: u64 = 20;
+pub(crate) const EVALUATIONS_OVER_REFERENCE: u64 = 20;
 /// Largest number of evaluations of the first reference for each simulated second [1/s], at least `MIN_EVALUATIONS`.
 const EVALUATIONS_PER_SECOND: f64 = 5e9;
 const MIN_EVALUATIONS: u64 = 10_000_000;

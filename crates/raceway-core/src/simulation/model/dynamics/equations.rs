@@ -82,7 +82,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     /// Writes `dy/dt` and passes each load to `watch`.
-    pub fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: Option<&mut (dyn Watch + '_)>) {
+    pub(crate) fn evaluate(&self, time: f64, y: &[f64], dy: &mut [f64], watch: Option<&mut (dyn Watch + '_)>) {
         self.instructions.run(Evaluation { dynamics: self, time, y, dy, watch });
     }
 

@@ -5,7 +5,7 @@ use crate::physics::frames::{Vector, add, subtract};
 
 /// Force and moment on a ball, in its orbit frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Wrench<T = f64> {
+pub(crate) struct Wrench<T = f64> {
     pub force: Vector<T>,
     pub moment: Vector<T>,
 }
@@ -14,20 +14,20 @@ side_by_side!(Wrench { force, moment });
 impl Wrench {
     /// The sum.
     #[inline(always)]
-    pub fn and(self, other: Self) -> Self {
+    pub(crate) fn and(self, other: Self) -> Self {
         Self { force: add(self.force, other.force), moment: add(self.moment, other.moment) }
     }
 
     /// The difference.
     #[inline(always)]
-    pub fn less(self, other: &Self) -> Self {
+    pub(crate) fn less(self, other: &Self) -> Self {
         Self { force: subtract(self.force, other.force), moment: subtract(self.moment, other.moment) }
     }
 }
 
 /// Forces and moments that one ball exerts, or all of them together.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Reaction<T = f64> {
+pub(crate) struct Reaction<T = f64> {
     /// Force on the spindle, inertial frame [N].
     pub spindle: Vector<T>,
     /// Force on the cage, in its tilted frame [N].
@@ -40,7 +40,7 @@ side_by_side!(Reaction { spindle, cage_force, cage_moment });
 impl Reaction {
     /// The difference.
     #[inline(always)]
-    pub fn less(&self, other: &Self) -> Self {
+    pub(crate) fn less(&self, other: &Self) -> Self {
         Self {
             spindle: subtract(self.spindle, other.spindle),
             cage_force: subtract(self.cage_force, other.cage_force),

@@ -13,5 +13,4 @@ mod semi_implicit;
 mod watch;
 
 pub use equations::{Dynamics, Full, Planar};
-pub use forces::{Reaction, Wrench};
 pub use watch::Watch;

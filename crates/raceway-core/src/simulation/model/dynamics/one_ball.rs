@@ -28,7 +28,7 @@ pub(super) struct OneBall {
 
 impl OneBall {
     #[inline(always)]
-    pub fn motion(&self, start: f64, state: &BallState, (angle, speed, _): Shaft) -> BallMotion {
+    pub(super) fn motion(&self, start: f64, state: &BallState, (angle, speed, _): Shaft) -> BallMotion {
         let per_radius = 1.0 / self.pitch_radius;
         let azimuth = start + self.orbit_ratio * angle + state.arc * per_radius;
         let radius = self.pitch_radius + state.radial;
@@ -46,7 +46,7 @@ impl OneBall {
 
     /// Motion relative to the outer raceway.
     #[inline(always)]
-    pub fn over_outer(&self, motion: &BallMotion) -> RelativeMotion {
+    pub(crate) fn over_outer(&self, motion: &BallMotion) -> RelativeMotion {
         RelativeMotion {
             axial: motion.axial,
             radius: motion.radius,
@@ -60,7 +60,7 @@ impl OneBall {
 
     /// Motion relative to the inner raceway, and the frame of its components.
     #[inline(always)]
-    pub fn over_inner<F: ContactFrame>(
+    pub(crate) fn over_inner<F: ContactFrame>(
         &self,
         motion: &BallMotion,
         spindle: &SpindleState,
@@ -88,7 +88,7 @@ impl OneBall {
     /// Motion relative to the pocket that starts at an azimuth, and the ball's place from the cage's centre of mass in the cage's
     /// tilted frame.
     #[inline(always)]
-    pub fn in_pocket(&self, motion: &BallMotion, cage: &CagePose, start: Azimuth) -> (PocketMotion, Vector) {
+    pub(crate) fn in_pocket(&self, motion: &BallMotion, cage: &CagePose, start: Azimuth) -> (PocketMotion, Vector) {
         let CageMotion { centre, velocity, tilt, spin } = cage.motion;
         let azimuth = motion.azimuth;
         let place = tilt.to_tilted(subtract(azimuth.to_inertial([motion.axial, motion.radius, 0.0]), centre));
@@ -104,7 +104,7 @@ impl OneBall {
 
     /// Rates of the ball's state under a wrench and its weight.
     #[inline(always)]
-    pub fn rates(
+    pub(super) fn rates(
         &self,
         state: &BallState,
         motion: &BallMotion,
@@ -128,7 +128,7 @@ impl OneBall {
 
     /// Rates caused by force and moment alone.
     #[inline(always)]
-    pub fn response(&self, motion: &BallMotion, wrench: Wrench) -> BallState {
+    pub(super) fn response(&self, motion: &BallMotion, wrench: Wrench) -> BallState {
         let still = BallMotion { orbit_speed: 0.0, ..*motion };
         let BallAcceleration { axial, radial, azimuthal, spin } =
             still.acceleration(wrench.force, wrench.moment, self.mass, self.inertia);

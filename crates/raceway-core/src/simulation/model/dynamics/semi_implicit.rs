@@ -113,7 +113,7 @@ pub(super) struct SemiImplicit<'m, const PLANAR: bool> {
 }
 
 impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
-    pub fn new(dynamics: &'m Dynamics<PLANAR>, time: f64, state: &[f64], step: f64) -> Self {
+    pub(super) fn new(dynamics: &'m Dynamics<PLANAR>, time: f64, state: &[f64], step: f64) -> Self {
         let layout = dynamics.mechanism().layout;
         let groups = (0..layout.balls).step_by(LANES);
         let balls: Vec<_> = groups.map(|first| layout.side_by_side::<PLANAR>(state, first)).collect();

@@ -10,7 +10,7 @@ pub(super) struct Moments {
 }
 
 impl Moments {
-    pub fn add(&mut self, value: f64) {
+    pub(super) fn add(&mut self, value: f64) {
         if self.count == 0.0 {
             self.origin = value;
         }
@@ -20,11 +20,11 @@ impl Moments {
         self.squares += off * off;
     }
 
-    pub fn mean(&self) -> f64 {
+    pub(super) fn mean(&self) -> f64 {
         self.origin + self.sum / self.count.max(1.0)
     }
 
-    pub fn variance(&self) -> f64 {
+    pub(super) fn variance(&self) -> f64 {
         let count = self.count.max(1.0);
         ((self.squares - self.sum * self.sum / count) / count).max(0.0)
     }

@@ -16,9 +16,9 @@ use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
-use crate::simulation::recording::sampling::{PART, RATE};
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
+use crate::simulation::recording::sampling::{PART, RATE};
 use crate::simulation::recording::windows::Recorder;
 
 /// Samples per recorded value, unless long fixed steps damp the motion that only so many samples resolve.
@@ -302,7 +302,7 @@ impl<'m> Observer<'m> {
         let (mut orbit, mut spin) = (0.0, 0.0);
         for state in states {
             orbit += state.arc_velocity / balls as f64;
-            // StepLoads from the orbit frame, about the axis that a contact angle leans.
+            // Spin in the orbit frame, about the axis that the contact angle tilts.
             let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
             spin += length([about_x, state.spin[1], state.spin[2]]) / balls as f64;
         }

@@ -46,11 +46,11 @@ pub(super) struct RunningExtremes {
 }
 
 impl RunningExtremes {
-    pub fn new(balls: usize) -> Self {
+    pub(super) fn new(balls: usize) -> Self {
         Self { max_load: vec![0.0; balls], angles: None, film: ThinnestFilm::NONE }
     }
 
-    pub fn extremes(self, max_slip: f64) -> ContactExtremes {
+    pub(super) fn extremes(self, max_slip: f64) -> ContactExtremes {
         ContactExtremes {
             max_load: self.max_load,
             angle: self.angles.map(|[least, most]| (least.0.atan2(least.1), most.0.atan2(most.1))),
@@ -73,7 +73,7 @@ pub(super) struct Contact {
 impl Snapshot {
     /// Records a raceway contact; `rolling_speed` [m/s] is evaluated only where film thickness is recorded.
     #[inline(always)]
-    pub fn record_contact(
+    pub(crate) fn record_contact(
         &mut self,
         raceway: &PerRaceway<RacewayContact>,
         (ball, side): (usize, BallContact),
@@ -106,7 +106,7 @@ impl Snapshot {
     }
 
     /// Records the load of a pocket [N].
-    pub fn record_pocket(&mut self, ball: usize, load: f64) {
+    pub(crate) fn record_pocket(&mut self, ball: usize, load: f64) {
         self.pocket[ball] = load;
         if self.is_recording {
             self.peaks.pocket_load = self.peaks.pocket_load.max(load);

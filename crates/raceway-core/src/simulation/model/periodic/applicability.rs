@@ -1,11 +1,11 @@
-//! Scenes and outputs whose motion can repeat with every ball.
+//! Applicability of the periodic model to a scene and its outputs.
 
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::spindle_only;
 use crate::simulation::model::terms::ActiveTerms;
 
-/// Why there is no steady orbit of one ball passage; `None`: there may be one.
+/// Reason why a scene has no motion that repeats with every ball, or cannot show its outputs; `None`: it may have one.
 pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<String> {
     let reason = if !scene.operation.speed.is_constant() {
         "the speed changes"

@@ -1,5 +1,5 @@
-//! Model level `periodic`: the steady motion of the spindle alone, which repeats with every ball. One passage is found by shooting
-//! and extended over the time asked for. Knows no unbalance and no changing speed.
+//! Model level `periodic`: the steady motion of the spindle alone, which repeats with every ball. Shooting finds one passage, which is
+//! extended over the recorded time. Knows no unbalance and no changing speed.
 
 mod applicability;
 
@@ -8,5 +8,5 @@ mod passage;
 mod run;
 
 pub use applicability::inapplicability;
-pub use passage::{LARGEST_RADIUS, Passage, passage};
+pub use passage::{Passage, passage};
 pub use run::simulate;

@@ -1,4 +1,4 @@
-//! The steady motion of one ball passage: searched by shooting, checked by finer steps and by the run from rest.
+//! The steady motion of one ball passage: found by shooting, verified by finer steps and by a run from rest.
 
 use realfft::RealFftPlanner;
 
@@ -15,33 +15,35 @@ use crate::simulation::model::spindle_only::equations::SpindleOnly;
 use crate::simulation::model::spindle_only::{scene_model, statistics};
 use crate::simulation::recording::sampling::SPINDLE_IN_PLANE;
 
-/// Nodes of the method, and the longest step times the frequency of the stiffest direction: every passage begins anew by a method of
-/// order 4.
+/// Nodes of the Adams–Moulton method: every passage starts again by a method of order 4.
 const SHOT_NODES: usize = 4;
-const LONGEST_TURN_OF_SHOT: f64 = 0.35;
-/// The longest step with which a periodic motion is sought [s]; the motion that is found is followed to finer ones.
-const LONGEST_SHOT: f64 = 1e-5;
-/// Relative change of a level at which halving the steps of a periodic motion ends: the next halving would change it by a
-/// fifth of that, 0.004 dB. Steps meet the same contacts at the same places in each passage, so that their errors at touch, of
-/// order 2½, add up there where those of a run in time are chance.
-const LEVEL_CHANGE: f64 = 2e-3;
-const MOST_HALVINGS: usize = 4;
-/// Evaluations of a passage beyond its steps, for its start by Runge–Kutta.
-const RESTART: u64 = 10;
-/// Steps of a passage beyond which a run in time is no slower.
-const MOST_STEPS_A_PASSAGE: usize = 100_000;
-/// Ball passages in time before a periodic motion is sought, again after ever more of them.
+/// Largest product of the step with the frequency of the stiffest direction [rad].
+const MAX_PHASE: f64 = 0.35;
+/// The longest step of the search for a periodic motion [s]; the result is refined with shorter steps.
+const MAX_STEP: f64 = 1e-5;
+/// Relative change of a level at which halving the steps ends: the next halving would change it by a fifth of that, 0.004 dB. Steps meet
+/// the same contacts at the same places in each passage. So their errors at touch, of order 2½, add up, while those of a run in time are
+/// random.
+const MAX_LEVEL_CHANGE: f64 = 2e-3;
+/// Largest number of halvings.
+const MAX_HALVINGS: usize = 4;
+/// Additional evaluations of a passage for its start by Runge–Kutta.
+const START_EVALUATIONS: u64 = 10;
+/// Largest number of steps of a passage: with more, a run in time is no slower.
+const MAX_STEPS_A_PASSAGE: usize = 100_000;
+/// Ball passages simulated from rest before each search.
 const PASSAGES: [usize; 3] = [6, 24, 96];
-const MOST_PASSAGES: usize = 200;
-/// How near to the periodic motion the motion from rest has to come, in amplitudes.
-const SETTLED: f64 = 0.2;
-/// Floquet radius from which on a periodic motion does not count as the answer.
-pub const LARGEST_RADIUS: f64 = 0.98;
+/// Largest number of passages from rest to the periodic motion.
+const MAX_PASSAGES: usize = 200;
+/// Largest distance of the motion from rest to the periodic motion, in amplitudes [-].
+const MAX_DISTANCE: f64 = 0.2;
+/// Smallest Floquet radius at which a periodic motion is rejected as unstable or nearly so [-].
+pub(crate) const LARGEST_RADIUS: f64 = 0.98;
 
 /// Signals of one passage, in the order of `SPINDLE_IN_PLANE`.
 pub(super) type Signals = [Vec<f64>; SPINDLE_IN_PLANE.len()];
 
-/// A steady motion of the spindle: one ball passage, seen at equal times from azimuth 0 of a ball on.
+/// A steady motion of the spindle: one ball passage, sampled at equal intervals from azimuth 0 of a ball.
 #[derive(Debug, Clone)]
 pub struct Passage {
     /// Time from one ball to the next [s].
@@ -51,7 +53,7 @@ pub struct Passage {
     pub(super) signals: Signals,
 }
 
-/// One passage in a number of steps.
+/// Simulation of one passage in a number of steps.
 struct Shot<'a> {
     model: &'a SpindleOnly,
     length: f64,
@@ -89,14 +91,17 @@ impl Task for Shot<'_> {
     }
 }
 
-/// The steady motion of a scene, refused where it is not stable.
+/// The steady motion of a scene; an error where it is not stable.
 pub fn passage(scene: &Scene, settings: &RunSettings) -> Result<Passage, SimulationError> {
     let (model, _) = scene_model(scene, settings, "periodic", inapplicability)?;
     steady(&model)
 }
 
 fn grows(orbit: &PeriodicOrbit<4>) -> String {
-    format!("its motion does not repeat with the balls: a disturbance grows by {:.3} in one passage", orbit.radius())
+    format!(
+        "its motion does not repeat with the balls: a disturbance grows by a factor of {:.3} in one passage",
+        orbit.radius()
+    )
 }
 
 pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
@@ -109,9 +114,9 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
     }
     let speed = model.speed(0.0).0;
     let length = std::f64::consts::TAU / (model.balls() as f64 * (model.orbit_ratio() * speed).abs());
-    let longest = LONGEST_SHOT.min(LONGEST_TURN_OF_SHOT / frequency);
+    let longest = MAX_STEP.min(MAX_PHASE / frequency);
     let coarse = ((length / longest).ceil() as usize).max(16);
-    if coarse > MOST_STEPS_A_PASSAGE {
+    if coarse > MAX_STEPS_A_PASSAGE {
         let reason = format!("a ball passes every {length:.1e} s, which takes {coarse} steps of {longest:.1e} s");
         return Err(SimulationError::NotApplicable { rung: "periodic", reason });
     }
@@ -147,26 +152,26 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
         };
         let mut steps = coarse;
         let mut signals = record(&orbit, steps);
-        let mut evaluations = (orbit.periods + 1) * (steps as u64 + RESTART);
+        let mut evaluations = (orbit.periods + 1) * (steps as u64 + START_EVALUATIONS);
         let mut change = f64::INFINITY;
-        for _ in 0..MOST_HALVINGS {
+        for _ in 0..MAX_HALVINGS {
             steps *= 2;
             let Ok(finer) = search.refine(&orbit, |state| shot(state, steps, None)) else { break };
             let seen = record(&finer, steps);
-            // Velocities and accelerations.
+            // Change of velocities and accelerations.
             change = (2..6).map(|i| (rms(&seen[i]) / rms(&signals[i]) - 1.0).abs()).fold(0.0, f64::max);
-            evaluations += (finer.periods + 1) * (steps as u64 + RESTART);
+            evaluations += (finer.periods + 1) * (steps as u64 + START_EVALUATIONS);
             (orbit, signals) = (finer, seen);
-            if change <= LEVEL_CHANGE {
+            if change <= MAX_LEVEL_CHANGE {
                 break;
             }
         }
-        if change.is_nan() || change > LEVEL_CHANGE {
+        if change.is_nan() || change > MAX_LEVEL_CHANGE {
             refusal =
                 format!("the motion that repeats with the balls depends on the steps: its levels by {change:.1e}");
             continue;
         }
-        // Coarse steps may tell a stable orbit where there is none.
+        // Stability is measured again, because coarse steps may find a stable orbit where none exists.
         let orbit = match search.measured(orbit, |state| shot(state, steps, None)) {
             Ok(orbit) => orbit,
             Err(error) => {
@@ -174,17 +179,17 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
                 continue;
             }
         };
-        evaluations += (1 + orbit.state.len() as u64) * (steps as u64 + RESTART);
+        evaluations += (1 + orbit.state.len() as u64) * (steps as u64 + START_EVALUATIONS);
         if orbit.radius() >= LARGEST_RADIUS {
             refusal = grows(&orbit);
             continue;
         }
-        // A stable orbit need not be the one that a run from rest finds: others may be stable beside it.
+        // Several orbits may be stable. Only the one that a run from rest approaches is the answer.
         let amplitude: [f64; 4] = std::array::from_fn(|i| peak(&signals[i]).max(1e-3 * search.sizes[i]));
         let away = |state: &[f64; 4]| {
-            (0..4).map(|i| (state[i] - orbit.state[i]).abs() / amplitude[i]).fold(0.0, f64::max) > SETTLED
+            (0..4).map(|i| (state[i] - orbit.state[i]).abs() / amplitude[i]).fold(0.0, f64::max) > MAX_DISTANCE
         };
-        while away(&state) && periods < MOST_PASSAGES {
+        while away(&state) && periods < MAX_PASSAGES {
             state = shoot(&state);
             periods += 1;
         }
@@ -192,7 +197,7 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
             refusal = "a run from rest settles on another motion than the one that repeats with the balls".into();
             break;
         }
-        evaluations += periods as u64 * (coarse as u64 + RESTART);
+        evaluations += periods as u64 * (coarse as u64 + START_EVALUATIONS);
         let statistics = statistics(evaluations, evaluations, length / steps as f64);
         return Ok(Passage { length, orbit, statistics, signals });
     }
@@ -200,14 +205,14 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
 }
 
 impl Passage {
-    /// rms of each signal up to a frequency [Hz], mean removed: y, z of place, velocity, acceleration [SI].
+    /// rms of each signal up to a frequency [Hz] without its mean: y, z of place, velocity, acceleration [SI].
     pub fn rms(&self, band: f64) -> [f64; 6] {
         let n = self.signals[0].len();
         let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
         std::array::from_fn(|i| {
             let mut spectrum = transform.make_output_vec();
             let mut signal = self.signals[i].clone();
-            // Cannot fail: both have the lengths that the plan was made for.
+            // The transform cannot fail, because both buffers have its lengths.
             let _ = transform.process(&mut signal, &mut spectrum);
             let power: f64 = spectrum
                 .iter()

@@ -1,4 +1,4 @@
-//! The periodic motion, extended over the time asked for.
+//! The periodic motion, extended over the recorded time.
 
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
@@ -16,12 +16,12 @@ use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{RATE, SPINDLE_IN_PLANE, kept_values};
 use crate::simulation::recording::windows::Recorder;
 
-/// Values of an extended motion between two looks at `Control`.
-const VALUES_PER_LOOK: usize = 1 << 14;
-/// Points looked at per point integrated, when a periodic motion is extended.
-const FINER: usize = 8;
+/// Values of an extended motion between two polls of `Control`.
+const VALUES_PER_POLL: usize = 1 << 14;
+/// Points of the Fourier series for each integrated point.
+const REFINEMENT: usize = 8;
 
-/// ModelLevel `periodic`: the steady motion, extended over the time asked for.
+/// Simulates a scene on the model level `periodic`.
 pub fn simulate(
     scene: &Scene,
     settings: &RunSettings,
@@ -41,7 +41,7 @@ pub fn simulate(
 }
 
 impl Passage {
-    /// Keeps so many values of the motion at `RATE`; `start`: time of the first one [s].
+    /// Passes a number of values of the motion at `RATE` to `keep`; `start`: time of the first one [s].
     fn repeated(
         &self,
         start: f64,
@@ -53,10 +53,10 @@ impl Passage {
         let n = fine[0].len();
         let per_value = n as f64 / (RATE * self.length);
         let first = start / self.length * n as f64;
-        // Places and weights are the same for all signals: cubic polynomials through four of the fine points.
+        // All signals share places and weights: cubic polynomials through four of the fine points.
         let mut place = first.rem_euclid(n as f64);
         for value in 0..values {
-            if value.is_multiple_of(VALUES_PER_LOOK) {
+            if value.is_multiple_of(VALUES_PER_POLL) {
                 if (control.stop)() {
                     return Err(SimulationError::Stopped { time: start + value as f64 / RATE });
                 }
@@ -77,11 +77,11 @@ impl Passage {
         Ok(())
     }
 
-    /// Every signal at more points, by its Fourier series.
+    /// Every signal at `REFINEMENT` times as many points, by its Fourier series.
     fn finer(&self) -> Signals {
         let n = self.signals[0].len();
         let mut planner = RealFftPlanner::<f64>::new();
-        let (forward, backward) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(FINER * n));
+        let (forward, backward) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(REFINEMENT * n));
         std::array::from_fn(|i| {
             let (mut coarse, mut fine) = (forward.make_output_vec(), backward.make_output_vec());
             let mut signal = self.signals[i].clone();

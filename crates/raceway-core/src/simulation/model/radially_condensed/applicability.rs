@@ -1,4 +1,4 @@
-//! Scenes and outputs that the radially condensed model can stand for.
+//! Applicability of the radially condensed model to a scene and its outputs.
 
 use crate::physics::cage::PocketFilm;
 use crate::physics::spindle::AxialHold;
@@ -6,7 +6,7 @@ use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
 
-/// Why this rung cannot stand for a scene and its outputs; `None`: it can.
+/// Reason why the radially condensed model cannot represent a scene and its outputs; `None`: it can.
 pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<&'static str> {
     let term_on = |term| scene.terms.get(term) == TermChoice::On;
     let along_x =
@@ -20,7 +20,7 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<&'static str>
     } else if scene.operation.misalignment != [0.0; 2] {
         Some("the spindle is misaligned")
     } else if scene.cage.film == PocketFilm::Empirical11 && scene.terms.get(Term::Cage) != TermChoice::Off {
-        Some("the pocket film empirical-11 is stiff and has no damping, which its fixed steps do not bear")
+        Some("the pocket film empirical-11 is stiff and undamped, so that fixed steps are unstable")
     } else if term_on(Term::CageTilt) {
         Some("terms.cage_tilt is on")
     } else if term_on(Term::Axial) {

@@ -1,5 +1,4 @@
-//! One ball between its raceways: where it is, what presses on it, what drives it. Formulas for one ball, run over several
-//! side by side.
+//! One ball between its raceways: position, loads, traction and rates. Each formula is for one ball and runs over several side by side.
 
 use super::border::Border;
 use super::contact::Contact;
@@ -10,25 +9,25 @@ use crate::physics::contact::damping::viscous_ramp;
 use crate::physics::frames::Azimuth;
 use crate::simulation::model::condensed_contact::CondensedContact;
 
-/// Deviations from ideal rolling, as in `state.rs`. The way along the orbit grows with time and keeps its digits; velocities are
-/// held near those of rolling, and do with fewer.
+/// Deviations from ideal rolling, as in `state.rs`. The arc along the orbit grows with time and needs double precision; velocities stay
+/// near those of rolling, and single precision suffices.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallState<P = f64, V = f32> {
-    /// [m]
+    /// Arc along the orbit [m].
     pub arc: P,
-    /// [m/s]
+    /// Rate of the arc [m/s].
     pub arc_velocity: V,
-    /// About X [rad/s].
+    /// Spin about X [rad/s].
     pub spin: V,
 }
 
-/// Eight of them.
+/// Eight balls side by side.
 pub type Balls = BallState<Lanes, Singles>;
 
 impl Balls {
-    /// How far the balls have gone further along the orbit than their pockets [m].
+    /// Arc of the balls less that of their pockets [m].
     #[inline(always)]
-    pub fn past_pockets(&self, cage_arc: f64) -> Singles {
+    pub(crate) fn past_pockets(&self, cage_arc: f64) -> Singles {
         let mut past = Singles::default();
         for lane in 0..LANES {
             past[lane] = (self.arc[lane] - cage_arc) as f32;
@@ -51,9 +50,9 @@ impl SideBySide for Balls {
     }
 }
 
-/// Rates of the velocities of a ball, with what the implicit part of a step needs of their derivatives.
+/// Rates of the velocities of a ball, with their derivatives for the implicit part of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct BallRates<T = f32> {
+pub(crate) struct BallRates<T = f32> {
     pub arc_velocity: T,
     pub spin: T,
     /// −∂(arc rate)/∂(arc velocity), ∂(arc rate)/∂(spin), ∂(spin rate)/∂(arc velocity): each not negative.
@@ -62,72 +61,73 @@ pub struct BallRates<T = f32> {
     pub spin_by_arc: T,
     /// −∂(spin rate)/∂(spin).
     pub spin_by_spin: T,
-    /// Slope of the inner raceway's traction over slip [N s/m], and where the ball is.
+    /// Slope of the inner raceway's traction over slip [N s/m], and azimuth of the ball.
     pub traction: T,
     pub azimuth: Azimuth<T>,
 }
 side_by_side!(BallRates { arc_velocity, spin, arc_by_arc, arc_by_spin, spin_by_arc, spin_by_spin, traction, azimuth });
 
-/// What drives the motion at a time.
+/// Prescribed motion and estimates at one time, common to all balls.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Drive {
-    /// Of the spindle [rad/s], [rad/s²].
+    /// Speed [rad/s] and acceleration [rad/s²] of the spindle's rotation.
     pub speed: f32,
     pub acceleration: f32,
-    /// The cage's azimuth.
+    /// Azimuth of the cage.
     pub cage: Azimuth<f32>,
-    pub mixture: Mixture,
+    pub mixture: LubricantDrag,
     /// √δ of the outer contact under the centrifugal force of the ideal orbit.
     pub unloaded_root: f32,
-    /// What the spindle's acceleration is taken to be [m/s²].
+    /// Predicted acceleration of the spindle [m/s²].
     pub spindle_acceleration: [f32; 2],
-    /// What place and velocity of the spindle have of it [s², s]; the latter is what places of balls and cage have of velocities, too.
+    /// Shares of that acceleration in place and velocity of the spindle [s², s]. The latter is also the share of velocities in the places
+    /// of balls and cage.
     pub place_share: f32,
     pub velocity_share: f32,
 }
 
 /// Drag [N] and churning [N m] = value + slope · deviation from the ideal orbit velocity and spin.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Mixture {
+pub(super) struct LubricantDrag {
     pub drag: [f32; 2],
     pub churning: [f32; 2],
 }
 
-/// Where a ball is in its pocket and in space, and how the raceways hold it there.
+/// Position of a ball in space and in its pocket, and the elastic and damping forces of the raceways there.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Held<T = f32> {
-    /// Of the ball, of its pocket, and of the one ahead of the other.
+pub(super) struct BallInRaceways<T = f32> {
+    /// Azimuth of the ball, of its pocket, and the difference of both.
     pub azimuth: Azimuth<T>,
     pub pocket: Azimuth<T>,
     pub ahead: Azimuth<T>,
-    /// Orbit speed, and by how much it is more than the cage's [rad/s].
+    /// Orbit speed, and its excess over the cage's [rad/s].
     pub orbit: T,
     pub past_cage: T,
-    /// Radial force that no contact gives, outwards [N].
+    /// Outward body force: centrifugal force and weight [N].
     pub centrifugal: T,
     /// Place and velocity of the spindle along the ball's direction [m, m/s], its velocity across.
     pub along: T,
     pub along_velocity: T,
     pub across_velocity: T,
-    /// By which the inner raceway's force leans against the radius [rad].
+    /// Inclination of the inner raceway's force to the radius [rad].
     pub lean: T,
     /// Rate of approach of the raceways [m/s].
     pub rate: T,
-    /// Orbit radius, that less the pitch radius [m], its rate [m/s].
+    /// Orbit radius [m], its excess over the pitch radius [m], and its rate [m/s].
     pub radius: T,
     pub lift: T,
     pub radial_velocity: T,
     /// Penetrations [m].
     pub inner: T,
     pub outer: T,
-    /// Load of the inner raceway without the pocket's part [N].
+    /// Load of the inner raceway without the effect of the pocket [N].
     pub normal: T,
-    /// Its derivatives by approach and rate of approach [N/m, N s/m].
+    /// Derivatives of that load by approach and rate of approach [N/m, N s/m].
     pub stiffness: T,
     pub damping: T,
     pub outer_share: T,
 }
-side_by_side!(Held {
+side_by_side!(BallInRaceways {
     azimuth,
     pocket,
     ahead,
@@ -150,42 +150,41 @@ side_by_side!(Held {
     outer_share,
 });
 
-/// What a pocket does to its ball and passes on to the cage.
+/// Load of a pocket on its ball and on the cage.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Pushed<T = f32> {
+pub(super) struct PocketReaction<T = f32> {
     /// Normal load [N].
     pub load: T,
-    /// On the ball, along the radius and along the orbit [N]; its moment about X [N m].
+    /// Force on the ball along the radius and along the orbit [N], and its moment about X [N m].
     pub radial: T,
     pub along: T,
     pub moment: T,
     /// −∂(force along the orbit)/∂(velocity) [N s/m].
     pub damping: T,
-    /// On the cage: Y, Z [N], moment about X [N m]; damping of these.
+    /// Load on the cage: force along Y and Z [N], moment about X [N m]; damping of these.
     pub cage: [T; 3],
     pub cage_damping: [T; 3],
 }
-side_by_side!(Pushed { load, radial, along, moment, damping, cage, cage_damping });
+side_by_side!(PocketReaction { load, radial, along, moment, damping, cage, cage_damping });
 
-/// Loads of both contacts and the slip over them.
+/// Loads and slip of both contacts.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Loaded<T = f32> {
+pub(super) struct RacewayLoads<T = f32> {
     pub inner: Contact<T>,
     pub outer: Contact<T>,
-    /// By how much the inner load, where it presses, falls with the spindle's acceleration towards the ball, place and velocity
-    /// going along by their shares [kg].
+    /// Decrease of the inner load with the spindle's acceleration towards the ball, including the shares of place and velocity [kg]; 0
+    /// without contact.
     pub slope: T,
 }
-side_by_side!(Loaded { inner, outer, slope });
+side_by_side!(RacewayLoads { inner, outer, slope });
 
-/// What a ball passes on to the spindle: force along Y and Z [N], and its slope over the acceleration with the sign turned (yy, yz,
-/// zz) [kg].
+/// Force of a ball on the spindle along Y and Z [N], and its negative slope over the acceleration (yy, yz, zz) [kg].
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Passed<T = f32> {
+pub(super) struct SpindleReaction<T = f32> {
     pub force: (T, T),
     pub slope: [T; 3],
 }
-side_by_side!(Passed { force, slope });
+side_by_side!(SpindleReaction { force, slope });
 
 /// Constants of a ball.
 #[derive(Debug, Clone, Copy, Default)]
@@ -196,9 +195,9 @@ pub(super) struct OneBall<T = f32> {
     /// Orbit radius of a ball that touches the outer raceway without load [m].
     pub nominal: T,
     pub per_nominal: T,
-    /// That less the pitch radius [m].
+    /// That radius less the pitch radius [m].
     pub lift: T,
-    /// Half the diametral clearance: approach at which a weightless ball touches both raceways [m], less what the place says.
+    /// Half the diametral clearance: displacement of the raceways at which a weightless ball touches both [m].
     pub clearance: T,
     pub orbit_ratio: T,
     pub spin_ratio: T,
@@ -213,7 +212,7 @@ pub(super) struct OneBall<T = f32> {
     /// χ [s/m], viscous damper [N s/m].
     pub chi: T,
     pub viscous: T,
-    /// a²/δ [m].
+    /// Square of the semi-major axis over the penetration, a²/δ [m].
     pub axis_square: PerRaceway<T>,
 }
 side_by_side!(OneBall {
@@ -254,28 +253,28 @@ pub(super) fn small_azimuth<T: Real>(x: T) -> Azimuth<T> {
 }
 
 impl OneBall {
-    /// How far a ball has gone further than the cage, which keeps it within a pocket's clearance.
+    /// Azimuth difference between a ball and its pocket, which stays within the pocket's clearance.
     #[inline(always)]
-    pub fn ahead(&self, past_pocket: f32) -> Azimuth<f32> {
+    pub(super) fn ahead(&self, past_pocket: f32) -> Azimuth<f32> {
         small_azimuth(past_pocket * self.per_pitch_radius)
     }
 
-    /// The same where no cage turns.
+    /// Azimuth difference of a ball from ideal rolling, without a cage.
     #[inline(always)]
-    pub fn ahead_alone(&self, ball: &BallState) -> Azimuth<f32> {
+    pub(crate) fn ahead_alone(&self, ball: &BallState) -> Azimuth<f32> {
         Azimuth::new(ball.arc * (1.0 / f64::from(self.pitch_radius))).single()
     }
 
-    /// Between its raceways; `start`: where its pocket was.
+    /// Position and elastic state of the ball; `start`: start azimuth of its pocket.
     #[inline(always)]
-    pub fn held(
+    pub(crate) fn in_raceways(
         &self,
         drive: &Drive,
         start: Azimuth<f32>,
         ahead: Azimuth<f32>,
         border: &Border<f32>,
         ball: &BallState,
-    ) -> Held {
+    ) -> BallInRaceways {
         let pocket = start.turned(drive.cage);
         let azimuth = pocket.turned(ahead);
         let (c, s) = (azimuth.cosine, azimuth.sine);
@@ -286,7 +285,7 @@ impl OneBall {
         );
         let unloaded = self.contact.unloaded_near(drive.unloaded_root, centrifugal);
 
-        // Approach of the raceways and its rate; the spindle's displacement across counts to second order.
+        // Approach of the raceways and its rate; the spindle's displacement across the ball's direction enters to second order.
         let ([y, z], [vy, vz]) = (border.spindle, border.spindle_velocity);
         let (along, across) = (y * c + z * s, z * c - y * s);
         let (along_velocity, across_velocity) = (vy * c + vz * s, vz * c - vy * s);
@@ -294,14 +293,14 @@ impl OneBall {
         let approach = along - 0.5 * across * lean - self.clearance;
         let rate = along_velocity + lean * ((self.nominal + unloaded.penetration) * orbit - across_velocity);
 
-        // Both contacts; damping that takes what both dissipate; inertia of the ball's own motion.
+        // Elastic load of both contacts, damping with the dissipation of both, and inertia of the ball's radial motion.
         let contact = self.contact.load(approach, &unloaded);
         let damping = self.chi * contact.damped_load;
         let [ay, az] = drive.spindle_acceleration;
         let swing = (ay * c + az * s) + orbit * (2.0 * across_velocity - orbit * along);
         let inertia =
             self.mass * (contact.outer_share * contact.outer_share * swing + contact.outer_share_slope * rate * rate);
-        Held {
+        BallInRaceways {
             azimuth,
             pocket,
             ahead,
@@ -325,19 +324,25 @@ impl OneBall {
         }
     }
 
-    /// With the viscous dampers of both raceways.
+    /// Adds the viscous dampers of both raceways.
     #[inline(always)]
-    pub fn with_viscous(&self, held: &Held) -> Held {
+    pub(crate) fn with_viscous(&self, held: &BallInRaceways) -> BallInRaceways {
         let inner_share = 1.0 - held.outer_share;
         let damping = self.viscous
             * (inner_share * inner_share * viscous_ramp(held.inner)
                 + held.outer_share * held.outer_share * viscous_ramp(held.outer));
-        Held { normal: held.normal + damping * held.rate, damping: held.damping + damping, ..*held }
+        BallInRaceways { normal: held.normal + damping * held.rate, damping: held.damping + damping, ..*held }
     }
 
-    /// Loads, with what the pocket pushes, and slip.
+    /// Loads and slip of both contacts under the radial force of the pocket.
     #[inline(always)]
-    pub fn loaded(&self, drive: &Drive, ball: &BallState, held: &Held, pocket_radial: f32) -> Loaded {
+    pub(crate) fn raceway_loads(
+        &self,
+        drive: &Drive,
+        ball: &BallState,
+        held: &BallInRaceways,
+        pocket_radial: f32,
+    ) -> RacewayLoads {
         let normal = held.normal - held.outer_share * pocket_radial;
         let presses = (normal > 0.0) & (held.outer_share > 0.0);
         let pressed = |value: f32| if presses { value } else { 0.0 };
@@ -347,12 +352,12 @@ impl OneBall {
         let tangential = held.radius * held.orbit;
         let spin = self.spin_ratio * drive.speed + ball.spin;
         let lean = held.lean;
-        // Over the spindle's centre, along the direction in which the contact lies from there.
+        // Distance of the contact from the spindle's centre.
         let radius = held.radius - held.along;
         let over_centre = radius * (1.0 + 0.5 * lean * lean);
         let relative = tangential * (1.0 - 0.5 * lean * lean) - held.across_velocity
             + lean * (held.radial_velocity - held.along_velocity);
-        Loaded {
+        RacewayLoads {
             inner: Contact {
                 load: inner,
                 axis_square: self.axis_square.inner * held.inner,
@@ -372,13 +377,13 @@ impl OneBall {
 
     /// Rates of the ball under the traction of both raceways.
     #[inline(always)]
-    pub fn rates(
+    pub(super) fn rates(
         &self,
         drive: &Drive,
         ball: &BallState,
-        held: &Held,
-        loaded: &Loaded,
-        pushed: &Pushed,
+        held: &BallInRaceways,
+        loaded: &RacewayLoads,
+        pushed: &PocketReaction,
         traction: &PerRaceway<Sums>,
     ) -> BallRates {
         let PerRaceway { inner, outer } = traction;
@@ -405,15 +410,20 @@ impl OneBall {
     }
 }
 
-/// On the spindle; `present`: 1, or 0 for a copy that only fills a lane.
+/// Load of the ball on the spindle; `present`: 1, or 0 for a copy that only fills a lane.
 #[inline(always)]
-pub(super) fn passed(held: &Held, loaded: &Loaded, inner: &Sums, present: f32) -> Passed {
+pub(super) fn spindle_reaction(
+    held: &BallInRaceways,
+    loaded: &RacewayLoads,
+    inner: &Sums,
+    present: f32,
+) -> SpindleReaction {
     let (q, t) = (loaded.inner.load, loaded.inner.load * inner.force);
     let (along, across) = (-(q + held.lean * t), held.lean * q - t);
     let (c, s) = (held.azimuth.cosine, held.azimuth.sine);
     let (c_present, s_present) = (c * present, s * present);
     let radial = loaded.slope;
-    Passed {
+    SpindleReaction {
         force: (along * c_present - across * s_present, along * s_present + across * c_present),
         slope: [radial * (c * c_present), radial * (c * s_present), radial * (s * s_present)],
     }

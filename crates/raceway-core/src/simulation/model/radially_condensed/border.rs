@@ -1,18 +1,18 @@
 //! Spindle and cage of the radially condensed model, in the plane.
 
-/// Spindle and cage, (y, z).
+/// Places [m] and velocities [m/s] of spindle and cage, (y, z).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Border<T = f64> {
     pub spindle: [T; 2],
     pub spindle_velocity: [T; 2],
     pub cage: [T; 2],
     pub cage_arc: T,
-    /// y, z, along the arc [m/s].
+    /// Velocity of the cage: y, z, along the arc [m/s].
     pub cage_velocity: [T; 3],
 }
 
 impl Border {
-    /// In single precision, as the balls see it.
+    /// The border in single precision, for the balls.
     #[inline(always)]
     pub(super) fn single(&self) -> Border<f32> {
         Border {

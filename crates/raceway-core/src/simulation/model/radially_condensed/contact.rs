@@ -1,4 +1,4 @@
-//! Load and slip of one raceway contact in the plane.
+//! Load and slip of one raceway contact in the plane, shared by ball and traction.
 
 use crate::numerics::lanes::side_by_side;
 

@@ -1,7 +1,7 @@
-//! Equations of the radially condensed model: its constants, made once a scene.
+//! Constants of the radially condensed model, computed once for a scene.
 
 use super::applicability::inapplicability;
-use super::ball::{Balls, Mixture, OneBall};
+use super::ball::{Balls, LubricantDrag, OneBall};
 use super::border::Border;
 use super::pocket::Film;
 use super::traction::{RacewayTraction, RisingTraction, WIDEST, WideTraction};
@@ -22,48 +22,49 @@ use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::terms::ActiveTerms;
 
-/// Loads beyond the largest static one for which contacts count as narrow.
+/// Largest load over the largest static one up to which a contact has to be narrow [-].
 const LOAD_MARGIN: f64 = 1.5;
 
-/// What eight balls have in common.
+/// Constants of ball and film, copied for eight balls side by side.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Alike {
     pub(super) ball: OneBall<Singles>,
     pub(super) film: Film<Singles>,
 }
 
-/// The equations of the rung: made once a scene.
+/// The equations of the model for a scene.
 #[derive(Debug, Clone)]
 pub struct RadiallyCondensed {
     pub(super) mechanism: Mechanism,
     pub(super) needs: ActiveTerms,
-    /// Azimuths at which the balls start, eight at a time; 1 for each ball, 0 for the copies of the last one that fill up.
+    /// Start azimuths of the balls, eight at a time.
     pub(super) start: Vec<Azimuth<Singles>>,
+    /// 1 for each ball, 0 for the copies of the last one that fill the last group.
     pub(super) present: Vec<Singles>,
     pub(super) contact: CondensedContact,
     pub(super) one: OneBall,
     pub(super) film: Film,
-    /// The same of every ball.
+    /// Constants side by side.
     pub(super) all: Box<Alike>,
     pub(super) traction: PerRaceway<RacewayTraction>,
-    /// Whether a ball between the walls of its pocket feels nothing but the film.
+    /// Whether the film alone acts on a ball between the walls of its pocket.
     pub(super) plain_pocket: bool,
-    /// Whether a cage is there, its pockets are plain and raceways are without a viscous damper.
+    /// Whether the model has a cage with plain pockets, and raceways without a viscous damper.
     pub(super) is_plain: bool,
-    /// Where the speed never changes: it [rad/s], and what is made anew elsewhere.
-    pub(super) constant: Option<(f64, (Mixture, f32))>,
+    /// Constant speed [rad/s] with the values that depend on it; `None` where the speed changes.
+    pub(super) constant: Option<(f64, (LubricantDrag, f32))>,
     /// Whether an output shows the motion of the cage.
     pub(super) shows_cage: bool,
-    /// Where the spindle starts [m].
+    /// Start position of the spindle [m].
     pub(super) rest: [f64; 2],
-    /// Damping over mass and frequency of the spindle on its contacts at rest, as if all lay in one direction [1/s, rad/s].
+    /// Damping over mass [1/s] and frequency [rad/s] of the spindle on its contacts at rest, as if all acted in one direction.
     pub(super) spindle_rates: [f64; 2],
-    /// Fastest rate at which traction holds a ball [1/s].
+    /// Fastest decay rate of a ball's slip by traction [1/s].
     pub(super) traction_rate: f64,
     pub(super) instructions: InstructionSet,
 }
 
-impl Mixture {
+impl LubricantDrag {
     fn at(m: &Mechanism, speed: f64) -> Self {
         let line = |f: &dyn Fn(f64) -> f64, at: f64| {
             let step = 1e-3 * at.abs() + 1e-9;
@@ -78,12 +79,12 @@ impl Mixture {
     }
 }
 
-/// Whether a channel shows the motion of the cage.
+/// Returns whether a channel depends on the motion of the cage.
 fn shows_cage(channel: &Channel) -> bool {
     matches!(channel, Channel::CageDisplacement(_) | Channel::CageSpeed)
 }
 
-/// Traction in short form where the law has one and the contact stays narrow up to a load [N].
+/// Traction of a raceway, in short form where the law has one and the contact stays narrow up to a load [N].
 fn traction(scene: &Scene, needs: &ActiveTerms, contact: &RacewayContact, load: f64) -> RacewayTraction {
     let TractionLaw::FourParameter { at_rest: 0.0, maximum, at_slip, limit } = scene.lubricant.traction else {
         return RacewayTraction::General;
@@ -104,7 +105,7 @@ fn traction(scene: &Scene, needs: &ActiveTerms, contact: &RacewayContact, load: 
 }
 
 impl RadiallyCondensed {
-    /// The model of a scene, or why it has none on this rung.
+    /// The model of a scene, or the reason why it is not applicable.
     pub fn new(scene: &Scene, outputs: &Outputs) -> Result<Self, SimulationError> {
         if let Some(reason) = inapplicability(scene, outputs) {
             return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason: reason.into() });
@@ -121,7 +122,7 @@ impl RadiallyCondensed {
             PocketFilm::None | PocketFilm::Empirical11 => 0.0,
         };
         let contact = CondensedContact::new(m.raceway.map(|contact| contact.hertz().stiffness));
-        // Of a ball that touches the outer raceway without load over the pitch circle.
+        // Radial position of a ball that touches the outer raceway without load, less the pitch radius.
         let lift = 0.25 * scene.bearing.radial_clearance;
         let nominal = (m.pitch_radius + lift) as f32;
         let (mass, inertia) = (m.ball_mass as f32, m.ball_inertia as f32);
@@ -198,18 +199,18 @@ impl RadiallyCondensed {
         self.constant.map_or_else(|| self.mechanism.speed.at(time).1, |(speed, _)| speed)
     }
 
-    /// Drag about ideal rolling and √δ of a ball that only the outer raceway holds, at a spindle speed [rad/s].
-    pub(super) fn ideal(&self, speed: f64) -> (Mixture, f32) {
+    /// Drag near ideal rolling, and √δ of a ball on the outer raceway alone, at a spindle speed [rad/s].
+    pub(super) fn ideal(&self, speed: f64) -> (LubricantDrag, f32) {
         let (m, radius) = (&self.mechanism, f64::from(self.one.nominal));
         let free = self.contact.unloaded(m.ball_mass, radius, m.orbit_ratio * speed, m.ball_mass * m.gravity);
-        (Mixture::at(m, speed), free.root as f32)
+        (LubricantDrag::at(m, speed), free.root as f32)
     }
 
     fn rates_at_rest(&self, rest: &Equilibrium) -> [f64; 2] {
         let (mut held, mut damped) = (0.0, 0.0);
         let hertz = self.mechanism.raceway.inner.hertz();
         for load in rest.loads.iter().filter(|load| load.inner > 0.0) {
-            // Two contacts in series: half of the slope and of the damping of one.
+            // Two contacts in series have half of the slope and of the damping of one.
             let depth = (load.inner / hertz.stiffness).powf(2.0 / 3.0);
             held += 0.75 * load.inner / depth;
             damped += 0.5 * (f64::from(self.one.chi) * load.inner + f64::from(self.one.viscous));
@@ -218,18 +219,18 @@ impl RadiallyCondensed {
         [damped / mass, (held / mass).sqrt()]
     }
 
-    /// The same model with other instructions of the same processor; its motion is the same to the bit.
+    /// The model with other vector instructions of the same processor; its motion has the same bits.
     pub fn with_instructions(self, instructions: InstructionSet) -> Self {
         Self { instructions, ..self }
     }
 
-    /// The same model with every traction law through the contact of the full model, as laws without a short form take it.
+    /// The model with traction by the contacts of the full model, as for laws without a short form.
     pub fn with_general_traction(self) -> Self {
         Self { traction: PerRaceway { inner: RacewayTraction::General, outer: RacewayTraction::General }, ..self }
     }
 
-    /// Whether traction goes through the contacts of the full model, which take several times as long.
-    pub fn has_general_traction(&self) -> bool {
+    /// Returns whether traction uses the contacts of the full model, which take several times as long.
+    pub(crate) fn has_general_traction(&self) -> bool {
         let is_general = |of: &RacewayTraction| matches!(of, RacewayTraction::General);
         is_general(&self.traction.inner) || is_general(&self.traction.outer)
     }
@@ -242,7 +243,7 @@ impl RadiallyCondensed {
         &self.needs
     }
 
-    /// Balls by eights.
+    /// Number of groups of eight balls.
     pub fn groups(&self) -> usize {
         self.start.len()
     }
@@ -251,7 +252,7 @@ impl RadiallyCondensed {
         self.film.damping > 0.0
     }
 
-    /// Fastest frequency of balls and cage against each other on the film [rad/s]: the cage turns, or it moves in its plane.
+    /// Fastest frequency of balls and cage against each other on the film [rad/s], of the cage's rotation or its motion in the plane.
     pub(super) fn film_frequency(&self) -> f64 {
         let (m, balls) = (&self.mechanism, self.mechanism.layout.balls as f64);
         let turning = balls * m.pitch_radius * m.pitch_radius / m.cage.axial_inertia;
@@ -260,21 +261,21 @@ impl RadiallyCondensed {
     }
 
     /// Damping of the spindle over its mass on its contacts at rest [1/s].
-    pub fn spindle_damping(&self) -> f64 {
+    pub(crate) fn spindle_damping(&self) -> f64 {
         self.spindle_rates[0]
     }
 
-    /// First-order states of the scene on this rung.
+    /// Number of first-order states.
     pub fn states(&self) -> usize {
         3 * self.mechanism.layout.balls + if self.mechanism.layout.cage { 6 } else { 0 } + 4
     }
 
-    /// The same, its spindle starting a little beside its equilibrium (y, z) [m].
+    /// The model with the spindle's start displaced by (y, z) [m].
     pub fn displaced(self, [y, z]: [f64; 2]) -> Self {
         Self { rest: [self.rest[0] + y, self.rest[1] + z], ..self }
     }
 
-    /// Spindle in equilibrium under load, gravity and centrifugal force; balls rolling ideally, cage centred.
+    /// Initial state: spindle in equilibrium under load, gravity and centrifugal force, balls in ideal rolling, cage centred.
     pub fn start(&self) -> (Vec<Balls>, Border) {
         (vec![Balls::default(); self.groups()], Border { spindle: self.rest, ..Border::default() })
     }

@@ -1,6 +1,9 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
-use super::ball::{BallRates, Balls, Drive, Held, Loaded, Passed, Pushed, passed, small_azimuth};
+use super::ball::{
+    BallInRaceways, BallRates, Balls, Drive, PocketReaction, RacewayLoads, SpindleReaction, small_azimuth,
+    spindle_reaction,
+};
 use super::border::Border;
 use super::equations::RadiallyCondensed;
 use super::pocket::ByWall;
@@ -11,66 +14,67 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Azimuth;
 use crate::physics::spindle::unbalance_force;
 
-/// Rates of the velocities at one time, with what the implicit part of a step needs of their derivatives.
+/// Rates of the velocities at one time, with their derivatives for the implicit part of a step.
 #[derive(Debug, Clone, Default)]
-pub struct Rates {
+pub(crate) struct Rates {
     pub balls: Vec<BallRates<Singles>>,
-    /// On the spindle, lane by lane.
-    pub(super) passed: Passed<Singles>,
+    /// Load on the spindle, by lane.
+    pub(super) passed: SpindleReaction<Singles>,
+    /// Rates of the cage's velocities: y, z, along the arc [m/s²].
     pub cage: [f64; 3],
     /// Diagonal of the damping of the cage by its pockets [1/s], not negative.
     pub cage_damping: [f64; 3],
 }
 
-/// What else was seen of eight balls in an evaluation.
+/// Loads and slip of eight balls in an evaluation.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct BallLoads {
+pub(crate) struct BallLoads {
     pub load: PerRaceway<Singles>,
     pub slip: PerRaceway<Singles>,
     pub pocket: Singles,
 }
 
-/// Room for an evaluation, and what was seen in it.
+/// Work space of an evaluation, and the loads of the last one.
 #[derive(Debug, Clone)]
-pub struct Scratch {
-    pub seen: Vec<BallLoads>,
+pub(crate) struct Scratch {
+    pub ball_loads: Vec<BallLoads>,
     cage: Turn,
 }
 
 impl Scratch {
-    pub fn new(groups: usize) -> Self {
-        Self { seen: vec![BallLoads::default(); groups], cage: Turn::default() }
+    pub(crate) fn new(groups: usize) -> Self {
+        Self { ball_loads: vec![BallLoads::default(); groups], cage: Turn::default() }
     }
 }
 
-/// On the cage (y, z, moment), and the damping there.
+/// Load on the cage (y, z, moment), and its damping.
 #[derive(Clone, Copy, Default)]
 struct OnCage<T> {
     force: [T; 3],
     damping: [T; 3],
 }
 
-/// What eight balls do in the plain case.
+/// Result of eight balls in the plain case.
 #[derive(Clone, Copy, Default)]
 struct Plain {
     rates: BallRates<Singles>,
-    passed: Passed<Singles>,
+    passed: SpindleReaction<Singles>,
     on_cage: OnCage<Singles>,
     seen: BallLoads,
 }
 
-/// Sums over the groups of balls, lane by lane: on the spindle and on the cage.
+/// Sums of the loads on spindle and cage over the groups of balls, by lane.
 #[derive(Clone, Copy, Default)]
 struct AllBalls {
-    spindle: Passed<Singles>,
+    spindle: SpindleReaction<Singles>,
     cage: OnCage<Singles>,
 }
 
 impl RadiallyCondensed {
-    /// Rates at a time [s]; `spindle_acceleration`: what the spindle's is taken to be, of which place and velocity have their shares.
+    /// Rates at a time [s]; `spindle_acceleration`: predicted acceleration, with its `shares` in place and velocity.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    pub fn rates(
+    pub(crate) fn rates(
         &self,
         time: f64,
         balls: &[Balls],
@@ -108,7 +112,7 @@ impl RadiallyCondensed {
         turning
     }
 
-    /// Rates of eight balls, and what they pass on.
+    /// Rates of eight balls, and their loads on spindle and cage.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     fn group(
@@ -125,18 +129,18 @@ impl RadiallyCondensed {
             (self.is_plain, &self.traction.inner, &self.traction.outer)
         {
             let laws = PerRaceway { inner: &**inner, outer: &**outer };
-            if let Some(found) = self.plainly(drive, group, balls, border, laws) {
+            if let Some(found) = self.plain_group(drive, group, balls, border, laws) {
                 *rates = found.rates;
                 sums.add(&found.passed, &found.on_cage);
-                scratch.seen[group] = found.seen;
+                scratch.ball_loads[group] = found.seen;
                 return;
             }
         }
         let cage = self.mechanism.layout.cage;
-        // Copies: what is stored in the loops cannot change them.
+        // Local copies, which no store in the loops can change.
         let (one, all, start, present) = (self.one, &*self.all, self.start[group], self.present[group]);
         let (drive, balls, cage_arc, border) = (*drive, *balls, border.cage_arc, border.single());
-        let (mut ahead, mut held) = (Azimuth::<Singles>::default(), Held::<Singles>::default());
+        let (mut ahead, mut held) = (Azimuth::<Singles>::default(), BallInRaceways::<Singles>::default());
         if cage {
             let past = balls.past_pockets(cage_arc);
             for lane in 0..LANES {
@@ -148,29 +152,35 @@ impl RadiallyCondensed {
             }
         }
         for lane in 0..LANES {
-            held.put(lane, all.ball.at(lane).held(&drive, start.at(lane), ahead.at(lane), &border, &balls.at(lane)));
+            held.put(
+                lane,
+                all.ball.at(lane).in_raceways(&drive, start.at(lane), ahead.at(lane), &border, &balls.at(lane)),
+            );
         }
         if one.viscous > 0.0 {
             for lane in 0..LANES {
                 held.put(lane, one.with_viscous(&held.at(lane)));
             }
         }
-        let mut pushed = Pushed::<Singles>::default();
+        let mut pushed = PocketReaction::<Singles>::default();
         if cage {
             let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * one.per_pitch_radius;
             let displaced = self.film.displaced(&border, cage_spin, &held);
             if self.plain_pocket && self.film.reaches(&displaced) {
-                pushed = self.film.pushed(&held, &displaced, &present, drive.velocity_share);
+                pushed = self.film.film_reaction(&held, &displaced, &present, drive.velocity_share);
             } else {
                 let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
                 let pocket = &self.mechanism.pocket;
                 let loads = ByWall { pocket, spins: &spins, displaced: &displaced, instructions: self.instructions };
-                pushed = self.film.pushed_by_wall(&loads, &held, &present, drive.velocity_share);
+                pushed = self.film.wall_reaction(&loads, &held, &present, drive.velocity_share);
             }
         }
-        let mut loaded = Loaded::<Singles>::default();
+        let mut loaded = RacewayLoads::<Singles>::default();
         for lane in 0..LANES {
-            loaded.put(lane, all.ball.at(lane).loaded(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]));
+            loaded.put(
+                lane,
+                all.ball.at(lane).raceway_loads(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]),
+            );
         }
         let inner = match &self.traction.inner {
             RacewayTraction::Rising(law) => law.sums(&loaded.inner),
@@ -186,7 +196,7 @@ impl RadiallyCondensed {
                 self.general(&drive, false).sums(&loaded.outer, &balls.spin, &held.outer, &held.orbit)
             }
         };
-        let (mut rates_now, mut on_spindle) = (BallRates::<Singles>::default(), Passed::<Singles>::default());
+        let (mut rates_now, mut on_spindle) = (BallRates::<Singles>::default(), SpindleReaction::<Singles>::default());
         for lane in 0..LANES {
             let (held, loaded) = (held.at(lane), loaded.at(lane));
             let traction = PerRaceway { inner: inner.at(lane), outer: outer.at(lane) };
@@ -194,21 +204,21 @@ impl RadiallyCondensed {
                 lane,
                 all.ball.at(lane).rates(&drive, &balls.at(lane), &held, &loaded, &pushed.at(lane), &traction),
             );
-            on_spindle.put(lane, passed(&held, &loaded, &traction.inner, present[lane]));
+            on_spindle.put(lane, spindle_reaction(&held, &loaded, &traction.inner, present[lane]));
         }
         *rates = rates_now;
         sums.add(&on_spindle, &OnCage { force: pushed.cage, damping: pushed.cage_damping });
-        scratch.seen[group] = BallLoads {
+        scratch.ball_loads[group] = BallLoads {
             load: PerRaceway { inner: loaded.inner.load, outer: loaded.outer.load },
             slip: PerRaceway { inner: inner.slip, outer: outer.slip },
             pocket: pushed.load,
         };
     }
 
-    /// The same in one pass, where cage and film hold the balls and traction has its short form; `None`: a ball has come to the wall
-    /// of its pocket, or slips beyond the short form.
+    /// Rates of eight balls in one pass, where cage and film hold the balls and traction has its short form. `None`: a ball touches the
+    /// wall of its pocket, or slips beyond the short form.
     #[inline(always)]
-    fn plainly(
+    fn plain_group(
         &self,
         drive: &Drive,
         group: usize,
@@ -224,15 +234,15 @@ impl RadiallyCondensed {
         let mut beyond = Singles::default();
         for lane in 0..LANES {
             let (ball, one, film) = (balls.at(lane), all.ball.at(lane), all.film.at(lane));
-            let held = one.held(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball);
-            let displaced = film.displaced_one(&border, cage_spin, &held);
+            let held = one.in_raceways(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball);
+            let displaced = film.displacement_of_one(&border, cage_spin, &held);
             let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.velocity_share);
-            let loaded = one.loaded(&drive, &ball, &held, pushed.radial);
+            let loaded = one.raceway_loads(&drive, &ball, &held, pushed.radial);
             let (inner, slips) = laws.inner.all.at(lane).fitted(&loaded.inner);
             let (outer, skids) = laws.outer.all.at(lane).fitted(&loaded.outer);
             let traction = PerRaceway { inner, outer };
             found.rates.put(lane, one.rates(&drive, &ball, &held, &loaded, &pushed, &traction));
-            found.passed.put(lane, passed(&held, &loaded, &inner, present[lane]));
+            found.passed.put(lane, spindle_reaction(&held, &loaded, &inner, present[lane]));
             found.on_cage.force.put(lane, pushed.cage);
             found.on_cage.damping.put(lane, pushed.cage_damping);
             found.seen.load.inner[lane] = loaded.inner.load;
@@ -260,13 +270,13 @@ impl RadiallyCondensed {
         }
     }
 
-    /// Equations of the spindle under what balls pass on, load, weight and unbalance.
+    /// Equations of the spindle under the loads of balls, applied load, weight and unbalance.
     #[inline(always)]
     pub(super) fn defect(
         &self,
         (angle, speed, acceleration): (f64, f64, f64),
         [ay, az]: [f64; 2],
-        on_spindle: &Passed<Singles>,
+        on_spindle: &SpindleReaction<Singles>,
     ) -> Defect {
         let m = &self.mechanism;
         let mut spindle = Defect {
@@ -312,7 +322,7 @@ impl RadiallyCondensed {
 
 impl AllBalls {
     #[inline(always)]
-    fn add(&mut self, spindle: &Passed<Singles>, cage: &OnCage<Singles>) {
+    fn add(&mut self, spindle: &SpindleReaction<Singles>, cage: &OnCage<Singles>) {
         for lane in 0..LANES {
             self.spindle.force.0[lane] += spindle.force.0[lane];
             self.spindle.force.1[lane] += spindle.force.1[lane];
@@ -325,7 +335,7 @@ impl AllBalls {
     }
 }
 
-/// Sum over the lanes, always in the same order: of the halves, of their halves, and so on, each in one go.
+/// Sum over the lanes, always in the same order: pairs of halves, then of quarters, then of eighths.
 #[inline(always)]
 pub(super) fn total<T: Real + Into<f64>>(lanes: &Lanes<LANES, T>) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes.0;
@@ -334,7 +344,7 @@ pub(super) fn total<T: Real + Into<f64>>(lanes: &Lanes<LANES, T>) -> f64 {
     (m + n).into()
 }
 
-/// An azimuth on its way: turned on by small angles, anew after some of them.
+/// A turning azimuth: rotated by small angles, and evaluated exactly after a number of them.
 #[derive(Debug, Clone)]
 struct Turn {
     angle: f64,
@@ -349,15 +359,17 @@ impl Default for Turn {
 }
 
 impl Turn {
-    const SMALL: f64 = 0.05;
-    const ANEW: u32 = 64;
+    /// Largest angle of one rotation [rad].
+    const MAX_ANGLE: f64 = 0.05;
+    /// Number of rotations between two exact evaluations.
+    const MAX_ROTATIONS: u32 = 64;
 
     #[inline(always)]
     fn to(&mut self, angle: f64) -> Azimuth {
         let by = angle - self.angle;
         self.angle = angle;
-        if self.left == 0 || by.abs() > Self::SMALL {
-            self.left = Self::ANEW;
+        if self.left == 0 || by.abs() > Self::MAX_ANGLE {
+            self.left = Self::MAX_ROTATIONS;
             self.azimuth = Azimuth::new(angle);
         } else {
             self.left -= 1;

@@ -32,5 +32,6 @@ mod run;
 pub use crate::simulation::model::step_ratio::StepRatio;
 pub use applicability::inapplicability;
 pub use equations::RadiallyCondensed;
-pub use run::{simulate, simulate_perturbed};
+pub use run::simulate;
+pub(crate) use run::simulate_perturbed;
 pub use stepping::{Observe, Stepper};

@@ -1,4 +1,4 @@
-//! Observer at the motion, one a step: what of it is kept.
+//! The observer of the radially condensed model, which records every step.
 
 use super::equations::RadiallyCondensed;
 use super::evaluation::{BallLoads, total};
@@ -18,49 +18,53 @@ use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, picked_channels};
 use crate::simulation::recording::windows::Recorder;
 
-/// Signals of the spindle.
+/// Number of signals of the spindle.
 const SIGNALS: usize = SPINDLE_IN_PLANE.len();
 
-/// Frames that are taken in at once.
+/// Number of frames that are processed together.
 const FRAMES: usize = 64;
 
-/// When something is kept, in steps.
+/// Steps of the recorded time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Schedule {
     pub ratio: StepRatio,
-    /// Steps of the first and of the last kept value, and the number of values.
+    /// Step of the first recorded value.
     pub first: u64,
+    /// Step of the last recorded value.
     pub last: u64,
+    /// Number of recorded values.
     pub values: usize,
-    /// Steps by which the filter comes later.
+    /// Delay of the filter in steps.
     pub delay: usize,
 }
 
-/// What was seen so far.
+/// Observer of a run with the recording so far.
 pub(super) struct Observer<'a> {
     model: &'a RadiallyCondensed,
     schedule: Schedule,
     decimator: Decimator,
     interpolator: Interpolator<SIGNALS>,
-    /// Frames that wait, one a step, and the step of the first of them: some at once are quicker.
+    /// Frames of the last steps, not yet processed: several together are faster.
     frames: Vec<[f64; SIGNALS]>,
+    /// Step of the first of these frames.
     waiting_from: u64,
-    /// The first frame stands for what was before: the run has none.
+    /// Whether the first frame replaces the missing past of a run without settling time.
     primed: bool,
     filtered: Recorder,
     picked: Recorder,
     channels: Vec<Channel>,
-    /// Of those at the last look and at this one.
+    /// Values of these channels at the last step and at this one.
     pick: [Vec<f64>; 2],
-    /// Room for those between two looks, and the next of them, in parts of a step from the last look.
+    /// Values of these channels between two steps.
     between: Vec<f64>,
+    /// Time of the next such value after the last step, in parts of a step.
     next_pick: usize,
-    /// Of the spindle's signals and of their squares, from the first one on, and what they are counted from.
+    /// Sums of the spindle's signals and of their squares, both relative to the first values `origin`.
     sums: [f64; SIGNALS],
     squares: [f64; SIGNALS],
     origin: [f64; SIGNALS],
-    /// Sums at the kept values, and their number: of the shaft's speed, of the cage's velocity along the arc, and, lane by lane, of the
-    /// balls' velocities along it and of their spins.
+    /// Sums over the `kept` steps: of the shaft's speed, of the cage's velocity along the arc, and, by lane, of the balls' velocities
+    /// along the arc and of their spins.
     shaft: f64,
     cage: f64,
     arc_velocity: Lanes,
@@ -73,7 +77,7 @@ pub(super) struct Observer<'a> {
     thinnest: Option<PerRaceway<ThinnestFilm>>,
 }
 
-/// Largest values so far, group by group.
+/// Largest values so far, by group of balls.
 struct Extremes {
     load: Vec<PerRaceway<Singles>>,
     slip: PerRaceway<Singles>,
@@ -101,7 +105,7 @@ impl Extremes {
 }
 
 impl<'a> Observer<'a> {
-    pub fn new(model: &'a RadiallyCondensed, outputs: &Outputs, schedule: Schedule, primed: bool) -> Self {
+    pub(super) fn new(model: &'a RadiallyCondensed, outputs: &Outputs, schedule: Schedule, primed: bool) -> Self {
         let channels = picked_channels(outputs, model.mechanism().layout.cage);
         let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), outputs, schedule.values);
         let extremes = Extremes {
@@ -142,7 +146,7 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// At the first kept value.
+    /// Prepares filter and sums at the first recorded value.
     #[inline(never)]
     fn begin(&mut self, frame: &[f64; SIGNALS]) {
         self.origin = *frame;
@@ -152,8 +156,8 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Takes in the frames that wait: those of the kept time into the sums, and all of them through the filter where steps are shorter
-    /// than the interval of the kept values, or with the values between steps where they are longer.
+    /// Processes the waiting frames. Those of the recorded time enter the sums. All of them pass the filter where steps are shorter than the
+    /// interval of recorded values, or the interpolation where steps are longer.
     #[inline(never)]
     fn keep_frames(&mut self) {
         let (mut sums, mut squares) = (self.sums, self.squares);
@@ -181,20 +185,20 @@ impl<'a> Observer<'a> {
         self.frames.clear();
     }
 
-    /// Speeds and all channels besides the spindle's, as they stand.
+    /// Records speeds and all channels other than the spindle's at this step.
     #[inline(always)]
     fn keep(&mut self, stepper: &Stepper<'_>) {
         let model = self.model;
         let m = model.mechanism();
         let speed = model.speed_at(stepper.time());
         let cage_arc = stepper.border().cage_arc;
-        // Copies: what is stored in the loop cannot change them.
+        // Local copies, which no store in the loop can change.
         let (mut largest_pocket_offset, mut arc_velocity, mut spin) =
             (self.largest_pocket_offset, self.arc_velocity, self.spin);
         for (balls, present) in stepper.balls().iter().zip(&model.present) {
             let (balls, present) = (*balls, *present);
             for lane in 0..LANES {
-                // Copies of the last ball are as far as it is.
+                // Copies of the last ball have the same offset as the ball.
                 largest_pocket_offset[lane] = larger(largest_pocket_offset[lane], (balls.arc[lane] - cage_arc).abs());
                 arc_velocity[lane] += f64::from(balls.arc_velocity[lane] * present[lane]);
                 spin[lane] += f64::from(balls.spin[lane] * present[lane]);
@@ -209,7 +213,7 @@ impl<'a> Observer<'a> {
         }
         let StepRatio { steps, values } = self.schedule.ratio;
         if values > 1 && self.kept > 0.0 && !now.is_empty() {
-            // Straight between steps.
+            // Linear interpolation between steps.
             while self.next_pick < values {
                 let part = self.next_pick as f64 / values as f64;
                 let between = last.iter_mut().zip(now.iter()).map(|(last, now)| *last + part * (now - *last));
@@ -226,7 +230,7 @@ impl<'a> Observer<'a> {
         if let Some(loads) = &mut self.loads {
             loads.offer(|| {
                 let (angle, _, _) = m.speed.at(stepper.time());
-                let (arc, load) = (stepper.balls()[0].arc[0], &stepper.seen()[0].load);
+                let (arc, load) = (stepper.balls()[0].arc[0], &stepper.ball_loads()[0].load);
                 let azimuth = m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius;
                 (azimuth, load.inner[0].into(), load.outer[0].into())
             });
@@ -237,16 +241,16 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// rms of the spindle's accelerations in y and z so far [m/s²]; `None` before anything is kept.
-    pub fn accelerations(&self) -> Option<[f64; 2]> {
+    /// rms of the spindle's accelerations in y and z so far [m/s²]; `None` before the first recorded value.
+    pub(super) fn accelerations(&self) -> Option<[f64; 2]> {
         self.filtered.accelerations()
     }
 
-    /// What was seen.
-    pub fn finish(mut self, start: f64) -> Recording {
+    /// The recording; `start`: time of the first recorded value [s].
+    pub(super) fn finish(mut self, start: f64) -> Recording {
         self.keep_frames();
         if self.schedule.ratio.is_long() && !self.channels.is_empty() {
-            // The last value of all may fall on the last step.
+            // The last value may be at the time of the last step.
             self.picked.push(&self.pick[0]);
         }
         let count = (self.schedule.last - self.schedule.first + 1) as f64;
@@ -258,7 +262,7 @@ impl<'a> Observer<'a> {
         let per_ball = 1.0 / (self.kept * m.layout.balls as f64);
         let shaft = self.shaft / self.kept;
         let orbit = total(&self.arc_velocity) * per_ball / m.pitch_radius;
-        // Without a cage the balls' mean orbit speed stands for it.
+        // Without a cage the mean orbit speed of the balls replaces its speed.
         let cage = if m.layout.cage { self.cage / self.kept / m.pitch_radius } else { orbit };
         let contacts = self.contacts();
         let (spindle, _) = self.filtered.finish();
@@ -304,7 +308,7 @@ impl<'a> Observer<'a> {
     }
 }
 
-/// One look after the other, in the order of the steps.
+/// Observes each step in order.
 impl Observe for Observer<'_> {
     #[inline(always)]
     fn observe(&mut self, stepper: &Stepper<'_>) {
@@ -317,7 +321,7 @@ impl Observe for Observer<'_> {
             self.begin(&frame(stepper));
         }
         if let (true, Some(extremes)) = (counts, &mut self.extremes) {
-            stepper.seen().iter().enumerate().for_each(|(group, seen)| extremes.observe(group, seen));
+            stepper.ball_loads().iter().enumerate().for_each(|(group, seen)| extremes.observe(group, seen));
         }
         if !self.primed || now >= schedule.first {
             if self.frames.is_empty() {
@@ -335,7 +339,7 @@ impl Observe for Observer<'_> {
     }
 }
 
-/// The spindle's signals at a look, as they stand in the stepper: what has just been stored in pairs can be read at once only so.
+/// The spindle's signals at a step, in the order of the stepper: values that were just stored in pairs can be loaded in pairs at once.
 #[inline(always)]
 fn frame(stepper: &Stepper<'_>) -> [f64; SIGNALS] {
     let (border, [ay, az]) = (stepper.border(), stepper.spindle_acceleration());
@@ -343,7 +347,7 @@ fn frame(stepper: &Stepper<'_>) -> [f64; SIGNALS] {
     [y, z, vy, vz, ay, az]
 }
 
-/// A channel besides the spindle's.
+/// Value of a channel other than the spindle's.
 fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, speed: f64) -> f64 {
     let m = model.mechanism();
     let border = stepper.border();
@@ -358,7 +362,7 @@ fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, spe
             m.spin_ratio * speed + f64::from(balls.spin[lane]) - orbit
         }
         Channel::BallLoad(ball, contact) => {
-            let (seen, lane) = (&stepper.seen()[ball / LANES], ball % LANES);
+            let (seen, lane) = (&stepper.ball_loads()[ball / LANES], ball % LANES);
             f64::from(match contact {
                 BallContact::Inner => seen.load.inner[lane],
                 BallContact::Outer => seen.load.outer[lane],
@@ -368,12 +372,12 @@ fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, spe
     }
 }
 
-/// Meets the films under load, at the kept values.
+/// Records the film thickness of all contacts under load.
 fn meet_films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, thinnest: &mut PerRaceway<ThinnestFilm>) {
     let m = model.mechanism();
     for ball in 0..m.layout.balls {
         let (balls, lane) = (&stepper.balls()[ball / LANES], ball % LANES);
-        let seen = &stepper.seen()[ball / LANES];
+        let seen = &stepper.ball_loads()[ball / LANES];
         let orbit = m.orbit_ratio * speed + f64::from(balls.arc_velocity[lane]) / m.pitch_radius;
         let meet = |contact: &RacewayContact, raceway_speed: f64, normal: f64, thinnest: &mut ThinnestFilm| {
             if normal <= 0.0 {

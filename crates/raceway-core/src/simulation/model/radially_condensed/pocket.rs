@@ -1,40 +1,43 @@
 //! Pockets of several balls: the film in a short form, walls and hydrodynamic terms by the pocket of the full model.
 
-use super::ball::{Held, Pushed};
+use super::ball::{BallInRaceways, PocketReaction};
 use super::border::Border;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Singles, Task, larger, side_by_side, smaller};
 use crate::physics::pocket::{DAMPING_ONSET, Pocket, PocketLoad, PocketMotion};
 
-/// Stands in for no displacement at all where its direction is asked for [m²].
+/// Smallest squared displacement [m²], which keeps its direction finite.
 const TINY: f32 = 1e-30;
 
-/// The film of the pockets of a cage, and how the cage moves.
+/// Film of the pockets of a cage.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Film<T = f32> {
-    /// [N/m], [N s/m], [m]
+    /// Stiffness [N/m].
     pub stiffness: T,
+    /// Damping [N s/m].
     pub damping: T,
+    /// Clearance between ball and wall [m].
     pub clearance: T,
+    /// Pitch radius [m].
     pub pitch_radius: T,
 }
 side_by_side!(Film { stiffness, damping, clearance, pitch_radius });
 
-/// Of a ball in its pocket: n outwards, t along the orbit.
+/// Displacement and velocity of a ball in its pocket: n outwards, t along the orbit.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Displaced<T = f32> {
+pub(super) struct PocketDisplacement<T = f32> {
     displacement: (T, T),
     velocity: (T, T),
     distance: T,
 }
-side_by_side!(Displaced { displacement, velocity, distance });
+side_by_side!(PocketDisplacement { displacement, velocity, distance });
 
-/// Force on the ball (n, t) [N].
+/// Force of a pocket on its ball (n, t) [N].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Push {
+pub(super) struct PocketForce {
     load: f32,
     force: (f32, f32),
     moment: f32,
-    /// From the pocket's centre to where the cage is pushed.
+    /// Lever from the pocket's centre to the point of contact [m].
     lever: (f32, f32),
     damping: f32,
     /// Force over distance [N/m].
@@ -45,11 +48,16 @@ pub(super) struct Push {
 
 impl Film {
     #[inline(always)]
-    pub fn displaced_one(&self, border: &Border<f32>, cage_spin: f32, held: &Held) -> Displaced {
+    pub(crate) fn displacement_of_one(
+        &self,
+        border: &Border<f32>,
+        cage_spin: f32,
+        held: &BallInRaceways,
+    ) -> PocketDisplacement {
         let ([cy, cz], [vy, vz, _]) = (border.cage, border.cage_velocity);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
-        // Differences of what is nearly the same are taken beforehand: 1 − cos, radius less pitch radius, orbit speed less the cage's.
+        // Small differences come from closed forms: 1 − cos, radius less pitch radius, orbit speed less the cage's.
         let versine = 0.5 * ds * ds * (1.0 + 0.25 * ds * ds);
         let (cage_n, cage_t) = (cy * nc + cz * ns, cz * nc - cy * ns);
         let past = held.radius * held.past_cage;
@@ -57,17 +65,17 @@ impl Film {
         let t = held.radius * ds - cage_t;
         let v_n = held.radial_velocity * dc - past * ds - (vy * nc + vz * ns) - cage_spin * cage_t;
         let v_t = held.radial_velocity * ds + past * dc - (vz * nc - vy * ns) + cage_spin * cage_n;
-        Displaced { displacement: (n, t), velocity: (v_n, v_t), distance: (n * n + t * t).sqrt() }
+        PocketDisplacement { displacement: (n, t), velocity: (v_n, v_t), distance: (n * n + t * t).sqrt() }
     }
 
-    /// The force of the film: stiffness and damping along the displacement, not below 0.
+    /// Force of the film: stiffness and damping along the displacement, never attractive.
     #[inline(always)]
-    pub fn push(&self, displaced: &Displaced) -> Push {
+    pub(super) fn push(&self, displaced: &PocketDisplacement) -> PocketForce {
         let ((n, t), (v_n, v_t)) = (displaced.displacement, displaced.velocity);
         let per_square = 1.0 / (n * n + t * t + TINY);
         let damping = self.damping * smaller(displaced.distance * (1.0 / DAMPING_ONSET as f32), 1.0);
         let over_distance = larger(self.stiffness + damping * ((n * v_n + t * v_t) * per_square), 0.0);
-        Push {
+        PocketForce {
             load: over_distance * displaced.distance,
             force: (-over_distance * n, -over_distance * t),
             moment: 0.0,
@@ -78,9 +86,16 @@ impl Film {
         }
     }
 
-    /// Turned to the ball's own orbit and, with `present`, to the cage; `share`: of velocities in places [s].
+    /// Load in the directions of the ball's orbit and, times `present`, of the cage; `share`: of velocities in places [s].
     #[inline(always)]
-    pub fn turned(&self, held: &Held, displaced: &Displaced, push: &Push, present: f32, share: f32) -> Pushed {
+    pub(super) fn turned(
+        &self,
+        held: &BallInRaceways,
+        displaced: &PocketDisplacement,
+        push: &PocketForce,
+        present: f32,
+        share: f32,
+    ) -> PocketReaction {
         let ((n, t), (d_n, d_t)) = (push.force, displaced.displacement);
         let (dc, ds) = (held.ahead.cosine, held.ahead.sine);
         let (nc, ns) = (held.pocket.cosine, held.pocket.sine);
@@ -88,10 +103,10 @@ impl Film {
         let (d_y, d_z) = (d_n * nc - d_t * ns, d_n * ns + d_t * nc);
         let (n_present, t_present) = (present * n, present * t);
         let (arm_n, arm_t) = (self.pitch_radius + d_n + push.lever.0, d_t + push.lever.1);
-        // What holds a place holds the velocity in it.
+        // The stiffness acts on the share of velocities in places as a damping.
         let by_place = share * push.held;
         let damping = square * d_t * d_t + by_place;
-        Pushed {
+        PocketReaction {
             load: push.load,
             radial: n * dc + t * ds,
             along: t * dc - n * ds,
@@ -110,38 +125,43 @@ impl Film {
         }
     }
 
-    /// How far a ball is beyond the wall of its pocket [m].
+    /// Penetration of a ball into the wall of its pocket [m]; negative without contact.
     #[inline(always)]
-    pub fn beyond(&self, displaced: &Displaced) -> f32 {
+    pub(super) fn beyond(&self, displaced: &PocketDisplacement) -> f32 {
         displaced.distance - self.clearance
     }
 
-    /// Where balls are in their pockets.
+    /// Displacements of balls in their pockets.
     #[inline(always)]
-    pub fn displaced(self, border: &Border<f32>, cage_spin: f32, held: &Held<Singles>) -> Displaced<Singles> {
-        let mut displaced = Displaced::<Singles>::default();
+    pub(super) fn displaced(
+        self,
+        border: &Border<f32>,
+        cage_spin: f32,
+        held: &BallInRaceways<Singles>,
+    ) -> PocketDisplacement<Singles> {
+        let mut displaced = PocketDisplacement::<Singles>::default();
         for lane in 0..LANES {
-            displaced.put(lane, self.displaced_one(border, cage_spin, &held.at(lane)));
+            displaced.put(lane, self.displacement_of_one(border, cage_spin, &held.at(lane)));
         }
         displaced
     }
 
-    /// Whether no ball has come to the wall of its pocket.
+    /// Returns whether every ball is off the wall of its pocket.
     #[inline(always)]
-    pub fn reaches(&self, displaced: &Displaced<Singles>) -> bool {
+    pub(super) fn reaches(&self, displaced: &PocketDisplacement<Singles>) -> bool {
         (0..LANES).all(|lane| self.beyond(&displaced.at(lane)) <= 0.0)
     }
 
-    /// Pockets with nothing but their film.
+    /// Loads of pockets whose film alone acts.
     #[inline(always)]
-    pub fn pushed(
+    pub(crate) fn film_reaction(
         self,
-        held: &Held<Singles>,
-        displaced: &Displaced<Singles>,
+        held: &BallInRaceways<Singles>,
+        displaced: &PocketDisplacement<Singles>,
         present: &Singles,
         share: f32,
-    ) -> Pushed<Singles> {
-        let mut pushed = Pushed::<Singles>::default();
+    ) -> PocketReaction<Singles> {
+        let mut pushed = PocketReaction::<Singles>::default();
         for lane in 0..LANES {
             let one = displaced.at(lane);
             pushed.put(lane, self.turned(&held.at(lane), &one, &self.push(&one), present[lane], share));
@@ -149,21 +169,21 @@ impl Film {
         pushed
     }
 
-    /// The same by the pockets of the full model.
+    /// Loads by the pockets of the full model.
     #[inline(never)]
-    pub fn pushed_by_wall(
+    pub(crate) fn wall_reaction(
         &self,
         by_wall: &ByWall<'_>,
-        held: &Held<Singles>,
+        held: &BallInRaceways<Singles>,
         present: &Singles,
         share: f32,
-    ) -> Pushed<Singles> {
+    ) -> PocketReaction<Singles> {
         let load = by_wall.loads();
-        let mut pushed = Pushed::<Singles>::default();
+        let mut pushed = PocketReaction::<Singles>::default();
         for lane in 0..LANES {
             let (at, load) = (by_wall.displaced.at(lane), load.at(lane));
             let single = |[_, n, t]: [f64; 3]| (n as f32, t as f32);
-            let push = Push {
+            let push = PocketForce {
                 load: load.normal as f32,
                 force: single(load.force),
                 moment: load.moment[0] as f32,
@@ -176,11 +196,11 @@ impl Film {
     }
 }
 
-/// Pockets of the full model, and how balls move in them; `spins`: of the balls over the cage's.
+/// Pockets of the full model with the motion of their balls; `spins`: of the balls relative to the cage.
 pub(super) struct ByWall<'a> {
     pub pocket: &'a Pocket,
     pub spins: &'a Singles,
-    pub displaced: &'a Displaced<Singles>,
+    pub displaced: &'a PocketDisplacement<Singles>,
     pub instructions: InstructionSet,
 }
 
@@ -201,7 +221,7 @@ impl ByWall<'_> {
     }
 }
 
-/// To be compiled for each instruction set.
+/// Pocket loads, compiled for each instruction set.
 struct PocketLoads<'a> {
     pocket: &'a Pocket,
     motion: &'a PocketMotion<Lanes>,

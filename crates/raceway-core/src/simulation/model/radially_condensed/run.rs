@@ -1,7 +1,7 @@
-//! What a run on this rung leaves behind: the same recording as that of the full dynamics.
+//! Run of the radially condensed model, with the same recording as that of the full dynamics.
 //!
-//! Where steps are shorter than the interval of the kept values, the spindle's signals pass the low-pass filter of
-//! `numerics/spectrum.rs` on their way to it; where they are longer, values between steps come from `numerics/interpolation.rs`.
+//! Where steps are shorter than the interval of recorded values, the spindle's signals pass the low-pass filter of
+//! `numerics/spectrum.rs`. Where steps are longer, `numerics/interpolation.rs` gives the values between them.
 
 use super::equations::RadiallyCondensed;
 use super::observer::{Observer, Schedule};
@@ -11,18 +11,18 @@ use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::step_ratio::{MOST_STEPS, StepRatio};
+use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::kept_values;
 
-/// Steps between two looks at `Control`.
-const STEPS_PER_LOOK: u64 = 256;
-/// So many times as many steps are tried where the motion is lost.
-const FINER: usize = 4;
-/// A spindle or cage beyond this is lost [m, m/s].
-const FARTHEST: f64 = 1.0;
+/// Steps between two polls of `Control`.
+const STEPS_PER_POLL: u64 = 256;
+/// Refinement of the steps after a run that diverged [-].
+const REFINEMENT: usize = 4;
+/// Largest displacement [m] or velocity [m/s] of spindle and cage: beyond it the run has diverged.
+const MAX_MOTION: f64 = 1.0;
 
-/// Simulates a scene on this rung. Deterministic: the same arguments give the same bits.
+/// Simulates a scene on this model level. Deterministic: the same arguments give the same bits.
 pub fn simulate(
     scene: &Scene,
     settings: &RunSettings,
@@ -31,9 +31,8 @@ pub fn simulate(
     run(&RadiallyCondensed::new(scene, &settings.outputs)?, settings, control)
 }
 
-/// The same with the spindle starting a little beside its equilibrium (y, z) [m], and nothing kept that is asked for as a
-/// spectrum or a series.
-pub fn simulate_perturbed(
+/// Simulates a scene with the spindle displaced from its equilibrium by (y, z) [m] at the start, without spectra and series.
+pub(crate) fn simulate_perturbed(
     scene: &Scene,
     displacement: [f64; 2],
     settings: &RunSettings,
@@ -51,16 +50,15 @@ fn run(
 ) -> Result<(Recording, Statistics), SimulationError> {
     let mut ratio = model.step_ratio_for(settings);
     loop {
-        if ratio.steps > MOST_STEPS {
-            let reason =
-                format!("spindle, cage or traction are too quick for it: they need steps of {:.1e} s", ratio.step());
+        if ratio.steps > MAX_STEPS_PER_VALUE {
+            let reason = format!("spindle, cage or traction are too fast: they need steps of {:.1e} s", ratio.step());
             return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason });
         }
         match model.run(settings, ratio, control) {
-            // What comes later in a run, such as balls thrown against their walls by a changing speed, is not foreseen. Where another
-            // rung can follow, it is the quicker way out.
+            // Later events, such as balls that hit their pocket walls as the speed changes, cannot be predicted. Finer steps are tried only
+            // where no other model level can replace this one, which would be faster.
             Err(SimulationError::Integration { .. }) if settings.rung.is_some() && settings.fixed_step.is_none() => {
-                ratio = StepRatio::of_steps(FINER * ratio.steps);
+                ratio = StepRatio::of_steps(REFINEMENT * ratio.steps);
             }
             ended => return ended,
         }
@@ -68,7 +66,7 @@ fn run(
 }
 
 impl RadiallyCondensed {
-    /// Runs from equilibrium through settling and kept time.
+    /// Runs from equilibrium through settling and recorded time.
     pub fn run(
         &self,
         settings: &RunSettings,
@@ -77,7 +75,7 @@ impl RadiallyCondensed {
     ) -> Result<(Recording, Statistics), SimulationError> {
         let step = ratio.step();
         let values = kept_values(settings.duration);
-        // The first kept value falls on a step: the part of a step before that is a short start.
+        // The first recorded value is at the end of a step: the run starts later by a part of a step.
         let before = (settings.settle / step).floor();
         let offset = settings.settle - before * step;
         let (balls, border) = self.start();
@@ -86,7 +84,7 @@ impl RadiallyCondensed {
         let last = first + ((values - 1) * ratio.steps).div_ceil(ratio.values) as u64;
         let delay = ratio.delay();
         let schedule = Schedule { ratio, first, last, values, delay };
-        // A run without time to settle has no past for the filter: it starts from a standstill then.
+        // A run without settling time has no past for the filter, which then starts from a standstill.
         let primed = first < stepper.steps() + delay as u64;
         let mut observer = Observer::new(self, &settings.outputs, schedule, primed);
         let all = last + delay as u64 + 1;
@@ -94,7 +92,7 @@ impl RadiallyCondensed {
             if (control.stop)() {
                 return Err(SimulationError::Stopped { time: stepper.time() });
             }
-            stepper.advance(STEPS_PER_LOOK.min(all - stepper.steps()), &mut observer);
+            stepper.advance(STEPS_PER_POLL.min(all - stepper.steps()), &mut observer);
             finite(&stepper)?;
             (control.progress)(stepper.steps() as f64 / all as f64);
             let phase = if stepper.steps() < first { Phase::Settling } else { Phase::Recording };
@@ -114,7 +112,7 @@ impl RadiallyCondensed {
 fn finite(stepper: &Stepper<'_>) -> Result<(), SimulationError> {
     let border = stepper.border();
     let moved = border.spindle.iter().chain(&border.spindle_velocity).chain(&border.cage);
-    if moved.into_iter().any(|x| x.is_nan() || x.abs() > FARTHEST) {
+    if moved.into_iter().any(|x| x.is_nan() || x.abs() > MAX_MOTION) {
         let source = IntegrationError::NotFinite { time: stepper.time(), step: stepper.step_length(), component: 0 };
         return Err(SimulationError::Integration { source, entry: "spindle or cage, radially condensed".into() });
     }

@@ -2,28 +2,29 @@
 
 use super::equations::RadiallyCondensed;
 use crate::simulation::input::settings::RunSettings;
-use crate::simulation::model::step_ratio::{MOST_STEPS, StepRatio};
+use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::sampling::RATE;
 
-/// Largest product of the step with the rate at which the contacts at rest damp the spindle, and with its frequency on them.
-const LARGEST_DECAY: f64 = 0.2;
-const LARGEST_TURN: f64 = 0.4;
-/// The latter of steps that are tried before they are taken.
-const LARGEST_TURN_TRIED: f64 = 0.9;
-/// Largest product of the step with the rate at which traction holds a ball: beyond, what its slope changes by from step to step
-/// is too much.
-const LARGEST_HOLD: f64 = 100.0;
-/// Largest product of the step with the frequency of the cage on its film: beyond, that motion is damped by a decibel and more.
-const LARGEST_FILM_TURN: f64 = 0.75;
-/// The same of steps that are tried before they are taken, where nobody looks at that motion.
-const LARGEST_FILM_TURN_TRIED: f64 = 1.0;
-/// The longest step that is tried [s]: 19.5 µs. Longer ones hold, too, but gain little beside a check that takes ten times as long.
-const LONGEST: f64 = 20e-6;
+/// Largest product of the step with the damping rate of the spindle on its contacts at rest [-].
+const MAX_DECAY: f64 = 0.2;
+/// Largest product of the step with the frequency of the spindle on its contacts at rest [rad].
+const MAX_PHASE: f64 = 0.4;
+/// That phase for longer steps, which a run has to verify [rad].
+const MAX_PHASE_VERIFIED: f64 = 0.9;
+/// Largest product of the step with the traction rate of a ball [-]: beyond it, the slope of traction changes too much between steps.
+const MAX_TRACTION_DECAY: f64 = 100.0;
+/// Largest product of the step with the frequency of the cage on its film [rad]: beyond it, the steps damp that motion by a decibel or more.
+const MAX_FILM_PHASE: f64 = 0.75;
+/// That phase for longer steps, which a run has to verify, where no output shows the motion of the cage [rad].
+const MAX_FILM_PHASE_VERIFIED: f64 = 1.0;
+/// The longest step to verify [s]: 19.5 µs. Longer steps are stable, too, but gain little next to a verification that takes ten times as
+/// long.
+const MAX_STEP: f64 = 20e-6;
 impl RadiallyCondensed {
-    /// Longest steps that serve: a film holds the balls in their pockets gently, walls do not; the spindle on its loaded
-    /// contacts, the cage on a stiff film and steep traction bound them.
+    /// Longest steps that are stable and accurate. The spindle on its loaded contacts, the cage on a stiff film and steep traction bound
+    /// them. Pocket walls need shorter steps than films.
     pub fn step_ratio(&self) -> StepRatio {
-        let stable = (self.fastest(LARGEST_TURN, LARGEST_FILM_TURN) / RATE).ceil().max(1.0) as usize;
+        let stable = (self.fastest(MAX_PHASE, MAX_FILM_PHASE) / RATE).ceil().max(1.0) as usize;
         StepRatio::of_steps(stable.max(if self.is_gentle() { 1 } else { 4 }))
     }
 
@@ -32,33 +33,34 @@ impl RadiallyCondensed {
         settings.fixed_step.map_or(self.step_ratio(), StepRatio::of)
     }
 
-    /// Finer steps than those of a run: its own where it took longer ones, else half of them; `None`: they would be too many.
-    pub fn finer_step_ratio(&self, settings: &RunSettings) -> Option<StepRatio> {
+    /// Finer steps than those of a run: `step_ratio` where the run took longer ones, else half of its steps; `None` where they would be too
+    /// many.
+    pub(crate) fn finer_step_ratio(&self, settings: &RunSettings) -> Option<StepRatio> {
         let (own, taken) = (self.step_ratio(), self.step_ratio_for(settings));
         let finer = if taken.is_long() && !own.is_long() { own } else { StepRatio::of_steps(2 * taken.steps) };
-        (finer.steps <= MOST_STEPS).then_some(finer)
+        (finer.steps <= MAX_STEPS_PER_VALUE).then_some(finer)
     }
 
-    /// Longer steps that may serve, the longest first: what they do to the levels has to be tried.
+    /// Longer steps that may be accurate, the longest first. Their effect on the levels has to be verified.
     pub fn longer_step_ratios(&self) -> impl Iterator<Item = StepRatio> {
-        let film_turn = if self.shows_cage { LARGEST_FILM_TURN } else { LARGEST_FILM_TURN_TRIED };
+        let film_turn = if self.shows_cage { MAX_FILM_PHASE } else { MAX_FILM_PHASE_VERIFIED };
         let longest =
-            if self.is_gentle() { LONGEST.min(1.0 / self.fastest(LARGEST_TURN_TRIED, film_turn)) } else { 0.0 };
+            if self.is_gentle() { MAX_STEP.min(1.0 / self.fastest(MAX_PHASE_VERIFIED, film_turn)) } else { 0.0 };
         StepRatio::LONG.into_iter().filter(move |ratio| ratio.step() <= longest)
     }
 
-    /// Whether nothing but films acts in the pockets, as long as balls stay off their walls.
+    /// Returns whether only films act in the pockets, as long as balls stay off the walls.
     fn is_gentle(&self) -> bool {
         !self.mechanism().layout.cage || self.pockets_are_damped()
     }
 
-    /// 1 over the longest step that damping and traction bear, the spindle turning by so much in it on its contacts and the cage on its
-    /// film [1/s].
+    /// Reciprocal of the longest step that damping and traction allow [1/s], with given largest phases of the spindle on its contacts and of
+    /// the cage on its film [rad].
     fn fastest(&self, turn: f64, film_turn: f64) -> f64 {
         let on_film = if self.mechanism().layout.cage { self.film_frequency() } else { 0.0 };
-        (self.spindle_rates[0] / LARGEST_DECAY)
+        (self.spindle_rates[0] / MAX_DECAY)
             .max(self.spindle_rates[1] / turn)
             .max(on_film / film_turn)
-            .max(self.traction_rate / LARGEST_HOLD)
+            .max(self.traction_rate / MAX_TRACTION_DECAY)
     }
 }

@@ -1,24 +1,23 @@
-//! Steps of fixed length through the radially condensed equations: one evaluation a step.
+//! Fixed steps through the radially condensed equations: one evaluation a step.
 //!
-//! The same for the spindle, each ball and the cage: the motion at the new time is predicted from its past, evaluated there, and
-//! corrected by one step of Newton's method to what an implicit formula asks for. Orbit speed and spin of each ball and the velocity
-//! of the cage, which traction and pocket film hold with rates beyond 1/h, take backward differentiation, order 3 for the balls
-//! and 2 for the cage; p is where the polynomial through the last values takes y, A the slope of the rates f (2 × 2 a ball, the
-//! diagonal for the cage):
+//! Spindle, balls and cage share one scheme. The motion at the new time is predicted from its past, evaluated there, and corrected by
+//! one step of Newton's method towards an implicit formula. Traction and pocket film act on orbit speed and spin of each ball and on
+//! the velocity of the cage at rates beyond 1/h. Those take backward differentiation, of order 3 for the balls and 2 for the cage. Here
+//! p is the extrapolation of y from the last values, and A the slope of the rates f (2 × 2 for a ball, the diagonal for the cage):
 //!
 //! ```text
 //! (Σ a_i − h A) (y_{n+1} − p) = h f(p) − Σ a_i over p and the past
 //! ```
 //!
-//! Any A keeps the order. What a film does goes with places: in A by what places have of velocities. Azimuths and places of the cage
+//! Any A keeps the order. The stiffness of films enters A through the share of velocities in places. Azimuths and places of the cage
 //! take Adams–Moulton with the new velocities. The spindle is predicted by Adams–Bashforth and corrected by Adams–Moulton with the
 //! stiffness and the damping of the raceways. The first steps are of rising order and a sixteenth of the length.
 //!
-//! Traction couples a ball to the spindle by rates of 1e6/s, and what the predicted slip lacks is worth many times the force there. So
-//! each ball is eliminated from the spindle's equations before these are solved, and then follows the spindle; without that, errors are
-//! several times as large.
+//! Traction couples a ball to the spindle at rates of 1e6/s, and an error of the predicted slip would be many times the force there. So
+//! each ball is eliminated from the spindle's equations before their solution, and then follows the spindle. Without the elimination
+//! errors are several times as large.
 
-use super::ball::{BallRates, Balls, OneBall, Passed};
+use super::ball::{BallRates, Balls, OneBall, SpindleReaction};
 use super::border::Border;
 use super::equations::RadiallyCondensed;
 use super::evaluation::{BallLoads, Rates, Scratch};
@@ -29,13 +28,12 @@ use crate::physics::frames::Azimuth;
 
 /// Short steps to one of full length at the start.
 const START: usize = 16;
-/// Nodes that are remembered: highest order of the spindle's motion.
+/// Number of stored nodes: highest order of the spindle's motion.
 const NODES: usize = 7;
 /// Order of the places of balls and cage.
 const PLACE_NODES: usize = 3;
 
-/// y_{n+1} − y_n in backward differentiation of order k, times `leading`: Σ past_i Δ_i + h f; and where the polynomial through the
-/// same values takes it: Σ ahead_i Δ_i.
+/// Backward differentiation of order k: `leading` (y_{n+1} − y_n) = Σ past_i Δ_i + h f, and its extrapolation Σ ahead_i Δ_i.
 #[derive(Debug, Clone, Copy)]
 struct Implicit<T = f64> {
     leading: T,
@@ -49,18 +47,20 @@ const IMPLICIT: [Implicit; 3] = [
     Implicit { leading: 11.0 / 6.0, past: [7.0 / 6.0, -1.0 / 3.0], ahead: [2.0, -1.0] },
 ];
 
-/// Formulas with as many nodes as are known.
+/// Formulas for a number of known nodes.
 #[derive(Debug, Clone, Copy)]
 struct Formulas {
-    /// For the balls and for the cage.
+    /// Backward differentiation of the balls.
     balls: Implicit<f32>,
+    /// Backward differentiation of the cage.
     cage: Implicit,
-    /// Through the known nodes, and through the new one and the others but the oldest.
+    /// Prediction of the spindle through the known nodes.
     predict: Weights<NODES>,
+    /// Correction of the spindle through the new node and all others but the oldest.
     correct: Weights<NODES>,
-    /// Of the velocities of balls and cage, the new one first.
+    /// Weights of the velocities of balls and cage in their places, the new one first.
     moulton: [f64; PLACE_NODES],
-    /// The acceleration with which the one formula is the other.
+    /// Acceleration for which prediction and correction of the spindle agree.
     ahead: [f64; NODES],
 }
 
@@ -82,13 +82,13 @@ impl Formulas {
 struct Node {
     balls: Vec<Balls>,
     border: Border,
-    /// Of the spindle.
+    /// Acceleration of the spindle [m/s²].
     acceleration: [f64; 2],
 }
 
-/// Who looks at the motion. What is always inlined there is compiled for the instructions of the steps.
+/// Observer of the motion. Code that is always inlined there is compiled for the vector instructions of the steps.
 pub trait Observe {
-    /// At a time whose motion is corrected.
+    /// Observes the corrected motion at one time.
     fn observe(&mut self, stepper: &Stepper<'_>);
 }
 
@@ -99,7 +99,7 @@ impl<F: FnMut(&Stepper<'_>)> Observe for F {
     }
 }
 
-/// The motion on its way.
+/// Integrator with its last states.
 pub struct Stepper<'m> {
     model: &'m RadiallyCondensed,
     begin: f64,
@@ -110,17 +110,17 @@ pub struct Stepper<'m> {
     /// Newest first.
     nodes: [Box<Node>; NODES],
     formulas: Formulas,
-    /// Whether the newest is predicted, not yet corrected.
+    /// Whether the newest node is predicted and not yet corrected.
     is_predicted: bool,
     rates: Rates,
-    /// Velocity along the arc and spin that the formulas ask for over the predicted ones where nothing acts, times `leading`.
+    /// Residuals of the implicit formulas at the prediction, without forces: velocity along the arc and spin, times `leading`.
     missing: Vec<[Singles; 2]>,
     changes: Vec<Change<Singles>>,
     scratch: Scratch,
 }
 
 impl<'m> Stepper<'m> {
-    /// From a state at a time [s], in steps of a length [s].
+    /// Integrator from a state at a time [s], in steps of a length [s].
     pub fn new(model: &'m RadiallyCondensed, time: f64, balls: Vec<Balls>, border: Border, step: f64) -> Self {
         let node = Node { balls, border, acceleration: [0.0; 2] };
         let mut stepper = Self {
@@ -144,17 +144,17 @@ impl<'m> Stepper<'m> {
         stepper
     }
 
-    /// [s]
+    /// Current time [s].
     pub fn time(&self) -> f64 {
         self.begin + self.count as f64 * self.step
     }
 
-    /// [s]
-    pub fn step_length(&self) -> f64 {
+    /// Length of a step [s].
+    pub(crate) fn step_length(&self) -> f64 {
         self.step
     }
 
-    /// Full steps, those of the start included.
+    /// Number of full steps, including those of the start.
     pub fn steps(&self) -> u64 {
         self.count
     }
@@ -171,17 +171,17 @@ impl<'m> Stepper<'m> {
         &self.nodes[0].border
     }
 
-    /// Accelerations of the spindle at the time of a look.
-    pub fn spindle_acceleration(&self) -> [f64; 2] {
+    /// Accelerations of the spindle at the observed time [m/s²].
+    pub(crate) fn spindle_acceleration(&self) -> [f64; 2] {
         self.nodes[0].acceleration
     }
 
-    /// What was seen of the balls at the time of a look.
-    pub fn seen(&self) -> &[BallLoads] {
-        &self.scratch.seen
+    /// Loads and slip of the balls at the observed time.
+    pub(crate) fn ball_loads(&self) -> &[BallLoads] {
+        &self.scratch.ball_loads
     }
 
-    /// Some steps on, with a look before each.
+    /// Advances by a number of steps and passes the motion before each to `observer`.
     pub fn advance(&mut self, steps: u64, observer: &mut impl Observe) {
         self.model.instructions.run(Stretch { stepper: self, steps, observer });
     }
@@ -191,7 +191,7 @@ impl<'m> Stepper<'m> {
     fn rate(&mut self) {
         let (time, h) = (self.time(), self.step);
         let Weights { velocity, place } = &self.formulas.correct;
-        // Where nothing was predicted, place and velocity are given.
+        // Without a prediction, place and velocity are the initial ones.
         let share = if self.is_predicted { h } else { 0.0 };
         let shares = Shares { place: h * share * place[0], velocity: share * velocity[0] };
         let [new, now, before, earlier, ..] = self.nodes.each_mut().map(|node| &mut **node);
@@ -228,21 +228,21 @@ impl<'m> Stepper<'m> {
         }
     }
 
-    /// Predicts the motion a step on, after `rate`.
+    /// Predicts the motion one step later, after `rate`.
     #[inline(always)]
     fn step(&mut self) {
         let (h, formulas) = (self.step, &self.formulas);
         let moulton = &formulas.moulton;
-        // The oldest makes room for the newest.
+        // The oldest node is overwritten by the newest.
         self.nodes.rotate_right(1);
-        // The newest first: the oldest still stands where the new one will.
+        // Newest first; the first place still holds the oldest node.
         let accelerations = std::array::from_fn(|i| self.nodes[(i + 1) % NODES].acceleration);
         let [new, now, before, earlier, ..] = self.nodes.each_mut().map(|node| &mut **node);
         for (group, balls) in new.balls.iter_mut().enumerate() {
             let past = [&now.balls[group], &before.balls[group], &earlier.balls[group]];
             (*balls, self.missing[group]) = ahead_of(past, formulas, h);
         }
-        // Both directions of each quantity at once: what is stored in pairs can be read in pairs.
+        // Both directions of each quantity together: values stored in pairs can be loaded in pairs.
         let (a, b, c) = (&now.border, &before.border, &earlier.border);
         let rise = weighed(&formulas.predict.velocity, &accelerations);
         let lift = weighed(&formulas.predict.place, &accelerations);
@@ -263,8 +263,8 @@ impl<'m> Stepper<'m> {
 }
 
 impl Border {
-    /// One step of Newton's method from the predicted velocities of the cage to those of the formula, pockets damping each direction by
-    /// itself; the past newest first, `place`: of velocities in places [s].
+    /// One step of Newton's method from the predicted velocities of the cage to those of the formula. Pockets damp each direction
+    /// independently. `past`: newest first; `place`: share of velocities in places [s].
     #[inline(always)]
     fn correct_cage(&mut self, past: [&Self; 3], rates: &Rates, formula: &Implicit, h: f64, place: f64) {
         let past = past.map(|border| border.cage_velocity);
@@ -278,7 +278,7 @@ impl Border {
     }
 }
 
-/// Short steps, every sixteenth of them for the past of the long ones.
+/// Short steps of the start; every sixteenth becomes a node of the full steps.
 struct Start<'s, 'm> {
     stepper: &'s mut Stepper<'m>,
 }
@@ -306,7 +306,7 @@ impl Task for Start<'_, '_> {
     }
 }
 
-/// Steps between two changes of instructions.
+/// A number of steps, compiled for each instruction set.
 struct Stretch<'a, 's, 'm, L> {
     stepper: &'s mut Stepper<'m>,
     steps: u64,
@@ -326,7 +326,7 @@ impl<L: Observe> Task for Stretch<'_, '_, '_, L> {
     }
 }
 
-/// Σ weight · value, the newest last: it is what a step waits for.
+/// Σ weight · value. The newest value is added last, because a step waits for it.
 #[inline(always)]
 fn weighed<T: Real, const N: usize, const NODES: usize>(weights: &[T; NODES], values: &[[T; N]; NODES]) -> [T; N] {
     let mut sums = [T::of(0.0); N];
@@ -349,13 +349,13 @@ impl Implicit {
 }
 
 impl<T: Real> Implicit<T> {
-    /// Where the past takes a value, newest first.
+    /// Extrapolation from the past values, newest first.
     #[inline(always)]
     fn extrapolated(&self, [y, y1, y2]: [T; 3]) -> T {
         y + (self.ahead[0] * (y - y1) + self.ahead[1] * (y1 - y2))
     }
 
-    /// What that value lacks of the formula where nothing acts, times `leading`.
+    /// Residual of the formula at the extrapolation, without forces, times `leading`.
     #[inline(always)]
     fn missing(&self, [y, y1, y2]: [T; 3]) -> T {
         let short = |i: usize| self.past[i] - self.leading * self.ahead[i];
@@ -363,7 +363,7 @@ impl<T: Real> Implicit<T> {
     }
 }
 
-/// Eight balls a step on, as their past takes them, newest first; and what velocity along the arc and spin lack then.
+/// Prediction of eight balls from their past, newest first, and the residuals of velocity along the arc and of spin.
 #[inline(always)]
 fn ahead_of([now, before, earlier]: [&Balls; 3], formulas: &Formulas, h: f64) -> (Balls, [Singles; 2]) {
     let (c, moulton, h) = (formulas.balls, formulas.moulton.map(|weight| weight as f32), h as f32);
@@ -378,15 +378,15 @@ fn ahead_of([now, before, earlier]: [&Balls; 3], formulas: &Formulas, h: f64) ->
         (missing[0][lane], missing[1][lane]) = (c.missing([v, v1, v2]), c.missing(spins));
         on[lane] = h * moved;
     }
-    // In double precision, so in a loop of its own.
+    // Double precision has a loop of its own.
     for lane in 0..LANES {
         new.arc[lane] = now.arc[lane] + f64::from(on[lane]);
     }
     (new, missing)
 }
 
-/// What one step of Newton's method changes of eight balls if the spindle stays as it was predicted, and how much more by its velocity
-/// across them.
+/// Change of eight balls by one step of Newton's method at the predicted spindle, and its slope over the spindle's velocity across the
+/// balls.
 #[derive(Debug, Clone, Copy, Default)]
 struct Change<T = f32> {
     arc_velocity: T,
@@ -396,7 +396,7 @@ struct Change<T = f32> {
 }
 side_by_side!(Change { arc_velocity, spin, arc_by_spindle, spin_by_spindle });
 
-/// Eight balls eliminated from the spindle's equations: traction there is that of balls that follow.
+/// Elimination of eight balls from the spindle's equations, whose traction is then that of balls that follow the spindle.
 #[inline(always)]
 fn eliminated(
     missing: &[Singles; 2],
@@ -404,7 +404,7 @@ fn eliminated(
     (leading, h, velocity_share): (f32, f64, f64),
     one: &OneBall,
     present: &Singles,
-    passed: &mut Passed<Singles>,
+    passed: &mut SpindleReaction<Singles>,
 ) -> Change<Singles> {
     let (missing, h, share, rates, present) = (*missing, h as f32, velocity_share as f32, *rates, *present);
     let (radius, per_mass, per_inertia) = (one.radius, one.per_mass, one.per_inertia);
@@ -439,7 +439,7 @@ fn eliminated(
 }
 
 impl Change<Singles> {
-    /// Corrects eight balls, once the change of the spindle's velocity is known (y, z) [m/s]; `place`: of velocities in places [s].
+    /// Corrects eight balls after a change of the spindle's velocity (y, z) [m/s]; `place`: share of velocities in places [s].
     #[inline(always)]
     fn correct(&self, balls: &mut Balls, azimuth: &Azimuth<Singles>, [y, z]: [f32; 2], place: f32) {
         let (mut new, mut on) = (*balls, Singles::default());
@@ -451,7 +451,7 @@ impl Change<Singles> {
             new.spin[lane] += one.spin + one.spin_by_spindle * across;
             on[lane] = place * change;
         }
-        // In double precision, so in a loop of its own.
+        // Double precision has a loop of its own.
         for lane in 0..LANES {
             new.arc[lane] += f64::from(on[lane]);
         }

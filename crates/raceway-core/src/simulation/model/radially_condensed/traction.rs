@@ -1,5 +1,5 @@
-//! Traction of one raceway in the plane. The law that rises from rest is integrated over a narrow contact by quadrature, over a wide one
-//! in strips; every other one by the contact of the full model.
+//! Traction of one raceway in the plane. A four-parameter law that vanishes at rest is integrated by quadrature over a narrow contact and
+//! in strips over a wide one. Every other law uses the contact of the full model.
 
 use super::contact::Contact;
 use crate::numerics::exponential::binary_saturation_single;
@@ -10,20 +10,20 @@ use crate::simulation::model::condensed_contact::chebyshev;
 
 /// Terms of the series of √(1 − x) after the first.
 const SERIES: [f64; 4] = [-0.5, -0.125, -0.0625, -5.0 / 128.0];
-/// Terms of it for what lies across the contact.
+/// Terms of that series for heights across the contact.
 const ACROSS: usize = 3;
-/// Largest (a / ball radius)² for which the series is good to 3e-5 of the radius.
+/// Largest (a / ball radius)² for which the error of the series is below 3e-5 of the radius.
 pub(super) const WIDEST: f64 = 0.25;
 /// Slip up to which μ/u is a polynomial, in units of 1/C of the law.
 const REACH: f64 = 2.0;
-/// Its terms: good to 4e-5 of its value at rest.
+/// Terms of that polynomial: its error is 4e-5 of the value at rest.
 const TERMS: usize = 6;
-/// Stands in for no slip where a quotient with a limit is formed [m/s].
+/// Smallest slip [m/s], which keeps a quotient finite.
 const TINY: f32 = 1e-30;
 /// Points of the quadrature on one side of the contact.
 const POINTS: usize = 3;
-/// Places t = η/a and weights of ∫ ¾ (1 − t²) g(t²) dt over −1 … 1, exact for g up to degree 5 (Gauss–Jacobi; the places are the
-/// inner ones of Lobatto's rule with eight points, Abramowitz & Stegun, table 25.6).
+/// Places t = η/a and weights of ∫ ¾ (1 − t²) g(t²) dt over −1 … 1, exact for g up to degree 5. It is a Gauss–Jacobi rule: its places are
+/// the inner ones of Lobatto's rule with eight points (Abramowitz & Stegun, table 25.6).
 const PLACES: [f64; POINTS] = [0.209_299_217_902_479, 0.591_700_181_433_142, 0.871_740_148_509_607];
 const LOBATTO: [f64; POINTS] = [0.412_458_794_658_704, 0.341_122_692_483_504, 0.210_704_227_143_506];
 /// Strips of the full model on one side of a contact, the middle one included.
@@ -32,9 +32,9 @@ const WIDE_POINTS: usize = DEFAULT_STRIPS.div_ceil(2);
 /// Integrals over one contact, divided by its load.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sums<T = f32> {
-    /// Force along the groove, raceway on ball.
+    /// Force of the raceway on the ball along the groove.
     pub force: T,
-    /// Its moment: force times height over the ball's centre [m].
+    /// Moment of that force: force times height over the ball's centre [m].
     pub moment: T,
     /// Slope of the force over slip [s/m], not negative.
     pub slope: T,
@@ -43,14 +43,14 @@ pub(super) struct Sums<T = f32> {
 }
 side_by_side!(Sums { force, moment, slope, slip });
 
-/// The traction of one raceway, made ready.
+/// Traction of one raceway with its constants.
 #[derive(Debug, Clone)]
 pub(super) enum RacewayTraction {
     /// The four-parameter law that vanishes at rest, no hydrodynamic terms, narrow contacts.
     Rising(Box<RisingTraction>),
-    /// The same in wide ones.
+    /// The same law in wide contacts.
     Wide(Box<WideTraction>),
-    /// Everything else: through the contact of the full model.
+    /// Every other law or contact, by the contact of the full model.
     General,
 }
 
@@ -58,24 +58,24 @@ pub(super) enum RacewayTraction {
 pub(super) struct RisingTraction {
     law: SingleLaw,
     short: ShortForm,
-    /// The same of every ball.
+    /// Copies for eight balls side by side.
     pub all: ShortForm<Singles>,
 }
 
-/// The law itself in the strips of the full model: slip turns its direction within a wide contact, where no quadrature of few points agrees
-/// with another.
+/// The law itself in the strips of the full model. Slip reverses within a wide contact, where quadratures of few points differ from each
+/// other.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WideTraction {
     law: SingleLaw,
-    /// [s/m]
+    /// Slope of the law at rest [s/m].
     steepest: f64,
-    /// Weight of a strip with that of its image, and t² where its height is that of the surface.
+    /// Weight of a strip with its mirror image, and t² at its height on the surface.
     strips: [(f32, f32); WIDE_POINTS],
     ball_radius: f32,
     deformed_radius: f32,
 }
 
-/// The law by its fit, integrated over the contact.
+/// The fitted law, integrated over the contact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ShortForm<T = f32> {
     /// Slope of the law at rest, B + C D [s/m].
@@ -84,17 +84,17 @@ pub(super) struct ShortForm<T = f32> {
     fit: [T; TERMS],
     reach: T,
     weights: [T; POINTS],
-    /// Height of the middle of the contact over the ball's centre, less its radius, and rise from there to each point, by
-    /// powers of a².
+    /// Height of the middle of the contact over the ball's centre, less its radius, by powers of a².
     middle: [T; SERIES.len()],
+    /// Height of each point over the middle, by powers of a².
     rise: [[T; ACROSS]; POINTS],
     ball_radius: T,
 }
 side_by_side!(ShortForm { steepest, fit, reach, weights, middle, rise, ball_radius });
 
 impl RacewayTraction {
-    /// dμ/du at rest [s/m], where it is known.
-    pub fn steepest(&self) -> f64 {
+    /// dμ/du at rest [s/m]; 0 for the general law, where it is unknown.
+    pub(crate) fn steepest(&self) -> f64 {
         match self {
             Self::Rising(traction) => traction.short.steepest.into(),
             Self::Wide(traction) => traction.steepest,
@@ -104,8 +104,8 @@ impl RacewayTraction {
 }
 
 impl RisingTraction {
-    /// `conformity`: whether slip varies across the contact.
-    pub fn new(law: FourParameters, conformity: bool, ball_radius: f64, deformed_radius: f64) -> Self {
+    /// Traction of a narrow contact; `conformity`: whether slip varies across it.
+    pub(super) fn new(law: FourParameters, conformity: bool, ball_radius: f64, deformed_radius: f64) -> Self {
         let reach = REACH / law.c;
         // h = r_b + Σ c_j s^j [r_b^(1−2j) − R_d^(1−2j) (1 − t^2j)], s = a².
         let shape = |radius: f64, term: usize| SERIES[term] * radius.powi(-1 - 2 * term as i32);
@@ -126,7 +126,7 @@ impl RisingTraction {
     }
 
     #[inline(always)]
-    pub fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
+    pub(super) fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
         let mut sums = Sums::<Singles>::default();
         let mut beyond: Singles = Singles::default();
         for lane in 0..LANES {
@@ -145,8 +145,13 @@ impl RisingTraction {
 }
 
 impl WideTraction {
-    /// `None` where the law is steep, or neither conformity nor spin acts.
-    pub fn new(law: FourParameters, needs: &RacewayTerms, ball_radius: f64, deformed_radius: f64) -> Option<Self> {
+    /// Traction of a wide contact; `None` where the law is steep, or neither conformity nor spin acts.
+    pub(super) fn new(
+        law: FourParameters,
+        needs: &RacewayTerms,
+        ball_radius: f64,
+        deformed_radius: f64,
+    ) -> Option<Self> {
         let strips = Strips::new(2 * WIDE_POINTS - 1);
         let half = strips.as_slice().get(..WIDE_POINTS).filter(|_| needs.gauss)?;
         let conformity = if needs.conformity { 1.0 } else { 0.0 };
@@ -164,7 +169,7 @@ impl WideTraction {
     }
 
     #[inline(always)]
-    pub fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
+    pub(super) fn sums(&self, contact: &Contact<Singles>) -> Sums<Singles> {
         let wide = *self;
         let mut sums = Sums::<Singles>::default();
         for lane in 0..LANES {
@@ -178,7 +183,7 @@ impl WideTraction {
         let (ball, deformed) = (self.ball_radius, self.deformed_radius);
         let largest = LARGEST_CONTACT as f32 * ball;
         let square = smaller(contact.axis_square, largest * largest);
-        // What a circle falls by from its top.
+        // Drop of a circle from its top.
         let fall = |radius: f32, square: f32| square / (radius + (radius * radius - square).sqrt());
         let middle = ball + fall(deformed, square) - fall(ball, square);
         let points = self.strips.map(|(weight, place)| (weight, -fall(deformed, place * square)));
@@ -187,11 +192,11 @@ impl WideTraction {
 }
 
 impl ShortForm {
-    /// The sums by the fit, and by how much the slip goes beyond it under load [m/s].
+    /// The sums by the fit, and the excess of the slip over its range under load [m/s].
     #[inline(always)]
-    pub fn fitted(&self, contact: &Contact) -> (Sums, f32) {
+    pub(super) fn fitted(&self, contact: &Contact) -> (Sums, f32) {
         let (one, fastest) = self.sums_by(contact, |speed| polynomial(&self.fit, smaller(speed, self.reach)));
-        // dμ/du = μ/u + u (μ/u)', the latter a straight line: a few per cent serve.
+        // dμ/du = μ/u + u (μ/u)', the latter as a straight line: an error of a few per cent is small enough for the slope.
         let slope = larger(2.0 * one.slope - self.steepest, 0.0);
         (Sums { slope, ..one }, if contact.load > 0.0 { fastest - self.reach } else { 0.0 })
     }
@@ -210,7 +215,7 @@ impl ShortForm {
     }
 }
 
-/// The sums, with the mean of μ/u, never less than the slope, in place of that, and the fastest slip. `middle`: height of the contact's middle
+/// The sums and the fastest slip. The mean of μ/u, never less than the slope, replaces the slope. `middle`: height of the contact's middle
 /// over the ball's centre; `points`: weights, and heights over the middle; `over_speed`: μ(u)/u.
 #[inline(always)]
 fn sums_over<const P: usize>(
@@ -233,7 +238,7 @@ fn sums_over<const P: usize>(
     (Sums { force, moment: force * middle + risen, slope: mean, slip }, fastest)
 }
 
-/// From powers of x = 2u/reach − 1 to powers of u.
+/// Coefficients by powers of u, from those by powers of x = 2u/reach − 1.
 fn powers_of_the_argument(scaled: [f64; TERMS], reach: f64) -> [f64; TERMS] {
     let (mut powers, mut of_x) = ([0.0; TERMS], [0.0; TERMS]);
     of_x[0] = 1.0;
@@ -274,7 +279,7 @@ impl SingleLaw {
     /// μ/u = D (1 − e^(−C u))/u + B e^(−C u).
     #[inline(always)]
     fn over_speed(&self, speed: f32) -> f32 {
-        // No slip is next to none.
+        // The smallest slip replaces a slip of 0.
         let speed = speed + TINY;
         let (saturation, decay) = binary_saturation_single(self.binary * speed);
         self.d * (saturation / speed) + self.b * decay
@@ -289,13 +294,14 @@ fn over_speed(law: &FourParameters, x: f64, decay: f64) -> f64 {
     law.d * law.c * if x < 0.01 { near } else { far } + law.b * decay
 }
 
-/// A raceway of the full model, and how it moves.
+/// A raceway of the full model with its motion.
 pub(super) struct General<'a> {
     pub contact: &'a RacewayContact,
-    /// 1 for the outer raceway, −1 for the inner one: from the ball towards it.
+    /// Radial direction from the ball towards the raceway: 1 for the outer, −1 for the inner one.
     pub towards: f64,
-    /// Angular speed of the raceway and of the ball that rolls ideally [rad/s].
+    /// Angular speed of the raceway [rad/s].
     pub raceway_speed: f64,
+    /// Spin of an ideally rolling ball [rad/s].
     pub spin: f64,
     /// Orbit radius of a ball that touches without load [m].
     pub touching: f64,
@@ -304,10 +310,10 @@ pub(super) struct General<'a> {
 }
 
 impl General<'_> {
-    /// Force and moment over the loads by the contact of the full model: rates of penetration are set so that contacts carry just
+    /// Force and moment over the loads, by the contact of the full model. Rates of penetration are chosen so that contacts carry exactly
     /// these loads. `spin`: deviations from ideal rolling; `penetration`: of this contact.
     #[inline(never)]
-    pub fn sums(
+    pub(super) fn sums(
         &self,
         contact: &Contact<Singles>,
         spin: &Singles,
@@ -358,9 +364,9 @@ mod tests {
     use super::*;
     use crate::physics::contact::traction::four_parameters;
 
-    /// The short form is the law, to 4e-5 of its value at rest, and says where it ends.
+    /// The short form equals the law to 4e-5 of its value at rest, and indicates the end of its range.
     #[test]
-    fn the_short_form_is_the_law_up_to_its_reach() {
+    fn the_short_form_equals_the_law_up_to_its_reach() {
         for (maximum, at_slip, limit) in [(0.05, 1.0, 0.036), (0.06, 0.2, 0.04), (0.0501, 3.0, 0.05), (0.1, 1.0, 0.0)] {
             let law = four_parameters(0.0, maximum, at_slip, limit);
             let traction = RisingTraction::new(law, true, 1.2e-3, 1.6e-3);

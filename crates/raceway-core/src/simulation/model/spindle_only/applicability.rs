@@ -1,4 +1,4 @@
-//! Scenes and outputs that the spindle alone can stand for.
+//! Applicability of the model of the spindle alone to a scene and its outputs.
 
 use crate::physics::contact::damping::DampingLaw;
 use crate::physics::spindle::AxialHold;
@@ -7,7 +7,7 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::terms::ActiveTerms;
 
-/// Why the spindle alone cannot stand for this scene and these outputs; `None`: it can.
+/// Reason why the spindle alone cannot represent a scene and its outputs; `None`: it can.
 pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<String> {
     let channels = || outputs.spectra.iter().chain(&outputs.series);
     let of_spindle = |channel: &Channel| matches!(channel, Channel::Spindle(Axis::Y | Axis::Z, _));

@@ -1,6 +1,5 @@
-//! ModelLevel 3: four states. Balls go round equally spaced at the cage's speed, each in radial equilibrium between its raceways;
-//! only the spindle's place and velocity are integrated. Corrections of first order keep what the balls' inertia and rolling add
-//! (`docs/MODEL.md`, rungs).
+//! Equations of the spindle alone: four states. Balls orbit equally spaced at the cage's speed, each in radial equilibrium between its
+//! raceways. Corrections of first order include the inertia and the rolling of the balls.
 
 use std::f64::consts::TAU;
 
@@ -12,21 +11,22 @@ use crate::physics::spindle::unbalance_force;
 use crate::simulation::model::condensed_contact::{CondensedContact, Unloaded};
 use crate::simulation::model::mechanism::Mechanism;
 
-/// Load at which half of a ball's traction follows the spindle [N]: below, it slips.
+/// Load at which half of a ball's traction follows the spindle [N]; at a smaller load the ball slips.
 const ROLLING_LOAD: f64 = 1.0;
-/// Share of a ball's mass that the spindle moves along when it shifts a rolling ball tangentially: the ball goes half as far
-/// (½ · ½ m) and turns (0.4 m · ½ · ½ of its inertia 0.1 m d²) [-].
+/// Share of a ball's mass that moves with a tangential shift of the spindle [-]: a rolling ball moves half as far (½ · ½ m) and turns
+/// (0.4 m · ½ · ½ of its inertia 0.1 m d²).
 const ROLLING_MASS: f64 = 0.35;
 /// Place of the spindle y, z [m] and its velocity [m/s].
-pub type SpindleMotion = Motion<2>;
+pub(crate) type SpindleMotion = Motion<2>;
 
-/// Stiffness that stands in for none while a rest is sought [N/m], and the longest move then [m].
-const LOOSE: f64 = 1e4;
-const LONGEST_MOVE: f64 = 2e-6;
+/// Smallest stiffness in the search for the rest position [N/m].
+const MIN_STIFFNESS: f64 = 1e4;
+/// Longest step of that search [m].
+const MAX_SEARCH_STEP: f64 = 2e-6;
 
-/// Corrections that can be left out, to see what each is worth.
+/// Corrections of first order, each of which can be omitted to measure its effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Corrections {
+pub(crate) struct Corrections {
     /// Approach −s_t²/(2r) and the force's direction.
     pub tilt: bool,
     /// Dissipation of both contacts.
@@ -38,14 +38,14 @@ pub struct Corrections {
 }
 
 impl Corrections {
-    pub const ALL: Self = Self { tilt: true, damping: true, inertia: true, rolling: true };
+    pub(crate) const ALL: Self = Self { tilt: true, damping: true, inertia: true, rolling: true };
 }
 
 /// The equations of motion.
 #[derive(Debug, Clone)]
-pub struct SpindleOnly {
+pub(crate) struct SpindleOnly {
     speed: SpeedProfile,
-    /// Where it never changes [rad/s].
+    /// Constant speed [rad/s]; `None` where the speed changes.
     constant: Option<f64>,
     /// Orbit speed of cage and balls over spindle speed [-].
     orbit_ratio: f64,
@@ -60,31 +60,31 @@ pub struct SpindleOnly {
     orbit_radius: f64,
     /// Approach of the centred bearing [m]: −P_d/2.
     centred: f64,
-    /// 1/r, r the orbit radius under load [1/m].
+    /// Reciprocal of the orbit radius under load [1/m].
     curvature: f64,
-    /// χ [s/m].
+    /// Damping coefficient χ of the raceways [s/m].
     damping: f64,
     mass: f64,
     ball_mass: f64,
     rolling_mass: f64,
     rolling: f64,
-    /// Approach beyond touch at which half of it follows [m].
+    /// Approach beyond touch at which half of a ball's traction follows [m].
     rolling_approach: f64,
     unbalance: f64,
     /// Load and weight [N].
     force: [f64; 2],
 }
 
-/// Balls side by side; those that fill up the last group have no direction.
+/// Directions of balls side by side; (0, 0) for lanes beyond the last ball.
 #[derive(Debug, Clone)]
 struct Group {
     cosine: Lanes,
     sine: Lanes,
 }
 
-/// The spindle's turning at a time: orbit speed [rad/s], direction of the first pocket, and what acts besides balls [N].
+/// Prescribed motion at one time: orbit speed [rad/s], direction of the first pocket, and applied force [N].
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Driven {
+pub(crate) struct Driven {
     orbit: f64,
     cosine: f64,
     sine: f64,
@@ -92,9 +92,9 @@ pub struct Driven {
 }
 
 impl SpindleOnly {
-    /// From the mechanism of the full dynamics; `damping`: χ of the raceways [s/m], `orbit_ratio`: cage speed over spindle speed. The centrifugal force is that
-    /// of the largest speed.
-    pub fn new(mechanism: &Mechanism, damping: f64, orbit_ratio: f64, corrections: Corrections) -> Self {
+    /// Equations from the mechanism of the full dynamics. `damping`: χ of the raceways [s/m]; `orbit_ratio`: cage speed over spindle speed.
+    /// The centrifugal force is that of the largest speed.
+    pub(crate) fn new(mechanism: &Mechanism, damping: f64, orbit_ratio: f64, corrections: Corrections) -> Self {
         let m = mechanism;
         let balls = m.layout.balls;
         let touching = |contact: &RacewayContact| contact.penetration::<true>(0.0, m.pitch_radius).0;
@@ -139,24 +139,24 @@ impl SpindleOnly {
         }
     }
 
-    /// Takes the centrifugal force at another spindle speed [rad/s].
-    pub fn refit(&mut self, speed: f64) {
+    /// Sets the centrifugal force to that at another spindle speed [rad/s].
+    pub(crate) fn refit(&mut self, speed: f64) {
         self.unloaded = self.contact.unloaded(self.mass_of_ball, self.orbit_radius, self.orbit_ratio * speed, 0.0);
     }
 
-    /// Angular speed of the spindle at a time, and whether it never changes.
-    pub fn speed(&self, time: f64) -> (f64, bool) {
+    /// Angular speed of the spindle at a time [rad/s], and whether it is constant.
+    pub(crate) fn speed(&self, time: f64) -> (f64, bool) {
         (self.speed.at(time).1, self.constant.is_some())
     }
 
     /// Orbit speed over spindle speed [-].
-    pub fn orbit_ratio(&self) -> f64 {
+    pub(crate) fn orbit_ratio(&self) -> f64 {
         self.orbit_ratio
     }
 
-    /// Where the spindle rests with balls at their start azimuths [m], and the frequency of its stiffest direction there
-    /// [rad/s]. Newton's method in steps that stay small against clearances; a rest is only where a run begins.
-    pub fn rest(&self) -> ([f64; 2], f64) {
+    /// Rest position of the spindle with balls at their start azimuths [m], and the frequency of its stiffest direction there [rad/s].
+    /// Newton's method takes steps that are small against clearances. The rest position need not be exact, because it only starts a run.
+    pub(crate) fn rest(&self) -> ([f64; 2], f64) {
         let mut place = [0.0, 0.0];
         let mut stiffest = 0.0;
         for _ in 0..200 {
@@ -173,12 +173,12 @@ impl SpindleOnly {
             }
             let [a, b, c] = stiffness;
             stiffest = 0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).sqrt();
-            let held = 1e-2 * stiffest + LOOSE;
+            let held = 1e-2 * stiffest + MIN_STIFFNESS;
             let [a, c] = [a + held, c + held];
             let determinant = a * c - b * b;
             let step = [(c * force[0] - b * force[1]) / determinant, (a * force[1] - b * force[0]) / determinant];
             let length = step[0].hypot(step[1]);
-            let share = (LONGEST_MOVE / length).min(1.0);
+            let share = (MAX_SEARCH_STEP / length).min(1.0);
             place = [place[0] + share * step[0], place[1] + share * step[1]];
             if length < 1e-10 {
                 break;
@@ -187,13 +187,13 @@ impl SpindleOnly {
         (place, (stiffest / self.mass).sqrt())
     }
 
-    pub fn balls(&self) -> usize {
+    pub(crate) fn balls(&self) -> usize {
         self.balls
     }
 
-    /// What drives the spindle at the times of a row of steps.
+    /// Prescribed motion at the times of consecutive steps.
     #[inline(always)]
-    pub fn drives(&self, time: impl Fn(usize) -> f64, drives: &mut [Driven]) {
+    pub(crate) fn drives(&self, time: impl Fn(usize) -> f64, drives: &mut [Driven]) {
         for (eight, drives) in drives.chunks_exact_mut(LANES).enumerate() {
             let (mut turnings, mut azimuths) = ([(0.0, 0.0, 0.0); LANES], Lanes::<LANES>::default());
             for lane in 0..LANES {
@@ -210,7 +210,7 @@ impl SpindleOnly {
         }
     }
 
-    /// Angle, speed and acceleration of the spindle.
+    /// Angle, speed and acceleration of the spindle's rotation.
     #[inline(always)]
     fn turning(&self, time: f64) -> (f64, f64, f64) {
         match self.constant {
@@ -219,7 +219,7 @@ impl SpindleOnly {
         }
     }
 
-    /// Azimuth of a ball: they are alike, and the nearest to azimuth 0 may pass for the first.
+    /// Azimuth of the ball nearest to azimuth 0, which can replace the first because all balls are alike.
     #[inline(always)]
     fn first_ball(&self, (angle, _, _): &(f64, f64, f64)) -> f64 {
         let turned = self.orbit_ratio * angle;
@@ -236,9 +236,9 @@ impl SpindleOnly {
         Driven { orbit: self.orbit_ratio * speed, cosine, sine, force }
     }
 
-    /// What the balls of a group add to the defect.
+    /// Contribution of a group of balls to the residual.
     #[inline(always)]
-    // Over lanes by number: five results and two columns side by side have no one iterator.
+    // The loop is over lane numbers, because five results and two columns have no common iterator.
     #[allow(clippy::needless_range_loop)]
     fn group(
         &self,
@@ -249,7 +249,7 @@ impl SpindleOnly {
         shares: Shares,
     ) -> Defect {
         let mut of = [Lanes::<LANES>::default(); 5];
-        // Copies, for a store might change what is behind a reference.
+        // Local copies, because a store might change values behind a reference.
         let (contact, unloaded, speed) = (self.contact, self.unloaded, driven.orbit);
         let half_curvature = 0.5 * self.curvature;
         for lane in 0..LANES {
@@ -261,16 +261,16 @@ impl SpindleOnly {
             let approach = (self.centred + radial) - half_curvature * (tangential * tangential);
             let rate = radial_velocity + speed * tangential - tilt * (tangential_velocity - speed * radial);
             let load = contact.load(approach, &unloaded);
-            // χ (a_i² Q_i + a_e² Q_e) with Q_e = Q_i + F: what does not wait for the load is made ready.
+            // χ (a_i² Q_i + a_e² Q_e) with Q_e = Q_i + F: the factors that do not depend on the load come first.
             let (inner, outer) = (load.inner_share * load.inner_share, load.outer_share * load.outer_share);
             let damping = self.damping * rate;
             let normal =
                 larger(load.load * (1.0 + damping * (inner + outer)) + damping * (outer * unloaded.force), 0.0);
-            // The ball follows by its outer share: m a_e² D̈. Half the slope of a_e² times Ḋ² would belong to it: a thousandth of
-            // the load and less.
+            // The ball follows by its outer share: m a_e² D̈. The term with half the slope of a_e² times Ḋ² is omitted: it is below a
+            // thousandth of the load.
             let turning = speed * (2.0 * tangential_velocity - speed * radial);
             let moved = self.ball_mass * outer;
-            // Q/(Q + 1 N) by the approach, Q going with its power 3/2: no need to wait for the load.
+            // Q/(Q + 1 N) by the approach, which is known before the load Q.
             let rolls = load.pressed / (load.pressed + self.rolling_approach);
             let along = self.rolling_mass * rolls;
             let lean = tilt * (1.0 - self.rolling * rolls);
@@ -298,13 +298,13 @@ impl EquationsOfMotion for SpindleOnly {
         self.driven(&turning, sine_cosine(self.first_ball(&turning)))
     }
 
-    /// Of the spindle. The slope is that of elastic loads over the approach and of damping over its rate.
+    /// Residual of the spindle's equations. Its slope includes that of elastic loads over the approach and of damping over its rate.
     #[inline(always)]
     fn defect(&self, driven: &Driven, motion: &SpindleMotion, acceleration: [f64; 2], shares: Shares) -> Defect {
         let [ay, az] = acceleration;
         let force = [driven.force[0] - self.mass * ay, driven.force[1] - self.mass * az];
         let slope = [self.mass, 0.0, self.mass];
-        // The first group by itself: in a loop the processor would be made to fill its registers anew with what all lanes share.
+        // The first group stands outside the loop, where the compiler keeps the common constants in registers.
         let mut all = Defect { force, slope }.and(&self.group(&self.first, driven, motion, acceleration, shares));
         for group in &self.others {
             all = all.and(&self.group(group, driven, motion, acceleration, shares));
@@ -313,14 +313,14 @@ impl EquationsOfMotion for SpindleOnly {
     }
 }
 
-/// In pairs, so that eight lanes need three steps and not seven.
+/// Sum in pairs: eight lanes need three dependent additions instead of seven.
 #[inline(always)]
 fn sum(Lanes(l): &Lanes) -> f64 {
     ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
 }
 
-/// Sine and cosine of an angle up to ±π/2, to 1e-12 there and to rounding below 1: without a call into the platform's
-/// mathematics, and the same bits everywhere. Taylor's series, both side by side.
+/// Sine and cosine of an angle up to ±π/2, with an error of 1e-12 there and of rounding below 1. Taylor series give the same bits on every
+/// platform, without a call into its mathematics.
 #[inline(always)]
 fn sine_cosine(angle: f64) -> (f64, f64) {
     let square = angle * angle;
@@ -348,7 +348,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sine_and_cosine_are_those_of_the_platform() {
+    fn sine_and_cosine_equal_those_of_the_platform() {
         for k in -100..=100 {
             let angle = f64::from(k) / 100.0 * std::f64::consts::FRAC_PI_2;
             let (sine, cosine) = sine_cosine(angle);

@@ -1,9 +1,9 @@
-//! Model level `spindle_only`: balls go round equally spaced at the cage's speed, each in radial equilibrium between its raceways;
-//! only place and velocity of the spindle are integrated. Knows no slip, no motion of the cage and no load of a single ball.
+//! Model level `spindle_only`: only place and velocity of the spindle are integrated. Balls orbit equally spaced at the cage's speed,
+//! each in radial equilibrium between its raceways. Knows no slip, no motion of the cage and no recorded load of a ball.
 
 mod applicability;
 
-pub mod equations;
+pub(crate) mod equations;
 
 mod scene_model;
 

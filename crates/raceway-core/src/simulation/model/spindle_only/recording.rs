@@ -1,4 +1,4 @@
-//! Recording of a motion of the spindle alone: its signals, and cage and balls as ideal rolling has them.
+//! Recording of a motion of the spindle alone: its signals, and speeds of cage and balls by ideal rolling.
 
 use super::equations::SpindleOnly;
 use crate::numerics::ode::Statistics;
@@ -8,7 +8,7 @@ use crate::simulation::recording::record::{ContactExtremes, Recording};
 use crate::simulation::recording::sampling::SPINDLE_IN_PLANE;
 use crate::simulation::recording::windows::Recorder;
 
-/// The recording of a run whose spindle signals are in `recorder`; `total_variance`: of each signal before any filter.
+/// The recording of a run whose spindle signals are in `recorder`; `total_variance`: variance of each signal before any filter.
 pub(crate) fn recording(
     model: &SpindleOnly,
     mechanism: &Mechanism,
@@ -40,7 +40,7 @@ pub(crate) fn recording(
     }
 }
 
-/// Statistics of steps of one length [s].
+/// Work statistics of steps of one length [s].
 pub(crate) fn statistics(steps: u64, rhs_evaluations: u64, step: f64) -> Statistics {
     let advanced = steps as f64 * step;
     Statistics { steps, rhs_evaluations, least_step: step, advanced, ..Statistics::default() }

@@ -12,24 +12,25 @@ use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
-use crate::simulation::model::step_ratio::{MOST_STEPS, StepRatio};
+use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, kept_values};
 use crate::simulation::recording::windows::Recorder;
 
-/// Nodes of the method, and the longest step times the frequency of the stiffest direction: there it errs by up to 0.01 dB.
+/// Nodes of the Adams–Moulton method.
 const NODES: usize = 7;
-const LONGEST_STEP: f64 = 0.6;
-/// The longest step [s]: 19.5 µs are good to 0.01 dB, the next longer ones are not.
-const LONGEST: f64 = 20e-6;
-/// Steps between two looks at `Control`, and at the speed.
-const STEPS_PER_LOOK: usize = 64;
-/// Relative change of speed after which the centrifugal force is taken anew.
+/// Largest product of the step with the frequency of the stiffest direction [rad], where levels err by up to 0.01 dB.
+const MAX_PHASE: f64 = 0.6;
+/// The longest step [s]: levels err by 0.01 dB at 19.5 µs, and by more at the next longer step.
+const MAX_STEP: f64 = 20e-6;
+/// Steps of one block: speed and finiteness are checked between blocks.
+const STEPS_PER_BLOCK: usize = 64;
+/// Relative change of speed after which the centrifugal force is updated [-].
 const SPEED_CHANGE: f64 = 1e-3;
 /// Values of one step, in the order of `SPINDLE_IN_PLANE`.
 type Frame = [f64; SPINDLE_IN_PLANE.len()];
 
-/// ModelLevel `spindle_only`: simulates the scene in time. `settings.fixed_step` bounds the step.
+/// Simulates a scene on the model level `spindle_only`. `settings.fixed_step` bounds the step.
 pub fn simulate(
     scene: &Scene,
     settings: &RunSettings,
@@ -37,18 +38,18 @@ pub fn simulate(
 ) -> Result<(Recording, Statistics), SimulationError> {
     let (mut model, mechanism) = scene_model(scene, settings, "spindle_only", inapplicability)?;
     let (rest, frequency) = model.rest();
-    let ratio = StepRatio::of(settings.fixed_step.unwrap_or(LONGEST.min(LONGEST_STEP / frequency)));
+    let ratio = StepRatio::of(settings.fixed_step.unwrap_or(MAX_STEP.min(MAX_PHASE / frequency)));
     let step = ratio.step();
-    if ratio.steps > MOST_STEPS {
-        let reason = format!("the spindle on its contacts is too quick for it: it needs steps of {step:.1e} s");
+    if ratio.steps > MAX_STEPS_PER_VALUE {
+        let reason = format!("the spindle on its contacts is too fast: it needs steps of {step:.1e} s");
         return Err(SimulationError::NotApplicable { rung: "spindle_only", reason });
     }
     let values = kept_values(settings.duration);
     let before = (settings.settle / step).floor() as usize;
-    // The grid of steps meets the first kept value; the run begins up to a step after time 0.
+    // A step ends at the first recorded value; the run begins up to a step after time 0.
     let begin = settings.settle - before as f64 * step;
     let mut recorder = Recorder::new(SPINDLE_IN_PLANE, &settings.outputs, values);
-    // Values between steps need steps on either side; before the first of all steps there is a standstill.
+    // Values between steps need steps on either side; before the first step the spindle stands still.
     let mut interpolator = Interpolator::new(ratio.steps, ratio.values);
     let delay = if ratio.is_long() { Interpolator::<{ SPINDLE_IN_PLANE.len() }>::DELAY } else { 0 };
     let mut primed = before >= delay;
@@ -58,14 +59,14 @@ pub fn simulate(
     let mut fitted = model.speed(begin).0;
     model.refit(fitted);
     let mut method = AdamsMoulton::<NODES>::new(&model, begin, (rest, [0.0; 2]), step);
-    for from in (0..all).step_by(STEPS_PER_LOOK) {
-        let to = (from + STEPS_PER_LOOK).min(all);
+    for from in (0..all).step_by(STEPS_PER_BLOCK) {
+        let to = (from + STEPS_PER_BLOCK).min(all);
         let (speed, constant) = model.speed(method.time());
         if !constant && (speed - fitted).abs() > SPEED_CHANGE * fitted.abs() {
             fitted = speed;
             model.refit(speed);
         }
-        let mut frames = [Frame::default(); STEPS_PER_LOOK];
+        let mut frames = [Frame::default(); STEPS_PER_BLOCK];
         set.run(Advance { model: &model, method: &mut method, begins: from == 0, frames: &mut frames[..to - from] });
         let kept = &frames[first.clamp(from, to) - from..to - from];
         if !ratio.is_long() {
@@ -84,7 +85,7 @@ pub fn simulate(
             let source = IntegrationError::NotFinite { time, step, component };
             return Err(SimulationError::Integration { source, entry: "the spindle".into() });
         }
-        if from % (16 * STEPS_PER_LOOK) == 0 {
+        if from % (16 * STEPS_PER_BLOCK) == 0 {
             if (control.stop)() {
                 return Err(SimulationError::Stopped { time });
             }
@@ -102,7 +103,7 @@ fn not_finite((place, velocity): &SpindleMotion) -> Option<usize> {
     place.iter().chain(velocity).position(|value| !value.is_finite())
 }
 
-/// Some points of a run, one step after another; the first point of all is where it begins.
+/// Consecutive points of a run; the very first is its initial state.
 struct Advance<'a> {
     model: &'a SpindleOnly,
     method: &'a mut AdamsMoulton<NODES>,
@@ -125,10 +126,10 @@ impl Task for Advance<'_> {
             begun += 1;
         }
         let frames = &mut frames[begun..];
-        // In registers meanwhile: what is written in parts and read as a whole is waited for. And nothing is called
-        // between two steps, which would have to empty the registers.
+        // The method is copied into registers, because a vector load waits for scalar stores. No function call between two steps empties
+        // the registers.
         let mut method = *at;
-        let mut drives = [Driven::default(); STEPS_PER_LOOK];
+        let mut drives = [Driven::default(); STEPS_PER_BLOCK];
         model.drives(|step| method.after(step + 1), &mut drives);
         for (kept, drive) in frames.iter_mut().zip(&drives) {
             method.step(model, drive);

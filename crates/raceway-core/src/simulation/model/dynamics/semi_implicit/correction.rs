@@ -27,7 +27,7 @@ side_by_side!(Stiff { spindle, cage, about });
 impl Stiff<Lanes> {
     /// Adds the first `balls` lanes to `sum`, one ball after the other.
     #[inline(always)]
-    pub fn sum_into(&self, sum: &mut Stiff, balls: usize) {
+    pub(crate) fn sum_into(&self, sum: &mut Stiff, balls: usize) {
         for lane in 0..LANES.min(balls) {
             let one = self.at(lane);
             for i in 0..3 {
