@@ -134,7 +134,7 @@ pub struct ArticleOptions {
     /// With --robustness: what the sets are drawn from [default: 2025]
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Directory for ARTICLE.md, or FIGURE-N.md of one figure, and plots/article
+    /// Directory for article.md, or FIGURE-N.md of one figure, and plots/article
     #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
     pub output: PathBuf,
     /// No progress on stderr

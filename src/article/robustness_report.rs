@@ -55,7 +55,7 @@ fn head(sets: &[Judged], chosen: &Chosen) -> String {
     let mut text = format!(
         "# Do the article's statements hold for what it does not give?\n\n\
          The article names its bearing, its load and its speed, but not the mass of the spindle, the clearance, the damping, the traction, the lubricant, the unbalance or the mass of the cage. \
-         [ARTICLE.md](ARTICLE.md) judges its statements with one value for each of these. Here they are put to {} sets of such values: a Latin hypercube over the ranges below, seed {seed}. \
+         [The article, made again and judged](../article.md) judges its statements with one value for each of these. Here they are put to {} sets of such values: a Latin hypercube over the ranges below, seed {seed}. \
          Written by `{command}`; all values and verdicts are in [robustness.csv](robustness.csv).\n\n\
          | not given | sampled from … to | why |\n|---|---|---|\n",
         sets.len()
