@@ -1,6 +1,6 @@
 //! ModelLevel 3: four states. Balls go round equally spaced at the cage's speed, each in radial equilibrium between its raceways;
 //! only the spindle's place and velocity are integrated. Corrections of first order keep what the balls' inertia and rolling add
-//! (`docs/MODEL.md`, rungs).
+//! (`docs/explanation/reduced-models.md`).
 
 use std::f64::consts::TAU;
 
