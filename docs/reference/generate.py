@@ -18,11 +18,11 @@ KINDS = ("simulation", "study", "optimum", "accuracy")
 # Schemas of the answers that results.md lists, with the address of each.
 ANSWERS = {
     "Metrics": "`GET /v1/jobs/{id}/metrics`, and `metrics` of a finished job",
-    "TableAnswer": "`GET /v1/jobs/{id}/table` of a study",
-    "OptimumAnswer": "`GET /v1/jobs/{id}/optimum`",
 }
-# Parts of the answers that are the input again, or the metrics again.
-KNOWN = {"SceneInput", "SolverInput", "OutputsInput", "Metrics"}
+# Parts that another page describes.
+ELSEWHERE = {"AccuracyAnswer": "[accuracy](accuracy.md#accuracy)", "SolverAnswer": "[solver](accuracy.md#solver)",
+             "LeftOutAnswer": "[left out](accuracy.md#left_out)", "Message": "[messages](messages.md)",
+             "MessageAnswer": "[messages](messages.md)"}
 
 
 class Schemas:
@@ -53,6 +53,8 @@ class Schemas:
         """Type, range or choices of a property."""
         name, found = self.target(schema)
         choices = found.get("oneOf", []) + found.get("anyOf", [])
+        if "enum" in found and len(found["enum"]) > 8:
+            return [f"one of {len(found['enum'])} names"]
         if "enum" in found:
             return [code(value) for value in found["enum"]]
         if choices:
@@ -181,7 +183,7 @@ Square brackets include the end of a range, round ones exclude it. Where to find
         yield f"\n## {title(name)}\n\n{cell(schema.get('description', ''))}\n\n"
         fields = schema["properties"]
         choices = {tuple(schemas.allowed(field)) for field in fields.values()}
-        if len(fields) > 5 and len(choices) == 1:
+        if len(fields) > 3 and len(choices) == 1:
             yield f"Each field takes {', '.join(choices.pop())}.\n\n| field | meaning |\n|---|---|\n"
             for field, about in fields.items():
                 yield f"| `{field}` | {cell(about.get('description', ''))} |\n"
@@ -191,16 +193,14 @@ Square brackets include the end of a range, round ones exclude it. Where to find
 
 def results(schemas):
     yield "# Results\n\n" + NOTICE + """
-Fields of the metrics, of a study and of an optimum; `GET /docs` has all answers with examples.
-A field that the request did not ask for, or that cannot be stated, is absent.
-The fields of `accuracy` are explained in [accuracy](accuracy.md); the input is in [parameters](parameters.md).
+Fields of the metrics. A field that the request did not ask for, or that cannot be stated, is absent.
+Table and best points of a study, and the answer of an optimum: [run a study or find an optimum](../how-to/run-a-study-or-find-an-optimum.md). `GET /docs` has all answers with examples.
 """
-    done = set(KNOWN)
+    done = set(ELSEWHERE)
     for root, place in ANSWERS.items():
         if root not in schemas.all:
             continue
         waiting = [root]
-        done.discard(root)
         while waiting:
             name = waiting.pop(0)
             if name in done:
@@ -213,14 +213,17 @@ The fields of `accuracy` are explained in [accuracy](accuracy.md); the input is 
             for field, of in schema["properties"].items():
                 unit, text = unit_of(of.get("description", ""))
                 objects = schemas.objects(of)
-                links = ", ".join(f"[{title(one)}](#{anchor(one)})" for one in objects if one not in KNOWN or one == "Metrics")
+                links = ", ".join(ELSEWHERE.get(one, f"[{title(one)}](#{anchor(one)})") for one in objects)
                 inner += objects
                 yield f"| `{field}` | {cell(text)}{' ' + links if links else ''} | {'' if unit == '-' else unit} |\n"
             waiting = [one for one in inner if one not in done] + waiting
 
 
 def messages(schemas):
-    """The codes of messages, or nothing where the document has none."""
+    """The codes of messages, or nothing where the document has none.
+
+    A code's text is the description of its variant, an entry of `x-enum-descriptions`, or a line "`code`: text" of the enum's description.
+    """
     codes = []
     for name in ("MessageCode", "Message", "MessageAnswer"):
         schema = schemas.all.get(name, {})
@@ -230,7 +233,8 @@ def messages(schemas):
             for value in of.get("enum", [of["const"]] if "const" in of else []):
                 codes.append((value, variant.get("description", of.get("description", ""))))
         if not codes and "enum" in schema:
-            about = schema.get("x-enum-descriptions", [""] * len(schema["enum"]))
+            lines = dict(re.findall(r"^[-* ]*`([a-z0-9_-]+)`: (.*(?:\n(?![-* ]*`).+)*)", schema.get("description", ""), re.M))
+            about = schema.get("x-enum-descriptions") or [lines.get(value, "") for value in schema["enum"]]
             codes = list(zip(schema["enum"], about))
         if codes:
             break
