@@ -121,9 +121,9 @@ def unit_of(text):
 
 
 def default_of(schema, text, required):
-    """Default and the description without it: the schema's value, else the description's last sentence on it."""
-    found = re.search(r"\s*Default:? ([^;.]*?(?:\d\.\d[^;.]*?)*)\.(?=\s|$)", text)
-    if found and len(found[1]) <= 60:
+    """Default and the description without it: what the description says of it, else the schema's value."""
+    found = re.search(r"\s*Default:? (.*?)\.(?=\s|$)", text, re.S)
+    if found and len(found[1]) <= 200:
         return found[1], (text.replace(found[0], "", 1)).strip()
     if "default" in schema:
         value = schema["default"]
