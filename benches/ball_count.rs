@@ -9,10 +9,10 @@ use std::time::Instant;
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::structure::{Jacobian, Structure};
 use raceway::numerics::ode::{Method, OdeSystem, Statistics, Tolerances};
-use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::terms::Needs;
 use serde_json::json;
 
 const BALLS: [u32; 5] = [7, 14, 21, 30, 50];

@@ -14,11 +14,11 @@ use raceway::numerics::ode::structure::Jacobian;
 use raceway::physics::bearing::PerRaceway;
 use raceway::physics::pocket::PocketMotion;
 use raceway::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::terms::Needs;
 
 const RUNS: usize = 201;
 const COUNT: u32 = 100;
@@ -53,7 +53,7 @@ fn model(balls: usize) -> Model {
     });
     let scene = scene_from_json(&json.to_string()).expect("a grown bearing is a scene");
     let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
-    let needs = Needs::of(&scene, &outputs, Some(Rung::Full)).expect("the full rung serves every scene");
+    let needs = Needs::of(&scene, &outputs, Some(ModelLevel::Full)).expect("the full rung serves every scene");
     Model::new(&scene, &needs)
 }
 

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use raceway::contract::{Metrics, Outcome, execute, parse_job};
-use raceway::simulation::control::Control;
+use raceway::simulation::input::control::Control;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 use serde_json::{Value, json};
@@ -135,7 +135,7 @@ fn metrics(scene: &Value, solver: &Value, asked: &[&str]) -> Result<Metrics, Str
 
 /// What a case of a scene shows.
 struct Judged {
-    /// Rung and method.
+    /// ModelLevel and method.
     by: String,
     /// By how much its level is off, and what is stated [dB].
     off: f64,

@@ -16,15 +16,15 @@ use std::time::Instant;
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::distance::FAINT;
-use raceway::simulation::integration::SimulationError;
-use raceway::simulation::metrics::MotionKind;
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::error::comparison::FAINT;
+use raceway::simulation::error::report::MotionKind;
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::model::failure::SimulationError;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
 use serde_json::Value;
 
 #[path = "../tests/limits/article.rs"]

@@ -11,11 +11,11 @@ use raceway::numerics::ode::dormand_prince::DormandPrince;
 use raceway::numerics::ode::fine_abm::{FineAbm, LinearPart};
 use raceway::numerics::ode::structure::Jacobian;
 use raceway::numerics::ode::{Integrator, OdeSystem, Statistics, Tolerances};
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::terms::Needs;
 
 const ARTICLE: &str =
     r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 } }"#;
@@ -59,7 +59,7 @@ fn run(mut method: Box<dyn Integrator + '_>, end: f64) -> Run {
 fn bearing(title: &str, json: &str, end: f64) {
     let scene = scene_from_json(json).expect("a scene");
     let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
-    let needs = Needs::of(&scene, &outputs, Some(Rung::Full)).expect("the full model serves all");
+    let needs = Needs::of(&scene, &outputs, Some(ModelLevel::Full)).expect("the full model serves all");
     let model = Model::new(&scene, &needs);
     let start = start_state(&model).expect("an equilibrium");
     let layout = model.mechanism().layout;

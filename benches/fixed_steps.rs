@@ -9,13 +9,13 @@ mod scenes;
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::Summary;
-use raceway::simulation::run::run;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::result::metrics::Summary;
+use raceway::simulation::solve::run::run;
 use serde_json::{Value, json};
 
 const RUNS: usize = 5;
@@ -127,7 +127,7 @@ fn rattling_line(json: &Value) {
 fn plain() -> RunSettings {
     RunSettings {
         method: Method::Auto,
-        rung: Some(Rung::Full),
+        rung: Some(ModelLevel::Full),
         relative_tolerance: 1e-3,
         tightened: Some(1e-5),
         model_tolerance_db: 0.05,

@@ -8,15 +8,16 @@ mod scenes;
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::{Method, OdeSystem};
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::judgement::{self, Judge, Omission};
-use raceway::simulation::metrics::channel_metrics;
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::{Grounds, Needs};
-use raceway::simulation::observe::{Observer, RATE};
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::observer::Observer;
+use raceway::simulation::model::terms::{Grounds, Needs};
+use raceway::simulation::recording::sampling::RATE;
+use raceway::simulation::result::metrics::channel_metrics;
+use raceway::simulation::solve::judgement::{self, Judge, Omission};
 use serde_json::{Value, json};
 
 const WINDOW: f64 = 0.1;

@@ -1,17 +1,18 @@
-//! Rung 4, the periodic orbit of rung 3, over a grid of speeds, clearances and loads: every scene is either right (levels
+//! ModelLevel 4, the periodic orbit of rung 3, over a grid of speeds, clearances and loads: every scene is either right (levels
 //! within 0.01 dB of rung 3 in time) or refused by its Floquet multipliers.
 //!
 //! `cargo bench --bench periodic`. The article's bearing, spindle 50 g. Times are processor time of one thread, medians of five.
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::metrics::{BAND, channel_metrics};
-use raceway::simulation::observe::Recording;
-use raceway::simulation::reduced;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::model::spindle_runs;
+use raceway::simulation::recording::record::Recording;
+use raceway::simulation::recording::sampling::BAND;
+use raceway::simulation::result::metrics::channel_metrics;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
@@ -75,15 +76,15 @@ fn main() {
                 let mut took: Vec<f64> = (0..RUNS)
                     .map(|_| {
                         let begin = cpu_time();
-                        let levels = reduced::passage(&scene, &settings).map(|passage| passage.rms(BAND));
+                        let levels = spindle_runs::passage(&scene, &settings).map(|passage| passage.rms(BAND));
                         let _ = std::hint::black_box(levels);
                         cpu_time() - begin
                     })
                     .collect();
                 took.sort_by(f64::total_cmp);
-                let (in_time, _) = reduced::simulate(&scene, &settings, &control).expect("rung 3 runs");
+                let (in_time, _) = spindle_runs::simulate(&scene, &settings, &control).expect("rung 3 runs");
                 let begin = cpu_time();
-                let periodic = reduced::simulate_periodic(&scene, &settings, &control);
+                let periodic = spindle_runs::simulate_periodic(&scene, &settings, &control);
                 extended.push(cpu_time() - begin);
                 match periodic {
                     Ok((recording, _)) => {
@@ -92,7 +93,7 @@ fn main() {
                             .zip(levels(&in_time))
                             .map(|(a, b)| (20.0 * (a / b).log10()).abs())
                             .fold(0.0, f64::max);
-                        let radius = reduced::passage(&scene, &settings).expect("as before").orbit.radius();
+                        let radius = spindle_runs::passage(&scene, &settings).expect("as before").orbit.radius();
                         worst = worst.max(difference);
                         times.push((speed, took[RUNS / 2]));
                         if difference <= RIGHT {

@@ -12,16 +12,17 @@ use std::path::PathBuf;
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
 use raceway::physics::cage::PocketSeat;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::Summary;
-use raceway::simulation::metrics::channel_metrics;
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
-use raceway::simulation::observe::{RATE, Recording};
-use raceway::simulation::run::run;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::recording::record::Recording;
+use raceway::simulation::recording::sampling::RATE;
+use raceway::simulation::result::metrics::Summary;
+use raceway::simulation::result::metrics::channel_metrics;
+use raceway::simulation::solve::run::run;
 use scenes::{SCENES, scene};
 
 const WINDOW: f64 = 0.1;
@@ -129,7 +130,7 @@ fn chosen() {
     let (mut admitted, mut wrong) = (cases.map(|_| 0), cases.map(|_| 0));
     for (number, (speed, load, clearance, balls, mass, grade)) in SCENES.into_iter().enumerate() {
         let (scene, _) = scene(number);
-        let plain = |rung: Option<Rung>, all: bool, tolerance_db: f64| {
+        let plain = |rung: Option<ModelLevel>, all: bool, tolerance_db: f64| {
             let outputs = Outputs {
                 vibration: true,
                 contacts: all,
@@ -151,14 +152,15 @@ fn chosen() {
             let found = summary.channels.iter().find(|(of, _)| *of == channel);
             found.and_then(|(_, metrics)| metrics.level_db).expect("the scenes vibrate")
         };
-        let full = plain(Some(Rung::Full), true, 0.05);
+        let full = plain(Some(ModelLevel::Full), true, 0.05);
         let mut line = format!("| {speed} | {load} | {clearance} | {balls} | {mass} | {grade} |");
         for (case, (all, tolerance)) in cases.into_iter().enumerate() {
             let found = plain(None, all, tolerance);
             let off = CHANNELS[..2].iter().map(|c| (level(&found, *c) - level(&full, *c)).abs()).fold(0.0, f64::max);
             let stated = found.accuracy.level_error_db().expect("a level is judged");
             let rung = found.solver.rung;
-            admitted[case] += usize::from([Rung::SpindleOnly, Rung::Periodic].iter().any(|lean| lean.name() == rung));
+            admitted[case] +=
+                usize::from([ModelLevel::SpindleOnly, ModelLevel::Periodic].iter().any(|lean| lean.name() == rung));
             wrong[case] += usize::from(off > tolerance);
             line += &format!(" `{rung}` {off:.4}, {stated:.4} | {:.0} |", 1e3 * found.solver.wall_time);
         }

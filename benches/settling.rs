@@ -13,8 +13,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use raceway::contract::{ChannelAnswer, Metrics, Outcome, execute, parse_job, scene_from_json};
-use raceway::simulation::control::Control;
-use raceway::simulation::settling::decay_rate;
+use raceway::simulation::input::control::Control;
+use raceway::simulation::solve::startup::decay_rate;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 use serde_json::{Value, json};

@@ -8,12 +8,12 @@ use std::time::Instant;
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::terms::Needs;
 
 const ARTICLE: &str =
     r#"{ "bearing": "article-integrated", "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 } }"#;
@@ -38,7 +38,7 @@ fn spread(mut values: Vec<f64>) -> (f64, f64, f64) {
 fn evaluations(scene: &Scene) {
     println!("one evaluation of dy/dt, and one of its Jacobian; start state of the article's case");
     println!("{:>8} {:>7} {:>10} {:>10} {:>22}", "rung", "states", "of", "ns", "range");
-    for rung in [Rung::Full, Rung::Planar] {
+    for rung in [ModelLevel::Full, ModelLevel::Planar] {
         let needs = Needs::of(scene, &outputs(), Some(rung)).expect("both rungs serve the article");
         let model = Model::new(scene, &needs);
         let state = start_state(&model).expect("the article's case has an equilibrium");

@@ -1,4 +1,4 @@
-//! Rung 3, the spindle alone, against the full dynamics: error in dB of the levels of y and z, and run time over steps.
+//! ModelLevel 3, the spindle alone, against the full dynamics: error in dB of the levels of y and z, and run time over steps.
 //!
 //! `cargo bench --bench spindle_only -- reference FILE` runs the full dynamics once (some minutes) and keeps their levels,
 //! `cargo bench --bench spindle_only -- against FILE` compares rungs 3 and 4 with them, and
@@ -9,17 +9,19 @@ use std::fmt::Write as _;
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::{self, channel_metrics};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::observe::{Observer, RATE, Recording};
-use raceway::simulation::reduced;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::observer::Observer;
+use raceway::simulation::model::spindle_runs;
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::recording::record::Recording;
+use raceway::simulation::recording::sampling::RATE;
+use raceway::simulation::result::metrics::{self, channel_metrics};
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
@@ -92,7 +94,7 @@ fn reference(file: &str) {
     for parameters in SCENES {
         let scene = scene(parameters);
         let settings = settings(WINDOWS as f64 * WINDOW);
-        let needs = Needs::of(&scene, &settings.outputs, Some(Rung::Full)).expect("full serves all");
+        let needs = Needs::of(&scene, &settings.outputs, Some(ModelLevel::Full)).expect("full serves all");
         let model = Model::new(&scene, &needs);
         let start = start_state(&model).expect("an equilibrium");
         let mut observer = Observer::new(&model, &needs, &settings);
@@ -142,14 +144,14 @@ fn against(file: &str) {
         let full = mean(&windows);
         let spread = windows.iter().flat_map(|w| (0..4).map(|i| db(w[i], full[i]).abs())).fold(0.0, f64::max);
         let (scene, settings) = (scene(parameters), settings(WINDOWS as f64 * WINDOW));
-        let (recording, _) = reduced::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
+        let (recording, _) = spindle_runs::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
         let rung = mean(&(0..WINDOWS).map(|w| levels(&recording, w)).collect::<Vec<_>>());
         let mut row = format!("{parameters:?}");
         for i in 0..4 {
             let _ = write!(row, " {:+.3}", db(rung[i], full[i]));
         }
         let _ = write!(row, "; {spread:.3};");
-        match reduced::simulate_periodic(&scene, &settings, &QUIET) {
+        match spindle_runs::simulate_periodic(&scene, &settings, &QUIET) {
             Ok((recording, _)) => {
                 let periodic = mean(&(0..WINDOWS).map(|w| levels(&recording, w)).collect::<Vec<_>>());
                 for i in 0..4 {
@@ -179,7 +181,7 @@ fn steps() {
         let mut found = [0.0; 4];
         for _ in 0..RUNS {
             let begin = cpu_time();
-            let (recording, _) = reduced::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
+            let (recording, _) = spindle_runs::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
             times.push(cpu_time() - begin);
             found = levels(&recording, 0);
         }
@@ -211,7 +213,7 @@ fn parts() {
     let mut times: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
     for _ in 0..4 * RUNS + 1 {
         let mut clock = vec![cpu_time()];
-        let (recording, _) = reduced::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
+        let (recording, _) = spindle_runs::simulate(&scene, &settings, &QUIET).expect("rung 3 runs");
         clock.push(cpu_time());
         std::hint::black_box(metrics::vibration(&recording));
         clock.push(cpu_time());

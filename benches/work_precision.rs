@@ -14,7 +14,7 @@ use raceway::commands::table;
 use raceway::contract::{self, Metrics, Outcome, WorkPrecisionAnswer, execute};
 use raceway::plots::{ErrorPanel, WorkPoint, WorkPrecisionCurve, work_precision_svg};
 use raceway::render;
-use raceway::simulation::control::Control;
+use raceway::simulation::input::control::Control;
 use serde_json::{Value, json};
 
 #[path = "scenes/mod.rs"]

@@ -17,7 +17,7 @@ use crate::plots::{
     TrendPanel, VariedAxis, WorkPoint, WorkPrecisionCurve, loads_svg, map_svg, orbit_svg, series_svg, spectrum_svg,
     trend_svg, work_precision_svg,
 };
-use crate::simulation::lines::Line;
+use crate::simulation::result::lines::Line;
 
 /// The spectra of a job, with their labelled lines.
 pub fn spectra(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {

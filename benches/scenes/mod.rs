@@ -1,7 +1,7 @@
 //! The scenes on which models are compared: the article's bearing with other clearances, loads, speeds, balls and spindles.
 
 use raceway::contract::scene_from_json;
-use raceway::simulation::scene::Scene;
+use raceway::simulation::input::scene::Scene;
 use serde_json::{Value, json};
 
 /// r/min, N, P_d [µm], balls, spindle [g], balance grade [mm/s].

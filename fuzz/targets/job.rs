@@ -8,8 +8,8 @@ use std::time::Instant;
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
 use raceway::contract::{self, Job, JobKind, Refusal, RunFailure, parse_job};
 use raceway::jobs::NewJob;
-use raceway::simulation::control::Control;
-use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::input::control::Control;
+use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::model::Model;
 use serde_json::{Value, json};
 

@@ -23,8 +23,8 @@ use super::request::{JobId, Nothing, Query, header, negotiated};
 use super::{App, describe};
 use crate::contract::JobKind;
 use crate::jobs::{JobError, JobRecord, Status, View};
-use crate::simulation::control::Phase;
-use crate::simulation::metrics::level_db;
+use crate::simulation::input::control::Phase;
+use crate::simulation::result::metrics::level_db;
 
 const STREAM: &[&str] = &["text/event-stream"];
 const LAST_EVENT_ID: HeaderName = HeaderName::from_static("last-event-id");

@@ -10,7 +10,7 @@ use crate::article::{
 };
 use crate::config::ArticleOptions;
 use crate::contract::{self, Job, OptimumAnswer, Outcome, Simulated, Study, TableAnswer};
-use crate::simulation::control::Control;
+use crate::simulation::input::control::Control;
 
 /// Folder of the plots beside the report.
 const PLOTS: &str = "plots/article";

@@ -10,7 +10,7 @@ use super::{Ended, progress};
 use crate::api::{ApiError, Problem};
 use crate::contract::{self, Job, Outcome, Refusal, RunFailure};
 use crate::jobs::Failure;
-use crate::simulation::control::Control;
+use crate::simulation::input::control::Control;
 
 /// Reads a file, or stdin for `-`, and what `parse` makes of it; tells why not.
 pub fn read(path: &Path, parse: impl FnOnce(&[u8]) -> Result<Job, Refusal>) -> Result<Job, Ended> {

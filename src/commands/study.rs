@@ -7,7 +7,7 @@ use super::{Ended, parallel, progress, table};
 use crate::config::StudyOptions;
 use crate::contract::{self, Job, Row, Study, TableAnswer};
 use crate::render;
-use crate::simulation::control::Control;
+use crate::simulation::input::control::Control;
 
 /// Runs the study, prints its table, and writes it with its plots.
 pub fn run(options: &StudyOptions) -> Ended {

@@ -9,7 +9,7 @@ use crate::contract::recommended::WANTED_DB;
 use crate::contract::report::MotionName;
 use crate::contract::work_precision::{MeasuredAnswer, PointAnswer};
 use crate::contract::{OptimumAnswer, PointStatus, TableAnswer, WorkPrecisionAnswer};
-use crate::simulation::metrics::LEVEL_UNIT;
+use crate::simulation::result::metrics::LEVEL_UNIT;
 
 /// What the table shows: name, pointer into the metrics, unit, digits.
 const ROWS: [(&str, &str, &str, usize); 18] = [

@@ -5,19 +5,20 @@ use super::resolve::CostAnswer;
 use super::units::significant;
 use crate::numerics::lanes::LANES;
 use crate::numerics::ode::Method;
-use crate::simulation::accuracy::is_tossed;
-use crate::simulation::divergence::judged_stretch;
-use crate::simulation::equilibrium::start_state;
-use crate::simulation::ladder::{self, Rung};
-use crate::simulation::later;
+use crate::simulation::error::estimate::is_tossed;
+use crate::simulation::error::lyapunov::judged_stretch;
+use crate::simulation::error::stationarity;
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Model;
+use crate::simulation::model::equilibrium::start_state;
 use crate::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
-use crate::simulation::needs::Grounds;
-use crate::simulation::observe::kept_values;
-use crate::simulation::settings::RunSettings;
-use crate::simulation::settling::Shared;
-use crate::simulation::stepped;
-use crate::simulation::stiffness::{FastestMode, fastest_mode};
+use crate::simulation::model::stiffness::{FastestMode, fastest_mode};
+use crate::simulation::model::terms::Grounds;
+use crate::simulation::recording::sampling::kept_values;
+use crate::simulation::solve::fixed_step;
+use crate::simulation::solve::ladder::{self};
+use crate::simulation::solve::startup::Shared;
 use crate::simulation::work_precision::Plan;
 
 /// Time of one ball in one evaluation of the equations, and of each strip of its two contacts on top [s]:
@@ -82,24 +83,24 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let evaluation = hydrodynamics(HYDRODYNAMIC) * balls * (SECONDS_PER_BALL + of_contacts);
         let by_error_control = |time: f64| time * evaluations_per_second(&job.settings, &mode, 1.0) * evaluation;
         let by_impacts = |time: f64| time * evaluations_per_second(&job.settings, &mode, CUT_BY_IMPACTS) * evaluation;
-        let by_dynamics = |time: f64| match stepped::may_choose(&job.settings) {
-            true => time / stepped::STEP * STEPPED_EVALUATIONS * evaluation,
+        let by_dynamics = |time: f64| match fixed_step::may_choose(&job.settings) {
+            true => time / fixed_step::STEP * STEPPED_EVALUATIONS * evaluation,
             false => by_error_control(time),
         };
         let (settle, duration) = (job.settings.settle, job.settings.duration);
         let looks = LOOK * kept_values(duration) as f64 * evaluation;
         let shared = Shared::of(scene, &model, &job.settings).time;
         let runs = 1.0 + if job.settings.fixed_step.is_some() { REPEATED_IN_HALVES } else { REPEATED };
-        let later = if scene.operation.speed.is_constant() { later::most_time(duration) } else { 0.0 };
+        let later = if scene.operation.speed.is_constant() { stationarity::most_time(duration) } else { 0.0 };
         // What attempts share, the run, its repetition that tells the error, and a later stretch.
         let judged =
             |by: &dyn Fn(f64) -> f64| by_dynamics(shared) + runs * (by(settle - shared + duration) + looks) + by(later);
-        let tried = if stepped::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
+        let tried = if fixed_step::may_choose(&job.settings) { judged(&by_dynamics) } else { 0.0 };
         // Where oil is viscous, steps may blow up while the run settles.
         let settled_anew = if job.needs.raceway.hydrodynamics { by_error_control(shared) } else { 0.0 };
         let most = tried + settled_anew + UNFORESEEN * attempts(job) * judged(&by_impacts);
         // Steps of a fixed length mostly serve, but not where the spindle moves along the axis. Of chaos they make two samples.
-        let in_steps = stepped::may_choose(&job.settings);
+        let in_steps = fixed_step::may_choose(&job.settings);
         let tilts = ladder::tilts_late(scene);
         let either = |one: f64, other: f64| (one * other).sqrt();
         let rattles = model.mechanism().layout.cage && !model.mechanism().pocket.film_is_damped();
@@ -115,7 +116,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
         let [estimate, most] = match (&job.plan, job.rungs.first().filter(|rung| rung.is_reduced())) {
             (Some(plan), _) => as_planned(TIGHT * by_dynamics(compared_time(job, plan))),
             (None, None) => [usual, most],
-            (None, Some(rung)) if job.rungs.len() == 1 && *rung != Rung::RadiallyCondensed => as_planned(reduced),
+            (None, Some(rung)) if job.rungs.len() == 1 && *rung != ModelLevel::RadiallyCondensed => as_planned(reduced),
             // It may be made again in a fourth of the step.
             (None, Some(_)) if job.rungs.len() == 1 => [checked, SLOWER * (checked + AGAIN * reduced)],
             (None, Some(_)) if rattles => [checked + usual, checked + most],
@@ -138,7 +139,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
 /// How many times as long as usual the condensed rung takes: steps may be shorter, and traction go through the contacts of the full model.
 fn slower_on_the_condensed_rung(job: &Job) -> f64 {
     let Some(model) = job.rungs.first().filter(|rung| rung.is_reduced()).and_then(|rung| {
-        let condensed = *rung == Rung::RadiallyCondensed || job.rungs.len() > 1;
+        let condensed = *rung == ModelLevel::RadiallyCondensed || job.rungs.len() > 1;
         condensed.then(|| RadiallyCondensed::new(job.scene(), &job.settings.outputs).ok()).flatten()
     }) else {
         return 1.0;

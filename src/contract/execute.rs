@@ -12,10 +12,11 @@ use super::table::PointEnd;
 use super::views::ViewsAnswer;
 use super::work_precision::WorkPrecisionAnswer;
 use crate::numerics::ode::IntegrationError;
-use crate::simulation::control::Control;
-use crate::simulation::integration::SimulationError;
-use crate::simulation::result::{ChannelSpectra, RunResult};
-use crate::simulation::run;
+use crate::simulation::input::control::Control;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::recording::spectra::ChannelSpectra;
+use crate::simulation::result::run_result::RunResult;
+use crate::simulation::solve::run;
 use crate::simulation::work_precision;
 
 /// The results of a job, by its kind.

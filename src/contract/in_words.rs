@@ -1,6 +1,6 @@
 //! Fields and metrics as headings of pictures say them: in words, with the unit that their names end in.
 
-use crate::simulation::metrics::LEVEL_UNIT;
+use crate::simulation::result::metrics::LEVEL_UNIT;
 
 /// Endings of field names, and the units they stand for; longer ones before those that they end in.
 const UNITS: [(&str, &str); 22] = [

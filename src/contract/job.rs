@@ -15,10 +15,11 @@ use super::strict::{self, ObjectOnly, object, optional_object};
 use super::study::{self, StrictAxis, Study};
 use super::variation::Variation;
 use super::{accuracy, given_fields, limits, times};
-use crate::simulation::ladder::{self, Rung};
-use crate::simulation::needs::{Needs, Unmet};
-use crate::simulation::scene::Scene;
-use crate::simulation::settings::RunSettings;
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::terms::{Needs, Unmet};
+use crate::simulation::solve::ladder::{self};
 use crate::simulation::work_precision::{Plan, SETTLING};
 
 /// A request: one simulation, a study of many, the optimum of a metric over one or two ranges, or the error of several methods against
@@ -131,7 +132,7 @@ pub struct Job {
     /// What an optimum job seeks; `None` for all others.
     pub sought: Option<Sought>,
     /// Rungs that are tried, the leanest first.
-    pub rungs: Vec<Rung>,
+    pub rungs: Vec<ModelLevel>,
     /// What the equations hold on the last of them.
     pub needs: Needs,
     /// Solver and outputs with every default, as in a request.
@@ -157,7 +158,7 @@ impl JobKind {
 }
 
 impl Job {
-    pub fn scene(&self) -> &crate::simulation::scene::Scene {
+    pub fn scene(&self) -> &crate::simulation::input::scene::Scene {
         &self.resolved.scene
     }
 
@@ -414,7 +415,7 @@ pub fn job_of(request: Value) -> Result<Job, Refusal> {
 }
 
 /// What the equations hold, and the rungs that are tried.
-fn model(scene: &Scene, settings: &RunSettings, is_compared: bool) -> Result<(Needs, Vec<Rung>), FieldError> {
+fn model(scene: &Scene, settings: &RunSettings, is_compared: bool) -> Result<(Needs, Vec<ModelLevel>), FieldError> {
     let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db).map_err(unmet)?;
     let rungs = if is_compared { vec![needs.rung] } else { ladder::tried(scene, settings).map_err(unmet)? };
     Ok((needs, rungs))
@@ -490,7 +491,7 @@ fn kind_of(request: &Value) -> Result<JobKind, FieldError> {
 /// The choice that the scene cannot be given.
 fn unmet(unmet: Unmet) -> FieldError {
     let pointer = match &unmet {
-        Unmet::Rung { .. } => "/solver/rung".to_owned(),
+        Unmet::ModelLevel { .. } => "/solver/rung".to_owned(),
         Unmet::Term { term, .. } => format!("/scene/terms/{}", term.name()),
     };
     FieldError::new(pointer, unmet.to_string())

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 pub use super::report::{AccuracyAnswer, FrequenciesAnswer, GroundsName, LeftOutAnswer, MotionName, SolverAnswer};
-use crate::simulation::channel::Channel;
-use crate::simulation::lines::Line;
-use crate::simulation::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
-use crate::simulation::result::RunResult;
-use crate::simulation::settings::Outputs;
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::result::lines::Line;
+use crate::simulation::result::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
+use crate::simulation::result::run_result::RunResult;
 
 /// Everything a user reads first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

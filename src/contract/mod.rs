@@ -66,7 +66,7 @@ pub use work_precision::WorkPrecisionAnswer;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::simulation::scene::Scene;
+use crate::simulation::input::scene::Scene;
 
 /// Builds a scene from JSON: a scene, `{ "scene": … }`, or a whole job.
 pub fn scene_from_json(text: &str) -> Result<Scene, Refusal> {

@@ -14,8 +14,8 @@ use super::problem::{FieldError, Refusal, listed};
 use super::study::{AxisInput, already_varied, refuse_signals};
 use super::table::{PointEnd, PointError, uncertain};
 use super::variation::{Range, Scale, Variation, Varied, of_an_axis};
-use crate::simulation::control::Control;
-use crate::simulation::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::control::Control;
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::study::{self, Goal, Purpose, Uncertain};
 
 const MOST_AXES: usize = 2;

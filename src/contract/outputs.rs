@@ -7,9 +7,9 @@ use utoipa::ToSchema;
 
 use super::filling::Filling;
 use crate::physics::spindle::AxialHold;
-use crate::simulation::channel::{Axis, BallContact, Channel};
-use crate::simulation::scene::{Scene, Term, TermChoice};
-use crate::simulation::settings::Outputs;
+use crate::simulation::input::channel::{Axis, BallContact, Channel};
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::Outputs;
 
 /// What the result contains; what is not asked for is neither computed nor stored.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]

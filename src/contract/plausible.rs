@@ -6,8 +6,8 @@ use super::scaling::{Size, crown_cage, shaft_mass_kg};
 use super::units::{MM, RPM, UM, short, significant};
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::spindle::Unbalance;
-use crate::simulation::equilibrium::StaticLoads;
-use crate::simulation::scene::Scene;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::model::equilibrium::StaticLoads;
 
 /// Pressure at which ball and raceway together are dented by 10⁻⁴ of the ball's diameter (ISO 76, ball bearings) [Pa].
 const STATIC_LIMIT: f64 = 4.2e9;

@@ -5,9 +5,12 @@ use utoipa::ToSchema;
 
 use super::units::significant;
 use crate::physics::kinematics::CharacteristicFrequencies;
-use crate::simulation::metrics::{AccuracyReport, MotionKind, QuantityErrors, SolverReport};
-use crate::simulation::needs::{Grounds, LeftOut};
-use crate::simulation::settings::Outputs;
+use crate::simulation::error::report::AccuracyReport;
+use crate::simulation::error::report::MotionKind;
+use crate::simulation::error::report::QuantityErrors;
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::terms::{Grounds, LeftOut};
+use crate::simulation::result::metrics::SolverReport;
 
 /// Characteristic frequencies [Hz].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

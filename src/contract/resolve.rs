@@ -18,8 +18,8 @@ use crate::physics::bearing::Bearing;
 use crate::physics::contact::hertz::raceway_contacts;
 use crate::physics::kinematics::ideal_frequencies;
 use crate::physics::rating::{dynamic_load_rating, dynamic_load_rating_full_formula};
-use crate::simulation::equilibrium::{StaticLoads, static_loads};
-use crate::simulation::ladder;
+use crate::simulation::model::equilibrium::{StaticLoads, static_loads};
+use crate::simulation::solve::ladder;
 
 /// The answer to `POST /v1/scenes/resolve`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -13,7 +13,7 @@ use super::spindle::SpindleInput;
 use super::strict::{NameOr, object, optional_object};
 use super::terms::TermsInput;
 use crate::physics::bearing::PerRaceway;
-use crate::simulation::scene::{Scene, SceneParameters};
+use crate::simulation::input::scene::{Scene, SceneParameters};
 
 /// What to simulate. Only `bearing` and `operation.speed_rpm` are required.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

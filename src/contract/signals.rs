@@ -5,9 +5,9 @@ use utoipa::ToSchema;
 
 use super::units::rounded;
 use crate::numerics::spectrum::Spectrum;
-use crate::simulation::channel::Channel;
-use crate::simulation::metrics::SolverReport;
-use crate::simulation::result::Series;
+use crate::simulation::input::channel::Channel;
+use crate::simulation::result::metrics::SolverReport;
+use crate::simulation::result::run_result::Series;
 
 /// Frequency up to which spectra are kept [Hz]: levels end at 20 kHz.
 const HIGHEST: f64 = 25_600.0;

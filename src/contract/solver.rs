@@ -7,7 +7,7 @@ use super::filling::Filling;
 use super::problem::listed;
 use super::units::US;
 use crate::numerics::ode::Method;
-use crate::simulation::ladder::Rung;
+use crate::simulation::input::model_level::ModelLevel;
 
 /// Integrator, tolerances and model.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -87,7 +87,7 @@ const TOLERANCE: f64 = 1e-5;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solver {
     pub method: Method,
-    pub rung: Option<Rung>,
+    pub rung: Option<ModelLevel>,
     pub relative_tolerance: f64,
     /// See `RunSettings::tightened`.
     pub tightened: Option<f64>,
@@ -132,8 +132,8 @@ impl SolverInput {
     }
 
     /// What decides over the model alone: rung and `model_tolerance_db`.
-    pub fn resolve_model(&mut self, filling: &mut Filling) -> (Option<Rung>, f64) {
-        let rungs = Rung::ALL.map(|rung| (rung.name(), Some(rung)));
+    pub fn resolve_model(&mut self, filling: &mut Filling) -> (Option<ModelLevel>, f64) {
+        let rungs = ModelLevel::ALL.map(|rung| (rung.name(), Some(rung)));
         let rung = self.rung.as_ref().and_then(|name| chosen(filling, "/solver/rung", name, &rungs));
         let model_tolerance_db = filling.take("/solver/model_tolerance_db", &mut self.model_tolerance_db, 0.05);
         filling.check("/solver/model_tolerance_db", model_tolerance_db);
@@ -142,8 +142,11 @@ impl SolverInput {
 }
 
 /// Integrators that go with their rung.
-const OF_RUNGS: [(&str, Rung); 3] =
-    [("adams_moulton", Rung::SpindleOnly), ("semi_implicit", Rung::RadiallyCondensed), ("shooting", Rung::Periodic)];
+const OF_RUNGS: [(&str, ModelLevel); 3] = [
+    ("adams_moulton", ModelLevel::SpindleOnly),
+    ("semi_implicit", ModelLevel::RadiallyCondensed),
+    ("shooting", ModelLevel::Periodic),
+];
 
 /// The method of that name; `None` with an error at `pointer` where there is none.
 pub fn method_of(filling: &mut Filling, pointer: &str, name: &str) -> Option<Method> {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::filling::Filling;
-use crate::simulation::scene::{Term, TermChoice, Terms};
+use crate::simulation::input::scene::{Term, TermChoice, Terms};
 
 /// `auto` (default): the scene decides, and what is left out is reported with its reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

@@ -4,10 +4,10 @@ use super::filling::Filling;
 use super::limits::DURATION;
 use super::units;
 use crate::physics::kinematics::{CharacteristicFrequencies, ideal_frequencies};
-use crate::simulation::observe::RATE;
-use crate::simulation::scene::Scene;
-use crate::simulation::settings::Outputs;
-use crate::simulation::settling::{settling_time, turning_time};
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::solve::startup::{settling_time, turning_time};
 
 /// Longest default that the speed gives [s].
 const LONGEST_DEFAULT: f64 = 1.0;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::signals::SeriesAnswer;
 use super::units::rounded;
-use crate::simulation::views::{Orbit, Trace, Views};
+use crate::simulation::recording::plot_data::{Orbit, Trace, Views};
 
 /// Digits of a value in a picture.
 const DIGITS: i32 = 4;

@@ -12,7 +12,7 @@ use super::recommended::{RecommendedAnswer, recommended};
 use super::report::{LeftOutAnswer, MotionName};
 use super::words::scene_in_words;
 use crate::numerics::statistics::median;
-use crate::simulation::distance::FAINT;
+use crate::simulation::error::comparison::FAINT;
 use crate::simulation::work_precision::{
     ABOVE_OWN_ERROR, LEAST_SCALE, MOST_GROWN, Measured, Plan, Point, Reference, SETTLING, TrajectoryError,
     WorkPrecision, level_floor,
@@ -327,7 +327,7 @@ impl WorkPrecisionAnswer {
 }
 
 fn compared(job: &Job, study: &WorkPrecision) -> ComparedAnswer {
-    let diverging = study.motion == Some(crate::simulation::metrics::MotionKind::Diverging);
+    let diverging = study.motion == Some(crate::simulation::error::report::MotionKind::Diverging);
     ComparedAnswer {
         scene: scene_in_words(job),
         quantity: format!(

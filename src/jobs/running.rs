@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::JobRecord;
-use crate::simulation::control::{Live, Phase};
+use crate::simulation::input::control::{Live, Phase};
 
 /// Why a run is asked to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

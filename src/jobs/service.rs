@@ -20,7 +20,7 @@ use super::tokens::{KnownTokens, Token};
 use super::worker::Worker;
 use super::{IdempotencyKey, JobError, JobRecord, NewJob, Status, sweep, tokens};
 use crate::contract::{Job, JobKind, Outcome, RunFailure, SpectrumAnswer, SpectrumKind};
-use crate::simulation::control::Control;
+use crate::simulation::input::control::Control;
 
 /// What computes a job: the contract's `execute`, or a stand-in of a test.
 pub type Simulator = Arc<dyn Fn(&Job, &Control<'_>) -> Result<Outcome, RunFailure> + Send + Sync>;

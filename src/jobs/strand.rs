@@ -13,7 +13,7 @@ use super::worker::{Worker, follow, stop_after};
 use super::{JobError, Status};
 use crate::contract::table::PointError;
 use crate::contract::{self, Job, PointEnd, Refusal, Study, execute_point};
-use crate::simulation::control::Control;
+use crate::simulation::input::control::Control;
 
 /// How long a strand keeps its place while others of its kind wait.
 const SLICE: Duration = Duration::from_secs(1);

@@ -21,7 +21,7 @@ use super::store::{Claim, End, Store, StoredResult};
 use super::threads::SolverThreads;
 use super::{Failure, JobError, NewJob, Status};
 use crate::contract::{self, JobKind, RunFailure};
-use crate::simulation::control::{Control, Live};
+use crate::simulation::input::control::{Control, Live};
 
 /// Runs delivered jobs.
 pub struct Worker {

@@ -3,7 +3,7 @@
 use super::axis::{Scale, decade, ticks};
 use super::svg::{Anchor, Drawing};
 use crate::numerics::statistics::thin;
-use crate::simulation::lines::Line;
+use crate::simulation::result::lines::Line;
 
 /// One channel's spectrum.
 pub struct SpectrumCurve<'a> {

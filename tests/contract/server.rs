@@ -11,7 +11,7 @@ use raceway::api::origins::origin;
 use raceway::api::service::Service;
 use raceway::contract::{self, Job, Outcome, RunFailure};
 use raceway::jobs::{Location, Settings, Simulator};
-use raceway::simulation::control::Control;
+use raceway::simulation::input::control::Control;
 use tempfile::TempDir;
 use tokio::runtime::Runtime;
 

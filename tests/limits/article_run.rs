@@ -3,12 +3,12 @@
 use std::sync::OnceLock;
 
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::lines::Line;
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::result::lines::Line;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
 use serde_json::json;
 
 use crate::scenes::{article, changed, scene};

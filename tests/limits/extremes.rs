@@ -3,10 +3,10 @@
 use std::time::{Duration, Instant};
 
 use raceway::contract::scene_from_json;
-use raceway::simulation::control::Control;
-use raceway::simulation::integration::SimulationError;
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
+use raceway::simulation::input::control::Control;
+use raceway::simulation::model::failure::SimulationError;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
 use serde_json::{Value, json};
 
 use crate::article_run::settings;

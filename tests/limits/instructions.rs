@@ -4,10 +4,10 @@ use raceway::numerics::lanes::InstructionSet;
 use raceway::numerics::ode::Method;
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed};
-use raceway::simulation::settings::RunSettings;
 use serde_json::{Value, json};
 
 use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_asked, rates, scene};
@@ -15,19 +15,19 @@ use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_a
 const TIME: f64 = 2.3e-4;
 
 /// Scenes that between them hold every law and every term.
-fn scenes() -> Vec<(Value, Rung)> {
+fn scenes() -> Vec<(Value, ModelLevel)> {
     let everything_with = |change: Value| changed(everything(), change);
     let traction = |law: Value| everything_with(json!({ "lubricant": { "traction": law } }));
     vec![
-        (article(), Rung::Full),
-        (article(), Rung::Planar),
-        (everything(), Rung::Full),
-        (everything_with(json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } })), Rung::Full),
-        (changed(article(), json!({ "lubricant": "dry", "bearing": { "ball_count": 8 } })), Rung::Full),
-        (everything_with(json!({ "terms": { "drag": "on", "churning": "on" } })), Rung::Full),
-        (traction(json!({ "law": "four_parameter", "at_rest": 0.02 })), Rung::Full),
-        (traction(json!({ "law": "eyring" })), Rung::Full),
-        (traction(json!({ "law": "coulomb" })), Rung::Full),
+        (article(), ModelLevel::Full),
+        (article(), ModelLevel::Planar),
+        (everything(), ModelLevel::Full),
+        (everything_with(json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } })), ModelLevel::Full),
+        (changed(article(), json!({ "lubricant": "dry", "bearing": { "ball_count": 8 } })), ModelLevel::Full),
+        (everything_with(json!({ "terms": { "drag": "on", "churning": "on" } })), ModelLevel::Full),
+        (traction(json!({ "law": "four_parameter", "at_rest": 0.02 })), ModelLevel::Full),
+        (traction(json!({ "law": "eyring" })), ModelLevel::Full),
+        (traction(json!({ "law": "coulomb" })), ModelLevel::Full),
     ]
 }
 

@@ -2,9 +2,9 @@
 
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::Jacobian;
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::pair::Pair;
+use raceway::simulation::error::twin_system::Pair;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::model::equilibrium::start_state;
 use serde_json::json;
 
 use crate::scenes::{article, changed, disturbed, everything, model_on};
@@ -31,7 +31,7 @@ fn dense(system: &impl OdeSystem, state: &[f64], sizes: &[f64]) -> Vec<Vec<f64>>
 #[test]
 fn the_arrowhead_is_the_whole_jacobian() {
     let oil = changed(everything(), json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } }));
-    for (json, rung) in [(oil, Rung::Full), (article(), Rung::Full), (article(), Rung::Planar)] {
+    for (json, rung) in [(oil, ModelLevel::Full), (article(), ModelLevel::Full), (article(), ModelLevel::Planar)] {
         let model = model_on(&json, Some(rung));
         let layout = model.mechanism().layout;
         let state = disturbed(&model, 3);
@@ -72,7 +72,7 @@ fn the_arrowhead_is_the_whole_jacobian() {
 /// Two states far from each other: each copy must be given its own Jacobian, in its own place.
 #[test]
 fn jacobian_of_a_pair_is_that_of_both() {
-    let model = model_on(&article(), Some(Rung::Full));
+    let model = model_on(&article(), Some(ModelLevel::Full));
     let sizes = model.mechanism().layout.sizes();
     let start = start_state(&model).unwrap();
     let moved = |by: f64| -> Vec<f64> {

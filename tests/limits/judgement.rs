@@ -1,13 +1,13 @@
 //! Single terms left out by judgement: what leaving each out changes is within the bound that was stated before the run.
 
 use raceway::physics::raceway::{RacewayContact, RelativeMotion};
-use raceway::simulation::judgement::{Judge, Omission, within};
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::needs::{Grounds, Needs};
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::model::terms::{Grounds, Needs};
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::judgement::{Judge, Omission, within};
+use raceway::simulation::solve::run::run;
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};
@@ -43,7 +43,13 @@ fn levels_only() -> Outputs {
 
 /// 20 ms to settle and 20 ms kept on the dynamics; `tolerance_db` of the model.
 fn asked(tolerance_db: f64, outputs: Outputs) -> RunSettings {
-    RunSettings { model_tolerance_db: tolerance_db, rung: Some(Rung::Full), duration: 0.02, outputs, ..settings() }
+    RunSettings {
+        model_tolerance_db: tolerance_db,
+        rung: Some(ModelLevel::Full),
+        duration: 0.02,
+        outputs,
+        ..settings()
+    }
 }
 
 fn levels(result: &RunResult) -> [f64; 2] {
@@ -60,7 +66,7 @@ fn judged(needs: &Needs) -> Vec<(&'static str, f64)> {
 }
 
 fn needs(scene: &Scene, outputs: &Outputs, tolerance_db: f64) -> Needs {
-    within(Needs::of(scene, outputs, Some(Rung::Full)).unwrap(), scene, outputs, tolerance_db)
+    within(Needs::of(scene, outputs, Some(ModelLevel::Full)).unwrap(), scene, outputs, tolerance_db)
 }
 
 /// Errors of integration, of level and repetition, at 1e-5 [dB].
@@ -138,7 +144,7 @@ fn terms_stay_in_where_nothing_lets_them_go() {
 fn bounds_follow_the_forces() {
     let bound = |lubricant: Value, omission: Omission| {
         let scene = scene(&changed(article(), json!({ "lubricant": lubricant })));
-        let needs = Needs::of(&scene, &levels_only(), Some(Rung::Full)).unwrap();
+        let needs = Needs::of(&scene, &levels_only(), Some(ModelLevel::Full)).unwrap();
         let judge = Judge::new(&scene, &needs).unwrap().unwrap();
         judge.bound(omission).unwrap()
     };
@@ -153,7 +159,7 @@ fn bounds_follow_the_forces() {
 #[test]
 fn folded_strips_are_an_identity() {
     let scene = scene(&article());
-    let needs = Needs::of(&scene, &levels_only(), Some(Rung::Full)).unwrap();
+    let needs = Needs::of(&scene, &levels_only(), Some(ModelLevel::Full)).unwrap();
     let damping = scene.raceway_damping.resolve();
     let pair = |spin: bool| {
         let terms = raceway::physics::raceway::RacewayTerms { spin, ..needs.raceway };

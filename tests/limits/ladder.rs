@@ -1,21 +1,21 @@
 //! Which rung a scene is simulated on, and what the result says of it.
 
 use raceway::numerics::ode::Method;
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::ladder::needs;
-use raceway::simulation::metrics::Summary;
-use raceway::simulation::needs::Grounds;
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::model::terms::Grounds;
+use raceway::simulation::result::metrics::Summary;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::ladder::needs;
+use raceway::simulation::solve::run::run;
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};
 use crate::scenes::{article, changed, scene};
 
 /// 20 ms to settle, 40 ms kept; `all`: contacts and cage, too.
-fn asked(all: bool, rung: Option<Rung>) -> RunSettings {
+fn asked(all: bool, rung: Option<ModelLevel>) -> RunSettings {
     let outputs = Outputs { contacts: all, cage: all, ..settings().outputs };
     RunSettings { rung, model_tolerance_db: 0.05, settle: 0.02, duration: 0.04, outputs, ..settings() }
 }
@@ -40,7 +40,7 @@ fn apart(a: &RunResult, b: &RunResult) -> f64 {
 /// What is chosen is within what was asked, and what it states of itself is right within a factor of three.
 #[test]
 fn the_leanest_rung_that_is_confirmed_makes_the_result() {
-    let full = simulate(&article(), &asked(true, Some(Rung::Full)));
+    let full = simulate(&article(), &asked(true, Some(ModelLevel::Full)));
     for (all, expected) in [(true, "radially_condensed"), (false, "periodic")] {
         let result = simulate(&article(), &asked(all, None));
         let (solver, accuracy) = (&result.summary.solver, &result.summary.accuracy);
@@ -67,15 +67,15 @@ fn a_spindle_that_is_thrown_about_is_left_to_the_dynamics() {
     let chosen = simulate(&light, &asked(None)).summary;
     assert_eq!(chosen.solver.rung, "full");
     assert!(chosen.solver.check.contains("thrown about"), "{}", chosen.solver.check);
-    let condensed = simulate(&light, &asked(Some(Rung::RadiallyCondensed))).summary;
+    let condensed = simulate(&light, &asked(Some(ModelLevel::RadiallyCondensed))).summary;
     assert!(condensed.accuracy.warning.unwrap().contains("thrown about"));
 }
 
 /// Largest load and cage speed are those of the full dynamics, too.
 #[test]
 fn contacts_and_cage_of_the_condensed_rung_are_those_of_the_full_dynamics() {
-    let full = simulate(&article(), &asked(true, Some(Rung::Full))).summary;
-    let lean = simulate(&article(), &asked(true, Some(Rung::RadiallyCondensed))).summary;
+    let full = simulate(&article(), &asked(true, Some(ModelLevel::Full))).summary;
+    let lean = simulate(&article(), &asked(true, Some(ModelLevel::RadiallyCondensed))).summary;
     let near = |a: f64, b: f64, within: f64| assert!((a / b - 1.0).abs() < within, "{a} {b}");
     let (a, b) = (lean.contacts.unwrap().raceway, full.contacts.unwrap().raceway);
     near(a.inner.max_load, b.inner.max_load, 5e-3);
@@ -103,9 +103,13 @@ fn the_stated_error_of_the_largest_load_holds() {
         (scene("article-deep-groove", 30_000.0, 400.0, 6.3), 0.02),
         (article(), 0.02),
     ] {
-        let asked = RunSettings { duration, ..asked(true, Some(Rung::RadiallyCondensed)) };
-        let exact =
-            RunSettings { rung: Some(Rung::Full), model_tolerance_db: 0.0, relative_tolerance: 1e-8, ..asked.clone() };
+        let asked = RunSettings { duration, ..asked(true, Some(ModelLevel::RadiallyCondensed)) };
+        let exact = RunSettings {
+            rung: Some(ModelLevel::Full),
+            model_tolerance_db: 0.0,
+            relative_tolerance: 1e-8,
+            ..asked.clone()
+        };
         let [lean, full] = [&asked, &exact].map(|settings| simulate(&json, settings).summary);
         let largest = |summary: &Summary| {
             let raceway = &summary.contacts.as_ref().unwrap().raceway;
@@ -154,7 +158,7 @@ fn a_periodic_motion_that_is_unstable_is_never_the_answer() {
         changed(article(), json!({ "bearing": { "radial_clearance_um": 10 }, "operation": { "speed_rpm": 40_000 } }));
     let chosen = simulate(&json, &asked(false, None)).summary.solver;
     assert_ne!(chosen.rung, "periodic");
-    let by_name = run(&scene(&json), &asked(false, Some(Rung::Periodic)), &patient());
+    let by_name = run(&scene(&json), &asked(false, Some(ModelLevel::Periodic)), &patient());
     let words = by_name.unwrap_err().to_string();
     assert!(words.contains("the rung periodic does not serve"), "{words}");
 }
@@ -163,7 +167,7 @@ fn a_periodic_motion_that_is_unstable_is_never_the_answer() {
 #[test]
 fn a_spindle_that_nothing_holds_has_no_periodic_motion() {
     let json = changed(article(), json!({ "operation": { "radial_load_y_n": 0 }, "terms": { "gravity": "off" } }));
-    let words = run(&scene(&json), &asked(false, Some(Rung::Periodic)), &patient()).unwrap_err().to_string();
+    let words = run(&scene(&json), &asked(false, Some(ModelLevel::Periodic)), &patient()).unwrap_err().to_string();
     assert!(words.contains("it touches no ball"), "{words}");
     assert_ne!(simulate(&json, &asked(false, None)).summary.solver.rung, "periodic");
 }
@@ -171,7 +175,7 @@ fn a_spindle_that_nothing_holds_has_no_periodic_motion() {
 /// A rung asked for by name is run and checked, and warns where it is not confirmed.
 #[test]
 fn a_rung_by_name_that_is_not_confirmed_warns() {
-    let settings = RunSettings { model_tolerance_db: 1e-3, ..asked(false, Some(Rung::SpindleOnly)) };
+    let settings = RunSettings { model_tolerance_db: 1e-3, ..asked(false, Some(ModelLevel::SpindleOnly)) };
     let summary = simulate(&article(), &settings).summary;
     assert_eq!((summary.solver.rung, summary.solver.method), ("spindle_only", "adams_moulton"));
     let warning = summary.accuracy.warning.unwrap();
@@ -183,7 +187,7 @@ fn a_rung_by_name_that_is_not_confirmed_warns() {
 fn rungs_by_name_of_a_bearing_at_rest_end() {
     for rpm in [0.0, 1e-3] {
         let json = changed(article(), json!({ "operation": { "speed_rpm": rpm } }));
-        for rung in [Rung::RadiallyCondensed, Rung::SpindleOnly] {
+        for rung in [ModelLevel::RadiallyCondensed, ModelLevel::SpindleOnly] {
             let brief = RunSettings { settle: 2e-3, duration: 4e-3, ..asked(false, Some(rung)) };
             let summary = simulate(&json, &brief).summary;
             assert_eq!(summary.solver.rung, rung.name());
@@ -195,9 +199,9 @@ fn rungs_by_name_of_a_bearing_at_rest_end() {
 #[test]
 fn rungs_by_name_whose_check_tells_nothing_say_so() {
     let slows = json!({ "operation": { "speed_rpm": [{ "at_s": 0, "rpm": 50_000 }, { "at_s": 0.03, "rpm": 3_000 }] } });
-    let brief = RunSettings { settle: 1e-3, duration: 5e-4, ..asked(false, Some(Rung::SpindleOnly)) };
+    let brief = RunSettings { settle: 1e-3, duration: 5e-4, ..asked(false, Some(ModelLevel::SpindleOnly)) };
     for (changes, settings, words) in [
-        (slows, asked(false, Some(Rung::RadiallyCondensed)), "the speed varies"),
+        (slows, asked(false, Some(ModelLevel::RadiallyCondensed)), "the speed varies"),
         (json!({}), brief, "less is kept than a check compares"),
     ] {
         let accuracy = simulate(&changed(article(), changes), &settings).summary.accuracy;
@@ -212,7 +216,7 @@ fn a_rung_by_name_is_run_even_where_its_check_fails() {
     // A cage so light that the rung above needs steps too short to be worth it.
     let light = json!({ "mass_g": 1e-6, "axial_inertia_kg_m2": 4e-14, "transverse_inertia_kg_m2": 2e-14 });
     let json = changed(article(), json!({ "bearing": { "cage": light } }));
-    let summary = simulate(&json, &asked(false, Some(Rung::SpindleOnly))).summary;
+    let summary = simulate(&json, &asked(false, Some(ModelLevel::SpindleOnly))).summary;
     assert!(summary.solver.check.starts_with("not checked: "), "{}", summary.solver.check);
     assert!(summary.accuracy.warning.is_some() && summary.accuracy.level_error_db().is_none());
 }
@@ -223,7 +227,7 @@ fn a_rung_by_name_takes_shorter_steps_where_its_own_lose_the_motion() {
     let rising = json!([{ "at_s": 0.02, "rpm": 3000 }, { "at_s": 0.025, "rpm": 60_000 }]);
     let json = changed(article(), json!({ "operation": { "speed_rpm": rising } }));
     let made = |rung| simulate(&json, &asked(false, Some(rung)));
-    let (condensed, full) = (made(Rung::RadiallyCondensed), made(Rung::Full));
+    let (condensed, full) = (made(ModelLevel::RadiallyCondensed), made(ModelLevel::Full));
     let steps = condensed.summary.solver.statistics.steps;
     println!("{steps} steps, {} dB apart", apart(&condensed, &full));
     assert!(steps > 20_000 && apart(&condensed, &full) < 0.1, "{steps}, {}", apart(&condensed, &full));
@@ -233,7 +237,10 @@ fn a_rung_by_name_takes_shorter_steps_where_its_own_lose_the_motion() {
 fn a_reduced_run_can_be_stopped_and_repeats_bit_for_bit() {
     let settings = asked(true, None);
     let stopped = run(&scene(&article()), &settings, &Control::until(&|| true));
-    assert!(matches!(stopped, Err(raceway::simulation::integration::SimulationError::Stopped { .. })), "{stopped:?}");
+    assert!(
+        matches!(stopped, Err(raceway::simulation::model::failure::SimulationError::Stopped { .. })),
+        "{stopped:?}"
+    );
     let (a, b) = (simulate(&article(), &settings), simulate(&article(), &settings));
     assert_eq!((a.spectra, a.summary.channels, a.left_out), (b.spectra, b.summary.channels, b.left_out));
 }
@@ -249,7 +256,7 @@ fn slow_motions_that_go_on_after_the_check_are_left_to_the_dynamics() {
     let result = simulate(&wide, &loose);
     let solver = &result.summary.solver;
     assert!(solver.rung == "planar" && solver.check.contains("after the check"), "{}: {}", solver.rung, solver.check);
-    let named = simulate(&wide, &RunSettings { rung: Some(Rung::RadiallyCondensed), ..loose });
+    let named = simulate(&wide, &RunSettings { rung: Some(ModelLevel::RadiallyCondensed), ..loose });
     let warning = named.summary.accuracy.warning.unwrap();
     assert!(warning.contains("after the check"), "{warning}");
 }
@@ -273,7 +280,7 @@ fn a_run_that_finer_steps_take_elsewhere_is_left_to_the_dynamics() {
     let result = simulate(&heavy, &loose).summary;
     let (rung, check) = (result.solver.rung, &result.solver.check);
     assert!(rung == "full" && check.contains("finer steps take another course"), "{rung}: {check}");
-    let named = simulate(&heavy, &RunSettings { rung: Some(Rung::RadiallyCondensed), ..loose }).summary;
+    let named = simulate(&heavy, &RunSettings { rung: Some(ModelLevel::RadiallyCondensed), ..loose }).summary;
     assert!(named.accuracy.level_error_db() > Some(0.3), "{:?}", named.accuracy);
 }
 
@@ -313,7 +320,7 @@ fn a_crown_cage_that_may_tilt_its_balls_is_not_left_to_checks_in_the_plane() {
     let chosen = simulate(&json, &RunSettings { model_tolerance_db: 0.5, ..asked(false, None) }).summary.solver;
     assert_eq!(chosen.rung, "full", "{}", chosen.check);
     assert!(chosen.check.contains("spindle_only and periodic were not tried: so heavy a cage"), "{}", chosen.check);
-    let named = simulate(&json, &asked(false, Some(Rung::SpindleOnly))).summary.accuracy;
+    let named = simulate(&json, &asked(false, Some(ModelLevel::SpindleOnly))).summary.accuracy;
     assert_eq!(named.level_error_db(), None);
     assert!(named.warning.as_ref().is_some_and(|warning| warning.contains("so heavy a cage")), "{named:?}");
     let closed = changed(json, json!({ "bearing": { "cage": { "seat": "closed", "offset_mm": 0 } } }));
@@ -347,7 +354,8 @@ fn a_slow_beat_is_told_on_a_reduced_rung() {
     let settings = RunSettings { settle: 0.0664, duration: 0.1, ..asked(false, None) };
     let kept = simulate(&json, &settings);
     assert_eq!(kept.summary.solver.rung, "radially_condensed", "{}", kept.summary.solver.check);
-    let long_after = simulate(&json, &RunSettings { settle: 3.0, rung: Some(Rung::RadiallyCondensed), ..settings });
+    let long_after =
+        simulate(&json, &RunSettings { settle: 3.0, rung: Some(ModelLevel::RadiallyCondensed), ..settings });
     let scatter = kept.summary.scatter.of(Y).unwrap();
     let off = (levels(&kept)[0] - levels(&long_after)[0]).abs();
     assert!(off > 0.5 && off < 2.0 * scatter, "{off} dB off, {scatter} dB stated");
@@ -359,7 +367,8 @@ fn a_bound_that_does_not_hold_is_found_out() {
     let json = json!({
         "bearing": "6205", "operation": { "speed_rpm": 5000, "radial_load_y_n": 500 }, "lubricant": "oil"
     });
-    let settings = RunSettings { relative_tolerance: 1e-3, tightened: Some(1e-5), ..asked(false, Some(Rung::Full)) };
+    let settings =
+        RunSettings { relative_tolerance: 1e-3, tightened: Some(1e-5), ..asked(false, Some(ModelLevel::Full)) };
     let settings = RunSettings { settle: 0.1, duration: 0.05, ..settings };
     let judged = needs(&scene(&json), &settings.outputs, settings.rung, 0.05).unwrap();
     assert!(judged.left_out.iter().any(|one| one.term == "churning" && one.by == Grounds::Judgement));

@@ -3,14 +3,14 @@
 
 use raceway::physics::frames::Vector;
 use raceway::simulation::model::Model;
-use raceway::simulation::state::{BallState, CageState, SpindleState};
+use raceway::simulation::model::state::{BallState, CageState, SpindleState};
 use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
 use crate::scenes::{article, changed, disturbed, everything, model, model_on, rates, scene};
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::RunSettings;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::settings::RunSettings;
+use raceway::simulation::solve::run::run;
 
 const TIME: f64 = 2.3e-4;
 
@@ -134,8 +134,8 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
 fn plane_motion_is_mirrored_too() {
     let json =
         changed(article(), json!({ "operation": { "radial_load_z_n": 70 }, "spindle": { "balance_grade": 6.3 } }));
-    let model = model_on(&json, Some(Rung::Planar));
-    let image = model_on(&mirrored_scene(json), Some(Rung::Planar));
+    let model = model_on(&json, Some(ModelLevel::Planar));
+    let image = model_on(&mirrored_scene(json), Some(ModelLevel::Planar));
     for seed in 1..=10 {
         let state = disturbed(&model, seed);
         let expected = mirrored(&model, &rates(&model, TIME, &state));

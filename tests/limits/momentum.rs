@@ -4,7 +4,7 @@
 use raceway::physics::frames::{Azimuth, Tilt, Vector, add, cross, length, scale, subtract};
 use raceway::physics::raceway::{RacewayLoad, RelativeMotion};
 use raceway::physics::spindle::unbalance_force;
-use raceway::simulation::channel::BallContact;
+use raceway::simulation::input::channel::BallContact;
 use raceway::simulation::model::{Model, Watch};
 use serde_json::{Value, json};
 

@@ -2,10 +2,10 @@
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::OdeSystem;
-use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::terms::Needs;
 
 use crate::scenes::advance;
 

@@ -32,8 +32,8 @@ fn ball_passage_rules_where_nothing_is_unbalanced() {
 
 /// Amplitude at a frequency over the strongest one of the spectrum: the largest of the three nearest bins.
 fn share_at(
-    run: &raceway::simulation::result::RunResult,
-    channel: raceway::simulation::channel::Channel,
+    run: &raceway::simulation::result::run_result::RunResult,
+    channel: raceway::simulation::input::channel::Channel,
     hz: f64,
 ) -> f64 {
     let spectrum = &run.spectra.iter().find(|spectra| spectra.channel == channel).unwrap().amplitude;
@@ -48,7 +48,7 @@ fn share_at(
 fn no_line_at_the_shaft_frequency_without_unbalance() {
     for channel in [Y, Z] {
         for order in [1.0, 2.0] {
-            let near = |l: &&raceway::simulation::lines::Line| (l.frequency - order * SHAFT).abs() < 60.0;
+            let near = |l: &&raceway::simulation::result::lines::Line| (l.frequency - order * SHAFT).abs() < 60.0;
             assert_eq!(lines(balanced(), channel).into_iter().find(near), None);
             let share = share_at(balanced(), channel, order * SHAFT);
             assert!(share < 0.01, "{channel}, {order} f_r: {share}");

@@ -1,8 +1,8 @@
 //! Where the cage is symmetric and nothing acts along X, nothing leaves the plane: the planar rung is the full one.
 
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::model::Model;
+use raceway::simulation::model::equilibrium::start_state;
 use serde_json::{Value, json};
 
 use crate::mirror_symmetry::difference;
@@ -33,7 +33,7 @@ fn lifted(planar: &Model, full: &Model, y: &[f64]) -> Vec<f64> {
 fn rates_in_the_plane_are_the_same_on_both_rungs() {
     for change in [json!({}), json!({ "lubricant": { "kind": "oil" }, "terms": { "hydrodynamics": "on" } })] {
         let json = changed(symmetric(), change);
-        let (planar, full) = (model(&json), model_on(&json, Some(Rung::Full)));
+        let (planar, full) = (model(&json), model_on(&json, Some(ModelLevel::Full)));
         assert!(matches!(planar, Model::Planar(_)) && matches!(full, Model::Full(_)));
         for seed in 1..=10 {
             let state = disturbed(&planar, seed);
@@ -51,7 +51,7 @@ fn rates_in_the_plane_are_the_same_on_both_rungs() {
 #[test]
 fn both_rungs_take_the_same_path() {
     let json = symmetric();
-    let (planar, full) = (model(&json), model_on(&json, Some(Rung::Full)));
+    let (planar, full) = (model(&json), model_on(&json, Some(ModelLevel::Full)));
     let start = start_state(&planar).unwrap();
     let lifted_start = lifted(&planar, &full, &start);
     let own_start = start_state(&full).unwrap();

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use raceway::numerics::ode::OdeSystem;
 use raceway::physics::frames::{Azimuth, add, scale};
 use raceway::physics::raceway::RacewayContact;
-use raceway::simulation::equilibrium::start_state;
 use raceway::simulation::model::Model;
+use raceway::simulation::model::equilibrium::start_state;
 use serde_json::json;
 
 use crate::scenes::{advance, article, azimuth, changed, model, watched};

@@ -1,15 +1,15 @@
-//! Rung 2, balls in radial equilibrium, against the full dynamics and against itself.
+//! ModelLevel 2, balls in radial equilibrium, against the full dynamics and against itself.
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
 use raceway::numerics::statistics::rms;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::radially_condensed::{Pace, RadiallyCondensed, Stepper, unable};
-use raceway::simulation::observe::Recording;
-use raceway::simulation::run::run;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::recording::record::Recording;
+use raceway::simulation::solve::run::run;
 
 const CONTROL: Control<'static> = Control::until(&|| false);
 

@@ -1,10 +1,10 @@
 //! A run depends on nothing but its scene and settings.
 
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::Channel;
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::RunSettings;
+use raceway::simulation::input::channel::Channel;
+use raceway::simulation::input::settings::RunSettings;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
 use serde_json::json;
 
 use crate::article_run::{patient, settings};

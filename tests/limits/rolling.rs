@@ -2,8 +2,8 @@
 
 use raceway::contract::{Outcome, execute, parse_job};
 use raceway::physics::kinematics::ideal_frequencies;
-use raceway::simulation::control::Control;
-use raceway::simulation::equilibrium::start_state;
+use raceway::simulation::input::control::Control;
+use raceway::simulation::model::equilibrium::start_state;
 use serde_json::json;
 
 use crate::article_run::balanced;

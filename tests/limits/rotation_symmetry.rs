@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use raceway::physics::frames::{Azimuth, Vector};
 use raceway::simulation::model::Model;
-use raceway::simulation::state::{CageState, SpindleState};
+use raceway::simulation::model::state::{CageState, SpindleState};
 use serde_json::json;
 
 use crate::mirror_symmetry::difference;
@@ -80,7 +80,7 @@ fn turned_load_turns_the_static_state() {
         let angle = TAU * steps as f64 / 7.0;
         let load = json!({ "radial_load_y_n": 200.0 * angle.cos(), "radial_load_z_n": 200.0 * angle.sin() });
         let model = model(&changed(article(), json!({ "gravity_m_s2": 0, "operation": load })));
-        let state = raceway::simulation::equilibrium::start_state(&model).unwrap();
+        let state = raceway::simulation::model::equilibrium::start_state(&model).unwrap();
         (model, state)
     };
     let (model, state) = at(0);

@@ -6,13 +6,13 @@ use raceway::numerics::ode::{Integrator, OdeSystem};
 use raceway::physics::frames::Vector;
 use raceway::physics::pocket::PocketLoad;
 use raceway::physics::raceway::{RacewayLoad, RelativeMotion};
-use raceway::simulation::channel::BallContact;
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
+use raceway::simulation::input::channel::BallContact;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::Outputs;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::terms::Needs;
 use raceway::simulation::model::{Model, Watch};
-use raceway::simulation::needs::Needs;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::Outputs;
 use serde_json::{Value, json};
 
 pub use crate::article::{article, changed};
@@ -39,7 +39,7 @@ pub fn nothing_asked() -> Outputs {
     Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() }
 }
 
-pub fn needs(scene: &Scene, rung: Option<Rung>) -> Needs {
+pub fn needs(scene: &Scene, rung: Option<ModelLevel>) -> Needs {
     Needs::of(scene, &nothing_asked(), rung).unwrap()
 }
 
@@ -48,7 +48,7 @@ pub fn model(json: &Value) -> Model {
     model_on(json, None)
 }
 
-pub fn model_on(json: &Value, rung: Option<Rung>) -> Model {
+pub fn model_on(json: &Value, rung: Option<ModelLevel>) -> Model {
     let scene = scene(json);
     Model::new(&scene, &needs(&scene, rung))
 }

@@ -1,13 +1,13 @@
 //! How long a run has to go on until its start is forgotten.
 
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::{ChannelMetrics, Summary};
-use raceway::simulation::run::run;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
-use raceway::simulation::settling::{decay_rate, rings_on, settling_time, turning_time};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::result::metrics::{ChannelMetrics, Summary};
+use raceway::simulation::solve::run::run;
+use raceway::simulation::solve::startup::{decay_rate, rings_on, settling_time, turning_time};
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};
@@ -24,7 +24,7 @@ fn lightly_damped() -> Value {
 
 /// Levels of y and z [dB] after settling for a time [s], and what is warned of.
 fn levels(scene: &Scene, settle: f64) -> ([f64; 2], Option<String>) {
-    let rung = Some(Rung::RadiallyCondensed);
+    let rung = Some(ModelLevel::RadiallyCondensed);
     let settings = RunSettings { rung, model_tolerance_db: 0.05, settle, duration: 0.145, ..settings() };
     let summary = run(scene, &settings, &patient()).unwrap().summary;
     let level = |channel| summary.channels.iter().find(|(of, _)| *of == channel).and_then(|(_, m)| m.level_db).unwrap();
@@ -160,7 +160,7 @@ fn what_is_shared_leaves_levels_as_they_are() {
     let last = turning_time(&scene);
     let made = |settle: f64, tightened: Option<f64>| {
         let settings = RunSettings {
-            rung: Some(Rung::Full),
+            rung: Some(ModelLevel::Full),
             model_tolerance_db: 0.05,
             tightened,
             settle,
@@ -219,7 +219,7 @@ fn viscous_oil_that_is_too_stiff_for_long_steps_settles_once_in_shorter_ones() {
     }));
     let settings = RunSettings {
         method: Method::Auto,
-        rung: Some(Rung::Full),
+        rung: Some(ModelLevel::Full),
         relative_tolerance: 1e-3,
         tightened: Some(1e-5),
         // The way to the result is looked at, not its last digit.

@@ -2,18 +2,19 @@
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::integration::SimulationError;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::channel_metrics;
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::observe::{Observer, Recording};
-use raceway::simulation::reduced::{passage, simulate, simulate_periodic};
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::failure::SimulationError;
+use raceway::simulation::model::observer::Observer;
+use raceway::simulation::model::spindle_runs::{passage, simulate, simulate_periodic};
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::recording::record::Recording;
+use raceway::simulation::result::metrics::channel_metrics;
 
 const QUIET: Control<'static> = Control::until(&|| false);
 
@@ -54,7 +55,7 @@ fn worst_db(one: &[f64; 4], other: &[f64; 4]) -> f64 {
 }
 
 fn full(scene: &Scene, settings: &RunSettings) -> [f64; 4] {
-    let needs = Needs::of(scene, &settings.outputs, Some(Rung::Full)).unwrap();
+    let needs = Needs::of(scene, &settings.outputs, Some(ModelLevel::Full)).unwrap();
     let model = Model::new(scene, &needs);
     let tolerances = model.mechanism().layout.tolerances(settings.relative_tolerance);
     let start = start_state(&model).unwrap();

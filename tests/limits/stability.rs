@@ -3,13 +3,13 @@
 
 use raceway::numerics::ode::stability::{STEPS_PER_LOOK, Stability, StabilityWatch};
 use raceway::numerics::ode::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics};
-use raceway::simulation::channel::Channel;
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::metrics::vibration;
-use raceway::simulation::observe::Observer;
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::RunSettings;
+use raceway::simulation::input::channel::Channel;
+use raceway::simulation::input::settings::RunSettings;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::observer::Observer;
+use raceway::simulation::result::metrics::vibration;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, patient, settings};

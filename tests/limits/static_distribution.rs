@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use raceway::simulation::equilibrium::{StaticLoads, static_loads};
+use raceway::simulation::model::equilibrium::{StaticLoads, static_loads};
 use serde_json::{Value, json};
 
 use crate::scenes::{article, changed, needs, scene};

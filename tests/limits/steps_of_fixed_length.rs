@@ -2,15 +2,15 @@
 
 use raceway::numerics::ode::Method;
 use raceway::numerics::ode::{Choice, IntegrationError, Integrator, OdeSystem, Statistics};
-use raceway::simulation::equilibrium::start_state;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::MotionKind;
+use raceway::simulation::error::report::MotionKind;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::observe::Observer;
-use raceway::simulation::result::RunResult;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::RunSettings;
+use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::observer::Observer;
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::result::run_result::RunResult;
+use raceway::simulation::solve::run::run;
 use serde_json::{Value, json};
 
 use crate::article_run::{Y, Z, patient, settings};
@@ -19,7 +19,7 @@ use crate::scenes::{advance, article, changed, model, scene};
 /// As a plain job asks, but for times: the method is free.
 fn free() -> RunSettings {
     RunSettings {
-        rung: Some(Rung::Full),
+        rung: Some(ModelLevel::Full),
         relative_tolerance: 1e-3,
         tightened: Some(1e-5),
         model_tolerance_db: 0.05,
@@ -95,7 +95,7 @@ fn what_steps_state_of_themselves_is_right() {
         let json = changed(article(), changes.clone());
         let asked = if changes["bearing"]["cage"].is_object() { RunSettings { rung: None, ..free() } } else { free() };
         // The dynamics that the scene needs, also where it needs less than all.
-        let asked = RunSettings { rung: asked.rung.or(Some(Rung::Planar)), ..asked };
+        let asked = RunSettings { rung: asked.rung.or(Some(ModelLevel::Planar)), ..asked };
         let found = simulate(&json, &asked);
         let off = apart(&found, &simulate(&json, &RunSettings { rung: asked.rung, ..exact() }));
         let (solver, accuracy) = (&found.summary.solver, &found.summary.accuracy);
@@ -302,7 +302,7 @@ fn a_planar_cage_keeps_to_its_plane() {
     let slow = json!({ "operation": { "speed_rpm": 6000, "radial_load_y_n": 20 } });
     let json = changed(article(), slow);
     let planar = |settings: RunSettings| {
-        let settings = RunSettings { rung: Some(Rung::Planar), settle: 0.02, duration: 0.04, ..settings };
+        let settings = RunSettings { rung: Some(ModelLevel::Planar), settle: 0.02, duration: 0.04, ..settings };
         let summary = simulate(&json, &settings).summary;
         let cage = summary.cage.unwrap();
         (summary.solver.method, cage.orbit_radius, cage.max_pocket_load)

@@ -5,11 +5,11 @@ use std::f64::consts::{PI, TAU};
 use raceway::contract::scene_from_json;
 use raceway::numerics::roots::bracketed_root;
 use raceway::physics::bearing::PerRaceway;
-use raceway::simulation::equilibrium::{StaticLoads, equilibrium, static_loads};
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Mechanism;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::equilibrium::{StaticLoads, equilibrium, static_loads};
+use raceway::simulation::model::terms::Needs;
 use serde_json::{Value, json};
 
 use crate::table::{check, check_computed};

@@ -5,15 +5,15 @@ use std::f64::consts::{PI, TAU};
 use raceway::numerics::ode::Method;
 use raceway::numerics::roots::bracketed_root;
 use raceway::physics::kinematics::ideal_orbit_ratio;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::metrics::{channel_metrics, level_db};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Mechanism;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::reduced::simulate;
-use raceway::simulation::scene::Scene;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::model::spindle_runs::simulate;
+use raceway::simulation::model::terms::Needs;
+use raceway::simulation::result::metrics::{channel_metrics, level_db};
 use serde_json::json;
 
 use crate::distribution::scene;
@@ -108,7 +108,7 @@ fn varying_compliance() {
         let expected = two_degrees_of_freedom(&scene, &outputs);
         let settings = RunSettings {
             method: Method::Auto,
-            rung: Some(Rung::SpindleOnly),
+            rung: Some(ModelLevel::SpindleOnly),
             relative_tolerance: 1e-5,
             tightened: None,
             model_tolerance_db: 0.0,

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use raceway::numerics::ode::Method;
 use raceway::physics::bearing::Bearing;
 use raceway::physics::kinematics::ideal_frequencies;
-use raceway::simulation::channel::{Axis, Channel, Motion};
-use raceway::simulation::control::Control;
-use raceway::simulation::ladder::Rung;
-use raceway::simulation::run::run;
-use raceway::simulation::settings::{Outputs, RunSettings};
+use raceway::simulation::input::channel::{Axis, Channel, Motion};
+use raceway::simulation::input::control::Control;
+use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::solve::run::run;
 use serde_json::{Value, json};
 
 use crate::distribution::scene;
@@ -51,7 +51,7 @@ fn simulated() {
     let channel = Channel::Spindle(Axis::Z, Motion::Acceleration);
     let settings = RunSettings {
         method: Method::Auto,
-        rung: Some(Rung::RadiallyCondensed),
+        rung: Some(ModelLevel::RadiallyCondensed),
         relative_tolerance: 1e-5,
         tightened: None,
         model_tolerance_db: 0.0,

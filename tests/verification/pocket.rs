@@ -1,9 +1,9 @@
 //! The contact of a ball with its pocket against finite elements (`verification/pocket`).
 
 use raceway::contract::scene_from_json;
+use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::Model;
-use raceway::simulation::needs::Needs;
-use raceway::simulation::settings::Outputs;
+use raceway::simulation::model::terms::Needs;
 
 use crate::table::{check, read};
 

@@ -173,7 +173,7 @@ fn an_accuracy_job_has_its_defaults_and_resolves_to_itself() {
     request["outputs"] = json!({"metrics": ["vibration"]});
     request["reuse"] = json!(false);
     let chosen = job(&request);
-    assert_eq!(chosen.settings.rung, Some(crate::simulation::ladder::Rung::Planar));
+    assert_eq!(chosen.settings.rung, Some(crate::simulation::input::model_level::ModelLevel::Planar));
     assert!(!chosen.settings.outputs.cage && chosen.settings.outputs.spectra.is_empty());
 }
 

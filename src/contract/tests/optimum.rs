@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::contract::optimum::{GoalName, PurposeName, wish};
 use crate::contract::{Job, OptimumAnswer, Outcome, PointEnd, execute, parse_job};
-use crate::simulation::control::Control;
+use crate::simulation::input::control::Control;
 
 const LEVEL: &str = "/channels/spindle.y.acceleration/level_db";
 

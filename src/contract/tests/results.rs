@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::contract::{Outcome, RunFailure, SpectrumKind, execute, parse_job, parse_scene_request, resolve_answer};
-use crate::simulation::control::Control;
+use crate::simulation::input::control::Control;
 
 fn article() -> Value {
     json!({"kind": "simulation", "settle_s": 0.001, "duration_s": 0.004,

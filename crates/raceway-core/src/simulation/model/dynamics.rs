@@ -4,7 +4,7 @@
 use super::Mechanism;
 use super::jacobian::DISPLACEMENT;
 use super::semi_implicit::SemiImplicit;
-use super::sight::Seen;
+use super::step_loads::Seen;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, side_by_side};
 use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Integrator, OdeSystem};
@@ -15,8 +15,8 @@ use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, length, sca
 use crate::physics::pocket::{PocketLoad, PocketMotion, PocketSlopes};
 use crate::physics::raceway::{ContactSlopes, RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
-use crate::simulation::channel::BallContact;
-use crate::simulation::state::{BallState, CageState, Layout, SpindleState};
+use crate::simulation::input::channel::BallContact;
+use crate::simulation::model::state::{BallState, CageState, Layout, SpindleState};
 
 /// Sees every load of one evaluation of the equations, as they are applied.
 pub trait Watch {

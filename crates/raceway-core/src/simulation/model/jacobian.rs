@@ -8,7 +8,7 @@ use super::Dynamics;
 use super::dynamics::{Balls, Border, CagePose, Reaction, Wrench};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::structure::Jacobian;
-use crate::simulation::state::{BallState, MAX_BORDER};
+use crate::simulation::model::state::{BallState, MAX_BORDER};
 
 /// Displacement over the size of an entry: small against the indentation of a contact, large against rounding.
 pub(super) const DISPLACEMENT: f64 = 1e-5;

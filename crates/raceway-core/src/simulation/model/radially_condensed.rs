@@ -1,4 +1,4 @@
-//! Rung 2: the radial motion of the balls is in equilibrium between the raceways, and nothing leaves the plane.
+//! ModelLevel 2: the radial motion of the balls is in equilibrium between the raceways, and nothing leaves the plane.
 //!
 //! A ball held between its raceways follows the spindle within microseconds, far above the band of interest. What is left of
 //! it are its azimuth, orbit speed and spin; its radius follows from the approach of the raceways (`condensed_contact.rs`),
@@ -29,13 +29,13 @@ use crate::physics::frames::Azimuth;
 use crate::physics::pocket::WEDGE_DAMPING;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::AxialHold;
-use crate::simulation::channel::{Axis, Channel};
-use crate::simulation::equilibrium::{Equilibrium, equilibrium};
-use crate::simulation::integration::SimulationError;
-use crate::simulation::ladder::Rung;
-use crate::simulation::needs::Needs;
-use crate::simulation::scene::{Scene, Term, TermChoice};
-use crate::simulation::settings::Outputs;
+use crate::simulation::input::channel::{Axis, Channel};
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::equilibrium::{Equilibrium, equilibrium};
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::terms::Needs;
 use ball::{Mixture, OneBall};
 use pocket::Film;
 use traction::{RacewayTraction, RisingTraction, WIDEST, WideTraction};
@@ -180,7 +180,7 @@ impl RadiallyCondensed {
         if let Some(reason) = unable(scene, outputs) {
             return Err(SimulationError::Unable { rung: "radially_condensed", reason: reason.into() });
         }
-        let needs = Needs::of(scene, outputs, Some(Rung::Planar))?;
+        let needs = Needs::of(scene, outputs, Some(ModelLevel::Planar))?;
         let m = Mechanism::new(scene, &needs);
         let balls = m.layout.balls;
         let rest = equilibrium(&m, m.speed.at(0.0).1)?;

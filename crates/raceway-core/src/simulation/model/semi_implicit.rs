@@ -21,12 +21,12 @@ use std::cell::{Cell, OnceCell};
 
 use super::Dynamics;
 use super::dynamics::{Balls, Reaction, Slopes};
-use super::sight::Sight;
+use super::step_loads::Sight;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
 use crate::physics::frames::Vector;
-use crate::simulation::state::{BallState, CageState, SpindleState};
+use crate::simulation::model::state::{BallState, CageState, SpindleState};
 use correction::{Corrected, Stiff, corrected_cage};
 
 /// Nodes of the spindle's formulas; as many states are remembered.

@@ -1,4 +1,4 @@
-//! Rung 3: four states. Balls go round equally spaced at the cage's speed, each in radial equilibrium between its raceways;
+//! ModelLevel 3: four states. Balls go round equally spaced at the cage's speed, each in radial equilibrium between its raceways;
 //! only the spindle's place and velocity are integrated. Corrections of first order keep what the balls' inertia and rolling add
 //! (`docs/MODEL.md`, rungs).
 

@@ -2,14 +2,17 @@
 
 use std::time::Instant;
 
-use super::super::control::Control;
-use super::super::integration::{SimulationError, Span, Stepping, integrate};
-use super::super::model::Model;
-use super::super::needs::Needs;
-use super::super::observe::{Observer, RATE, Recording};
-use super::super::settings::RunSettings;
 use super::SETTLED;
 use crate::numerics::ode::{Choice, Integrator, OdeSystem, Statistics};
+use crate::simulation::input::control::Control;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::Model;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::{Span, Stepping, integrate};
+use crate::simulation::model::observer::Observer;
+use crate::simulation::model::terms::Needs;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::RATE;
 
 /// Points of the output grid at most; fewer where the rate of kept signals gives fewer.
 const MOST_GRID_POINTS: usize = 4096;

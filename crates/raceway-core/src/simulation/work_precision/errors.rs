@@ -1,14 +1,14 @@
 //! How far a run is from the reference.
 
-use super::super::channel::Channel;
-use super::super::distance::FAINT;
-use super::super::lines::Line;
-use super::super::metrics;
-use super::super::result::ChannelSpectra;
-use super::super::scene::Scene;
 use super::course::{Course, Finished};
 use super::{MOST_GROWN, levels};
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
+use crate::simulation::error::comparison::FAINT;
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::recording::spectra::ChannelSpectra;
+use crate::simulation::result::lines::Line;
+use crate::simulation::result::metrics;
 
 /// Least scale of a component, in its natural size: what hardly moves is not divided by nearly nothing.
 pub const LEAST_SCALE: f64 = 0.01;
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_channel_far_below_the_other_is_not_judged() {
-        use crate::simulation::distance::ACCELERATIONS;
+        use crate::simulation::recording::sampling::ACCELERATIONS;
         let [_, y, z] = ACCELERATIONS;
         let judged = |a: Option<f64>, b: Option<f64>| judged(&[(y, a), (z, b)]);
         assert_eq!(judged(Some(3.0), Some(-130.0)), [y]);

@@ -8,25 +8,28 @@
 mod course;
 mod errors;
 
+use crate::simulation::recording::sampling::ACCELERATIONS;
 use std::cell::Cell;
 
-use super::accuracy;
-use super::channel::{Axis, Channel};
-use super::control::Control;
-use super::distance;
-use super::divergence;
-use super::equilibrium::start_state;
-use super::integration::{SimulationError, Stepping};
-use super::ladder;
-use super::lines::Line;
-use super::metrics::{self, MotionKind};
-use super::model::Model;
-use super::needs::LeftOut;
-use super::scene::Scene;
-use super::settings::{Outputs, RunSettings};
 use crate::numerics::ode::Method;
 use crate::numerics::ode::{Choice, Statistics};
 use crate::physics::spindle::AxialHold;
+use crate::simulation::error::comparison;
+use crate::simulation::error::estimate;
+use crate::simulation::error::lyapunov;
+use crate::simulation::error::report::MotionKind;
+use crate::simulation::input::channel::{Axis, Channel};
+use crate::simulation::input::control::Control;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::Model;
+use crate::simulation::model::equilibrium::start_state;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::Stepping;
+use crate::simulation::model::terms::LeftOut;
+use crate::simulation::result::lines::Line;
+use crate::simulation::result::metrics::{self};
+use crate::simulation::solve::ladder;
 pub use course::Taken;
 use course::{Course, Finished};
 use errors::{Comparison, largest};
@@ -148,9 +151,9 @@ pub fn study(
     let needs = ladder::needs(scene, &settings.outputs, settings.rung, settings.model_tolerance_db)?;
     let model = Model::new(scene, &needs);
     let course = Course::settled(&model, &needs, &settings, start_state(&model)?, control)?;
-    let stretch = divergence::judged_stretch(&settings);
+    let stretch = lyapunov::judged_stretch(&settings);
     let (begin, start) = (course.begin, &course.start);
-    let parted = divergence::divergence_rate(&model, &settings, begin, start, stretch, u64::MAX, control)?;
+    let parted = lyapunov::divergence_rate(&model, &settings, begin, start, stretch, u64::MAX, control)?;
     (control.progress)(DIVERGENCE_KNOWN);
     let (motion, divergence_rate) = (parted.motion(), parted.rate);
     let references = references(&course, control)?;
@@ -239,7 +242,7 @@ fn described(references: &References, comparison: &Comparison<'_>, motion: Optio
         check: references.check.as_ref().map(|(_, is)| *is),
         own_error_db: own.as_ref().and_then(|own| own.level_db),
         own_trajectory: own.and_then(|own| own.trajectory).filter(|_| !chaotic),
-        sampling_error_db: chaotic.then(|| accuracy::sampling_errors(&first.recording).worst()).flatten(),
+        sampling_error_db: chaotic.then(|| estimate::sampling_errors(&first.recording).worst()).flatten(),
         levels: comparison.levels.clone(),
         lines: comparison.lines.clone(),
         statistics: first.statistics,
@@ -332,7 +335,7 @@ pub fn level_floor(own_error_db: Option<f64>, sampling_error_db: Option<f64>) ->
 fn accelerations(scene: &Scene) -> Vec<Channel> {
     let moves =
         |channel: &Channel| !matches!(channel, Channel::Spindle(Axis::X, _)) || scene.spindle.axial == AxialHold::Free;
-    distance::ACCELERATIONS.into_iter().filter(moves).collect()
+    ACCELERATIONS.into_iter().filter(moves).collect()
 }
 
 /// Levels of the accelerations [dB].
@@ -342,7 +345,7 @@ fn levels(run: &Finished) -> Vec<(Channel, Option<f64>)> {
         let variance = recording.total_variance(channel);
         recording.of(channel).and_then(|signal| metrics::in_band_metrics(channel, signal.in_band(), variance).level_db)
     };
-    distance::ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
+    ACCELERATIONS.into_iter().map(|channel| (channel, level(channel))).collect()
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@ use crate::physics::examples::{article_bearing, article_cage, article_lubricant}
 use crate::physics::lubricant::{Lubricant, LubricantKind};
 use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
-use crate::simulation::ladder::Rung;
-use crate::simulation::needs::Needs;
-use crate::simulation::scene::{SceneParameters, Terms};
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::{SceneParameters, Terms};
+use crate::simulation::model::terms::Needs;
 
 /// The article's case at a speed [rad/s].
 fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {
@@ -37,7 +37,7 @@ fn greased() -> Scene {
 fn settings(settle: f64, duration: f64) -> RunSettings {
     RunSettings {
         method: Method::Auto,
-        rung: Some(Rung::Full),
+        rung: Some(ModelLevel::Full),
         relative_tolerance: 1e-5,
         tightened: None,
         model_tolerance_db: 0.05,

@@ -7,11 +7,13 @@ use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};
-use crate::simulation::channel::{Axis, BallContact, Channel, Motion};
-use crate::simulation::observe::{ContactExtremes, Recording, picked_channels};
-use crate::simulation::settings::Outputs;
-use crate::simulation::views::LoadsTaken;
-use crate::simulation::windows::Recorder;
+use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::load_course::LoadsTaken;
+use crate::simulation::recording::record::ContactExtremes;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::picked_channels;
+use crate::simulation::recording::windows::Recorder;
 
 use super::evaluation::total;
 use super::recording::{Pace, Schedule};

@@ -8,11 +8,13 @@ use super::{RadiallyCondensed, Stepper};
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::ode::{IntegrationError, Statistics};
 use crate::numerics::spectrum::Decimator;
-use crate::simulation::control::{Control, Live, Phase};
-use crate::simulation::integration::SimulationError;
-use crate::simulation::observe::{RATE, Recording, kept_values};
-use crate::simulation::scene::Scene;
-use crate::simulation::settings::{Outputs, RunSettings};
+use crate::simulation::input::control::{Control, Live, Phase};
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::sampling::kept_values;
 
 /// Steps between two looks at `Control`.
 const STEPS_PER_LOOK: u64 = 256;

@@ -8,8 +8,8 @@ use crate::physics::frames::{Vector, cross, dot, scale};
 use crate::physics::pocket::PocketSlopes;
 use crate::physics::raceway::ContactSlopes;
 use crate::simulation::model::dynamics::{Balls, Dynamics, Reaction, Slopes};
-use crate::simulation::model::sight::Seen;
-use crate::simulation::state::{BallState, CageState};
+use crate::simulation::model::state::{BallState, CageState};
+use crate::simulation::model::step_loads::Seen;
 
 /// What a further motion passes on to the border per unit of it: stiffness and damping, by the shares that a step has of them.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,0 +1,390 @@
+//! By how much two runs of a scene differ: levels of the spindle's accelerations, loads, speeds, the cage's orbit.
+
+use crate::numerics::spectrum::band_limited;
+use crate::numerics::statistics::{CentralMoments, mean, rms};
+use crate::physics::bearing::PerRaceway;
+use crate::simulation::error::report::QuantityErrors;
+use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::record::Quantities;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::ACCELERATIONS;
+use crate::simulation::recording::sampling::BAND;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::windows::Signal;
+
+/// Of these.
+pub(crate) const WORST: &str = "worst of the spindle's accelerations";
+/// A channel whose level lies this far below the strongest one's [dB] is not judged: its motion is a thousandth of the other's
+/// at most, adds less than 1e-5 dB to their sum, and is mostly what rounding and tolerances make of a symmetry, which every
+/// run makes anew.
+pub const FAINT: f64 = 60.0;
+
+/// Errors of the levels of `ACCELERATIONS` [dB]; `None`: not judged, or not there.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LevelErrors([Option<f64>; 3]);
+
+impl LevelErrors {
+    pub fn of(&self, channel: Channel) -> Option<f64> {
+        self.0[ACCELERATIONS.iter().position(|one| *one == channel)?]
+    }
+
+    /// The largest; `None` where nothing moves.
+    pub fn worst(&self) -> Option<f64> {
+        self.0.into_iter().flatten().reduce(f64::max)
+    }
+
+    /// From the error of each channel.
+    pub(crate) fn each(error: impl Fn(Channel) -> Option<f64>) -> Self {
+        Self(ACCELERATIONS.map(error))
+    }
+
+    /// From both, where both are there.
+    pub(crate) fn beside(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        Self(std::array::from_fn(|i| Some(of(self.0[i]?, other.0[i]?))))
+    }
+
+    /// The larger ones of both.
+    pub(crate) fn larger(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i].into_iter().chain(other.0[i]).reduce(f64::max)))
+    }
+
+    /// Those that are there, no less than the others.
+    pub(crate) fn raised_to(self, least: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i].map(|error| error.max(least.0[i].unwrap_or(0.0)))))
+    }
+
+    /// Of those that are there.
+    pub(crate) fn map(self, change: impl Fn(f64) -> f64) -> Self {
+        Self(self.0.map(|error| error.map(&change)))
+    }
+}
+
+/// Parts of the repeated stretch whose levels are compared one by one.
+const PARTS: usize = 5;
+/// Levels below this count as silence [m/s²]: a hundredth of what a good accelerometer hears, and what is left of the noise of steps and of a start.
+pub(crate) const SILENCE: f64 = 1e-5;
+/// How near to the largest contact load the peak of a ball counts as one that may be the largest of a longer run [-].
+const NEAR_LARGEST: f64 = 0.01;
+/// Contact loads [N] and cage speeds [rad/s] below these count as so large in a relative error.
+const LEAST_LOAD: f64 = 0.1;
+const LEAST_SPEED: f64 = 0.06;
+/// The same of pocket loads [N], slips [m/s] and orbits of the cage [m].
+const LEAST_POCKET_LOAD: f64 = 1e-3;
+const LEAST_SLIP: f64 = 1e-3;
+const LEAST_ORBIT: f64 = 1e-8;
+/// What largest pocket load, largest slip and the cage's orbit may be off by, whatever is allowed of a level: steps and terms that leave
+/// levels alone move these by per cents, and the slip is told by nine strips to two.
+const DETAIL: f64 = 0.03;
+
+/// Mean squares of so many equal parts of a run, from those of the batches of its windows.
+pub(crate) fn in_parts(mean_squares: &[f64], parts: usize) -> Vec<f64> {
+    mean_squares.chunks(mean_squares.len().div_ceil(parts).max(1)).map(mean).collect()
+}
+
+/// 20 lg(a / b) [dB] of root mean squares, silence counted as `SILENCE`; `None` where both are silent.
+pub(crate) fn level_difference((a, b): (f64, f64)) -> Option<f64> {
+    (a.max(b) > SILENCE).then(|| 20.0 * (a.max(SILENCE) / b.max(SILENCE)).log10())
+}
+
+/// Root mean squares [m/s²] of a signal that was recorded twice, first and again, in the band of levels.
+pub(crate) struct Twice {
+    /// Of all that was recorded again.
+    stretch: (f64, f64),
+    /// Of its parts.
+    parts: Vec<(f64, f64)>,
+    /// Of the difference of the two.
+    difference: f64,
+    /// Of all that was recorded first.
+    whole: f64,
+}
+
+impl Twice {
+    /// From the values of the stretch that was recorded again.
+    fn of_values(first: &[f64], again: &[f64], whole: f64) -> Self {
+        let [first, again] = [first, again].map(|values| band_limited(values, RATE, BAND));
+        let part = first.len().div_ceil(PARTS).max(1);
+        let difference: Vec<f64> = first.iter().zip(&again).map(|(a, b)| a - b).collect();
+        Self {
+            stretch: (rms(&first), rms(&again)),
+            parts: first.chunks(part).zip(again.chunks(part)).map(|(a, b)| (rms(a), rms(b))).collect(),
+            difference: rms(&difference),
+            whole,
+        }
+    }
+
+    /// Of two runs of the same windows.
+    fn of_windows(first: &Signal, again: &Signal) -> Self {
+        let parts = |signal: &Signal| in_parts(&signal.in_band().mean_squares, PARTS);
+        let both = parts(first).into_iter().zip(parts(again));
+        let excerpts = first.excerpts.iter().zip(&again.excerpts);
+        let squares: Vec<f64> = excerpts.map(|(a, b)| Self::of_values(a, b, 0.0).difference.powi(2)).collect();
+        let (whole, of_again) = (first.in_band().moments.rms(), again.in_band().moments.rms());
+        Self {
+            stretch: (whole, of_again),
+            parts: both.map(|(a, b)| (a.sqrt(), b.sqrt())).collect(),
+            difference: mean(&squares).sqrt(),
+            whole,
+        }
+    }
+
+    pub fn level_difference(&self) -> Option<f64> {
+        level_difference(self.stretch)
+    }
+
+    /// What the levels of the whole run may differ by [dB]. `unseen`: root of the share of it that was not recorded again.
+    pub fn error_db(&self, unseen: f64) -> Option<f64> {
+        let whole = self.level_difference()?;
+        // Differences of either sign can cancel, here by luck, and their scatter tells by how much the rest may differ.
+        let parts: Vec<f64> = self.parts.iter().copied().filter_map(level_difference).collect();
+        Some(whole.abs().max(mean_or_luck(&parts)).hypot(unseen * standard_error(&parts)))
+    }
+
+    /// Rms of the difference of the signals over that of the whole run [-].
+    pub fn noise(&self) -> f64 {
+        self.difference / self.whole.max(SILENCE)
+    }
+}
+
+/// The accelerations that are judged: those that are not faint.
+pub(crate) fn judged(recording: &Recording) -> Vec<Channel> {
+    let level = |channel: &Channel| recording.of(*channel).map_or(0.0, |signal| signal.in_band().moments.rms());
+    let strongest = ACCELERATIONS.iter().map(level).fold(0.0, f64::max);
+    let faint = 10_f64.powf(-FAINT / 20.0) * strongest;
+    ACCELERATIONS.into_iter().filter(|channel| level(channel) >= faint).collect()
+}
+
+/// Accelerations of a recording, and what was recorded again of all of it or of its first window.
+pub(crate) fn twice(first: &Recording, again: &Recording) -> Vec<(Channel, Twice)> {
+    let both = |channel: Channel| {
+        let (first, again) = (first.of(channel)?, again.of(channel)?);
+        let Some(repeated) = again.values() else { return Some((channel, Twice::of_windows(first, again))) };
+        let stretch = first.excerpts.first()?.get(..repeated.len())?;
+        Some((channel, Twice::of_values(stretch, repeated, first.in_band().moments.rms())))
+    };
+    // What is faint in one of them may be the noise of the other.
+    let (of_first, of_again) = (judged(first), judged(again));
+    let either = |channel: &Channel| of_first.contains(channel) || of_again.contains(channel);
+    ACCELERATIONS.into_iter().filter(either).filter_map(both).collect()
+}
+
+/// Errors of the levels of what was recorded twice.
+pub(crate) fn level_errors(both: &[(Channel, Twice)], error: impl Fn(&Twice) -> Option<f64>) -> LevelErrors {
+    LevelErrors::each(|channel| both.iter().find(|(of, _)| *of == channel).and_then(|(_, twice)| error(twice)))
+}
+
+/// By how much two runs of a scene differ.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Distance {
+    pub levels: LevelErrors,
+    /// Single numbers; `None` where they are not known.
+    pub quantities: Option<QuantityErrors>,
+}
+
+impl Distance {
+    pub const UNKNOWN: Self = Self { levels: LevelErrors([None; 3]), quantities: None };
+
+    /// Each error that was asked for over what is allowed of it: of the level so many decibels, of what else the share that these are,
+    /// or `DETAIL`; `None` where one is not known.
+    fn of_allowed(&self, outputs: &Outputs, tolerance_db: f64) -> Option<Vec<(&'static str, f64)>> {
+        let mut all = vec![("level", self.levels.worst()? / tolerance_db)];
+        if !(outputs.contacts || outputs.cage) {
+            return Some(all);
+        }
+        let share = 10_f64.powf(tolerance_db / 20.0) - 1.0;
+        let errors = self.quantities?;
+        if outputs.contacts {
+            all.extend([("largest load", errors.max_load / share), ("slip", errors.max_slip / DETAIL)]);
+        }
+        if outputs.cage {
+            all.extend([
+                ("cage speed", errors.cage_speed / share),
+                ("pocket load", errors.max_pocket_load / DETAIL),
+                ("cage orbit", errors.orbit_radius / DETAIL),
+            ]);
+        }
+        Some(all)
+    }
+
+    /// The largest of them; `None` where one is not known.
+    pub fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
+        self.of_allowed(outputs, tolerance_db)?.into_iter().map(|(_, excess)| excess).reduce(f64::max)
+    }
+
+    /// In words, and which of them are beyond what is allowed.
+    pub fn words_beyond(&self, outputs: &Outputs, tolerance_db: f64) -> String {
+        let all = self.of_allowed(outputs, tolerance_db).unwrap_or_default();
+        let beyond: Vec<&str> = all.iter().filter(|(_, excess)| *excess > 1.0).map(|(name, _)| *name).collect();
+        let words = self.words();
+        if beyond.is_empty() { words } else { format!("{words}; beyond what is allowed: {}", beyond.join(", ")) }
+    }
+
+    /// Whether everything that was asked for differs by no more than is allowed.
+    pub fn within(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
+        self.excess(outputs, tolerance_db).is_some_and(|excess| excess <= 1.0)
+    }
+
+    /// Of two recordings of the same stretch. `unseen`: root of the share of a run that they do not show.
+    pub fn of_recordings(a: &Recording, b: &Recording, unseen: f64) -> Self {
+        let of_all = quantity_errors(&[a.quantities()], &[b.quantities()]);
+        Self {
+            levels: level_errors(&twice(a, b), |twice| twice.error_db(unseen)),
+            quantities: Some(QuantityErrors {
+                max_load: of_all.max_load.max(peaks_apart(a, b)),
+                orbit_radius: of_all.orbit_radius.max(orbits_apart(a, b)),
+                ..of_all
+            }),
+        }
+    }
+
+    /// The larger of both errors of each; not known where one is not.
+    pub fn larger(&self, other: &Self) -> Self {
+        Self {
+            levels: self.levels.beside(&other.levels, f64::max),
+            quantities: self.quantities.zip(other.quantities).map(|(one, other)| one.larger(&other)),
+        }
+    }
+
+    /// Without the errors of single numbers that were not asked for.
+    pub fn of_asked(&self, outputs: &Outputs) -> Self {
+        let of = |asked: bool, error: f64| if asked { error } else { 0.0 };
+        let quantities = self.quantities.filter(|_| outputs.contacts || outputs.cage).map(|errors| QuantityErrors {
+            max_slip: of(outputs.contacts, errors.max_slip),
+            max_pocket_load: of(outputs.cage, errors.max_pocket_load),
+            orbit_radius: of(outputs.cage, errors.orbit_radius),
+            ..errors
+        });
+        Self { quantities, ..*self }
+    }
+
+    pub fn words(&self) -> String {
+        match (self.levels.worst(), self.quantities) {
+            (Some(level), Some(q)) => {
+                // Those that were not asked for are 0.
+                let others = [("slip", q.max_slip), ("pocket load", q.max_pocket_load), ("cage orbit", q.orbit_radius)];
+                let others: String = others
+                    .into_iter()
+                    .filter(|(_, error)| *error > 0.0)
+                    .map(|(name, error)| format!(", {name} {:.2} %", 100.0 * error))
+                    .collect();
+                let (load, speed) = (100.0 * q.max_load, 100.0 * q.cage_speed);
+                format!("level {level:.4} dB, largest load {load:.3} %, cage speed {speed:.4} %{others} apart")
+            }
+            (Some(level), None) => format!("level {level:.4} dB apart"),
+            (None, _) => "nothing moves that could be compared".into(),
+        }
+    }
+
+    /// Of two samples of a chaotic motion.
+    pub fn of_samples(a: &Recording, b: &Recording) -> Self {
+        Self { quantities: Some(sampled_errors(a, b)), ..Self::of_runs(a, b) }
+    }
+
+    /// Of two whole runs.
+    pub fn of_runs(a: &Recording, b: &Recording) -> Self {
+        Self {
+            levels: level_errors(&twice(a, b), |twice| twice.level_difference().map(f64::abs)),
+            quantities: Some(quantity_errors(&[a.quantities()], &[b.quantities()])),
+        }
+    }
+}
+
+/// The same of two samples of a chaotic motion: what its parts scatter by, of which the largest, and the mean, scatter less the more parts
+/// there are; at least what the two show.
+fn sampled_errors(a: &Recording, b: &Recording) -> QuantityErrors {
+    let (parts, whole) = (quantity_errors(&a.parts, &b.parts), quantity_errors(&[a.quantities()], &[b.quantities()]));
+    let share = 1.0 / (a.parts.len().min(b.parts.len()).max(1) as f64).sqrt();
+    let of = |of: fn(&QuantityErrors) -> f64| of(&whole).max(share * of(&parts));
+    QuantityErrors {
+        max_load: of(|errors| errors.max_load),
+        cage_speed: whole.cage_speed.max(parts.cage_speed),
+        max_pocket_load: of(|errors| errors.max_pocket_load),
+        max_slip: of(|errors| errors.max_slip),
+        orbit_radius: of(|errors| errors.orbit_radius),
+    }
+}
+
+/// Differences of two runs' numbers as shares of the larger ones, from those of equal parts of both. A largest value may be
+/// that of any part; differences in a mean partly cancel, and may do so by luck.
+pub(crate) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErrors {
+    let relative = |a: f64, b: f64, least: f64| (a - b) / a.max(b).max(least);
+    // One may be of a part of the time of the other.
+    let a = &a[..a.len().min(b.len())];
+    let differences = |of: &dyn Fn(&Quantities) -> f64, least: f64| -> Vec<f64> {
+        a.iter().zip(b).map(|(a, b)| relative(of(a), of(b), least)).collect()
+    };
+    let of_peaks = |of: &dyn Fn(&Quantities) -> f64, least: f64| {
+        let largest = |parts: &[Quantities]| parts.iter().map(of).fold(0.0, f64::max);
+        rms_about_zero(&differences(of, least)).max(relative(largest(a), largest(b), least).abs())
+    };
+    QuantityErrors {
+        max_load: of_peaks(&|part| part.max_load, LEAST_LOAD),
+        cage_speed: mean_or_luck(&differences(&|part| part.cage_speed, LEAST_SPEED)),
+        max_pocket_load: of_peaks(&|part| part.max_pocket_load, LEAST_POCKET_LOAD),
+        max_slip: of_peaks(&|part| part.max_slip.inner, LEAST_SLIP)
+            .max(of_peaks(&|part| part.max_slip.outer, LEAST_SLIP)),
+        orbit_radius: rms_about_zero(&differences(&|part| part.orbit_radius, LEAST_ORBIT)),
+    }
+}
+
+/// What the halves of a run differ by, from its parts; `None`: it has not as many.
+pub(crate) fn halves_apart(parts: &[Quantities]) -> Option<QuantityErrors> {
+    let of_all = |parts: &[Quantities]| {
+        let most = |of: fn(&Quantities) -> f64| parts.iter().map(of).fold(0.0, f64::max);
+        let mean = |of: fn(&Quantities) -> f64| parts.iter().map(of).sum::<f64>() / parts.len() as f64;
+        Quantities {
+            max_load: most(|part| part.max_load),
+            cage_speed: mean(|part| part.cage_speed),
+            out_of_plane: most(|part| part.out_of_plane),
+            max_pocket_load: most(|part| part.max_pocket_load),
+            max_slip: PerRaceway { inner: most(|part| part.max_slip.inner), outer: most(|part| part.max_slip.outer) },
+            orbit_radius: mean(|part| part.orbit_radius),
+        }
+    };
+    let (first, second) = parts.split_at(parts.len() / 2);
+    (!first.is_empty()).then(|| quantity_errors(&[of_all(first)], &[of_all(second)]))
+}
+
+/// What the peaks of single balls on a raceway differ by at most, as a share of the largest, of those that come near it: any of them
+/// may be the largest of a longer run, and in the largest alone two short runs may agree by luck.
+fn peaks_apart(a: &Recording, b: &Recording) -> f64 {
+    let largest = a.quantities().max_load.max(b.quantities().max_load).max(LEAST_LOAD);
+    let peaks = |of: &Recording| [of.contacts.inner.max_load.clone(), of.contacts.outer.max_load.clone()].concat();
+    let both = peaks(a).into_iter().zip(peaks(b));
+    let near = both.filter(|(a, b)| a.max(*b) > (1.0 - NEAR_LARGEST) * largest);
+    near.map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max)
+}
+
+/// What the radii of the cage's orbit differ by over parts of two recordings, as a share: over all of it they may agree by luck.
+fn orbits_apart(a: &Recording, b: &Recording) -> f64 {
+    let radii = |of: &Recording| -> Option<Vec<f64>> {
+        let part = |values: &[f64]| -> Vec<f64> {
+            values.chunks(values.len().div_ceil(PARTS).max(1)).map(|part| CentralMoments::of(part).rms()).collect()
+        };
+        let [y, z] = [Axis::Y, Axis::Z].map(|axis| of.signal(Channel::CageDisplacement(axis)).map(part));
+        Some(y?.iter().zip(&z?).map(|(y, z)| y.hypot(*z)).collect())
+    };
+    let Some((a, b)) = radii(a).zip(radii(b)) else { return 0.0 };
+    let relative: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a - b) / a.max(*b).max(LEAST_ORBIT)).collect();
+    mean_or_luck(&relative)
+}
+
+/// Size of the mean of some differences; at least what it would be if their signs were a matter of chance.
+fn mean_or_luck(differences: &[f64]) -> f64 {
+    let n = (differences.len() as f64).max(1.0);
+    (differences.iter().sum::<f64>() / n).abs().max(rms_about_zero(differences) / n.sqrt())
+}
+
+pub(crate) fn rms_about_zero(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / (values.len() as f64).max(1.0)).sqrt()
+}
+
+/// Standard error of the mean of a few values.
+fn standard_error(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    if n < 2.0 {
+        return 0.0;
+    }
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt()
+}

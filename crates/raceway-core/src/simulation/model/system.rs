@@ -1,0 +1,98 @@
+//! The equations of motion of a scene: full or planar dynamics.
+
+use crate::numerics::lanes::InstructionSet;
+use crate::numerics::ode::structure::{Jacobian, Structure};
+use crate::numerics::ode::{Integrator, OdeSystem};
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::model::dynamics::Watch;
+use crate::simulation::model::fading_damping::FadingDamping;
+use crate::simulation::model::full::Full;
+use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::planar::Planar;
+use crate::simulation::model::terms::Needs;
+
+/// The equations of motion of a scene: any rung.
+#[derive(Debug, Clone)]
+pub enum Model {
+    Full(Full),
+    Planar(Planar),
+}
+
+impl Model {
+    /// The rung that `needs` chose.
+    pub fn new(scene: &Scene, needs: &Needs) -> Self {
+        let mechanism = Mechanism::new(scene, needs);
+        match needs.rung {
+            ModelLevel::Full => Self::Full(Full::new(mechanism)),
+            // Reduced rungs have models of their own; what they leave of the dynamics is planar.
+            _ => Self::Planar(Planar::new(mechanism)),
+        }
+    }
+
+    pub fn mechanism(&self) -> &Mechanism {
+        match self {
+            Self::Full(model) => model.mechanism(),
+            Self::Planar(model) => model.mechanism(),
+        }
+    }
+
+    /// The same under damping that fades.
+    pub fn damped(&self, damping: FadingDamping) -> Self {
+        let mechanism = Mechanism { damping: Some(damping), ..self.mechanism().clone() };
+        match self {
+            Self::Full(_) => Self::Full(Full::new(mechanism)),
+            Self::Planar(_) => Self::Planar(Planar::new(mechanism)),
+        }
+    }
+
+    /// As `OdeSystem::derivative`, showing each load to `watch` on the way.
+    pub fn derivative_watched(&self, time: f64, state: &[f64], derivative: &mut [f64], watch: &mut impl Watch) {
+        match self {
+            Self::Full(model) => model.evaluate(time, state, derivative, Some(watch)),
+            Self::Planar(model) => model.evaluate(time, state, derivative, Some(watch)),
+        }
+    }
+
+    /// The same model with other instructions of the same processor; its rates are the same to the bit.
+    pub fn with_instructions(self, instructions: InstructionSet) -> Self {
+        match self {
+            Self::Full(model) => Self::Full(model.with_instructions(instructions)),
+            Self::Planar(model) => Self::Planar(model.with_instructions(instructions)),
+        }
+    }
+}
+
+impl OdeSystem for Model {
+    fn dimension(&self) -> usize {
+        self.mechanism().layout.dimension()
+    }
+
+    fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
+        match self {
+            Self::Full(model) => model.derivative(time, state, derivative),
+            Self::Planar(model) => model.derivative(time, state, derivative),
+        }
+    }
+
+    fn structure(&self) -> Structure {
+        match self {
+            Self::Full(model) => model.structure(),
+            Self::Planar(model) => model.structure(),
+        }
+    }
+
+    fn own_method<'a>(&'a self, time: f64, state: &[f64], step: f64) -> Option<Box<dyn Integrator + 'a>> {
+        match self {
+            Self::Full(model) => model.own_method(time, state, step),
+            Self::Planar(model) => model.own_method(time, state, step),
+        }
+    }
+
+    fn jacobian(&self, time: f64, state: &[f64], rate: &[f64], displacement: &[f64], jacobian: &mut Jacobian) -> u64 {
+        match self {
+            Self::Full(model) => model.jacobian(time, state, rate, displacement, jacobian),
+            Self::Planar(model) => model.jacobian(time, state, rate, displacement, jacobian),
+        }
+    }
+}

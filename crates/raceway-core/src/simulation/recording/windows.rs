@@ -1,0 +1,391 @@
+//! Signals of a run, taken window by window: a window that is full adds its moments and spectra to those of the run, and its
+//! values are dropped. So the memory of a run does not grow with its duration, but for the series that are asked for. A run of one
+//! window keeps its values, and is reduced to what is asked of it, when it is asked.
+
+use std::sync::OnceLock;
+
+use crate::numerics::spectrum::{amplitude_spectrum, band_limited, envelope_spectrum};
+use crate::numerics::statistics::{self, CentralMoments};
+use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::sampling::ACCELERATIONS;
+use crate::simulation::recording::sampling::BAND;
+use crate::simulation::recording::sampling::BATCHES;
+use crate::simulation::recording::sampling::ENVELOPE_BAND;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::sampling::REPEATED;
+use crate::simulation::recording::sampling::kept_values;
+use crate::simulation::recording::spectra::ChannelSpectra;
+
+/// Longest window [s]: a run of the longest default duration is one.
+const LONGEST: f64 = 1.0;
+
+/// Values at either end of one window of several that do not count in the band of levels: the band limit takes a window as
+/// periodic, and overshoots where its ends do not meet. Further in, that is less than a hundredth of the step between them.
+const EDGE: usize = 128;
+
+/// Windows of several are a multiple of so many values long: transforms of other lengths can take three times the time and room.
+const GRAIN: usize = 64;
+
+/// How the kept values of a run are cut: into as few windows of equal length as there can be. What is left over at the end, less
+/// than `GRAIN` values a window, counts in series alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Windows {
+    pub count: usize,
+    /// Values of one.
+    pub length: usize,
+}
+
+impl Windows {
+    pub fn of(values: usize) -> Self {
+        let count = values.div_ceil(kept_values(LONGEST)).max(1);
+        let grain = if count > 1 { GRAIN } else { 1 };
+        Self { count, length: values / count / grain * grain }
+    }
+
+    /// How many of a window's first values are kept: of all together about as many as of one window, but at least what is
+    /// repeated from the start of the run.
+    fn excerpt(&self, window: usize) -> usize {
+        let share = self.length / self.count;
+        if window == 0 { share.max(kept_values(REPEATED)).min(self.length) } else { share }
+    }
+}
+
+/// Statistics of a signal in the band of levels, window by window.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct InBand {
+    pub moments: CentralMoments,
+    /// Largest magnitude before the band limit.
+    pub largest: f64,
+    /// Of `BATCHES` batches of each window.
+    pub mean_squares: Vec<f64>,
+}
+
+impl InBand {
+    /// Of a run of one window.
+    pub fn of(signal: &[f64]) -> Self {
+        Self::within(signal, 0)
+    }
+
+    /// Of one window, so many values at either end left out.
+    fn within(signal: &[f64], edge: usize) -> Self {
+        let in_band = band_limited(signal, RATE, BAND);
+        let in_band = in_band.get(edge..in_band.len().saturating_sub(edge)).unwrap_or_default();
+        // The band limit takes the mean away, in which windows differ.
+        Self {
+            moments: CentralMoments::of(in_band).shifted(statistics::mean(signal)),
+            largest: signal.iter().fold(0.0, |most, value| f64::max(most, value.abs())),
+            mean_squares: statistics::mean_squares(in_band, BATCHES),
+        }
+    }
+
+    fn join(&mut self, other: Self) {
+        self.moments = self.moments.joined(other.moments);
+        self.largest = self.largest.max(other.largest);
+        self.mean_squares.extend(other.mean_squares);
+    }
+}
+
+/// What is known of one channel [SI].
+#[derive(Debug, Clone)]
+pub struct Signal {
+    pub channel: Channel,
+    /// Values of the window on the way.
+    window: Vec<f64>,
+    /// All values, where they are asked for and more than one window.
+    series: Option<Vec<f64>>,
+    /// The first values of each window, of accelerations; all values in a run of one window.
+    pub excerpts: Vec<Vec<f64>>,
+    all: OnceLock<CentralMoments>,
+    in_band: OnceLock<InBand>,
+    spectra: OnceLock<ChannelSpectra>,
+    asked_for_spectra: bool,
+    /// Of a run of several windows, for pictures, where they are kept.
+    first: Option<Vec<f64>>,
+}
+
+impl Signal {
+    fn new(channel: Channel, outputs: &Outputs, values: usize) -> Self {
+        let windows = Windows::of(values);
+        let whole = windows.count > 1 && outputs.series.contains(&channel);
+        Self {
+            channel,
+            window: Vec::with_capacity(windows.length),
+            series: whole.then(|| Vec::with_capacity(values)),
+            excerpts: Vec::new(),
+            all: OnceLock::new(),
+            in_band: OnceLock::new(),
+            spectra: OnceLock::new(),
+            asked_for_spectra: outputs.spectra.contains(&channel),
+            first: (windows.count > 1 && outputs.keep_signals()).then(Vec::new),
+        }
+    }
+
+    /// Every kept value; `None` where they were dropped.
+    pub fn values(&self) -> Option<&[f64]> {
+        match &self.series {
+            None if self.excerpts.len() == 1 => self.excerpts.first().map(Vec::as_slice),
+            series => series.as_deref(),
+        }
+    }
+
+    /// Values of the first window, or of all where there is one.
+    pub fn first_window(&self) -> &[f64] {
+        self.first.as_deref().or_else(|| self.values()).unwrap_or_default()
+    }
+
+    /// Moments of all windows, nothing filtered.
+    pub fn all(&self) -> &CentralMoments {
+        self.all.get_or_init(|| self.values().map(CentralMoments::of).unwrap_or_default())
+    }
+
+    /// Of the spindle's motion, in the band of levels.
+    pub fn in_band(&self) -> &InBand {
+        self.in_band.get_or_init(|| self.values().map(InBand::of).unwrap_or_default())
+    }
+
+    /// In the channel's unit; `None` where they are not asked for.
+    pub fn spectra(&self) -> Option<&ChannelSpectra> {
+        let values = self.values().unwrap_or_default();
+        self.asked_for_spectra.then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values)))
+    }
+
+    /// Adds the window to what is known of all, and empties it.
+    fn reduce(&mut self, windows: Windows, index: usize) {
+        if windows.count == 1 {
+            self.excerpts.push(std::mem::take(&mut self.window));
+            return;
+        }
+        let moments = CentralMoments::of(&self.window);
+        join(&mut self.all, moments, |all, window| *all = all.joined(window));
+        if matches!(self.channel, Channel::Spindle(..)) {
+            join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
+        }
+        if self.asked_for_spectra {
+            let spectra = ChannelSpectra::of(self.channel, &self.window);
+            join(&mut self.spectra, spectra, |all, window| all.join(&window));
+        }
+        if ACCELERATIONS.contains(&self.channel) {
+            self.excerpts.push(self.window.iter().copied().take(windows.excerpt(index)).collect());
+        }
+        if let Some(first) = self.first.as_mut().filter(|_| index == 0) {
+            first.clone_from(&self.window);
+        }
+        self.window.clear();
+    }
+}
+
+/// Adds what is known of a window to what is known of those before.
+fn join<T>(before: &mut OnceLock<T>, window: T, add: impl FnOnce(&mut T, T)) {
+    match before.get_mut() {
+        Some(all) => add(all, window),
+        None => *before = OnceLock::from(window),
+    }
+}
+
+/// How far (y, z) has turned about its mean, from +Y towards +Z.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Whirl {
+    /// [rad]
+    angle: f64,
+    /// Distances between values that it was added up over.
+    steps: usize,
+}
+
+impl Whirl {
+    pub fn of(y: &[f64], z: &[f64]) -> Self {
+        let (mean_y, mean_z) = (statistics::mean(y), statistics::mean(z));
+        let centred = || y.iter().zip(z).map(|(y, z)| (y - mean_y, z - mean_z));
+        let turned = |((y0, z0), (y1, z1)): ((f64, f64), (f64, f64))| (y0 * z1 - z0 * y1).atan2(y0 * y1 + z0 * z1);
+        Self { angle: centred().zip(centred().skip(1)).map(turned).sum(), steps: y.len().saturating_sub(1) }
+    }
+
+    fn joined(self, other: Self) -> Self {
+        Self { angle: self.angle + other.angle, steps: self.steps + other.steps }
+    }
+
+    /// Mean rate [rad/s].
+    pub fn rate(&self) -> f64 {
+        if self.steps > 0 { self.angle * RATE / self.steps as f64 } else { 0.0 }
+    }
+}
+
+/// Takes the values of channels that are seen at the same times.
+#[derive(Debug, Clone)]
+pub struct Recorder {
+    windows: Windows,
+    /// Values to take, and taken so far.
+    values: usize,
+    taken: usize,
+    /// Windows that are done.
+    done: usize,
+    signals: Vec<Signal>,
+    /// Of several windows.
+    whirl: Option<Whirl>,
+}
+
+impl Recorder {
+    pub fn new(channels: impl IntoIterator<Item = Channel>, outputs: &Outputs, values: usize) -> Self {
+        Self {
+            windows: Windows::of(values),
+            values,
+            taken: 0,
+            done: 0,
+            signals: channels.into_iter().map(|channel| Signal::new(channel, outputs, values)).collect(),
+            whirl: None,
+        }
+    }
+
+    /// rms of the spindle's accelerations in y and z over the window on the way [m/s²]; `None` of an empty one.
+    pub fn accelerations(&self) -> Option<[f64; 2]> {
+        let of = |channel: Channel| {
+            let window = &self.signals.iter().find(|signal| signal.channel == channel)?.window;
+            (!window.is_empty()).then(|| CentralMoments::of(window).rms())
+        };
+        let along = |axis| of(Channel::Spindle(axis, Motion::Acceleration));
+        Some([along(Axis::Y)?, along(Axis::Z)?])
+    }
+
+    /// Takes a value of each channel; none after the last.
+    pub fn push(&mut self, frame: &[f64]) {
+        self.take(1, |_, channel| frame[channel]);
+    }
+
+    /// Takes several values of each channel, frame after frame.
+    pub fn extend<const N: usize>(&mut self, frames: &[[f64; N]]) {
+        self.take(frames.len(), |place, channel| frames[place][channel]);
+    }
+
+    /// Takes so many values, channel after channel as far as a window goes.
+    #[inline(always)]
+    fn take(&mut self, count: usize, value: impl Fn(usize, usize) -> f64) {
+        let count = count.min(self.values - self.taken);
+        let mut from = 0;
+        while from < count {
+            let window_end = (self.done + 1) * self.windows.length;
+            if self.taken == window_end {
+                self.reduce();
+                continue;
+            }
+            // What is left over after the last window counts in series alone.
+            let counts = self.done < self.windows.count;
+            let to = if counts { count.min(from + window_end - self.taken) } else { count };
+            for (channel, signal) in self.signals.iter_mut().enumerate() {
+                let values = (from..to).map(|place| value(place, channel));
+                if let Some(series) = &mut signal.series {
+                    series.extend(values.clone());
+                }
+                if counts {
+                    signal.window.extend(values);
+                }
+            }
+            self.taken += to - from;
+            from = to;
+        }
+    }
+
+    fn reduce(&mut self) {
+        if self.windows.count > 1 {
+            let window = |channel: Channel| self.signals.iter().find(|s| s.channel == channel).map(|s| &s.window);
+            let orbit = [Axis::Y, Axis::Z].map(Channel::CageDisplacement).map(window);
+            if let [Some(y), Some(z)] = orbit {
+                self.whirl = Some(self.whirl.unwrap_or_default().joined(Whirl::of(y, z)));
+            }
+        }
+        for signal in &mut self.signals {
+            signal.reduce(self.windows, self.done);
+        }
+        self.done += 1;
+    }
+
+    /// What is known of each channel, and how the cage's centre has turned over several windows.
+    pub fn finish(mut self) -> (Vec<Signal>, Option<Whirl>) {
+        if self.done < self.windows.count {
+            self.reduce();
+        }
+        (self.signals, self.whirl)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::input::channel::Motion;
+
+    #[test]
+    fn windows_are_as_few_and_as_equal_as_can_be() {
+        let of = |duration: f64| Windows::of(kept_values(duration));
+        assert_eq!(of(1.0), Windows { count: 1, length: 102_400 });
+        assert_eq!(of(1.5), Windows { count: 2, length: 76_800 });
+        assert_eq!(of(2.5), Windows { count: 3, length: 85_312 });
+        assert_eq!(of(20.0), Windows { count: 20, length: 102_400 });
+        assert_eq!(of(1e-6), Windows { count: 1, length: 1 });
+        assert_eq!((of(0.5).excerpt(0), of(20.0).excerpt(3), of(1000.0).excerpt(0)), (51_200, 5_120, 1_024));
+    }
+
+    /// 2.5 windows' worth of tones, drift and a burst: three windows say what the whole signal says.
+    #[test]
+    fn windows_together_are_the_whole_signal() {
+        let values = kept_values(2.5);
+        let signal = |i: usize| {
+            let t = i as f64 / RATE;
+            let tone = |f: f64, a: f64| a * (std::f64::consts::TAU * f * t).sin();
+            tone(229.0, 2.0) + tone(7013.3, 0.5) * (1.0 + tone(90.0, 0.4)) + 0.1 * t + tone(11.0, 3e-3).abs()
+        };
+        let whole: Vec<f64> = (0..values).map(signal).collect();
+        let channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
+        let outputs =
+            Outputs { vibration: true, contacts: false, cage: false, spectra: vec![channel], series: Vec::new() };
+        let mut recorder = Recorder::new([channel], &outputs, values + 1);
+        whole.iter().chain([&9.0, &9.0]).for_each(|value| recorder.push(&[*value]));
+        let (signals, whirl) = recorder.finish();
+        let seen = &signals[0];
+        assert_eq!((seen.values(), seen.excerpts.len(), seen.in_band().mean_squares.len()), (None, 3, 30));
+        assert_eq!(seen.excerpts[2][..10], whole[2 * 85_312..2 * 85_312 + 10]);
+        assert_eq!(whirl, None);
+        let alone = InBand::of(&whole).moments;
+        let decibels = 20.0 * (seen.in_band().moments.rms() / alone.rms()).log10();
+        assert!(decibels.abs() < 1e-3, "{decibels} dB");
+        let kurtosis = |moments: &CentralMoments| moments.kurtosis().unwrap();
+        assert!((kurtosis(&seen.in_band().moments) / kurtosis(&alone) - 1.0).abs() < 1e-3);
+        assert!((seen.all().rms() / statistics::rms(&whole[..3 * 85_312]) - 1.0).abs() < 1e-12);
+        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole));
+        assert_eq!((spectra.amplitude.averages, at_once.amplitude.averages), (3, 1));
+        let line = |spectrum: &crate::numerics::spectrum::Spectrum, frequency: f64| {
+            let bin = (frequency / spectrum.resolution).round() as usize;
+            crate::numerics::spectrum::interpolated_peak(spectrum, bin)
+        };
+        for (frequency, amplitude) in [(229.0, 2.0), (7013.3, 0.5)] {
+            let (found, height) = line(&spectra.amplitude, frequency);
+            let (_, before) = line(&at_once.amplitude, frequency);
+            assert!((found - frequency).abs() < 0.02 && (height / amplitude - 1.0).abs() < 2e-3, "{found}: {height}");
+            assert!((height / before - 1.0).abs() < 2e-3, "{height} for {before}");
+        }
+        let (of_all, of_whole) = (line(&spectra.envelope, 90.0).1, line(&at_once.envelope, 90.0).1);
+        assert!((of_all / of_whole - 1.0).abs() < 2e-3, "{of_all} for {of_whole}");
+    }
+
+    #[test]
+    fn what_is_asked_for_as_a_series_is_kept_to_the_last_value() {
+        let values = 2 * kept_values(LONGEST) + 1;
+        let channel = Channel::CageSpeed;
+        let outputs =
+            Outputs { vibration: false, contacts: false, cage: false, spectra: Vec::new(), series: vec![channel] };
+        let mut recorder = Recorder::new([channel, Channel::BallSpin(0)], &outputs, values);
+        (0..values).for_each(|i| recorder.push(&[i as f64, 0.0]));
+        let (signals, _) = recorder.finish();
+        let kept = signals[0].values().unwrap();
+        assert_eq!((kept.len(), kept[values - 1]), (values, (values - 1) as f64));
+        assert_eq!((signals[1].values(), signals[1].excerpts.len()), (None, 0));
+    }
+
+    #[test]
+    fn a_centre_on_a_circle_whirls_at_its_rate() {
+        let angles = (0..2048).map(|k| 300.0 * f64::from(k) / RATE);
+        let (y, z): (Vec<f64>, Vec<f64>) = angles.map(|a| (3.0 + a.cos(), a.sin() - 1.0)).unzip();
+        let whirl = Whirl::of(&y, &z);
+        assert!((whirl.rate() / 300.0 - 1.0).abs() < 0.05);
+        assert!((whirl.joined(whirl).rate() / whirl.rate() - 1.0).abs() < 1e-12);
+        assert_eq!(Whirl::of(&y[..1], &z[..1]).rate(), 0.0);
+    }
+}

@@ -1,0 +1,266 @@
+//! Summary metrics of a run, in the units in which results show them.
+
+use crate::numerics::statistics::CentralMoments;
+use crate::physics::bearing::PerRaceway;
+use crate::physics::kinematics::{self, CharacteristicFrequencies};
+use crate::simulation::error::comparison::LevelErrors;
+use crate::simulation::error::report::AccuracyReport;
+use crate::simulation::error::report::Doubt;
+use crate::simulation::input::channel::{Channel, Motion};
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::Mechanism;
+use crate::simulation::recording::record::ContactExtremes;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::BAND;
+use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::spectra::ChannelSpectra;
+use crate::simulation::recording::windows::InBand;
+use crate::simulation::result::lines::{Line, find_lines};
+use crate::simulation::result::run_result::Series;
+
+/// Statistics of one channel over the kept time, mean removed, 0–20 kHz, in the channel's unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelMetrics {
+    pub rms: f64,
+    pub peak: f64,
+    /// peak / rms; absent where rms is 0.
+    pub crest_factor: Option<f64>,
+    /// Fourth moment over squared variance (3 for Gaussian noise); absent where rms is 0.
+    pub kurtosis: Option<f64>,
+    /// 20 lg(rms / 9.81e-3 m/s²) [dB], accelerations that are not 0 only.
+    pub level_db: Option<f64>,
+    /// Share of the signal's power above 20 kHz [-].
+    pub above_band: f64,
+}
+
+/// One kind of raceway contact over all balls and the kept time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RacewayContactMetrics {
+    /// [N]
+    pub max_load: f64,
+    /// [MPa]
+    pub max_pressure: f64,
+    /// Range of the contact angles under load [deg]; `None`: never in contact.
+    pub contact_angle: Option<(f64, f64)>,
+    /// Largest slip speed at a contact's centre under load [m/s].
+    pub max_slip: f64,
+    /// Least minimum film thickness under load [µm]; absent where the film was not asked for or there is none.
+    pub min_film_thickness: Option<f64>,
+    /// Largest load of each ball [N].
+    pub max_load_per_ball: Vec<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactMetrics {
+    pub raceway: PerRaceway<RacewayContactMetrics>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct CageMetrics {
+    /// Mean speed [Hz].
+    pub speed: f64,
+    /// 1 − speed/FTF; absent at rest.
+    pub slip: Option<f64>,
+    /// Mean spin of the balls about their own axes [Hz].
+    pub ball_spin: f64,
+    /// Rms distance of the cage centre from its mean position [µm].
+    pub orbit_radius: f64,
+    /// Mean orbit rate of the cage centre over the cage speed; absent at rest.
+    pub whirl_ratio: Option<f64>,
+    /// Largest pocket load [N]; film included.
+    pub max_pocket_load: f64,
+}
+
+/// How the solver worked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolverReport {
+    pub method: &'static str,
+    pub method_reason: String,
+    pub rung: &'static str,
+    /// How the rung was checked, in words.
+    pub check: String,
+    pub statistics: crate::numerics::ode::Statistics,
+    /// [s]
+    pub wall_time: f64,
+    /// [s]
+    pub simulated_time: f64,
+    /// The tolerance that was taken [-]; `None` where the integrator follows none.
+    pub relative_tolerance: Option<f64>,
+    /// Number of first-order states.
+    pub states: usize,
+    /// Strips a raceway contact is cut into for traction.
+    pub strips: usize,
+}
+
+/// Everything a user reads first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// In the order x, y, z; velocity and acceleration (and displacement) of the spindle; empty when vibration was not asked for.
+    pub channels: Vec<(Channel, ChannelMetrics)>,
+    /// Absent when not asked for.
+    pub contacts: Option<ContactMetrics>,
+    /// Absent when not asked for, or when the scene has no cage.
+    pub cage: Option<CageMetrics>,
+    /// From the simulated cage and ball speed [Hz].
+    pub frequencies: CharacteristicFrequencies,
+    /// Strongest first within a channel.
+    pub lines: Vec<(Channel, Line)>,
+    pub solver: SolverReport,
+    pub accuracy: AccuracyReport,
+    /// What the levels of another stretch as long may differ by, one standard deviation [dB]; of none where the speed changes.
+    pub scatter: LevelErrors,
+    /// In words, where the kept time may still hold the vibration that the run started with.
+    pub settling: Option<String>,
+}
+
+/// Reference of the acceleration level, equation (15) [m/s²].
+pub const REFERENCE_ACCELERATION: f64 = 9.81e-3;
+/// The unit of a level in full, as headings say it.
+pub const LEVEL_UNIT: &str = "dB re 9.81 mm/s²";
+
+/// Level of an acceleration rms [m/s²], L = 20 lg(rms / 9.81e-3) [dB], equation (15); `None` for 0.
+pub fn level_db(rms: f64) -> Option<f64> {
+    (rms > 0.0).then(|| 20.0 * (rms / REFERENCE_ACCELERATION).log10())
+}
+
+/// Spread below which a signal stands still but for rounding, as a share of the size of its values.
+const STANDSTILL: f64 = 1e-12;
+
+/// Metrics of one channel, from its values taken as one window, and its variance before the filter (SI).
+pub fn channel_metrics(channel: Channel, signal: &[f64], total_variance: f64) -> ChannelMetrics {
+    in_band_metrics(channel, &InBand::of(signal), total_variance)
+}
+
+/// The same from the signal's statistics.
+pub(crate) fn in_band_metrics(channel: Channel, in_band: &InBand, total_variance: f64) -> ChannelMetrics {
+    let still = in_band.moments.peak() <= STANDSTILL * in_band.largest;
+    let moments = if still { CentralMoments::default() } else { in_band.moments };
+    let rms = moments.rms();
+    let above = if total_variance > 0.0 && rms > 0.0 { 1.0 - rms * rms / total_variance } else { 0.0 };
+    let acceleration = matches!(channel, Channel::Spindle(_, Motion::Acceleration));
+    ChannelMetrics {
+        rms: channel.scale() * rms,
+        peak: channel.scale() * moments.peak(),
+        crest_factor: moments.crest_factor(),
+        kurtosis: moments.kurtosis(),
+        level_db: if acceleration { level_db(rms) } else { None },
+        above_band: above.clamp(0.0, 1.0),
+    }
+}
+
+/// Metrics of the spindle's channels.
+pub fn vibration(recording: &Recording) -> Vec<(Channel, ChannelMetrics)> {
+    let of_spindle = recording.signals.iter().filter(|signal| matches!(signal.channel, Channel::Spindle(..)));
+    let one = |channel: Channel, in_band: &InBand| in_band_metrics(channel, in_band, recording.total_variance(channel));
+    of_spindle.map(|signal| (signal.channel, one(signal.channel, signal.in_band()))).collect()
+}
+
+/// Metrics of the raceway contacts.
+pub fn contacts(mechanism: &Mechanism, recording: &Recording) -> ContactMetrics {
+    let raceway = &mechanism.raceway;
+    let one = |extremes: &ContactExtremes, pressure: &dyn Fn(f64) -> f64| {
+        let max_load = extremes.max_load.iter().copied().fold(0.0, f64::max);
+        RacewayContactMetrics {
+            max_load,
+            max_pressure: 1e-6 * pressure(max_load),
+            contact_angle: extremes.angle.map(|(least, most)| (least.to_degrees(), most.to_degrees())),
+            max_slip: extremes.max_slip,
+            min_film_thickness: extremes.least_film.map(|film| 1e6 * film),
+            max_load_per_ball: extremes.max_load.clone(),
+        }
+    };
+    ContactMetrics {
+        raceway: PerRaceway {
+            inner: one(&recording.contacts.inner, &|load| raceway.inner.hertz().max_pressure(load)),
+            outer: one(&recording.contacts.outer, &|load| raceway.outer.hertz().max_pressure(load)),
+        },
+    }
+}
+
+/// Metrics of the cage; `None` where the model has none.
+pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
+    let orbit_radius = recording.orbit_radius()?;
+    let ideal = recording.shaft_speed * kinematics::ideal_orbit_ratio(&scene.bearing);
+    let turns = |speed: f64| speed / std::f64::consts::TAU;
+    Some(CageMetrics {
+        speed: turns(recording.cage_speed),
+        slip: (ideal > 0.0).then(|| 1.0 - recording.cage_speed / ideal),
+        ball_spin: turns(recording.ball_spin),
+        orbit_radius: 1e6 * orbit_radius,
+        whirl_ratio: recording
+            .whirl()
+            .filter(|_| ideal > 0.0)
+            .map(|whirl| recording.direction * whirl.rate() / recording.cage_speed),
+        max_pocket_load: recording.max_pocket_load,
+    })
+}
+
+/// Frequencies of the bearing from the speeds that were seen [Hz].
+pub fn frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFrequencies {
+    let turns = |speed: f64| speed / std::f64::consts::TAU;
+    kinematics::with_cage_speed(
+        &scene.bearing,
+        turns(recording.shaft_speed),
+        turns(recording.cage_speed),
+        turns(recording.ball_spin),
+    )
+}
+
+/// Spectra of the asked-for channels, in their units.
+pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpectra> {
+    let one = |channel: &Channel| recording.of(*channel)?.spectra().cloned();
+    settings.outputs.spectra.iter().filter_map(one).collect()
+}
+
+/// Lines of all spectra.
+///
+/// Where the speed varies no frequency is characteristic, and lines are not named.
+pub fn lines(
+    scene: &Scene,
+    spectra: &[ChannelSpectra],
+    frequencies: &CharacteristicFrequencies,
+) -> Vec<(Channel, Line)> {
+    let named = scene.operation.speed.is_constant();
+    let frequencies = &marked(scene, frequencies);
+    let name = |line: Line| if named { line } else { Line { label: String::new(), deviation: 0.0, ..line } };
+    spectra
+        .iter()
+        .flat_map(|spectra| {
+            find_lines(&spectra.amplitude, frequencies, BAND).into_iter().map(move |line| (spectra.channel, name(line)))
+        })
+        .collect()
+}
+
+/// The frequencies that can show, others 0: nothing but an unbalance marks how the inner ring turns, and nothing how a smooth ball does.
+fn marked(scene: &Scene, frequencies: &CharacteristicFrequencies) -> CharacteristicFrequencies {
+    let ring = if scene.spindle.unbalance_product(scene.operating_speed()) != 0.0 { 1.0 } else { 0.0 };
+    CharacteristicFrequencies {
+        shaft: ring * frequencies.shaft,
+        ball_pass_inner: ring * frequencies.ball_pass_inner,
+        ball_spin: 0.0,
+        ..*frequencies
+    }
+}
+
+/// The asked-for time series, in their units.
+pub fn series(recording: &Recording, settings: &RunSettings) -> Vec<Series> {
+    let one = |channel: &Channel| {
+        let values = recording.signal(*channel)?.iter().map(|value| channel.scale() * value).collect();
+        Some(Series { channel: *channel, start: recording.start, step: 1.0 / RATE, values })
+    };
+    settings.outputs.series.iter().filter_map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Equation (15): 1 m/s² is 40.17 dB.
+    #[test]
+    fn one_metre_per_second_squared_is_40_17_db() {
+        assert!((level_db(1.0).unwrap() - 40.17).abs() < 0.005);
+        assert_eq!(level_db(0.0), None);
+        assert_eq!(LEVEL_UNIT, format!("dB re {:.2} mm/s²", 1e3 * REFERENCE_ACCELERATION));
+    }
+}
