@@ -125,7 +125,7 @@ pub struct ArticleOptions {
     #[arg(long, value_name = "N")]
     pub figure: Option<u32>,
     /// Whether the statements hold for other values of what the article does not give, over sampled sets of them; writes
-    /// ROBUSTNESS.md and robustness.csv
+    /// robustness.md and robustness.csv
     #[arg(long, conflicts_with = "figure")]
     pub robustness: bool,
     /// With --robustness: number of these sets [default: 200]

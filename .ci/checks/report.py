@@ -37,4 +37,4 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     article(directory, "--robustness", "--sets", "3", "--seed", "1")
     rows = (written / "robustness.csv").read_text().splitlines()
     check(len(rows) == 4 and all(row.count(",") == rows[0].count(",") for row in rows), "three sampled sets make three rows")
-    check("| 13, axial preload" in (written / "ROBUSTNESS.md").read_text(), "and a report on each statement")
+    check("| 13, axial preload" in (written / "robustness.md").read_text(), "and a report on each statement")

@@ -1,7 +1,7 @@
 //! Single terms that a scene can do without within `model_tolerance_db`: by how much each can change the levels is bounded
 //! before the run, from the scene at rest.
 //!
-//! The factors of the bounds are measured (`benches/omissions.rs`, docs/ACCURACY.md). Where no bound was found that holds, nothing
+//! The factors of the bounds are measured (`benches/omissions.rs`, docs/data/term-omission.csv). Where no bound was found that holds, nothing
 //! is left out.
 
 use crate::numerics::ode::OdeSystem;
