@@ -97,7 +97,7 @@ fn share(sets: &[Judged], holds: impl Fn(&Judged) -> bool) -> f64 {
 }
 
 fn overview(text: &mut String, sets: &[Judged]) {
-    text.push_str("\n| figure, statement | shown in all four metrics | at least one metric shown | none shown | deciding parameter |\n|---|---|---|---|---|\n");
+    text.push_str("\n| figure, statement | shown in all four metrics | at least one metric shown | not shown in any metric | deciding parameter |\n|---|---|---|---|---|\n");
     for (number, question) in QUESTIONS.iter().enumerate() {
         let verdicts = |set: &Judged| set.findings[number].iter().map(|finding| finding.verdict).collect::<Vec<_>>();
         let all = share(sets, |set| verdicts(set).iter().all(|verdict| *verdict == Verdict::Shown));
