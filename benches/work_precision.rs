@@ -1,4 +1,4 @@
-//! Error against run time of the scenes of docs/ACCURACY.md, by every method.
+//! Error against run time of the scenes of docs/how-to/measure-error-against-time.md, by every method.
 //!
 //! `cargo bench --bench work_precision` runs all of `benches/scenes`, `-- a b` only the named ones. `--repetitions N` times each
 //! run N times (default 5). `--plots DIR` writes `DIR/work-precision-NAME.svg`. The output is a table for each scene. The last

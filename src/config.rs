@@ -125,7 +125,7 @@ pub struct ArticleOptions {
     #[arg(long, value_name = "N")]
     pub figure: Option<u32>,
     /// Whether the statements hold for other values of what the article does not give, over sampled sets of them; writes
-    /// ROBUSTNESS.md and robustness.csv
+    /// robustness.md and robustness.csv
     #[arg(long, conflicts_with = "figure")]
     pub robustness: bool,
     /// With --robustness: number of these sets [default: 200]
@@ -134,7 +134,7 @@ pub struct ArticleOptions {
     /// With --robustness: what the sets are drawn from [default: 2025]
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Directory for ARTICLE.md, or FIGURE-N.md of one figure, and plots/article
+    /// Directory for article.md, or FIGURE-N.md of one figure, and plots/article
     #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
     pub output: PathBuf,
     /// No progress on stderr

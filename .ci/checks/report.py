@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The program writes docs/ARTICLE.md, figure by figure. Sampled sets of parameters give a report and a table."""
+"""The program writes docs/article.md, figure by figure. Sampled sets of parameters give a report and a table."""
 
 import os
 import pathlib
@@ -27,14 +27,14 @@ def sections(path):
 
 with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
     written = pathlib.Path(directory)
-    published = sections(DOCS / "ARTICLE.md")
+    published = sections(DOCS / "article.md")
     for figure in ("9", "14"):
         article(directory, "--figure", figure)
         for title, text in sections(written / f"FIGURE-{figure}.md").items():
-            check(text.strip() == published[title].strip(), f"docs/ARTICLE.md is what the program writes: {title}")
+            check(text.strip() == published[title].strip(), f"docs/article.md is what the program writes: {title}")
     for picture in (written / "plots" / "article").iterdir():
         check(picture.read_text() == (DOCS / "plots" / "article" / picture.name).read_text(), f"so is {picture.name}")
     article(directory, "--robustness", "--sets", "3", "--seed", "1")
     rows = (written / "robustness.csv").read_text().splitlines()
     check(len(rows) == 4 and all(row.count(",") == rows[0].count(",") for row in rows), "three sampled sets make three rows")
-    check("| 13, axial preload" in (written / "ROBUSTNESS.md").read_text(), "and a report on each statement")
+    check("| 13, axial preload" in (written / "robustness.md").read_text(), "and a report on each statement")

@@ -116,9 +116,9 @@ const HEAD: &str = "\
 # The article, made again and judged
 
 Figures and Table 4 of Zhi, Zhai, Wen and Li, *Appl. Sci.* 2025, 15(1), 98, from runs of this program; each beside what the article says of it. Written by `raceway article --output docs`: no number is put in by hand, \
-and nothing was tuned until a statement appeared. What the article does not give (spindle mass 50 g, clearance 5 µm, damping, traction, lubricant, cage mass) is that of the preset `article-integrated` ([PARAMETERS.md](PARAMETERS.md#presets)); other values can give other trends. \
+and nothing was tuned until a statement appeared. What the article does not give (spindle mass 50 g, clearance 5 µm, damping, traction, lubricant, cage mass) is that of the preset `article-integrated` ([presets](explanation/parameters.md#presets)); other values can give other trends. \
 Each value comes with its estimated error. A trend counts as resolved where no point is wrong by more than a tenth of its span; one that is not resolved is not shown. *Rises* and *falls* are told by the correlation of ranks: 0.98 and more all along, 0.7 and more mostly. \
-*In part*: a rise that is there mostly; a valley without its best value where it is said, or the best value there without a valley; two bearings of which the one is lower at most speeds only, or that go different ways; a line that needs unbalance. A figure with several statements is shown where all are, not shown where none is even in part, and else shown in part. Whether the statements hold for other values of what is not given is in [ROBUSTNESS.md](ROBUSTNESS.md).
+*In part*: a rise that is there mostly; a valley without its best value where it is said, or the best value there without a valley; two bearings of which the one is lower at most speeds only, or that go different ways; a line that needs unbalance. A figure with several statements is shown where all are, not shown where none is even in part, and else shown in part. Whether the statements hold for other values of what is not given is in [robustness](verification/robustness.md).
 
 ";
 

@@ -17,7 +17,7 @@ pub struct Chosen {
     pub seed: u64,
 }
 
-/// Those of docs/ROBUSTNESS.md.
+/// Sets and seed of docs/verification/robustness.md.
 pub const SETS: u32 = 200;
 pub const SEED: u64 = 2025;
 
@@ -28,7 +28,7 @@ impl Chosen {
             if value == usual { String::new() } else { format!(" --{name} {value}") }
         };
         let (sets, seed) = (other("sets", self.sets.into(), SETS.into()), other("seed", self.seed, SEED));
-        format!("raceway article --robustness{sets}{seed} --output docs")
+        format!("raceway article --robustness{sets}{seed} --output docs/verification")
     }
 }
 
@@ -40,9 +40,7 @@ pub fn robustness_document(sets: &[Judged], chosen: &Chosen) -> String {
         let _ = writeln!(text, "\n## Figure {}, {}\n", question.figure, question.title);
         shares(&mut text, sets, number);
         let scores: Vec<f64> = sets.iter().map(|set| set.score(number)).collect();
-        text.push_str(
-            "\nShare of the statement that is seen (one in part counts half), by thirds of each parameter:\n\n",
-        );
+        text.push('\n');
         thirds(&mut text, sets, &scores);
     }
     curvature(&mut text, sets);
@@ -53,24 +51,28 @@ fn head(sets: &[Judged], chosen: &Chosen) -> String {
     let (seed, command) = (chosen.seed, chosen.command());
     let failed: u64 = sets.iter().map(|set| set.failed).sum();
     let mut text = format!(
-        "# Do the article's statements hold for what it does not give?\n\n\
-         The article names its bearing, its load and its speed, but not the mass of the spindle, the clearance, the damping, the traction, the lubricant, the unbalance or the mass of the cage. \
-         [ARTICLE.md](ARTICLE.md) judges its statements with one value for each of these. Here they are put to {} sets of such values: a Latin hypercube over the ranges below, seed {seed}. \
-         Written by `{command}`; all values and verdicts are in [robustness.csv](robustness.csv).\n\n\
-         | not given | sampled from … to | why |\n|---|---|---|\n",
+        "# Robustness of the article's statements\n\n\
+         The article states its bearing, its load and its speed. It does not state spindle mass, clearance, damping, traction, lubricant, unbalance and cage mass. \
+         [The article, made again and judged](../article.md) judges its statements with one value for each of these.\n\n\
+         This page judges the statements for {} sets of values: a Latin hypercube over the ranges below, seed {seed}. \
+         It is written by `{command}`. All values and verdicts are in [robustness.csv](robustness.csv).\n\n\
+         | not stated | range | reason |\n|---|---|---|\n",
         sets.len()
     );
     for (parameter, why) in PARAMETERS.iter().zip(REASONS) {
         let (from, to) = parameter.range();
-        let evenly = if parameter.is_logarithmic() { ", even in its logarithm" } else { "" };
+        let evenly = if parameter.is_logarithmic() { ", logarithmic" } else { "" };
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
         let _ = writeln!(text, "| {} | {from} … {to}{unit}{evenly} | {why} |", parameter.name);
     }
     let _ = write!(
         text,
-        "\nEach set runs the studies of figures 10 to 16, each point 0.05 s after 0.02 s by the ladder's choice of model (`auto`, within 0.05 dB), and is judged by the same rules as the figures: \
-         *in part* and *not shown* mean what they mean there, and a trend that is smaller than ten times the error of its points shows nothing. Points that failed: {failed}. \
-         The deep-groove bearing of Figure 16 has the same spindle mass here as the integrated one.\n"
+        "\nEach set runs the studies of figures 10 to 16. A point is 0.05 s recorded after 0.02 s on the automatically chosen model level, within 0.05 dB. \
+         The verdicts follow the rules of the figures. A trend smaller than ten times the error of its points is unresolved and counts as not shown. \
+         The deep-groove bearing of Figure 16 has the spindle mass of the integrated one. Points that failed: {failed}.\n\n\
+         Tables by thirds of a parameter give the share of the statement that is shown; a statement shown in part counts half. \
+         *Span over chance* is the largest difference of two thirds, divided by its standard deviation for a parameter without influence. \
+         From {DECIDES:.0} on (bold) the parameter counts as deciding.\n"
     );
     text
 }
@@ -80,7 +82,7 @@ const REASONS: [&str; PARAMETERS.len()] = [
     "miniature bearings, C2 to C3",
     "nearly elastic to heavily damped by the grease",
     "greases and light oils between steel",
-    "the article says ambient temperature and no oil: a light base oil at 70 °C to a heavy one at 25 °C",
+    "the article states ambient temperature and no oil: from a light base oil at 70 °C to a heavy one at 25 °C",
     "none, as in its equations, to the usual grade of small rotors",
     "crown cages of the same bearing, thin to thick",
 ];
@@ -95,7 +97,7 @@ fn share(sets: &[Judged], holds: impl Fn(&Judged) -> bool) -> f64 {
 }
 
 fn overview(text: &mut String, sets: &[Judged]) {
-    text.push_str("\n| figure, statement | shown in all four metrics | at least one metric shown | nothing shown in any | decided most by |\n|---|---|---|---|---|\n");
+    text.push_str("\n| figure, statement | shown in all four metrics | at least one metric shown | not shown in any metric | deciding parameter |\n|---|---|---|---|---|\n");
     for (number, question) in QUESTIONS.iter().enumerate() {
         let verdicts = |set: &Judged| set.findings[number].iter().map(|finding| finding.verdict).collect::<Vec<_>>();
         let all = share(sets, |set| verdicts(set).iter().all(|verdict| *verdict == Verdict::Shown));
@@ -126,9 +128,9 @@ fn decider(sets: &[Judged], scores: &[f64]) -> String {
     match strongest {
         Some((parameter, influence)) if influence.strength >= DECIDES => {
             let [low, middle, high] = influence.thirds.map(percent);
-            format!("{}: {low}, {middle}, {high} seen in its lower, middle and upper third", parameter.name)
+            format!("{}: {low}, {middle}, {high} shown in its lower, middle and upper third", parameter.name)
         }
-        _ => "none of them beyond chance".to_owned(),
+        _ => "none beyond chance".to_owned(),
     }
 }
 
@@ -143,7 +145,7 @@ fn shares(text: &mut String, sets: &[Judged], question: usize) {
 }
 
 fn thirds(text: &mut String, sets: &[Judged], scores: &[f64]) {
-    text.push_str("| parameter | lower | middle | upper | span over chance |\n|---|---|---|---|---|\n");
+    text.push_str("| parameter | lower third | middle | upper | span over chance |\n|---|---|---|---|---|\n");
     for (parameter, influence) in PARAMETERS.iter().zip(influences(&values(sets), scores)) {
         let [low, middle, high] = influence.thirds.map(percent);
         let mark = if influence.strength >= DECIDES { "**" } else { "" };
@@ -153,20 +155,16 @@ fn thirds(text: &mut String, sets: &[Judged], scores: &[f64]) {
             parameter.name, influence.strength
         );
     }
-    let _ = writeln!(
-        text,
-        "\n*Span over chance*: the largest difference of two thirds over the standard deviation that it would have if the parameter did nothing; from {DECIDES:.0} on (bold) the parameter counts as deciding."
-    );
 }
 
-/// Where the level is least over the curvature of the inner groove.
+/// The section on the curvature of the inner groove with the lowest level.
 fn curvature(text: &mut String, sets: &[Judged]) {
     let mut places: Vec<f64> = sets.iter().flat_map(|set| set.best_curvature).flatten().collect();
     places.sort_by(f64::total_cmp);
     places.dedup();
     let is_inside = |at: Option<f64>| at.is_some_and(|at| (BEST_CURVATURE.0..=BEST_CURVATURE.1).contains(&at));
     let names = ["Y", "Z"];
-    text.push_str("\n## Where the level is least over the curvature of the inner groove\n\n| least level at |");
+    text.push_str("\n## Curvature of the inner groove with the lowest level\n\n| lowest level at |");
     let _ = write!(text, " {} | {} |", names[0], names[1]);
     text.push_str("\n|---|---|---|\n");
     for place in &places {
@@ -176,7 +174,7 @@ fn curvature(text: &mut String, sets: &[Judged]) {
     let inside = [0, 1].map(|direction| share(sets, |set| is_inside(set.best_curvature[direction])));
     let _ = writeln!(
         text,
-        "\nIt lies in {} to {} for {} of the sets in Y and {} in Z; 4 of the 13 curvatures that were run lie there, which would be 31 % if the least level were equally likely at each. By thirds of each parameter (share of the sets whose least level in Y lies there):\n",
+        "\nThe lowest level lies in {} to {} for {} of the sets in Y and {} in Z. Four of the 13 curvatures that were run lie there; 31 % would be expected if each were equally likely.\n\nShare of the sets whose lowest level in Y lies there:\n",
         BEST_CURVATURE.0,
         BEST_CURVATURE.1,
         percent(inside[0]),
@@ -184,7 +182,7 @@ fn curvature(text: &mut String, sets: &[Judged]) {
     );
     for (direction, name) in names.iter().enumerate() {
         if direction > 0 {
-            let _ = writeln!(text, "\nThe same in {name}:\n");
+            let _ = writeln!(text, "\nShare of the sets whose lowest level in {name} lies there:\n");
         }
         let scores: Vec<f64> =
             sets.iter().map(|set| f64::from(u8::from(is_inside(set.best_curvature[direction])))).collect();

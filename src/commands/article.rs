@@ -15,7 +15,7 @@ use crate::simulation::input::control::Control;
 /// Folder of the plots beside the report.
 const PLOTS: &str = "plots/article";
 
-/// Runs the figures and writes `ARTICLE.md`, or one and writes `FIGURE-N.md`, with plots; or the sampled sets, and writes `ROBUSTNESS.md`.
+/// Runs the figures and writes `article.md`, or one and writes `FIGURE-N.md`, with plots; or the sampled sets, and writes `robustness.md`.
 pub fn run(options: &ArticleOptions) -> Ended {
     if options.robustness {
         return robustness(options);
@@ -43,7 +43,7 @@ pub fn run(options: &ArticleOptions) -> Ended {
         }
     }
     let (file, text) = match options.figure {
-        None => ("ARTICLE.md".to_owned(), document(&all, PLOTS)),
+        None => ("article.md".to_owned(), document(&all, PLOTS)),
         Some(number) => (format!("FIGURE-{number}.md"), document_of_one(&all, number, PLOTS)),
     };
     let written =
@@ -130,7 +130,7 @@ fn robustness(options: &ArticleOptions) -> Ended {
     });
     let judged: Vec<Judged> = judged.collect();
     let written = output
-        .write("ROBUSTNESS.md", &robustness_document(&judged, &chosen))
+        .write("robustness.md", &robustness_document(&judged, &chosen))
         .and_then(|()| output.write("robustness.csv", &robustness_csv(&judged)));
     written.map_or_else(|error| badly(&error), |()| Ended::Well)
 }

@@ -1,4 +1,4 @@
-//! The table of `docs/VERIFICATION.md`, compared with the tests.
+//! The table of `docs/verification/published-cases.md`, compared with the tests.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -23,7 +23,7 @@ struct Row {
 fn lines(cells: usize) -> impl Iterator<Item = Vec<&'static str>> {
     static DOCUMENT: OnceLock<String> = OnceLock::new();
     DOCUMENT
-        .get_or_init(|| read("docs/VERIFICATION.md"))
+        .get_or_init(|| read("docs/verification/published-cases.md"))
         .lines()
         .filter(|line| line.starts_with("| `"))
         .map(|line| line.trim_matches('|').split('|').map(|cell| cell.trim().trim_matches('`')).collect::<Vec<_>>())

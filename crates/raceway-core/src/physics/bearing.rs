@@ -170,7 +170,7 @@ impl BearingParameters {
 pub const MAX_BALLS: usize = 64;
 
 impl Bearing {
-    /// Checks the parameters and derives the geometry (`docs/MODEL.md`, contact geometry).
+    /// Checks the parameters and derives the geometry (`docs/explanation/model.md`, contact geometry).
     pub fn new(parameters: BearingParameters) -> Result<Self, Vec<InvalidParameter>> {
         let p = &parameters;
         let mut faults = Faults::default();

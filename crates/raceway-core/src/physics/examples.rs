@@ -43,7 +43,7 @@ pub(crate) fn article_lubricant() -> Lubricant {
     }
 }
 
-/// The article's crown cage of PA46 with the defaults of `docs/MODEL.md`.
+/// The article's crown cage of PA46 with the defaults of `docs/explanation/parameters.md`.
 pub(crate) fn article_cage() -> CageParameters {
     CageParameters {
         material: Material { elastic_modulus: 1e9, poisson_ratio: 0.39, density: 1100.0 },
