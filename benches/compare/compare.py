@@ -34,8 +34,10 @@ Definitions:
   Stated error   `channels.<spindle acceleration>.level_error_db`. A level without it is counted as `unstated`, never as a miss.
   Reference      Two runs on the rung `full` with `model_tolerance_db` 0: `gear` at 1e-8 and `dormand_prince` at 1e-7.
                  A reference is used only for runs by another method. Conventions of the model apply to all runs alike.
-  Miss           A level that is off from every usable reference by more than 3 times its stated error, plus the stated error
-                 of the reference, in a result without a warning. The report counts those above 0.002 dB separately.
+  Miss           A level that is off from every usable reference by more than 3 times its stated error, plus the error of the
+                 reference, in a result without a warning. The report counts those above 0.002 dB separately.
+                 The error of the reference is the stated one, or, in motion that does not diverge, the difference of the two
+                 references where that is smaller.
                  Where the references contradict each other, the report lists the scene as `disputed`.
   Warning        `accuracy.warning`, or an entry of `messages` with the severity `warning` or `error`.
                  `accuracy.settling` is a remark and does not count.
@@ -370,6 +372,22 @@ def compute_references(options):
             progress(f"{method} {number}/{len(scenes)} {item['name']}: {found['wall_s']:.1f} s {found.get('failure', '')}")
 
 
+def own_errors(rows):
+    """Sets `own_db` of each level of a scene's references: the numerical error of the reference [dB].
+
+    The stated error contains the unevenness of the recorded time, which run and reference share. Where the motion does not
+    diverge, two methods that agree bound the numerical error by their difference.
+    """
+    decaying = len(rows) > 1 and all(row["motion"] == "decaying" for row in rows)
+    for row in rows:
+        for axis, level in row["levels"].items():
+            bounds = [level["error_db"]]
+            if decaying:
+                bounds += [abs(level["db"] - other["levels"][axis]["db"]) for other in rows
+                           if other is not row and axis in other["levels"]]
+            level["own_db"] = min((bound for bound in bounds if bound is not None), default=None)
+
+
 def load_references(path):
     """Finished references by scene: {scene_key: [row, …]}, and notes on those that are missing."""
     found, notes = {}, []
@@ -378,6 +396,8 @@ def load_references(path):
             notes.append(f"{row['name']}, {row['method']} at {row['relative_tolerance']:g}: {row['failure']}")
         else:
             found.setdefault(row["scene_key"], []).append(row)
+    for rows in found.values():
+        own_errors(rows)
     return found, notes
 
 
@@ -406,9 +426,9 @@ def usable(row, references):
 def off_from(row, axis, reference):
     """Distance of a level from a reference [dB] and what is allowed; `None` where one of them is missing."""
     own, other = row["levels"].get(axis), reference["levels"].get(axis)
-    if not own or not other or own["error_db"] is None or other["error_db"] is None:
+    if not own or not other or own["error_db"] is None or other["own_db"] is None:
         return None
-    return abs(own["db"] - other["db"]), MISS_FACTOR * own["error_db"] + other["error_db"]
+    return abs(own["db"] - other["db"]), MISS_FACTOR * own["error_db"] + other["own_db"]
 
 
 def judge(row, references, notes):
@@ -489,9 +509,10 @@ def side_by_side(runner, binaries, job, repeat, first):
 
 def compare(options):
     binaries = [options.old, options.new]
-    labels = [options.old_label or (options.old and label_of(options.old)) or "old",
-              options.new_label or (options.new and label_of(options.new)) or "new"]
     stored = [{row["key"]: row for row in read_lines(path)} for path in (options.old_rows, options.new_rows)]
+    given = (options.old_label, options.new_label)
+    labels = [given[side] or next((row["binary"] for row in stored[side].values()), None)
+              or (binaries[side] and label_of(binaries[side])) or ("old", "new")[side] for side in (0, 1)]
     runner = Runner(options.timeout, options.core)
     references, missing = load_references(options.references)
     notes = {code for code in (options.note_codes or "").split(",") if code}
