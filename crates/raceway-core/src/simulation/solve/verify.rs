@@ -437,10 +437,12 @@ fn by_refinement(
     }
     let steady = scene.operation.speed.is_constant()
         && is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
-    let repetition = Repetition::of(&own, dynamics, attempt, divergence.filter(|_| steady && decays), scene);
-    let window = if steady && decays { repetition } else { Repetition::whole(&own) };
+    // The whole time where the motion is neither periodic nor stationary.
+    let mut window = match steady && !verification.is_chaotic() {
+        true => Repetition::of(&own, dynamics, attempt, divergence.filter(|_| decays), scene),
+        false => Repetition::whole(&own),
+    };
     let mut repeated = or_failure(window.run(&own, dynamics, attempt, most, control))?;
-    let mut window = window;
     if let Err(why) = &repeated
         && window.duration > REPEATED
     {

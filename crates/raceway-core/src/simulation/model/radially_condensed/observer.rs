@@ -432,7 +432,7 @@ impl Observe for Observer<'_> {
 
 /// Steps of a part of the recorded time.
 fn part_steps(schedule: &Schedule) -> u64 {
-    ((schedule.last - schedule.first) / PARTS).max(1)
+    (schedule.last - schedule.first + 1).div_ceil(PARTS)
 }
 
 /// The spindle's signals at a step, in the order of the stepper: values that were just stored in pairs can be loaded in pairs at once.
