@@ -124,7 +124,7 @@ fn defaults_follow_what_is_given() {
 fn resolved_scenes_resolve_to_themselves() {
     let dimensions = json!({"outer_diameter_mm": 62, "inner_diameter_mm": 30, "width_mm": 16, "ball_count": 9,
         "ball_diameter_mm": 9.525, "pitch_diameter_mm": 46.0, "type": "angular_contact"});
-    let mut bearings: Vec<Value> = presets::bearing_names().map(Value::from).collect();
+    let mut bearings: Vec<Value> = crate::physics::presets::bearing_names().map(Value::from).collect();
     bearings.push(dimensions);
     bearings.push(json!({"preset": "608", "contact_angle_deg": 12.3, "materials": {"ball": "si3n4"},
         "cage": {"film": {"stiffness_n_per_m": 1e4, "damping_n_s_per_m": 1}, "land": {"clearance_mm": 0.1, "diameter_mm": 18, "width_mm": 1}}}));
