@@ -166,9 +166,6 @@ impl BearingParameters {
     }
 }
 
-/// Largest number of balls accepted.
-pub const MAX_BALLS: usize = 64;
-
 impl Bearing {
     /// Checks the parameters and derives the geometry (`docs/MODEL.md`, contact geometry).
     pub fn new(parameters: BearingParameters) -> Result<Self, Vec<InvalidParameter>> {

@@ -3,8 +3,11 @@
 use std::f64::consts::PI;
 
 use super::InvalidParameter;
-use super::bearing::MAX_BALLS;
-use super::operation::MAX_SPEED;
+
+/// Largest number of balls accepted.
+const MAX_BALLS: f64 = 64.0;
+/// Largest angular speed accepted [rad/s]: 500 000 r/min.
+const MAX_SPEED: f64 = 500_000.0 * PI / 30.0;
 
 /// The values that a parameter may take: `lowest ..= highest`, in SI. `exclusive`: the lowest itself is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +36,7 @@ const LIMITS: [Limits; 58] = [
     within("bearing.outer_diameter", 1e-4, 12.0),
     within("bearing.inner_diameter", 1e-4, 10.0),
     within("bearing.width", 1e-4, 2.0),
-    within("bearing.ball_count", 2.0, MAX_BALLS as f64),
+    within("bearing.ball_count", 2.0, MAX_BALLS),
     above("bearing.inner_groove_curvature", 0.5, 1.0),
     above("bearing.outer_groove_curvature", 0.5, 1.0),
     // A fiftieth of the largest ball; all that the widest grooves leave it.

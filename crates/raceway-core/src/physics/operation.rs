@@ -14,9 +14,6 @@ pub struct SpeedProfile {
     first_angle: f64,
 }
 
-/// Largest angular speed accepted [rad/s]: 500 000 r/min.
-pub const MAX_SPEED: f64 = 500_000.0 * std::f64::consts::PI / 30.0;
-
 /// Points of a profile at most.
 pub const MOST_POINTS: usize = 1000;
 /// Shortest time between two points of a profile [s].
