@@ -151,7 +151,7 @@ pub fn resolve(
 impl LubricantInput {
     fn resolve(&mut self, filling: &mut Filling, ball_diameter_mm: f64) -> Lubricant {
         let kind = filling.take("/scene/lubricant/kind", &mut self.kind, LubricantKindName::Grease);
-        let base = presets::lubricant_of(kind.in_physics());
+        let base = &presets::lubricant_of(kind.in_physics()).lubricant;
         let viscosity = filling.take("/scene/lubricant/viscosity_pa_s", &mut self.viscosity_pa_s, base.viscosity);
         let pressure_viscosity = filling.take(
             "/scene/lubricant/pressure_viscosity_per_pa",

@@ -77,7 +77,8 @@ impl BearingBase {
             }),
             cage: Some(CageInput::from(defaults.cage)),
         };
-        Self { bearing, spindle_mass_kg: defaults.spindle_mass, lubricant: defaults.lubricant }
+        let lubricant = presets::lubricant_of(defaults.lubricant).name;
+        Self { bearing, spindle_mass_kg: defaults.spindle_mass, lubricant }
     }
 }
 

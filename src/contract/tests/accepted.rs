@@ -7,7 +7,9 @@ use crate::contract::{
 };
 use crate::physics::bearing::Fit;
 use crate::physics::cage::PocketFilm;
+use crate::physics::lubricant::Lubricant;
 use crate::physics::spindle::{AxialHold, Unbalance};
+use crate::simulation::input::scene::Scene;
 
 fn job(request: &Value) -> Job {
     parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{request}: {refusal}"))
@@ -210,6 +212,20 @@ fn every_preset_states_what_it_sets() {
             "spindle": {"mass_kg": preset["spindle_mass_kg"]}, "lubricant": preset["lubricant"]});
         let named = json!({"bearing": name, "operation": {"speed_rpm": 1}});
         assert_eq!(scene_from_json(&scene.to_string()).unwrap(), scene_from_json(&named.to_string()).unwrap());
+    }
+}
+
+/// Both convert the same catalogue values to SI, bit for bit.
+#[test]
+fn a_preset_of_the_core_is_the_preset_of_a_request() {
+    for name in crate::physics::presets::bearing_names() {
+        let request = json!({"bearing": name, "operation": {"speed_rpm": 3000, "radial_load_y_n": 77}});
+        let requested = scene_from_json(&request.to_string()).unwrap();
+        let preset = crate::physics::presets::bearing(name).unwrap();
+        let scene = Scene::of_preset(&preset, requested.operating_speed(), [0.0, 77.0, 0.0]).unwrap();
+        let lubricant = Lubricant { inlet_distance: requested.lubricant.inlet_distance, ..scene.lubricant };
+        assert_eq!(lubricant.meniscus(0.0), scene.lubricant.meniscus(scene.bearing.parameters.ball_diameter), "{name}");
+        assert_eq!(Scene { lubricant, ..scene }, requested, "{name}");
     }
 }
 

@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::InvalidParameter;
-use super::limits::Faults;
+use super::limits::{Faults, InvalidParameter};
 use super::material::Material;
 use crate::numerics::lanes::SideBySide;
 

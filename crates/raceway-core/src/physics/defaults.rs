@@ -21,6 +21,12 @@ pub const POCKET_RESTITUTION: f64 = 0.6;
 /// Impact speed at which these restitutions hold [m/s].
 pub const IMPACT_SPEED: f64 = 0.1;
 
+/// Default damping of balls on raceways and in pockets.
+pub const RACEWAY_DAMPING: DampingLaw =
+    DampingLaw::Restitution { restitution: RACEWAY_RESTITUTION, at_speed: IMPACT_SPEED };
+pub const POCKET_DAMPING: DampingLaw =
+    DampingLaw::Restitution { restitution: POCKET_RESTITUTION, at_speed: IMPACT_SPEED };
+
 /// Default coefficients of each traction law. `SlideRoll` has none, because no fit for a real oil is public.
 pub const FOUR_PARAMETER: TractionLaw =
     TractionLaw::FourParameter { at_rest: 0.0, maximum: 0.05, at_slip: 1.0, limit: 0.036 };
@@ -90,8 +96,7 @@ pub struct BearingDefaults {
     pub cage: CrownCage,
     /// [kg]
     pub spindle_mass: f64,
-    /// Name of a preset lubricant.
-    pub lubricant: &'static str,
+    pub lubricant: LubricantKind,
 }
 
 impl BearingDefaults {
@@ -111,7 +116,7 @@ impl BearingDefaults {
             raceway_material: PerRaceway { inner: GCR15, outer: GCR15 },
             cage: CrownCage::scaled(dimensions.ball_diameter_mm, dimensions.pitch_diameter_mm),
             spindle_mass: shaft_mass(dimensions.inner_diameter_mm),
-            lubricant: "grease",
+            lubricant: LubricantKind::Grease,
         }
     }
 
@@ -179,7 +184,7 @@ impl CrownCage {
             friction_speed: self.friction_speed_m_s,
             bar_stiffness: None,
             land: None,
-            damping: DampingLaw::Restitution { restitution: POCKET_RESTITUTION, at_speed: IMPACT_SPEED },
+            damping: POCKET_DAMPING,
         }
     }
 }

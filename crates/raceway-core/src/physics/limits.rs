@@ -2,8 +2,6 @@
 
 use std::f64::consts::PI;
 
-use super::InvalidParameter;
-
 /// Largest number of balls accepted.
 const MAX_BALLS: f64 = 64.0;
 /// Largest angular speed accepted [rad/s]: 500 000 r/min.
@@ -99,6 +97,18 @@ pub fn limits_of(parameter: &str) -> Option<&'static Limits> {
         false => parameter == limits.parameter,
     };
     LIMITS.iter().find(is_it)
+}
+
+/// A parameter that no bearing can have. `parameter` is its path in dots, in SI without unit
+/// suffix, such as `bearing.ball_diameter`; `contract` turns it into a JSON pointer and the user's unit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum InvalidParameter {
+    /// Outside `lowest ..= highest` (infinite: no limit; `exclusive`: the lowest itself is refused). SI.
+    #[error("{parameter} = {value} must lie in {lowest} … {highest}")]
+    OutOfRange { parameter: &'static str, value: f64, lowest: f64, highest: f64, exclusive: bool },
+    /// Each value is allowed by itself, but together they fit no bearing.
+    #[error("{parameter}: {reason}")]
+    Inconsistent { parameter: &'static str, reason: String },
 }
 
 /// All that is wrong with the parameters of something that is to be built.

@@ -1,7 +1,6 @@
 //! How the bearing is driven and loaded.
 
-use super::InvalidParameter;
-use super::limits::Faults;
+use super::limits::{Faults, InvalidParameter};
 
 /// Spindle speed over time: constant, or straight lines between points, constant outside them.
 #[derive(Debug, Clone, PartialEq)]

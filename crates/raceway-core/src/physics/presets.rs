@@ -58,8 +58,8 @@ pub fn lubricant(name: &str) -> Option<Lubricant> {
 }
 
 /// The lubricant whose values are the defaults of a kind.
-pub fn lubricant_of(kind: LubricantKind) -> Lubricant {
-    LUBRICANTS.iter().find(|preset| preset.lubricant.kind == kind).unwrap_or(&LUBRICANTS[0]).lubricant
+pub fn lubricant_of(kind: LubricantKind) -> &'static LubricantPreset {
+    LUBRICANTS.iter().find(|preset| preset.lubricant.kind == kind).unwrap_or(&LUBRICANTS[0])
 }
 
 /// Materials, the usual one of balls and raceways first.
