@@ -26,7 +26,7 @@ const C: [f64; 6] = [
 
 /// Sine and cosine of an angle [rad] below 10⁹, to about 2 units in the last place of 1; exactly odd and even.
 #[inline(always)]
-pub fn sin_cos(angle: f64) -> (f64, f64) {
+pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
     let shifted = angle * std::f64::consts::FRAC_2_PI + ROUND;
     let turns = shifted - ROUND;
     let r = ((angle - turns * QUARTER.0) - turns * QUARTER.1) - turns * QUARTER.2;

@@ -25,7 +25,7 @@ pub const LANES: usize = 8;
 pub struct Lanes<const N: usize = LANES, T = f64>(pub [T; N]);
 
 /// The same in single precision, where seven digits serve.
-pub type Singles = Lanes<LANES, f32>;
+pub(crate) type Singles = Lanes<LANES, f32>;
 
 /// What formulas calculate with, in double or in single precision.
 pub trait Real:

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Schur};
 
 /// How a search goes on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Search<const N: usize> {
+pub(crate) struct Search<const N: usize> {
     /// Size of each entry of the state: what its difference quotients step by a hundred-thousandth of, and what
     /// errors are judged by.
     pub sizes: [f64; N],
@@ -39,7 +39,7 @@ impl<const N: usize> PeriodicOrbit<N> {
 
 /// Why there is none.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum NoOrbit {
+pub(crate) enum NoOrbit {
     #[error(
         "no periodic motion was found: {error:.1e} of the motion's size is left after {iterations} steps of Newton's method"
     )]
@@ -61,12 +61,16 @@ const MOST_ROTATIONS: usize = 200;
 
 impl<const N: usize> Search<N> {
     /// The periodic motion near a guess; `period` carries a state over one period.
-    pub fn find(&self, guess: [f64; N], period: impl Fn(&[f64; N]) -> [f64; N]) -> Result<PeriodicOrbit<N>, NoOrbit> {
+    pub(crate) fn find(
+        &self,
+        guess: [f64; N],
+        period: impl Fn(&[f64; N]) -> [f64; N],
+    ) -> Result<PeriodicOrbit<N>, NoOrbit> {
         self.search(guess, None, period)
     }
 
     /// The same motion on a slightly other flow, such as one with finer steps; its multipliers are still those of the other.
-    pub fn refine(
+    pub(crate) fn refine(
         &self,
         orbit: &PeriodicOrbit<N>,
         period: impl Fn(&[f64; N]) -> [f64; N],
@@ -75,7 +79,7 @@ impl<const N: usize> Search<N> {
     }
 
     /// With the multipliers of this flow.
-    pub fn measured(
+    pub(crate) fn measured(
         &self,
         orbit: PeriodicOrbit<N>,
         period: impl Fn(&[f64; N]) -> [f64; N],

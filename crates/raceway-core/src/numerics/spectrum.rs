@@ -37,7 +37,7 @@ impl Spectrum {
 ///
 /// n values give n/2 + 1 entries, rate/n apart; no values give none. A tone between two bins reads up to 1.4 dB low:
 /// see `interpolated_peak`.
-pub fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
+pub(crate) fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
     let n = signal.len();
     if n == 0 {
         return Spectrum { resolution: 0.0, amplitude: Vec::new(), window: "hann", averages: 1 };
@@ -70,7 +70,7 @@ fn hann(bins: &[Complex64], n: usize, k: usize) -> Complex64 {
 
 /// Amplitude spectrum of the envelope: the signal passes the band (from, to) [Hz], and the magnitude of its analytic
 /// signal, mean removed, is analysed. A carrier in the band with amplitude A (1 + m cos Ωt) reads A·m at Ω.
-pub fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectrum {
+pub(crate) fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectrum {
     let n = signal.len();
     if n == 0 {
         return amplitude_spectrum(signal, rate);
@@ -96,7 +96,7 @@ pub fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectru
 /// A brick wall in the frequency domain, which takes what it is given as periodic: where the ends of the signal did not meet, it would
 /// overshoot there by a tenth of the step between them. So the straight line through the ends, which has nothing to be cut, goes
 /// round the wall.
-pub fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
+pub(crate) fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
     let (n, [Some(first), Some(last)]) = (signal.len(), [signal.first(), signal.last()]) else { return Vec::new() };
     let rise = if n > 1 { (last - first) / (n - 1) as f64 } else { 0.0 };
     let middle = 0.5 * (n - 1) as f64;
@@ -121,7 +121,7 @@ pub fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
 /// Exact for a lone tone under a Hann window: with δ the tone's distance from the bin in bins, the three entries are
 /// A·w(δ + 1), A·w(δ), A·w(δ − 1), w(x) = sin πx / (πx (1 − x²)), hence δ = 2 (a₊ − a₋)/(a₋ + 2a₀ + a₊). The first
 /// and last entries have no two neighbours and are returned as they stand, a bin outside the spectrum as amplitude 0.
-pub fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
+pub(crate) fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
     let frequency = |bin: f64| bin * spectrum.resolution;
     let amplitude = &spectrum.amplitude;
     if bin == 0 || bin + 1 >= amplitude.len() {
@@ -148,7 +148,7 @@ pub fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
 /// frame `delay() + j·factor`, counted from 0. Push `delay()` frames ahead of the first one wanted (or `prime`) and as
 /// many after the last.
 #[derive(Debug, Clone)]
-pub struct Decimator {
+pub(crate) struct Decimator {
     factor: usize,
     channels: usize,
     taps: Vec<f64>,
@@ -163,12 +163,12 @@ pub struct Decimator {
 
 impl Decimator {
     /// Highest frequency passed unchanged, as a share of the output rate.
-    pub const PASS: f64 = 20.0 / 102.4;
+    const PASS: f64 = 20.0 / 102.4;
     /// Attenuation the filter is designed for [dB]: the promised 80 with a margin.
     const ATTENUATION: f64 = 86.0;
 
     /// For frames of `channels` signals. A factor of 0 or 1 passes every frame as it is.
-    pub fn new(factor: usize, channels: usize) -> Self {
+    pub(crate) fn new(factor: usize, channels: usize) -> Self {
         let factor = factor.max(1);
         let taps = low_pass(factor, Self::PASS, Self::ATTENUATION);
         Self {
@@ -183,13 +183,13 @@ impl Decimator {
     }
 
     /// Input frames from the middle of the filter to its end: what the first output lies behind.
-    pub fn delay(&self) -> usize {
+    pub(crate) fn delay(&self) -> usize {
         self.taps.len() / 2
     }
 
     /// Takes `frame` as having stood still until now: the output frame `j` then belongs to the `j·factor`-th frame
     /// pushed from here.
-    pub fn prime(&mut self, frame: &[f64]) {
+    pub(crate) fn prime(&mut self, frame: &[f64]) {
         self.wait = self.taps.len();
         for _ in 0..self.delay() {
             self.push(frame);
@@ -200,7 +200,7 @@ impl Decimator {
     ///
     /// # Panics
     /// When the frame does not have one value a channel.
-    pub fn push(&mut self, frame: &[f64]) -> Option<&[f64]> {
+    pub(crate) fn push(&mut self, frame: &[f64]) -> Option<&[f64]> {
         let length = self.taps.len();
         for copy in [self.next, self.next + length] {
             self.history[copy * self.channels..(copy + 1) * self.channels].copy_from_slice(frame);

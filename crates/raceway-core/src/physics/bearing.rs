@@ -245,7 +245,7 @@ impl Bearing {
     }
 
     /// Contact angle for curvatures, kinematics and rating [rad].
-    pub fn kinematic_contact_angle(&self) -> f64 {
+    pub(crate) fn kinematic_contact_angle(&self) -> f64 {
         match self.parameters.kind {
             BearingKind::AngularContact => self.free_contact_angle,
             BearingKind::Integrated | BearingKind::DeepGroove => 0.0,

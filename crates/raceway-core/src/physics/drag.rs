@@ -45,7 +45,7 @@ pub struct Drag {
 
 impl Drag {
     /// Prepares drag and churning of a ball in the mixture that the fill of the bearing gives.
-    pub fn new(bearing: &Bearing, lubricant: &Lubricant) -> Self {
+    pub(crate) fn new(bearing: &Bearing, lubricant: &Lubricant) -> Self {
         let d = bearing.parameters.ball_diameter;
         let radius = 0.5 * d;
         let density = lubricant.mixture_density();
@@ -81,7 +81,7 @@ impl Drag {
     ///
     /// M = −½ ρ_e C_n |ω| ω (d/2)⁵ with `churning_coefficient`.
     #[inline(always)]
-    pub fn churning_moment(&self, spin: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn churning_moment(&self, spin: [f64; 3]) -> [f64; 3] {
         let squared = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];
         let factor = -self.churning_factor(squared.sqrt());
         [factor * spin[0], factor * spin[1], factor * spin[2]]
@@ -89,7 +89,7 @@ impl Drag {
 
     /// Magnitude of the churning moment over that of the spin [N m s], spin a magnitude [rad/s].
     #[inline(always)]
-    pub fn churning_factor(&self, spin: f64) -> f64 {
+    pub(crate) fn churning_factor(&self, spin: f64) -> f64 {
         self.churning_linear + self.churning_root * spin.sqrt()
     }
 }

@@ -113,11 +113,11 @@ pub enum InvalidParameter {
 
 /// All that is wrong with the parameters of something that is to be built.
 #[derive(Debug, Default)]
-pub struct Faults(Vec<InvalidParameter>);
+pub(crate) struct Faults(Vec<InvalidParameter>);
 
 impl Faults {
     /// Notes a value outside its limits, NaN included; says whether it is inside. A parameter without limits has no good value.
-    pub fn check(&mut self, parameter: &'static str, value: f64) -> bool {
+    pub(crate) fn check(&mut self, parameter: &'static str, value: f64) -> bool {
         let (lowest, highest, exclusive) =
             limits_of(parameter).map_or((f64::NAN, f64::NAN, false), |l| (l.lowest, l.highest, l.exclusive));
         let is_inside = value <= highest && if exclusive { value > lowest } else { value >= lowest };
@@ -128,22 +128,22 @@ impl Faults {
     }
 
     /// Notes that values, each allowed by itself, fit nothing together.
-    pub fn inconsistent(&mut self, parameter: &'static str, reason: String) {
+    pub(crate) fn inconsistent(&mut self, parameter: &'static str, reason: String) {
         self.0.push(InvalidParameter::Inconsistent { parameter, reason });
     }
 
     /// Notes what is wrong with a part.
-    pub fn part<T>(&mut self, part: Result<T, Vec<InvalidParameter>>) -> Option<T> {
+    pub(crate) fn part<T>(&mut self, part: Result<T, Vec<InvalidParameter>>) -> Option<T> {
         part.map_err(|mut faults| self.0.append(&mut faults)).ok()
     }
 
     /// What is built where nothing is wrong.
-    pub fn or<T>(self, build: impl FnOnce() -> T) -> Result<T, Vec<InvalidParameter>> {
+    pub(crate) fn or<T>(self, build: impl FnOnce() -> T) -> Result<T, Vec<InvalidParameter>> {
         self.of(Some(()), |()| build())
     }
 
     /// The same around a part that is there where nothing is wrong with it.
-    pub fn of<P, T>(self, part: Option<P>, build: impl FnOnce(P) -> T) -> Result<T, Vec<InvalidParameter>> {
+    pub(crate) fn of<P, T>(self, part: Option<P>, build: impl FnOnce(P) -> T) -> Result<T, Vec<InvalidParameter>> {
         match part {
             Some(part) if self.0.is_empty() => Ok(build(part)),
             _ => Err(self.0),

@@ -1,7 +1,7 @@
 //! The bearing: materials, geometry, contacts, bodies and the forces between them, in SI and
 //! radians. Imports `numerics`; knows no HTTP, JSON, SQL, thread or clock.
 
-pub mod ball;
+pub(crate) mod ball;
 pub mod bearing;
 pub mod cage;
 pub mod contact;

@@ -123,7 +123,7 @@ pub struct Operation {
 
 impl Operation {
     /// Notes loads and tilts beyond what any bearing of this program carries.
-    pub fn check(&self, faults: &mut Faults) {
+    pub(crate) fn check(&self, faults: &mut Faults) {
         faults.check("operation.axial_load", self.load[0]);
         faults.check("operation.radial_load_y", self.load[1]);
         faults.check("operation.radial_load_z", self.load[2]);

@@ -15,13 +15,13 @@ use crate::numerics::lanes::{Lanes, SideBySide, larger, side_by_side, smaller};
 
 /// Damping of the default film [N s/m]: an assumption. Full squeeze of a disc would give about 45;
 /// the seat of a crown pocket covers part of a sphere and is rarely full.
-pub const WEDGE_DAMPING: f64 = 3.0;
+pub(crate) const WEDGE_DAMPING: f64 = 3.0;
 /// Force of the empirical film at the edge of the clearance [N].
 const EMPIRICAL_EDGE_FORCE: f64 = 11.0;
 /// Largest effective radius of ball and seat of the lubricant wedge [m].
 const LARGEST_RADIUS: f64 = 0.2;
 /// Displacement over which film damping sets in [m].
-pub const DAMPING_ONSET: f64 = 0.1e-6;
+pub(crate) const DAMPING_ONSET: f64 = 0.1e-6;
 /// Penetration over which film damping vanishes once the solids touch [m].
 const DAMPING_END: f64 = 1e-6;
 
@@ -100,7 +100,7 @@ side_by_side!(Approach { distance, rate, normal });
 
 /// How the normal load answers to a ball that moves along the contact's normal: what a linearly implicit method needs of it.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct PocketSlopes<T = f64> {
+pub(crate) struct PocketSlopes<T = f64> {
     /// Unit vector of the force on the ball.
     pub normal: Vector<T>,
     /// By displacement [N/m] and by its rate [N s/m].
@@ -111,7 +111,7 @@ side_by_side!(PocketSlopes { normal, stiffness, damping });
 
 impl Pocket {
     /// Constants at an operating spin of the balls [rad/s].
-    pub fn new(
+    pub(crate) fn new(
         bearing: &Bearing,
         cage: &CageParameters,
         lubricant: &Lubricant,
@@ -204,7 +204,7 @@ impl Pocket {
 
     /// The same, and how the normal loads answer to the balls' own motion.
     #[inline(always)]
-    pub fn loads_and_slopes<const N: usize>(
+    pub(crate) fn loads_and_slopes<const N: usize>(
         &self,
         motion: &PocketMotion<Lanes<N>>,
         load: &mut PocketLoad<Lanes<N>>,

@@ -109,7 +109,7 @@ side_by_side!(RacewayLoad { penetration, normal, angle, force, moment, slip, gri
 /// How a contact's loads answer to a ball that moves on: what a linearly implicit method needs of them. Rates of slip are
 /// answered by the traction as a whole, with the same grip along the groove and across it.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct ContactSlopes<T = f64> {
+pub(crate) struct ContactSlopes<T = f64> {
     /// Unit vector from the ball towards the contact, axial and radial.
     pub towards: (T, T),
     /// Of the normal load, by penetration [N/m] and by its rate [N s/m].
@@ -284,7 +284,7 @@ impl<const PLANAR: bool> Task for PairOfLoads<'_, PLANAR> {
 
 /// Largest share of the ball's radius that a contact reaches across the groove. Hertz has lost its
 /// meaning long before; the share keeps extreme scenes finite.
-pub const LARGEST_CONTACT: f64 = 0.95;
+pub(crate) const LARGEST_CONTACT: f64 = 0.95;
 
 /// The direction across the groove, c = t × m, from m towards the contact; (t, m, c) is right-handed.
 #[inline(always)]
@@ -341,7 +341,7 @@ impl RacewayContact {
     }
 
     /// Whether anything damps an impact.
-    pub fn is_damped(&self) -> bool {
+    pub(crate) fn is_damped(&self) -> bool {
         self.groove.damping.chi > 0.0 || self.groove.damping.viscous > 0.0
     }
 
@@ -351,7 +351,7 @@ impl RacewayContact {
     }
 
     /// Penetration under an elastic load [N] over the ball's radius [-].
-    pub fn relative_depth(&self, load: f64) -> f64 {
+    pub(crate) fn relative_depth(&self, load: f64) -> f64 {
         (load / self.groove.hertz.stiffness).powf(2.0 / 3.0) / self.groove.ball_radius
     }
 
@@ -366,7 +366,7 @@ impl RacewayContact {
     }
 
     /// Elastic normal load at a penetration [N], and its slope [N/m]; both 0 without contact.
-    pub fn elastic_load(&self, penetration: f64) -> (f64, f64) {
+    pub(crate) fn elastic_load(&self, penetration: f64) -> (f64, f64) {
         self.groove.elastic_load(penetration)
     }
 
@@ -588,7 +588,7 @@ impl RacewayContact {
 
     /// Writes how loads at a motion answer to the balls' own motion.
     #[inline(always)]
-    pub fn slopes<const PLANAR: bool>(
+    pub(crate) fn slopes<const PLANAR: bool>(
         &self,
         motion: &RelativeMotion<Lanes>,
         load: &RacewayLoad<Lanes>,
@@ -601,7 +601,7 @@ impl RacewayContact {
     }
 
     /// Meets the minimum film of a loaded contact at a mean rolling speed [m/s] and load [N].
-    pub fn meet_film(&self, rolling_speed: f64, load: f64, thinnest: &mut ThinnestFilm) {
+    pub(crate) fn meet_film(&self, rolling_speed: f64, load: f64, thinnest: &mut ThinnestFilm) {
         thinnest.meet(&self.groove.film, rolling_speed, load);
     }
 
@@ -613,7 +613,7 @@ impl RacewayContact {
 
     /// The same of several balls, whose contacts lie where `slopes` says.
     #[inline(always)]
-    pub fn rolling_speeds(
+    pub(crate) fn rolling_speeds(
         &self,
         motion: &RelativeMotion<Lanes>,
         slopes: &ContactSlopes<Lanes>,
@@ -795,7 +795,7 @@ impl Groove {
 
 /// Rolling friction F_R [N] of a ball on the inner raceway under a load [N], rolling ideally at a spindle speed
 /// [rad/s], its inlet flooded.
-pub fn nominal_rolling_friction(bearing: &Bearing, lubricant: &Lubricant, load: f64, speed: f64) -> f64 {
+pub(crate) fn nominal_rolling_friction(bearing: &Bearing, lubricant: &Lubricant, load: f64, speed: f64) -> f64 {
     if load <= 0.0 {
         return 0.0;
     }

@@ -3,7 +3,7 @@
 use super::bearing::Bearing;
 
 /// Largest groove curvature of inner and outer raceway for which the table of f_c is meant [-].
-pub const TABLE_CURVATURE: [f64; 2] = [0.52, 0.53];
+const TABLE_CURVATURE: [f64; 2] = [0.52, 0.53];
 
 /// f_c over γ, ISO 281:2007, table 2 (single-row radial and angular-contact ball bearings).
 const TABLE: [(f64, f64); 25] = [
@@ -61,7 +61,7 @@ pub fn table_applies(bearing: &Bearing) -> bool {
 }
 
 /// f_c from the table, linear between its lines [N, mm]; outside, the formula behind it.
-pub fn table_factor(gamma: f64) -> f64 {
+fn table_factor(gamma: f64) -> f64 {
     TABLE.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&gamma)).map_or_else(
         || full_factor(gamma, TABLE_CURVATURE[0], TABLE_CURVATURE[0]),
         |pair| {
@@ -78,7 +78,7 @@ pub fn table_factor(gamma: f64) -> f64 {
 /// · γ^0.3 (1−γ)^1.39 (1+γ)^(−1/3) (2f_i/(2f_i−1))^0.41.
 /// Differs from the source: Harris has 39.9 before a reduction factor for the accuracy of the raceways; with
 /// f = 0.52 the whole table of ISO 281 is 38.2 times the rest to 0.2 %, which is 0.95 · 0.41 · 98.0665.
-pub fn full_factor(gamma: f64, inner_curvature: f64, outer_curvature: f64) -> f64 {
+fn full_factor(gamma: f64, inner_curvature: f64, outer_curvature: f64) -> f64 {
     let (fi, fe) = (inner_curvature, outer_curvature);
     let conformity = ((fi / fe) * (2.0 * fe - 1.0) / (2.0 * fi - 1.0)).powf(0.41);
     let rings = 1.04 * ((1.0 - gamma) / (1.0 + gamma)).powf(1.72) * conformity;

@@ -34,7 +34,7 @@ pub struct Spindle {
 
 impl Spindle {
     /// Notes what no spindle has.
-    pub fn check(&self, faults: &mut Faults) {
+    pub(crate) fn check(&self, faults: &mut Faults) {
         faults.check("spindle.mass", self.mass);
         match self.unbalance {
             Unbalance::None => true,

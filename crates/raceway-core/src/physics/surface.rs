@@ -37,7 +37,7 @@ impl SurfaceProfile {
 
     /// Heights and slopes at the azimuths of several balls.
     #[inline(always)]
-    pub fn heights_and_slopes<const N: usize>(&self, azimuth: &Lanes<N>) -> (Lanes<N>, Lanes<N>) {
+    pub(crate) fn heights_and_slopes<const N: usize>(&self, azimuth: &Lanes<N>) -> (Lanes<N>, Lanes<N>) {
         let mut of = <(Lanes<N>, Lanes<N>)>::default();
         if !matches!(self, Self::None) {
             for lane in 0..N {
@@ -48,7 +48,8 @@ impl SurfaceProfile {
     }
 
     /// True where the profile changes nothing, so that a model may leave it out.
-    pub fn is_ideal(&self) -> bool {
+    #[cfg(test)]
+    fn is_ideal(&self) -> bool {
         match *self {
             Self::None => true,
             Self::Constant(height) => height == 0.0,

@@ -56,7 +56,7 @@ impl Optimum {
 }
 
 /// Points of the scan along the axis, or along each of both.
-pub const SCANNED: [usize; 2] = [17, 9];
+const SCANNED: [usize; 2] = [17, 9];
 /// Valleys that are followed down.
 const VALLEYS: [usize; 2] = [3, 2];
 /// Steps of the search in a valley, and the least that Brent's method makes, as a share of the range.
@@ -80,7 +80,7 @@ pub fn most_runs(axes: usize) -> usize {
 }
 
 /// What gives the value at a point, `None` where it fails; its own error ends the search.
-pub type Run<'a, E> = dyn FnMut(&[f64]) -> Result<Option<Uncertain>, E> + 'a;
+pub(crate) type Run<'a, E> = dyn FnMut(&[f64]) -> Result<Option<Uncertain>, E> + 'a;
 
 /// Searches one or two axes.
 pub fn optimum<E>(axes: usize, goal: Goal, run: &mut Run<'_, E>) -> Result<Optimum, E> {

@@ -55,7 +55,7 @@ pub struct Trend {
 }
 
 /// A trend counts as resolved where no point is wrong by more than this share of its span.
-pub const RESOLVED: f64 = 0.1;
+const RESOLVED: f64 = 0.1;
 
 impl Trend {
     /// Whether the change is well beyond the errors of the points; `None` where these are unknown.

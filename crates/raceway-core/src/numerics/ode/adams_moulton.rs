@@ -15,10 +15,10 @@ use super::adams::{Weights, ahead, weights};
 const MOST_NODES: usize = 8;
 
 /// Places and velocities.
-pub type Motion<const N: usize> = ([f64; N], [f64; N]);
+pub(crate) type Motion<const N: usize> = ([f64; N], [f64; N]);
 
 /// A symmetric matrix: yy, yz, zz.
-pub type Symmetric = [f64; 3];
+pub(crate) type Symmetric = [f64; 3];
 
 /// What the end of a step depends on of the acceleration there: share of the acceleration in the place and in the velocity.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Shares {
 /// Equations about a motion whose acceleration is taken to be a: f − M a, and the slope of M a − f over a where places and
 /// velocities go along by their shares, M + (share of the place) ∂f/∂q + (share of the velocity) ∂f/∂q̇ with their signs turned.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Defect {
+pub(crate) struct Defect {
     pub force: [f64; 2],
     pub slope: Symmetric,
 }
@@ -38,7 +38,7 @@ pub struct Defect {
 impl Defect {
     /// Of two parts of the equations together.
     #[inline(always)]
-    pub fn and(&self, other: &Self) -> Self {
+    pub(crate) fn and(&self, other: &Self) -> Self {
         let ([a, b], [c, d, e]) = (other.force, other.slope);
         Self {
             force: [self.force[0] + a, self.force[1] + b],
@@ -48,7 +48,7 @@ impl Defect {
 }
 
 /// M q̈ = f(t, q, q̇). The slope may be rough: it only puts right what was predicted.
-pub trait EquationsOfMotion {
+pub(crate) trait EquationsOfMotion {
     /// What acts at a time wherever the motion is then.
     type Drive;
 
@@ -65,7 +65,7 @@ pub trait EquationsOfMotion {
 
 /// Change of the acceleration that takes the defect away.
 #[inline(always)]
-pub fn solve(Defect { force: [y, z], slope: [yy, yz, zz] }: &Defect) -> [f64; 2] {
+pub(crate) fn solve(Defect { force: [y, z], slope: [yy, yz, zz] }: &Defect) -> [f64; 2] {
     let per_determinant = 1.0 / (yy * zz - yz * yz);
     [(zz * y - yz * z) * per_determinant, (yy * z - yz * y) * per_determinant]
 }
@@ -100,7 +100,7 @@ impl Past {
 
 /// A system on its way, by the formula of `N` nodes: the new one and the last N − 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AdamsMoulton<const N: usize> {
+pub(crate) struct AdamsMoulton<const N: usize> {
     start: f64,
     step: f64,
     steps: u64,
@@ -116,7 +116,7 @@ pub struct AdamsMoulton<const N: usize> {
 
 impl<const N: usize> AdamsMoulton<N> {
     /// At the start of its way.
-    pub fn new(equations: &impl EquationsOfMotion, time: f64, motion: Motion<2>, step: f64) -> Self {
+    pub(crate) fn new(equations: &impl EquationsOfMotion, time: f64, motion: Motion<2>, step: f64) -> Self {
         let (predict, correct) = (weights::<N>(0.0, N), weights::<N>(1.0, N));
         let acceleration = equations.acceleration(&equations.drive(time), &motion);
         let mut past = Past::default();
@@ -138,39 +138,39 @@ impl<const N: usize> AdamsMoulton<N> {
         }
     }
 
-    pub fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         self.after(0)
     }
 
     /// Time after some more steps.
     #[inline(always)]
-    pub fn after(&self, steps: usize) -> f64 {
+    pub(crate) fn after(&self, steps: usize) -> f64 {
         self.start + (self.steps + steps as u64) as f64 * self.step
     }
 
-    pub fn motion(&self) -> &Motion<2> {
+    pub(crate) fn motion(&self) -> &Motion<2> {
         &self.motion
     }
 
-    pub fn acceleration(&self) -> &[f64; 2] {
+    pub(crate) fn acceleration(&self) -> &[f64; 2] {
         &self.acceleration
     }
 
     /// Evaluations of the equations so far.
-    pub fn evaluations(&self) -> u64 {
+    pub(crate) fn evaluations(&self) -> u64 {
         // One at the start, and three more in each step by Runge–Kutta.
         self.steps + 1 + 3 * self.steps.min(N as u64 - 1)
     }
 
     /// Whether enough is known for `step`.
     #[inline(always)]
-    pub fn has_begun(&self) -> bool {
+    pub(crate) fn has_begun(&self) -> bool {
         self.known == N
     }
 
     /// One step, what drives the motion at its end given.
     #[inline(always)]
-    pub fn step<E: EquationsOfMotion>(&mut self, equations: &E, drive: &E::Drive) {
+    pub(crate) fn step<E: EquationsOfMotion>(&mut self, equations: &E, drive: &E::Drive) {
         let (h, shares, (q, v)) = (self.step, self.shares, self.motion);
         let q = self.past.sum([q[0] + h * v[0], q[1] + h * v[1]], &self.predict.place);
         let v = self.past.sum(v, &self.predict.velocity);
@@ -186,7 +186,7 @@ impl<const N: usize> AdamsMoulton<N> {
     }
 
     /// One step by Runge–Kutta, for want of a past.
-    pub fn begin(&mut self, equations: &impl EquationsOfMotion) {
+    pub(crate) fn begin(&mut self, equations: &impl EquationsOfMotion) {
         let acceleration = |time: f64, motion: &Motion<2>| equations.acceleration(&equations.drive(time), motion);
         self.motion = runge_kutta(self.time(), &self.motion, &self.acceleration, self.step, acceleration);
         self.steps += 1;
@@ -198,7 +198,7 @@ impl<const N: usize> AdamsMoulton<N> {
 
 /// One step on by the classical Runge–Kutta method, given the acceleration at its start; evaluates three more.
 #[inline(always)]
-pub fn runge_kutta<const N: usize>(
+pub(crate) fn runge_kutta<const N: usize>(
     time: f64,
     motion: &Motion<N>,
     acceleration: &[f64; N],

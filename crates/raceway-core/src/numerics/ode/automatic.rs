@@ -44,7 +44,7 @@ enum Active<'a, S: OdeSystem + ?Sized> {
 }
 
 /// Either method, and what is known of both.
-pub struct Automatic<'a, S: OdeSystem + ?Sized> {
+pub(crate) struct Automatic<'a, S: OdeSystem + ?Sized> {
     system: &'a S,
     tolerances: Tolerances,
     active: Active<'a, S>,
@@ -67,7 +67,7 @@ pub struct Automatic<'a, S: OdeSystem + ?Sized> {
 
 impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
     /// Starts at `(time, state)` with the explicit method.
-    pub fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
+    pub(crate) fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
         let explicit = DormandPrince::new(system, time, state, tolerances.clone(), None);
         Self {
             system,

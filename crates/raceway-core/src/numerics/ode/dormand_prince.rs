@@ -127,7 +127,7 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
     }
 
     /// Fastest rate |λ| that the last step has seen: its last two stages sit at the same time.
-    pub fn fastest_rate(&self) -> f64 {
+    pub(crate) fn fastest_rate(&self) -> f64 {
         let step = self.time - self.previous_time;
         let (mut slopes, mut states) = (0.0, 0.0);
         for i in 0..self.state.len() {

@@ -13,7 +13,6 @@ mod order;
 #[cfg(test)]
 mod tests;
 
-pub use self::coefficients::MOST_ORDER;
 use self::coefficients::{Coefficients, DIFFERENCES};
 use self::corrector::{Corrector, Failure, norm};
 use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
@@ -27,7 +26,7 @@ use crate::numerics::lanes::{InstructionSet, Task};
 const SHARE: f64 = 0.25;
 
 /// The method with its workspace; allocates only on construction.
-pub struct Gear<'a, S: OdeSystem + ?Sized> {
+pub(crate) struct Gear<'a, S: OdeSystem + ?Sized> {
     system: &'a S,
     tolerances: Tolerances,
     instructions: InstructionSet,
@@ -59,7 +58,7 @@ pub struct Gear<'a, S: OdeSystem + ?Sized> {
 
 impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     /// Starts at `(time, state)` with order 1.
-    pub fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
+    pub(crate) fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
         let n = system.dimension();
         let vector = || vec![0.0; n];
         let structure = system.structure();
@@ -178,7 +177,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     }
 
     /// Fastest rate |λ| of the last Jacobian.
-    pub fn fastest_rate(&self) -> f64 {
+    pub(crate) fn fastest_rate(&self) -> f64 {
         self.corrector.jacobian.fastest_rate(&self.weights)
     }
 

@@ -8,17 +8,17 @@ pub mod structure;
 mod system;
 mod tolerances;
 
-pub mod phi;
-pub mod step_size;
+pub(crate) mod phi;
+pub(crate) mod step_size;
 
-pub mod adams;
-pub mod adams_moulton;
+pub(crate) mod adams;
+pub(crate) mod adams_moulton;
 pub mod arrowhead;
-pub mod automatic;
+pub(crate) mod automatic;
 pub mod dormand_prince;
 pub mod fine_abm;
-pub mod gear;
-pub mod radau;
+pub(crate) mod gear;
+pub(crate) mod radau;
 mod start;
 #[cfg(test)]
 mod test_problems;

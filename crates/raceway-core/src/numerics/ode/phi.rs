@@ -5,7 +5,7 @@
 //! added to I at the small argument it would lose as many digits as I is larger.
 
 /// φ₁, φ₂, φ₃, φ₄ of one matrix, each laid out as that matrix.
-pub type Phi = [Vec<f64>; 4];
+pub(crate) type Phi = [Vec<f64>; 4];
 
 /// Largest 1-norm at which the series is used: 13 terms of φ₄ then leave 4!/17! · 2⁻¹³ ≈ 1e-17.
 const LARGEST_NORM: f64 = 0.5;
@@ -16,7 +16,7 @@ const MOST_DOUBLINGS: i32 = 60;
 const INVERSE_FACTORIAL: [f64; 5] = [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0];
 
 /// φ₁…φ₄ of an n × n matrix, row by row or column by column; entries that are not finite give NaN.
-pub fn phi(matrix: &[f64], n: usize) -> Phi {
+pub(crate) fn phi(matrix: &[f64], n: usize) -> Phi {
     let scales = balance(matrix, n);
     let scaled = |row: usize, column: usize| matrix[row * n + column] * scales[column] / scales[row];
     let mut balanced: Vec<f64> = (0..n * n).map(|i| scaled(i / n, i % n)).collect();
@@ -36,7 +36,7 @@ pub fn phi(matrix: &[f64], n: usize) -> Phi {
 
 /// From φ₁…φ₄ of a matrix those of 2ᴺ times the matrix:
 /// φₖ(2Z) = 2⁻ᵏ (φₖ + (e^Z − I) φₖ + Σⱼ φⱼ/(k−j)!), e^{2Z} − I = 2 (e^Z − I) + (e^Z − I)².
-pub fn double(functions: &mut Phi, matrix: &[f64], n: usize, doublings: i32) {
+pub(crate) fn double(functions: &mut Phi, matrix: &[f64], n: usize, doublings: i32) {
     let mut product = vec![0.0; n * n];
     let mut increment = vec![0.0; n * n];
     multiply(matrix, &functions[0], n, &mut increment);

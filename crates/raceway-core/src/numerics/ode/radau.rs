@@ -69,7 +69,7 @@ struct Accepted {
 }
 
 /// The method with its workspace; allocates only on construction and for a first step.
-pub struct Radau<'a, S: OdeSystem + ?Sized> {
+pub(crate) struct Radau<'a, S: OdeSystem + ?Sized> {
     system: &'a S,
     /// Those of the embedded estimate.
     tolerances: Tolerances,
@@ -117,7 +117,7 @@ pub struct Radau<'a, S: OdeSystem + ?Sized> {
 
 impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
     /// Starts at `(time, state)`.
-    pub fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
+    pub(crate) fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
         let structure = system.structure();
         let vector = || vec![0.0; state.len()];
         let vectors = || std::array::from_fn(|_| vector());

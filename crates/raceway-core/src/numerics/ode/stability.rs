@@ -2,9 +2,9 @@
 //! and be wrong all the same.
 
 /// Longest step of Dormand–Prince times the rate of a mode that decays.
-pub const DORMAND_PRINCE: f64 = 3.3;
+pub(crate) const DORMAND_PRINCE: f64 = 3.3;
 /// Longest step of the predictor and corrector of `fine_abm` times the rate of what it does not integrate exactly.
-pub const FINE_ABM: f64 = 1.28;
+pub(crate) const FINE_ABM: f64 = 1.28;
 
 /// Steps between two looks.
 pub const STEPS_PER_LOOK: u64 = 128;

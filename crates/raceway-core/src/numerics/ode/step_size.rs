@@ -5,7 +5,7 @@ use super::tolerances::Tolerances;
 
 /// Weighted root mean square of `error`: at most 1 when each component errs within its tolerance.
 /// NaN where an entry is NaN.
-pub fn error_norm(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> f64 {
+pub(crate) fn error_norm(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> f64 {
     let sum: f64 = (0..error.len())
         .map(|i| {
             let size = before[i].abs().max(after[i].abs());
@@ -21,7 +21,7 @@ pub fn error_norm(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tol
 /// The idea is that of Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.4, without its
 /// constants that have a unit: with slope `d₁` and change of slope `d₂`, `τ = d₁/d₂` is the time in which the motion
 /// changes, `d₁/τᵖ` stands for derivative p + 1, and the step makes `h^{p+1} d₁/τᵖ = 0.01`.
-pub fn initial_step(
+pub(crate) fn initial_step(
     system: &(impl OdeSystem + ?Sized),
     time: f64,
     state: &[f64],
@@ -54,19 +54,19 @@ pub fn initial_step(
 }
 
 /// The component that errs most against its tolerance, for error messages.
-pub fn worst_component(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> usize {
+pub(crate) fn worst_component(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> usize {
     largest(error.len(), |i| (error[i] / tolerances.allowed(i, before[i].abs().max(after[i].abs()))).abs())
 }
 
 /// Which of `count` sizes is the largest; NaN is larger than all.
-pub fn largest(count: usize, size: impl Fn(usize) -> f64) -> usize {
+pub(crate) fn largest(count: usize, size: impl Fn(usize) -> f64) -> usize {
     let size = |i: usize| Some(size(i)).filter(|size| !size.is_nan()).unwrap_or(f64::INFINITY);
     (0..count).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
 }
 
 /// A step to try.
 #[derive(Debug, Clone, Copy)]
-pub struct Try {
+pub(crate) struct Try {
     pub step: f64,
     pub end: f64,
     /// The limit chose its size, so that it says little about the next one.
@@ -75,14 +75,14 @@ pub struct Try {
 
 impl Try {
     /// `step` from `time`, to `limit` at the latest. A last step that would leave a sliver is stretched to the limit.
-    pub fn new(time: f64, step: f64, limit: f64) -> Self {
+    pub(crate) fn new(time: f64, step: f64, limit: f64) -> Self {
         let remaining = limit - time;
         let cut = step * 1.000_001 >= remaining;
         if cut { Self { step: remaining, end: limit, cut } } else { Self { step, end: time + step, cut } }
     }
 
     /// The step that follows: `next` as the error of this one has it, where `asked` was to be tried.
-    pub fn followed_by(&self, next: f64, asked: f64) -> f64 {
+    pub(crate) fn followed_by(&self, next: f64, asked: f64) -> f64 {
         if self.cut { next.max(asked) } else { next }
     }
 }
@@ -91,12 +91,12 @@ impl Try {
 const MOST_REJECTIONS: u32 = 60;
 
 /// No shorter step is worth a try, either: there were too many, or the next is nothing but rounding of the time.
-pub fn is_impossible(rejections: u32, time: f64, next: f64) -> bool {
+pub(crate) fn is_impossible(rejections: u32, time: f64, next: f64) -> bool {
     rejections >= MOST_REJECTIONS || next <= 4.0 * f64::EPSILON * time.abs()
 }
 
 /// Whether rates that are not finite will stay so, however short the step.
-pub fn stays_broken(rejections: u32) -> bool {
+pub(crate) fn stays_broken(rejections: u32) -> bool {
     rejections >= MOST_REJECTIONS / 2
 }
 
@@ -104,7 +104,7 @@ pub fn stays_broken(rejections: u32) -> bool {
 /// *Solving Ordinary Differential Equations I*, §IV.2 (DOPRI5). The integral part keeps the step
 /// from oscillating where stability, not accuracy, limits it.
 #[derive(Debug, Clone)]
-pub struct StepSizeControl {
+pub(crate) struct StepSizeControl {
     /// 1 / (order of the error estimate + 1)
     exponent: f64,
     previous_error: f64,
@@ -118,12 +118,12 @@ const LARGEST_FACTOR: f64 = 10.0;
 
 impl StepSizeControl {
     /// `order`: order of the error estimate.
-    pub fn new(order: u32) -> Self {
+    pub(crate) fn new(order: u32) -> Self {
         Self { exponent: 1.0 / f64::from(order + 1), previous_error: 1e-4, just_rejected: false }
     }
 
     /// Factor on the step after an error norm ≤ 1. A step that follows a rejection does not grow.
-    pub fn accepted(&mut self, error: f64) -> f64 {
+    pub(crate) fn accepted(&mut self, error: f64) -> f64 {
         let error = error.max(1e-10);
         let factor = SAFETY * error.powf(0.75 * INTEGRAL - self.exponent) * self.previous_error.powf(INTEGRAL);
         self.previous_error = error.max(1e-4);
@@ -132,7 +132,7 @@ impl StepSizeControl {
     }
 
     /// Factor on the step after an error norm above 1 (NaN included).
-    pub fn rejected(&mut self, error: f64) -> f64 {
+    pub(crate) fn rejected(&mut self, error: f64) -> f64 {
         self.just_rejected = true;
         let factor = SAFETY * error.powf(-self.exponent);
         if factor.is_finite() { factor.clamp(0.1, 0.9) } else { 0.1 }

@@ -62,12 +62,12 @@ impl Part {
 
     /// Row by row, of the blocks from `group · LANES` on; zeros beyond the last one.
     #[inline(always)]
-    pub fn group(&self, group: usize) -> &[Lanes] {
+    pub(crate) fn group(&self, group: usize) -> &[Lanes] {
         &self.groups[self.places(group)]
     }
 
     #[inline(always)]
-    pub fn group_mut(&mut self, group: usize) -> &mut [Lanes] {
+    pub(crate) fn group_mut(&mut self, group: usize) -> &mut [Lanes] {
         let places = self.places(group);
         &mut self.groups[places]
     }
@@ -78,7 +78,7 @@ impl Part {
     }
 
     /// The entry of a block in a row and a column.
-    pub fn entry_mut(&mut self, block: usize, row: usize, column: usize) -> &mut f64 {
+    pub(crate) fn entry_mut(&mut self, block: usize, row: usize, column: usize) -> &mut f64 {
         let columns = self.columns;
         &mut self.group_mut(block / LANES)[row * columns + column][block % LANES]
     }
@@ -154,7 +154,7 @@ impl Jacobian {
 
     /// Magnitude of the fastest eigenvalue, by power iteration in weighted entries; the growth is averaged, because a
     /// pair of complex modes makes it beat.
-    pub fn fastest_rate(&self, weights: &[f64]) -> f64 {
+    pub(crate) fn fastest_rate(&self, weights: &[f64]) -> f64 {
         const ITERATIONS: u32 = 24;
         const AVERAGED: u32 = 12;
         let n = self.structure.dimension();
@@ -195,7 +195,7 @@ fn accumulate(matrix: &[f64], vector: &[f64], sum: &mut [f64]) {
 
 /// Displacements for difference quotients: half the digits of an entry, but enough that a step's change of the
 /// state by `step · rate` is resolved (A. C. Hindmarsh et al., CVODE).
-pub fn displacements(state: &[f64], rate: &[f64], tolerances: &Tolerances, step: f64, displacement: &mut [f64]) {
+pub(crate) fn displacements(state: &[f64], rate: &[f64], tolerances: &Tolerances, step: f64, displacement: &mut [f64]) {
     let n = state.len() as f64;
     let weight = |i: usize| tolerances.allowed(i, state[i]);
     let norm = (0..state.len()).map(|i| (rate[i] / weight(i)).powi(2)).sum::<f64>() / n.max(1.0);

@@ -7,7 +7,7 @@ use super::system::OdeSystem;
 use super::tolerances::Tolerances;
 
 /// Two bodies: a nonlinear problem with an exact period.
-pub struct Kepler;
+pub(crate) struct Kepler;
 impl OdeSystem for Kepler {
     fn dimension(&self) -> usize {
         4

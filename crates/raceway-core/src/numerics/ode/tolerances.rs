@@ -15,7 +15,7 @@ impl Tolerances {
 
     /// What each component of a state may err by in a step.
     #[inline(always)]
-    pub fn all_allowed<'a>(&'a self, state: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    pub(crate) fn all_allowed<'a>(&'a self, state: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let each = self.absolute.iter().zip(&self.relative).zip(state);
         each.map(|((absolute, relative), size)| absolute + relative * size.abs())
     }

@@ -23,7 +23,7 @@ pub enum TractionLaw {
 
 impl TractionLaw {
     /// Notes coefficients that no contact has.
-    pub fn check(&self, faults: &mut Faults) {
+    pub(crate) fn check(&self, faults: &mut Faults) {
         match *self {
             Self::FourParameter { at_rest, maximum, at_slip, limit } => {
                 let coefficients = [
@@ -60,7 +60,7 @@ impl TractionLaw {
 
 /// Constants of μ(u) = (A + B u) e^(−C u) + D [-, s/m, s/m, -].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FourParameters {
+pub(crate) struct FourParameters {
     pub a: f64,
     pub b: f64,
     pub c: f64,
@@ -73,7 +73,7 @@ pub struct FourParameters {
 /// With x = C u_m both conditions become A = (μ_max − μ_∞) e^x (1 − x). A law whose maximum is its limit
 /// reaches that only at infinity: it comes within a thousandth of A at u_m instead. A law whose maximum
 /// is its value at rest falls from there as e^(−u/u_m).
-pub fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f64) -> FourParameters {
+pub(crate) fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f64) -> FourParameters {
     let (a, d) = (at_rest - limit, limit);
     let rise = (maximum - limit).max(1e-3 * a.abs());
     if a > 0.0 && rise <= a * (1.0 + 1e-9) {
@@ -91,7 +91,7 @@ pub fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f64) -> 
 
 /// What a traction law may depend on besides slip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct TractionContext<T = f64> {
+pub(crate) struct TractionContext<T = f64> {
     /// Mean rolling speed ū, a magnitude [m/s].
     pub rolling_speed: T,
     /// Mean pressure where the slip acts [Pa].
@@ -106,7 +106,7 @@ side_by_side!(TractionContext { rolling_speed, pressure, film_thickness });
 /// The force on a surface is `load · traction_over_speed(u², …) · slip vector`: no division, no branch on
 /// rest and no jump there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Traction {
+pub(crate) enum Traction {
     /// (A + B u) e^(−C u) + D with A + D = 0.
     RisingFromZero(FourParameters),
     /// (A + B u) e^(−C u) + D with μ at rest.
@@ -123,7 +123,7 @@ pub enum Traction {
 
 /// Constants of the law of Eyring.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Eyring {
+pub(crate) struct Eyring {
     /// [Pa]
     stress: f64,
     /// Largest τ/p [-].
@@ -145,19 +145,19 @@ pub struct Coulomb {
 }
 
 /// Slip speed u_r over which a law that does not vanish at rest turns its direction [m/s].
-pub const DIRECTION_SPEED: f64 = 1e-3;
+const DIRECTION_SPEED: f64 = 1e-3;
 /// Smallest rolling speed to which slip is related by the slide/roll law [m/s].
-pub const LEAST_ROLLING_SPEED: f64 = 0.1;
+const LEAST_ROLLING_SPEED: f64 = 0.1;
 /// Viscosity at which a liquid counts as a glass, the usual definition of the glass transition [Pa s].
-pub const GLASS_VISCOSITY: f64 = 1e12;
+const GLASS_VISCOSITY: f64 = 1e12;
 /// A film thinner than a molecule is none [m].
 const LEAST_FILM: f64 = 1e-9;
 /// Stands in for a slip of 0, or its square, where a quotient with a limit is formed.
-pub const TINY: f64 = 1e-150;
+pub(crate) const TINY: f64 = 1e-150;
 
 impl Traction {
     /// Prepares a law for a lubricant of viscosity η₀ [Pa s] and pressure–viscosity coefficient α_p [1/Pa].
-    pub fn new(law: &TractionLaw, viscosity: f64, pressure_viscosity: f64) -> Self {
+    pub(crate) fn new(law: &TractionLaw, viscosity: f64, pressure_viscosity: f64) -> Self {
         match *law {
             TractionLaw::FourParameter { at_rest, maximum, at_slip, limit } => {
                 let parameters = four_parameters(at_rest, maximum, at_slip, limit);
@@ -181,7 +181,7 @@ impl Traction {
     }
 
     /// True where `coefficient` reads rolling speed, pressure or film thickness.
-    pub fn needs_context(&self) -> bool {
+    pub(crate) fn needs_context(&self) -> bool {
         match self {
             Self::RisingFromZero(_) | Self::StickingAtRest(_) | Self::Coulomb(_) => false,
             Self::SlideRollFromZero(_) | Self::SlideRollAtRest(_) | Self::Eyring(_) => true,
@@ -189,8 +189,8 @@ impl Traction {
     }
 
     /// μ(|u|)/|u| [s/m] from the square of the slip speed [m²/s²]; finite at rest.
-    #[inline(always)]
-    pub fn traction_over_speed(&self, slip_squared: f64, context: &TractionContext) -> f64 {
+    #[cfg(test)]
+    fn traction_over_speed(&self, slip_squared: f64, context: &TractionContext) -> f64 {
         match self {
             Self::RisingFromZero(law) => rising(law, [slip_squared + TINY])[0],
             Self::StickingAtRest(law) => sticking(law, slip_squared.sqrt(), slip_squared),
@@ -202,8 +202,8 @@ impl Traction {
     }
 
     /// Traction coefficient μ(u) with the sign of the slip speed [-].
-    #[inline]
-    pub fn coefficient(&self, slip_speed: f64, context: &TractionContext) -> f64 {
+    #[cfg(test)]
+    fn coefficient(&self, slip_speed: f64, context: &TractionContext) -> f64 {
         self.traction_over_speed(slip_speed * slip_speed, context) * slip_speed
     }
 }
@@ -211,7 +211,7 @@ impl Traction {
 /// μ/s of the four-parameter law with A = −D, from s² > 0, at several places: D (1 − e^(−C s))/s + B e^(−C s), which keeps its
 /// digits down to s = 0.
 #[inline(always)]
-pub fn rising<const S: usize>(law: &FourParameters, squares: [f64; S]) -> [f64; S] {
+pub(crate) fn rising<const S: usize>(law: &FourParameters, squares: [f64; S]) -> [f64; S] {
     let s: [f64; S] = from_fn(|k| squares[k].sqrt());
     let per_s: [f64; S] = from_fn(|k| 1.0 / s[k]);
     let binary = law.c * std::f64::consts::LOG2_E;
@@ -222,28 +222,28 @@ pub fn rising<const S: usize>(law: &FourParameters, squares: [f64; S]) -> [f64; 
 
 /// μ/√(u² + u_r²) of the four-parameter law that does not vanish at rest, s its argument.
 #[inline(always)]
-pub fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
+pub(crate) fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
     let mu = (law.a + law.b * s) * exponential(-law.c * s) + law.d;
     mu / (slip_squared + DIRECTION_SPEED * DIRECTION_SPEED).sqrt()
 }
 
 /// μ/|u| of `rising` over the slide/roll ratio.
 #[inline(always)]
-pub fn rolling(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
+pub(crate) fn rolling(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
     let per_rolling = 1.0 / larger(context.rolling_speed, LEAST_ROLLING_SPEED);
     per_rolling * rising(law, [per_rolling * per_rolling * slip_squared + TINY])[0]
 }
 
 /// μ/|u| of `sticking` over the slide/roll ratio.
 #[inline(always)]
-pub fn rolling_at_rest(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
+pub(crate) fn rolling_at_rest(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
     let per_rolling = 1.0 / larger(context.rolling_speed, LEAST_ROLLING_SPEED);
     sticking(law, per_rolling * slip_squared.sqrt(), slip_squared)
 }
 
 /// μ/|u| of the law of Eyring. 1 GPa makes oil so stiff that τ would turn within 1e-10 m/s: no steeper than Λ/u_r.
 #[inline(always)]
-pub fn eyring(law: &Eyring, slip_squared: f64, context: &TractionContext) -> f64 {
+pub(crate) fn eyring(law: &Eyring, slip_squared: f64, context: &TractionContext) -> f64 {
     let slip = larger(slip_squared.sqrt(), TINY);
     let pressure = larger(context.pressure, 1.0);
     let viscosity = law.viscosity * exponential(smaller(law.pressure_viscosity * pressure, law.largest_exponent));
@@ -262,7 +262,7 @@ pub fn coulomb(law: &Coulomb, slip_squared: f64) -> f64 {
 
 /// A strip of the ellipse of contact, parallel to rolling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Strip {
+pub(crate) struct Strip {
     /// Where the strip's load acts, t = η/a in −1 … 1 [-].
     pub position: f64,
     /// Share of the normal load [-].
@@ -272,9 +272,9 @@ pub struct Strip {
 }
 
 /// Largest number of strips.
-pub const MAX_STRIPS: usize = 33;
+pub(crate) const MAX_STRIPS: usize = 33;
 /// Number of strips where nothing else is asked.
-pub const DEFAULT_STRIPS: usize = 9;
+pub(crate) const DEFAULT_STRIPS: usize = 9;
 
 /// Places t > 0 and weights of ∫ ¾ (1 − t²) g(t) dt over −1 … 1 (Gauss–Jacobi), for 2, 4 and 6 points; the places are the inner
 /// ones of Lobatto's rule with two points more (Abramowitz & Stegun, table 25.6), whose weights are here times ¾ (1 − t²).
@@ -300,7 +300,7 @@ pub struct Strips {
 
 impl Strips {
     /// `count` strips, at least 1 and at most `MAX_STRIPS`.
-    pub fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         let count = count.clamp(1, MAX_STRIPS);
         let mut strips = [Strip::default(); MAX_STRIPS];
         // Half of the strips from the middle outwards, mirrored, so that symmetry holds to the bit.
@@ -321,7 +321,7 @@ impl Strips {
 
     /// The Gauss rule of the load with `2 × pairs` points (one to three pairs): exact for polynomials of t up to degree
     /// 4 `pairs` − 1, where as many strips are for straight lines. A law that bends sharply wants strips.
-    pub fn gauss(pairs: usize) -> Self {
+    pub(crate) fn gauss(pairs: usize) -> Self {
         let nodes = GAUSS[pairs.clamp(1, GAUSS.len()) - 1];
         let count = 2 * nodes.len();
         let mut strips = [Strip::default(); MAX_STRIPS];
@@ -337,7 +337,7 @@ impl Strips {
 
     /// The strips from t = −1 to t = 1.
     #[inline]
-    pub fn as_slice(&self) -> &[Strip] {
+    pub(crate) fn as_slice(&self) -> &[Strip] {
         &self.strips[..self.count]
     }
 }
@@ -349,7 +349,7 @@ impl Default for Strips {
 }
 
 /// Share of the normal load at t' < t, ½ + ¾ (t − t³/3) [-].
-pub fn load_share_below(t: f64) -> f64 {
+fn load_share_below(t: f64) -> f64 {
     0.5 + 0.75 * (t - t * t * t / 3.0)
 }
 

@@ -1,7 +1,7 @@
 //! Coefficients of backward differentiation over steps of any sizes, with a fixed leading coefficient.
 
 /// Highest order with a useful sector of stability.
-pub const MOST_ORDER: usize = 5;
+pub(super) const MOST_ORDER: usize = 5;
 /// Differences kept: the state, as many as the order, and two to judge the next higher order.
 pub(super) const DIFFERENCES: usize = MOST_ORDER + 3;
 

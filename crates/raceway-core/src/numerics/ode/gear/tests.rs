@@ -1,3 +1,4 @@
+use super::coefficients::MOST_ORDER;
 use super::*;
 
 /// y' = −2 t y², y = 1/(1 + t²).
