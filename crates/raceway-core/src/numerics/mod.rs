@@ -2,6 +2,7 @@
 //! Imports none of the other rooms.
 
 pub(crate) mod angle;
+pub(crate) mod decimation;
 pub mod elliptic;
 pub(crate) mod exponential;
 pub(crate) mod interpolation;
@@ -11,5 +12,6 @@ pub mod parallel;
 pub(crate) mod periodic;
 pub mod roots;
 pub mod rounding;
+mod special;
 pub mod spectrum;
 pub mod statistics;

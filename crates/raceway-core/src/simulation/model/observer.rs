@@ -8,11 +8,11 @@
 
 mod snapshot;
 
+use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
 use crate::numerics::ode::Integrator;
 use crate::numerics::ode::Method;
 use crate::numerics::parallel::both;
-use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, length};
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};

@@ -1,9 +1,9 @@
 //! Looks at the motion, one a step: what of it is kept.
 
 use super::{Look, RadiallyCondensed, Seen, Stepper};
+use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
-use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::raceway::{RacewayContact, RelativeMotion};

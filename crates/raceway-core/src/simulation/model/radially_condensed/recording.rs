@@ -5,9 +5,9 @@
 
 use super::looks::{Looks, SIGNALS};
 use super::{RadiallyCondensed, Stepper};
+use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::ode::{IntegrationError, Statistics};
-use crate::numerics::spectrum::Decimator;
 use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::{Outputs, RunSettings};
