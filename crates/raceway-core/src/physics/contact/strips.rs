@@ -89,7 +89,7 @@ impl Default for Strips {
 }
 
 /// Share of the normal load at t' < t, ½ + ¾ (t − t³/3) [-].
-fn load_share_below(t: f64) -> f64 {
+pub(super) fn load_share_below(t: f64) -> f64 {
     0.5 + 0.75 * (t - t * t * t / 3.0)
 }
 

@@ -263,7 +263,7 @@ pub fn coulomb(law: &Coulomb, slip_squared: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::contact::strips::Strips;
+    use crate::physics::contact::strips::{Strips, load_share_below};
 
     const CONTEXT: TractionContext = TractionContext { rolling_speed: 14.0, pressure: 1.5e9, film_thickness: 0.5e-6 };
     const ARTICLE_LAW: TractionLaw =
