@@ -6,12 +6,12 @@ use super::special::{bessel_i0, sinc};
 
 /// Keeps every `factor`-th frame of several signals side by side, behind a low-pass filter.
 ///
-/// The filter is a symmetric FIR (Kaiser window): the delay is constant and no phase is bent. Its edges are tied to
-/// the output rate f: up to 0.1953 f the gain is 1 within 1e-4, and what would fold into that band, from
-/// 0.8047 f, is down by more than 80 dB. From 409.6 kHz to 102.4 kHz, by a factor of 4, that is flat to 20 kHz and
-/// −80 dB from 82.4 kHz; between 20 and 51.2 kHz the gain falls to ½.
+/// The filter is a symmetric FIR (Kaiser window): the delay is constant and no phase is bent. Its edges depend on the
+/// output rate f. Up to 0.1953 f the gain is 1 within 1e-4. From 0.8047 f, which would fold into that band, it is below
+/// −80 dB. Example from 409.6 kHz to 102.4 kHz, a factor of 4: flat to 20 kHz and −80 dB from 82.4 kHz; between 20 and
+/// 51.2 kHz the gain falls to ½.
 ///
-/// Time: only full filters are given out, so there is no transient, and the output frame `j` belongs to the input
+/// Time: the first output comes from a full filter, so there is no transient. The output frame `j` belongs to the input
 /// frame `delay() + j·factor`, counted from 0. Push `delay()` frames ahead of the first one wanted (or `prime`) and as
 /// many after the last.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ pub(crate) struct Decimator {
     taps: Vec<f64>,
     /// The last `taps.len()` frames, written twice so that they always lie in a row.
     history: Vec<f64>,
-    /// Where the next frame is written; the oldest one stands there.
+    /// Place of the next frame, which is that of the oldest one.
     next: usize,
     /// Frames to wait for until the next output.
     wait: usize,
@@ -49,13 +49,13 @@ impl Decimator {
         }
     }
 
-    /// Input frames from the middle of the filter to its end: what the first output lies behind.
+    /// Delay of the output: input frames from the middle of the filter to its end.
     pub(crate) fn delay(&self) -> usize {
         self.taps.len() / 2
     }
 
-    /// Takes `frame` as having stood still until now: the output frame `j` then belongs to the `j·factor`-th frame
-    /// pushed from here.
+    /// Treats `frame` as constant until now. The output frame `j` then belongs to the `j·factor`-th frame pushed from
+    /// here.
     pub(crate) fn prime(&mut self, frame: &[f64]) {
         self.wait = self.taps.len();
         for _ in 0..self.delay() {

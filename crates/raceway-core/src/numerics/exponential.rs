@@ -79,7 +79,7 @@ pub(crate) fn binary_saturations<const S: usize>(x: [f64; S]) -> ([f64; S], [f64
     (from_fn(|k| change[k] + (1.0 - power[k])), from_fn(|k| power[k] - change[k]))
 }
 
-/// The same of one x in single precision.
+/// Saturation at one x in single precision.
 #[inline(always)]
 pub(crate) fn binary_saturation_single(x: f32) -> (f32, f32) {
     // 2²³ + 2²²
@@ -149,7 +149,7 @@ pub(crate) fn logarithm(x: f64) -> f64 {
 #[inline(always)]
 pub(crate) fn logarithm_of_one_plus(x: f64) -> f64 {
     let sum = 1.0 + x;
-    // What rounding took from the sum, to first order.
+    // Rounding error of the sum, to first order.
     logarithm(sum) + (x - (sum - 1.0)) / sum
 }
 

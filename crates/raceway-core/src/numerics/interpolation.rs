@@ -12,7 +12,7 @@ const POINTS: usize = 8;
 pub(crate) struct Interpolator<const N: usize> {
     steps: usize,
     values: usize,
-    /// Of values 0 … `values` − 1 parts of a sample beyond one.
+    /// Weights of the values at 0 … `values` − 1 parts of the sample interval after a sample.
     weights: Vec<[f64; POINTS]>,
     /// The last frames, from the first one that a value still needs.
     frames: Vec<[f64; N]>,
@@ -28,7 +28,7 @@ impl<const N: usize> Interpolator<N> {
 
     pub(crate) fn new(steps: usize, values: usize) -> Self {
         let weights = (0..values).map(|part| between(part as f64 / values as f64)).collect();
-        // As if it had begun a frame earlier, with a value that nobody sees.
+        // Starts as if a frame earlier, with a value that is not returned.
         Self { steps, values, weights, frames: Vec::new(), next: values, known: Vec::new() }
     }
 
@@ -84,12 +84,12 @@ fn between(x: f64) -> [f64; POINTS] {
     through(POINTS, x + (POINTS / 2 - 1) as f64)
 }
 
-/// A motion known at even times, one after the other, and what lies between them.
+/// A motion sampled at even times, with interpolation between the samples.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Course {
     /// Numbers of a sample.
     width: usize,
-    /// Of the first and of the last sample.
+    /// Time of the first and of the last sample.
     begin: f64,
     end: f64,
     samples: usize,
@@ -98,10 +98,10 @@ pub(crate) struct Course {
 }
 
 impl Course {
-    /// Samples that are kept for what lies between the last ones, and as many more at most.
+    /// Samples kept for interpolation; at most twice as many are stored.
     const KEPT: usize = 2 * POINTS;
 
-    /// Of samples with so many numbers.
+    /// Creates a course whose samples have `width` numbers.
     pub(crate) fn new(width: usize) -> Self {
         Self { width, ..Self::default() }
     }
@@ -117,7 +117,7 @@ impl Course {
         (self.samples > 0).then_some(self.end)
     }
 
-    /// The time up to which four samples follow a value; `None` before there are so many.
+    /// The time up to which four samples follow a value; `None` before four samples exist.
     pub(crate) fn known(&self) -> Option<f64> {
         let ahead = POINTS / 2 - 1;
         (self.samples > ahead).then(|| self.end - ahead as f64 * self.step())
@@ -141,8 +141,8 @@ impl Course {
         debug_assert!(self.kept.len().is_multiple_of(self.width));
     }
 
-    /// Writes what lies between the samples at a time: the first `smooth` numbers by the polynomial through the eight samples around, four
-    /// on either side where there are so many, the others straight.
+    /// Writes the interpolated numbers at a time. The first `smooth` numbers follow the polynomial through the eight
+    /// nearest samples, four on either side where available. The others are linear between two samples.
     ///
     /// # Panics
     /// When there is no sample, or numbers are missing.
@@ -251,7 +251,7 @@ mod tests {
         }
     }
 
-    /// What stood still before the first frame counts as its past.
+    /// The first frame also stands for the time before it.
     #[test]
     fn a_signal_without_a_past_begins_with_its_first_frame() {
         let (mut interpolator, mut found) = (Interpolator::new(2, 3), Vec::new());

@@ -56,8 +56,8 @@ pub(crate) fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
     Spectrum { resolution: rate / n as f64, amplitude, window: "hann", averages: 1 }
 }
 
-/// Bin `k` of `n` real values under the window ½ − ½ cos(2πi/n), from their bins without it: the window is three lines, so
-/// that a bin and its two neighbours say all, and no cosine is computed a value.
+/// Bin `k` of `n` real values under the window ½ − ½ cos(2πi/n), from their bins without it. The window has three
+/// spectral lines, so that a bin and its two neighbours give the result without a cosine per value.
 fn hann(bins: &[Complex64], n: usize, k: usize) -> Complex64 {
     // Bins beyond the ends are mirror images of those within.
     let bin = |k: isize| {
@@ -93,9 +93,9 @@ pub(crate) fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> 
 
 /// The signal without its mean and without anything above `highest` [Hz]; same length, same rate.
 ///
-/// A brick wall in the frequency domain, which takes what it is given as periodic: where the ends of the signal did not meet, it would
-/// overshoot there by a tenth of the step between them. So the straight line through the ends, which has nothing to be cut, goes
-/// round the wall.
+/// An ideal filter in the frequency domain treats the signal as periodic. Where its ends differ, the result would
+/// overshoot by a tenth of that difference. The straight line through the ends, which lies within the band, is
+/// therefore subtracted first and added again.
 pub(crate) fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
     let (n, [Some(first), Some(last)]) = (signal.len(), [signal.first(), signal.last()]) else { return Vec::new() };
     let rise = if n > 1 { (last - first) / (n - 1) as f64 } else { 0.0 };
@@ -118,9 +118,9 @@ pub(crate) fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> 
 
 /// Frequency [Hz] and amplitude of the tone whose strongest bin is `bin`, from that bin and its two neighbours.
 ///
-/// Exact for a lone tone under a Hann window: with δ the tone's distance from the bin in bins, the three entries are
-/// A·w(δ + 1), A·w(δ), A·w(δ − 1), w(x) = sin πx / (πx (1 − x²)), hence δ = 2 (a₊ − a₋)/(a₋ + 2a₀ + a₊). The first
-/// and last entries have no two neighbours and are returned as they stand, a bin outside the spectrum as amplitude 0.
+/// Exact for a single tone under a Hann window. With δ the tone's distance from the bin in bins, the entries are A·w(δ
+/// + 1), A·w(δ), A·w(δ − 1), w(x) = sin πx / (πx (1 − x²)). Hence δ = 2 (a₊ − a₋)/(a₋ + 2a₀ + a₊). The first and last
+/// entries have no two neighbours and are returned as they stand, a bin outside the spectrum as amplitude 0.
 pub(crate) fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
     let frequency = |bin: f64| bin * spectrum.resolution;
     let amplitude = &spectrum.amplitude;
@@ -132,12 +132,12 @@ pub(crate) fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
     if sum <= 0.0 {
         return (frequency(bin as f64), 0.0);
     }
-    // Half a bin is the furthest a tone can be from its strongest bin; noise may seem to say more.
+    // A tone is at most half a bin from its strongest bin; noise may give a larger offset.
     let offset = (2.0 * (after - before) / sum).clamp(-0.5, 0.5);
     (frequency(bin as f64 + offset), at / hann_main_lobe(offset))
 }
 
-/// What a bin reads of a tone of amplitude 1 that lies `offset` bins away, |offset| < 1.
+/// Reading of a bin for a tone of amplitude 1 that lies `offset` bins away, |offset| < 1.
 fn hann_main_lobe(offset: f64) -> f64 {
     sinc(offset) / (1.0 - offset * offset)
 }

@@ -36,12 +36,12 @@ pub(crate) struct BallAcceleration {
 }
 
 impl BallMotion {
-    /// Equations (1)–(6): m (ẍ, r̈ − r θ̇², r θ̈ + 2 ṙ θ̇) = F, I (ω̇_x, ω̇_r − ω_t θ̇, ω̇_t + ω_r θ̇) = M, because
-    /// the components of ω belong to a frame that turns with θ̇ about x.
+    /// Equations (1)–(6): m (ẍ, r̈ − r θ̇², r θ̈ + 2 ṙ θ̇) = F and I (ω̇_x, ω̇_r − ω_t θ̇, ω̇_t + ω_r θ̇) = M. The
+    /// components of ω belong to a frame that turns with θ̇ about x.
     #[inline(always)]
     pub(crate) fn acceleration(&self, force: Vector, moment: Vector, mass: f64, inertia: f64) -> BallAcceleration {
         let orbit = self.orbit_speed;
-        // The same for all balls, so divided once.
+        // Constants of all balls, divided once.
         let (per_mass, per_inertia) = (1.0 / mass, 1.0 / inertia);
         BallAcceleration {
             axial: force[0] * per_mass,

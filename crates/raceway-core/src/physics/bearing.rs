@@ -6,7 +6,7 @@ use super::limits::{Faults, InvalidParameter};
 use super::material::Material;
 use crate::numerics::lanes::SideBySide;
 
-/// Inner and outer, always as a pair, so that one formula serves both.
+/// Inner and outer as a pair, so that one formula holds for both.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PerRaceway<T> {
     pub inner: T,
@@ -43,7 +43,7 @@ pub enum BearingKind {
     AngularContact,
 }
 
-/// How tight the balls sit: one determines the other.
+/// Clearance or contact angle; one determines the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fit {
     /// Diametral radial clearance `P_d` [m]; negative is a radial preload.
@@ -52,7 +52,7 @@ pub enum Fit {
     ContactAngle(f64),
 }
 
-/// What a catalogue says of a bearing without its cage, unchecked.
+/// Parameters of a bearing without its cage, unchecked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BearingParameters {
     pub kind: BearingKind,
@@ -133,7 +133,7 @@ impl BearingParameters {
         );
     }
 
-    /// Clearance or contact angle; whether a clearance fits ball and grooves, only where these are good.
+    /// Checks clearance or contact angle; a clearance against ball and grooves only where these are valid.
     fn check_fit(&self, has_grooves: bool, faults: &mut Faults) {
         let clearance = match self.fit {
             Fit::ContactAngle(angle) => {

@@ -1,4 +1,4 @@
-//! The crown cage: a rigid body with a pocket a ball.
+//! The crown cage: a rigid body with one pocket per ball.
 
 use super::contact::damping::DampingLaw;
 use super::frames::{Tilt, Vector, scale};
@@ -72,12 +72,13 @@ pub struct CageParameters {
 }
 
 impl CageParameters {
-    /// Whether both its sides are alike, so that nothing of it acts along X while it stays in the plane of its balls.
+    /// Returns true where both sides are alike, so that the cage has no axial force while it stays in the plane of its
+    /// balls.
     pub(crate) fn is_symmetric(&self) -> bool {
         self.offset == 0.0 && self.seat == PocketSeat::Closed
     }
 
-    /// Notes what no cage has.
+    /// Records values outside the limits.
     pub(crate) fn check(&self, faults: &mut Faults) {
         self.material.check(
             [
@@ -157,7 +158,7 @@ impl CageParameters {
         }
     }
 
-    /// What force and moment add to the accelerations.
+    /// Accelerations due to a force and a moment.
     #[inline(always)]
     pub(crate) fn response(&self, force: Vector, moment: Vector) -> CageAcceleration {
         let (per_axial, per_transverse) = (1.0 / self.axial_inertia, 1.0 / self.transverse_inertia);

@@ -1,4 +1,4 @@
-//! Physical defaults: what a catalogue leaves open, from the dimensions of the bearing.
+//! Physical defaults of quantities that catalogues do not list, from the dimensions of the bearing.
 //!
 //! Lengths, masses and angles here have the units of catalogues, so that a default is a short decimal number; the methods named
 //! `parameters` convert to SI.
@@ -84,7 +84,7 @@ pub struct CrownCage {
     pub friction_speed_m_s: f64,
 }
 
-/// Everything that the dimensions of a bearing leave open, with its spindle and lubricant.
+/// Defaults of the quantities that the dimensions do not set, with spindle and lubricant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BearingDefaults {
     pub kind: BearingKind,
@@ -100,8 +100,9 @@ pub struct BearingDefaults {
 }
 
 impl BearingDefaults {
-    /// Defaults for these dimensions: groove curvatures 0.52 and 0.53, a clearance in the middle of group N (15° for angular
-    /// contact), balls and raceways of GCr15, a crown cage of PA46, a solid steel spindle of the bore, grease.
+    /// Defaults for these dimensions: groove curvatures 0.52 and 0.53, and a clearance in the middle of group N (15°
+    /// for angular contact). Balls and raceways are GCr15, the crown cage PA46, the spindle solid steel of the bore,
+    /// the lubricant grease.
     pub fn new(kind: BearingKind, dimensions: &Dimensions) -> Self {
         Self {
             kind,
@@ -144,8 +145,8 @@ impl BearingDefaults {
 impl CrownCage {
     /// The article's PA46 crown (0.13 g at D_m 13 mm and d 2.778 mm), scaled by ball and pitch diameter [mm].
     ///
-    /// The mass scales as D_m d², the volume of a ring as thick and as wide as the balls are; moments of inertia scale as mass
-    /// times D_m²; offset, clearance and seat scale as d.
+    /// The mass scales as D_m d², the volume of a ring as thick and as wide as the balls. Moments of inertia scale as
+    /// mass times D_m². Offset, clearance and seat scale as d.
     pub fn scaled(ball_diameter_mm: f64, pitch_diameter_mm: f64) -> Self {
         let ball = ball_diameter_mm / 2.778;
         let pitch = pitch_diameter_mm / 13.0;

@@ -70,7 +70,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Azimuth<T> {
 }
 
 impl Azimuth {
-    /// Of an angle [rad].
+    /// Azimuth of an angle [rad].
     #[inline(always)]
     pub fn new(angle: f64) -> Self {
         let (sine, cosine) = sin_cos(angle);

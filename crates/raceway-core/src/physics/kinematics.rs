@@ -22,8 +22,8 @@ pub fn ideal_orbit_ratio(bearing: &Bearing) -> f64 {
     0.5 * (1.0 - bearing.gamma())
 }
 
-/// Ratio of the spin of ideally rolling balls about their own axes, seen from the orbit frame, to the spindle speed, −(D_m/2d)(1 − γ²)
-/// [-], negative because a ball turns against the spindle. Without a contact angle that axis is X.
+/// Ratio of the ball spin in the orbit frame to the spindle speed for ideal rolling, −(D_m/2d)(1 − γ²) [-]. It is
+/// negative because a ball turns against the spindle. Without a contact angle that axis is X.
 pub(crate) fn ideal_spin_ratio(bearing: &Bearing) -> f64 {
     let p = &bearing.parameters;
     let gamma = bearing.gamma();

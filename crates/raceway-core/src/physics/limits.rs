@@ -1,4 +1,4 @@
-//! The values that each parameter may take, and all that is wrong with those that were given.
+//! Limits of each parameter, and the faults of given values.
 
 use std::f64::consts::PI;
 
@@ -10,8 +10,8 @@ const MAX_SPEED: f64 = 500_000.0 * PI / 30.0;
 /// The values that a parameter may take: `lowest ..= highest`, in SI. `exclusive`: the lowest itself is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Path in dots, as `InvalidParameter` has it. One that begins with a dot stands for all that end in it: the same quantity of
-    /// several materials or contacts.
+    /// Path in dots, as `InvalidParameter` has it. A path that begins with a dot matches every path that ends in it:
+    /// the same quantity of several materials or contacts.
     parameter: &'static str,
     pub lowest: f64,
     pub highest: f64,
@@ -26,8 +26,8 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
     Limits { parameter, lowest, highest, exclusive: true }
 }
 
-/// What no bearing has, or what this program cannot compute; what is nothing but positive has a lowest value far below all that is
-/// built, so that its reciprocal stays within reach. Some values must fit others, too; that is checked where they meet.
+/// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
+/// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
 const LIMITS: [Limits; 58] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
@@ -37,7 +37,7 @@ const LIMITS: [Limits; 58] = [
     within("bearing.ball_count", 2.0, MAX_BALLS),
     above("bearing.inner_groove_curvature", 0.5, 1.0),
     above("bearing.outer_groove_curvature", 0.5, 1.0),
-    // A fiftieth of the largest ball; all that the widest grooves leave it.
+    // From a fiftieth of the largest ball to the clearance of the widest grooves.
     within("bearing.radial_clearance", -0.01, 0.5),
     within("bearing.contact_angle", 0.0, PI / 3.0),
     within(".elastic_modulus", 1e6, 2e12),
@@ -90,7 +90,7 @@ const LIMITS: [Limits; 58] = [
     within("gravity", -1000.0, 1000.0),
 ];
 
-/// The limits of a parameter; `None`: nothing is called so.
+/// The limits of a parameter; `None` for an unknown name.
 pub fn limits_of(parameter: &str) -> Option<&'static Limits> {
     let is_it = |limits: &&Limits| match limits.parameter.starts_with('.') {
         true => parameter.ends_with(limits.parameter),
@@ -99,24 +99,25 @@ pub fn limits_of(parameter: &str) -> Option<&'static Limits> {
     LIMITS.iter().find(is_it)
 }
 
-/// A parameter that no bearing can have. `parameter` is its path in dots, in SI without unit
-/// suffix, such as `bearing.ball_diameter`; `contract` turns it into a JSON pointer and the user's unit.
+/// An invalid parameter. `parameter` is its path in dots, in SI without unit suffix, such as `bearing.ball_diameter`;
+/// `contract` turns it into a JSON pointer and the user's unit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum InvalidParameter {
     /// Outside `lowest ..= highest` (infinite: no limit; `exclusive`: the lowest itself is refused). SI.
     #[error("{parameter} = {value} must lie in {lowest} … {highest}")]
     OutOfRange { parameter: &'static str, value: f64, lowest: f64, highest: f64, exclusive: bool },
-    /// Each value is allowed by itself, but together they fit no bearing.
+    /// Each value is allowed by itself, but no bearing has all of them together.
     #[error("{parameter}: {reason}")]
     Inconsistent { parameter: &'static str, reason: String },
 }
 
-/// All that is wrong with the parameters of something that is to be built.
+/// Faults of the parameters of an object to be built.
 #[derive(Debug, Default)]
 pub(crate) struct Faults(Vec<InvalidParameter>);
 
 impl Faults {
-    /// Notes a value outside its limits, NaN included; says whether it is inside. A parameter without limits has no good value.
+    /// Records a value outside its limits, NaN included; returns true where it is inside. A parameter without limits
+    /// has no valid value.
     pub(crate) fn check(&mut self, parameter: &'static str, value: f64) -> bool {
         let (lowest, highest, exclusive) =
             limits_of(parameter).map_or((f64::NAN, f64::NAN, false), |l| (l.lowest, l.highest, l.exclusive));
@@ -127,22 +128,22 @@ impl Faults {
         is_inside
     }
 
-    /// Notes that values, each allowed by itself, fit nothing together.
+    /// Records values that are allowed individually but not together.
     pub(crate) fn inconsistent(&mut self, parameter: &'static str, reason: String) {
         self.0.push(InvalidParameter::Inconsistent { parameter, reason });
     }
 
-    /// Notes what is wrong with a part.
+    /// Records the faults of a part.
     pub(crate) fn part<T>(&mut self, part: Result<T, Vec<InvalidParameter>>) -> Option<T> {
         part.map_err(|mut faults| self.0.append(&mut faults)).ok()
     }
 
-    /// What is built where nothing is wrong.
+    /// The result of `build` where there are no faults.
     pub(crate) fn or<T>(self, build: impl FnOnce() -> T) -> Result<T, Vec<InvalidParameter>> {
         self.of(Some(()), |()| build())
     }
 
-    /// The same around a part that is there where nothing is wrong with it.
+    /// The result of `build` from a part that has no faults.
     pub(crate) fn of<P, T>(self, part: Option<P>, build: impl FnOnce(P) -> T) -> Result<T, Vec<InvalidParameter>> {
         match part {
             Some(part) if self.0.is_empty() => Ok(build(part)),

@@ -1,4 +1,4 @@
-//! What lies between the surfaces.
+//! The lubricant at running temperature.
 
 use super::contact::traction::TractionLaw;
 use super::limits::Faults;
@@ -37,7 +37,7 @@ pub fn default_inlet_distance(ball_diameter: f64) -> f64 {
 }
 
 impl Lubricant {
-    /// Notes values that no lubricant has.
+    /// Records values outside the limits.
     pub(crate) fn check(&self, faults: &mut Faults) {
         faults.check("lubricant.viscosity", self.viscosity);
         faults.check("lubricant.pressure_viscosity", self.pressure_viscosity);

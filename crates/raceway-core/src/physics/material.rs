@@ -20,8 +20,8 @@ pub const GCR15: Material = Material { elastic_modulus: 219e9, poisson_ratio: 0.
 pub(crate) const PA46: Material = Material { elastic_modulus: 1e9, poisson_ratio: 0.39, density: 1100.0 };
 
 impl Material {
-    /// Notes what no solid has; `path` names the material's fields in the faults
-    /// (elastic modulus, Poisson's ratio, density).
+    /// Records values outside the limits; `path` names the material's fields in the faults (elastic modulus, Poisson's
+    /// ratio, density).
     pub(crate) fn check(&self, path: [&'static str; 3], faults: &mut Faults) {
         faults.check(path[0], self.elastic_modulus);
         faults.check(path[1], self.poisson_ratio);

@@ -56,7 +56,7 @@ pub struct PocketTerms {
     pub hydrodynamics: bool,
 }
 
-/// What the pocket does to its ball; the cage feels the opposite at the contact point.
+/// Load of a pocket on its ball; the cage takes the opposite load at the contact point.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PocketLoad<T = f64> {
     /// Normal load, film and solid [N].
@@ -82,8 +82,8 @@ pub struct PocketMotion<T = f64> {
 }
 side_by_side!(PocketMotion { displacement, velocity, spin });
 
-/// Nearest point of the seat: how far the ball has left the pocket's centre towards it (`C_p` at touch) [m], how fast
-/// [m/s], and the unit vector of the force on the ball.
+/// Approach of the ball to the nearest point of the seat: distance from the pocket's centre (`C_p` at touch) [m], its
+/// rate [m/s], and the unit vector of the force on the ball.
 #[derive(Debug, Clone, Copy, Default)]
 struct Approach<T = f64> {
     distance: T,
@@ -92,12 +92,12 @@ struct Approach<T = f64> {
 }
 side_by_side!(Approach { distance, rate, normal });
 
-/// How the normal load answers to a ball that moves along the contact's normal: what a linearly implicit method needs of it.
+/// Slopes of the normal load by the ball's motion along the contact normal, for linearly implicit methods.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PocketSlopes<T = f64> {
     /// Unit vector of the force on the ball.
     pub normal: Vector<T>,
-    /// By displacement [N/m] and by its rate [N s/m].
+    /// Slope by displacement [N/m] and by its rate [N s/m].
     pub stiffness: T,
     pub damping: T,
 }
@@ -161,7 +161,7 @@ impl Pocket {
         self.film_stiffness
     }
 
-    /// Whether a film damps the ball in its pocket.
+    /// Returns true where a film damps the ball in its pocket.
     pub fn film_is_damped(&self) -> bool {
         self.film_damping > 0.0
     }
@@ -188,15 +188,16 @@ impl Pocket {
 
     /// Forces and moments of the pockets on their balls.
     ///
-    /// Normal force: Q = Q_film + Q_solid, Q_film = K_c min(s, C_p) + c_f ṡ min(1, s/0.1 µm), its damping
-    /// falling to 0 over the first 1 µm of solid contact, Q_solid = K_n (s − C_p)^1.5 κ (1 + χ ṡ) with `conformity` κ, neither below 0.
-    /// Friction acts on the solid part only: on an undamped film force it would drive the cage unstable.
+    /// Normal force: Q = Q_film + Q_solid, neither part below 0. Film: Q_film = K_c min(s, C_p) + c_f ṡ min(1, s/0.1
+    /// µm); its damping falls to 0 over the first 1 µm of solid contact. Solid: Q_solid = K_n (s − C_p)^1.5 κ (1 + χ ṡ)
+    /// with `conformity` κ. Friction acts on the solid part only: on an undamped film force it would drive the cage
+    /// unstable.
     #[inline(always)]
     pub fn loads<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>, load: &mut PocketLoad<Lanes<N>>) {
         self.loads_at(motion, &self.approaches(motion), load);
     }
 
-    /// The same, and how the normal loads answer to the balls' own motion.
+    /// Forces and moments of the pockets on their balls, and the slopes of the normal loads.
     #[inline(always)]
     pub(crate) fn loads_and_slopes<const N: usize>(
         &self,
@@ -214,7 +215,7 @@ impl Pocket {
 
     #[inline(always)]
     fn approaches<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>) -> Approach<Lanes<N>> {
-        // A copy: what is stored in the loops cannot change it.
+        // A copy, so that the compiler knows that stores in the loops do not change it.
         let pocket = *self;
         let mut approach = Approach::<Lanes<N>>::default();
         match pocket.rim {
@@ -318,8 +319,8 @@ impl Pocket {
         solid
     }
 
-    /// Share of a penetration [m] that is taken by the contact Q(δ) in series with a bar of stiffness `bar` [N/m]: solves
-    /// Q(δ) = bar (penetration − δ) by Newton in √δ from above, where it converges monotonically.
+    /// Part of a penetration [m] that the contact takes in series with a bar of stiffness `bar` [N/m]. Solves Q(δ) =
+    /// bar (penetration − δ) by Newton's method in √δ from above, where it converges monotonically.
     #[inline(always)]
     fn contact_share(&self, bar: f64, penetration: f64) -> f64 {
         // A root of nothing would be divided by itself.
@@ -371,8 +372,8 @@ impl Pocket {
         }
     }
 
-    /// Adds dry friction P_S = μ Q_solid tanh(|u|/u₀), and of the film the rolling friction P_R over the rolling speed and
-    /// the shear over the sliding speed [N s/m].
+    /// Adds dry friction P_S = μ Q_solid tanh(|u|/u₀) and the film's rolling friction and shear. These are proportional
+    /// to rolling and sliding speed [N s/m].
     #[inline(always)]
     fn add_friction(
         &self,

@@ -33,7 +33,7 @@ use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
 pub struct RacewayTerms {
     /// Strips the ellipse is cut into across the groove.
     pub strips: usize,
-    /// As many points of a Gauss rule (2, 4 or 6) in their place.
+    /// Points of a Gauss rule (2, 4 or 6) replace the strips.
     pub gauss: bool,
     /// Point on the deformed surface depends on its place across the groove.
     pub conformity: bool,
@@ -48,7 +48,7 @@ pub struct RacewayContact {
     groove: Groove,
     traction: Traction,
     strips: MirroredStrips,
-    /// As `strips`, each with the load of its image.
+    /// Strips that each carry the load of their mirror image as well.
     folded_strips: MirroredStrips,
     surface: SurfaceProfile,
 }
@@ -70,7 +70,7 @@ impl<const PLANAR: bool> Task for Loads<'_, PLANAR> {
     }
 }
 
-/// The same of both raceways.
+/// Loads of balls side by side on both raceways.
 struct PairOfLoads<'a, const PLANAR: bool> {
     raceway: &'a PerRaceway<RacewayContact>,
     motion: &'a PerRaceway<RelativeMotion<Lanes>>,
@@ -139,7 +139,7 @@ impl RacewayContact {
         self
     }
 
-    /// Whether anything damps an impact.
+    /// Returns true where the contact damps an impact.
     pub(crate) fn is_damped(&self) -> bool {
         self.groove.damping.chi > 0.0 || self.groove.damping.viscous > 0.0
     }
@@ -189,7 +189,7 @@ impl RacewayContact {
         instructions.run(PairOfLoads::<PLANAR> { raceway, motion, load });
     }
 
-    /// The same of one raceway.
+    /// Forces and moments of one raceway on balls side by side.
     pub fn loads<const PLANAR: bool>(
         &self,
         motion: &RelativeMotion<Lanes>,
@@ -201,7 +201,7 @@ impl RacewayContact {
 
     #[inline(always)]
     fn contacts<const PLANAR: bool, const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> Contact<Lanes<N>> {
-        // A copy: what is stored in the loop cannot change it.
+        // A copy, so that the compiler knows that stores in the loop do not change it.
         let groove = self.groove;
         let surface = self.surface.heights_and_slopes(&motion.azimuth);
         let mut contact = Contact::<Lanes<N>>::default();
@@ -239,7 +239,8 @@ impl RacewayContact {
         }
     }
 
-    /// Traction over load, summed over the strips. Where nothing spins about the normal, a strip and its image slip alike.
+    /// Traction over load, summed over the strips. Without spin about the normal, a strip and its mirror image have the
+    /// same slip.
     #[inline(always)]
     fn strip_sums<const PLANAR: bool, const N: usize>(
         &self,
@@ -410,7 +411,7 @@ impl RacewayContact {
         self.groove.rolling_speed(motion, towards)
     }
 
-    /// The same of several balls, whose contacts lie where `slopes` says.
+    /// Mean rolling speeds of several balls whose contacts lie in the directions of `slopes` [m/s].
     #[inline(always)]
     pub(crate) fn rolling_speeds(
         &self,

@@ -1,6 +1,7 @@
 //! Weights of Adams' formulas: the polynomial through the last rates, integrated once for a velocity and twice for a place.
 
-/// Latest node first, in units of the step h: v(h) = v(0) + h Σ velocity_i a_i, q(h) = q(0) + h v(0) + h² Σ place_i a_i.
+/// Latest node first, in units of the step h. Velocity: v(h) = v(0) + h Σ velocity_i a_i; place: q(h) = q(0) + h v(0) +
+/// h² Σ place_i a_i.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Weights<const N: usize> {
     pub velocity: [f64; N],

@@ -1,13 +1,13 @@
-//! The implicit method of Adams and Moulton with fixed steps for equations of motion M q̈ = f(t, q, q̇) in a plane
-//! that are not stiff; its order is the number of its nodes. The classical Runge–Kutta method starts it.
+//! The implicit method of Adams and Moulton with fixed steps for equations of motion M q̈ = f(t, q, q̇) in a plane. The
+//! equations must not be stiff. The order is the number of nodes. The classical Runge–Kutta method starts it.
 //!
-//! The new acceleration is predicted by the polynomial through the last ones, with it place and velocity (which makes them those of
-//! Adams and Bashforth), and one step of Newton's method solves the implicit equation: one evaluation a step. Velocities come from the polynomial through the accelerations integrated once, places from the same
-//! polynomial integrated twice: a place that took its velocity as just another rate would halve the longest stable step. The
-//! equations come with every step, so that they may be compiled into the caller's loop.
+//! The polynomial through the last accelerations predicts the new one, and with it place and velocity, as Adams and
+//! Bashforth do. One step of Newton's method solves the implicit equation with one evaluation a step. Velocities are
+//! the integral of that polynomial, places its double integral. Places integrated from velocities would halve the
+//! longest stable step. The equations come with every step, so that they may be compiled into the caller's loop.
 //!
-//! With 4 nodes stable up to ω h = 0.35 without damping and 1.8 with a tenth of the critical one, with 7 up to 1 and 1.7, where the
-//! slope is right.
+//! Limits of stability with an exact slope: with 4 nodes ω h = 0.35 without damping and 1.8 with a tenth of critical
+//! damping, with 7 nodes 1 and 1.7.
 
 use super::adams::{Weights, ahead, weights};
 
@@ -20,15 +20,16 @@ pub(crate) type Motion<const N: usize> = ([f64; N], [f64; N]);
 /// A symmetric matrix: yy, yz, zz.
 pub(crate) type Symmetric = [f64; 3];
 
-/// What the end of a step depends on of the acceleration there: share of the acceleration in the place and in the velocity.
+/// Shares of the acceleration at the end of a step in the place and in the velocity there [s², s].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Shares {
     pub place: f64,
     pub velocity: f64,
 }
 
-/// Equations about a motion whose acceleration is taken to be a: f − M a, and the slope of M a − f over a where places and
-/// velocities go along by their shares, M + (share of the place) ∂f/∂q + (share of the velocity) ∂f/∂q̇ with their signs turned.
+/// Defect f − M a of the equations for an assumed acceleration a, and the slope of M a − f over a. Places and
+/// velocities follow a by their shares, so that the slope is M − (share of the place) ∂f/∂q − (share of the velocity)
+/// ∂f/∂q̇.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Defect {
     pub force: [f64; 2],
@@ -36,7 +37,7 @@ pub(crate) struct Defect {
 }
 
 impl Defect {
-    /// Of two parts of the equations together.
+    /// Sum over two parts of the equations.
     #[inline(always)]
     pub(crate) fn and(&self, other: &Self) -> Self {
         let ([a, b], [c, d, e]) = (other.force, other.slope);
@@ -47,9 +48,9 @@ impl Defect {
     }
 }
 
-/// M q̈ = f(t, q, q̇). The slope may be rough: it only puts right what was predicted.
+/// M q̈ = f(t, q, q̇). The slope may be approximate, because it only corrects the prediction.
 pub(crate) trait EquationsOfMotion {
-    /// What acts at a time wherever the motion is then.
+    /// Excitation that depends on time alone.
     type Drive;
 
     fn drive(&self, time: f64) -> Self::Drive;
@@ -98,7 +99,7 @@ impl Past {
     }
 }
 
-/// A system on its way, by the formula of `N` nodes: the new one and the last N − 1.
+/// Integration by the formula of `N` nodes: the new one and the last N − 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct AdamsMoulton<const N: usize> {
     start: f64,
@@ -108,14 +109,14 @@ pub(crate) struct AdamsMoulton<const N: usize> {
     acceleration: [f64; 2],
     past: Past,
     known: usize,
-    /// Of accelerations in the next one, and in place and velocity with it [-, s², s].
+    /// Weights of the accelerations in the predicted acceleration, place and velocity [-, s², s].
     ahead: [f64; N],
     predict: Weights<N>,
     shares: Shares,
 }
 
 impl<const N: usize> AdamsMoulton<N> {
-    /// At the start of its way.
+    /// Starts at `(time, motion)`.
     pub(crate) fn new(equations: &impl EquationsOfMotion, time: f64, motion: Motion<2>, step: f64) -> Self {
         let (predict, correct) = (weights::<N>(0.0, N), weights::<N>(1.0, N));
         let acceleration = equations.acceleration(&equations.drive(time), &motion);
@@ -162,7 +163,7 @@ impl<const N: usize> AdamsMoulton<N> {
         self.steps + 1 + 3 * self.steps.min(N as u64 - 1)
     }
 
-    /// Whether enough is known for `step`.
+    /// Returns true once enough nodes are known for `step`.
     #[inline(always)]
     pub(crate) fn has_begun(&self) -> bool {
         self.known == N
@@ -247,7 +248,7 @@ mod tests {
         }
     }
 
-    /// As the equations above, but exact where nothing is implicit.
+    /// The equations above, exact where nothing is implicit.
     fn exact(time: f64, (q, v): &Motion<2>) -> [f64; 2] {
         std::array::from_fn(|i| -q[i].sin() - 0.1 * v[i] + 0.5 * (1.7 * time + i as f64).cos())
     }

@@ -35,15 +35,15 @@ impl Kept {
 const FEW: usize = 3;
 const MOST: usize = 6;
 
-/// Rows that are worked on for so many that stay.
+/// Number of rows computed for `stay` remaining rows.
 fn rows(stay: usize) -> usize {
     if stay <= FEW { FEW } else { MOST }
 }
 
 /// The factors, with room for right-hand sides; allocates only on construction.
 ///
-/// Kept as the small matrices that a solution needs, since one factor serves many right-hand sides. With the rows `v` that
-/// stay and the positions `x = (r_x + v)/s` that go, `R` and `C` what border and block do to each other:
+/// Stored as the small matrices that a solution needs, because one factor is used for many right-hand sides. With the
+/// rows `v` that stay and the positions `x = (r_x + v)/s` that go, `R` and `C` what border and block do to each other:
 /// ```text
 /// border    b_v = S⁻¹ (r_v + G r_x + Σ F r_block)
 /// blocks    v   = E r_block + U b
@@ -146,7 +146,7 @@ impl<T: Number> ArrowheadFactors<T> {
         }
     }
 
-    /// The same with other instructions of the same processor.
+    /// The same factors, computed with another instruction set of this processor.
     pub fn with_instructions(mut self, instructions: InstructionSet) -> Self {
         self.instructions = instructions;
         self
@@ -418,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn a_singular_matrix_is_told() {
+    fn a_singular_matrix_is_reported() {
         let jacobian = Jacobian::new(&Structure::dense(3));
         let mut factors = ArrowheadFactors::<f64>::new(jacobian.structure());
         assert_eq!(factors.factor(&jacobian, 0.0), Err(Singular));

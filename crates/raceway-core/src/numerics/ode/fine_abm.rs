@@ -53,7 +53,7 @@ pub struct FineAbm<'a, S: OdeSystem + ?Sized> {
     structure: Structure,
     part: LinearPart,
     linear: Diagonal,
-    /// Of the lengths met since the linear part was renewed.
+    /// Weights of the step lengths used since the linear part was renewed.
     weights: Vec<Weights>,
     /// Newest point of the grid.
     grid_time: f64,
@@ -81,7 +81,7 @@ pub struct FineAbm<'a, S: OdeSystem + ?Sized> {
     wait: u64,
     /// The next step is to be twice as long.
     double: bool,
-    /// The last `h |∂f/∂y|` that was told.
+    /// The last measured `h |∂f/∂y|`.
     rate_of_rest: f64,
     /// Work apart from that of the present walker.
     statistics: Statistics,
@@ -219,7 +219,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         self.system.derivative(end, &self.predicted, &mut self.trial_rest);
         self.statistics.rhs_evaluations += 1;
         self.linear.add_product(-1.0, &self.predicted, &mut self.trial_rest, &self.structure);
-        // What the predictor did not foresee: the fourth difference.
+        // The fourth difference, which the predictor leaves out.
         let [one, two, three] = &mut self.differences;
         for i in 0..one.len() {
             one[i] = self.trial_rest[i] - (self.past.rests[0][i] + one[i] + two[i] + three[i]);
@@ -244,7 +244,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         self.renewal.age += 1;
         self.wait = self.wait.saturating_sub(1);
         if error >= TELLING {
-            // How far f moved, over how far the state moved between prediction and correction.
+            // Change of f over change of the state between prediction and correction.
             for (moved, at_end) in self.trial_rest.iter_mut().zip(&self.past.rests[0]) {
                 *moved = at_end - *moved;
             }
@@ -338,7 +338,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
         let step = self.grid_time - self.previous_time;
         let x = (time - self.previous_time) / step;
         let rest = 1.0 - x;
-        // What the value a step before adds to Hermite's cubic.
+        // Quartic term that the value a step before adds to Hermite's cubic.
         let quartic = 0.25 * (x * rest).powi(2);
         let (end, start, before) =
             (x * x * (1.0 + 2.0 * rest) - 5.0 * quartic, rest * rest * (1.0 + 2.0 * x) + 4.0 * quartic, quartic);
@@ -381,7 +381,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
         Choice { method: Method::FineAbm, reason: None }
     }
 
-    /// Of what it does not integrate exactly.
+    /// Stability of the part that is not integrated exactly.
     fn stability(&mut self) -> Option<Stability> {
         let steps = self.walker.is_none() && self.step > 0.0;
         steps.then(|| Stability { rate: self.rate_of_rest / self.step, limit: stability::FINE_ABM })

@@ -1,10 +1,10 @@
 //! Gear's method: backward differentiation of variable step and order 1–5, predictor and corrector.
 //!
-//! Variable coefficients on modified divided differences with a fixed leading coefficient (K. R. Jackson &
-//! R. Sacks-Davis, ACM Trans. Math. Softw. 6 (1980) 295–318; K. E. Brenan, S. L. Campbell & L. R. Petzold, *Numerical Solution
-//! of Initial-Value Problems in Differential-Algebraic Equations*, §5.2): step and order may change at every step, as they
-//! must where balls enter and leave the loaded zone. The corrector is solved by Newton's iteration on factors of `c·I − J`
-//! that are kept as long as they serve.
+//! Variable coefficients on modified divided differences with a fixed leading coefficient (K. R. Jackson & R.
+//! Sacks-Davis, ACM Trans. Math. Softw. 6 (1980) 295–318; K. E. Brenan, S. L. Campbell & L. R. Petzold, *Numerical
+//! Solution of Initial-Value Problems in Differential-Algebraic Equations*, §5.2): step and order may change at every
+//! step, as they must where balls enter and leave the loaded zone. The corrector is solved by Newton's iteration on
+//! factors of `c·I − J` that are kept while the iteration converges fast.
 
 mod coefficients;
 mod corrector;
@@ -22,7 +22,7 @@ use super::system::OdeSystem;
 use super::tolerances::Tolerances;
 use crate::numerics::lanes::{InstructionSet, Task};
 
-/// A step may err by this share of the tolerance: errors add up along the way, and the end should be near what was asked.
+/// Allowed error of a step over the tolerance, because errors add up over the steps.
 const SHARE: f64 = 0.25;
 
 /// The method with its workspace; allocates only on construction.
@@ -37,9 +37,9 @@ pub(crate) struct Gear<'a, S: OdeSystem + ?Sized> {
     step: f64,
     /// Modified divided differences at `time`: the first is the state.
     differences: Vec<Vec<f64>>,
-    /// So many of them are backed by steps.
+    /// Number of differences that rest on steps.
     known: usize,
-    /// Sizes of the last steps, the latest first.
+    /// Sizes of the last steps, latest first.
     steps: [f64; DIFFERENCES],
     /// Order of the last step.
     last_order: usize,
@@ -51,7 +51,7 @@ pub(crate) struct Gear<'a, S: OdeSystem + ?Sized> {
     predicted: Vec<f64>,
     predicted_rate: Vec<f64>,
     trial: Vec<f64>,
-    /// 1 over what each entry may err by in a step.
+    /// 1 over the allowed error of each entry in a step.
     weights: Vec<f64>,
     statistics: Statistics,
 }
@@ -73,7 +73,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
             previous_time: time,
             step: f64::INFINITY,
             differences,
-            // Nothing yet: the first step begins by looking around.
+            // No history: the first step evaluates the rate and its change.
             known: 0,
             steps: [0.0; DIFFERENCES],
             last_order: 1,

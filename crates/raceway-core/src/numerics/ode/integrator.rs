@@ -1,9 +1,9 @@
-//! A method under way: what it reports, and how it fails.
+//! The interface of an integration method: steps, states, statistics and errors.
 
 use super::method::Method;
 use super::stability::Stability;
 
-/// A method that advances one system step by step. It knows the system and its own place in it.
+/// A method that advances one system step by step. It holds the system and the present state.
 pub trait Integrator {
     /// One accepted step that ends at `limit` at the latest (exactly there when it would pass it).
     fn step(&mut self, limit: f64) -> Result<(), IntegrationError>;
@@ -15,20 +15,20 @@ pub trait Integrator {
     fn state(&self) -> &[f64];
     /// State at a time within the last step.
     fn interpolate(&self, time: f64, state: &mut [f64]);
-    /// What the last step has found of the system at `time()` besides its state, in numbers that the system knows the meaning of; `None`
-    /// where the method knows nothing but states.
+    /// Quantities of the system at `time()` besides its state that the last step computed, in the system's own layout.
+    /// `None` where the method has states only.
     fn sight(&self) -> Option<&[f64]> {
         None
     }
-    /// Forgets what it knows of the past where the right-hand side jumps, and goes on at the next larger time: at the jump itself
-    /// a right-hand side is the one that led there.
+    /// Restarts without history where the right-hand side jumps, at the next larger time. At the time of the jump
+    /// itself, the right-hand side still has the value before it.
     fn restart(&mut self);
     /// Work done so far.
     fn statistics(&self) -> Statistics;
-    /// What runs, and why where the integrator chose it itself.
+    /// The method that runs, with the reason where the integrator chose it.
     fn choice(&self) -> Choice;
-    /// What the last step shows of the limit of stability; `None` where it shows nothing, or there is no limit. What is
-    /// evaluated for that counts as work.
+    /// Fastest rate and limit of stability as the last step shows them; `None` where it shows none or there is no
+    /// limit. Evaluations for it count as work.
     fn stability(&mut self) -> Option<Stability> {
         None
     }
@@ -46,7 +46,7 @@ pub struct Choice {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Statistics {
     pub steps: u64,
-    /// Steps tried in vain, for whatever reason.
+    /// Rejected steps, for any reason.
     pub rejected_steps: u64,
     /// Those among them for which Newton's iteration did not converge.
     pub newton_failures: u64,
@@ -61,7 +61,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Takes down an accepted step; `cut`: to end at a stop.
+    /// Counts an accepted step; `cut`: shortened to end at a stop.
     pub(crate) fn accept(&mut self, step: f64, cut: bool) {
         self.steps += 1;
         self.advanced += step;

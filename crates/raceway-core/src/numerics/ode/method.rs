@@ -3,7 +3,7 @@
 /// The methods by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// Chooses between the others, and may change its mind on the way.
+    /// Chooses between explicit and stiff, and may change during the run.
     Auto,
     /// Backward differentiation of variable step and order 1–5.
     Gear,
@@ -13,12 +13,12 @@ pub enum Method {
     DormandPrince,
     /// Implicit Runge–Kutta of order 5: the reference.
     Radau,
-    /// A linearly implicit method with fixed steps that the system brings along; only `auto` may choose it.
+    /// The system's own linearly implicit method with fixed steps; only `auto` may choose it.
     SemiImplicit,
 }
 
 impl Method {
-    /// All that a scene can be run by.
+    /// The methods that a scene may name.
     pub const NAMED: [Self; 4] = [Self::Gear, Self::FineAbm, Self::DormandPrince, Self::Radau];
 
     pub fn name(self) -> &'static str {
@@ -32,7 +32,7 @@ impl Method {
         }
     }
 
-    /// Can run with steps of a fixed size.
+    /// Returns true where the method can run with fixed steps.
     pub fn takes_fixed_steps(self) -> bool {
         matches!(self, Self::DormandPrince | Self::FineAbm | Self::SemiImplicit)
     }

@@ -1,5 +1,5 @@
-//! Ordinary differential equations `dy/dt = f(t, y)`: what an integrator needs to know of a system,
-//! what it reports, and how it fails. One method a file; none knows what a bearing is.
+//! Ordinary differential equations `dy/dt = f(t, y)`: the interface of systems and integrators, and one method a file.
+//! Knows no bearing.
 
 mod integrator;
 mod method;

@@ -127,7 +127,7 @@ fn multiply(a: &[f64], b: &[f64], n: usize, product: &mut [f64]) {
     }
 }
 
-/// The same for lengths known when compiling: those of balls, and of cage and spindle.
+/// Variant for sizes known at compile time: balls, and cage with spindle.
 fn multiply_lines<const N: usize>(a: &[f64], b: &[f64], product: &mut [f64]) {
     let (a, b, product) = (a.as_chunks::<N>().0, b.as_chunks::<N>().0, product.as_chunks_mut::<N>().0);
     for (line, target) in a.iter().zip(product) {

@@ -1,9 +1,9 @@
 //! Radau IIA of order 5 with three stages: implicit, L-stable, the reference for all else.
 //!
 //! E. Hairer & G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., §IV.5 (the method) and §IV.8
-//! (transformed Newton iteration, error estimate, step control). The stages are the values of a polynomial of
-//! degree 3, the collocation polynomial, whose slope is the right-hand side at three points of the step; everything
-//! here is said in terms of it.
+//! (transformed Newton iteration, error estimate, step control). The stages are the values of a polynomial of degree 3,
+//! the collocation polynomial, whose slope is the right-hand side at three points of the step; All quantities here are
+//! those of this polynomial.
 
 mod coefficients;
 mod convergence;
@@ -31,7 +31,7 @@ const NEWTON_PART: f64 = 0.03;
 const FAST_CONTRACTION: f64 = 0.01;
 /// Contraction with a new Jacobian, in proportion to the step, up to which the step may grow.
 const SLOWEST_CONTRACTION: f64 = 0.4;
-/// Steps that one Jacobian serves at most: a stale one that is too stiff hides what it should show.
+/// Largest number of steps with one Jacobian. An outdated Jacobian that is too stiff hides poor convergence.
 const MOST_STEPS: u32 = 30;
 /// Growth of the step below which the factors are kept instead.
 const LEAST_GROWTH: f64 = 1.2;
@@ -41,15 +41,15 @@ const SAFETY: f64 = 0.9;
 /// Order of the error estimate, plus one.
 const ESTIMATE: f64 = 4.0;
 
-/// How many times the asked tolerance r the estimate of a step may be. The estimate is of order h⁴, the error at the
-/// end of order h⁵: with 0.3 r^⅘ in place of r it is proportional to what was asked. (§IV.8 takes 0.1 r^⅔, after which
+/// Allowed error estimate of a step over the requested tolerance r [-]. The estimate is of order h⁴ and the error at
+/// the end of order h⁵. With 0.3 r^⅘ in place of r the error is proportional to r. (§IV.8 takes 0.1 r^⅔, after which
 /// the error falls more slowly than r.)
 fn slack(tolerances: &Tolerances) -> f64 {
     let relative = tolerances.relative.iter().copied().fold(0.0, f64::max);
     if relative > 0.0 { 0.3 * relative.powf(-0.2) } else { 1.0 }
 }
 
-/// What became of a try.
+/// Outcome of a try.
 enum Outcome {
     /// Error norm at most 1; the iterations it took.
     Passed { error: f64, iterations: u32 },
@@ -83,7 +83,7 @@ pub(crate) struct Radau<'a, S: OdeSystem + ?Sized> {
     previous_state: Vec<f64>,
     /// Collocation polynomial of the last step: stages less the state at its start.
     stages: [Vec<f64>; 3],
-    /// The same of the step tried, its transform T⁻¹ · stages, and the rates there.
+    /// Stages of the step tried, their transform T⁻¹ · stages, and the rates at the stages.
     trial_stages: [Vec<f64>; 3],
     transformed: [Vec<f64>; 3],
     rates: [Vec<f64>; 3],
@@ -166,8 +166,8 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         self.starting = false;
     }
 
-    /// Error norm of the stages found: by how much the polynomial's slope at the start misses the right-hand side,
-    /// filtered by the real factors so that stiff components do not count for more than they err (IV.8.19).
+    /// Error norm of the stages: the defect of the polynomial's slope at the start, filtered by the real factors
+    /// (IV.8.19). Without the filter stiff components would count for more than their error.
     fn estimate(&mut self, step: f64) -> f64 {
         self.error.copy_from_slice(&self.rate);
         self.filtered_defect(step)

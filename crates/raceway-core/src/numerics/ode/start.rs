@@ -1,4 +1,4 @@
-//! A method by its name, set on its way.
+//! Integrators from their names.
 
 use super::automatic::Automatic;
 use super::dormand_prince::DormandPrince;
@@ -11,7 +11,7 @@ use super::system::OdeSystem;
 use super::tolerances::Tolerances;
 
 impl Method {
-    /// The method at the start of its way. `fixed_step` [s]: only for methods that take fixed steps.
+    /// The integrator at its start. `fixed_step` [s]: only for methods that take fixed steps.
     pub fn start<'a, S: OdeSystem + ?Sized>(
         self,
         system: &'a S,

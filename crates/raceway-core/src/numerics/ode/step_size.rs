@@ -15,12 +15,12 @@ pub(crate) fn error_norm(error: &[f64], before: &[f64], after: &[f64], tolerance
     (sum / error.len().max(1) as f64).sqrt()
 }
 
-/// Size of a first step of a method of `order`, at most `span` (time to the first stop), from the sizes of state,
-/// `rate` and change of rate against their tolerances; evaluates the system once.
+/// Size of the first step of a method of `order`, at most `span` (time to the first stop). It follows from state,
+/// `rate` and change of rate relative to their tolerances, with one evaluation.
 ///
-/// The idea is that of Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.4, without its
-/// constants that have a unit: with slope `d₁` and change of slope `d₂`, `τ = d₁/d₂` is the time in which the motion
-/// changes, `d₁/τᵖ` stands for derivative p + 1, and the step makes `h^{p+1} d₁/τᵖ = 0.01`.
+/// The method is that of Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.4, without its
+/// constants that have a unit. With slope `d₁` and change of slope `d₂`, `τ = d₁/d₂` is the time in which the motion
+/// changes. `d₁/τᵖ` approximates derivative p + 1, and the step satisfies `h^{p+1} d₁/τᵖ = 0.01`.
 pub(crate) fn initial_step(
     system: &(impl OdeSystem + ?Sized),
     time: f64,
@@ -32,8 +32,8 @@ pub(crate) fn initial_step(
 ) -> f64 {
     let norm = |entries: &[f64]| error_norm(entries, state, state, tolerances);
     let slope = norm(rate);
-    // A hundredth of the time in which the state changes by itself; a state below its tolerance counts as that.
-    // Where nothing moves yet only the span is known.
+    // A hundredth of the time in which the state changes by itself; a state below its tolerance counts as that. Before
+    // any motion only the span is known.
     let guess = if slope > 0.0 { (0.01 * norm(state).max(1.0) / slope).min(span) } else { 1e-3 * span };
     let moved: Vec<f64> = state.iter().zip(rate).map(|(y, slope)| y + guess * slope).collect();
     let mut change = vec![0.0; state.len()];
@@ -90,12 +90,12 @@ impl Try {
 /// Rejections in a row after which a step counts as impossible.
 const MOST_REJECTIONS: u32 = 60;
 
-/// No shorter step is worth a try, either: there were too many, or the next is nothing but rounding of the time.
+/// Returns true where no shorter step can succeed: too many rejections, or a step at the rounding of the time.
 pub(crate) fn is_impossible(rejections: u32, time: f64, next: f64) -> bool {
     rejections >= MOST_REJECTIONS || next <= 4.0 * f64::EPSILON * time.abs()
 }
 
-/// Whether rates that are not finite will stay so, however short the step.
+/// Returns true where rates that are not finite stay so for any shorter step.
 pub(crate) fn stays_broken(rejections: u32) -> bool {
     rejections >= MOST_REJECTIONS / 2
 }

@@ -14,7 +14,7 @@ use std::ops::Range;
 use super::tolerances::Tolerances;
 use crate::numerics::lanes::{LANES, Lanes};
 
-/// How the entries of a state depend on each other.
+/// Dependence between the entries of a state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Structure {
     /// Number of blocks, and entries of each; the blocks come first in the state.

@@ -13,14 +13,14 @@ impl Tolerances {
         Self { relative: vec![relative; dimension], absolute: vec![absolute; dimension] }
     }
 
-    /// What each component of a state may err by in a step.
+    /// Allowed error of each component of a state in a step.
     #[inline(always)]
     pub(crate) fn all_allowed<'a>(&'a self, state: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let each = self.absolute.iter().zip(&self.relative).zip(state);
         each.map(|((absolute, relative), size)| absolute + relative * size.abs())
     }
 
-    /// What component `i` may err by in a step where it is of this size.
+    /// Allowed error of component `i` of this size in a step.
     #[inline]
     pub fn allowed(&self, i: usize, size: f64) -> f64 {
         self.absolute[i] + self.relative[i] * size.abs()

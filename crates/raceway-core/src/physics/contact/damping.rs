@@ -7,7 +7,7 @@ use crate::physics::limits::Faults;
 /// Laws for the damping of an elastic contact `Q = K δ^1.5 (1 + χ δ̇)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DampingLaw {
-    /// χ solved so that an impact at `at_speed` [m/s] really returns with `restitution` times its speed.
+    /// χ solved so that an impact at `at_speed` [m/s] returns exactly with `restitution` times its speed.
     Restitution {
         restitution: f64,
         at_speed: f64,
@@ -48,7 +48,7 @@ impl DampingLaw {
         DampingFactor { chi, viscous }
     }
 
-    /// Notes what no contact has; `path` names restitution, speed and coefficient in the faults.
+    /// Records values outside the limits; `path` names restitution, speed and coefficient in the faults.
     pub(crate) fn check(&self, path: [&'static str; 3], faults: &mut Faults) {
         match *self {
             Self::Restitution { restitution, at_speed }
@@ -112,8 +112,8 @@ pub(crate) fn viscous_ramp<T: Real>(depth: T) -> T {
 
 /// `c = χ v₀` with which an impact at v₀ on Q = K δ^1.5 (1 + χ δ̇) returns with e v₀ [-], 0 < e ≤ 1.
 ///
-/// First integral of m v dv/dδ = −Q from (0, v₀) to (0, −e v₀): c (1 + e) = ln[(1 + c)/(1 − e c)]; the
-/// root besides c = 0 lies in (0, 1/e). Independent of mass, stiffness and exponent of δ.
+/// First integral of m v dv/dδ = −Q from (0, v₀) to (0, −e v₀): c (1 + e) = ln[(1 + c)/(1 − e c)]. The root besides c =
+/// 0 lies in (0, 1/e). Independent of mass, stiffness and exponent of δ.
 pub fn impact_damping(restitution: f64) -> f64 {
     let e = restitution;
     if e >= 1.0 {

@@ -17,7 +17,7 @@ pub(crate) struct Film {
 
 /// A load below which a film does not grow any further [N].
 const LEAST_LOAD: f64 = 1e-6;
-/// Of the minimum film: it grows with speed, and falls with load.
+/// Exponents of the minimum film thickness, which grows with speed and falls with load.
 const SPEED_EXPONENT: f64 = 0.68;
 const LOAD_EXPONENT: f64 = 0.073;
 /// A film thinner than a molecule is none [m].
@@ -50,7 +50,7 @@ impl Film {
 pub(crate) struct ThinnestFilm {
     /// [m]; infinite before the first.
     pub thickness: f64,
-    /// The mean rolling speed [m/s] and the load [N] that it was met at.
+    /// Mean rolling speed [m/s] and load [N] of that contact.
     rolling_speed: f64,
     load: f64,
 }
@@ -58,8 +58,8 @@ pub(crate) struct ThinnestFilm {
 impl ThinnestFilm {
     pub(crate) const NONE: Self = Self { thickness: f64::INFINITY, rolling_speed: 0.0, load: 0.0 };
 
-    /// Meets another one. Most are thicker, which shows without their powers: with 1 − 1/x ≤ ln x ≤ x − 1 the logarithm of
-    /// the ratio of thicknesses is at least what is compared with 0 here.
+    /// Compares with another contact. Most films are thicker, which a bound shows without computing powers: from 1 −
+    /// 1/x ≤ ln x ≤ x − 1 follows a lower bound of the logarithm of the ratio of thicknesses.
     pub(crate) fn meet(&mut self, film: &Film, rolling_speed: f64, load: f64) {
         let (speed, load) = (rolling_speed.abs(), larger(load, LEAST_LOAD));
         if SPEED_EXPONENT * (1.0 - self.rolling_speed / speed) - LOAD_EXPONENT * (load / self.load - 1.0) >= 0.0 {
@@ -72,7 +72,7 @@ impl ThinnestFilm {
     }
 }
 
-/// What the film of an elliptical contact depends on.
+/// Operating conditions of the film of an elliptical contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilmConditions {
     /// η at inlet temperature and ambient pressure [Pa s].
@@ -166,11 +166,11 @@ impl Inlet {
         Self { viscosity, rolling_radius, transverse_radius, ball_radius, meniscus }
     }
 
-    /// F_R = F_p/2 and F_H = F_p R_x/(d/2) at mean rolling speed ū [m/s], central film thickness [m] and
-    /// semi-axis b [m], which the meniscus never enters.
+    /// Rolling friction F_R = F_p/2 and pressure force F_H = F_p R_x/(d/2) [N] at mean rolling speed ū [m/s], central
+    /// film thickness [m] and semi-axis b [m]. The meniscus lies outside the semi-axis b.
     ///
-    /// The shear of both surfaces is F_p/2 each; the pressure on the ball has the lever R_x, so that the
-    /// raceway takes the remainder and momentum is conserved.
+    /// The shear of both surfaces is F_p/2 each. The pressure on the ball has the lever R_x. The raceway takes the
+    /// remainder, so that momentum is conserved.
     #[inline(always)]
     pub(crate) fn forces(&self, rolling_speed: f64, film_thickness: f64, semi_minor: f64) -> InletForces {
         let force = inlet_force(
@@ -188,11 +188,10 @@ impl Inlet {
 /// Force `F_p` of the inlet pressure along rolling [N], signed like the sum `U = u₁ + u₂` of the surface
 /// velocities [m/s] (the sum, not the slip).
 ///
-/// Rigid surfaces, constant viscosity, exact for the pressure p = −6ηUx/[(3 + 2R_x/R_y) h²] of the parabolic
-/// gap (Kapitza 1955): F_p = C₀ 6π [ln(1 + t²) + 1/(1 + t²) − 1], C₀ = ηU√(R_x R_y)/(3 + 2R_x/R_y),
-/// t = r_s/√(2 h₀ R_x), r_s the distance of the inlet meniscus.
-/// Differs from the source: the fits 28.59 ln t − 10.10 and 36.57 ln t − 22.85 of the literature lie 6–20 %
-/// below this and turn negative at small t.
+/// Rigid surfaces, constant viscosity, exact for the pressure p = −6ηUx/[(3 + 2R_x/R_y) h²] of the parabolic gap
+/// (Kapitza 1955): F_p = C₀ 6π [ln(1 + t²) + 1/(1 + t²) − 1], C₀ = ηU√(R_x R_y)/(3 + 2R_x/R_y), t = r_s/√(2 h₀ R_x),
+/// r_s the distance of the inlet meniscus. Differs from the source: the literature's fits 28.59 ln t − 10.10 and 36.57
+/// ln t − 22.85 lie 6–20 % below. They turn negative at small t.
 #[inline(always)]
 fn inlet_force(
     viscosity: f64,
@@ -299,7 +298,7 @@ mod tests {
         assert_eq!(inlet_integral(0.0), 0.0);
     }
 
-    /// Skipping what is surely thicker misses none: the thinnest of many is that of all their powers.
+    /// The bound skips no thinner film: the thinnest of many agrees with the minimum over all formulas.
     #[test]
     fn the_thinnest_film_is_found_without_all_powers() {
         let film = Film { central_coefficient: 1.0, minimum_coefficient: 1e-7 };

@@ -49,9 +49,9 @@ impl HertzContact {
 
 /// The contacts of a ball with both raceways.
 ///
-/// Curvatures of a ball in a groove of radius `f d`, γ with the angle of the kinematics: inner
-/// ρ_x = (2/d)(1 + γ/(1 − γ)), outer ρ_x = (2/d)(1 − γ/(1 + γ)), ρ_y = (2/d)(1 − 1/(2f)).
-/// Harris & Kotzalas, Essential Concepts of Bearing Technology, ch. 2, curvature of ball bearings.
+/// Curvatures of a ball in a groove of radius `f d`, γ with the contact angle of the kinematics. Inner ρ_x = (2/d)(1 +
+/// γ/(1 − γ)), outer ρ_x = (2/d)(1 − γ/(1 + γ)), ρ_y = (2/d)(1 − 1/(2f)). Harris & Kotzalas, Essential Concepts of
+/// Bearing Technology, ch. 2, curvature of ball bearings.
 pub fn raceway_contacts(bearing: &Bearing) -> PerRaceway<HertzContact> {
     let p = &bearing.parameters;
     let (d, gamma) = (p.ball_diameter, bearing.gamma());
@@ -149,8 +149,8 @@ pub fn max_pressure(ellipse: &ContactEllipse, effective_modulus: f64, load: f64)
     1.5 / (PI * a * b) * load.max(0.0).cbrt()
 }
 
-/// Stiffness `K` in `Q = K δ^(3/2)` [N/m^1.5] of two spheres of effective radius R [m], 1/R = 1/R₁ + 1/R₂
-/// (negative for a concave one), and contact modulus E* [Pa].
+/// Stiffness `K` in `Q = K δ^(3/2)` [N/m^1.5] of two spheres of effective radius R [m] and contact modulus E* [Pa]. 1/R
+/// = 1/R₁ + 1/R₂, a concave radius negative.
 ///
 /// Johnson, Contact Mechanics, eq. (4.23): K = 4/3 E* √R.
 pub(crate) fn sphere_stiffness(contact_modulus: f64, radius: f64) -> f64 {

@@ -3,7 +3,7 @@
 /// A strip of the ellipse of contact, parallel to rolling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Strip {
-    /// Where the strip's load acts, t = η/a in −1 … 1 [-].
+    /// Place of the strip's load, t = η/a in −1 … 1 [-].
     pub position: f64,
     /// Share of the normal load [-].
     pub weight: f64,
@@ -16,8 +16,9 @@ pub(crate) const MAX_STRIPS: usize = 33;
 /// Number of strips where nothing else is asked.
 pub(crate) const DEFAULT_STRIPS: usize = 9;
 
-/// Places t > 0 and weights of ∫ ¾ (1 − t²) g(t) dt over −1 … 1 (Gauss–Jacobi), for 2, 4 and 6 points; the places are the inner
-/// ones of Lobatto's rule with two points more (Abramowitz & Stegun, table 25.6), whose weights are here times ¾ (1 − t²).
+/// Places t > 0 and weights of ∫ ¾ (1 − t²) g(t) dt over −1 … 1 (Gauss–Jacobi), for 2, 4 and 6 points. The places are
+/// the inner ones of Lobatto's rule with two more points (Abramowitz & Stegun, table 25.6), the weights those of the
+/// table times ¾ (1 − t²).
 const GAUSS: [&[(f64, f64)]; 3] = [
     &[(0.447_213_595_499_958, 0.5)],
     &[(0.285_231_516_480_645, 0.382_287_565_553_229), (0.765_055_323_929_465, 0.117_712_434_446_770)],
@@ -30,8 +31,8 @@ const GAUSS: [&[(f64, f64)]; 3] = [
 
 /// The ellipse of contact in strips of equal width over t = η/a, made once a scene.
 ///
-/// The semi-ellipsoid of pressure, integrated along rolling, leaves ¾ (1 − t²) of the load per unit of t;
-/// weights and positions integrate that exactly, so that traction which is linear within each strip is exact.
+/// The semi-ellipsoid of pressure, integrated along rolling, gives ¾ (1 − t²) of the load per unit of t. Weights and
+/// positions integrate that exactly, so that traction is exact where it is linear within each strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strips {
     count: usize,
@@ -59,8 +60,8 @@ impl Strips {
         Self { count, strips }
     }
 
-    /// The Gauss rule of the load with `2 × pairs` points (one to three pairs): exact for polynomials of t up to degree
-    /// 4 `pairs` − 1, where as many strips are for straight lines. A law that bends sharply wants strips.
+    /// The Gauss rule of the load with `2 × pairs` points (one to three pairs). It is exact for polynomials of t up to
+    /// degree 4 `pairs` − 1, strips only up to degree 1. Traction laws with sharp bends need strips.
     pub(crate) fn gauss(pairs: usize) -> Self {
         let nodes = GAUSS[pairs.clamp(1, GAUSS.len()) - 1];
         let count = 2 * nodes.len();

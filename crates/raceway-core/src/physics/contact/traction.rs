@@ -22,7 +22,7 @@ pub enum TractionLaw {
 }
 
 impl TractionLaw {
-    /// Notes coefficients that no contact has.
+    /// Records coefficients outside the limits.
     pub(crate) fn check(&self, faults: &mut Faults) {
         match *self {
             Self::FourParameter { at_rest, maximum, at_slip, limit } => {
@@ -89,7 +89,7 @@ pub(crate) fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f
     FourParameters { a, b: x * rise * x.exp() / at_slip, c: x / at_slip, d }
 }
 
-/// What a traction law may depend on besides slip.
+/// Inputs of a traction law besides slip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct TractionContext<T = f64> {
     /// Mean rolling speed ū, a magnitude [m/s].
@@ -101,7 +101,7 @@ pub(crate) struct TractionContext<T = f64> {
 }
 side_by_side!(TractionContext { rolling_speed, pressure, film_thickness });
 
-/// A traction law made ready for the time step.
+/// A traction law prepared for the time step.
 ///
 /// The force on a surface is `load · traction_over_speed(u², …) · slip vector`: no division, no branch on
 /// rest and no jump there.
@@ -396,8 +396,8 @@ mod tests {
         }
     }
 
-    /// Pure conformity: the lines of no slip at ±t₀ part the load in halves, ¾(t₀ − t₀³/3) = ¼, t₀ = 0.3473 (four
-    /// figures); strips find it within half their width.
+    /// Pure conformity: the lines of no slip at ±t₀ divide the load in halves, ¾(t₀ − t₀³/3) = ¼, t₀ = 0.3473 (four
+    /// figures). Strips find t₀ within half their width.
     #[test]
     fn conformity_slips_nowhere_at_its_two_lines() {
         let exact = bracketed_root(|t| load_share_below(t) - 0.75, 0.0, 1.0);

@@ -32,8 +32,8 @@ impl Wedge {
         truncation * full / self.clearance
     }
 
-    /// P_R = ½ C₀ P̄_R with C₀ = η U R_p / 5 (R_x = R_y, U the sum of surface speeds) and
-    /// P̄_R = max(0, 34.74 ln t − 27.6); film shear P̄_S η u R_p, P̄_S = max(0, 0.26 (34.74 ln t − 27.6) + 10.9).
+    /// Rolling friction P_R = ½ C₀ P̄_R with C₀ = η U R_p / 5 (R_x = R_y, U the sum of surface speeds) and P̄_R =
+    /// max(0, 34.74 ln t − 27.6). Film shear P̄_S η u R_p with P̄_S = max(0, 0.26 (34.74 ln t − 27.6) + 10.9).
     pub(super) fn hydrodynamics(&self) -> PocketHydrodynamics {
         let base = 34.74 * self.width_ratio().ln() - 27.6;
         PocketHydrodynamics {

@@ -32,9 +32,9 @@ pub(super) struct Groove {
     pub(super) hydrodynamics: bool,
 }
 
-/// A contact's geometry and slip, from which its strips and its loads follow. Slip of the raceway over the ball at height
-/// h along m (towards the contact) and place η along c (across the groove), both from the ball's centre: along the groove
-/// u_t = base + h · per_height + η · per_place, across it u_c = side − h · roll.
+/// Geometry and slip of a contact, from which the slip and load of its strips follow. Height h along m (towards the
+/// contact) and place η along c (across the groove) are measured from the ball's centre. Slip of the raceway over the
+/// ball: along the groove u_t = base + h · per_height + η · per_place, across it u_c = side − h · roll.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Contact<T = f64> {
     pub(super) penetration: T,
@@ -67,8 +67,8 @@ side_by_side!(Contact {
     roll
 });
 
-/// Largest share of the ball's radius that a contact reaches across the groove. Hertz has lost its
-/// meaning long before; the share keeps extreme scenes finite.
+/// Largest share of the ball's radius that a contact reaches across the groove. Hertz's theory fails long before; the
+/// limit keeps extreme scenes finite.
 pub(crate) const LARGEST_CONTACT: f64 = 0.95;
 
 /// The direction across the groove, c = t × m, from m towards the contact; (t, m, c) is right-handed.
@@ -141,7 +141,7 @@ impl Groove {
         }
     }
 
-    /// How the loads at a motion answer to the ball's own motion. What a surface profile adds to the rate is left out.
+    /// Slopes of the loads by the ball's own motion. The rate of penetration leaves out the slope of a surface profile.
     #[inline(always)]
     pub(super) fn slopes<const PLANAR: bool>(&self, motion: &RelativeMotion, load: &RacewayLoad) -> ContactSlopes {
         let (penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
@@ -232,7 +232,7 @@ impl Groove {
         raceway - 0.5 * slip
     }
 
-    /// What the traction law looks at besides slip, with the largest pressure p₀.
+    /// Inputs of the traction law besides slip, with the largest pressure p₀.
     #[inline(always)]
     pub(super) fn context(&self, c: &Contact, motion: &RelativeMotion) -> TractionContext {
         let rolling = self.rolling_velocity(motion, c.per_height, c.apex);

@@ -23,7 +23,7 @@ pub struct RelativeMotion<T = f64> {
 }
 side_by_side!(RelativeMotion { axial, radius, velocity, spin, raceway_speed, orbit_speed, azimuth });
 
-/// What a raceway does to a ball; the raceway feels the opposite force.
+/// Load of a raceway on a ball; the raceway takes the opposite force.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct RacewayLoad<T = f64> {
     /// [m]; not positive: no contact.
@@ -43,18 +43,19 @@ pub struct RacewayLoad<T = f64> {
 }
 side_by_side!(RacewayLoad { penetration, normal, angle, force, moment, slip, grip });
 
-/// How a contact's loads answer to a ball that moves on: what a linearly implicit method needs of them. Rates of slip are
-/// answered by the traction as a whole, with the same grip along the groove and across it.
+/// Slopes of a contact's loads by the motion of the ball, for linearly implicit methods. Traction has the same slope
+/// along the groove and across it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ContactSlopes<T = f64> {
     /// Unit vector from the ball towards the contact, axial and radial.
     pub towards: (T, T),
-    /// Of the normal load, by penetration [N/m] and by its rate [N s/m].
+    /// Slope of the normal load by penetration [N/m] and by its rate [N s/m].
     pub stiffness: T,
     pub damping: T,
-    /// Of the force across the groove, by displacement across it: the normal load turns with its direction [N/m].
+    /// Slope of the force across the groove by displacement across it [N/m], because the normal load turns with its
+    /// direction.
     pub turning: T,
-    /// Of traction, by slip [N s/m].
+    /// Slope of traction by slip [N s/m].
     pub grip: T,
 }
 side_by_side!(ContactSlopes { towards, stiffness, damping, turning, grip });

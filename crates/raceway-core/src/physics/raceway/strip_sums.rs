@@ -6,12 +6,12 @@ use crate::numerics::lanes::side_by_side;
 use crate::physics::contact::strips::{MAX_STRIPS, Strip, Strips};
 use crate::physics::contact::traction::TINY;
 
-/// Strips of a contact: those on the side of positive η, which stand for their mirror images, too, and the middle one.
+/// Strips of a contact on the side of positive η, each with its mirror image, and the middle strip.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MirroredStrips {
     pub(super) middle: Option<Strip>,
     pub(super) pairs: [Strip; MAX_STRIPS],
-    /// So many pairs are in use: fewer than `AT_ONCE`, or as many as it divides, the last ones without weight.
+    /// Number of pairs in use: fewer than `AT_ONCE`, or a multiple of it, filled up with pairs without weight.
     pub(super) used: usize,
 }
 
@@ -23,7 +23,7 @@ impl MirroredStrips {
     pub(super) fn new(strips: &Strips, weight: f64) -> Self {
         let all = strips.as_slice();
         let (half, odd) = (all.len() / 2, all.len() % 2 == 1);
-        // Where no strip is left, one that carries nothing.
+        // Filler without load.
         let blank = Strip { weight: 0.0, ..all[all.len() - 1] };
         let pair = |k: usize| {
             let strip = all[all.len() - half + k];
@@ -50,7 +50,7 @@ pub(super) struct StripSums<T = f64> {
 }
 side_by_side!(StripSums { along, across, along_moment, across_moment, spin_moment, grip });
 
-/// Slip in `P` strips, along the groove also in their images; across it that is the same.
+/// Slip in `P` strips, along the groove also in their mirror images; across the groove both have the same slip.
 pub(super) struct StripSlip<const P: usize, const S: usize> {
     pub(super) place: [f64; P],
     pub(super) height: [f64; P],
@@ -59,7 +59,7 @@ pub(super) struct StripSlip<const P: usize, const S: usize> {
 }
 
 impl<const P: usize, const S: usize> StripSlip<P, S> {
-    /// Squared slip, above 0 by next to nothing, so that a law may divide by it.
+    /// Squared slip, offset by `TINY` so that a law may divide by it.
     #[inline(always)]
     pub(super) fn squares(&self) -> [f64; S] {
         let across: [f64; P] = from_fn(|k| self.across[k] * self.across[k] + TINY);

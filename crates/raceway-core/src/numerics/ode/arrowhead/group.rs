@@ -61,7 +61,7 @@ impl<T: Number> Group<T> {
     }
 }
 
-/// Entries of a group's blocks side by side; lanes without a block hold what is left there, which meets zeros.
+/// Entries of a group's blocks side by side. Lanes without a block keep old values, which are multiplied by zeros.
 ///
 /// Never inlined, as its counterpart: AVX-512 would scatter and gather, which takes longer than moves one by one.
 #[inline(never)]

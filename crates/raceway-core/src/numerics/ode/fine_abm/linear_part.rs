@@ -1,6 +1,6 @@
 //! The part that is integrated exactly, and how long it has served.
 
-/// What is integrated exactly.
+/// The part that is integrated exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LinearPart {
     /// Positions from velocities, all that is linear with constant coefficients in a bearing. The article names the two methods
@@ -14,7 +14,7 @@ pub enum LinearPart {
 pub(super) const LEAST_PATIENCE: u64 = 4;
 pub(super) const MOST_PATIENCE: u64 = 256;
 
-/// How long the linear part has served.
+/// Age of the linear part.
 pub(super) struct Renewal {
     /// It has been taken since the start.
     pub(super) taken: bool,

@@ -1,4 +1,4 @@
-//! What is known at the points of the uniform grid.
+//! States and rates at the points of the uniform grid.
 
 /// Values kept: after doubling, every other one of them still makes a cubic and an interpolation.
 pub(super) const MOST_KEPT: usize = 9;

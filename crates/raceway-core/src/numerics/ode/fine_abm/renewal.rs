@@ -1,4 +1,4 @@
-//! The linear part and its weights, taken anew as they go out of date.
+//! Renewal of the linear part and its weights.
 
 use super::FineAbm;
 use super::diagonal::Diagonal;
@@ -53,7 +53,7 @@ impl<S: OdeSystem + ?Sized> FineAbm<'_, S> {
         let outdated = self.part == LinearPart::Blocks && self.rate_of_rest > OUTDATED;
         let Renewal { age, patience, .. } = &mut self.renewal;
         if *age == 1 {
-            // Renewed in vain: what is fast lies outside the blocks.
+            // The renewal did not help: the fast modes lie outside the blocks.
             *patience = if outdated { (2 * *patience).min(MOST_PATIENCE) } else { LEAST_PATIENCE };
         }
         if outdated && *age >= *patience {

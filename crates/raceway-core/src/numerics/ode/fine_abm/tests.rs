@@ -260,7 +260,7 @@ fn stiff_components_are_right_within_steps_too() {
     assert!(worst < 1e-4, "{worst:e}");
 }
 
-/// y' = −2 y, half of which the linear part holds: what is seen is the other half.
+/// y' = −2 y, half of which is in the linear part: the measured rate is the other half.
 struct Halved;
 impl OdeSystem for Halved {
     fn dimension(&self) -> usize {

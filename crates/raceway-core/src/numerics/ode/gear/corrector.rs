@@ -1,4 +1,4 @@
-//! The matrix of the corrector: factors of `c·I − J` that are kept as long as they serve, and norms.
+//! The matrix of the corrector, factors of `c·I − J` kept over several steps, and norms.
 
 use crate::numerics::ode::arrowhead::ArrowheadFactors;
 use crate::numerics::ode::integrator::Statistics;
@@ -6,12 +6,12 @@ use crate::numerics::ode::structure::{Jacobian, Structure, displacements};
 use crate::numerics::ode::system::OdeSystem;
 use crate::numerics::ode::tolerances::Tolerances;
 
-/// A factor made for another leading coefficient serves while that is off by less than this share.
+/// Relative difference of leading coefficients up to which factors are reused.
 const COEFFICIENT_DRIFT: f64 = 0.3;
 /// Steps after which a factor, with its Jacobian when that has cost as much as a new one, is made anew.
 const FACTOR_AGE: u32 = 20;
 
-/// Newton's iteration: its matrix and how well that does.
+/// Matrix of Newton's iteration and its convergence.
 pub(super) struct Corrector {
     pub(super) jacobian: Jacobian,
     pub(super) factors: ArrowheadFactors<f64>,
@@ -59,7 +59,7 @@ impl Corrector {
         }
     }
 
-    /// Sees to it that factors fit for the leading coefficient exist.
+    /// Makes factors that fit the leading coefficient where there are none.
     #[inline(always)]
     pub(super) fn prepare<S: OdeSystem + ?Sized>(
         &mut self,

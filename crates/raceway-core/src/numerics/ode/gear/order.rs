@@ -5,13 +5,13 @@ use super::coefficients::{Coefficients, MOST_ORDER};
 use super::corrector::norm_of_sum;
 use crate::numerics::ode::system::OdeSystem;
 
-/// The error of the next step is aimed at this share of what it may be: at the same, the next lower and the next higher order.
-/// High orders are favoured: their steps cost the same, and err less than they are estimated to.
+/// Target error of the next step over the allowed error, at the same, the next lower and the next higher order. High
+/// orders are favoured: their steps cost the same, and err less than they are estimated to.
 const AIM: [f64; 3] = [1.0 / 4.0, 1.0 / 4.0, 1.0 / 2.0];
 /// A step must gain this much to grow, so that differences and factors are not upset for little.
 const LEAST_GAIN: f64 = 1.2;
 const LARGEST_GAIN: f64 = 4.0;
-/// Error-test failures of one step after which its past is distrusted.
+/// Failed error tests of one step after which its history is discarded.
 const DISTRUST: u32 = 3;
 
 impl<S: OdeSystem + ?Sized> Gear<'_, S> {
@@ -51,7 +51,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
         }
     }
 
-    /// What to do after a try whose error was too large.
+    /// Reduces step and order after a try whose error was too large.
     #[inline(always)]
     pub(super) fn after_rejection(&mut self, step: f64, error: f64, failures: u32, c: &Coefficients) {
         self.starting = false;

@@ -99,7 +99,7 @@ fn polynomials_are_exact_on_uneven_steps() {
     }
 }
 
-/// A right-hand side that jumps at t = 1, where the method is told to forget.
+/// A right-hand side that jumps at t = 1, where the method restarts.
 #[test]
 fn a_restart_forgets_the_past() {
     struct Ramp;

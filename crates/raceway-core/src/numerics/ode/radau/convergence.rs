@@ -1,11 +1,11 @@
 //! The convergence of Newton's iteration.
 
-/// How well Newton's iteration goes.
+/// Convergence of Newton's iteration.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Convergence {
     /// Ratio of successive increments; 0 where one was enough.
     pub(super) contraction: f64,
-    /// What is left to go, over the last increment.
+    /// Remaining distance to the solution over the last increment [-].
     pub(super) remainder: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Newton's iteration for the stages: the simplified one, on factors that are kept as long as they serve (Hairer & Wanner II,
+//! Simplified Newton iteration for the stages, on factors that are kept while it converges fast (Hairer & Wanner II,
 //! §IV.8).
 
 use nalgebra::Complex;
@@ -10,9 +10,10 @@ use crate::numerics::ode::arrowhead::Singular;
 use crate::numerics::ode::structure::displacements;
 use crate::numerics::ode::system::OdeSystem;
 
-/// Part by which a step may differ from that of the factors: no more than rounding of times makes.
+/// Relative difference between a step and that of the factors: no more than the rounding of times.
 const SAME_STEP: f64 = 1e-6;
-/// Left to go after a first increment, over the increment, at least: the last step may have gone better than this one.
+/// Least assumed remainder after a first increment, over the increment; the last step may have converged better than
+/// this one.
 const LEAST_REMAINDER: f64 = 1e-3;
 
 impl<S: OdeSystem + ?Sized> Radau<'_, S> {
@@ -38,7 +39,7 @@ impl<S: OdeSystem + ?Sized> Radau<'_, S> {
         Ok(())
     }
 
-    /// Stages to begin with: the last polynomial goes on.
+    /// Initial stages by extrapolation of the last polynomial.
     pub(super) fn predict(&mut self, step: f64) {
         let last = self.time - self.previous_time;
         let weights = C.map(|c| basis(1.0 + c * step / last));
