@@ -45,7 +45,7 @@ pub(crate) enum NoOrbit {
     NotConverged { error: f64, iterations: usize },
     #[error("the periodic motion is not finite")]
     NotFinite,
-    #[error("the multipliers of the periodic motion were not found within {MOST_ROTATIONS} iterations")]
+    #[error("the multipliers of the periodic motion were not found within {MAX_ROTATIONS} iterations")]
     NoMultipliers,
 }
 
@@ -56,7 +56,7 @@ const RIGHT: f64 = 0.02;
 const DIFFERENCE: f64 = 1e-5;
 const FARTHEST: f64 = 1e4;
 /// Iterations of the QR method for all multipliers; it takes a few for each, and can go in circles for ever.
-const MOST_ROTATIONS: usize = 200;
+const MAX_ROTATIONS: usize = 200;
 
 impl<const N: usize> Search<N> {
     /// The periodic motion near a guess; `period` carries a state over one period.
@@ -156,7 +156,7 @@ fn multipliers(monodromy: &DMatrix<f64>) -> Result<Vec<(f64, f64)>, NoOrbit> {
     if !monodromy.iter().all(|value| value.is_finite()) {
         return Err(NoOrbit::NotFinite);
     }
-    let schur = Schur::try_new(monodromy.clone(), f64::EPSILON, MOST_ROTATIONS).ok_or(NoOrbit::NoMultipliers)?;
+    let schur = Schur::try_new(monodromy.clone(), f64::EPSILON, MAX_ROTATIONS).ok_or(NoOrbit::NoMultipliers)?;
     let mut all: Vec<(f64, f64)> = schur.complex_eigenvalues().iter().map(|value| (value.re, value.im)).collect();
     all.sort_by(|a, b| b.0.hypot(b.1).total_cmp(&a.0.hypot(a.1)));
     Ok(all)

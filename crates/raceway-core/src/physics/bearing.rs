@@ -93,7 +93,7 @@ pub struct Bearing {
 }
 
 /// Largest radial preload over ball diameter [-].
-const MOST_PRELOAD: f64 = 0.02;
+const MAX_PRELOAD: f64 = 0.02;
 
 impl BearingParameters {
     /// Distance `A = (f_i + f_e − 1) d` of the groove centres [m].
@@ -146,10 +146,10 @@ impl BearingParameters {
         if !faults.check(CLEARANCE, clearance) || !has_grooves {
             return;
         }
-        let least = -MOST_PRELOAD * self.ball_diameter;
+        let least = -MAX_PRELOAD * self.ball_diameter;
         if clearance < least {
             let reason = format!(
-                "{:.3} µm: must be at least {:.3} µm, a preload of {MOST_PRELOAD} ball diameters",
+                "{:.3} µm: must be at least {:.3} µm, a preload of {MAX_PRELOAD} ball diameters",
                 clearance * 1e6,
                 least * 1e6
             );

@@ -26,7 +26,7 @@ pub fn churning_coefficient(reynolds: f64) -> f64 {
 }
 
 /// Below it inertia adds less than a rounding to the drag.
-const LEAST_REYNOLDS: f64 = 1e-24;
+const MIN_REYNOLDS: f64 = 1e-24;
 
 /// Drag on the orbit and churning of the spin of one ball, made once a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +71,7 @@ impl Drag {
     pub fn force(&self, orbit_velocity: f64) -> f64 {
         let speed = orbit_velocity.abs();
         // One logarithm for both powers; far below any speed of a ball, where Stokes' law is exact to rounding.
-        let logarithm = logarithm(larger(self.reynolds_per_speed * speed, LEAST_REYNOLDS));
+        let logarithm = logarithm(larger(self.reynolds_per_speed * speed, MIN_REYNOLDS));
         let stokes = self.stokes_factor * (1.0 + 0.15 * exponential(0.687 * logarithm));
         let wake = self.force_at_unit_coefficient * 0.42 / (1.0 + 4.25e4 * exponential(-1.16 * logarithm));
         -(stokes + wake * speed) * orbit_velocity

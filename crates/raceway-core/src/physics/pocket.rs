@@ -22,7 +22,7 @@ pub(crate) const WEDGE_DAMPING: f64 = 3.0;
 /// Force of the empirical film at the edge of the clearance [N].
 const EMPIRICAL_EDGE_FORCE: f64 = 11.0;
 /// Largest effective radius of ball and seat of the lubricant wedge [m].
-const LARGEST_RADIUS: f64 = 0.2;
+const MAX_RADIUS: f64 = 0.2;
 /// Displacement over which film damping sets in [m].
 pub(crate) const DAMPING_ONSET: f64 = 0.1e-6;
 /// Penetration over which film damping vanishes once the solids touch [m].
@@ -118,7 +118,7 @@ impl Pocket {
         let wedge = Wedge {
             viscosity: lubricant.viscosity,
             speed: ball_radius * ball_spin.abs(),
-            radius: relative_radius.min(LARGEST_RADIUS),
+            radius: relative_radius.min(MAX_RADIUS),
             clearance,
             half_width: cage.seat_half_width,
         };
@@ -387,7 +387,7 @@ impl Pocket {
         let centre = add(motion.velocity, scale(-along, normal));
         let rolling = cross(motion.spin, load.lever);
         let slip = add(centre, rolling);
-        let speed = larger(length(slip), LEAST_SLIP);
+        let speed = larger(length(slip), MIN_SLIP);
         let dry = self.friction * solid * hyperbolic_tangent(speed * (1.0 / self.friction_speed)) / speed;
         // The ball's surface carries the lubricant through; rolling friction acts against it.
         let force = add(scale(-film_rolling, rolling), scale(-(dry + film_shear), slip));
@@ -397,7 +397,7 @@ impl Pocket {
 }
 
 /// Stands in for a slip of 0 where its direction is asked for [m/s].
-const LEAST_SLIP: f64 = 1e-12;
+const MIN_SLIP: f64 = 1e-12;
 
 /// The displacement itself is the way to the nearest point of a cap.
 #[inline(always)]

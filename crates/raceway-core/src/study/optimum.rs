@@ -62,22 +62,22 @@ const SCANNED: [usize; 2] = [17, 9];
 /// Valleys that are followed down.
 const VALLEYS: [usize; 2] = [3, 2];
 /// Steps of the search in a valley, and the least that Brent's method makes, as a share of the range.
-const MOST_STEPS: [u64; 2] = [12, 24];
-const LEAST_STEP: f64 = 5e-4;
+const MAX_STEPS: [u64; 2] = [12, 24];
+const MIN_STEP: f64 = 5e-4;
 /// Simplices whose values scatter by less than this share of the error are small enough.
 const SCATTER: f64 = 0.1;
 /// The first step from the best point along an axis, as a share of the range, and how often a gap between good and worse is halved.
 const FIRST_STEP: f64 = 0.01;
 const HALVINGS: u32 = 4;
 /// Largest number of walks; a walk that meets a better point starts again from there.
-const MOST_WALKS: usize = 3;
+const MAX_WALKS: usize = 3;
 
 /// Largest number of runs of a search without Nelder and Mead's shrinking, the base of the progress.
 pub fn most_runs(axes: usize) -> usize {
     let walk = 8 + HALVINGS as usize;
     match axes {
-        1 => SCANNED[0] + VALLEYS[0] * (MOST_STEPS[0] as usize + 1) + 2 * walk,
-        _ => SCANNED[1] * SCANNED[1] + VALLEYS[1] * (2 * MOST_STEPS[1] as usize + 3) + 4 * walk,
+        1 => SCANNED[0] + VALLEYS[0] * (MAX_STEPS[0] as usize + 1) + 2 * walk,
+        _ => SCANNED[1] * SCANNED[1] + VALLEYS[1] * (2 * MAX_STEPS[1] as usize + 3) + 4 * walk,
     }
 }
 
@@ -184,9 +184,9 @@ impl<E> Course<'_, E> {
     /// Down a valley of one axis, between the neighbours of its lowest point.
     fn down_one(&mut self, at: f64, spacing: f64) -> Result<(), E> {
         let (from, to) = ((at - spacing).max(0.0), (at + spacing).min(1.0));
-        let solver = BrentOpt::new(from, to).set_tolerance(f64::EPSILON.sqrt(), LEAST_STEP);
+        let solver = BrentOpt::new(from, to).set_tolerance(f64::EPSILON.sqrt(), MIN_STEP);
         let problem = One(RefCell::new(self));
-        let _ = Executor::new(problem, solver).configure(|state| state.max_iters(MOST_STEPS[0])).timer(false).run();
+        let _ = Executor::new(problem, solver).configure(|state| state.max_iters(MAX_STEPS[0])).timer(false).run();
         self.unless_ended()
     }
 
@@ -202,7 +202,7 @@ impl<E> Course<'_, E> {
         let error = self.best().and_then(|best| self.evaluations[best].value).and_then(|value| value.1).unwrap_or(0.0);
         let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(SCATTER * error) else { return Ok(()) };
         let problem = Several(RefCell::new(self));
-        let _ = Executor::new(problem, solver).configure(|state| state.max_iters(MOST_STEPS[1])).timer(false).run();
+        let _ = Executor::new(problem, solver).configure(|state| state.max_iters(MAX_STEPS[1])).timer(false).run();
         self.unless_ended()
     }
 
@@ -222,7 +222,7 @@ impl<E> Course<'_, E> {
     /// The ends along each axis, from the best point; where the walk comes upon a better one, from that one again.
     fn band(&mut self) -> Result<Option<Vec<[End; 2]>>, E> {
         let mut band = None;
-        for _ in 0..MOST_WALKS {
+        for _ in 0..MAX_WALKS {
             let Some(best) = self.best() else { return Ok(None) };
             let Evaluation { at, value: Some(value @ (_, Some(_))), .. } = self.evaluations[best].clone() else {
                 return Ok(None);

@@ -12,7 +12,7 @@
 use super::adams::{Weights, ahead, weights};
 
 /// Nodes that there is room for.
-const MOST_NODES: usize = 8;
+const MAX_NODES: usize = 8;
 
 /// Places and velocities.
 pub(crate) type Motion<const N: usize> = ([f64; N], [f64; N]);
@@ -75,22 +75,22 @@ pub(crate) fn solve(Defect { force: [y, z], slope: [yy, yz, zz] }: &Defect) -> [
 /// on. It stays in memory: in registers, from which it would have to move on with every step, it leaves no room for more.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Past {
-    accelerations: [[f64; 2]; 2 * MOST_NODES],
+    accelerations: [[f64; 2]; 2 * MAX_NODES],
     latest: usize,
 }
 
 impl Past {
     #[inline(always)]
     fn push(&mut self, acceleration: [f64; 2]) {
-        self.latest = self.latest.wrapping_sub(1) % MOST_NODES;
+        self.latest = self.latest.wrapping_sub(1) % MAX_NODES;
         self.accelerations[self.latest] = acceleration;
-        self.accelerations[self.latest + MOST_NODES] = acceleration;
+        self.accelerations[self.latest + MAX_NODES] = acceleration;
     }
 
     /// start + Σ weight · acceleration, the latest one last: it is what a step waits for.
     #[inline(always)]
     fn sum<const N: usize>(&self, start: [f64; 2], weights: &[f64; N]) -> [f64; 2] {
-        let known = &self.accelerations[self.latest % MOST_NODES..][..N];
+        let known = &self.accelerations[self.latest % MAX_NODES..][..N];
         let [mut y, mut z] = start;
         for (weight, known) in weights.iter().zip(known).rev() {
             (y, z) = (y + weight * known[0], z + weight * known[1]);

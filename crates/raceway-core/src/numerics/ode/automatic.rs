@@ -33,7 +33,7 @@ const EXPLICIT_WINDOW: u64 = 100;
 const STIFF_WINDOW: u64 = 400;
 const EXPLICIT_WARM_UP: u64 = 20;
 const STIFF_WARM_UP: u64 = 100;
-const MOST_DOUBLINGS: u32 = 6;
+const MAX_DOUBLINGS: u32 = 6;
 /// The fastest rate seen fades by this factor a window.
 const FADING: f64 = 0.7;
 /// A change must promise this gain.
@@ -157,7 +157,7 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
             }
             return None;
         };
-        if work.steps < mark.steps + (window << self.changes.min(MOST_DOUBLINGS)) {
+        if work.steps < mark.steps + (window << self.changes.min(MAX_DOUBLINGS)) {
             return None;
         }
         self.mark = Some(work);

@@ -20,7 +20,7 @@ mod weights;
 use self::diagonal::Diagonal;
 pub use self::linear_part::LinearPart;
 use self::linear_part::Renewal;
-use self::past::{LEAST_KEPT, MOST_KEPT, Past};
+use self::past::{MAX_KEPT, MIN_KEPT, Past};
 use self::weights::Weights;
 use super::dormand_prince::DormandPrince;
 use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
@@ -257,7 +257,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
 
     /// Doubles the step where that is accurate and stable; only before the next one: until then the last may be interpolated.
     fn plan_doubling(&mut self, error: f64) {
-        let accurate = error < DOUBLING_ERROR && self.past.kept == MOST_KEPT && self.wait == 0;
+        let accurate = error < DOUBLING_ERROR && self.past.kept == MAX_KEPT && self.wait == 0;
         self.double = !self.fixed && accurate && (error < TELLING || self.rate_of_rest < DOUBLING_RATE);
     }
 
@@ -278,7 +278,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
 
 impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
     fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
-        let arrived = self.past.kept >= LEAST_KEPT && self.time() == self.grid_time;
+        let arrived = self.past.kept >= MIN_KEPT && self.time() == self.grid_time;
         if self.walker.is_some() && arrived {
             self.dismiss_walker();
         }
@@ -344,8 +344,8 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
             (x * x * (1.0 + 2.0 * rest) - 5.0 * quartic, rest * rest * (1.0 + 2.0 * x) + 4.0 * quartic, quartic);
         let (end_rate, start_rate) = (step * (2.0 * quartic - x * x * rest), step * (x * rest * rest + 4.0 * quartic));
         // The same from five states: that of a component so stiff that its rates say nothing about the step.
-        let weights: [f64; LEAST_KEPT] = std::array::from_fn(|k| {
-            let others = (0..LEAST_KEPT).filter(|&j| j != k);
+        let weights: [f64; MIN_KEPT] = std::array::from_fn(|k| {
+            let others = (0..MIN_KEPT).filter(|&j| j != k);
             others.map(|j| (x - 1.0 + j as f64) / (j as f64 - k as f64)).product()
         });
         for (i, value) in state.iter_mut().enumerate() {

@@ -8,10 +8,10 @@
 pub(crate) type Phi = [Vec<f64>; 4];
 
 /// Largest 1-norm at which the series is used: 13 terms of φ₄ then leave 4!/17! · 2⁻¹³ ≈ 1e-17.
-const LARGEST_NORM: f64 = 0.5;
+const MAX_NORM: f64 = 0.5;
 const TERMS: usize = 13;
 /// Beyond 2^this a matrix has no business in a step.
-const MOST_DOUBLINGS: i32 = 60;
+const MAX_DOUBLINGS: i32 = 60;
 /// 1/k!
 const INVERSE_FACTORIAL: [f64; 5] = [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0];
 
@@ -21,8 +21,8 @@ pub(crate) fn phi(matrix: &[f64], n: usize) -> Phi {
     let scaled = |row: usize, column: usize| matrix[row * n + column] * scales[column] / scales[row];
     let mut balanced: Vec<f64> = (0..n * n).map(|i| scaled(i / n, i % n)).collect();
     let norm = norm(&balanced, n);
-    let doublings = if norm.is_finite() { (norm / LARGEST_NORM).log2().ceil().max(0.0) as i32 } else { MOST_DOUBLINGS };
-    let doublings = doublings.min(MOST_DOUBLINGS);
+    let doublings = if norm.is_finite() { (norm / MAX_NORM).log2().ceil().max(0.0) as i32 } else { MAX_DOUBLINGS };
+    let doublings = doublings.min(MAX_DOUBLINGS);
     balanced.iter_mut().for_each(|x| *x *= 0.5_f64.powi(doublings));
     let mut functions = series(&balanced, n);
     double(&mut functions, &balanced, n, doublings);

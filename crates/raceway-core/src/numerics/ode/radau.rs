@@ -24,7 +24,7 @@ use super::system::OdeSystem;
 use super::tolerances::Tolerances;
 
 /// Iterations of Newton's method in a step.
-const MOST_ITERATIONS: u32 = 10;
+const MAX_ITERATIONS: u32 = 10;
 /// Part of the asked tolerance that may be left to Newton's iteration.
 const NEWTON_PART: f64 = 0.03;
 /// An iteration that contracts better than this needs no new Jacobian.
@@ -32,11 +32,11 @@ const FAST_CONTRACTION: f64 = 0.01;
 /// Contraction with a new Jacobian, in proportion to the step, up to which the step may grow.
 const SLOWEST_CONTRACTION: f64 = 0.4;
 /// Largest number of steps with one Jacobian. An outdated Jacobian that is too stiff hides poor convergence.
-const MOST_STEPS: u32 = 30;
+const MAX_STEPS: u32 = 30;
 /// Growth of the step below which the factors are kept instead.
-const LEAST_GROWTH: f64 = 1.2;
-const LARGEST_GROWTH: f64 = 8.0;
-const LARGEST_CUT: f64 = 0.2;
+const MIN_GROWTH: f64 = 1.2;
+const MAX_GROWTH: f64 = 8.0;
+const MAX_CUT: f64 = 0.2;
 const SAFETY: f64 = 0.9;
 /// Order of the error estimate, plus one.
 const ESTIMATE: f64 = 4.0;
@@ -219,17 +219,17 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
 
     /// Factor on the step after an error norm: the more iterations, the more carefully.
     fn factor(error: f64, iterations: u32) -> f64 {
-        let most = f64::from(2 * MOST_ITERATIONS);
+        let most = f64::from(2 * MAX_ITERATIONS);
         let safety = SAFETY * (most + 1.0) / (most + f64::from(iterations));
-        (safety * error.powf(-1.0 / ESTIMATE)).clamp(LARGEST_CUT, LARGEST_GROWTH)
+        (safety * error.powf(-1.0 / ESTIMATE)).clamp(MAX_CUT, MAX_GROWTH)
     }
 
     /// The step that follows an accepted one: by its error, and at most by how the error has moved (Gustafsson)
     /// and by how far Newton's iteration is good for.
     fn following(&self, step: f64, error: f64, iterations: u32) -> f64 {
-        let by_trend = self.accepted.map_or(LARGEST_GROWTH, |last| {
+        let by_trend = self.accepted.map_or(MAX_GROWTH, |last| {
             let trend = (last.error / (error * error)).powf(1.0 / ESTIMATE);
-            (SAFETY * step / last.step * trend).max(LARGEST_CUT)
+            (SAFETY * step / last.step * trend).max(MAX_CUT)
         });
         let contraction = if self.jacobian_is_fresh { self.convergence.contraction } else { 0.0 };
         let by_newton = SLOWEST_CONTRACTION / contraction;
@@ -251,7 +251,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         self.continues = true;
         self.jacobian_is_fresh = false;
         self.jacobian_age += 1;
-        self.jacobian_serves = self.convergence.contraction <= FAST_CONTRACTION && self.jacobian_age < MOST_STEPS;
+        self.jacobian_serves = self.convergence.contraction <= FAST_CONTRACTION && self.jacobian_age < MAX_STEPS;
     }
 
     /// Accepts a step and chooses the next.
@@ -261,7 +261,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         self.accept(tried);
         self.accepted = Some(Accepted { step, error: error.max(1e-2) });
         let next = if doubtful { next.min(step) } else { next };
-        let keeps_factors = !tried.cut && self.jacobian_serves && (1.0..LEAST_GROWTH).contains(&(next / step));
+        let keeps_factors = !tried.cut && self.jacobian_serves && (1.0..MIN_GROWTH).contains(&(next / step));
         self.step = if keeps_factors { step } else { tried.followed_by(next, self.step) };
     }
 

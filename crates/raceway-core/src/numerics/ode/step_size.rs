@@ -88,16 +88,16 @@ impl Try {
 }
 
 /// Rejections in a row after which a step counts as impossible.
-const MOST_REJECTIONS: u32 = 60;
+const MAX_REJECTIONS: u32 = 60;
 
 /// Returns true where no shorter step can succeed: too many rejections, or a step at the rounding of the time.
 pub(crate) fn is_impossible(rejections: u32, time: f64, next: f64) -> bool {
-    rejections >= MOST_REJECTIONS || next <= 4.0 * f64::EPSILON * time.abs()
+    rejections >= MAX_REJECTIONS || next <= 4.0 * f64::EPSILON * time.abs()
 }
 
 /// Returns true where rates that are not finite stay so for any shorter step.
 pub(crate) fn stays_broken(rejections: u32) -> bool {
-    rejections >= MOST_REJECTIONS / 2
+    rejections >= MAX_REJECTIONS / 2
 }
 
 /// Proportional–integral step-size control after Gustafsson, constants of Hairer, Nørsett & Wanner,
@@ -113,8 +113,8 @@ pub(crate) struct StepSizeControl {
 
 const SAFETY: f64 = 0.9;
 const INTEGRAL: f64 = 0.04;
-const LEAST_FACTOR: f64 = 0.2;
-const LARGEST_FACTOR: f64 = 10.0;
+const MIN_FACTOR: f64 = 0.2;
+const MAX_FACTOR: f64 = 10.0;
 
 impl StepSizeControl {
     /// `order`: order of the error estimate.
@@ -127,8 +127,8 @@ impl StepSizeControl {
         let error = error.max(1e-10);
         let factor = SAFETY * error.powf(0.75 * INTEGRAL - self.exponent) * self.previous_error.powf(INTEGRAL);
         self.previous_error = error.max(1e-4);
-        let most = if std::mem::take(&mut self.just_rejected) { 1.0 } else { LARGEST_FACTOR };
-        factor.clamp(LEAST_FACTOR, most)
+        let most = if std::mem::take(&mut self.just_rejected) { 1.0 } else { MAX_FACTOR };
+        factor.clamp(MIN_FACTOR, most)
     }
 
     /// Factor on the step after an error norm above 1 (NaN included).

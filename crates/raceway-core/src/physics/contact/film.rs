@@ -16,12 +16,12 @@ pub(crate) struct Film {
 }
 
 /// A load below which a film does not grow any further [N].
-const LEAST_LOAD: f64 = 1e-6;
+const MIN_LOAD: f64 = 1e-6;
 /// Exponents of the minimum film thickness, which grows with speed and falls with load.
 const SPEED_EXPONENT: f64 = 0.68;
 const LOAD_EXPONENT: f64 = 0.073;
 /// A film thinner than a molecule is none [m].
-const LEAST_FILM: f64 = 1e-9;
+const MIN_FILM: f64 = 1e-9;
 
 impl Film {
     /// Prepares the film of a contact for viscosity η [Pa s] and pressure–viscosity coefficient α_p [1/Pa].
@@ -33,7 +33,7 @@ impl Film {
     /// Central film thickness h_c [m] at mean rolling speed ū [m/s] and load [N]; 0 at rest.
     #[inline(always)]
     pub(crate) fn central(&self, rolling_speed: f64, load: f64) -> f64 {
-        self.central_coefficient * power(rolling_speed.abs(), 0.67) * power(larger(load, LEAST_LOAD), -0.067)
+        self.central_coefficient * power(rolling_speed.abs(), 0.67) * power(larger(load, MIN_LOAD), -0.067)
     }
 
     /// Minimum film thickness h_min [m] at mean rolling speed ū [m/s] and load [N]; 0 at rest.
@@ -41,7 +41,7 @@ impl Film {
     pub(crate) fn minimum(&self, rolling_speed: f64, load: f64) -> f64 {
         self.minimum_coefficient
             * power(rolling_speed.abs(), SPEED_EXPONENT)
-            * power(larger(load, LEAST_LOAD), -LOAD_EXPONENT)
+            * power(larger(load, MIN_LOAD), -LOAD_EXPONENT)
     }
 }
 
@@ -61,7 +61,7 @@ impl ThinnestFilm {
     /// Compares with another contact. Most films are thicker, which a bound shows without computing powers: from 1 −
     /// 1/x ≤ ln x ≤ x − 1 follows a lower bound of the logarithm of the ratio of thicknesses.
     pub(crate) fn meet(&mut self, film: &Film, rolling_speed: f64, load: f64) {
-        let (speed, load) = (rolling_speed.abs(), larger(load, LEAST_LOAD));
+        let (speed, load) = (rolling_speed.abs(), larger(load, MIN_LOAD));
         if SPEED_EXPONENT * (1.0 - self.rolling_speed / speed) - LOAD_EXPONENT * (load / self.load - 1.0) >= 0.0 {
             return;
         }
@@ -203,7 +203,7 @@ fn inlet_force(
 ) -> f64 {
     let scale = viscosity * speed_sum * (rolling_radius * transverse_radius).sqrt()
         / (3.0 + 2.0 * rolling_radius / transverse_radius);
-    let t = meniscus / (2.0 * larger(film_thickness, LEAST_FILM) * rolling_radius).sqrt();
+    let t = meniscus / (2.0 * larger(film_thickness, MIN_FILM) * rolling_radius).sqrt();
     scale * 6.0 * PI * inlet_integral(t)
 }
 

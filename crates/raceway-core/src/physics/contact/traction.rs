@@ -147,11 +147,11 @@ pub struct Coulomb {
 /// Slip speed u_r over which a law that does not vanish at rest turns its direction [m/s].
 const DIRECTION_SPEED: f64 = 1e-3;
 /// Smallest rolling speed to which slip is related by the slide/roll law [m/s].
-const LEAST_ROLLING_SPEED: f64 = 0.1;
+const MIN_ROLLING_SPEED: f64 = 0.1;
 /// Viscosity at which a liquid counts as a glass, the usual definition of the glass transition [Pa s].
 const GLASS_VISCOSITY: f64 = 1e12;
 /// A film thinner than a molecule is none [m].
-const LEAST_FILM: f64 = 1e-9;
+const MIN_FILM: f64 = 1e-9;
 /// Stands in for a slip of 0, or its square, where a quotient with a limit is formed.
 pub(crate) const TINY: f64 = 1e-150;
 
@@ -230,14 +230,14 @@ pub(crate) fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
 /// μ/|u| of `rising` over the slide/roll ratio.
 #[inline(always)]
 pub(crate) fn rolling(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
-    let per_rolling = 1.0 / larger(context.rolling_speed, LEAST_ROLLING_SPEED);
+    let per_rolling = 1.0 / larger(context.rolling_speed, MIN_ROLLING_SPEED);
     per_rolling * rising(law, [per_rolling * per_rolling * slip_squared + TINY])[0]
 }
 
 /// μ/|u| of `sticking` over the slide/roll ratio.
 #[inline(always)]
 pub(crate) fn rolling_at_rest(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
-    let per_rolling = 1.0 / larger(context.rolling_speed, LEAST_ROLLING_SPEED);
+    let per_rolling = 1.0 / larger(context.rolling_speed, MIN_ROLLING_SPEED);
     sticking(law, per_rolling * slip_squared.sqrt(), slip_squared)
 }
 
@@ -247,7 +247,7 @@ pub(crate) fn eyring(law: &Eyring, slip_squared: f64, context: &TractionContext)
     let slip = larger(slip_squared.sqrt(), TINY);
     let pressure = larger(context.pressure, 1.0);
     let viscosity = law.viscosity * exponential(smaller(law.pressure_viscosity * pressure, law.largest_exponent));
-    let rate = viscosity / (larger(context.film_thickness, LEAST_FILM) * law.stress);
+    let rate = viscosity / (larger(context.film_thickness, MIN_FILM) * law.stress);
     let coefficient = smaller((law.stress / pressure) * inverse_hyperbolic_sine(rate * slip), law.limit);
     let (softness, softest) = (slip / coefficient, DIRECTION_SPEED / law.limit);
     1.0 / (softness * softness + softest * softest).sqrt()

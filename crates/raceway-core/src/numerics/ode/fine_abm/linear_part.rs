@@ -11,8 +11,8 @@ pub enum LinearPart {
 }
 
 /// Steps before a linear part is renewed again; doubled each time that it is outdated at once, up to the most.
-pub(super) const LEAST_PATIENCE: u64 = 4;
-pub(super) const MOST_PATIENCE: u64 = 256;
+pub(super) const MIN_PATIENCE: u64 = 4;
+pub(super) const MAX_PATIENCE: u64 = 256;
 
 /// Age of the linear part.
 pub(super) struct Renewal {
@@ -25,6 +25,6 @@ pub(super) struct Renewal {
 
 impl Renewal {
     pub(super) fn new() -> Self {
-        Self { taken: false, age: 0, patience: LEAST_PATIENCE }
+        Self { taken: false, age: 0, patience: MIN_PATIENCE }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::FineAbm;
 use super::diagonal::Diagonal;
-use super::linear_part::{LEAST_PATIENCE, LinearPart, MOST_PATIENCE, Renewal};
+use super::linear_part::{LinearPart, MAX_PATIENCE, MIN_PATIENCE, Renewal};
 use super::weights::Weights;
 use crate::numerics::ode::structure::displacements;
 use crate::numerics::ode::system::OdeSystem;
@@ -54,7 +54,7 @@ impl<S: OdeSystem + ?Sized> FineAbm<'_, S> {
         let Renewal { age, patience, .. } = &mut self.renewal;
         if *age == 1 {
             // The renewal did not help: the fast modes lie outside the blocks.
-            *patience = if outdated { (2 * *patience).min(MOST_PATIENCE) } else { LEAST_PATIENCE };
+            *patience = if outdated { (2 * *patience).min(MAX_PATIENCE) } else { MIN_PATIENCE };
         }
         if outdated && *age >= *patience {
             self.renew_linear_part();

@@ -7,7 +7,7 @@ use crate::numerics::ode::step_size::Try;
 use crate::numerics::ode::system::OdeSystem;
 
 /// Corrector iterations a step.
-const MOST_ITERATIONS: u32 = 4;
+const MAX_ITERATIONS: u32 = 4;
 /// Error that the corrector may leave, as a share of that of a step.
 const CORRECTOR_ERROR: f64 = 0.05;
 impl<S: OdeSystem + ?Sized> Gear<'_, S> {
@@ -18,7 +18,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
         corrector.correction.fill(0.0);
         self.trial.copy_from_slice(&self.predicted);
         let mut last = 0.0;
-        for iteration in 0..MOST_ITERATIONS {
+        for iteration in 0..MAX_ITERATIONS {
             self.system.derivative(end, &self.trial, &mut corrector.rate);
             self.statistics.rhs_evaluations += 1;
             if iteration == 0 {

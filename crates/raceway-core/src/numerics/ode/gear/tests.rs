@@ -1,4 +1,4 @@
-use super::coefficients::MOST_ORDER;
+use super::coefficients::MAX_ORDER;
 use super::*;
 
 /// y' = −2 t y², y = 1/(1 + t²).
@@ -44,7 +44,7 @@ fn held(order: usize, steps: usize) -> (f64, f64) {
 
 #[test]
 fn observed_orders_are_one_to_five() {
-    for order in 1..=MOST_ORDER {
+    for order in 1..=MAX_ORDER {
         let (coarse, fine) = (held(order, 80), held(order, 160));
         let observed = (coarse.0 / fine.0).log2();
         assert!((observed - order as f64).abs() < 0.2, "order {order}: {observed}");
@@ -65,7 +65,7 @@ fn polynomials_are_exact_on_uneven_steps() {
             dy[0] = f64::from(self.0) * time.powi(self.0 - 1);
         }
     }
-    for order in 1..=MOST_ORDER {
+    for order in 1..=MAX_ORDER {
         let system = Power(order as i32);
         let mut method = Gear::new(&system, 1.0, &[1.0], Tolerances::uniform(1, 1.0, 1.0));
         // Steps grow and shrink from a past that is exact.

@@ -5,7 +5,7 @@ use nalgebra::Complex;
 
 use super::coefficients::{C, PAIR, REAL, T, T_INVERSE, basis, transform};
 use super::convergence::Convergence;
-use super::{ESTIMATE, MOST_ITERATIONS, Outcome, Radau};
+use super::{ESTIMATE, MAX_ITERATIONS, Outcome, Radau};
 use crate::numerics::ode::arrowhead::Singular;
 use crate::numerics::ode::structure::displacements;
 use crate::numerics::ode::system::OdeSystem;
@@ -14,7 +14,7 @@ use crate::numerics::ode::system::OdeSystem;
 const SAME_STEP: f64 = 1e-6;
 /// Least assumed remainder after a first increment, over the increment; the last step may have converged better than
 /// this one.
-const LEAST_REMAINDER: f64 = 1e-3;
+const MIN_REMAINDER: f64 = 1e-3;
 
 impl<S: OdeSystem + ?Sized> Radau<'_, S> {
     /// Makes Jacobian and factors fit for a step, as far as they are not.
@@ -114,9 +114,9 @@ impl<S: OdeSystem + ?Sized> Radau<'_, S> {
     pub(super) fn newton(&mut self, step: f64) -> Result<u32, Outcome> {
         // Nothing is known before the second increment; the last step went about as well.
         self.convergence.contraction = 0.0;
-        self.convergence.remainder = self.convergence.remainder.max(LEAST_REMAINDER).powf(0.8);
+        self.convergence.remainder = self.convergence.remainder.max(MIN_REMAINDER).powf(0.8);
         let (mut last, mut last_ratio): (Option<f64>, Option<f64>) = (None, None);
-        for iteration in 1..=MOST_ITERATIONS {
+        for iteration in 1..=MAX_ITERATIONS {
             let increment = self.iterate(step);
             if !increment.is_finite() {
                 return Err(Outcome::Broken);
@@ -138,7 +138,7 @@ impl<S: OdeSystem + ?Sized> Radau<'_, S> {
                 return Ok(iteration);
             }
             if last.is_some() {
-                let iterations = MOST_ITERATIONS - iteration;
+                let iterations = MAX_ITERATIONS - iteration;
                 let expected = left * self.convergence.contraction.powi(iterations as i32);
                 if expected >= 1.0 {
                     let exponent = -1.0 / (ESTIMATE + f64::from(iterations));
