@@ -13,7 +13,7 @@ pub fn bracketed_root(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     for step in 0..400 {
         let bisect = 0.5 * (a + b);
         let secant = (a * fb - b * fa) / (fb - fa);
-        // Every third step halves the bracket, which bounds the work whatever the shape of f.
+        // Every third step halves the bracket, which bounds the work for any f.
         let inside = secant > a.min(b) && secant < a.max(b);
         let x = if step % 3 == 2 || !inside { bisect } else { secant };
         if x == a || x == b || (b - a).abs() <= f64::EPSILON * a.abs().max(b.abs()) {

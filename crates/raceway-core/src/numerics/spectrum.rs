@@ -151,7 +151,7 @@ const LENGTHS: usize = 8;
 
 /// A plan for signals of a length.
 fn planned<P>(length: usize, plan: impl FnOnce(&mut RealFftPlanner<f64>, usize) -> P) -> P {
-    // Plans are whole whatever became of those who asked for them.
+    // Plans stay valid after a panic in another thread.
     let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
     let (lengths, planner) = &mut *plans;
     if !lengths.contains(&length) {

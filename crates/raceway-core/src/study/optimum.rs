@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_that_fail_are_never_the_best_and_errors_nobody_knows_give_no_band() {
+    fn failed_runs_are_never_the_best_and_unknown_errors_give_no_band() {
         let found = searched(1, Goal::Least, |at| (at[0] > 0.5).then_some((at[0], None)));
         assert!(best(&found).at[0] > 0.5 && best(&found).at[0] < 0.51, "{:?}", best(&found));
         assert_eq!(found.band, None);

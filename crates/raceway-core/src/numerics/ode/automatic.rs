@@ -13,7 +13,7 @@ use super::stability::DORMAND_PRINCE as STABLE;
 use super::system::OdeSystem;
 use super::tolerances::Tolerances;
 
-/// h·|λ| of Dormand–Prince from which Gear's method is worth a trial; and where stability holds the step.
+/// h·|λ| of Dormand–Prince above which Gear's method is tried, and above which stability limits the step.
 const WORTH_A_TRIAL: f64 = 0.3;
 const HELD: f64 = 2.8;
 /// Number of samples of h·|λ| in favour of a trial before it is made, and of consecutive samples against it that reset

@@ -184,7 +184,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
             return Ok(());
         }
         if self.step == 0.0 {
-            // Its first step told the scale. From here the grid begins.
+            // Its first step sets the scale. The grid begins here.
             self.step = 0.5 * (time - self.previous_time);
             self.past.kept = 0;
         }

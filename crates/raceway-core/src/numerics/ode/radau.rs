@@ -100,7 +100,7 @@ pub(crate) struct Radau<'a, S: OdeSystem + ?Sized> {
     factored_step: f64,
     /// The Jacobian was evaluated at `(time, state)`.
     jacobian_is_fresh: bool,
-    /// It served the last step well enough to serve the next.
+    /// The Jacobian converged fast in the last step and is kept for the next.
     jacobian_serves: bool,
     /// Steps since it was evaluated.
     jacobian_age: u32,
