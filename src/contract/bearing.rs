@@ -6,13 +6,14 @@ use utoipa::ToSchema;
 use super::cage::CageInput;
 use super::filling::Filling;
 use super::material::MaterialsInput;
-use super::presets::{self, BearingPreset};
+use super::presets::{BearingBase, BearingName};
 use super::problem::listed;
-use super::scaling;
 use super::strict::{NameOr, optional_object};
 use super::units::{DEG, MM, UM, short};
 use crate::physics::bearing::{BearingKind, BearingParameters, Fit, PerRaceway};
+use crate::physics::defaults::{BearingDefaults, Dimensions};
 use crate::physics::material::Material;
+use crate::physics::presets;
 
 /// A ball bearing. With `preset`, the fields replace those of the preset. Without it, the ball count
 /// and all diameters and the width are required; the other fields have documented defaults.
@@ -20,7 +21,7 @@ use crate::physics::material::Material;
 #[serde(deny_unknown_fields)]
 pub struct BearingInput {
     /// Name of a preset of `GET /v1/presets` to start from.
-    #[schema(nullable = false, value_type = Option<presets::BearingName>, example = "article-integrated")]
+    #[schema(nullable = false, value_type = Option<BearingName>, example = "article-integrated")]
     pub preset: Option<String>,
     /// Default `deep_groove`.
     #[serde(rename = "type")]
@@ -74,7 +75,7 @@ pub struct BearingInput {
 #[serde(untagged)]
 pub enum BearingChoice {
     /// Name of a preset.
-    Name(presets::BearingName),
+    Name(BearingName),
     Fields(Box<BearingInput>),
 }
 
@@ -96,7 +97,7 @@ const FARTHEST_APART: f64 = 500.0;
 /// What the request says of the bearing, and what fills the gaps.
 pub struct ChosenBearing {
     pub own: BearingInput,
-    pub base: BearingPreset,
+    pub base: BearingBase,
 }
 
 /// The named preset, or the defaults of a bearing with these dimensions. After an error some other bearing stands in, so that what
@@ -113,33 +114,34 @@ pub fn choose(bearing: NameOr<String, BearingInput>, filling: &mut Filling) -> C
                 let known = listed(presets::bearing_names());
                 filling.refuse(pointer, format!("no bearing is called `{name}`; known are {known}"));
             }
-            preset
+            preset.map(BearingBase::from)
         }
         None if filling.is_unread("/scene/bearing/preset") => None,
         None => {
-            own.dimensions(filling).map(|size| scaling::defaults(size, own.kind.unwrap_or(BearingType::DeepGroove)))
+            let kind = own.kind.unwrap_or(BearingType::DeepGroove).in_physics();
+            own.dimensions(filling).map(|size| BearingBase::new(&size, &BearingDefaults::new(kind, &size)))
         }
     };
     let base = base.unwrap_or_else(|| {
         filling.stand_in();
-        presets::integrated()
+        presets::article_integrated().into()
     });
     ChosenBearing { own, base }
 }
 
 impl BearingInput {
     /// Dimensions of a bearing without a preset; `None` after errors that some are missing.
-    fn dimensions(&self, filling: &mut Filling) -> Option<scaling::Size> {
+    fn dimensions(&self, filling: &mut Filling) -> Option<Dimensions> {
         let known_errors = filling.errors.len();
         let mut number = |name: &str, field| filling.require(format!("/scene/bearing/{name}"), field, f64::NAN);
-        let size = scaling::Size {
-            bore_mm: number("inner_diameter_mm", &self.inner_diameter_mm),
+        let size = Dimensions {
+            inner_diameter_mm: number("inner_diameter_mm", &self.inner_diameter_mm),
             ball_diameter_mm: number("ball_diameter_mm", &self.ball_diameter_mm),
             pitch_diameter_mm: number("pitch_diameter_mm", &self.pitch_diameter_mm),
+            outer_diameter_mm: number("outer_diameter_mm", &self.outer_diameter_mm),
+            width_mm: number("width_mm", &self.width_mm),
+            ball_count: filling.require("/scene/bearing/ball_count", &self.ball_count, 0) as usize,
         };
-        number("outer_diameter_mm", &self.outer_diameter_mm);
-        number("width_mm", &self.width_mm);
-        filling.require("/scene/bearing/ball_count", &self.ball_count, 0);
         (filling.errors.len() == known_errors).then_some(size)
     }
 
@@ -235,6 +237,16 @@ impl BearingInput {
                     Fit::RadialClearance(UM.to_si(filling.take(pointer, &mut self.radial_clearance_um, clearance)))
                 }
             },
+        }
+    }
+}
+
+impl From<BearingKind> for BearingType {
+    fn from(kind: BearingKind) -> Self {
+        match kind {
+            BearingKind::Integrated => Self::Integrated,
+            BearingKind::DeepGroove => Self::DeepGroove,
+            BearingKind::AngularContact => Self::AngularContact,
         }
     }
 }

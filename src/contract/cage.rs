@@ -8,6 +8,7 @@ use super::strict::{NameOr, optional_object};
 use super::units::{DEG, G, MM};
 use crate::physics::cage::{CageParameters, GuidingLand, PocketFilm, PocketSeat};
 use crate::physics::contact::damping::DampingLaw;
+use crate::physics::defaults;
 use crate::physics::lubricant::LubricantKind;
 use crate::physics::material::Material;
 
@@ -135,8 +136,11 @@ impl CageInput {
         let half_width = take("seat_half_width_mm", &mut self.seat_half_width_mm, base.seat_half_width_mm);
         let friction = take("friction", &mut self.friction, base.friction);
         let friction_speed = take("friction_speed_m_s", &mut self.friction_speed_m_s, base.friction_speed_m_s);
-        let usual_film = if lubricant == LubricantKind::Dry { FilmName::None } else { FilmName::Wedge };
-        let film = filling.take("/scene/bearing/cage/film", &mut self.film, NameOr::Name(usual_film));
+        let default_film = match defaults::pocket_film(lubricant) {
+            PocketFilm::None => FilmName::None,
+            _ => FilmName::Wedge,
+        };
+        let film = filling.take("/scene/bearing/cage/film", &mut self.film, NameOr::Name(default_film));
         let seat = filling.take("/scene/bearing/cage/seat", &mut self.seat, base.seat.unwrap_or(SeatName::Open));
         self.bar_stiffness_n_per_m = self.bar_stiffness_n_per_m.or(base.bar_stiffness_n_per_m);
         self.land = self.land.or(base.land);
@@ -163,6 +167,15 @@ impl CageInput {
                 width: MM.to_si(land.width_mm),
             }),
             damping,
+        }
+    }
+}
+
+impl From<PocketSeat> for SeatName {
+    fn from(seat: PocketSeat) -> Self {
+        match seat {
+            PocketSeat::Open => Self::Open,
+            PocketSeat::Closed => Self::Closed,
         }
     }
 }

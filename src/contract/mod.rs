@@ -38,7 +38,6 @@ mod cost;
 mod filling;
 mod limits;
 mod plausible;
-mod scaling;
 pub mod schema;
 mod strict;
 mod times;

@@ -2,9 +2,9 @@
 
 use super::job::Job;
 use super::problem::FieldError;
-use super::scaling::{Size, crown_cage, shaft_mass_kg};
 use super::units::{MM, RPM, UM, short, significant};
 use crate::physics::contact::traction::TractionLaw;
+use crate::physics::defaults::{CrownCage, shaft_mass};
 use crate::physics::spindle::Unbalance;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::equilibrium::StaticLoads;
@@ -77,7 +77,7 @@ pub fn warnings(job: &Job, at_rest: Option<&StaticLoads>) -> Vec<FieldError> {
         "traction drives what slips, in place of braking it, where a + d (at rest) or d (at large slip) is below 0"
             .into()
     });
-    let (mass, usual) = (scene.spindle.mass, shaft_mass_kg(MM.to_user(scene.bearing.parameters.inner_diameter)));
+    let (mass, usual) = (scene.spindle.mass, shaft_mass(MM.to_user(scene.bearing.parameters.inner_diameter)));
     warn(is_outside(mass / usual, [1.0 / FACTOR, FACTOR]), "spindle/mass_kg", &|| {
         format!(
             "{} kg: a shaft of this bore has about {} kg; masses are in kg",
@@ -177,13 +177,8 @@ fn of_cage(scene: &Scene, warn: Warn<'_>) {
             short(MM.to_user(ball))
         )
     });
-    let usual = crown_cage(Size {
-        bore_mm: MM.to_user(parameters.inner_diameter),
-        ball_diameter_mm: MM.to_user(ball),
-        pitch_diameter_mm: MM.to_user(parameters.pitch_diameter),
-    });
+    let usual_grams = CrownCage::scaled(MM.to_user(ball), MM.to_user(parameters.pitch_diameter)).mass_g;
     let grams = 1e3 * cage.mass;
-    let usual_grams = usual.mass_g.unwrap_or(grams);
     warn(is_outside(grams / usual_grams, [1.0 / FACTOR, FACTOR]), "bearing/cage/mass_g", &|| {
         format!("{} g: a crown cage of this size has about {} g", short(grams), short(significant(usual_grams, 2)))
     });

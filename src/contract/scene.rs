@@ -13,6 +13,7 @@ use super::spindle::SpindleInput;
 use super::strict::{NameOr, object, optional_object};
 use super::terms::TermsInput;
 use crate::physics::bearing::PerRaceway;
+use crate::physics::defaults::GRAVITY;
 use crate::simulation::input::scene::{Scene, SceneParameters};
 
 /// What to simulate. Only `bearing` and `operation.speed_rpm` are required.
@@ -79,7 +80,7 @@ impl SceneInput {
     fn parameters(&mut self, filling: &mut Filling) -> SceneParameters {
         let operation = self.operation.resolve(filling);
         let terms = self.terms.get_or_insert_default().resolve(filling);
-        let gravity = filling.take("/scene/gravity_m_s2", &mut self.gravity_m_s2, 9.81);
+        let gravity = filling.take("/scene/gravity_m_s2", &mut self.gravity_m_s2, GRAVITY);
         let damping = self.damping.get_or_insert_default().resolve(filling);
         let bearing::ChosenBearing { mut own, base } = bearing::choose(self.bearing.clone(), filling);
 
@@ -88,7 +89,7 @@ impl SceneInput {
         let raceways = PerRaceway { inner: materials.inner_raceway, outer: materials.outer_raceway };
         let bearing = own.resolve(filling, &base.bearing, materials.ball, raceways);
         let ball_diameter_mm = own.ball_diameter_mm.unwrap_or_default();
-        let lubricant = lubricant::resolve(&mut self.lubricant, filling, &base.lubricant, ball_diameter_mm);
+        let lubricant = lubricant::resolve(&mut self.lubricant, filling, base.lubricant, ball_diameter_mm);
         let base_cage = base.bearing.cage.clone().unwrap_or_default();
         let cage = own.cage.get_or_insert_default();
         let cage = cage.resolve(filling, &base_cage, materials.cage, lubricant.kind, damping.pocket);

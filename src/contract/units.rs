@@ -1,6 +1,7 @@
 //! The only place where numbers change units, and the fields that physics names in its errors.
 
 use super::problem::FieldError;
+pub use crate::numerics::rounding::significant;
 use crate::physics::InvalidParameter;
 
 /// A unit of requests and results: SI value = value · `times` / `over`. A power of ten divides rather
@@ -209,9 +210,4 @@ pub fn decimal(number: f64, digits: i32) -> (f64, i32) {
 /// The number whose decimal point was moved.
 pub fn of_decimal(whole: f64, places: i32) -> f64 {
     if places >= 0 { whole / 10_f64.powi(places) } else { whole * 10_f64.powi(-places) }
-}
-
-/// The number rounded to so many significant digits.
-pub fn significant(number: f64, digits: usize) -> f64 {
-    format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number)
 }

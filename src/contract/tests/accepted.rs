@@ -7,7 +7,9 @@ use crate::contract::{
 };
 use crate::physics::bearing::Fit;
 use crate::physics::cage::PocketFilm;
+use crate::physics::lubricant::Lubricant;
 use crate::physics::spindle::{AxialHold, Unbalance};
+use crate::simulation::input::scene::Scene;
 
 fn job(request: &Value) -> Job {
     parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{request}: {refusal}"))
@@ -124,7 +126,7 @@ fn defaults_follow_what_is_given() {
 fn resolved_scenes_resolve_to_themselves() {
     let dimensions = json!({"outer_diameter_mm": 62, "inner_diameter_mm": 30, "width_mm": 16, "ball_count": 9,
         "ball_diameter_mm": 9.525, "pitch_diameter_mm": 46.0, "type": "angular_contact"});
-    let mut bearings: Vec<Value> = presets::bearing_names().map(Value::from).collect();
+    let mut bearings: Vec<Value> = crate::physics::presets::bearing_names().map(Value::from).collect();
     bearings.push(dimensions);
     bearings.push(json!({"preset": "608", "contact_angle_deg": 12.3, "materials": {"ball": "si3n4"},
         "cage": {"film": {"stiffness_n_per_m": 1e4, "damping_n_s_per_m": 1}, "land": {"clearance_mm": 0.1, "diameter_mm": 18, "width_mm": 1}}}));
@@ -210,6 +212,20 @@ fn every_preset_states_what_it_sets() {
             "spindle": {"mass_kg": preset["spindle_mass_kg"]}, "lubricant": preset["lubricant"]});
         let named = json!({"bearing": name, "operation": {"speed_rpm": 1}});
         assert_eq!(scene_from_json(&scene.to_string()).unwrap(), scene_from_json(&named.to_string()).unwrap());
+    }
+}
+
+/// Both convert the same catalogue values to SI, bit for bit.
+#[test]
+fn a_preset_of_the_core_is_the_preset_of_a_request() {
+    for name in crate::physics::presets::bearing_names() {
+        let request = json!({"bearing": name, "operation": {"speed_rpm": 3000, "radial_load_y_n": 77}});
+        let requested = scene_from_json(&request.to_string()).unwrap();
+        let preset = crate::physics::presets::bearing(name).unwrap();
+        let scene = Scene::of_preset(&preset, requested.operating_speed(), [0.0, 77.0, 0.0]).unwrap();
+        let lubricant = Lubricant { inlet_distance: requested.lubricant.inlet_distance, ..scene.lubricant };
+        assert_eq!(lubricant.meniscus(0.0), scene.lubricant.meniscus(scene.bearing.parameters.ball_diameter), "{name}");
+        assert_eq!(Scene { lubricant, ..scene }, requested, "{name}");
     }
 }
 
