@@ -27,7 +27,8 @@ impl Spectrum {
         let averages = self.averages + other.averages;
         let [own, others] = [self.averages, other.averages].map(|part| (part as f64 / averages as f64).sqrt());
         for (own_amplitude, amplitude) in self.amplitude.iter_mut().zip(&other.amplitude) {
-            *own_amplitude = (own * *own_amplitude).hypot(others * amplitude);
+            let (one, other) = (own * *own_amplitude, others * amplitude);
+            *own_amplitude = (one * one + other * other).sqrt();
         }
         self.averages = averages;
     }
@@ -42,12 +43,28 @@ pub fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
     if n == 0 {
         return Spectrum { resolution: 0.0, amplitude: Vec::new(), window: "hann", averages: 1 };
     }
+    amplitudes(&bins_about_mean(signal), n, rate)
+}
+
+/// Fourier transform of a signal that is not empty, less its mean.
+fn bins_about_mean(signal: &[f64]) -> Vec<Complex64> {
     let mean = mean(signal);
-    let bins = forward(&mut signal.iter().map(|x| x - mean).collect::<Vec<_>>());
+    forward(&mut signal.iter().map(|x| x - mean).collect::<Vec<_>>())
+}
+
+/// Amplitude spectrum of `n` values from their transform.
+fn amplitudes(bins: &[Complex64], n: usize, rate: f64) -> Spectrum {
     // 2 over the sum of the window, n/2.
     let one_sided = 4.0 / n as f64;
     let magnitude = |bin: Complex64| bin.norm_sqr().sqrt();
-    let mut amplitude: Vec<f64> = (0..bins.len()).map(|k| one_sided * magnitude(hann(&bins, n, k))).collect();
+    let mut amplitude = vec![0.0; bins.len()];
+    // Between the ends each bin has its neighbours in the row.
+    for (amplitude, around) in amplitude.iter_mut().skip(1).zip(bins.windows(3)) {
+        *amplitude = one_sided * magnitude(0.5 * around[1] - 0.25 * (around[0] + around[2]));
+    }
+    for k in [0, bins.len() - 1] {
+        amplitude[k] = one_sided * magnitude(hann(bins, n, k));
+    }
     // The first entry and, for an even count, the last have no mirror image.
     amplitude[0] *= 0.5;
     if n.is_multiple_of(2) {
@@ -75,7 +92,21 @@ pub fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectru
     if n == 0 {
         return amplitude_spectrum(signal, rate);
     }
-    let mut bins = forward(&mut signal.to_vec());
+    envelope(forward(&mut signal.to_vec()), n, rate, band)
+}
+
+/// Both spectra of a signal from one transform: [`amplitude_spectrum`] and, to rounding, [`envelope_spectrum`].
+pub(crate) fn amplitude_and_envelope(signal: &[f64], rate: f64, band: (f64, f64)) -> (Spectrum, Spectrum) {
+    let n = signal.len();
+    if n == 0 {
+        return (amplitude_spectrum(signal, rate), amplitude_spectrum(signal, rate));
+    }
+    let bins = bins_about_mean(signal);
+    (amplitudes(&bins, n, rate), envelope(bins, n, rate, band))
+}
+
+/// Amplitude spectrum of the envelope of `n` values in a band [Hz], from their transform.
+fn envelope(mut bins: Vec<Complex64>, n: usize, rate: f64, band: (f64, f64)) -> Spectrum {
     let nyquist = n.is_multiple_of(2).then_some(n / 2);
     for (k, bin) in bins.iter_mut().enumerate() {
         let frequency = k as f64 * rate / n as f64;
@@ -109,9 +140,9 @@ pub fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
             *bin = Complex64::ZERO;
         }
     }
-    let mut left = inverse(&mut bins, n);
+    let mut left = inverse_unscaled(&mut bins, n);
     for (i, value) in left.iter_mut().enumerate() {
-        *value += line(i);
+        *value = *value / n as f64 + line(i);
     }
     left
 }
@@ -317,6 +348,13 @@ fn forward(signal: &mut [f64]) -> Vec<Complex64> {
 
 /// The `n` values that `forward` takes to these bins; overwrites them.
 fn inverse(bins: &mut [Complex64], n: usize) -> Vec<f64> {
+    let mut signal = inverse_unscaled(bins, n);
+    signal.iter_mut().for_each(|x| *x /= n as f64);
+    signal
+}
+
+/// `n` times those values; overwrites the bins.
+fn inverse_unscaled(bins: &mut [Complex64], n: usize) -> Vec<f64> {
     // The entries without a mirror image are real; rounding may say otherwise.
     bins[0].im = 0.0;
     if n.is_multiple_of(2) {
@@ -325,7 +363,6 @@ fn inverse(bins: &mut [Complex64], n: usize) -> Vec<f64> {
     let transform = planned(n, RealFftPlanner::plan_fft_inverse);
     let mut signal = transform.make_output_vec();
     transform.process(bins, &mut signal).expect("buffers have the plan's lengths");
-    signal.iter_mut().for_each(|x| *x /= n as f64);
     signal
 }
 

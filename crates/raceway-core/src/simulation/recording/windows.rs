@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
+use crate::numerics::lanes::{LANES, Lanes, larger};
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{self, CentralMoments};
 use crate::simulation::input::channel::{Axis, Channel, Motion};
@@ -75,7 +76,7 @@ impl InBand {
         // The band limit removes the mean, and windows differ in their means.
         Self {
             moments: CentralMoments::of(in_band).shifted(statistics::mean(signal)),
-            largest: signal.iter().fold(0.0, |most, value| f64::max(most, value.abs())),
+            largest: largest_magnitude(signal),
             mean_squares: statistics::mean_squares(in_band, BATCHES),
         }
     }
@@ -102,6 +103,8 @@ pub struct Signal {
     counts_all: bool,
     in_band: OnceLock<InBand>,
     spectra: OnceLock<ChannelSpectra>,
+    /// Whether levels or metrics need the statistics in the band.
+    counts_in_band: bool,
     asked_for_spectra: bool,
     /// Values of the first of several windows, where plots need them.
     first: Option<Vec<f64>>,
@@ -120,6 +123,8 @@ impl Signal {
             counts_all: true,
             in_band: OnceLock::new(),
             spectra: OnceLock::new(),
+            counts_in_band: ACCELERATIONS.contains(&channel)
+                || (outputs.vibration && matches!(channel, Channel::Spindle(..))),
             asked_for_spectra: outputs.spectra.contains(&channel),
             first: (windows.count > 1 && outputs.keep_signals()).then(Vec::new),
         }
@@ -163,7 +168,7 @@ impl Signal {
         if self.counts_all {
             join(&mut self.all, CentralMoments::of(&self.window), |all, window| *all = all.joined(window));
         }
-        if matches!(self.channel, Channel::Spindle(..)) {
+        if self.counts_in_band {
             join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
         }
         if self.asked_for_spectra {
@@ -178,6 +183,18 @@ impl Signal {
         }
         self.window.clear();
     }
+}
+
+/// Largest magnitude of a signal, eight values side by side.
+fn largest_magnitude(signal: &[f64]) -> f64 {
+    let mut largest = Lanes::<LANES>::default();
+    let (eights, rest) = signal.as_chunks::<LANES>();
+    for values in eights {
+        for lane in 0..LANES {
+            largest[lane] = larger(values[lane].abs(), largest[lane]);
+        }
+    }
+    rest.iter().map(|value| value.abs()).chain(largest.0).fold(0.0, f64::max)
 }
 
 /// Adds the statistics of a window to those of the windows before.
