@@ -107,19 +107,28 @@ pub(crate) fn amplitude_and_envelope(signal: &[f64], rate: f64, band: (f64, f64)
 
 /// Amplitude spectrum of the envelope of `n` values in a band [Hz], from their transform.
 fn envelope(mut bins: Vec<Complex64>, n: usize, rate: f64, band: (f64, f64)) -> Spectrum {
-    let nyquist = n.is_multiple_of(2).then_some(n / 2);
-    for (k, bin) in bins.iter_mut().enumerate() {
-        let frequency = k as f64 * rate / n as f64;
-        if k == 0 || Some(k) == nyquist || frequency < band.0 || frequency > band.1 {
-            *bin = Complex64::ZERO;
-        }
-    }
+    // The mean and, for an even count, the last bin have no quarter turn.
+    let frequency = |k: usize| k as f64 * rate / n as f64;
+    let from = bins_below(bins.len(), |k| k == 0 || frequency(k) < band.0);
+    let to = bins_below(bins.len(), |k| frequency(k) <= band.1 && 2 * k != n);
+    bins[..from].fill(Complex64::ZERO);
+    bins[to..].fill(Complex64::ZERO);
     // The analytic signal is the passed signal plus i times the same a quarter turn later.
     let mut quarter_turn: Vec<Complex64> = bins.iter().map(|bin| Complex64::new(bin.im, -bin.re)).collect();
     let in_phase = inverse(&mut bins, n);
     let in_quadrature = inverse(&mut quarter_turn, n);
     let envelope: Vec<f64> = in_phase.iter().zip(&in_quadrature).map(|(re, im)| (re * re + im * im).sqrt()).collect();
     amplitude_spectrum(&envelope, rate)
+}
+
+/// Number of bins up to the first for which `is_below` does not hold, `is_below` falling once with rising number.
+fn bins_below(bins: usize, is_below: impl Fn(usize) -> bool) -> usize {
+    let (mut below, mut beyond) = (0, bins);
+    while below < beyond {
+        let middle = below.midpoint(beyond);
+        if is_below(middle) { below = middle + 1 } else { beyond = middle }
+    }
+    below
 }
 
 /// The signal without its mean and without anything above `highest` [Hz]; same length, same rate.
@@ -135,11 +144,8 @@ pub fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
     let mut bent: Vec<f64> = signal.iter().enumerate().map(|(i, value)| value - line(i)).collect();
     let mut bins = forward(&mut bent);
     bins[0] = Complex64::ZERO;
-    for (k, bin) in bins.iter_mut().enumerate() {
-        if k as f64 * rate / n as f64 > highest {
-            *bin = Complex64::ZERO;
-        }
-    }
+    let cut = bins_below(bins.len(), |k| k as f64 * rate / n as f64 <= highest);
+    bins[cut..].fill(Complex64::ZERO);
     let mut left = inverse_unscaled(&mut bins, n);
     for (i, value) in left.iter_mut().enumerate() {
         *value = *value / n as f64 + line(i);
