@@ -7,19 +7,6 @@ pub fn mean(signal: &[f64]) -> f64 {
     if signal.is_empty() { 0.0 } else { signal.iter().sum::<f64>() / signal.len() as f64 }
 }
 
-/// Arithmetic mean from eight sums side by side, equal to [`mean`] but for rounding and several times as fast.
-pub(crate) fn mean_side_by_side(signal: &[f64]) -> f64 {
-    let mut sums = Lanes::<LANES>::default();
-    let (eights, rest) = signal.as_chunks::<LANES>();
-    for values in eights {
-        for lane in 0..LANES {
-            sums[lane] += values[lane];
-        }
-    }
-    let sum = sums.0.iter().sum::<f64>() + rest.iter().sum::<f64>();
-    if signal.is_empty() { 0.0 } else { sum / signal.len() as f64 }
-}
-
 /// Middle value, of an even number the mean of the two in the middle; `None` of an empty slice.
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
@@ -61,7 +48,7 @@ impl CentralMoments {
 
     pub fn of(signal: &[f64]) -> Self {
         // Eight sums side by side: one would wait for itself with each value.
-        let mean = mean_side_by_side(signal);
+        let mean = mean(signal);
         let [mut second, mut third, mut fourth, mut above, mut below] = [Lanes::<LANES>::default(); 5];
         for values in signal.chunks(LANES) {
             let off = match <[f64; LANES]>::try_from(values) {

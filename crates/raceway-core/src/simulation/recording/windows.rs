@@ -75,7 +75,7 @@ impl InBand {
         let in_band = in_band.get(edge..in_band.len().saturating_sub(edge)).unwrap_or_default();
         // The band limit removes the mean, and windows differ in their means.
         Self {
-            moments: CentralMoments::of(in_band).shifted(statistics::mean_side_by_side(signal)),
+            moments: CentralMoments::of(in_band).shifted(statistics::mean(signal)),
             largest: largest_magnitude(signal),
             mean_squares: statistics::mean_squares(in_band, BATCHES),
         }

@@ -131,7 +131,8 @@ impl PartMeans {
 
     /// Rms distance of the cage from its mean place [m].
     fn orbit_radius(&self) -> f64 {
-        let variance = |axis: usize| (self.squares[axis] - self.place[axis] * self.place[axis] / self.steps) / self.steps;
+        let variance =
+            |axis: usize| (self.squares[axis] - self.place[axis] * self.place[axis] / self.steps) / self.steps;
         (variance(0) + variance(1)).max(0.0).sqrt()
     }
 }
