@@ -27,7 +27,8 @@ impl Spectrum {
         let averages = self.averages + other.averages;
         let [own, others] = [self.averages, other.averages].map(|part| (part as f64 / averages as f64).sqrt());
         for (own_amplitude, amplitude) in self.amplitude.iter_mut().zip(&other.amplitude) {
-            *own_amplitude = (own * *own_amplitude).hypot(others * amplitude);
+            let (one, other) = (own * *own_amplitude, others * amplitude);
+            *own_amplitude = (one * one + other * other).sqrt();
         }
         self.averages = averages;
     }
@@ -42,12 +43,28 @@ pub(crate) fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
     if n == 0 {
         return Spectrum { resolution: 0.0, amplitude: Vec::new(), window: "hann", averages: 1 };
     }
+    amplitudes(&bins_about_mean(signal), n, rate)
+}
+
+/// Fourier transform of a signal that is not empty, less its mean.
+fn bins_about_mean(signal: &[f64]) -> Vec<Complex64> {
     let mean = mean(signal);
-    let bins = forward(&mut signal.iter().map(|x| x - mean).collect::<Vec<_>>());
+    forward(&mut signal.iter().map(|x| x - mean).collect::<Vec<_>>())
+}
+
+/// Amplitude spectrum of `n` values from their transform.
+fn amplitudes(bins: &[Complex64], n: usize, rate: f64) -> Spectrum {
     // 2 over the sum of the window, n/2.
     let one_sided = 4.0 / n as f64;
     let magnitude = |bin: Complex64| bin.norm_sqr().sqrt();
-    let mut amplitude: Vec<f64> = (0..bins.len()).map(|k| one_sided * magnitude(hann(&bins, n, k))).collect();
+    let mut amplitude = vec![0.0; bins.len()];
+    // Between the ends each bin has its neighbours in the row.
+    for (amplitude, around) in amplitude.iter_mut().skip(1).zip(bins.windows(3)) {
+        *amplitude = one_sided * magnitude(0.5 * around[1] - 0.25 * (around[0] + around[2]));
+    }
+    for k in [0, bins.len() - 1] {
+        amplitude[k] = one_sided * magnitude(hann(bins, n, k));
+    }
     // The first entry and, for an even count, the last have no mirror image.
     amplitude[0] *= 0.5;
     if n.is_multiple_of(2) {
@@ -75,20 +92,43 @@ pub(crate) fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> 
     if n == 0 {
         return amplitude_spectrum(signal, rate);
     }
-    let mut bins = forward(&mut signal.to_vec());
-    let nyquist = n.is_multiple_of(2).then_some(n / 2);
-    for (k, bin) in bins.iter_mut().enumerate() {
-        let frequency = k as f64 * rate / n as f64;
-        if k == 0 || Some(k) == nyquist || frequency < band.0 || frequency > band.1 {
-            *bin = Complex64::ZERO;
-        }
+    envelope(forward(&mut signal.to_vec()), n, rate, band)
+}
+
+/// Both spectra of a signal from one transform: [`amplitude_spectrum`] and, to rounding, [`envelope_spectrum`].
+pub(crate) fn amplitude_and_envelope(signal: &[f64], rate: f64, band: (f64, f64)) -> (Spectrum, Spectrum) {
+    let n = signal.len();
+    if n == 0 {
+        return (amplitude_spectrum(signal, rate), amplitude_spectrum(signal, rate));
     }
+    let bins = bins_about_mean(signal);
+    (amplitudes(&bins, n, rate), envelope(bins, n, rate, band))
+}
+
+/// Amplitude spectrum of the envelope of `n` values in a band [Hz], from their transform.
+fn envelope(mut bins: Vec<Complex64>, n: usize, rate: f64, band: (f64, f64)) -> Spectrum {
+    // The mean and, for an even count, the last bin have no quarter turn.
+    let frequency = |k: usize| k as f64 * rate / n as f64;
+    let from = bins_below(bins.len(), |k| k == 0 || frequency(k) < band.0);
+    let to = bins_below(bins.len(), |k| frequency(k) <= band.1 && 2 * k != n);
+    bins[..from].fill(Complex64::ZERO);
+    bins[to..].fill(Complex64::ZERO);
     // The analytic signal is the passed signal plus i times the same a quarter turn later.
     let mut quarter_turn: Vec<Complex64> = bins.iter().map(|bin| Complex64::new(bin.im, -bin.re)).collect();
     let in_phase = inverse(&mut bins, n);
     let in_quadrature = inverse(&mut quarter_turn, n);
     let envelope: Vec<f64> = in_phase.iter().zip(&in_quadrature).map(|(re, im)| (re * re + im * im).sqrt()).collect();
     amplitude_spectrum(&envelope, rate)
+}
+
+/// Number of bins up to the first for which `is_below` does not hold, `is_below` falling once with rising number.
+fn bins_below(bins: usize, is_below: impl Fn(usize) -> bool) -> usize {
+    let (mut below, mut beyond) = (0, bins);
+    while below < beyond {
+        let middle = below.midpoint(beyond);
+        if is_below(middle) { below = middle + 1 } else { beyond = middle }
+    }
+    below
 }
 
 /// The signal without its mean and without anything above `highest` [Hz]; same length, same rate.
@@ -104,14 +144,11 @@ pub(crate) fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> 
     let mut bent: Vec<f64> = signal.iter().enumerate().map(|(i, value)| value - line(i)).collect();
     let mut bins = forward(&mut bent);
     bins[0] = Complex64::ZERO;
-    for (k, bin) in bins.iter_mut().enumerate() {
-        if k as f64 * rate / n as f64 > highest {
-            *bin = Complex64::ZERO;
-        }
-    }
-    let mut left = inverse(&mut bins, n);
+    let cut = bins_below(bins.len(), |k| k as f64 * rate / n as f64 <= highest);
+    bins[cut..].fill(Complex64::ZERO);
+    let mut left = inverse_unscaled(&mut bins, n);
     for (i, value) in left.iter_mut().enumerate() {
-        *value += line(i);
+        *value = *value / n as f64 + line(i);
     }
     left
 }
@@ -173,6 +210,13 @@ fn forward(signal: &mut [f64]) -> Vec<Complex64> {
 
 /// The `n` values that `forward` takes to these bins; overwrites them.
 fn inverse(bins: &mut [Complex64], n: usize) -> Vec<f64> {
+    let mut signal = inverse_unscaled(bins, n);
+    signal.iter_mut().for_each(|x| *x /= n as f64);
+    signal
+}
+
+/// `n` times those values; overwrites the bins.
+fn inverse_unscaled(bins: &mut [Complex64], n: usize) -> Vec<f64> {
     // The entries without a mirror image are real; rounding may say otherwise.
     bins[0].im = 0.0;
     if n.is_multiple_of(2) {
@@ -181,7 +225,6 @@ fn inverse(bins: &mut [Complex64], n: usize) -> Vec<f64> {
     let transform = planned(n, RealFftPlanner::plan_fft_inverse);
     let mut signal = transform.make_output_vec();
     transform.process(bins, &mut signal).expect("buffers have the plan's lengths");
-    signal.iter_mut().for_each(|x| *x /= n as f64);
     signal
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::hertz::HertzContact;
 use crate::numerics::exponential::{logarithm_of_one_plus, power};
-use crate::numerics::lanes::larger;
+use crate::numerics::lanes::{LANES, Singles, larger};
 
 /// Film thickness of one contact as powers of rolling speed and load, made once a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,6 +57,24 @@ pub(crate) struct ThinnestFilm {
 
 impl ThinnestFilm {
     pub(crate) const NONE: Self = Self { thickness: f64::INFINITY, rolling_speed: 0.0, load: 0.0 };
+
+    /// Returns whether one of several contacts under load may have a thinner film, by the bound of `meet` without its quotients. The
+    /// margin is far above rounding, so that `meet` would accept none of those that this omits.
+    #[inline(always)]
+    pub(crate) fn may_be_thinner(&self, rolling_speed: &Singles, load: &Singles) -> bool {
+        const MARGIN: f32 = 1e-5;
+        let (thinnest_speed, per_load) = (self.rolling_speed as f32, (1.0 / self.load) as f32);
+        let (by_speed, by_load) = (SPEED_EXPONENT as f32, LOAD_EXPONENT as f32);
+        let mut excess = Singles::default();
+        for lane in 0..LANES {
+            let (speed, load) = (rolling_speed[lane].abs(), load[lane]);
+            let bound = by_speed * (speed - thinnest_speed) - by_load * (load * per_load - 1.0) * speed;
+            // The negated comparison takes the infinite bound before the first film, too.
+            let is_thicker = bound > MARGIN * speed;
+            excess[lane] = if load > 0.0 && !is_thicker { 1.0 } else { 0.0 };
+        }
+        excess.any(|excess| excess > 0.0)
+    }
 
     /// Compares with another contact. Most films are thicker, which a bound shows without computing powers: from 1 −
     /// 1/x ≤ ln x ≤ x − 1 follows a lower bound of the logarithm of the ratio of thicknesses.

@@ -112,7 +112,7 @@ impl<'m> Observer<'m> {
             pick: vec![0.0; channels.len()],
             history: Course::new(spindle.len() + channels.len() + FIRST_BALL_VALUES),
             between: vec![0.0; spindle.len() + channels.len() + FIRST_BALL_VALUES],
-            filtered: recorder(&spindle),
+            filtered: Recorder::behind_filter(spindle.iter().copied(), &settings.outputs, values),
             spindle,
             picked: recorder(&channels),
             channels,

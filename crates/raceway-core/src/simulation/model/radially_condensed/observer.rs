@@ -3,13 +3,13 @@
 use super::border::Border;
 use super::equations::RadiallyCondensed;
 use super::evaluation::{BallLoads, total};
+use super::films::Films;
 use super::stepping::{Observe, Stepper};
 use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
-use crate::physics::raceway::{RacewayContact, RelativeMotion};
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::step_ratio::StepRatio;
@@ -82,7 +82,7 @@ pub(super) struct Observer<'a> {
     part_end: u64,
     parts: Vec<Quantities>,
     loads: Option<BallLoadRecorder>,
-    thinnest: Option<PerRaceway<ThinnestFilm>>,
+    films: Option<Films>,
 }
 
 /// Largest values of a part of the recorded time, by group of balls.
@@ -179,7 +179,7 @@ impl<'a> Observer<'a> {
             frames: Vec::with_capacity(FRAMES),
             waiting_from: 0,
             primed,
-            filtered: recorder(&SPINDLE_IN_PLANE),
+            filtered: Recorder::behind_filter(SPINDLE_IN_PLANE, outputs, schedule.values),
             picked: recorder(&channels),
             pick: [vec![0.0; channels.len()], vec![0.0; channels.len()]],
             between: Vec::with_capacity(channels.len()),
@@ -201,10 +201,7 @@ impl<'a> Observer<'a> {
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
             loads: (outputs.contacts && outputs.keep_signals())
                 .then(|| BallLoadRecorder::new(schedule.values, model.mechanism().steady_orbit_speed())),
-            thinnest: model
-                .needs()
-                .film_thickness
-                .then_some(PerRaceway { inner: ThinnestFilm::NONE, outer: ThinnestFilm::NONE }),
+            films: model.needs().film_thickness.then(Films::new),
         }
     }
 
@@ -298,8 +295,8 @@ impl<'a> Observer<'a> {
             });
         }
         self.kept += 1.0;
-        if let Some(thinnest) = &mut self.thinnest {
-            meet_films(model, stepper, speed, thinnest);
+        if let Some(films) = &mut self.films {
+            films.record(m, stepper.balls(), stepper.ball_loads(), speed);
         }
     }
 
@@ -388,8 +385,8 @@ impl<'a> Observer<'a> {
             }
         };
         PerRaceway {
-            inner: one(&|load| load.inner, &extremes.slip.inner, self.thinnest.map(|films| films.inner)),
-            outer: one(&|load| load.outer, &extremes.slip.outer, self.thinnest.map(|films| films.outer)),
+            inner: one(&|load| load.inner, &extremes.slip.inner, self.films.as_ref().map(|films| films.thinnest.inner)),
+            outer: one(&|load| load.outer, &extremes.slip.outer, self.films.as_ref().map(|films| films.thinnest.outer)),
         }
     }
 }
@@ -466,32 +463,5 @@ fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, spe
                 BallContact::Pocket => seen.pocket[lane],
             })
         }
-    }
-}
-
-/// Records the film thickness of all contacts under load.
-fn meet_films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, thinnest: &mut PerRaceway<ThinnestFilm>) {
-    let m = model.mechanism();
-    for ball in 0..m.layout.balls {
-        let (balls, lane) = (&stepper.balls()[ball / LANES], ball % LANES);
-        let seen = &stepper.ball_loads()[ball / LANES];
-        let orbit = m.orbit_ratio * speed + f64::from(balls.arc_velocity[lane]) / m.pitch_radius;
-        let meet = |contact: &RacewayContact, raceway_speed: f64, normal: f64, thinnest: &mut ThinnestFilm| {
-            if normal <= 0.0 {
-                return;
-            }
-            let motion = RelativeMotion {
-                axial: 0.0,
-                radius: m.pitch_radius,
-                velocity: [0.0, 0.0, m.pitch_radius * orbit],
-                spin: [m.spin_ratio * speed + f64::from(balls.spin[lane]), 0.0, 0.0],
-                raceway_speed,
-                orbit_speed: orbit,
-                azimuth: 0.0,
-            };
-            contact.meet_film(contact.rolling_speed(&motion), normal, thinnest);
-        };
-        meet(&m.raceway.inner, speed, seen.load.inner[lane].into(), &mut thinnest.inner);
-        meet(&m.raceway.outer, 0.0, seen.load.outer[lane].into(), &mut thinnest.outer);
     }
 }
