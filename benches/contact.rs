@@ -53,7 +53,7 @@ fn model(balls: usize) -> Model {
     });
     let scene = scene_from_json(&json.to_string()).expect("a grown bearing is a scene");
     let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
-    let needs = Needs::of(&scene, &outputs, Some(ModelLevel::Full)).expect("the full model applies to every scene");
+    let needs = Needs::of(&scene, &outputs, Some(ModelLevel::Full)).expect("the full rung serves every scene");
     Model::new(&scene, &needs)
 }
 

@@ -3,13 +3,13 @@
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::OdeSystem;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
-use raceway::simulation::input::settings::Outputs;
-use raceway::simulation::model::Model;
 use raceway::simulation::model::equilibrium::start_state;
-use raceway::simulation::model::state::Layout;
+use raceway::simulation::result::metrics::channel_metrics;
+use raceway::simulation::model::Model;
 use raceway::simulation::model::terms::Needs;
 use raceway::simulation::recording::sampling::RATE;
-use raceway::simulation::result::metrics::channel_metrics;
+use raceway::simulation::input::settings::Outputs;
+use raceway::simulation::model::state::Layout;
 
 /// A scene by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
