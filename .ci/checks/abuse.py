@@ -20,7 +20,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from service import ARTICLE, Service, check  # noqa: E402
 
 FEW, MANY = 200, 10_000
-# As docs/OPERATIONS.md says.
+# The limits in docs/OPERATIONS.md.
 FIRST_BYTE_S, HEADER_S, CONNECTIONS, FOLLOWERS = 10, 30, 1024, 256
 # Limit of open sockets of this program. A child process inherits it.
 resource.setrlimit(resource.RLIMIT_NOFILE, (min(4096, resource.getrlimit(resource.RLIMIT_NOFILE)[1]),) * 2)
@@ -241,7 +241,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         check(until(lambda: sockets(service) <= sockets_before + 4, 10), f"{sockets(service)} sockets are open, as before ({sockets_before})")
         after, most = memory(service)
         print(f"memory: {before:.0f} MB before, {most:.0f} MB at most, {after:.0f} MB after")
-        check(most < 256, "memory stays within what docs/OPERATIONS.md says")
+        check(most < 256, "memory stays within the limit of docs/OPERATIONS.md")
         service.request("POST", f"{job}/cancel")
         service.ended(job)
         path, _ = service.submit(ARTICLE | {"duration_s": 0.02})

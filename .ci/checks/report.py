@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/ARTICLE.md is what the program writes, figure by figure; sampled sets of parameters give a report and a table."""
+"""The program writes docs/ARTICLE.md, figure by figure. Sampled sets of parameters give a report and a table."""
 
 import os
 import pathlib

@@ -1,6 +1,7 @@
-//! Published cases, and cases computed in another way, beside what this program computes: the rows of
-//! `docs/VERIFICATION.md`, a module an area. The table is held to the tests: each test computes a row anew and compares
-//! all its numbers to the digits printed, and each row has a test.
+//! Published cases, and cases computed independently, beside the results of this program, a module an area.
+//!
+//! The rows stand in `docs/VERIFICATION.md`. Each row has a test, which computes it anew and compares all its numbers to the
+//! digits printed.
 //!
 //! `cargo test --test verification` runs them all.
 

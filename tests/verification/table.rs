@@ -1,4 +1,4 @@
-//! The table of `docs/VERIFICATION.md` and what holds it to the tests.
+//! The table of `docs/VERIFICATION.md`, compared with the tests.
 
 use std::path::Path;
 use std::sync::OnceLock;
