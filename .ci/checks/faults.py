@@ -417,7 +417,7 @@ def server_without_writes(server):
             status = jobs.submit(0.1)
             is_problem(jobs.answer, 503, "database-away", status)
             until_not_ready(service, "takes no writes")
-            check(service.request("GET", path)[0] == 200, "a server without writes: stored jobs can be read")
+            check(service.request("GET", path)[0] == 200, "a server without writes: what is on record can be read")
             writes(True)
             until_ready(service, "a server without writes", 30)
             jobs.settle("a server without writes")
