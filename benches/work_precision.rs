@@ -225,7 +225,7 @@ fn models(plots: Option<&Path>) {
     println!("|---|---|---|---|---|");
     for (number, (speed, load, clearance, balls, mass, grade)) in scenes::SCENES.into_iter().enumerate() {
         let scene = scenes::scene(number).1;
-        let (truth, _, _) = by_model(&scene, WHOLE, true).expect("the whole dynamics serve every scene");
+        let (truth, _, _) = by_model(&scene, WHOLE, true).expect("the full model applies to every scene");
         let name = format!("{speed} r/min, {load} N, {clearance} µm, {balls} balls, {mass} g, G {grade}");
         let mut found = [None; MODELS.len()];
         for (index, (model, solver, all)) in MODELS.into_iter().enumerate() {

@@ -103,7 +103,7 @@ struct Compared {
     /// Whether the run with the default `settle_s` deviates by more than its error covers, and by more than error and scatter cover.
     beyond_error: bool,
     beyond_both: bool,
-    /// Whether the result carries a warning.
+    /// True where the result carries a warning.
     warns: bool,
     /// Wall time with three cage turns, and with the default `settle_s` [s].
     seconds: [f64; 2],

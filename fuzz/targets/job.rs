@@ -9,8 +9,8 @@ use libfuzzer_sys::{fuzz_mutator, fuzz_target};
 use raceway::contract::{self, Job, JobKind, Refusal, RunFailure, parse_job};
 use raceway::jobs::NewJob;
 use raceway::simulation::input::control::Control;
-use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::model::Model;
+use raceway::simulation::model::equilibrium::start_state;
 use serde_json::{Value, json};
 
 fuzz_target!(|body: &[u8]| {
