@@ -10,7 +10,7 @@ mod energy;
 mod extremes;
 mod instructions;
 mod jacobian;
-mod judgement;
+mod contact_points;
 mod ladder;
 mod mirror_symmetry;
 mod momentum;
