@@ -168,8 +168,7 @@ fn chosen() {
             let off = CHANNELS[..2].iter().map(|c| (level(&found, *c) - level(&full, *c)).abs()).fold(0.0, f64::max);
             let stated = found.accuracy.level_error_db().expect("a level is judged");
             let level = found.solver.level;
-            admitted[case] +=
-                usize::from([ModelLevel::SpindleOnly, ModelLevel::Periodic].contains(&level));
+            admitted[case] += usize::from([ModelLevel::SpindleOnly, ModelLevel::Periodic].contains(&level));
             wrong[case] += usize::from(off > tolerance);
             line += &format!(" `{}` {off:.4}, {stated:.4} | {:.0} |", level.name(), 1e3 * found.solver.wall_time);
         }

@@ -146,7 +146,10 @@ fn answer(result: &RunResult) -> Option<Answer> {
         summary.channels.iter().find(|(of, _)| *of == channel).map_or(0.0, |(_, metrics)| metrics.rms)
     };
     let is_transient = |warning: &Warning| {
-        matches!(warning, Warning::StartTransient { .. } | Warning::CageTransient { .. } | Warning::TiltTransient { .. })
+        matches!(
+            warning,
+            Warning::StartTransient { .. } | Warning::CageTransient { .. } | Warning::TiltTransient { .. }
+        )
     };
     let warned = summary.accuracy.warnings.iter().any(|warning| !is_transient(warning));
     let answer = Answer {

@@ -75,8 +75,5 @@ pub fn doubts(accuracy: &AccuracyReport) -> Vec<&Warning> {
 }
 
 fn is_transient(warning: &Warning) -> bool {
-    matches!(
-        warning,
-        Warning::StartTransient { .. } | Warning::CageTransient { .. } | Warning::TiltTransient { .. }
-    )
+    matches!(warning, Warning::StartTransient { .. } | Warning::CageTransient { .. } | Warning::TiltTransient { .. })
 }

@@ -206,7 +206,8 @@ fn a_periodic_motion_that_is_unstable_is_never_the_answer() {
 #[test]
 fn a_free_spindle_has_no_periodic_motion() {
     let json = changed(article(), json!({ "operation": { "radial_load_y_n": 0 }, "terms": { "gravity": "off" } }));
-    let words = run::simulate(&scene(&json), &asked(false, Some(ModelLevel::Periodic)), &patient()).unwrap_err().to_string();
+    let words =
+        run::simulate(&scene(&json), &asked(false, Some(ModelLevel::Periodic)), &patient()).unwrap_err().to_string();
     assert!(words.contains("it touches no ball"), "{words}");
     assert_ne!(simulate(&json, &asked(false, None)).summary.solver.level, ModelLevel::Periodic);
 }

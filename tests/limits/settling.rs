@@ -194,9 +194,8 @@ fn the_reused_start_up_phase_does_not_change_levels() {
         duration: 0.1,
         ..settings()
     };
-    let made = |settle: f64, tightened: Option<f64>| {
-        simulate(&scene, &asked(settle, tightened), &patient()).unwrap().summary
-    };
+    let made =
+        |settle: f64, tightened: Option<f64>| simulate(&scene, &asked(settle, tightened), &patient()).unwrap().summary;
     let shares = |settle: f64, tightened: Option<f64>| beginning(&scene, &asked(settle, tightened)).time > 0.0;
     let (shared, own) = (made(3.5 * last, Some(1e-5)), made(3.5 * last, None));
     assert!(shares(3.5 * last, Some(1e-5)) && !shares(3.5 * last, None) && !shares(2.9 * last, Some(1e-5)));
@@ -231,7 +230,8 @@ fn slow_beats_appear_in_a_second_window() {
         (summary.channels.iter().find_map(of).unwrap(), summary)
     };
     let ((level, summary), (later, _)) = (made(0.194), made(0.394));
-    let (scatter, stated) = (summary.accuracy.level_scatter.of(Z).unwrap(), summary.accuracy.level_errors.of(Z).unwrap());
+    let (scatter, stated) =
+        (summary.accuracy.level_scatter.of(Z).unwrap(), summary.accuracy.level_errors.of(Z).unwrap());
     println!("{level} dB, later {later} dB; scatter {scatter} dB, stated {stated} dB");
     assert!((level - later).abs() > 0.5 && scatter > 0.9 * (level - later).abs() && stated >= scatter);
 }
