@@ -18,7 +18,7 @@ use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::result::metrics::Summary;
-use raceway::simulation::solve::run::run;
+use raceway::simulation::solve::run::simulate;
 use serde_json::{Value, json};
 
 const RUNS: usize = 5;
@@ -94,7 +94,7 @@ fn rattling_line(json: &Value) {
     let plain = RunSettings { settle: 0.05, duration: 0.5, ..plain() };
     let at = |relative_tolerance| RunSettings { tightened: None, relative_tolerance, ..plain.clone() };
     let [stepped, loose, tight] = [&plain, &at(1e-3), &at(1e-5)]
-        .map(|settings| run(&scene, settings, &Control::until(&|| false)).expect("the scene runs").summary);
+        .map(|settings| simulate(&scene, settings, &Control::until(&|| false)).expect("the scene runs").summary);
     let levels = |summary: &Summary| {
         let off = |channel| 20.0 * (rms(summary, channel) / rms(&tight, channel)).log10();
         format!("{:+.3} {:+.3}", off(CHANNELS[0]), off(CHANNELS[1]))
@@ -148,7 +148,7 @@ fn line(name: &str, scene: &Scene) -> (f64, f64) {
     let exact =
         RunSettings { method: Method::Gear, relative_tolerance: 1e-6, model_tolerance_db: 0.0, ..controlled.clone() };
     let once =
-        |settings: &RunSettings| run(scene, settings, &Control::until(&|| false)).expect("the scene runs").summary;
+        |settings: &RunSettings| simulate(scene, settings, &Control::until(&|| false)).expect("the scene runs").summary;
     let exact = once(&exact);
     let (mut times, mut found) = ([Vec::new(), Vec::new()], None);
     for _ in 0..RUNS {

@@ -28,7 +28,7 @@ use raceway::simulation::recording::record::Recording;
 use raceway::simulation::recording::sampling::RATE;
 use raceway::simulation::result::metrics::Summary;
 use raceway::simulation::result::metrics::channel_metrics;
-use raceway::simulation::solve::run::run;
+use raceway::simulation::solve::run::simulate;
 use scenes::{SCENES, scene};
 
 const WINDOW: f64 = 0.1;
@@ -93,7 +93,7 @@ fn full(scene: &Scene, text: &str) -> (Levels, f64) {
     }
     let settings = settings(scene, WINDOW * WINDOWS as f64);
     let begin = cpu_time();
-    let result = run(scene, &settings, &CONTROL).expect("the full dynamics run");
+    let result = simulate(scene, &settings, &CONTROL).expect("the full dynamics run");
     let speed = (settings.settle + settings.duration) / (cpu_time() - begin);
     let found = levels(|channel| {
         let series = result.series.iter().find(|series| series.channel == channel).expect("kept");
@@ -155,7 +155,7 @@ fn chosen() {
                 outputs,
                 ..settings(&scene, 0.1)
             };
-            run(&scene, &settings, &CONTROL).expect("the scenes run").summary
+            simulate(&scene, &settings, &CONTROL).expect("the scenes run").summary
         };
         let level = |summary: &Summary, channel: Channel| {
             let found = summary.channels.iter().find(|(of, _)| *of == channel);
@@ -167,11 +167,10 @@ fn chosen() {
             let found = plain(None, all, tolerance);
             let off = CHANNELS[..2].iter().map(|c| (level(&found, *c) - level(&full, *c)).abs()).fold(0.0, f64::max);
             let stated = found.accuracy.level_error_db().expect("a level is judged");
-            let rung = found.solver.rung;
-            admitted[case] +=
-                usize::from([ModelLevel::SpindleOnly, ModelLevel::Periodic].iter().any(|lean| lean.name() == rung));
+            let level = found.solver.level;
+            admitted[case] += usize::from([ModelLevel::SpindleOnly, ModelLevel::Periodic].contains(&level));
             wrong[case] += usize::from(off > tolerance);
-            line += &format!(" `{rung}` {off:.4}, {stated:.4} | {:.0} |", 1e3 * found.solver.wall_time);
+            line += &format!(" `{}` {off:.4}, {stated:.4} | {:.0} |", level.name(), 1e3 * found.solver.wall_time);
         }
         println!("{line}");
     }

@@ -289,8 +289,8 @@ pub fn forces(forces: &[[f64; 4]]) -> String {
     trend_svg("Ball in its pocket", "forces over those of CalculiX, converged", &axis, &[panel])
 }
 
-/// A study as CSV: axes, status, why a point failed, rung, method, motion and warning, then every number of the metrics, each under
-/// its pointer.
+/// A study as CSV: axes, status, why a point failed, rung, method, motion and codes of warnings, then every number of the metrics,
+/// each under its pointer.
 pub fn table_csv(table: &TableAnswer) -> String {
     let heads = ["status", "error"].into_iter().chain(table.words());
     let columns = table.columns();
@@ -303,7 +303,7 @@ pub fn table_csv(table: &TableAnswer) -> String {
         let error = row.error.as_ref().map_or(String::new(), |error| quoted(&error.detail));
         let metric =
             |column| row.metrics.as_ref().and_then(|metrics| metrics.pointer(column)).map_or(String::new(), cell);
-        let words = table.words().into_iter().map(metric);
+        let words = table.words().into_iter().map(|word| row.word(word).map_or(String::new(), |text| quoted(&text)));
         let cells = values.chain([status, error]).chain(words).chain(columns.iter().map(|column| metric(column)));
         lines.push(cells.collect::<Vec<_>>().join(","));
     }

@@ -22,6 +22,7 @@ use serde_json::{Value, json};
 
 use crate::draw::{Draw, has, seed_and_count};
 use crate::threads::in_parallel;
+use crate::warns;
 
 const SCENES: usize = 100;
 const FACTOR: f64 = 3.0;
@@ -143,7 +144,7 @@ fn judged(scene: &Value) -> Result<Vec<Judged>, String> {
                 .filter_map(|channel| Some((level(&found, channel)? - level(&full, channel)?).abs()))
                 .fold(0.0, f64::max);
             let stated = |metrics: &Metrics| metrics.accuracy.level_error_db.unwrap_or(0.0);
-            let warned = found.accuracy.warning.is_some() || full.accuracy.warning.is_some();
+            let warned = warns(&found) || warns(&full);
             let wrong = off > FACTOR * (stated(&found) + stated(&full)) + INAUDIBLE;
             let misstated = misstated(&found, &full);
             Ok(Judged {

@@ -16,15 +16,16 @@ use std::time::Instant;
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
+use raceway::simulation::error::codes::Warning;
 use raceway::simulation::error::comparison::FAINT;
-use raceway::simulation::error::report::MotionKind;
+use raceway::simulation::error::lyapunov::MotionKind;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::failure::SimulationError;
 use raceway::simulation::result::run_result::RunResult;
-use raceway::simulation::solve::run::run as simulate_scene;
+use raceway::simulation::solve::run::simulate as simulate_scene;
 use serde_json::Value;
 
 #[path = "../../tests/limits/article.rs"]
@@ -144,12 +145,19 @@ fn answer(result: &RunResult) -> Option<Answer> {
         let channel = Channel::Spindle(axis, Motion::Acceleration);
         summary.channels.iter().find(|(of, _)| *of == channel).map_or(0.0, |(_, metrics)| metrics.rms)
     };
+    let is_transient = |warning: &Warning| {
+        matches!(
+            warning,
+            Warning::StartTransient { .. } | Warning::CageTransient { .. } | Warning::TiltTransient { .. }
+        )
+    };
+    let warned = summary.accuracy.warnings.iter().any(|warning| !is_transient(warning));
     let answer = Answer {
         levels: [level(Axis::Y), level(Axis::Z)],
         stated: summary.accuracy.level_error_db().unwrap_or(0.0),
         chaotic: summary.accuracy.motion == Some(MotionKind::Diverging),
-        warned: summary.accuracy.warning.is_some(),
-        judged: summary.accuracy.level_error_db().is_some() || summary.accuracy.warning.is_none(),
+        warned,
+        judged: summary.accuracy.level_error_db().is_some() || !warned,
         quantities: [
             summary.contacts.as_ref().map_or(0.0, |contacts| contacts.raceway.inner.max_load),
             summary.cage.as_ref().map_or(0.0, |cage| cage.speed),

@@ -18,10 +18,21 @@ mod threads;
 
 use std::process::ExitCode;
 
+use raceway::contract::Metrics;
+use raceway::contract::messages::{MessageCode, Severity};
+
 const USAGE: &str = "usage: cargo bench --bench calibration -- COMMAND …
   settling [SEED COUNT] [chosen|axial]
   drawn [SEED COUNT] [axial] [rattling] [crowns]
   extreme [scene=TEXT] [method=NAME] [budget=N]";
+
+/// Whether a result carries a warning, apart from vibration of the start.
+fn warns(metrics: &Metrics) -> bool {
+    const TRANSIENTS: [MessageCode; 3] =
+        [MessageCode::StartTransient, MessageCode::CageTransient, MessageCode::TiltTransient];
+    let mut messages = metrics.messages.iter();
+    messages.any(|message| message.severity == Severity::Warning && !TRANSIENTS.contains(&message.code))
+}
 
 fn main() -> ExitCode {
     // cargo itself passes `--bench`.

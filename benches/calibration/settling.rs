@@ -20,6 +20,7 @@ use serde_json::{Value, json};
 
 use crate::draw::{Draw, has, seed_and_count};
 use crate::threads::in_parallel;
+use crate::warns;
 
 const SCENES: usize = 100;
 const WINDOWS: usize = 4;
@@ -85,7 +86,7 @@ fn simulate(scene: &Value, rung: Option<&str>, settle: Option<f64>) -> Result<Ru
             levels: of(&outcome.metrics, |channel| channel.level_db).map(|level| level.max(QUIET)),
             errors: of(&outcome.metrics, |channel| channel.level_error_db),
             scatter: of(&outcome.metrics, |channel| channel.level_scatter_db),
-            warns: outcome.metrics.accuracy.warning.is_some(),
+            warns: warns(&outcome.metrics),
             seconds: begin.elapsed().as_secs_f64(),
             settled: job.settings.settle,
             kept: job.settings.duration,

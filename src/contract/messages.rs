@@ -147,7 +147,8 @@ fn refined(refinement: &Refinement) -> String {
     }
 }
 
-fn of_warning(warning: &Warning) -> MessageAnswer {
+/// The message of a warning.
+pub fn of_warning(warning: &Warning) -> MessageAnswer {
     let (code, text, values): (MessageCode, String, Vec<(&str, Value)>) = match warning {
         Warning::Uncertain { cause, errors } => {
             let (reason, remedy) = match cause {

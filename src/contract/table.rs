@@ -14,6 +14,8 @@ use crate::study::{self, Goal};
 
 /// Parts of the metrics that are no numbers of the point: a table of them all would be large.
 const LEFT_AWAY: [&str; 2] = ["lines", "left_out"];
+/// Column of the codes of the warnings of a point.
+const WARNINGS: &str = "/messages/warning";
 
 /// The answer of `GET …/table`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -232,12 +234,10 @@ impl TableAnswer {
         self.rows.iter().map(|row| uncertain(row.metrics.as_ref()?, pointer)).collect()
     }
 
-    /// Pointers to the words that tell on what the numbers of a point rest, where any point has them.
+    /// Columns that tell on what the numbers of a point rest, where any point has them: pointers, and the codes of its warnings.
     pub fn words(&self) -> Vec<&'static str> {
-        const WORDS: [&str; 5] =
-            ["/solver/rung", "/solver/method", "/accuracy/motion", "/accuracy/warning", "/accuracy/settling"];
-        let has =
-            |word: &&str| self.rows.iter().any(|row| row.metrics.as_ref().and_then(|m| m.pointer(word)).is_some());
+        const WORDS: [&str; 4] = ["/solver/rung", "/solver/method", "/accuracy/motion", WARNINGS];
+        let has = |word: &&str| self.rows.iter().any(|row| row.word(word).is_some());
         WORDS.into_iter().filter(has).collect()
     }
 
@@ -252,6 +252,20 @@ impl TableAnswer {
             });
         }
         columns
+    }
+}
+
+impl Row {
+    /// The cell of a column of words.
+    pub fn word(&self, column: &str) -> Option<String> {
+        let metrics = self.metrics.as_ref()?;
+        if column != WARNINGS {
+            return metrics.pointer(column)?.as_str().map(str::to_owned);
+        }
+        let is_warning = |message: &&Value| message["severity"] == "warning";
+        let messages = metrics["messages"].as_array()?.iter().filter(is_warning);
+        let codes: Vec<&str> = messages.filter_map(|message| message["code"].as_str()).collect();
+        (!codes.is_empty()).then(|| codes.join(" "))
     }
 }
 

@@ -3,12 +3,14 @@
 use std::sync::OnceLock;
 
 use raceway::numerics::ode::Method;
+use raceway::simulation::error::codes::Warning;
+use raceway::simulation::error::report::AccuracyReport;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::result::lines::Line;
 use raceway::simulation::result::run_result::RunResult;
-use raceway::simulation::solve::run::run;
+use raceway::simulation::solve::run::simulate;
 use serde_json::json;
 
 use crate::scenes::{article, changed, scene};
@@ -40,7 +42,7 @@ pub fn patient() -> Control<'static> {
 /// The article's case.
 pub fn balanced() -> &'static RunResult {
     static RUN: OnceLock<RunResult> = OnceLock::new();
-    RUN.get_or_init(|| run(&scene(&article()), &settings(), &patient()).unwrap())
+    RUN.get_or_init(|| simulate(&scene(&article()), &settings(), &patient()).unwrap())
 }
 
 /// The article's case with an unbalance of grade G 6.3.
@@ -48,7 +50,7 @@ pub fn unbalanced() -> &'static RunResult {
     static RUN: OnceLock<RunResult> = OnceLock::new();
     RUN.get_or_init(|| {
         let scene = scene(&changed(article(), json!({ "spindle": { "balance_grade": 6.3 } })));
-        run(&scene, &settings(), &patient()).unwrap()
+        simulate(&scene, &settings(), &patient()).unwrap()
     })
 }
 
@@ -60,4 +62,18 @@ pub fn lines(result: &RunResult, channel: Channel) -> Vec<&Line> {
 /// The line with a label.
 pub fn line<'a>(result: &'a RunResult, channel: Channel, label: &str) -> Option<&'a Line> {
     lines(result, channel).into_iter().find(|line| line.label == label)
+}
+
+/// Warnings of vibration of the start.
+pub fn transients(accuracy: &AccuracyReport) -> Vec<&Warning> {
+    accuracy.warnings.iter().filter(|warning| is_transient(warning)).collect()
+}
+
+/// All other warnings.
+pub fn doubts(accuracy: &AccuracyReport) -> Vec<&Warning> {
+    accuracy.warnings.iter().filter(|warning| !is_transient(warning)).collect()
+}
+
+fn is_transient(warning: &Warning) -> bool {
+    matches!(warning, Warning::StartTransient { .. } | Warning::CageTransient { .. } | Warning::TiltTransient { .. })
 }

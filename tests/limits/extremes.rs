@@ -6,7 +6,7 @@ use raceway::contract::scene_from_json;
 use raceway::simulation::input::control::Control;
 use raceway::simulation::model::failure::SimulationError;
 use raceway::simulation::result::run_result::RunResult;
-use raceway::simulation::solve::run::run;
+use raceway::simulation::solve::run::simulate;
 use serde_json::{Value, json};
 
 use crate::article_run::settings;
@@ -22,7 +22,7 @@ fn short_run(json: &Value, settle: f64) -> Result<RunResult, SimulationError> {
     settings.duration = 2.0 * settle;
     let begin = Instant::now();
     let stop = || begin.elapsed() > PATIENCE;
-    run(&scene(json), &settings, &Control::until(&stop))
+    simulate(&scene(json), &settings, &Control::until(&stop))
 }
 
 /// Runs 3 ms of the article's case with changes and checks every number of the result.

@@ -5,12 +5,12 @@ mod article;
 mod article_run;
 mod scenes;
 
+mod contact_points;
 mod dissipation;
 mod energy;
 mod extremes;
 mod instructions;
 mod jacobian;
-mod judgement;
 mod ladder;
 mod mirror_symmetry;
 mod momentum;

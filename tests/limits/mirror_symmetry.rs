@@ -10,7 +10,7 @@ use crate::article_run::{patient, settings};
 use crate::scenes::{article, changed, disturbed, everything, model, model_on, rates, scene};
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::RunSettings;
-use raceway::simulation::solve::run::run;
+use raceway::simulation::solve::run::simulate;
 
 const TIME: f64 = 2.3e-4;
 
@@ -162,7 +162,7 @@ fn metrics_do_not_depend_on_the_sense_of_rotation() {
     let run_at = |speed: f64| {
         let settings = RunSettings { settle: 2e-3, duration: 4e-3, ..settings() };
         let json = changed(article(), json!({ "operation": { "speed_rpm": speed } }));
-        run(&scene(&json), &settings, &patient()).unwrap().summary.cage.unwrap()
+        simulate(&scene(&json), &settings, &patient()).unwrap().summary.cage.unwrap()
     };
     let (forward, backward) = (run_at(50_000.0), run_at(-50_000.0));
     assert!((forward.speed / backward.speed - 1.0).abs() < 1e-9);

@@ -9,7 +9,7 @@ use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRatio, Stepper, inapplicability};
 use raceway::simulation::recording::record::Recording;
-use raceway::simulation::solve::run::run;
+use raceway::simulation::solve::run::simulate;
 
 const CONTROL: Control<'static> = Control::until(&|| false);
 
@@ -69,7 +69,7 @@ fn levels_are_those_of_the_full_model() {
         [(50_000.0, 200.0, 5.0, 7, 6.3), (30_000.0, 100.0, 8.0, 8, 0.0), (60_000.0, 300.0, 3.0, 6, 0.0)]
     {
         let scene = article(speed, [load, 0.0], clearance, balls, grade);
-        let full = run(&scene, &settings(5e-3, 10e-3), &CONTROL).unwrap();
+        let full = simulate(&scene, &settings(5e-3, 10e-3), &CONTROL).unwrap();
         let condensed = recorded(&scene, 5e-3, 10e-3, 1);
         for series in &full.series {
             let expected: Vec<f64> = series.values.iter().map(|value| value / series.channel.scale()).collect();

@@ -4,7 +4,7 @@ use raceway::numerics::ode::Method;
 use raceway::simulation::input::channel::Channel;
 use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::result::run_result::RunResult;
-use raceway::simulation::solve::run::run;
+use raceway::simulation::solve::run::simulate;
 use serde_json::json;
 
 use crate::article_run::{patient, settings};
@@ -17,7 +17,7 @@ fn short_run() -> RunResult {
     settings.settle = 2e-3;
     settings.duration = 4e-3;
     settings.outputs.series = vec![Channel::CageSpeed];
-    let mut result = run(&scene, &settings, &patient()).unwrap();
+    let mut result = simulate(&scene, &settings, &patient()).unwrap();
     result.summary.solver.wall_time = 0.0;
     result
 }
@@ -43,7 +43,7 @@ fn every_method_repeats_bit_for_bit() {
         let traction = json!({ "law": "four_parameter", "at_slip_m_s": 0.05 });
         let scene = scene(&changed(article(), json!({ "lubricant": { "kind": "grease", "traction": traction } })));
         let settings = RunSettings { method, fixed_step, settle: 3e-4, duration: 5e-4, ..settings() };
-        let mut result = run(&scene, &settings, &patient()).unwrap();
+        let mut result = simulate(&scene, &settings, &patient()).unwrap();
         result.summary.solver.wall_time = 0.0;
         result
     };

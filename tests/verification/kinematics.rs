@@ -9,7 +9,7 @@ use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
-use raceway::simulation::solve::run::run;
+use raceway::simulation::solve::run::simulate;
 use serde_json::{Value, json};
 
 use crate::distribution::scene;
@@ -60,7 +60,7 @@ fn simulated() {
         duration: 0.2,
         outputs: Outputs { vibration: true, contacts: false, cage: true, spectra: vec![channel], series: Vec::new() },
     };
-    let result = run(&scene, &settings, &Control::until(&|| false)).unwrap();
+    let result = simulate(&scene, &settings, &Control::until(&|| false)).unwrap();
     let strongest = result.summary.lines.iter().find(|(of, line)| *of == channel && line.label == "BPFO");
     let frequency = strongest.unwrap_or_else(|| panic!("{:?}", result.summary.lines)).1.frequency;
     let shaft = result.summary.frequencies.shaft;

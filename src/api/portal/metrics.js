@@ -52,7 +52,7 @@ export function peaks({ frequency_hz: f, amplitude, resolution_hz: resolution },
 
 /** What one reads first. */
 export function summary(metrics) {
-  const { channels = {}, contacts, kinematics, solver, accuracy } = metrics;
+  const { channels = {}, contacts, kinematics, solver, accuracy, messages = [] } = metrics;
   const of = (axis) => channels[`spindle.${axis}.acceleration`]?.level_db;
   const figure = (name, value, unit, extra) =>
     h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), unit && ` ${unit}`, extra && h('small', {}, extra)));
@@ -64,7 +64,9 @@ export function summary(metrics) {
     return scatter > Math.max(error ?? 0, 0.05) ? `${known}, over another stretch ± ${number(scatter, 1)}` : known;
   };
   return [
-    ...[accuracy.warning, accuracy.settling].map((words) => words && h('p', { class: 'warning', role: 'note' }, words)),
+    ...messages
+      .filter(({ severity }) => severity === 'warning')
+      .map(({ text }) => h('p', { class: 'warning', role: 'note' }, text)),
     h(
       'dl',
       { class: 'figures' },

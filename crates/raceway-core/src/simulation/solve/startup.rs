@@ -168,7 +168,7 @@ impl StartupPhase {
 
 /// Where the attempts at a run begin.
 #[derive(Debug, Clone)]
-pub(crate) struct InitialState {
+pub struct InitialState {
     /// [s]
     pub time: f64,
     /// What only the start has set going has been taken away.
