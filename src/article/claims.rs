@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::contract::TableAnswer;
-use crate::study::{Goal, best, trend};
+use raceway_core::study::{Goal, best, trend};
 
 /// What is said of a metric over the varied quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -196,7 +196,7 @@ mod tests {
             "kind": "study", "axes": [{ "path": "/spindle/mass_kg", "values": masses }],
             "scene": { "bearing": "608", "operation": { "speed_rpm": 3000 } },
         });
-        let study = parse_job(request.to_string().as_bytes()).unwrap().study.unwrap();
+        let study = parse_job(request.to_string().as_bytes()).unwrap().into_study().unwrap();
         let row = |(point, level): (usize, &f64)| {
             let metrics = json!({
                 "channels": { "spindle.y.acceleration": { "level_db": level } },

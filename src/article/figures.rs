@@ -241,7 +241,7 @@ mod tests {
             };
             for job in jobs {
                 let parsed = parse_job(job.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{job}: {refusal}"));
-                let last = parsed.study.map(|study| study.point(study.points - 1).map(|_| ()));
+                let last = parsed.into_study().map(|study| study.point(study.points - 1).map(|_| ()));
                 assert!(last.is_none_or(|last| last.is_ok()), "{job}");
             }
         }

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::claims::{Finding, Verdict, compared, judged};
 use super::figures::{Compared, Figure, Lines, Subject};
 use crate::contract::{LineAnswer, Metrics, OptimumAnswer, Simulated, TableAnswer};
-use crate::render;
+use crate::plots::draw;
 
 /// What the runs of a figure have left.
 pub enum Evidence {
@@ -24,24 +24,24 @@ pub enum Evidence {
 pub fn pictures(figure: &Figure, evidence: &Evidence) -> Vec<(String, String)> {
     let name = |part: &str| format!("figure-{}{part}.svg", figure.number);
     match evidence {
-        Evidence::Run(run) => vec![(name(""), render::series(&run.series))],
+        Evidence::Run(run) => vec![(name(""), draw::series(&run.series))],
         Evidence::Runs(runs) => {
             let spectrum = |run: &Simulated| {
                 let amplitudes: Vec<_> = run.spectra.iter().filter(|s| s.is_amplitude()).cloned().collect();
-                render::spectra(&run.metrics, &amplitudes)
+                draw::spectra(&run.metrics, &amplitudes)
             };
             vec![(name(""), spectrum(&runs[0])), (name("-unbalanced"), spectrum(&runs[1]))]
         }
         Evidence::Optima(answers) => answers
             .iter()
             .enumerate()
-            .map(|(k, answer)| (name(&format!("-optimum-{}", k + 1)), render::optimum(answer)))
+            .map(|(k, answer)| (name(&format!("-optimum-{}", k + 1)), draw::optimum(answer)))
             .collect(),
-        Evidence::Forces(forces) => vec![(name(""), render::forces(forces))],
-        Evidence::Study(table) => render::trend(table).map(|svg| (name(""), svg)).into_iter().collect(),
+        Evidence::Forces(forces) => vec![(name(""), draw::forces(forces))],
+        Evidence::Study(table) => draw::trend(table).map(|svg| (name(""), svg)).into_iter().collect(),
         Evidence::Studies(tables) => {
             let titles = ["-integrated", "-deep-groove"];
-            tables.iter().zip(titles).filter_map(|(table, part)| Some((name(part), render::trend(table)?))).collect()
+            tables.iter().zip(titles).filter_map(|(table, part)| Some((name(part), draw::trend(table)?))).collect()
         }
     }
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::claims::{Claim, Finding, SHOWN, Verdict, compared, judged};
 use super::figures::{DEEP_GROOVE, INTEGRATED};
 use crate::contract::{self, TableAnswer};
-use crate::study::{Goal, best};
+use raceway_core::study::{Goal, best};
 
 /// What the article does not give, and the range it is sampled over.
 pub struct Parameter {
@@ -337,13 +337,13 @@ mod tests {
         for request in all {
             let job = contract::parse_job(request.to_string().as_bytes())
                 .unwrap_or_else(|refusal| panic!("{request}: {refusal}"));
-            let study = job.study.unwrap();
+            let study = job.into_study().unwrap();
             let last = study.point(study.points - 1).unwrap();
             let scene = last.scene();
             assert!((scene.spindle.mass / set[0] - 1.0).abs() < 1e-12);
             assert!((scene.bearing.radial_clearance / (1e-6 * set[1]) - 1.0).abs() < 1e-9);
             let axial = scene.operation.load[0] > 0.0;
-            assert_eq!(axial, scene.spindle.axial == crate::physics::spindle::AxialHold::Free);
+            assert_eq!(axial, scene.spindle.axial == raceway_core::physics::spindle::AxialHold::Free);
         }
     }
 

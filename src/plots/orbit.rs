@@ -2,7 +2,7 @@
 
 use super::axis::{Scale, range_of, ticks};
 use super::svg::{Anchor, Drawing};
-use crate::numerics::statistics::thin;
+use raceway_core::numerics::statistics::thin;
 
 /// The path of one centre; as many y as z.
 pub struct OrbitCurve<'a> {

@@ -2,7 +2,7 @@
 
 use super::axis::{Scale, range_of, ticks};
 use super::svg::{Anchor, Drawing};
-use crate::numerics::statistics::thin;
+use raceway_core::numerics::statistics::thin;
 
 /// One channel over time; as many times as values.
 pub struct SeriesCurve<'a> {

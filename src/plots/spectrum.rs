@@ -2,8 +2,8 @@
 
 use super::axis::{Scale, decade, ticks};
 use super::svg::{Anchor, Drawing};
-use crate::numerics::statistics::thin;
-use crate::simulation::result::lines::Line;
+use raceway_core::numerics::statistics::thin;
+use raceway_core::simulation::result::lines::Line;
 
 /// One channel's spectrum.
 pub struct SpectrumCurve<'a> {

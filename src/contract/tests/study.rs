@@ -11,7 +11,7 @@ fn request(axes: Value) -> Value {
 fn study(axes: Value) -> Study {
     let request = request(axes);
     let job = parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{request}: {refusal}"));
-    job.study.expect("of a study")
+    job.into_study().expect("a study")
 }
 
 fn refused(request: &Value) -> String {
@@ -246,7 +246,7 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
         "/kinematics/cage_slip",
     ];
     assert_eq!(table.columns(), columns);
-    let csv = crate::render::table_csv(&table);
+    let csv = crate::contract::answer::csv::table_csv(&table);
     assert_eq!(csv.lines().count(), 5);
     assert!(csv.starts_with("/spindle/mass_kg,status,error,/solver/rung,/accuracy/cage_speed_error,"), "{csv}");
     assert!(csv.lines().nth(2).unwrap().starts_with("0.05,succeeded,,full,0.01,0.1,60.0,60.0,-0.1"), "{csv}");

@@ -1,0 +1,241 @@
+//! Lubricant and traction.
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+use utoipa::ToSchema;
+
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::problem::listed;
+use crate::contract::json::shapes::NameOr;
+use crate::contract::json::units::MM;
+use crate::contract::scene::presets;
+use raceway_core::physics::contact::traction::TractionLaw;
+use raceway_core::physics::lubricant::{Lubricant, LubricantKind};
+
+/// A lubricant at running temperature. Fields left out: those of the preset that is called like the kind.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LubricantInput {
+    /// Default `grease`, whose hydrodynamic forces are left out by convention.
+    #[schema(nullable = false)]
+    pub kind: Option<LubricantKindName>,
+    /// Dynamic viscosity of the (base) oil at running temperature [Pa·s]; 0: no film.
+    #[schema(nullable = false, example = 0.02)]
+    pub viscosity_pa_s: Option<f64>,
+    /// Pressure–viscosity coefficient [1/Pa].
+    #[schema(nullable = false, example = 2e-8)]
+    pub pressure_viscosity_per_pa: Option<f64>,
+    /// Share of the free volume filled with lubricant [-]; sets drag and churning.
+    #[schema(nullable = false, example = 0.05)]
+    pub fill: Option<f64>,
+    /// Distance of the inlet meniscus from the contact [mm]. Default: a quarter of the ball diameter.
+    #[schema(nullable = false)]
+    pub inlet_distance_mm: Option<f64>,
+    /// Traction coefficient over slip speed. Default: the law of the lubricant's preset.
+    #[serde(default, deserialize_with = "law_with_fields")]
+    #[schema(nullable = false)]
+    pub traction: Option<TractionInput>,
+}
+
+/// A law alone, by its name, is told where it belongs.
+fn law_with_fields<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<TractionInput>, D::Error> {
+    match NameOr::<String, TractionInput>::deserialize(deserializer)? {
+        NameOr::Object(own) => Ok(Some(own)),
+        NameOr::Name(name) => Err(D::Error::custom(format!(
+            "\"{name}\": must be an object with the law in it, such as {{\"law\": \"coulomb\"}}"
+        ))),
+    }
+}
+
+/// Name of a preset of `GET /v1/presets`, or a lubricant by its constants.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum LubricantChoice {
+    /// Name of a preset.
+    Name(presets::LubricantName),
+    Fields(Box<LubricantInput>),
+}
+
+/// `grease`: hydrodynamic forces are left out by convention. `oil`: they are in. `dry`: no film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LubricantKindName {
+    Grease,
+    Oil,
+    Dry,
+}
+
+/// Traction coefficient over slip speed: a law with the fields that it takes.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TractionInput {
+    /// Default `four_parameter`, of a dry bearing `coulomb`.
+    #[schema(nullable = false)]
+    pub law: Option<TractionLawName>,
+    /// `four_parameter`: coefficient at rest [-]. Default 0.
+    #[schema(nullable = false)]
+    pub at_rest: Option<f64>,
+    /// `four_parameter`: largest coefficient [-]. Default 0.05.
+    #[schema(nullable = false)]
+    pub maximum: Option<f64>,
+    /// `four_parameter`: slip speed at which the largest coefficient is reached [m/s]. Default 1.
+    #[schema(nullable = false)]
+    pub at_slip_m_s: Option<f64>,
+    /// `four_parameter`: coefficient at high slip [-], default 0.036. `eyring`: largest shear stress over pressure [-], default 0.08.
+    #[schema(nullable = false)]
+    pub limit: Option<f64>,
+    /// `eyring`: Eyring stress [Pa]. Default 5e6.
+    #[schema(nullable = false)]
+    pub stress_pa: Option<f64>,
+    /// `coulomb`: coefficient [-]. Default 0.1.
+    #[schema(nullable = false)]
+    pub coefficient: Option<f64>,
+    /// `coulomb`: slip speed over which friction builds up [m/s]. Default 0.05.
+    #[schema(nullable = false)]
+    pub regularisation_m_s: Option<f64>,
+    /// `slide_roll`: A in (A + B s) e^(−C s) + D over the slide/roll ratio s [-]. Required, as are B, C, D.
+    #[schema(nullable = false)]
+    pub a: Option<f64>,
+    /// `slide_roll`: B [-].
+    #[schema(nullable = false)]
+    pub b: Option<f64>,
+    /// `slide_roll`: C [-].
+    #[schema(nullable = false)]
+    pub c: Option<f64>,
+    // Last: clients of openapi-python-client lose the fields that follow one called `d`.
+    /// `slide_roll`: D [-].
+    #[schema(nullable = false)]
+    pub d: Option<f64>,
+}
+
+/// `four_parameter`: rises to a maximum and falls to a limit. `slide_roll`: an exponential of the slide/roll ratio. `eyring`: a
+/// shear stress that saturates. `coulomb`: a constant coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TractionLawName {
+    FourParameter,
+    SlideRoll,
+    Eyring,
+    Coulomb,
+}
+
+/// Fills in defaults, with values in the place of a name.
+pub fn resolve(
+    field: &mut Option<NameOr<String, LubricantInput>>,
+    defaults: &mut Defaults,
+    default: &str,
+    ball_diameter_mm: f64,
+) -> Lubricant {
+    let given = field.is_some();
+    let mut own = match field.take().unwrap_or_else(|| NameOr::Name(default.to_owned())) {
+        NameOr::Object(own) => own,
+        NameOr::Name(name) => {
+            let kind = presets::lubricant(&name).and_then(|preset| preset.kind);
+            if kind.is_none() {
+                let known = listed(presets::LUBRICANTS.iter().map(|lubricant| lubricant.name));
+                defaults.refuse("/scene/lubricant", format!("no lubricant is called `{name}`; known are {known}"));
+            }
+            if !given {
+                defaults.filled.push("/scene/lubricant/kind".to_owned());
+            }
+            LubricantInput { kind, ..LubricantInput::default() }
+        }
+    };
+    let lubricant = own.resolve(defaults, ball_diameter_mm);
+    *field = Some(NameOr::Object(own));
+    lubricant
+}
+
+impl LubricantInput {
+    fn resolve(&mut self, defaults: &mut Defaults, ball_diameter_mm: f64) -> Lubricant {
+        let kind = defaults.fill("/scene/lubricant/kind", &mut self.kind, LubricantKindName::Grease);
+        let base = presets::lubricant_of(kind);
+        let viscosity = defaults.fill("/scene/lubricant/viscosity_pa_s", &mut self.viscosity_pa_s, base.viscosity_pa_s);
+        let pressure_viscosity = defaults.fill(
+            "/scene/lubricant/pressure_viscosity_per_pa",
+            &mut self.pressure_viscosity_per_pa,
+            base.pressure_viscosity_per_pa,
+        );
+        let fill = defaults.fill("/scene/lubricant/fill", &mut self.fill, base.fill);
+        let inlet =
+            defaults.fill("/scene/lubricant/inlet_distance_mm", &mut self.inlet_distance_mm, 0.25 * ball_diameter_mm);
+        Lubricant {
+            kind: kind.in_physics(),
+            viscosity,
+            pressure_viscosity,
+            fill,
+            inlet_distance: Some(MM.to_si(inlet)),
+            traction: self.traction.get_or_insert_default().resolve(defaults, base.law),
+        }
+    }
+}
+
+impl LubricantKindName {
+    fn in_physics(self) -> LubricantKind {
+        match self {
+            Self::Grease => LubricantKind::Grease,
+            Self::Oil => LubricantKind::Oil,
+            Self::Dry => LubricantKind::Dry,
+        }
+    }
+}
+
+impl TractionInput {
+    /// Fills in the defaults of the law; `slide_roll` has none, because no fit for a real oil is public.
+    pub fn resolve(&mut self, defaults: &mut Defaults, default: TractionLawName) -> TractionLaw {
+        const AT: &str = "/scene/lubricant/traction";
+        let law_is_given = self.law.is_some();
+        let law = defaults.fill(format!("{AT}/law"), &mut self.law, default);
+        let four = law == TractionLawName::FourParameter;
+        let slide_roll = law == TractionLawName::SlideRoll;
+        let eyring = law == TractionLawName::Eyring;
+        let coulomb = law == TractionLawName::Coulomb;
+        let name = match law {
+            TractionLawName::FourParameter => "four_parameter",
+            TractionLawName::SlideRoll => "slide_roll",
+            TractionLawName::Eyring => "eyring",
+            TractionLawName::Coulomb => "coulomb",
+        };
+        // Without a law of its own it is that of the kind.
+        if law_is_given || !defaults.is_unread("/scene/lubricant/kind") {
+            let used = [
+                ("at_rest", self.at_rest.is_some(), four),
+                ("maximum", self.maximum.is_some(), four),
+                ("at_slip_m_s", self.at_slip_m_s.is_some(), four),
+                ("limit", self.limit.is_some(), four || eyring),
+                ("a", self.a.is_some(), slide_roll),
+                ("b", self.b.is_some(), slide_roll),
+                ("c", self.c.is_some(), slide_roll),
+                ("d", self.d.is_some(), slide_roll),
+                ("stress_pa", self.stress_pa.is_some(), eyring),
+                ("coefficient", self.coefficient.is_some(), coulomb),
+                ("regularisation_m_s", self.regularisation_m_s.is_some(), coulomb),
+            ];
+            defaults.only_used(AT, name, &used);
+        }
+        let mut take =
+            |field: &str, value: &mut Option<f64>, default| defaults.fill(format!("{AT}/{field}"), value, default);
+        match law {
+            TractionLawName::FourParameter => TractionLaw::FourParameter {
+                at_rest: take("at_rest", &mut self.at_rest, 0.0),
+                maximum: take("maximum", &mut self.maximum, 0.05),
+                at_slip: take("at_slip_m_s", &mut self.at_slip_m_s, 1.0),
+                limit: take("limit", &mut self.limit, 0.036),
+            },
+            TractionLawName::Eyring => TractionLaw::Eyring {
+                stress: take("stress_pa", &mut self.stress_pa, 5e6),
+                limit: take("limit", &mut self.limit, 0.08),
+            },
+            TractionLawName::Coulomb => TractionLaw::Coulomb {
+                coefficient: take("coefficient", &mut self.coefficient, 0.1),
+                regularisation: take("regularisation_m_s", &mut self.regularisation_m_s, 0.05),
+            },
+            TractionLawName::SlideRoll => TractionLaw::SlideRoll {
+                a: defaults.require(format!("{AT}/a"), &self.a, 0.0),
+                b: defaults.require(format!("{AT}/b"), &self.b, 0.0),
+                c: defaults.require(format!("{AT}/c"), &self.c, 0.0),
+                d: defaults.require(format!("{AT}/d"), &self.d, 0.0),
+            },
+        }
+    }
+}

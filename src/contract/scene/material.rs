@@ -1,0 +1,101 @@
+//! Materials of balls, raceways and cage.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::problem::listed;
+use crate::contract::json::shapes::NameOr;
+use crate::contract::json::units::GPA;
+use crate::contract::scene::presets;
+use raceway_core::physics::material::Material;
+
+/// An elastic isotropic material.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialInput {
+    /// Young's modulus [GPa].
+    #[schema(example = 219.0)]
+    pub elastic_modulus_gpa: f64,
+    /// Poisson's ratio [-].
+    #[schema(example = 0.3)]
+    pub poisson_ratio: f64,
+    /// Density [kg/m³].
+    #[schema(example = 7830.0)]
+    pub density_kg_m3: f64,
+}
+
+/// Name of a preset of `GET /v1/presets`, or a material by its constants.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum MaterialChoice {
+    /// Name of a preset.
+    Name(presets::MaterialName),
+    Fields(MaterialInput),
+}
+
+/// Materials of a bearing, each a preset name or its constants. Default: that of the bearing's
+/// preset; `gcr15` and a cage of `pa46` for a bearing without one.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialsInput {
+    /// Of the balls.
+    #[schema(nullable = false, value_type = Option<MaterialChoice>)]
+    pub ball: Option<NameOr<String, MaterialInput>>,
+    /// Of the inner raceway.
+    #[schema(nullable = false, value_type = Option<MaterialChoice>)]
+    pub inner_raceway: Option<NameOr<String, MaterialInput>>,
+    /// Of the outer raceway.
+    #[schema(nullable = false, value_type = Option<MaterialChoice>)]
+    pub outer_raceway: Option<NameOr<String, MaterialInput>>,
+    /// Of the cage.
+    #[schema(nullable = false, value_type = Option<MaterialChoice>)]
+    pub cage: Option<NameOr<String, MaterialInput>>,
+}
+
+/// Materials in SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Materials {
+    pub ball: Material,
+    pub inner_raceway: Material,
+    pub outer_raceway: Material,
+    pub cage: Material,
+}
+
+impl MaterialsInput {
+    /// Fills in the defaults of `base`, with constants in the place of names.
+    pub fn resolve(&mut self, defaults: &mut Defaults, base: &MaterialsInput) -> Materials {
+        let mut one = |part: &str, field: &mut Option<NameOr<String, MaterialInput>>, default| {
+            material(defaults, format!("/scene/bearing/materials/{part}"), field, default)
+        };
+        Materials {
+            ball: one("ball", &mut self.ball, &base.ball),
+            inner_raceway: one("inner_raceway", &mut self.inner_raceway, &base.inner_raceway),
+            outer_raceway: one("outer_raceway", &mut self.outer_raceway, &base.outer_raceway),
+            cage: one("cage", &mut self.cage, &base.cage),
+        }
+    }
+}
+
+fn material(
+    defaults: &mut Defaults,
+    pointer: String,
+    field: &mut Option<NameOr<String, MaterialInput>>,
+    default: &Option<NameOr<String, MaterialInput>>,
+) -> Material {
+    let default = default.clone().unwrap_or_else(|| NameOr::Name(presets::STEEL.to_owned()));
+    let constants = match defaults.fill(pointer.clone(), field, default) {
+        NameOr::Object(constants) => constants,
+        NameOr::Name(name) => presets::material(&name).unwrap_or_else(|| {
+            let known = listed(presets::MATERIALS.iter().map(|material| material.0));
+            defaults.refuse(pointer, format!("no material is called `{name}`; known are {known}"));
+            presets::MATERIALS[0].2
+        }),
+    };
+    *field = Some(NameOr::Object(constants));
+    Material {
+        elastic_modulus: GPA.to_si(constants.elastic_modulus_gpa),
+        poisson_ratio: constants.poisson_ratio,
+        density: constants.density_kg_m3,
+    }
+}
