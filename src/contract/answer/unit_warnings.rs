@@ -4,8 +4,8 @@ use crate::contract::job::simulation::Simulation;
 use crate::contract::json::numbers::{short, significant};
 use crate::contract::json::problem::FieldError;
 use crate::contract::json::units::{MM, RPM, UM};
-use crate::contract::scene::scaling::{Size, crown_cage, shaft_mass_kg};
 use raceway_core::physics::contact::traction::TractionLaw;
+use raceway_core::physics::defaults::{CrownCage, shaft_mass};
 use raceway_core::physics::spindle::Unbalance;
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::model::equilibrium::StaticLoads;
@@ -77,7 +77,7 @@ pub fn warnings(simulation: &Simulation, at_rest: Option<&StaticLoads>) -> Vec<F
     warn(drives, "lubricant/traction", &|| {
         "a + d (at rest) or d (at large slip) is below 0: traction then accelerates slip instead of opposing it".into()
     });
-    let (mass, usual) = (scene.spindle.mass, shaft_mass_kg(MM.to_user(scene.bearing.parameters.inner_diameter)));
+    let (mass, usual) = (scene.spindle.mass, shaft_mass(MM.to_user(scene.bearing.parameters.inner_diameter)));
     warn(is_outside(mass / usual, [1.0 / MAX_MASS_RATIO, MAX_MASS_RATIO]), "spindle/mass_kg", &|| {
         format!(
             "{} kg: a shaft of this bore has about {} kg; is the mass in kg?",
@@ -184,13 +184,8 @@ fn of_cage(scene: &Scene, warn: Warn<'_>) {
             short(MM.to_user(ball))
         )
     });
-    let usual = crown_cage(Size {
-        bore_mm: MM.to_user(parameters.inner_diameter),
-        ball_diameter_mm: MM.to_user(ball),
-        pitch_diameter_mm: MM.to_user(parameters.pitch_diameter),
-    });
+    let usual_grams = CrownCage::scaled(MM.to_user(ball), MM.to_user(parameters.pitch_diameter)).mass_g;
     let grams = 1e3 * cage.mass;
-    let usual_grams = usual.mass_g.unwrap_or(grams);
     warn(is_outside(grams / usual_grams, [1.0 / MAX_MASS_RATIO, MAX_MASS_RATIO]), "bearing/cage/mass_g", &|| {
         format!("{} g: a crown cage of this size has about {} g", short(grams), short(significant(usual_grams, 2)))
     });

@@ -1,5 +1,7 @@
 //! Numbers as messages and results show them: rounded, in decimal digits, and allowed ranges as text.
 
+pub use raceway_core::numerics::rounding::significant;
+
 /// The text that a value is outside its allowed range.
 pub fn out_of_range(value: f64, lowest: f64, highest: f64, exclusive: bool, unit: &str) -> String {
     let space = if unit.is_empty() { "" } else { " " };
@@ -56,9 +58,4 @@ pub fn decimal(number: f64, digits: i32) -> (f64, i32) {
 /// The number of a decimal form.
 pub fn of_decimal(whole: f64, places: i32) -> f64 {
     if places >= 0 { whole / 10_f64.powi(places) } else { whole * 10_f64.powi(-places) }
-}
-
-/// The number rounded to `digits` significant digits.
-pub fn significant(number: f64, digits: usize) -> f64 {
-    format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number)
 }

@@ -1,27 +1,25 @@
-//! The bearing: a preset by name, a preset with changes, or its dimensions.
+//! A bearing: a preset by name, a preset with changes, or its dimensions.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::cage::CageInput;
+use super::material::MaterialsInput;
+use super::preset_names::BearingName;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::short;
-use crate::contract::json::problem::listed;
-use crate::contract::json::shapes::{NameOr, optional_object};
+use crate::contract::json::shapes::{optional_object, whole_number};
 use crate::contract::json::units::{DEG, MM, UM};
-use crate::contract::scene::cage::CageInput;
-use crate::contract::scene::material::MaterialsInput;
-use crate::contract::scene::presets::{self, BearingPreset};
-use crate::contract::scene::scaling;
 use raceway_core::physics::bearing::{BearingKind, BearingParameters, Fit, PerRaceway};
 use raceway_core::physics::material::Material;
 
-/// A ball bearing. With `preset`, the fields replace those of the preset. Without it, the ball count
-/// and all diameters and the width are required; the other fields have documented defaults.
+/// A ball bearing. With `preset`, the given fields replace those of the preset. Without it, the ball count,
+/// all diameters and the width are required; the other fields have defaults.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BearingInput {
     /// Name of a preset of `GET /v1/presets` to start from.
-    #[schema(nullable = false, value_type = Option<presets::BearingName>, example = "article-integrated")]
+    #[schema(nullable = false, value_type = Option<BearingName>, example = "article-integrated")]
     pub preset: Option<String>,
     /// Default `deep_groove`.
     #[serde(rename = "type")]
@@ -30,14 +28,14 @@ pub struct BearingInput {
     /// Outer diameter D [mm].
     #[schema(nullable = false, example = 18.0)]
     pub outer_diameter_mm: Option<f64>,
-    /// Bore; of an integrated bearing the diameter of its spindle [mm].
+    /// Bore [mm]; for an integrated bearing the diameter of its spindle.
     #[schema(nullable = false, example = 8.5)]
     pub inner_diameter_mm: Option<f64>,
     /// Width B [mm].
     #[schema(nullable = false, example = 5.9)]
     pub width_mm: Option<f64>,
     /// Number of balls Z [-].
-    #[serde(default, deserialize_with = "crate::contract::json::shapes::whole_number::<_, 2, 64>")]
+    #[serde(default, deserialize_with = "whole_number::<_, 2, 64>")]
     #[schema(nullable = false, example = 7)]
     pub ball_count: Option<u32>,
     /// Ball diameter d [mm].
@@ -52,9 +50,9 @@ pub struct BearingInput {
     /// Groove radius of the outer raceway over ball diameter [-]. Default 0.53.
     #[schema(nullable = false, example = 0.529)]
     pub outer_groove_curvature: Option<f64>,
-    /// Diametral radial clearance [µm]; negative: a radial preload. At least −2 % of the ball diameter, at most what leaves a free contact
-    /// angle of 60°, the groove curvatures less 1 times the ball diameter; a refusal names both. Default: middle of ISO 5753-1
-    /// group N for the bore; 15° instead for `angular_contact`.
+    /// Diametral radial clearance [µm]; negative: a radial preload. At least −2 % of the ball diameter. At most the clearance of a free
+    /// contact angle of 60°: ball diameter times the sum of the groove curvatures minus 1. Default: middle of ISO 5753-1 group N for the
+    /// bore; for `angular_contact` a contact angle of 15°.
     #[schema(nullable = false, example = 5.0)]
     pub radial_clearance_um: Option<f64>,
     /// Free contact angle [°]. Either this or `radial_clearance_um`.
@@ -75,7 +73,7 @@ pub struct BearingInput {
 #[serde(untagged)]
 pub enum BearingChoice {
     /// Name of a preset.
-    Name(presets::BearingName),
+    Name(BearingName),
     Fields(Box<BearingInput>),
 }
 
@@ -88,63 +86,14 @@ pub enum BearingType {
     AngularContact,
 }
 
-/// Outer diameter of the smallest ball bearings that are made, and of the largest that is accepted [mm]; and how far the lengths of a
-/// bearing are apart at most: the balls of large thin rings are a hundredth of them.
-const SMALLEST_MM: f64 = 1.0;
-const LARGEST_MM: f64 = 12_000.0;
-const FARTHEST_APART: f64 = 500.0;
-
-/// What the request says of the bearing, and what fills the gaps.
-pub struct ChosenBearing {
-    pub own: BearingInput,
-    pub base: BearingPreset,
-}
-
-/// The named preset, or the defaults of a bearing with these dimensions. After an error some other bearing stands in, so that what
-/// is said of the rest can be checked.
-pub fn choose(bearing: NameOr<String, BearingInput>, defaults: &mut Defaults) -> ChosenBearing {
-    let (name, pointer, own) = match bearing {
-        NameOr::Name(name) => (Some(name), "/scene/bearing", BearingInput::default()),
-        NameOr::Object(mut own) => (own.preset.take(), "/scene/bearing/preset", own),
-    };
-    let base = match name {
-        Some(name) => {
-            let preset = presets::bearing(&name);
-            if preset.is_none() {
-                let known = listed(presets::bearing_names());
-                defaults.refuse(pointer, format!("no bearing is called `{name}`; known are {known}"));
-            }
-            preset
-        }
-        None if defaults.is_unread("/scene/bearing/preset") => None,
-        None => {
-            own.dimensions(defaults).map(|size| scaling::defaults(size, own.kind.unwrap_or(BearingType::DeepGroove)))
-        }
-    };
-    let base = base.unwrap_or_else(|| {
-        defaults.substitute();
-        presets::integrated()
-    });
-    ChosenBearing { own, base }
-}
+/// Outer diameter of the smallest ball bearings in use, and the largest that is accepted [mm].
+const MIN_OUTER_DIAMETER_MM: f64 = 1.0;
+const MAX_OUTER_DIAMETER_MM: f64 = 12_000.0;
+/// Largest ratio of two lengths of a bearing [-]; the balls of large thin rings are a hundredth of the diameter.
+const MAX_LENGTH_RATIO: f64 = 500.0;
 
 impl BearingInput {
-    /// Dimensions of a bearing without a preset; `None` after errors that some are missing.
-    fn dimensions(&self, defaults: &mut Defaults) -> Option<scaling::Size> {
-        let known_errors = defaults.errors.len();
-        let mut number = |name: &str, field| defaults.require(format!("/scene/bearing/{name}"), field, f64::NAN);
-        let size = scaling::Size {
-            bore_mm: number("inner_diameter_mm", &self.inner_diameter_mm),
-            ball_diameter_mm: number("ball_diameter_mm", &self.ball_diameter_mm),
-            pitch_diameter_mm: number("pitch_diameter_mm", &self.pitch_diameter_mm),
-        };
-        number("outer_diameter_mm", &self.outer_diameter_mm);
-        number("width_mm", &self.width_mm);
-        defaults.require("/scene/bearing/ball_count", &self.ball_count, 0);
-        (defaults.errors.len() == known_errors).then_some(size)
-    }
-
-    /// Fills in what is left out from `base`.
+    /// The parameters of `physics`; empty fields are filled from `base`.
     pub fn resolve(
         &mut self,
         defaults: &mut Defaults,
@@ -184,8 +133,8 @@ impl BearingInput {
         }
     }
 
-    /// Refuses lengths that no bearing has in mm, but every one in m, where they stand: what does not fit because of them would be
-    /// told of other fields.
+    /// Refuses lengths that were probably given in m instead of mm, at their own fields: the inconsistencies they cause would be reported at
+    /// other fields.
     fn refuse_metres(&self, defaults: &mut Defaults) {
         let lengths = [
             ("outer_diameter_mm", self.outer_diameter_mm),
@@ -195,18 +144,18 @@ impl BearingInput {
             ("pitch_diameter_mm", self.pitch_diameter_mm),
         ]
         .map(|(name, length)| (name, length.unwrap_or(f64::NAN)));
-        let sound = lengths.into_iter().filter(|length| length.1 > 0.0 && length.1 < LARGEST_MM);
+        let sound = lengths.into_iter().filter(|length| length.1 > 0.0 && length.1 < MAX_OUTER_DIAMETER_MM);
         let Some(largest) = sound.clone().max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
-        let all_small = largest.1 < SMALLEST_MM;
-        for (name, length) in sound.filter(|length| all_small || length.1 * FARTHEST_APART < largest.1) {
+        let all_small = largest.1 < MIN_OUTER_DIAMETER_MM;
+        for (name, length) in sound.filter(|length| all_small || length.1 * MAX_LENGTH_RATIO < largest.1) {
             let pointer = format!("/scene/bearing/{name}");
             if defaults.filled.contains(&pointer) {
                 continue;
             }
             let small = if all_small {
-                "no ball bearing is as small as that".to_owned()
+                "smaller than any ball bearing".to_owned()
             } else {
-                format!("less than a {FARTHEST_APART}th of `{}`, {} mm", largest.0, short(largest.1))
+                format!("less than a {MAX_LENGTH_RATIO}th of `{}`, {} mm", largest.0, short(largest.1))
             };
             let perhaps = short(length * 1e3);
             defaults.refuse(pointer, format!("{} mm: {small}; lengths are in mm, not in m: {perhaps}?", short(length)));
@@ -214,7 +163,7 @@ impl BearingInput {
         }
     }
 
-    /// Clearance or contact angle: the one given, else that of `base`.
+    /// The given clearance or contact angle, else that of `base`.
     fn fit(&mut self, defaults: &mut Defaults, base: &BearingInput) -> Fit {
         const ANGLE: &str = "/scene/bearing/contact_angle_deg";
         match (self.radial_clearance_um, self.contact_angle_deg) {
@@ -240,8 +189,18 @@ impl BearingInput {
     }
 }
 
+impl From<BearingKind> for BearingType {
+    fn from(kind: BearingKind) -> Self {
+        match kind {
+            BearingKind::Integrated => Self::Integrated,
+            BearingKind::DeepGroove => Self::DeepGroove,
+            BearingKind::AngularContact => Self::AngularContact,
+        }
+    }
+}
+
 impl BearingType {
-    fn in_physics(self) -> BearingKind {
+    pub fn in_physics(self) -> BearingKind {
         match self {
             Self::Integrated => BearingKind::Integrated,
             Self::DeepGroove => BearingKind::DeepGroove,

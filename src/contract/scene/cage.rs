@@ -8,6 +8,7 @@ use crate::contract::json::shapes::{NameOr, optional_object};
 use crate::contract::json::units::{DEG, G, MM};
 use raceway_core::physics::cage::{CageParameters, GuidingLand, PocketFilm, PocketSeat};
 use raceway_core::physics::contact::damping::DampingLaw;
+use raceway_core::physics::defaults::{self, CrownCage};
 use raceway_core::physics::lubricant::LubricantKind;
 use raceway_core::physics::material::Material;
 
@@ -135,8 +136,11 @@ impl CageInput {
         let half_width = take("seat_half_width_mm", &mut self.seat_half_width_mm, base.seat_half_width_mm);
         let friction = take("friction", &mut self.friction, base.friction);
         let friction_speed = take("friction_speed_m_s", &mut self.friction_speed_m_s, base.friction_speed_m_s);
-        let usual_film = if lubricant == LubricantKind::Dry { FilmName::None } else { FilmName::Wedge };
-        let film = defaults.fill("/scene/bearing/cage/film", &mut self.film, NameOr::Name(usual_film));
+        let default_film = match defaults::pocket_film(lubricant) {
+            PocketFilm::None => FilmName::None,
+            _ => FilmName::Wedge,
+        };
+        let film = defaults.fill("/scene/bearing/cage/film", &mut self.film, NameOr::Name(default_film));
         let seat = defaults.fill("/scene/bearing/cage/seat", &mut self.seat, base.seat.unwrap_or(SeatName::Open));
         self.bar_stiffness_n_per_m = self.bar_stiffness_n_per_m.or(base.bar_stiffness_n_per_m);
         self.land = self.land.or(base.land);
@@ -163,6 +167,33 @@ impl CageInput {
                 width: MM.to_si(land.width_mm),
             }),
             damping,
+        }
+    }
+}
+
+impl From<CrownCage> for CageInput {
+    fn from(cage: CrownCage) -> Self {
+        Self {
+            pocket_clearance_mm: Some(cage.pocket_clearance_mm),
+            mass_g: Some(cage.mass_g),
+            axial_inertia_kg_m2: Some(cage.axial_inertia_kg_m2),
+            transverse_inertia_kg_m2: Some(cage.transverse_inertia_kg_m2),
+            offset_mm: Some(cage.offset_mm),
+            seat: Some(SeatName::from(cage.seat)),
+            rim_angle_deg: Some(cage.rim_angle_deg),
+            seat_half_width_mm: Some(cage.seat_half_width_mm),
+            friction: Some(cage.friction),
+            friction_speed_m_s: Some(cage.friction_speed_m_s),
+            ..Self::default()
+        }
+    }
+}
+
+impl From<PocketSeat> for SeatName {
+    fn from(seat: PocketSeat) -> Self {
+        match seat {
+            PocketSeat::Open => Self::Open,
+            PocketSeat::Closed => Self::Closed,
         }
     }
 }

@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::optional_object;
 use raceway_core::physics::contact::damping::DampingLaw;
+use raceway_core::physics::defaults::{IMPACT_SPEED, POCKET_RESTITUTION, RACEWAY_RESTITUTION};
 
 /// Damping of ball on raceway and of ball in pocket.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -62,8 +63,12 @@ pub struct Damping {
 impl DampingInput {
     pub fn resolve(&mut self, defaults: &mut Defaults) -> Damping {
         Damping {
-            raceway: self.raceway.get_or_insert_default().resolve(defaults, "/scene/damping/raceway", 0.9),
-            pocket: self.pocket.get_or_insert_default().resolve(defaults, "/scene/damping/pocket", 0.6),
+            raceway: self.raceway.get_or_insert_default().resolve(
+                defaults,
+                "/scene/damping/raceway",
+                RACEWAY_RESTITUTION,
+            ),
+            pocket: self.pocket.get_or_insert_default().resolve(defaults, "/scene/damping/pocket", POCKET_RESTITUTION),
         }
     }
 }
@@ -91,7 +96,7 @@ impl DampingLawInput {
             return DampingLaw::None;
         }
         let restitution = defaults.fill(format!("{at}/restitution"), &mut self.restitution, default_restitution);
-        let at_speed = defaults.fill(format!("{at}/at_speed_m_s"), &mut self.at_speed_m_s, 0.1);
+        let at_speed = defaults.fill(format!("{at}/at_speed_m_s"), &mut self.at_speed_m_s, IMPACT_SPEED);
         match law {
             DampingLawName::HuntCrossley => DampingLaw::HuntCrossley { restitution, at_speed },
             DampingLawName::LankaraniNikravesh => DampingLaw::LankaraniNikravesh { restitution, at_speed },

@@ -4,13 +4,15 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
+use super::preset_names::LubricantName;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::listed;
 use crate::contract::json::shapes::NameOr;
 use crate::contract::json::units::MM;
-use crate::contract::scene::presets;
 use raceway_core::physics::contact::traction::TractionLaw;
-use raceway_core::physics::lubricant::{Lubricant, LubricantKind};
+use raceway_core::physics::defaults::{COULOMB, EYRING, FOUR_PARAMETER};
+use raceway_core::physics::lubricant::{Lubricant, LubricantKind, default_inlet_distance};
+use raceway_core::physics::presets;
 
 /// A lubricant at running temperature. Fields left out: those of the preset that is called like the kind.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -52,7 +54,7 @@ fn law_with_fields<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<
 #[serde(untagged)]
 pub enum LubricantChoice {
     /// Name of a preset.
-    Name(presets::LubricantName),
+    Name(LubricantName),
     Fields(Box<LubricantInput>),
 }
 
@@ -130,10 +132,10 @@ pub fn resolve(
     let mut own = match field.take().unwrap_or_else(|| NameOr::Name(default.to_owned())) {
         NameOr::Object(own) => own,
         NameOr::Name(name) => {
-            let kind = presets::lubricant(&name).and_then(|preset| preset.kind);
+            let kind = presets::lubricant(&name).map(|lubricant| lubricant.kind.into());
             if kind.is_none() {
-                let known = listed(presets::LUBRICANTS.iter().map(|lubricant| lubricant.name));
-                defaults.refuse("/scene/lubricant", format!("no lubricant is called `{name}`; known are {known}"));
+                let known = listed(presets::LUBRICANTS.iter().map(|preset| preset.name));
+                defaults.refuse("/scene/lubricant", format!("unknown lubricant `{name}`; known are {known}"));
             }
             if !given {
                 defaults.filled.push("/scene/lubricant/kind".to_owned());
@@ -149,23 +151,33 @@ pub fn resolve(
 impl LubricantInput {
     fn resolve(&mut self, defaults: &mut Defaults, ball_diameter_mm: f64) -> Lubricant {
         let kind = defaults.fill("/scene/lubricant/kind", &mut self.kind, LubricantKindName::Grease);
-        let base = presets::lubricant_of(kind);
-        let viscosity = defaults.fill("/scene/lubricant/viscosity_pa_s", &mut self.viscosity_pa_s, base.viscosity_pa_s);
+        let base = &presets::lubricant_of(kind.in_physics()).lubricant;
+        let viscosity = defaults.fill("/scene/lubricant/viscosity_pa_s", &mut self.viscosity_pa_s, base.viscosity);
         let pressure_viscosity = defaults.fill(
             "/scene/lubricant/pressure_viscosity_per_pa",
             &mut self.pressure_viscosity_per_pa,
-            base.pressure_viscosity_per_pa,
+            base.pressure_viscosity,
         );
         let fill = defaults.fill("/scene/lubricant/fill", &mut self.fill, base.fill);
-        let inlet =
-            defaults.fill("/scene/lubricant/inlet_distance_mm", &mut self.inlet_distance_mm, 0.25 * ball_diameter_mm);
+        let inlet = default_inlet_distance(ball_diameter_mm);
+        let inlet = defaults.fill("/scene/lubricant/inlet_distance_mm", &mut self.inlet_distance_mm, inlet);
         Lubricant {
             kind: kind.in_physics(),
             viscosity,
             pressure_viscosity,
             fill,
             inlet_distance: Some(MM.to_si(inlet)),
-            traction: self.traction.get_or_insert_default().resolve(defaults, base.law),
+            traction: self.traction.get_or_insert_default().resolve(defaults, base.traction.into()),
+        }
+    }
+}
+
+impl From<LubricantKind> for LubricantKindName {
+    fn from(kind: LubricantKind) -> Self {
+        match kind {
+            LubricantKind::Grease => Self::Grease,
+            LubricantKind::Oil => Self::Oil,
+            LubricantKind::Dry => Self::Dry,
         }
     }
 }
@@ -176,6 +188,29 @@ impl LubricantKindName {
             Self::Grease => LubricantKind::Grease,
             Self::Oil => LubricantKind::Oil,
             Self::Dry => LubricantKind::Dry,
+        }
+    }
+}
+
+impl From<TractionLaw> for TractionLawName {
+    fn from(law: TractionLaw) -> Self {
+        match law {
+            TractionLaw::FourParameter { .. } => Self::FourParameter,
+            TractionLaw::SlideRoll { .. } => Self::SlideRoll,
+            TractionLaw::Eyring { .. } => Self::Eyring,
+            TractionLaw::Coulomb { .. } => Self::Coulomb,
+        }
+    }
+}
+
+impl TractionLawName {
+    /// The law with its default coefficients; `slide_roll` has none.
+    fn with_defaults(self) -> TractionLaw {
+        match self {
+            Self::FourParameter => FOUR_PARAMETER,
+            Self::SlideRoll => TractionLaw::SlideRoll { a: 0.0, b: 0.0, c: 0.0, d: 0.0 },
+            Self::Eyring => EYRING,
+            Self::Coulomb => COULOMB,
         }
     }
 }
@@ -215,26 +250,26 @@ impl TractionInput {
         }
         let mut take =
             |field: &str, value: &mut Option<f64>, default| defaults.fill(format!("{AT}/{field}"), value, default);
-        match law {
-            TractionLawName::FourParameter => TractionLaw::FourParameter {
-                at_rest: take("at_rest", &mut self.at_rest, 0.0),
-                maximum: take("maximum", &mut self.maximum, 0.05),
-                at_slip: take("at_slip_m_s", &mut self.at_slip_m_s, 1.0),
-                limit: take("limit", &mut self.limit, 0.036),
+        match law.with_defaults() {
+            TractionLaw::FourParameter { at_rest, maximum, at_slip, limit } => TractionLaw::FourParameter {
+                at_rest: take("at_rest", &mut self.at_rest, at_rest),
+                maximum: take("maximum", &mut self.maximum, maximum),
+                at_slip: take("at_slip_m_s", &mut self.at_slip_m_s, at_slip),
+                limit: take("limit", &mut self.limit, limit),
             },
-            TractionLawName::Eyring => TractionLaw::Eyring {
-                stress: take("stress_pa", &mut self.stress_pa, 5e6),
-                limit: take("limit", &mut self.limit, 0.08),
+            TractionLaw::Eyring { stress, limit } => TractionLaw::Eyring {
+                stress: take("stress_pa", &mut self.stress_pa, stress),
+                limit: take("limit", &mut self.limit, limit),
             },
-            TractionLawName::Coulomb => TractionLaw::Coulomb {
-                coefficient: take("coefficient", &mut self.coefficient, 0.1),
-                regularisation: take("regularisation_m_s", &mut self.regularisation_m_s, 0.05),
+            TractionLaw::Coulomb { coefficient, regularisation } => TractionLaw::Coulomb {
+                coefficient: take("coefficient", &mut self.coefficient, coefficient),
+                regularisation: take("regularisation_m_s", &mut self.regularisation_m_s, regularisation),
             },
-            TractionLawName::SlideRoll => TractionLaw::SlideRoll {
-                a: defaults.require(format!("{AT}/a"), &self.a, 0.0),
-                b: defaults.require(format!("{AT}/b"), &self.b, 0.0),
-                c: defaults.require(format!("{AT}/c"), &self.c, 0.0),
-                d: defaults.require(format!("{AT}/d"), &self.d, 0.0),
+            TractionLaw::SlideRoll { a, b, c, d } => TractionLaw::SlideRoll {
+                a: defaults.require(format!("{AT}/a"), &self.a, a),
+                b: defaults.require(format!("{AT}/b"), &self.b, b),
+                c: defaults.require(format!("{AT}/c"), &self.c, c),
+                d: defaults.require(format!("{AT}/d"), &self.d, d),
             },
         }
     }

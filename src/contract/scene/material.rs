@@ -3,12 +3,13 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::preset_names::MaterialName;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::listed;
 use crate::contract::json::shapes::NameOr;
 use crate::contract::json::units::GPA;
-use crate::contract::scene::presets;
-use raceway_core::physics::material::Material;
+use raceway_core::physics::material::{GCR15, Material};
+use raceway_core::physics::presets::{self, MATERIALS};
 
 /// An elastic isotropic material.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -30,7 +31,7 @@ pub struct MaterialInput {
 #[serde(untagged)]
 pub enum MaterialChoice {
     /// Name of a preset.
-    Name(presets::MaterialName),
+    Name(MaterialName),
     Fields(MaterialInput),
 }
 
@@ -62,6 +63,16 @@ pub struct Materials {
     pub cage: Material,
 }
 
+impl From<Material> for MaterialInput {
+    fn from(material: Material) -> Self {
+        Self {
+            elastic_modulus_gpa: GPA.to_user(material.elastic_modulus),
+            poisson_ratio: material.poisson_ratio,
+            density_kg_m3: material.density,
+        }
+    }
+}
+
 impl MaterialsInput {
     /// Fills in the defaults of `base`, with constants in the place of names.
     pub fn resolve(&mut self, defaults: &mut Defaults, base: &MaterialsInput) -> Materials {
@@ -83,14 +94,17 @@ fn material(
     field: &mut Option<NameOr<String, MaterialInput>>,
     default: &Option<NameOr<String, MaterialInput>>,
 ) -> Material {
-    let default = default.clone().unwrap_or_else(|| NameOr::Name(presets::STEEL.to_owned()));
+    let default = default.clone().unwrap_or_else(|| NameOr::Object(GCR15.into()));
     let constants = match defaults.fill(pointer.clone(), field, default) {
         NameOr::Object(constants) => constants,
-        NameOr::Name(name) => presets::material(&name).unwrap_or_else(|| {
-            let known = listed(presets::MATERIALS.iter().map(|material| material.0));
-            defaults.refuse(pointer, format!("no material is called `{name}`; known are {known}"));
-            presets::MATERIALS[0].2
-        }),
+        NameOr::Name(name) => presets::material(&name).map_or_else(
+            || {
+                let known = listed(MATERIALS.iter().map(|preset| preset.name));
+                defaults.refuse(pointer, format!("unknown material `{name}`; known are {known}"));
+                GCR15.into()
+            },
+            MaterialInput::from,
+        ),
     };
     *field = Some(NameOr::Object(constants));
     Material {

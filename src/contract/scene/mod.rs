@@ -13,4 +13,6 @@ pub mod spindle;
 pub mod terms;
 
 pub mod presets;
-pub mod scaling;
+
+mod bearing_base;
+mod preset_names;

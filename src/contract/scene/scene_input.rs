@@ -6,13 +6,15 @@ use utoipa::ToSchema;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::FieldError;
 use crate::contract::json::shapes::{NameOr, object, optional_object};
-use crate::contract::scene::bearing::{self, BearingChoice, BearingInput};
+use crate::contract::scene::bearing::{BearingChoice, BearingInput};
+use crate::contract::scene::bearing_base::{ChosenBearing, choose};
 use crate::contract::scene::damping::DampingInput;
 use crate::contract::scene::lubricant::{self, LubricantChoice, LubricantInput};
 use crate::contract::scene::operation::OperationInput;
 use crate::contract::scene::spindle::SpindleInput;
 use crate::contract::scene::terms::TermsInput;
 use raceway_core::physics::bearing::PerRaceway;
+use raceway_core::physics::defaults::GRAVITY;
 use raceway_core::simulation::input::scene::{Scene, SceneParameters};
 
 /// The simulated system: bearing, spindle, lubricant and operation. Only `bearing` and `operation.speed_rpm` are required.
@@ -79,16 +81,16 @@ impl SceneInput {
     fn parameters(&mut self, defaults: &mut Defaults) -> SceneParameters {
         let operation = self.operation.resolve(defaults);
         let terms = self.terms.get_or_insert_default().resolve(defaults);
-        let gravity = defaults.fill("/scene/gravity_m_s2", &mut self.gravity_m_s2, 9.81);
+        let gravity = defaults.fill("/scene/gravity_m_s2", &mut self.gravity_m_s2, GRAVITY);
         let damping = self.damping.get_or_insert_default().resolve(defaults);
-        let bearing::ChosenBearing { mut own, base } = bearing::choose(self.bearing.clone(), defaults);
+        let ChosenBearing { mut own, base } = choose(self.bearing.clone(), defaults);
 
         let base_materials = base.bearing.materials.clone().unwrap_or_default();
         let materials = own.materials.get_or_insert_default().resolve(defaults, &base_materials);
         let raceways = PerRaceway { inner: materials.inner_raceway, outer: materials.outer_raceway };
         let bearing = own.resolve(defaults, &base.bearing, materials.ball, raceways);
         let ball_diameter_mm = own.ball_diameter_mm.unwrap_or_default();
-        let lubricant = lubricant::resolve(&mut self.lubricant, defaults, &base.lubricant, ball_diameter_mm);
+        let lubricant = lubricant::resolve(&mut self.lubricant, defaults, base.lubricant, ball_diameter_mm);
         let base_cage = base.bearing.cage.clone().unwrap_or_default();
         let cage = own.cage.get_or_insert_default();
         let cage = cage.resolve(defaults, &base_cage, materials.cage, lubricant.kind, damping.pocket);

@@ -3,13 +3,13 @@
 use serde_json::{Value, json};
 
 use crate::contract::job::comparison::Comparison;
-use crate::contract::scene::presets;
 use crate::contract::{
     Job, JobKind, Simulation, parse_accuracy_request, parse_job, parse_job_or_scene, parse_scene_request,
-    scene_from_json,
+    presets_answer, scene_from_json,
 };
 use raceway_core::physics::bearing::Fit;
 use raceway_core::physics::cage::PocketFilm;
+use raceway_core::physics::presets;
 use raceway_core::physics::spindle::{AxialHold, Unbalance};
 
 /// What all runs of the job share.
@@ -224,7 +224,7 @@ fn methods_that_take_fixed_steps_get_them() {
 
 #[test]
 fn every_preset_states_what_it_sets() {
-    let answer = serde_json::to_value(presets::presets_answer()).unwrap();
+    let answer = serde_json::to_value(presets_answer()).unwrap();
     assert_eq!(answer["bearings"]["6205"]["bearing"]["ball_count"], 9);
     assert_eq!(answer["lubricants"]["oil"]["lubricant"]["traction"]["maximum"], 0.05);
     assert_eq!(answer["materials"]["pa46"]["poisson_ratio"], 0.39);

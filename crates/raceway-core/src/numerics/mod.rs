@@ -10,5 +10,6 @@ pub mod ode;
 pub mod parallel;
 pub mod periodic;
 pub mod roots;
+pub mod rounding;
 pub mod spectrum;
 pub mod statistics;

@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::InvalidParameter;
-use super::limits::Faults;
+use super::limits::{Faults, InvalidParameter};
 use super::material::Material;
 use crate::numerics::lanes::SideBySide;
 
@@ -165,9 +164,6 @@ impl BearingParameters {
         }
     }
 }
-
-/// Largest number of balls accepted.
-pub const MAX_BALLS: usize = 64;
 
 impl Bearing {
     /// Checks the parameters and derives the geometry (`docs/MODEL.md`, contact geometry).

@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::InvalidParameter;
-use super::bearing::MAX_BALLS;
-use super::operation::MAX_SPEED;
+/// Largest number of balls accepted.
+const MAX_BALLS: f64 = 64.0;
+/// Largest angular speed accepted [rad/s]: 500 000 r/min.
+const MAX_SPEED: f64 = 500_000.0 * PI / 30.0;
 
 /// The values that a parameter may take: `lowest ..= highest`, in SI. `exclusive`: the lowest itself is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +34,7 @@ const LIMITS: [Limits; 58] = [
     within("bearing.outer_diameter", 1e-4, 12.0),
     within("bearing.inner_diameter", 1e-4, 10.0),
     within("bearing.width", 1e-4, 2.0),
-    within("bearing.ball_count", 2.0, MAX_BALLS as f64),
+    within("bearing.ball_count", 2.0, MAX_BALLS),
     above("bearing.inner_groove_curvature", 0.5, 1.0),
     above("bearing.outer_groove_curvature", 0.5, 1.0),
     // A fiftieth of the largest ball; all that the widest grooves leave it.
@@ -96,6 +97,18 @@ pub fn limits_of(parameter: &str) -> Option<&'static Limits> {
         false => parameter == limits.parameter,
     };
     LIMITS.iter().find(is_it)
+}
+
+/// A parameter that no bearing can have. `parameter` is its path in dots, in SI without unit
+/// suffix, such as `bearing.ball_diameter`; `contract` turns it into a JSON pointer and the user's unit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum InvalidParameter {
+    /// Outside `lowest ..= highest` (infinite: no limit; `exclusive`: the lowest itself is refused). SI.
+    #[error("{parameter} = {value} must lie in {lowest} … {highest}")]
+    OutOfRange { parameter: &'static str, value: f64, lowest: f64, highest: f64, exclusive: bool },
+    /// Each value is allowed by itself, but together they fit no bearing.
+    #[error("{parameter}: {reason}")]
+    Inconsistent { parameter: &'static str, reason: String },
 }
 
 /// All that is wrong with the parameters of something that is to be built.

@@ -31,6 +31,11 @@ pub const OIL_DENSITY: f64 = 900.0;
 pub const AIR_DENSITY: f64 = 1.2;
 pub const AIR_VISCOSITY: f64 = 1.8e-5;
 
+/// Distance of the inlet meniscus from the contact, in the unit of the ball's diameter.
+pub fn default_inlet_distance(ball_diameter: f64) -> f64 {
+    0.25 * ball_diameter
+}
+
 impl Lubricant {
     /// Notes values that no lubricant has.
     pub fn check(&self, faults: &mut Faults) {
@@ -45,7 +50,7 @@ impl Lubricant {
 
     /// Distance of the inlet meniscus from a contact of balls of that diameter [m].
     pub fn meniscus(&self, ball_diameter: f64) -> f64 {
-        self.inlet_distance.unwrap_or(0.25 * ball_diameter)
+        self.inlet_distance.unwrap_or_else(|| default_inlet_distance(ball_diameter))
     }
 
     /// Density of the lubricant–air mixture, ρ_e = X ρ_l + (1 − X) ρ_a [kg/m³].

@@ -13,6 +13,12 @@ pub struct Material {
     pub density: f64,
 }
 
+/// Bearing steel GCr15, the article's table 2; its modulus is high for this steel.
+pub const GCR15: Material = Material { elastic_modulus: 219e9, poisson_ratio: 0.3, density: 7830.0 };
+
+/// Polyamide 46, the article's table 3.
+pub const PA46: Material = Material { elastic_modulus: 1e9, poisson_ratio: 0.39, density: 1100.0 };
+
 impl Material {
     /// Notes what no solid has; `path` names the material's fields in the faults
     /// (elastic modulus, Poisson's ratio, density).

@@ -1,7 +1,6 @@
 //! How the bearing is driven and loaded.
 
-use super::InvalidParameter;
-use super::limits::Faults;
+use super::limits::{Faults, InvalidParameter};
 
 /// Spindle speed over time: constant, or straight lines between points, constant outside them.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,9 +12,6 @@ pub struct SpeedProfile {
     /// Angle at time 0 since the first point [rad].
     first_angle: f64,
 }
-
-/// Largest angular speed accepted [rad/s]: 500 000 r/min.
-pub const MAX_SPEED: f64 = 500_000.0 * std::f64::consts::PI / 30.0;
 
 /// Points of a profile at most.
 pub const MOST_POINTS: usize = 1000;

@@ -8,8 +8,10 @@
 
 use super::dormand_prince::DormandPrince;
 use super::gear::Gear;
+use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
 use super::stability::DORMAND_PRINCE as STABLE;
-use super::{Choice, IntegrationError, Integrator, OdeSystem, Statistics, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
 /// h·|λ| of Dormand–Prince from which Gear's method is worth a trial; and where stability holds the step.
 const WORTH_A_TRIAL: f64 = 0.3;
@@ -236,8 +238,9 @@ impl<S: OdeSystem + ?Sized> Integrator for Automatic<'_, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::ode::Method;
-    use crate::numerics::ode::structure::{Jacobian, dense_differences};
+    use crate::numerics::ode::method::Method;
+    use crate::numerics::ode::structure::Jacobian;
+    use crate::numerics::ode::system::dense_differences;
 
     /// y' = −rate (y − cos t) − sin t beside an oscillator of frequency 1; the rate may change at t = 20.
     struct Follower {

@@ -10,6 +10,7 @@
 //! are walked by Dormand–Prince at the same tolerance.
 
 mod diagonal;
+mod linear_part;
 mod past;
 mod renewal;
 #[cfg(test)]
@@ -17,24 +18,18 @@ mod tests;
 mod weights;
 
 use self::diagonal::Diagonal;
+pub use self::linear_part::LinearPart;
+use self::linear_part::Renewal;
 use self::past::{LEAST_KEPT, MOST_KEPT, Past};
-use self::renewal::Renewal;
 use self::weights::Weights;
 use super::dormand_prince::DormandPrince;
+use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
+use super::method::Method;
 use super::stability::{self, Stability};
 use super::step_size::{error_norm, is_impossible, stays_broken, worst_component};
 use super::structure::{Jacobian, Structure};
-use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
-
-/// What is integrated exactly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LinearPart {
-    /// Positions from velocities, all that is linear with constant coefficients in a bearing. The article names the two methods
-    /// it combines but no matrix; this one leaves every contact force in `f`. Without pairs: the classical method.
-    Kinematic,
-    /// Each block of the Jacobian on its diagonal, and the corner, renewed as they change.
-    Blocks,
-}
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
 /// Error of the corrector over corrector minus predictor (W. E. Milne), at `H = 0`; less where `H` dominates.
 const MILNE: f64 = 19.0 / 270.0;

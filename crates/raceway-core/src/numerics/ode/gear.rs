@@ -8,20 +8,20 @@
 
 mod coefficients;
 mod corrector;
+mod newton;
 mod order;
 #[cfg(test)]
 mod tests;
 
-use self::coefficients::Coefficients;
+pub use self::coefficients::MOST_ORDER;
+use self::coefficients::{Coefficients, DIFFERENCES};
 use self::corrector::{Corrector, Failure, norm};
+use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
+use super::method::Method;
 use super::step_size::{Try, initial_step, is_impossible, largest};
-use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 use crate::numerics::lanes::{InstructionSet, Task};
-
-/// Highest order with a useful sector of stability.
-pub const MOST_ORDER: usize = 5;
-/// Differences kept: the state, as many as the order, and two to judge the next higher order.
-const DIFFERENCES: usize = MOST_ORDER + 3;
 
 /// A step may err by this share of the tolerance: errors add up along the way, and the end should be near what was asked.
 const SHARE: f64 = 0.25;

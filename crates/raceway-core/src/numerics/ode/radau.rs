@@ -6,6 +6,7 @@
 //! here is said in terms of it.
 
 mod coefficients;
+mod convergence;
 mod newton;
 #[cfg(test)]
 mod tests;
@@ -13,11 +14,14 @@ mod tests;
 use nalgebra::Complex;
 
 use self::coefficients::{SLOPE_AT_START, basis};
-use self::newton::Convergence;
+use self::convergence::Convergence;
 use super::arrowhead::ArrowheadFactors;
+use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
+use super::method::Method;
 use super::step_size::{Try, error_norm, initial_step, is_impossible, stays_broken, worst_component};
 use super::structure::Jacobian;
-use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
 /// Iterations of Newton's method in a step.
 const MOST_ITERATIONS: u32 = 10;

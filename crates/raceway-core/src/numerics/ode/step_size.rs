@@ -1,6 +1,7 @@
 //! Accept or reject a step, and the size of the first and of the next.
 
-use super::{OdeSystem, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
 /// Weighted root mean square of `error`: at most 1 when each component errs within its tolerance.
 /// NaN where an entry is NaN.

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use super::{OdeSystem, Tolerances};
+use super::tolerances::Tolerances;
 use crate::numerics::lanes::{LANES, Lanes};
 
 /// How the entries of a state depend on each other.
@@ -204,28 +204,4 @@ pub fn displacements(state: &[f64], rate: &[f64], tolerances: &Tolerances, step:
     for (i, d) in displacement.iter_mut().enumerate() {
         *d = (f64::EPSILON.sqrt() * state[i].abs()).max(floor * weight(i));
     }
-}
-
-/// Fills a Jacobian that is all corner by difference quotients; returns the evaluations it took.
-pub fn dense_differences(
-    system: &(impl OdeSystem + ?Sized),
-    time: f64,
-    state: &[f64],
-    rate: &[f64],
-    displacement: &[f64],
-    jacobian: &mut Jacobian,
-) -> u64 {
-    let n = state.len();
-    let (mut moved, mut moved_rate) = (state.to_vec(), vec![0.0; n]);
-    for column in 0..n {
-        moved[column] = state[column] + displacement[column];
-        // What was really added, after rounding.
-        let added = moved[column] - state[column];
-        system.derivative(time, &moved, &mut moved_rate);
-        moved[column] = state[column];
-        for row in 0..n {
-            jacobian.corner[row * n + column] = (moved_rate[row] - rate[row]) / added;
-        }
-    }
-    n as u64
 }

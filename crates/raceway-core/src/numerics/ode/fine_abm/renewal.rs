@@ -1,32 +1,14 @@
 //! The linear part and its weights, taken anew as they go out of date.
 
+use super::FineAbm;
 use super::diagonal::Diagonal;
+use super::linear_part::{LEAST_PATIENCE, LinearPart, MOST_PATIENCE, Renewal};
 use super::weights::Weights;
-use super::{FineAbm, LinearPart};
-use crate::numerics::ode::OdeSystem;
 use crate::numerics::ode::structure::displacements;
+use crate::numerics::ode::system::OdeSystem;
 
 /// `h |∂f/∂y|` at which the linear part counts as outdated.
 const OUTDATED: f64 = 0.5;
-/// Steps before a linear part is renewed again; doubled each time that it is outdated at once, up to the most.
-const LEAST_PATIENCE: u64 = 4;
-const MOST_PATIENCE: u64 = 256;
-
-/// How long the linear part has served.
-pub(super) struct Renewal {
-    /// It has been taken since the start.
-    taken: bool,
-    /// Steps since then, and before it is renewed again.
-    pub(super) age: u64,
-    patience: u64,
-}
-
-impl Renewal {
-    pub(super) fn new() -> Self {
-        Self { taken: false, age: 0, patience: LEAST_PATIENCE }
-    }
-}
-
 impl<S: OdeSystem + ?Sized> FineAbm<'_, S> {
     /// Weights of the present step, computed where they are not at hand.
     pub(super) fn prepare_weights(&mut self) -> usize {

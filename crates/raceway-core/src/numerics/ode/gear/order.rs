@@ -1,9 +1,9 @@
 //! Order and size of the next step.
 
-use super::coefficients::Coefficients;
+use super::Gear;
+use super::coefficients::{Coefficients, MOST_ORDER};
 use super::corrector::norm_of_sum;
-use super::{Gear, MOST_ORDER};
-use crate::numerics::ode::OdeSystem;
+use crate::numerics::ode::system::OdeSystem;
 
 /// The error of the next step is aimed at this share of what it may be: at the same, the next lower and the next higher order.
 /// High orders are favoured: their steps cost the same, and err less than they are estimated to.

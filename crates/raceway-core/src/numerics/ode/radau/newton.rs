@@ -4,28 +4,16 @@
 use nalgebra::Complex;
 
 use super::coefficients::{C, PAIR, REAL, T, T_INVERSE, basis, transform};
+use super::convergence::Convergence;
 use super::{ESTIMATE, MOST_ITERATIONS, Outcome, Radau};
-use crate::numerics::ode::OdeSystem;
 use crate::numerics::ode::arrowhead::Singular;
 use crate::numerics::ode::structure::displacements;
+use crate::numerics::ode::system::OdeSystem;
 
 /// Part by which a step may differ from that of the factors: no more than rounding of times makes.
 const SAME_STEP: f64 = 1e-6;
 /// Left to go after a first increment, over the increment, at least: the last step may have gone better than this one.
 const LEAST_REMAINDER: f64 = 1e-3;
-
-/// How well Newton's iteration goes.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Convergence {
-    /// Ratio of successive increments; 0 where one was enough.
-    pub(super) contraction: f64,
-    /// What is left to go, over the last increment.
-    pub(super) remainder: f64,
-}
-
-impl Convergence {
-    pub(super) const UNKNOWN: Self = Self { contraction: 0.0, remainder: 1.0 };
-}
 
 impl<S: OdeSystem + ?Sized> Radau<'_, S> {
     /// Makes Jacobian and factors fit for a step, as far as they are not.
