@@ -1,23 +1,23 @@
-//! The figures: what is run for each, and what the article says of it.
+//! The figures: the jobs of each, and the article's statement.
 
 use serde_json::{Value, json};
 
 use super::claims::Claim;
 
-/// One figure, or several of one run.
+/// One figure, or several figures from one run.
 #[derive(Debug, Clone)]
 pub struct Figure {
-    /// First number, and how the figures are named.
+    /// First number, and name of the figures.
     pub number: u32,
     pub title: &'static str,
-    /// The article's statement, in our words.
+    /// The article's statement, paraphrased.
     pub says: &'static str,
-    /// What has to be known to read the verdict.
+    /// Remark on the verdict.
     pub remark: &'static str,
     pub subject: Subject,
 }
 
-/// What a figure shows.
+/// Subject of a figure.
 #[derive(Debug, Clone)]
 pub enum Subject {
     /// Series over time of one run.
@@ -26,15 +26,15 @@ pub enum Subject {
     Spectrum(Lines),
     /// A study over one axis.
     Trend { study: Value, claim: Claim },
-    /// The optimum over one range by several metrics: name of the metric and job.
+    /// Optima of several metrics over one range: name of the metric and job.
     Optimum { jobs: Vec<(&'static str, Value)>, within: (f64, f64) },
-    /// Two bearings over their speed.
+    /// Two bearings against speed.
     Comparison(Compared),
-    /// Force of a ball in its pocket against finite elements: the bearing, and the case of them.
+    /// Force of a ball in its pocket, compared with finite elements: the bearing, and the case of the finite elements.
     Pocket { scene: Value, case: &'static str },
 }
 
-/// A spectrum and the lines that are said to be in it [Hz].
+/// A spectrum and its lines according to the article [Hz].
 #[derive(Debug, Clone)]
 pub struct Lines {
     pub job: Value,
@@ -53,7 +53,7 @@ pub fn operation() -> Value {
     json!({ "speed_rpm": 50_000, "radial_load_y_n": 200, "radial_load_z_n": 0, "axial_load_n": 0 })
 }
 
-/// By the full dynamics with every term: trends of some hundredths of a decibel are to be told.
+/// The full model with all terms: trends of some hundredths of a decibel must be resolved.
 fn job(bearing: &str, extra: Value) -> Value {
     let mut job = json!({
         "kind": "simulation", "settle_s": 0.05, "duration_s": 0.2,
@@ -71,7 +71,7 @@ fn study(bearing: &str, axis: Value) -> Value {
     job(bearing, json!({ "kind": "study", "axes": [axis] }))
 }
 
-/// The curvature of the inner groove of least level in one direction.
+/// Job for the inner groove curvature of the lowest level in one direction.
 fn optimum(direction: &str) -> Value {
     let axis = json!({ "path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 0.55 });
     let mut sought = study(INTEGRATED, axis);
@@ -83,7 +83,7 @@ fn optimum(direction: &str) -> Value {
 pub const INTEGRATED: &str = "article-integrated";
 pub const DEEP_GROOVE: &str = "article-deep-groove";
 
-/// All figures that are runs, in the article's order.
+/// All figures that simulations reproduce, in the article's order.
 pub fn figures() -> Vec<Figure> {
     let spaced =
         |path: &str, from: f64, to: f64, count: u32| json!({ "path": path, "from": from, "to": to, "count": count });

@@ -1,4 +1,4 @@
-//! The force of a ball in its pocket by finite elements, which stand in `verification/pocket`, and by the model's law.
+//! Force of a ball in its pocket: by finite elements, from `verification/pocket`, and by the model.
 
 use serde_json::Value;
 
@@ -7,7 +7,7 @@ use raceway_core::simulation::model::Model;
 
 const RESULTS: &str = include_str!("../../verification/pocket/results.csv");
 
-/// Penetration [µm], force of the finite elements, of the law, and of Hertz's contact alone [N], of a case computed for the pocket of the scene.
+/// Penetration [µm], and forces of the finite elements, of the model, and of Hertz's contact alone [N], for a case with the pocket of the scene.
 pub fn forces(scene: &Value, case: &str) -> Result<Vec<[f64; 4]>, String> {
     let request = serde_json::json!({ "scene": scene }).to_string();
     let job = contract::parse_scene_request(request.as_bytes()).map_err(|refusal| refusal.to_string())?;

@@ -1,4 +1,4 @@
-//! The report: each figure with its plot, its statement, what was seen and the verdict.
+//! The report: each figure with its plot, its statement, the findings and the verdict.
 
 use std::fmt::Write;
 
@@ -9,14 +9,14 @@ use super::figures::{Compared, Figure, Lines, Subject};
 use crate::contract::{LineAnswer, Metrics, OptimumAnswer, Simulated, TableAnswer};
 use crate::plots::draw;
 
-/// What the runs of a figure have left.
+/// Results of the jobs of a figure.
 pub enum Evidence {
     Run(Box<Simulated>),
     Runs(Box<[Simulated; 2]>),
     Study(Box<TableAnswer>),
     Studies(Box<[TableAnswer; 2]>),
     Optima(Vec<OptimumAnswer>),
-    /// As `forces` gives them.
+    /// Forces, as `forces` returns them.
     Forces(Vec<[f64; 4]>),
 }
 
@@ -46,7 +46,7 @@ pub fn pictures(figure: &Figure, evidence: &Evidence) -> Vec<(String, String)> {
     }
 }
 
-/// The whole report, in Markdown; plots in a folder beside it.
+/// The complete report in Markdown; the plots are in a folder next to it.
 pub fn document(all: &[(Figure, Evidence)], folder: &str) -> String {
     let rows: String = all
         .iter()
@@ -59,7 +59,7 @@ pub fn document(all: &[(Figure, Evidence)], folder: &str) -> String {
     format!("{HEAD}| figure | the article | seen here |\n|---|---|---|\n{rows}{sections}")
 }
 
-/// What the report says of what shows one figure.
+/// The section of one figure.
 pub fn document_of_one(all: &[(Figure, Evidence)], number: u32, folder: &str) -> String {
     let sections: String = all.iter().map(|(figure, evidence)| section(figure, evidence, folder)).collect();
     format!(
@@ -87,7 +87,7 @@ fn section(figure: &Figure, evidence: &Evidence, folder: &str) -> String {
     text
 }
 
-/// What was run: how many runs, how long, and by which equations; `None` where nothing was.
+/// Number of runs, their duration and their model levels; `None` where nothing ran.
 fn runs(subject: &Subject, evidence: &Evidence) -> Option<String> {
     let of = |request: &Value, count: String| {
         let seconds = |field: &str| request[field].as_f64().map_or(String::new(), |seconds| seconds.to_string());
@@ -122,7 +122,7 @@ Each value comes with its estimated error. A trend counts as resolved where no p
 
 ";
 
-/// Verdict and findings; no verdict where the article says nothing that could be seen.
+/// Verdict and findings; no verdict where the article makes no testable statement.
 fn findings(figure: &Figure, evidence: &Evidence) -> (Option<Verdict>, Vec<Finding>) {
     let findings = match (&figure.subject, evidence) {
         (Subject::Trend { claim, .. }, Evidence::Study(table)) => judged(table, *claim),
@@ -138,7 +138,7 @@ fn findings(figure: &Figure, evidence: &Evidence) -> (Option<Verdict>, Vec<Findi
     ((!findings.is_empty()).then(|| Verdict::of_all(&verdicts)), findings)
 }
 
-/// Whether the best point of one axis lies where it is said, and is known well enough to tell.
+/// Whether the optimum of one axis is where the article states it, with a sufficiently small uncertainty.
 fn optimum(name: &'static str, answer: &OptimumAnswer, (from, to): (f64, f64)) -> Finding {
     let value = |of: &serde_json::Map<String, Value>| of.values().find_map(Value::as_f64);
     let at = value(&answer.point).unwrap_or(f64::NAN);
@@ -168,12 +168,12 @@ fn optimum(name: &'static str, answer: &OptimumAnswer, (from, to): (f64, f64)) -
     Finding { name, verdict, seen, unresolved: false }
 }
 
-/// With its sign, and a minus that is as wide as a plus.
+/// The number with its sign, and with a minus sign instead of a hyphen.
 fn signed(percent: f64) -> String {
     format!("{percent:+.1}").replace('-', "−")
 }
 
-/// How far the article's two forces are apart.
+/// Difference of the article's two forces.
 const AGREED: f64 = 0.13;
 
 fn pocket(forces: &[[f64; 4]]) -> Vec<Finding> {
@@ -205,7 +205,7 @@ fn pocket(forces: &[[f64; 4]]) -> Vec<Finding> {
     ]
 }
 
-/// How near a line has to be to the frequency that is said, as a share of it.
+/// Largest relative deviation of a line from the stated frequency [-].
 const NEAR: f64 = 0.01;
 
 /// The strongest line near a frequency.

@@ -1,28 +1,28 @@
-//! The report on the sampled sets, and their table.
+//! The report on the sampled parameter sets, and their table.
 
 use std::fmt::Write;
 
 use super::claims::{SHOWN, Verdict};
 use super::robustness::{Judged, PARAMETERS, QUESTIONS, Set, influences};
 
-/// Strength from which on a parameter counts as deciding: with so many parameters, chance alone reaches it for one in some dozen.
+/// Strength from which on a parameter counts as decisive [-]: with this number of parameters, chance alone reaches it for about one in a dozen.
 const DECIDES: f64 = 4.0;
-/// Where the article has the best curvature.
+/// Optimal curvature according to the article.
 const BEST_CURVATURE: (f64, f64) = (0.52, 0.53);
 
-/// Which sets were drawn.
+/// The sampled sets: number and seed.
 #[derive(Debug, Clone, Copy)]
 pub struct Chosen {
     pub sets: u32,
     pub seed: u64,
 }
 
-/// Those of docs/ROBUSTNESS.md.
+/// Number and seed of the published report.
 pub const SETS: u32 = 200;
 pub const SEED: u64 = 2025;
 
 impl Chosen {
-    /// The command that draws them.
+    /// The command that reproduces them.
     fn command(&self) -> String {
         let other = |name: &str, value: u64, usual: u64| {
             if value == usual { String::new() } else { format!(" --{name} {value}") }
@@ -32,7 +32,7 @@ impl Chosen {
     }
 }
 
-/// The whole report, in Markdown.
+/// The complete report in Markdown.
 pub fn robustness_document(sets: &[Judged], chosen: &Chosen) -> String {
     let mut text = head(sets, chosen);
     overview(&mut text, sets);
@@ -89,7 +89,7 @@ fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
 }
 
-/// Share of the sets for which something holds.
+/// Share of the sets that satisfy a condition.
 fn share(sets: &[Judged], holds: impl Fn(&Judged) -> bool) -> f64 {
     sets.iter().filter(|set| holds(set)).count() as f64 / sets.len().max(1) as f64
 }
@@ -119,7 +119,7 @@ fn values(sets: &[Judged]) -> Vec<Set> {
     sets.iter().map(|set| set.set).collect()
 }
 
-/// The parameter that decides most over a score, with its direction.
+/// The parameter with the largest influence on a score, with its direction.
 fn decider(sets: &[Judged], scores: &[f64]) -> String {
     let all = influences(&values(sets), scores);
     let strongest = PARAMETERS.iter().zip(&all).max_by(|a, b| a.1.strength.total_cmp(&b.1.strength));
@@ -159,7 +159,7 @@ fn thirds(text: &mut String, sets: &[Judged], scores: &[f64]) {
     );
 }
 
-/// Where the level is least over the curvature of the inner groove.
+/// Inner groove curvature of the lowest level.
 fn curvature(text: &mut String, sets: &[Judged]) {
     let mut places: Vec<f64> = sets.iter().flat_map(|set| set.best_curvature).flatten().collect();
     places.sort_by(f64::total_cmp);
@@ -192,7 +192,7 @@ fn curvature(text: &mut String, sets: &[Judged]) {
     }
 }
 
-/// A row a set: its values, the verdict on each metric of each figure, and where the level is least.
+/// One row for each set: its values, the verdict on each metric of each figure, and the curvature of the lowest level.
 pub fn robustness_csv(sets: &[Judged]) -> String {
     let short = ["velocity_y", "velocity_z", "level_y", "level_z"];
     let mut heads: Vec<String> = PARAMETERS.iter().map(|parameter| parameter.name.replace(',', "")).collect();

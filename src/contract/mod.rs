@@ -9,7 +9,7 @@ pub mod job;
 
 pub mod scene;
 
-pub mod json;
+pub(crate) mod json;
 
 pub use answer::failure::RunFailure;
 pub use answer::metrics::{ChannelAnswer, LineAnswer, Metrics};

@@ -7,7 +7,8 @@ use super::map::{MapPanel, map_svg};
 use super::orbit::{OrbitCurve, orbit_svg};
 use super::series::{SeriesCurve, series_svg};
 use super::spectrum::{SpectrumCurve, spectrum_svg};
-use super::trend::{AxisPlaces, TrendCurve, TrendPanel, VariedAxis, trend_svg};
+use super::trend::{TrendCurve, TrendPanel, trend_svg};
+use super::varied_axis::{AxisValues, VariedAxis};
 use super::work_precision::{ErrorPanel, FailedRun, WorkPoint, WorkPrecisionCurve, work_precision_svg};
 use crate::contract::answer::headings::{field_heading, metric_heading};
 use crate::contract::answer::optimum::{PurposeName, RangeAnswer, RunAnswer};
@@ -65,14 +66,14 @@ pub fn orbits(orbits: &[OrbitView]) -> String {
     )
 }
 
-/// Loads of ball 1 along its way.
+/// Raceway loads of ball 1 against its azimuth.
 pub fn loads(loads: &LoadsView) -> String {
     let curve = |name, load| LoadCurve { name, azimuth: &loads.azimuth_deg, load };
     let curves = [curve("inner raceway", &loads.inner_n), curve("outer raceway", &loads.outer_n)];
     loads_svg("Loads of a ball along its way", "ball 1, turns over each other", &curves)
 }
 
-/// Time series above each other.
+/// Time series, one panel for each channel.
 pub fn series(series: &[SeriesAnswer]) -> String {
     let curves = series.iter().map(|series| SeriesCurve {
         name: &series.channel,
@@ -83,7 +84,7 @@ pub fn series(series: &[SeriesAnswer]) -> String {
     series_svg("Motion of the spindle", "time since the start of the run", &curves.collect::<Vec<_>>())
 }
 
-/// Error against run time, a curve a method.
+/// Error against run time, one curve for each method.
 pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     let mut curves: Vec<WorkPrecisionCurve<'_>> = Vec::new();
     for point in &answer.points {
@@ -111,7 +112,7 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
         compared.duration_s, compared.settle_s, reference.method, reference.relative_tolerance
     );
     let (trajectory, level) = floors(reference);
-    // Reports of older versions do not name their scene.
+    // Results of older versions do not name their scene.
     let title = if compared.scene.is_empty() { "Error against run time" } else { &compared.scene };
     let panels = [
         ErrorPanel { name: "Error of the level, worst of all axes", unit: "dB", floor: level },
@@ -120,11 +121,11 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     work_precision_svg(title, &subtitle, &curves, panels)
 }
 
-/// Panels of a trend from which on no further quantity is shown.
-const MOST_PANELS: usize = 4;
+/// Number of panels of a trend from which on no further quantity is added.
+const MAX_PANELS: usize = 4;
 
-/// What pictures of a study show: quantity with its unit, and the metrics of it with their short names. The first that are there
-/// are drawn, at most two quantities.
+/// Quantities in plots of a study, each with its unit, and their metrics with short names. Plots show the first two that the results
+/// contain.
 const SHOWN: [(&str, &[(&str, &str)]); 4] = [
     (
         "velocity, rms, in mm/s",
@@ -144,10 +145,10 @@ const SHOWN: [(&str, &[(&str, &str)]); 4] = [
     ("orbit of the cage in µm", &[("cage", "/cage/orbit_radius_um")]),
 ];
 
-fn places(axis: &AxisAnswer) -> AxisPlaces {
+fn places(axis: &AxisAnswer) -> AxisValues {
     let numbers: Option<Vec<f64>> = axis.values.iter().map(Value::as_f64).collect();
     let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-    numbers.map_or_else(|| AxisPlaces::Words(axis.values.iter().map(word).collect()), AxisPlaces::Numbers)
+    numbers.map_or_else(|| AxisValues::Names(axis.values.iter().map(word).collect()), AxisValues::Numbers)
 }
 
 fn counted(table: &TableAnswer) -> String {
@@ -156,16 +157,16 @@ fn counted(table: &TableAnswer) -> String {
     format!("{} of {} points{failed}", table.ended, table.points)
 }
 
-/// A study over its one axis; `None` of several axes.
+/// Metrics of a study against its axis; `None` for several axes.
 pub fn trend(table: &TableAnswer) -> Option<String> {
     let [axis] = &table.axes[..] else { return None };
     let mut panels = Vec::new();
     for (quantity, metrics) in SHOWN {
         let curves = metrics.iter().map(|(name, pointer)| TrendCurve { name, values: table.column(pointer) });
         let curves = curves.filter(|curve| curve.values.iter().any(Option::is_some));
-        // A panel each: on one scale the larger would hide how the smaller one changes.
+        // One panel for each metric: on a common scale the larger one would hide changes of the smaller one.
         let of_quantity = curves.map(|curve| TrendPanel { quantity, curves: vec![curve], best: None, band: None });
-        if panels.len() < MOST_PANELS {
+        if panels.len() < MAX_PANELS {
             panels.extend(of_quantity);
         }
     }
@@ -174,7 +175,7 @@ pub fn trend(table: &TableAnswer) -> Option<String> {
     Some(trend_svg(&format!("Trend over {name}"), &counted(table), &varied, &panels))
 }
 
-/// A study over its two axes; `None` of another number.
+/// Metrics of a study against its two axes; `None` for another number of axes.
 pub fn map(table: &TableAnswer) -> Option<String> {
     let [right, up] = &table.axes[..] else { return None };
     let mut panels = Vec::new();
@@ -198,11 +199,11 @@ pub fn map(table: &TableAnswer) -> Option<String> {
     Some(map_svg(&format!("{} and {}", names[0], names[1]), &counted(table), [&axes[0], &axes[1]], &panels))
 }
 
-/// Values and errors of the runs of an optimum job, and the best of them: over the one axis with the band that it may lie in, or over
-/// both, the scan as fields and every other run as a dot.
+/// Runs of an optimum job with their errors, and the best of them. For one axis: a curve with the interval of the optimum. For two axes: a
+/// map of the scan, with a dot for each other run.
 pub fn optimum(answer: &OptimumAnswer) -> String {
     let metric = metric_heading(&answer.metric);
-    // The unit stands beside the axis.
+    // The axis shows the unit.
     let named = metric.rsplit_once(" in ").map_or(&*metric, |(named, _)| named);
     let title = format!("{} of {named}", if answer.goal == GoalName::Minimum { "Minimum" } else { "Maximum" });
     let place = |axis: &RangeAnswer| {
@@ -220,7 +221,7 @@ pub fn optimum(answer: &OptimumAnswer) -> String {
     }
 }
 
-/// The number that a point has along an axis.
+/// The value of a point on an axis.
 fn along(point: &Map<String, Value>, axis: &str) -> f64 {
     point.get(axis).and_then(Value::as_f64).unwrap_or(f64::NAN)
 }
@@ -231,13 +232,13 @@ fn optimum_trend(answer: &OptimumAnswer, (title, subtitle, metric): (&str, &str,
     runs.sort_by(|a, b| at(a).total_cmp(&at(b)));
     let values = runs.iter().map(|run| run.value.map(|value| (value, run.error))).collect();
     let panel = TrendPanel {
-        // The title has the whole.
+        // The title contains the complete name.
         quantity: metric.rsplit(": ").next().unwrap_or(metric),
         curves: vec![TrendCurve { name: "every run", values }],
         best: runs.iter().position(|run| run.point == answer.point),
         band: answer.within.as_ref().and_then(|within| within.get(&range.axis).copied()),
     };
-    let places = AxisPlaces::Numbers(runs.iter().map(|run| at(run)).collect());
+    let places = AxisValues::Numbers(runs.iter().map(|run| at(run)).collect());
     let axis = VariedAxis { name: &field_heading(&range.axis), values: places };
     trend_svg(title, subtitle, &axis, &[panel])
 }
@@ -266,19 +267,19 @@ fn optimum_map(
         runs: others.iter().map(|run| place(&run.point)).collect(),
     };
     let names = ranges.map(|range| field_heading(&range.axis));
-    let [right, up] = both.map(AxisPlaces::Numbers);
+    let [right, up] = both.map(AxisValues::Numbers);
     let axes = [VariedAxis { name: &names[0], values: right }, VariedAxis { name: &names[1], values: up }];
     map_svg(title, subtitle, [&axes[0], &axes[1]], &[panel])
 }
 
-/// How many fields a value lies beyond the first of ordered ones.
+/// Position of a value among ordered values, in intervals from the first one.
 fn fields_along(values: &[f64], value: f64) -> f64 {
     let between = |pair: &[f64]| (value - pair[0]) * (value - pair[1]) <= 0.0;
     let found = values.windows(2).position(between);
     found.map_or(0.0, |place| place as f64 + (value - values[place]) / (values[place + 1] - values[place]))
 }
 
-/// The law's force and that of Hertz's contact alone, over that of the finite elements.
+/// Pocket force of the model and of Hertz's contact alone, both divided by that of finite elements.
 pub fn forces(forces: &[[f64; 4]]) -> String {
     let curve = |name, place: usize| TrendCurve {
         name,
@@ -287,11 +288,11 @@ pub fn forces(forces: &[[f64; 4]]) -> String {
     let curves = vec![curve("law of the model", 2), curve("Hertz alone", 3)];
     let panel = TrendPanel { quantity: "force over that of finite elements", curves, best: None, band: None };
     let axis =
-        VariedAxis { name: "penetration in µm", values: AxisPlaces::Numbers(forces.iter().map(|of| of[0]).collect()) };
+        VariedAxis { name: "penetration in µm", values: AxisValues::Numbers(forces.iter().map(|of| of[0]).collect()) };
     trend_svg("Ball in its pocket", "forces over those of CalculiX, converged", &axis, &[panel])
 }
 
-/// All pictures of a simulation, by the names that the service gives them; those that it has nothing for are missing.
+/// All plots of a simulation, by their names in the service; plots without data are omitted.
 pub fn pictures(simulated: &Simulated) -> Vec<(&'static str, String)> {
     let Simulated { metrics, spectra: kept, series: whole, views } = simulated;
     let amplitudes = kept.iter().filter(|spectrum| spectrum.kind == SpectrumKind::Amplitude);

@@ -14,5 +14,6 @@ mod work_precision;
 
 mod axis;
 mod svg;
+mod varied_axis;
 
 pub use work_precision::{ErrorPanel, WorkPoint, WorkPrecisionCurve, work_precision_svg};

@@ -9,11 +9,11 @@ pub mod search;
 pub mod study;
 
 mod many_runs;
-pub mod range;
-pub mod varied;
+mod range;
+mod varied;
 
 pub mod simulation;
-pub mod variation;
+mod variation;
 
 pub mod input;
 pub mod kind;

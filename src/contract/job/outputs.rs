@@ -1,4 +1,4 @@
-//! What a run must produce.
+//! Requested results of a run.
 
 use std::collections::BTreeSet;
 
@@ -11,22 +11,22 @@ use raceway_core::simulation::input::channel::{Axis, BallContact, Channel};
 use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
 use raceway_core::simulation::input::settings::Outputs;
 
-/// What the result contains; what is not asked for is neither computed nor stored.
+/// Requested results. Results that are not requested are neither computed nor stored.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputsInput {
-    /// Default: all three.
+    /// Parts of the metrics. Default: all three.
     #[schema(nullable = false, max_items = 3)]
     pub metrics: Option<Vec<MetricsPart>>,
     /// Channels whose amplitude and envelope spectra are kept. Default: accelerations of the spindle in y and z.
     #[schema(nullable = false, max_items = 64, example = json!(["spindle.y.acceleration"]))]
     pub spectra: Option<Vec<String>>,
-    /// Channels whose whole time series are kept. Default: none.
+    /// Channels whose complete time series are kept. Default: none.
     #[schema(nullable = false, max_items = 64, example = json!(["cage.y.displacement"]))]
     pub series: Option<Vec<String>>,
 }
 
-/// `vibration`: channels and lines. `contacts`: loads, pressure and slip on the raceways. `cage`:
+/// `vibration`: channels and spectral lines. `contacts`: loads, pressure and slip of the raceway contacts. `cage`:
 /// kinematics, orbit of the cage and pocket loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
@@ -46,13 +46,13 @@ impl MetricsPart {
     }
 }
 
-/// Channels whose spectra are kept where nobody says.
+/// Channels whose spectra are kept by default.
 pub const USUAL_SPECTRA: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
-const MOST_CHANNELS: usize = 64;
+const MAX_CHANNELS: usize = 64;
 const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
 
 impl OutputsInput {
-    /// Channels are checked against the scene; without one, only their number is.
+    /// The outputs of a run. Channels are checked against the scene; without a scene only their number is checked.
     pub fn resolve(&mut self, defaults: &mut Defaults, scene: Option<&Scene>) -> Outputs {
         let outputs = self.resolve_metrics(defaults);
         let usual = USUAL_SPECTRA.map(str::to_owned).to_vec();
@@ -65,7 +65,7 @@ impl OutputsInput {
         }
     }
 
-    /// The metrics alone, which decide over the model; no signal is kept.
+    /// The outputs of a run that keeps metrics only.
     pub fn resolve_metrics(&mut self, defaults: &mut Defaults) -> Outputs {
         let metrics = defaults.fill("/outputs/metrics", &mut self.metrics, ALL.to_vec());
         for (index, part) in metrics.iter().enumerate() {
@@ -84,8 +84,8 @@ impl OutputsInput {
 }
 
 fn channels(defaults: &mut Defaults, pointer: &str, names: &[String], scene: Option<&Scene>) -> Vec<Channel> {
-    if names.len() > MOST_CHANNELS {
-        defaults.refuse(pointer, format!("{} channels: at most {MOST_CHANNELS}", names.len()));
+    if names.len() > MAX_CHANNELS {
+        defaults.refuse(pointer, format!("{} channels: at most {MAX_CHANNELS}", names.len()));
         return Vec::new();
     }
     let Some(scene) = scene else { return Vec::new() };
@@ -101,13 +101,13 @@ fn channels(defaults: &mut Defaults, pointer: &str, names: &[String], scene: Opt
     channels
 }
 
-/// The channel of that name in this scene, or why there is none.
+/// The channel of that name in this scene, or the reason why there is none.
 pub fn channel(name: &str, scene: &Scene) -> Result<Channel, String> {
     let balls = scene.bearing.parameters.ball_count;
     let channel = Channel::parse(name, balls).ok_or_else(|| {
         let name: String = name.chars().take(100).collect();
         format!(
-            "no channel is called `{name}`; channels are spindle.{{x|y|z}}.{{displacement|velocity|acceleration}}, \
+            "unknown channel `{name}`; channels are spindle.{{x|y|z}}.{{displacement|velocity|acceleration}}, \
              cage.{{x|y|z}}.displacement, cage.speed, ball.N.spin and ball.N.{{inner|outer|pocket}}.load with N = 1…{balls}"
         )
     })?;

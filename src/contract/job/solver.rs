@@ -1,4 +1,4 @@
-//! How to simulate.
+//! Integrator, tolerances and model level of a run.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -9,38 +9,36 @@ use crate::contract::json::units::US;
 use raceway_core::numerics::ode::Method;
 use raceway_core::simulation::input::model_level::ModelLevel;
 
-/// Integrator, tolerances and model.
+/// Integrator, tolerances and model level.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolverInput {
-    /// Default `auto`: the run chooses, and the result names what ran and why.
+    /// Integrator. Default `auto`: chosen for the scene; the result names the one that ran, and the reason.
     #[schema(nullable = false, value_type = Option<MethodName>)]
     pub method: Option<String>,
-    /// Relative tolerance of the integrator [-]; `auto` tightens it where it leaves more noise than level. Left out, it is
-    /// 1e-5; with the method `auto` and no series asked for, steps of a fixed length (`semi_implicit`) are tried first, then 1e-3,
-    /// each taken where the error that the result then states is within half of `model_tolerance_db`, else 1e-5.
-    /// `solver.method` of the result tells which, and `solver.relative_tolerance`, which steps do not have. With `model_tolerance_db` 0
-    /// no steps are tried.
+    /// Relative tolerance of the integrator [-]. Default 1e-5; `auto` tightens it where the integration error exceeds the level. With the
+    /// method `auto`, without series and with `model_tolerance_db` above 0, the default is adaptive: fixed steps (`semi_implicit`) are tried
+    /// first, then 1e-3, then 1e-5. An attempt is accepted where its stated level error is within half of `model_tolerance_db`. The result
+    /// reports the accepted one in `solver.method` and `solver.relative_tolerance`; fixed steps have no tolerance.
     #[schema(nullable = false, example = 0.00001)]
     pub relative_tolerance: Option<f64>,
-    /// How much a level may change by what is left out by judgement [dB]; 0: identities and
-    /// conventions only. Default 0.05.
+    /// Largest accepted change of a level by terms that are omitted by judgement [dB]; 0: terms are omitted only by identities and
+    /// conventions. Default 0.05.
     #[schema(nullable = false, example = 0.05)]
     pub model_tolerance_db: Option<f64>,
-    /// A rung of the ladder of models. Left out, it is the leanest one that can give the outputs and that a check against the
-    /// next richer one confirms within `model_tolerance_db`; a method asked for by name, or a fixed step, runs on `full` or `planar`.
+    /// Model level. Default: the cheapest level that contains the requested outputs and that is confirmed within `model_tolerance_db` by a
+    /// comparison with the next richer level. With a named method or a fixed step: `full` or `planar`.
     #[schema(nullable = false, value_type = Option<RungName>)]
     pub rung: Option<String>,
-    /// Steps of this size instead of error control [µs]; only with `dormand_prince` and `fine_abm`.
+    /// Fixed step size instead of error control [µs]; only with `dormand_prince` and `fine_abm`.
     #[schema(nullable = false)]
     pub fixed_step_us: Option<f64>,
 }
 
-/// `auto`: steps of a fixed length (`semi_implicit`) where no tolerance is asked for and they serve; else chooses between the others by
-/// the stiffness of the scene, and says why. `gear`: backward differentiation
-/// of variable step and order 1–5. `fine_abm`: precise integration of the linear part with exponential
-/// Adams–Bashforth–Moulton. `dormand_prince`: explicit Runge–Kutta of order 5, for scenes that are not stiff. `radau`:
-/// implicit Runge–Kutta of order 5 (Radau IIA), the reference.
+/// `auto`: fixed steps (`semi_implicit`) where no tolerance is given and their error is accepted; else one of the other methods by the
+/// stiffness of the scene. `gear`: backward differentiation formulas of variable step and order 1–5. `fine_abm`: precise integration of
+/// the linear part with exponential Adams–Bashforth–Moulton. `dormand_prince`: explicit Runge–Kutta of order 5, for scenes that are not
+/// stiff. `radau`: implicit Runge–Kutta of order 5 (Radau IIA), the reference.
 #[derive(ToSchema)]
 #[schema(rename_all = "snake_case")]
 pub enum MethodName {
@@ -51,10 +49,10 @@ pub enum MethodName {
     Radau,
 }
 
-/// `full`: six degrees of freedom a ball and cage. `planar`: no axial motion, no tilt. `radially_condensed`: balls in radial
-/// equilibrium between their raceways. `spindle_only`: balls equally spaced, vibration of the spindle only. `periodic`:
-/// the same, its steady motion that repeats with every ball. The last three have integrators of their own, and are checked
-/// against the next richer one.
+/// `full`: six degrees of freedom for each ball and the cage. `planar`: no axial motion, no tilt. `radially_condensed`: balls in radial
+/// equilibrium between their raceways. `spindle_only`: balls equally spaced, vibration of the spindle only. `periodic`: the steady motion of
+/// `spindle_only` that repeats with each ball passage. The last three have their own integrators, and are verified against the next richer
+/// level.
 #[derive(ToSchema)]
 #[schema(rename_all = "snake_case")]
 pub enum RungName {
@@ -78,8 +76,8 @@ const METHODS: [(&str, Option<Method>); 10] = [
     ("harmonic_balance", None),
 ];
 
-/// Relative tolerance where none is given: the first where a run may choose and nothing but levels, loads and speeds is asked
-/// for, the second where that does not do.
+/// Default relative tolerances: the loose one is tried first where the method is `auto` and the outputs are metrics and spectra; the
+/// tight one is the default otherwise, and where the loose one is rejected.
 const LOOSE_TOLERANCE: f64 = 1e-3;
 const TOLERANCE: f64 = 1e-5;
 
@@ -89,10 +87,10 @@ pub struct Solver {
     pub method: Method,
     pub rung: Option<ModelLevel>,
     pub relative_tolerance: f64,
-    /// See `RunSettings::tightened`.
+    /// As `RunSettings::tightened`.
     pub tightened: Option<f64>,
     pub model_tolerance_db: f64,
-    /// [s]
+    /// Fixed step size [s].
     pub fixed_step: Option<f64>,
 }
 
@@ -120,10 +118,8 @@ impl SolverInput {
         if let Some(rung) = rung.filter(|rung| rung.is_reduced())
             && (method != Method::Auto || self.fixed_step_us.is_some())
         {
-            let detail = format!(
-                "`{}` has an integrator of its own: the method must be `auto`, without a fixed step",
-                rung.name()
-            );
+            let detail =
+                format!("`{}` has its own integrator: the method must be `auto`, without a fixed step", rung.name());
             defaults.refuse("/solver/rung", detail);
         }
         let fixed_step = self.fixed_step_us.map(|step| US.to_si(step));
@@ -131,7 +127,7 @@ impl SolverInput {
         Solver { method, rung, relative_tolerance, tightened, model_tolerance_db, fixed_step }
     }
 
-    /// What decides over the model alone: rung and `model_tolerance_db`.
+    /// Model level and `model_tolerance_db`.
     pub fn resolve_model(&mut self, defaults: &mut Defaults) -> (Option<ModelLevel>, f64) {
         let rungs = ModelLevel::ALL.map(|rung| (rung.name(), Some(rung)));
         let rung = self.rung.as_ref().and_then(|name| chosen(defaults, "/solver/rung", name, &rungs));
@@ -141,28 +137,31 @@ impl SolverInput {
     }
 }
 
-/// Integrators that go with their rung.
-const OF_RUNGS: [(&str, ModelLevel); 3] = [
+/// Integrators of the reduced model levels.
+const OF_MODEL_LEVELS: [(&str, ModelLevel); 3] = [
     ("adams_moulton", ModelLevel::SpindleOnly),
     ("semi_implicit", ModelLevel::RadiallyCondensed),
     ("shooting", ModelLevel::Periodic),
 ];
 
-/// The method of that name; `None` with an error at `pointer` where there is none.
+/// The method of that name; `None` after an error at `pointer`.
 pub fn method_of(defaults: &mut Defaults, pointer: &str, name: &str) -> Option<Method> {
-    if let Some((_, rung)) = OF_RUNGS.iter().find(|own| own.0 == name) {
+    if let Some((_, rung)) = OF_MODEL_LEVELS.iter().find(|own| own.0 == name) {
         let rung = rung.name();
-        let alike = match name == Method::SemiImplicit.name() {
-            true => ", and is what `auto` tries first on `full` and `planar` where no tolerance is asked for; it",
+        let remark = match name == Method::SemiImplicit.name() {
+            true => ", and `auto` tries it first on `full` and `planar` where no tolerance is given; it",
             false => " and",
         };
-        defaults.refuse(pointer, format!("`{name}` goes with the rung `{rung}`{alike} cannot be chosen: leave it out"));
+        defaults.refuse(
+            pointer,
+            format!("`{name}` goes with the rung `{rung}`{remark} cannot be requested: omit `method`"),
+        );
         return None;
     }
     chosen(defaults, pointer, name, &METHODS)
 }
 
-/// The choice of that name; known names without one are not available yet.
+/// The choice of that name; `None` after an error. Names without a choice are reserved.
 fn chosen<T: Copy>(defaults: &mut Defaults, pointer: &str, name: &str, choices: &[(&str, Option<T>)]) -> Option<T> {
     let available = listed(choices.iter().filter(|choice| choice.1.is_some()).map(|choice| choice.0));
     match choices.iter().find(|choice| choice.0 == name) {

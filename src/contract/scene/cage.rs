@@ -12,7 +12,7 @@ use raceway_core::physics::defaults::{self, CrownCage};
 use raceway_core::physics::lubricant::LubricantKind;
 use raceway_core::physics::material::Material;
 
-/// A crown cage. Fields left out: those of the bearing's preset; of a bearing without one, the
+/// A crown cage. Empty fields are those of the bearing's preset; for a bearing without preset, those of the
 /// article's crown cage scaled by pitch and ball diameter.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -50,10 +50,10 @@ pub struct CageInput {
     /// Slip speed at which that friction is fully developed [m/s]. Default 0.05.
     #[schema(nullable = false, example = 0.05)]
     pub friction_speed_m_s: Option<f64>,
-    /// Stiffness of the cage bars in series with the pocket contacts [N/m]. Left out: rigid bars.
+    /// Stiffness of the cage bars in series with the pocket contacts [N/m]. Default: rigid bars.
     #[schema(nullable = false)]
     pub bar_stiffness_n_per_m: Option<f64>,
-    /// Guidance by the outer ring's shoulder. Left out: guided by the balls.
+    /// Guiding land on the outer ring. Default: the cage is guided by the balls.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub land: Option<LandInput>,
@@ -67,8 +67,8 @@ pub enum SeatName {
     Closed,
 }
 
-/// `wedge`: stiffness of a truncated wedge at the operating speed; `empirical-11`: 11 N at the edge of
-/// the pocket, of the literature.
+/// `wedge`: stiffness of a truncated wedge at the operating speed. `empirical-11`: 11 N at the edge of
+/// the pocket, an empirical value from the literature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FilmName {
@@ -90,10 +90,10 @@ pub enum FilmChoice {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FilmInput {
-    /// [N/m]
+    /// Stiffness [N/m].
     #[schema(example = 38000.0)]
     pub stiffness_n_per_m: f64,
-    /// [N·s/m]
+    /// Damping [N·s/m].
     #[schema(example = 3.0)]
     pub damping_n_s_per_m: f64,
 }
@@ -114,7 +114,7 @@ pub struct LandInput {
 }
 
 impl CageInput {
-    /// Fills in what is left out from `base`, whose fields are all given.
+    /// The parameters of `physics`; empty fields are filled from `base`, whose fields are all given.
     pub fn resolve(
         &mut self,
         defaults: &mut Defaults,

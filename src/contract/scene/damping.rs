@@ -8,40 +8,41 @@ use crate::contract::json::shapes::optional_object;
 use raceway_core::physics::contact::damping::DampingLaw;
 use raceway_core::physics::defaults::{IMPACT_SPEED, POCKET_RESTITUTION, RACEWAY_RESTITUTION};
 
-/// Damping of ball on raceway and of ball in pocket.
+/// Damping of the raceway contacts and of the pocket contacts.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DampingInput {
-    /// Default: restitution 0.9 at 0.1 m/s.
+    /// Raceway contacts. Default: restitution 0.9 at 0.1 m/s.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub raceway: Option<DampingLawInput>,
-    /// Default: restitution 0.6 at 0.1 m/s.
+    /// Pocket contacts. Default: restitution 0.6 at 0.1 m/s.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub pocket: Option<DampingLawInput>,
 }
 
-/// A law with the fields that it takes.
+/// A damping law and its parameters.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DampingLawInput {
-    /// Default `restitution`.
+    /// Damping law. Default `restitution`.
     #[schema(nullable = false)]
     pub law: Option<DampingLawName>,
-    /// Speed after an impact over speed before it [-]. Default 0.9 on raceways, 0.6 in pockets.
+    /// Coefficient of restitution: speed after an impact divided by speed before it [-]. Default 0.9 on raceways, 0.6 in pockets.
     #[schema(nullable = false, example = 0.9)]
     pub restitution: Option<f64>,
-    /// Impact speed at which the restitution holds [m/s]. Default 0.1.
+    /// Impact speed at which the coefficient of restitution holds [m/s]. Default 0.1.
     #[schema(nullable = false, example = 0.1)]
     pub at_speed_m_s: Option<f64>,
-    /// Damper of the law `viscous`, which requires it [N·s/m].
+    /// Damping coefficient of the law `viscous`, which requires it [N·s/m].
     #[schema(nullable = false)]
     pub viscous_n_s_per_m: Option<f64>,
 }
 
-/// `restitution` solves its factor so that an impact really returns with the given restitution; the
-/// next three use published approximations; `viscous` is a damper that fades in with penetration.
+/// `restitution`: the damping factor is solved numerically, so that an impact has the given coefficient of restitution. `hunt_crossley`,
+/// `lankarani_nikravesh`, `flores`: published approximations of this factor. `viscous`: a damper that increases with penetration from zero.
+/// `none`: no damping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DampingLawName {
@@ -53,7 +54,7 @@ pub enum DampingLawName {
     None,
 }
 
-/// Laws in SI.
+/// Damping laws in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damping {
     pub raceway: DampingLaw,

@@ -14,42 +14,42 @@ use raceway_core::physics::defaults::{COULOMB, EYRING, FOUR_PARAMETER};
 use raceway_core::physics::lubricant::{Lubricant, LubricantKind, default_inlet_distance};
 use raceway_core::physics::presets;
 
-/// A lubricant at running temperature. Fields left out: those of the preset that is called like the kind.
+/// A lubricant at running temperature. Empty fields are those of the preset with the name of the kind.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LubricantInput {
-    /// Default `grease`, whose hydrodynamic forces are left out by convention.
+    /// Kind of lubricant. Default `grease`, whose hydrodynamic forces are omitted by convention.
     #[schema(nullable = false)]
     pub kind: Option<LubricantKindName>,
-    /// Dynamic viscosity of the (base) oil at running temperature [Pa·s]; 0: no film.
+    /// Dynamic viscosity of the oil, or of the base oil of a grease, at running temperature [Pa·s]; 0: no film.
     #[schema(nullable = false, example = 0.02)]
     pub viscosity_pa_s: Option<f64>,
     /// Pressure–viscosity coefficient [1/Pa].
     #[schema(nullable = false, example = 2e-8)]
     pub pressure_viscosity_per_pa: Option<f64>,
-    /// Share of the free volume filled with lubricant [-]; sets drag and churning.
+    /// Fraction of the free volume that is filled with lubricant [-]; it determines drag and churning.
     #[schema(nullable = false, example = 0.05)]
     pub fill: Option<f64>,
     /// Distance of the inlet meniscus from the contact [mm]. Default: a quarter of the ball diameter.
     #[schema(nullable = false)]
     pub inlet_distance_mm: Option<f64>,
-    /// Traction coefficient over slip speed. Default: the law of the lubricant's preset.
+    /// Traction law. Default: that of the lubricant's preset.
     #[serde(default, deserialize_with = "law_with_fields")]
     #[schema(nullable = false)]
     pub traction: Option<TractionInput>,
 }
 
-/// A law alone, by its name, is told where it belongs.
+/// Refuses the name of a law without an object, and names the right place for it.
 fn law_with_fields<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<TractionInput>, D::Error> {
     match NameOr::<String, TractionInput>::deserialize(deserializer)? {
         NameOr::Object(own) => Ok(Some(own)),
         NameOr::Name(name) => Err(D::Error::custom(format!(
-            "\"{name}\": must be an object with the law in it, such as {{\"law\": \"coulomb\"}}"
+            "\"{name}\": must be an object with the field `law`, such as {{\"law\": \"coulomb\"}}"
         ))),
     }
 }
 
-/// Name of a preset of `GET /v1/presets`, or a lubricant by its constants.
+/// Name of a preset of `GET /v1/presets`, or a lubricant with its constants.
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum LubricantChoice {
@@ -58,7 +58,7 @@ pub enum LubricantChoice {
     Fields(Box<LubricantInput>),
 }
 
-/// `grease`: hydrodynamic forces are left out by convention. `oil`: they are in. `dry`: no film.
+/// `grease`: hydrodynamic forces are omitted by convention. `oil`: they are included. `dry`: no film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LubricantKindName {
@@ -67,11 +67,11 @@ pub enum LubricantKindName {
     Dry,
 }
 
-/// Traction coefficient over slip speed: a law with the fields that it takes.
+/// Traction coefficient as a function of slip speed: a law and its parameters.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TractionInput {
-    /// Default `four_parameter`, of a dry bearing `coulomb`.
+    /// Traction law. Default `four_parameter`; for a dry bearing `coulomb`.
     #[schema(nullable = false)]
     pub law: Option<TractionLawName>,
     /// `four_parameter`: coefficient at rest [-]. Default 0.
@@ -83,7 +83,7 @@ pub struct TractionInput {
     /// `four_parameter`: slip speed at which the largest coefficient is reached [m/s]. Default 1.
     #[schema(nullable = false)]
     pub at_slip_m_s: Option<f64>,
-    /// `four_parameter`: coefficient at high slip [-], default 0.036. `eyring`: largest shear stress over pressure [-], default 0.08.
+    /// `four_parameter`: coefficient at high slip [-], default 0.036. `eyring`: largest shear stress divided by pressure [-], default 0.08.
     #[schema(nullable = false)]
     pub limit: Option<f64>,
     /// `eyring`: Eyring stress [Pa]. Default 5e6.
@@ -95,7 +95,7 @@ pub struct TractionInput {
     /// `coulomb`: slip speed over which friction builds up [m/s]. Default 0.05.
     #[schema(nullable = false)]
     pub regularisation_m_s: Option<f64>,
-    /// `slide_roll`: A in (A + B s) e^(−C s) + D over the slide/roll ratio s [-]. Required, as are B, C, D.
+    /// `slide_roll`: A in (A + B s) e^(−C s) + D, a function of the slide/roll ratio s [-]. Required, as are B, C and D.
     #[schema(nullable = false)]
     pub a: Option<f64>,
     /// `slide_roll`: B [-].
@@ -110,8 +110,8 @@ pub struct TractionInput {
     pub d: Option<f64>,
 }
 
-/// `four_parameter`: rises to a maximum and falls to a limit. `slide_roll`: an exponential of the slide/roll ratio. `eyring`: a
-/// shear stress that saturates. `coulomb`: a constant coefficient.
+/// `four_parameter`: rises to a maximum and falls to a limit. `slide_roll`: an exponential function of the slide/roll ratio. `eyring`:
+/// an Eyring shear stress with a limit. `coulomb`: a constant coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TractionLawName {
@@ -121,7 +121,7 @@ pub enum TractionLawName {
     Coulomb,
 }
 
-/// Fills in defaults, with values in the place of a name.
+/// The lubricant of `physics`; fills in defaults, and replaces a name by its constants.
 pub fn resolve(
     field: &mut Option<NameOr<String, LubricantInput>>,
     defaults: &mut Defaults,
@@ -216,7 +216,7 @@ impl TractionLawName {
 }
 
 impl TractionInput {
-    /// Fills in the defaults of the law; `slide_roll` has none, because no fit for a real oil is public.
+    /// The traction law; fills in its defaults. `slide_roll` has none, because no fit for a real oil is published.
     pub fn resolve(&mut self, defaults: &mut Defaults, default: TractionLawName) -> TractionLaw {
         const AT: &str = "/scene/lubricant/traction";
         let law_is_given = self.law.is_some();
@@ -231,7 +231,7 @@ impl TractionInput {
             TractionLawName::Eyring => "eyring",
             TractionLawName::Coulomb => "coulomb",
         };
-        // Without a law of its own it is that of the kind.
+        // Without its own law it follows the kind, which may be unknown.
         if law_is_given || !defaults.is_unread("/scene/lubricant/kind") {
             let used = [
                 ("at_rest", self.at_rest.is_some(), four),

@@ -26,7 +26,7 @@ pub struct MaterialInput {
     pub density_kg_m3: f64,
 }
 
-/// Name of a preset of `GET /v1/presets`, or a material by its constants.
+/// Name of a preset of `GET /v1/presets`, or a material with its constants.
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum MaterialChoice {
@@ -40,16 +40,16 @@ pub enum MaterialChoice {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialsInput {
-    /// Of the balls.
+    /// Material of the balls.
     #[schema(nullable = false, value_type = Option<MaterialChoice>)]
     pub ball: Option<NameOr<String, MaterialInput>>,
-    /// Of the inner raceway.
+    /// Material of the inner raceway.
     #[schema(nullable = false, value_type = Option<MaterialChoice>)]
     pub inner_raceway: Option<NameOr<String, MaterialInput>>,
-    /// Of the outer raceway.
+    /// Material of the outer raceway.
     #[schema(nullable = false, value_type = Option<MaterialChoice>)]
     pub outer_raceway: Option<NameOr<String, MaterialInput>>,
-    /// Of the cage.
+    /// Material of the cage.
     #[schema(nullable = false, value_type = Option<MaterialChoice>)]
     pub cage: Option<NameOr<String, MaterialInput>>,
 }
@@ -74,7 +74,7 @@ impl From<Material> for MaterialInput {
 }
 
 impl MaterialsInput {
-    /// Fills in the defaults of `base`, with constants in the place of names.
+    /// The materials of `physics`; fills in the defaults of `base`, and replaces names by constants.
     pub fn resolve(&mut self, defaults: &mut Defaults, base: &MaterialsInput) -> Materials {
         let mut one = |part: &str, field: &mut Option<NameOr<String, MaterialInput>>, default| {
             material(defaults, format!("/scene/bearing/materials/{part}"), field, default)

@@ -16,7 +16,7 @@ use crate::contract::json::{
 };
 use raceway_core::physics::operation::{MOST_POINTS, Operation, SpeedProfile};
 
-/// How the bearing is driven and loaded.
+/// Speed, loads and misalignment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OperationInput {
@@ -28,16 +28,16 @@ pub struct OperationInput {
     /// Radial load on the spindle along +Z [N]. Default 0.
     #[schema(nullable = false)]
     pub radial_load_z_n: Option<f64>,
-    /// Axial load on the spindle along +X [N]; only a spindle whose axial direction is free carries one. Default 0.
+    /// Axial load on the spindle along +X [N]; requires a spindle that is free in axial direction. Default 0.
     #[schema(nullable = false)]
     pub axial_load_n: Option<f64>,
-    /// Imposed tilt of the spindle.
+    /// Imposed misalignment of the spindle.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub misalignment_mrad: Option<MisalignmentInput>,
 }
 
-/// A constant speed from −500 000 to 500 000 r/min, or straight lines between points; a negative one turns the other way.
+/// A constant speed from −500 000 to 500 000 r/min, or a profile of points with linear interpolation. A negative speed reverses the direction.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum SpeedInput {
@@ -45,32 +45,32 @@ pub enum SpeedInput {
     Profile(Vec<SpeedPointInput>),
 }
 
-/// A speed at a time; before the first point and after the last one the speed is constant.
+/// Speed at a time. The speed is constant before the first point and after the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedPointInput {
-    /// Time since the start, settling included [s]; rises from point to point.
+    /// Time since the start, settling included [s]; increases from point to point.
     #[schema(example = 0.0)]
     pub at_s: f64,
-    /// [r/min]
+    /// Speed [r/min].
     #[schema(example = 50000.0)]
     pub rpm: f64,
 }
 
-/// Tilt of the spindle about Y and about Z [mrad]. Default 0.
+/// Misalignment of the spindle about Y and about Z [mrad]. Default 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MisalignmentInput {
-    /// About Y [mrad]. Default 0.
+    /// Rotation about Y [mrad]. Default 0.
     #[schema(nullable = false)]
     pub y: Option<f64>,
-    /// About Z [mrad]. Default 0.
+    /// Rotation about Z [mrad]. Default 0.
     #[schema(nullable = false)]
     pub z: Option<f64>,
 }
 
 impl OperationInput {
-    /// After an error of the speed the spindle stands.
+    /// The operation of `physics`. After an error of the speed, the speed is zero.
     pub fn resolve(&mut self, defaults: &mut Defaults) -> Operation {
         let mut take =
             |name: &str, field: &mut Option<f64>| defaults.fill(format!("/scene/operation/{name}"), field, 0.0);
@@ -90,7 +90,7 @@ impl OperationInput {
 }
 
 impl SpeedInput {
-    /// `None` when it is refused.
+    /// The speed profile of `physics`; `None` after an error.
     fn resolve(&self, defaults: &mut Defaults) -> Option<SpeedProfile> {
         const POINTER: &str = "/scene/operation/speed_rpm";
         let points: Vec<_> = match self {
@@ -99,7 +99,7 @@ impl SpeedInput {
         };
         let known_errors = defaults.errors.len();
         if let Self::Profile(_) = self {
-            // Each point by itself, so that the error names it.
+            // Each point is checked by itself, so that the error has its pointer.
             for (index, point) in points.iter().enumerate().take(MOST_POINTS) {
                 for fault in SpeedProfile::new(vec![*point]).err().iter().flatten() {
                     let FieldError { pointer, detail } = parameters::field_error(fault);

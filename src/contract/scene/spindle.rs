@@ -11,7 +11,7 @@ use raceway_core::physics::spindle::{AxialHold, Spindle, Unbalance};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpindleInput {
-    /// Mass [kg]. Default: that of the bearing's preset, else a solid steel shaft of the bore, 7 bores long.
+    /// Mass [kg]. Default: that of the bearing's preset, else of a solid steel shaft with the diameter of the bore and 7 times its length.
     #[schema(nullable = false, example = 0.05)]
     pub mass_kg: Option<f64>,
     /// Mass times eccentricity [g·mm]. Either this or `balance_grade`. Default 0.
@@ -20,18 +20,18 @@ pub struct SpindleInput {
     /// Balance quality grade G of ISO 21940: eccentricity times operating speed [mm/s].
     #[schema(nullable = false, example = 6.3)]
     pub balance_grade: Option<f64>,
-    /// How the axial direction is held. Default: `free` with an axial load, else `fixed`.
+    /// Axial support. Default: `free` with an axial load, else `fixed`.
     #[schema(nullable = false)]
     pub axial: Option<AxialInput>,
 }
 
-/// `fixed`, `free` (the spindle moves along X and carries the axial load), or held at an offset.
+/// `fixed`, `free` (the spindle moves along X and takes the axial load), or fixed at an offset.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AxialInput {
     Fixed,
     Free,
-    /// Held at this displacement along X [µm].
+    /// Fixed at this displacement along X [µm].
     OffsetUm(f64),
 }
 

@@ -1,4 +1,4 @@
-//! Which terms of the equations a scene switches.
+//! Terms of the equations that a scene switches on or off.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use crate::contract::json::defaults::Defaults;
 use raceway_core::simulation::input::scene::{Term, TermChoice, Terms};
 
-/// `auto` (default): the scene decides, and what is left out is reported with its reason.
+/// `auto` (default): included where the scene needs it; an omission is reported with its reason. `on`, `off`: always or never included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TermChoiceName {
@@ -17,7 +17,7 @@ pub enum TermChoiceName {
 
 macro_rules! terms {
     ($($(#[$doc:meta])* $name:ident: $term:ident),* $(,)?) => {
-        /// One choice a term of the equations. Default `auto`.
+        /// A choice for each term of the equations. Default `auto`.
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
         #[serde(deny_unknown_fields)]
         pub struct TermsInput {
@@ -49,7 +49,7 @@ terms! {
     axial: Axial,
     /// Spin friction about the contact normals.
     spin: Spin,
-    /// Slip that varies over a curved contact.
+    /// Variation of slip over the curved contact area.
     conformity: Conformity,
     /// Lubricant film in the pockets.
     pocket_film: PocketFilm,
@@ -75,7 +75,7 @@ impl TermsInput {
             let choice = defaults.fill(pointer.clone(), field, TermChoiceName::Auto);
             let needed = matches!(term, Term::BallRadialDynamics | Term::BallSpinDynamics);
             if needed && choice == TermChoiceName::Off {
-                defaults.refuse(pointer, "cannot be switched off by itself: the reduced rungs do without it (/solver/rung, such as `radially_condensed`)");
+                defaults.refuse(pointer, "cannot be switched off separately; a reduced model level omits it (/solver/rung, such as `radially_condensed`)");
             }
             terms.set(
                 term,
