@@ -119,20 +119,20 @@ fn judged_metric(
             let place = if low < high { format!("{low} … {high}") } else { format!("{low}") };
             let shape = match (least.point == first, least.point == last) {
                 (true, _) if rises => "rises from the first point on",
-                (true, _) => "no valley",
+                (true, _) => "no minimum",
                 (_, true) if falls => "falls to the last point",
-                (_, true) => "no valley",
+                (_, true) => "no minimum",
                 _ if falls && rises => "falls, then rises",
-                _ if falls => "falls to the least value, and does not steadily rise after it",
-                _ if rises => "does not steadily fall to the least value, and rises after it",
-                _ => "neither steadily falls to the least value nor rises after it",
+                _ if falls => "falls to the minimum, but does not rise steadily after it",
+                _ if rises => "does not fall steadily to the minimum, but rises after it",
+                _ => "neither falls steadily to the minimum nor rises steadily after it",
             };
             let verdict = match (falls && rises, within) {
                 (true, true) => Verdict::Shown,
                 (false, false) => Verdict::NotShown,
                 _ => Verdict::InPart,
             };
-            (verdict, format!("{shape}; least at {place}"))
+            (verdict, format!("{shape}; minimum at {place}"))
         }
     };
     let resolved = if unresolved { "; the trend is not resolved beyond its error" } else { "" };
@@ -165,7 +165,7 @@ pub fn compared(integrated: &TableAnswer, deep_groove: &TableAnswer) -> Vec<Find
             _ => Verdict::InPart,
         };
         let seen = format!(
-            "correlation over the speeds {alike:.2}; the integrated one is lower at {lower} of {} speeds, by {mean:.digits$} {unit} in the mean",
+            "correlation over speed {alike:.2}; the integrated bearing is lower at {lower} of {} speeds, by {mean:.digits$} {unit} on average",
             both.len()
         );
         Finding { name, verdict, seen, unresolved: false }

@@ -41,7 +41,7 @@ pub fn robustness_document(sets: &[Judged], chosen: &Chosen) -> String {
         shares(&mut text, sets, number);
         let scores: Vec<f64> = sets.iter().map(|set| set.score(number)).collect();
         text.push_str(
-            "\nShare of the statement that is seen (one in part counts half), by thirds of each parameter:\n\n",
+            "\nConfirmed share of the statement (partly confirmed counts half), by thirds of each parameter:\n\n",
         );
         thirds(&mut text, sets, &scores);
     }
@@ -53,7 +53,7 @@ fn head(sets: &[Judged], chosen: &Chosen) -> String {
     let (seed, command) = (chosen.seed, chosen.command());
     let failed: u64 = sets.iter().map(|set| set.failed).sum();
     let mut text = format!(
-        "# Do the article's statements hold for what it does not give?\n\n\
+        "# Do the article's statements hold for the parameters that it does not give?\n\n\
          The article names its bearing, its load and its speed, but not the mass of the spindle, the clearance, the damping, the traction, the lubricant, the unbalance or the mass of the cage. \
          [ARTICLE.md](ARTICLE.md) judges its statements with one value for each of these. Here they are put to {} sets of such values: a Latin hypercube over the ranges below, seed {seed}. \
          Written by `{command}`; all values and verdicts are in [robustness.csv](robustness.csv).\n\n\
@@ -62,14 +62,14 @@ fn head(sets: &[Judged], chosen: &Chosen) -> String {
     );
     for (parameter, why) in PARAMETERS.iter().zip(REASONS) {
         let (from, to) = parameter.range();
-        let evenly = if parameter.is_logarithmic() { ", even in its logarithm" } else { "" };
+        let evenly = if parameter.is_logarithmic() { ", logarithmic" } else { "" };
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
         let _ = writeln!(text, "| {} | {from} … {to}{unit}{evenly} | {why} |", parameter.name);
     }
     let _ = write!(
         text,
-        "\nEach set runs the studies of figures 10 to 16, each point 0.05 s after 0.02 s by the ladder's choice of model (`auto`, within 0.05 dB), and is judged by the same rules as the figures: \
-         *in part* and *not shown* mean what they mean there, and a trend that is smaller than ten times the error of its points shows nothing. Points that failed: {failed}. \
+        "\nEach set runs the studies of figures 10 to 16, each point 0.05 s after 0.02 s with the automatic model level (`auto`, within 0.05 dB). The criteria are those of the figures: \
+         *in part* and *not shown* have the same meaning, and a trend smaller than ten times the error of its points counts as not shown. Failed points: {failed}. \
          The deep-groove bearing of Figure 16 has the same spindle mass here as the integrated one.\n"
     );
     text
@@ -80,7 +80,7 @@ const REASONS: [&str; PARAMETERS.len()] = [
     "miniature bearings, C2 to C3",
     "nearly elastic to heavily damped by the grease",
     "greases and light oils between steel",
-    "the article says ambient temperature and no oil: a light base oil at 70 °C to a heavy one at 25 °C",
+    "the article states ambient temperature and no oil: from a light base oil at 70 °C to a heavy one at 25 °C",
     "none, as in its equations, to the usual grade of small rotors",
     "crown cages of the same bearing, thin to thick",
 ];
@@ -95,7 +95,7 @@ fn share(sets: &[Judged], holds: impl Fn(&Judged) -> bool) -> f64 {
 }
 
 fn overview(text: &mut String, sets: &[Judged]) {
-    text.push_str("\n| figure, statement | shown in all four metrics | at least one metric shown | nothing shown in any | decided most by |\n|---|---|---|---|---|\n");
+    text.push_str("\n| figure, statement | shown in all four metrics | shown in at least one metric | not shown in any metric | most influential parameter |\n|---|---|---|---|---|\n");
     for (number, question) in QUESTIONS.iter().enumerate() {
         let verdicts = |set: &Judged| set.findings[number].iter().map(|finding| finding.verdict).collect::<Vec<_>>();
         let all = share(sets, |set| verdicts(set).iter().all(|verdict| *verdict == Verdict::Shown));
@@ -126,9 +126,9 @@ fn decider(sets: &[Judged], scores: &[f64]) -> String {
     match strongest {
         Some((parameter, influence)) if influence.strength >= DECIDES => {
             let [low, middle, high] = influence.thirds.map(percent);
-            format!("{}: {low}, {middle}, {high} seen in its lower, middle and upper third", parameter.name)
+            format!("{}: {low}, {middle}, {high} shown in its lower, middle and upper third", parameter.name)
         }
-        _ => "none of them beyond chance".to_owned(),
+        _ => "none beyond chance".to_owned(),
     }
 }
 
@@ -155,7 +155,7 @@ fn thirds(text: &mut String, sets: &[Judged], scores: &[f64]) {
     }
     let _ = writeln!(
         text,
-        "\n*Span over chance*: the largest difference of two thirds over the standard deviation that it would have if the parameter did nothing; from {DECIDES:.0} on (bold) the parameter counts as deciding."
+        "\n*Span over chance*: the largest difference between two thirds, divided by its standard deviation for a parameter without influence. From {DECIDES:.0} on (bold) the parameter counts as decisive."
     );
 }
 
@@ -166,7 +166,7 @@ fn curvature(text: &mut String, sets: &[Judged]) {
     places.dedup();
     let is_inside = |at: Option<f64>| at.is_some_and(|at| (BEST_CURVATURE.0..=BEST_CURVATURE.1).contains(&at));
     let names = ["Y", "Z"];
-    text.push_str("\n## Where the level is least over the curvature of the inner groove\n\n| least level at |");
+    text.push_str("\n## Inner groove curvature of the lowest level\n\n| lowest level at |");
     let _ = write!(text, " {} | {} |", names[0], names[1]);
     text.push_str("\n|---|---|---|\n");
     for place in &places {
@@ -176,7 +176,7 @@ fn curvature(text: &mut String, sets: &[Judged]) {
     let inside = [0, 1].map(|direction| share(sets, |set| is_inside(set.best_curvature[direction])));
     let _ = writeln!(
         text,
-        "\nIt lies in {} to {} for {} of the sets in Y and {} in Z; 4 of the 13 curvatures that were run lie there, which would be 31 % if the least level were equally likely at each. By thirds of each parameter (share of the sets whose least level in Y lies there):\n",
+        "\nIt is within {} to {} for {} of the sets in Y and {} in Z. This range contains 4 of the 13 simulated curvatures, or 31 % if all were equally likely. By thirds of each parameter (share of the sets with the lowest level in Y in this range):\n",
         BEST_CURVATURE.0,
         BEST_CURVATURE.1,
         percent(inside[0]),
@@ -184,7 +184,7 @@ fn curvature(text: &mut String, sets: &[Judged]) {
     );
     for (direction, name) in names.iter().enumerate() {
         if direction > 0 {
-            let _ = writeln!(text, "\nThe same in {name}:\n");
+            let _ = writeln!(text, "\nIn {name}:\n");
         }
         let scores: Vec<f64> =
             sets.iter().map(|set| f64::from(u8::from(is_inside(set.best_curvature[direction])))).collect();

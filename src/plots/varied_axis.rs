@@ -113,3 +113,17 @@ fn log_ticks((from, to): (f64, f64)) -> Vec<(f64, String)> {
     }
     ticks
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn logarithmic_spacing_is_recognized() {
+        assert!(
+            is_logarithmic(&[0.01, 0.1, 1.0])
+                && !is_logarithmic(&[1.0, 10.0, 19.0])
+                && !is_logarithmic(&[0.0, 9.0, 99.0])
+        );
+    }
+}

@@ -104,7 +104,7 @@ pub fn work_precision_svg(
     }
     let middle = 0.5 * (LEFT + WIDTH - RIGHT);
     drawing.text("", Anchor::Middle, middle, bottom + 37.0, "run time in s");
-    let below = if has_floor { "; dashed line: below it an error says nothing (hollow marks)" } else { "" };
+    let below = if has_floor { "; dashed line: smaller errors are not significant (hollow marks)" } else { "" };
     let marks = &format!("numbers: relative tolerances{below}");
     drawing.text("small", Anchor::Middle, 0.5 * WIDTH, bottom + 60.0, marks);
     for (line, (number, curve)) in failed.into_iter().enumerate() {
@@ -364,7 +364,8 @@ mod tests {
         ];
         let svg = work_precision_svg("t", "s", &[curve("gear", 1.5), failing], panels([Some(1e-6), None]));
         assert_well_formed(&svg);
-        for text in ["gear", "radau failed at 1e-3; not tried: 1e-4", "1e−3", "says nothing", "dB", "class=\"ring"] {
+        for text in ["gear", "radau failed at 1e-3; not tried: 1e-4", "1e−3", "not significant", "dB", "class=\"ring"]
+        {
             assert!(svg.contains(text), "{text}");
         }
         assert_eq!(svg.matches("class=\"floor\"").count(), 1);
