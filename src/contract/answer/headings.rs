@@ -2,7 +2,7 @@
 
 use raceway_core::simulation::result::metrics::LEVEL_UNIT;
 
-/// Suffixes of field names and their units; a suffix stands before the shorter ones that it ends in.
+/// Suffixes of field names and their units; a suffix precedes the shorter suffixes that it ends in.
 const UNITS: [(&str, &str); 22] = [
     ("_n_s_per_m", "N s/m"),
     ("_n_per_m", "N/m"),

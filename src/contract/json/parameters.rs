@@ -83,7 +83,7 @@ const FIELDS: [(&str, &str, Unit); 72] = [
 ];
 
 /// Parameter, field under `/scene` and the field's unit. Where a parameter has several fields, its errors point to the first;
-/// indices of lists are left out.
+/// indices of lists are omitted.
 pub fn fields() -> impl Iterator<Item = (&'static str, &'static str, Unit)> {
     FIELDS.iter().copied()
 }

@@ -43,7 +43,7 @@ impl Reader {
         }
     }
 
-    /// Runs `step` one level deeper. After an error the path is kept: it tells where the error is.
+    /// Runs `step` one level deeper. After an error the path is kept: it locates the error.
     fn at<T, E>(&self, token: &str, step: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
         self.path.borrow_mut().push(format!("/{}", escape(token)));
         let result = step()?;

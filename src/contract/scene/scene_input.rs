@@ -77,7 +77,7 @@ impl SceneInput {
         Ok(ResolvedScene { input: self, defaults, scene: scene.ok_or_else(unbuildable)? })
     }
 
-    /// The scene in SI. After an error a substitute stands in place of the wrong value.
+    /// The scene in SI. After an error a substitute replaces the wrong value.
     fn parameters(&mut self, defaults: &mut Defaults) -> SceneParameters {
         let operation = self.operation.resolve(defaults);
         let terms = self.terms.get_or_insert_default().resolve(defaults);
