@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 
 use raceway::commands::table;
 use raceway::contract::{self, Metrics, Outcome, WorkPrecisionAnswer, execute};
+use raceway::plots::draw;
 use raceway::plots::{ErrorPanel, WorkPoint, WorkPrecisionCurve, work_precision_svg};
-use raceway::render;
 use raceway::simulation::input::control::Control;
 use serde_json::{Value, json};
 
@@ -42,7 +42,7 @@ fn main() {
         println!("{}", table::work_precision(&answer));
         if let Some(directory) = &options.plots {
             let file = directory.join(format!("work-precision-{name}.svg"));
-            std::fs::write(&file, render::work_precision(&answer)).expect("the plot's directory can be written to");
+            std::fs::write(&file, draw::work_precision(&answer)).expect("the plot's directory can be written to");
         }
     }
     println!("## Stated and true level error of plain runs\n");

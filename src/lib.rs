@@ -17,7 +17,5 @@ pub mod contract;
 pub mod jobs;
 /// Pictures from results.
 pub mod plots;
-/// Answers as pictures and tables.
-pub mod render;
 
 pub use raceway_core::{numerics, physics, simulation, study};

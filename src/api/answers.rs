@@ -8,8 +8,8 @@ use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::error::{ApiError, Problem};
-use crate::contract::job::{JobInput, JobKindName};
-use crate::contract::outputs::MetricsPart;
+use crate::contract::job::outputs::MetricsPart;
+use crate::contract::job::{input::JobInput, kind::JobKindName};
 use crate::contract::{JobKind, Metrics};
 use crate::jobs::{JobError, JobRecord, Status};
 

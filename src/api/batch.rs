@@ -16,7 +16,7 @@ use super::error::{ApiError, Problem};
 use super::jobs::{IDEMPOTENT_REPLAYED, idempotency_key};
 use super::request::{JsonBody, Nothing, Query, negotiated};
 use super::{App, describe};
-use crate::contract::job::JobInput;
+use crate::contract::job::input::JobInput;
 use crate::contract::{self, Job, Refusal};
 use crate::jobs::{IdempotencyKey, JobError, Submitted};
 

@@ -17,7 +17,8 @@ use utoipa::{IntoResponses, Modify, OpenApi};
 use super::error::{ApiError, PROBLEM_JSON, Problem};
 use super::jobs::wrong_wait;
 use super::request::BODY_LIMIT;
-use crate::contract::{FieldError, Refusal, schema};
+use crate::contract::job::schema;
+use crate::contract::{FieldError, Refusal};
 use crate::jobs::{JobError, Status};
 
 pub const JOBS: &str = "jobs";

@@ -6,8 +6,8 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::contract::problem::listed;
-use crate::contract::{FieldError, MOST_FAULTS, Refusal};
+use crate::contract::json::problem::{MAX_ERRORS, listed};
+use crate::contract::{FieldError, Refusal};
 use crate::jobs::{Failure, JobError, Status};
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
@@ -144,12 +144,12 @@ impl ApiError {
             Self::Refused(Refusal::Invalid { errors }) => {
                 let detail = match errors.as_slice() {
                     [only] => only.to_string(),
-                    several if several.len() > MOST_FAULTS => {
-                        format!("{} fields are wrong; the first {MOST_FAULTS} are told", several.len())
+                    several if several.len() > MAX_ERRORS => {
+                        format!("{} fields are wrong; the first {MAX_ERRORS} are told", several.len())
                     }
                     several => format!("{} fields are wrong", several.len()),
                 };
-                let errors = errors.iter().take(MOST_FAULTS);
+                let errors = errors.iter().take(MAX_ERRORS);
                 let problem = Problem::new("invalid-request", "The request is not valid", detail);
                 (S::UNPROCESSABLE_ENTITY, Problem { errors: errors.cloned().collect(), ..problem })
             }

@@ -22,7 +22,7 @@ use super::load::Place;
 use super::request::{JobId, JsonBody, Nothing, Query, header, negotiated};
 use super::{App, conditional, describe};
 use crate::contract;
-use crate::contract::job::{JobInput, JobKindName};
+use crate::contract::job::{input::JobInput, kind::JobKindName};
 use crate::contract::{Job, JobKind};
 use crate::jobs::{Cancelled, Filter, IdempotencyKey, JobError, JobRecord, Status, Submitted};
 

@@ -14,12 +14,12 @@ use super::request::{JobId, Nothing, PlotFile, Query, negotiated};
 use super::results::{read, series_of, shaped, spectrum_of};
 use super::studies::table_of;
 use super::{App, describe};
-use crate::contract::views::TraceView;
+use crate::contract::answer::views::TraceView;
 use crate::contract::{
     JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumKind, TableAnswer, ViewsAnswer, WorkPrecisionAnswer,
 };
 use crate::jobs::Signal;
-use crate::render;
+use crate::plots::draw;
 
 /// Plots by name; which of them a job has depends on its kind.
 #[derive(ToSchema)]
@@ -83,14 +83,13 @@ pub async fn plot(
         "velocity.svg" => series(&app, &owner, id, "velocity").await,
         "acceleration.svg" => series(&app, &owner, id, "acceleration").await,
         "orbit.svg" => {
-            view(&app, &owner, id, |views| Some(render::orbits(&views.orbits)).filter(|_| !views.orbits.is_empty()))
-                .await
+            view(&app, &owner, id, |views| Some(draw::orbits(&views.orbits)).filter(|_| !views.orbits.is_empty())).await
         }
-        "loads.svg" => view(&app, &owner, id, |views| views.loads.as_ref().map(render::loads)).await,
+        "loads.svg" => view(&app, &owner, id, |views| views.loads.as_ref().map(draw::loads)).await,
         "work-precision.svg" => work_precision(&app, &owner, id).await,
         "optimum.svg" => optimum(&app, &owner, id).await,
-        "trend.svg" => of_study(&app, &owner, id, render::trend).await,
-        "map.svg" => of_study(&app, &owner, id, render::map).await,
+        "trend.svg" => of_study(&app, &owner, id, draw::trend).await,
+        "map.svg" => of_study(&app, &owner, id, draw::map).await,
         _ => {
             // Whether the job is there comes first.
             let record = app.jobs.get(&owner, id).await?;
@@ -120,7 +119,7 @@ async fn spectra(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError>
     }
     shaped(move || {
         let metrics: Metrics = read(metrics.as_bytes())?;
-        Ok(drawn(render::spectra(&metrics, &spectra)))
+        Ok(drawn(draw::spectra(&metrics, &spectra)))
     })
     .await
 }
@@ -147,34 +146,34 @@ async fn view(
 
 async fn series(app: &App, owner: &str, id: Uuid, quantity: &'static str) -> Result<Response, ApiError> {
     let kept = app.jobs.channels(owner, id, Signal::Series).await?;
-    let wanted = kept.iter().filter(|channel| render::is_of_spindle(channel, quantity));
+    let wanted = kept.iter().filter(|channel| draw::is_of_spindle(channel, quantity));
     let mut stored = Vec::new();
     for channel in wanted {
         stored.push(series_of(app, owner, id, channel).await?);
     }
     if stored.is_empty() {
         return view(app, owner, id, move |views| {
-            let of_quantity = views.traces.into_iter().filter(|trace| render::is_of_spindle(&trace.channel, quantity));
+            let of_quantity = views.traces.into_iter().filter(|trace| draw::is_of_spindle(&trace.channel, quantity));
             let traces: Vec<SeriesAnswer> = of_quantity.map(TraceView::series).collect();
-            (!traces.is_empty()).then(|| render::series(&traces))
+            (!traces.is_empty()).then(|| draw::series(&traces))
         })
         .await;
     }
     shaped(move || {
         let series = stored.iter().map(|stored| read(stored)).collect::<Result<Vec<SeriesAnswer>, _>>()?;
-        Ok(drawn(render::series(&series)))
+        Ok(drawn(draw::series(&series)))
     })
     .await
 }
 
 async fn work_precision(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
     let stored = app.jobs.report(owner, id, JobKind::Accuracy).await?;
-    shaped(move || Ok(drawn(render::work_precision(&read::<WorkPrecisionAnswer>(&stored)?)))).await
+    shaped(move || Ok(drawn(draw::work_precision(&read::<WorkPrecisionAnswer>(&stored)?)))).await
 }
 
 async fn optimum(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
     let stored = app.jobs.report(owner, id, JobKind::Optimum).await?;
-    shaped(move || Ok(drawn(render::optimum(&read::<OptimumAnswer>(&stored)?)))).await
+    shaped(move || Ok(drawn(draw::optimum(&read::<OptimumAnswer>(&stored)?)))).await
 }
 
 /// A picture of a study, which may have another number of axes.

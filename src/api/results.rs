@@ -15,11 +15,11 @@ use super::describe::{Anywhere, BadQuery, NoChannel, NoJob, NoResult, NotAccepte
 use super::error::ApiError;
 use super::request::{JobId, Nothing, Query, negotiated};
 use super::{App, describe, load};
+use crate::contract::answer::csv;
 use crate::contract::{
     JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind, WorkPrecisionAnswer,
 };
 use crate::jobs::{JobError, Signal};
-use crate::render;
 
 pub(super) const JSON: &str = "application/json";
 pub(super) const CSV: &str = "text/csv";
@@ -215,7 +215,7 @@ impl SpectrumQuery {
     pub(super) fn shape(&self, format: &'static str, spectrum: SpectrumAnswer) -> Result<Response, ApiError> {
         let spectrum = spectrum.up_to(self.max_frequency_hz.unwrap_or(f64::INFINITY));
         Ok(match format {
-            CSV => sent(CSV, render::spectrum_csv(&spectrum)),
+            CSV => sent(CSV, csv::spectrum_csv(&spectrum)),
             _ => sent(JSON, written(&spectrum)?),
         })
     }
@@ -240,8 +240,8 @@ impl SeriesQuery {
             None => series,
         };
         Ok(match format {
-            CSV => sent(CSV, render::series_csv(&series)),
-            NPY => sent(NPY, render::series_npy(&series)),
+            CSV => sent(CSV, csv::series_csv(&series)),
+            NPY => sent(NPY, csv::series_npy(&series)),
             _ => sent(JSON, written(&series)?),
         })
     }

@@ -8,9 +8,9 @@ use super::describe;
 use super::describe::{Anywhere, BadBody, BadQuery, NotAccepted};
 use super::error::ApiError;
 use super::request::{JsonBody, Nothing, Query, negotiated};
-use crate::contract::presets::PresetsAnswer;
-use crate::contract::resolve::{ResolveAnswer, resolve_answer};
-use crate::contract::scene::SceneInput;
+use crate::contract::answer::resolve::{ResolveAnswer, resolve_answer};
+use crate::contract::scene::presets::PresetsAnswer;
+use crate::contract::scene::scene_input::SceneInput;
 use crate::contract::{parse_scene_request, presets_answer};
 
 /// A scene, or a whole job.

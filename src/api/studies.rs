@@ -14,9 +14,9 @@ use super::load::{self, Place};
 use super::request::{JobId, Nothing, Query, negotiated};
 use super::results::{read, shaped};
 use super::{App, describe};
-use crate::contract::{self, PointEnd, PointStatus, Row, TableAnswer};
+use crate::contract::answer::csv;
+use crate::contract::{self, Job, PointEnd, PointStatus, Row, TableAnswer};
 use crate::jobs::{JobError, StoredPoint, decompressed};
-use crate::render;
 
 const JSON: &str = "application/json";
 const CSV: &str = "text/csv";
@@ -47,7 +47,7 @@ pub async fn table(
     let response = shaped(move || {
         let table = table_of(&request, points)?;
         let body = match format {
-            CSV => render::table_csv(&table),
+            CSV => csv::table_csv(&table),
             _ => serde_json::to_string(&table).map_err(|error| JobError::Corrupt(error.to_string()))?,
         };
         Ok(([(VARY, "Accept"), (CONTENT_TYPE, format)], body).into_response())
@@ -82,7 +82,7 @@ pub async fn resume(
 
 /// The table of a study's request and its stored points.
 pub fn table_of(request: &str, points: Vec<StoredPoint>) -> Result<TableAnswer, ApiError> {
-    let study = contract::parse_job(request.as_bytes()).ok().and_then(|job| job.study);
+    let study = contract::parse_job(request.as_bytes()).ok().and_then(Job::into_study);
     let study = study.ok_or_else(|| JobError::Corrupt("the request of a study".into()))?;
     let mut rows = Vec::with_capacity(points.len());
     for point in points {

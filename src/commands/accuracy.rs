@@ -6,7 +6,7 @@ use super::local::{self, Directory, badly, json};
 use super::{Ended, table};
 use crate::config::AccuracyOptions;
 use crate::contract::{self, Outcome, WorkPrecisionAnswer};
-use crate::render;
+use crate::plots::draw;
 
 /// Runs the study, prints it as a table, and writes `accuracy.json` and `work-precision.svg`.
 pub fn run(options: &AccuracyOptions) -> Ended {
@@ -29,5 +29,5 @@ fn finish(answer: &WorkPrecisionAnswer, output: &Directory) -> Ended {
 /// The answer and its plot, as files.
 pub fn write(answer: &WorkPrecisionAnswer, directory: &Directory) -> Result<(), String> {
     directory.write("accuracy.json", &json(answer))?;
-    directory.write("work-precision.svg", &render::work_precision(answer))
+    directory.write("work-precision.svg", &draw::work_precision(answer))
 }

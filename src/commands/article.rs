@@ -100,7 +100,7 @@ fn optima(jobs: &[(&str, Value)]) -> Result<Vec<OptimumAnswer>, String> {
 
 fn table(request: &Value, quiet: bool) -> Result<TableAnswer, String> {
     let job = parsed(request)?;
-    let varied = job.study.as_ref().ok_or("no study")?;
+    let Job::Study(varied) = &job else { return Err("no study".to_owned()) };
     Ok(study::table_of(&job, varied, parallel::cores(), quiet))
 }
 
@@ -108,7 +108,8 @@ fn table(request: &Value, quiet: bool) -> Result<TableAnswer, String> {
 fn robustness(options: &ArticleOptions) -> Ended {
     let chosen = Chosen { sets: options.sets.unwrap_or(SETS), seed: options.seed.unwrap_or(SEED) };
     let sets = sampled(chosen.sets as usize, chosen.seed);
-    let of_set = |set| studies(set).iter().map(|request| parsed(request)?.study.ok_or("no study".to_owned())).collect();
+    let of_set =
+        |set| studies(set).iter().map(|request| parsed(request)?.into_study().ok_or("no study".to_owned())).collect();
     let varied: Vec<Vec<Study>> = match sets.iter().map(of_set).collect::<Result<_, _>>() {
         Ok(varied) => varied,
         Err(why) => return badly(&why),

@@ -6,7 +6,7 @@ use super::local::{self, Directory, badly, json};
 use super::{Ended, table};
 use crate::config::OptimumOptions;
 use crate::contract::{self, OptimumAnswer, Outcome};
-use crate::render;
+use crate::plots::draw;
 
 /// Searches, prints what was found, and writes it with its plot.
 pub fn run(options: &OptimumOptions) -> Ended {
@@ -29,5 +29,5 @@ fn finish(answer: &OptimumAnswer, output: &Directory) -> Ended {
 /// The answer and its plot, as files.
 pub fn write(answer: &OptimumAnswer, directory: &Directory) -> Result<(), String> {
     directory.write("optimum.json", &json(answer))?;
-    directory.write("optimum.svg", &render::optimum(answer))
+    directory.write("optimum.svg", &draw::optimum(answer))
 }

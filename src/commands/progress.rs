@@ -49,21 +49,23 @@ pub fn announced<T>(announcement: impl FnOnce() -> String, quiet: bool, work: im
 
 /// What will be done, and about how long that takes.
 fn announcement(job: &Job) -> String {
-    let simulated = format!("{} s after {} s", job.settings.duration, job.settings.settle);
+    let simulated = format!("{} s after {} s", job.base().settings.duration, job.base().settings.settle);
     let cost = contract::estimate(job);
-    let (kind, estimate) = (job.kind.name(), estimated(cost.estimated_wall_time_s, cost.most_wall_time_s));
-    let points = job.study.as_ref().map_or(1, |study| study.points);
-    if points > 1 {
-        return format!("{kind}: {points} points of {simulated}; {estimate} for each");
+    let (kind, estimate) = (job.kind().name(), estimated(cost.estimated_wall_time_s, cost.most_wall_time_s));
+    match job {
+        Job::Study(study) if study.points > 1 => {
+            format!("{kind}: {} points of {simulated}; {estimate} for each", study.points)
+        }
+        Job::Optimum(search) => {
+            format!("{kind}: up to about {} runs of {simulated}; {estimate} for each", search.most_runs())
+        }
+        Job::Accuracy(comparison) => {
+            let plan = &comparison.plan;
+            let (runs, times) = (plan.methods.len() * plan.relative_tolerances.len(), times(plan.repetitions));
+            format!("{kind}: {simulated}, {runs} runs{times} and their references; {estimate}")
+        }
+        Job::Simulation(_) | Job::Study(_) => format!("{kind}: {simulated}; {estimate}"),
     }
-    if let Some(sought) = &job.sought {
-        return format!("{kind}: up to about {} runs of {simulated}; {estimate} for each", sought.most_runs());
-    }
-    let runs = job.plan.as_ref().map_or(String::new(), |plan| {
-        let runs = plan.methods.len() * plan.relative_tolerances.len();
-        format!(", {runs} runs{} and their references", times(plan.repetitions))
-    });
-    format!("{kind}: {simulated}{runs}; {estimate}")
 }
 
 /// An estimate [s] in words, with what it may become.

@@ -5,13 +5,14 @@ use std::io::Write;
 use super::local::{self, Directory, badly, json};
 use super::{Ended, accuracy, optimum};
 use crate::config::SimulateOptions;
+use crate::contract::answer::csv;
 use crate::contract::{self, JobKind, Outcome, Simulated, SpectrumKind};
-use crate::render;
+use crate::plots::draw;
 
 /// Runs the job and prints its metrics.
 pub fn run(options: &SimulateOptions) -> Ended {
     let done = local::read(&options.job, contract::parse_job_or_scene)
-        .and_then(|job| match job.kind {
+        .and_then(|job| match job.kind() {
             JobKind::Study => Err(local::refused("a job of kind `study`: run it with `raceway study`")),
             _ => Ok(job),
         })
@@ -53,13 +54,13 @@ fn write(outcome: &Simulated, directory: &Directory) -> Result<(), String> {
             SpectrumKind::Envelope => "envelope",
         };
         directory.write(&format!("{sort}.{}.json", spectrum.channel), &json(spectrum))?;
-        directory.write(&format!("{sort}.{}.csv", spectrum.channel), &render::spectrum_csv(spectrum))?;
+        directory.write(&format!("{sort}.{}.csv", spectrum.channel), &csv::spectrum_csv(spectrum))?;
     }
     for series in &outcome.series {
         directory.write(&format!("series.{}.json", series.channel), &json(series))?;
-        directory.write(&format!("series.{}.csv", series.channel), &render::series_csv(series))?;
+        directory.write(&format!("series.{}.csv", series.channel), &csv::series_csv(series))?;
     }
-    for (name, picture) in render::pictures(outcome) {
+    for (name, picture) in draw::pictures(outcome) {
         directory.write(name, &picture)?;
     }
     Ok(())

@@ -5,8 +5,9 @@ use std::io::Write;
 use super::local::{self, Directory, badly, json};
 use super::{Ended, parallel, progress, table};
 use crate::config::StudyOptions;
-use crate::contract::{self, Job, Row, Study, TableAnswer};
-use crate::render;
+use crate::contract::answer::csv;
+use crate::contract::{self, Job, Row, Simulation, Study, TableAnswer};
+use crate::plots::draw;
 use crate::simulation::input::control::Control;
 
 /// Runs the study, prints its table, and writes it with its plots.
@@ -15,7 +16,7 @@ pub fn run(options: &StudyOptions) -> Ended {
         Ok(job) => job,
         Err(ended) => return ended,
     };
-    let Some(study) = &job.study else { return badly("the job was no study") };
+    let Job::Study(study) = &job else { return badly("the job was no study") };
     let output = match Directory::at(&options.output) {
         Ok(output) => output,
         Err(error) => return badly(&error),
@@ -43,7 +44,8 @@ pub fn table_of(job: &Job, study: &Study, workers: usize, quiet: bool) -> TableA
 
 /// A point of a study with its end.
 pub fn row_of(study: &Study, point: usize) -> Row {
-    let simulate = |job: &Job| contract::execute(job, &Control::until(&|| false));
+    let control = Control::until(&|| false);
+    let simulate = |simulation: Simulation| contract::execute_simulation(&simulation, &control);
     let row = Row::queued(study, point);
     match contract::execute_point(study.point(point), &simulate) {
         Some(end) => row.ended(end),
@@ -54,8 +56,8 @@ pub fn row_of(study: &Study, point: usize) -> Row {
 /// The table and its plots, as files.
 pub fn write(answer: &TableAnswer, directory: &Directory) -> Result<(), String> {
     directory.write("table.json", &json(answer))?;
-    directory.write("table.csv", &render::table_csv(answer))?;
-    for (name, picture) in [("trend.svg", render::trend(answer)), ("map.svg", render::map(answer))] {
+    directory.write("table.csv", &csv::table_csv(answer))?;
+    for (name, picture) in [("trend.svg", draw::trend(answer)), ("map.svg", draw::map(answer))] {
         if let Some(picture) = picture {
             directory.write(name, &picture)?;
         }

@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use crate::contract::optimum::GoalName;
-use crate::contract::recommended::WANTED_DB;
-use crate::contract::report::MotionName;
-use crate::contract::work_precision::{MeasuredAnswer, PointAnswer};
+use crate::contract::answer::report::MotionName;
+use crate::contract::answer::work_precision::point::{MeasuredAnswer, PointAnswer};
+use crate::contract::answer::work_precision::recommended::RECOMMENDED_ERRORS_DB;
+use crate::contract::job::input::GoalName;
 use crate::contract::{OptimumAnswer, PointStatus, TableAnswer, WorkPrecisionAnswer};
 use crate::simulation::result::metrics::LEVEL_UNIT;
 
@@ -247,7 +247,7 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
 /// A line for each wanted error.
 fn recommendation(answer: &WorkPrecisionAnswer) -> String {
     let mut text = String::new();
-    for within in WANTED_DB {
+    for within in RECOMMENDED_ERRORS_DB {
         let _ = match answer.recommended.iter().find(|recommended| recommended.within_db == within) {
             Some(found) => writeln!(
                 text,
@@ -261,7 +261,7 @@ fn recommendation(answer: &WorkPrecisionAnswer) -> String {
     }
     match (answer.recommended.is_empty(), level_not_told(answer), answer.reference.sampling_error_db) {
         (true, Some(why), _) => format!("no recommendation: level {why}\n"),
-        (_, _, Some(sampling)) if answer.recommended.len() < WANTED_DB.len() => {
+        (_, _, Some(sampling)) if answer.recommended.len() < RECOMMENDED_ERRORS_DB.len() => {
             format!("{text}chaotic: a run of this length tells the level to {sampling:.1e} dB, whatever solves it\n")
         }
         _ => text,

@@ -634,7 +634,8 @@ impl World {
     async fn finish(&self, here: &Process, claim: &Claim, solved: Solved, holds: bool) -> Result<(), JobError> {
         let run = here.run.as_ref().expect("it runs");
         let result = || StoredResult::Simulation { metrics: "{}".into(), signals: Vec::new(), views: None };
-        let failure = || RunFailure::Failed { cause: contract::execute::DID_NOT_CONVERGE, detail: "as told".into() };
+        let failure =
+            || RunFailure::Failed { cause: contract::answer::failure::DID_NOT_CONVERGE, detail: "as told".into() };
         let outcome = match (here.worker.without_running(claim), solved) {
             (Some(end), _) => Outcome::Ended(end),
             (None, Solved::Result) => ended(Ok(Ok(result())), run, Duration::MAX),

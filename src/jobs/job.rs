@@ -5,7 +5,7 @@ use jiff::Timestamp;
 use sha2::{Digest, Sha256};
 use uuid::Uuid;
 
-use crate::contract::Job;
+use crate::contract::{Job, Simulation};
 
 /// Where a job stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -114,7 +114,7 @@ pub struct IdempotencyKey {
 impl IdempotencyKey {
     /// Of a key and the request that came with it; fields in any order are the same request.
     pub fn new(key: impl Into<String>, job: &Job) -> Self {
-        let mut request = job.request.clone();
+        let mut request = job.submission().request.clone();
         request.sort_all_objects();
         Self { key: key.into(), fingerprint: Sha256::digest(request.to_string()).to_vec() }
     }
@@ -132,18 +132,23 @@ impl IdempotencyKey {
 
 impl NewJob {
     pub fn new(job: &Job, owner: &str, key: Option<IdempotencyKey>) -> Self {
+        let submission = job.submission();
+        let points = match job {
+            Job::Study(study) => Some(study.points),
+            _ => None,
+        };
         Self {
             key,
             id: Uuid::now_v7(),
             owner: owner.to_owned(),
-            kind: job.kind.name(),
-            request: job.request.to_string(),
-            labels: job.labels.clone(),
-            priority: job.priority,
-            keep_for_s: job.keep_for_s,
+            kind: job.kind().name(),
+            request: submission.request.to_string(),
+            labels: submission.labels.clone(),
+            priority: submission.priority,
+            keep_for_s: submission.keep_for_s,
             // Points of a study are answered one by one.
-            reuse: job.reuse && job.study.is_none(),
-            points: job.study.as_ref().map(|study| study.points),
+            reuse: submission.reuse && points.is_none(),
+            points,
             content_hash: content_hash(job),
             created_at: now(),
         }
@@ -182,8 +187,8 @@ pub fn content_hash(job: &Job) -> Vec<u8> {
 }
 
 /// Digests of the work whose metrics are those of a point: of the point, and of the simulation that keeps the usual spectra besides.
-pub fn point_hashes(job: &Job) -> [Vec<u8>; 2] {
-    [content_hash(job), digest_of(&job.canonical_with_usual_spectra())]
+pub fn point_hashes(point: &Simulation) -> [Vec<u8>; 2] {
+    [digest_of(&point.canonical()), digest_of(&point.canonical_with_usual_spectra())]
 }
 
 fn digest_of(canonical: &str) -> Vec<u8> {

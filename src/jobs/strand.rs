@@ -11,8 +11,8 @@ use super::running::{Run, StopReason};
 use super::store::studies::{Next, PointClaim, PointResult, Strand};
 use super::worker::{Worker, follow, stop_after};
 use super::{JobError, Status};
-use crate::contract::table::PointError;
-use crate::contract::{self, Job, PointEnd, Refusal, Study, execute_point};
+use crate::contract::answer::point::PointError;
+use crate::contract::{self, Job, PointEnd, Refusal, Simulation, Study, execute_point};
 use crate::simulation::input::control::Control;
 
 /// How long a strand keeps its place while others of its kind wait.
@@ -44,7 +44,7 @@ impl Worker {
         let request = strand.request.clone();
         // Reading a large one takes its time.
         let job = tokio::task::spawn_blocking(move || contract::parse_job(request.as_bytes()).ok());
-        let Some(study) = job.await.ok().flatten().and_then(|job| job.study) else {
+        let Some(study) = job.await.ok().flatten().and_then(Job::into_study) else {
             return Err(JobError::Corrupt(format!("the request of study {}", strand.job)));
         };
         self.store.begin_strand(&strand, self.settings.max_lost_runs).await?;
@@ -137,8 +137,8 @@ impl Worker {
         run: &Arc<Run>,
         ticket: &Ticket,
     ) -> Result<Computed, JobError> {
-        let job = study.point(point.number);
-        let hashes = job.as_ref().ok().map(point_hashes);
+        let simulation = study.point(point.number);
+        let hashes = simulation.as_ref().ok().map(point_hashes);
         if study.reuses()
             && let Some(hashes) = &hashes
             && let Some(end) = self.store.known(&strand.owner, hashes).await?
@@ -146,7 +146,7 @@ impl Worker {
             return Ok(Computed::Ended(PointResult { end, reused: true, content_hash: Some(hashes[0].clone()) }));
         }
         let hash = hashes.map(|[hash, _]| hash);
-        let mut solved = self.point_thread(job, Arc::clone(run));
+        let mut solved = self.point_thread(simulation, Arc::clone(run));
         let between = self.between_beats();
         let mut pulse = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
         let end = loop {
@@ -175,15 +175,17 @@ impl Worker {
     }
 
     /// Simulates a point on a thread of its own; `None`: told to stop.
-    fn point_thread(&self, job: Result<Job, Refusal>, run: Arc<Run>) -> oneshot::Receiver<Option<PointEnd>> {
+    fn point_thread(&self, point: Result<Simulation, Refusal>, run: Arc<Run>) -> oneshot::Receiver<Option<PointEnd>> {
         let (simulator, limit) = (Arc::clone(&self.simulator), self.settings.time_limit);
         let figures = Arc::clone(&self.store.figures);
         self.threads.run(move || {
             let begin = Instant::now();
             let over = || begin.elapsed() > limit;
             let stop = || over() || run.stopped().is_some();
-            let simulate = |job: &Job| simulator(job, &Control::until(&stop));
-            let end = execute_point(job, &simulate);
+            let simulate = |simulation: Simulation| {
+                simulator(&Job::Simulation(simulation), &Control::until(&stop))?.into_simulated()
+            };
+            let end = execute_point(point, &simulate);
             if let Some(PointEnd::Succeeded(metrics)) = &end {
                 figures.succeeded(begin.elapsed(), metrics["solver"]["real_time_factor"].as_f64());
             }

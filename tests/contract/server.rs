@@ -126,7 +126,7 @@ pub fn on_postgres() -> bool {
 
 /// `slow` runs until it is stopped, `panic` panics, `fail` fails; everything else gives a short real run.
 pub fn stand_in() -> Simulator {
-    Arc::new(|job: &Job, control: &Control<'_>| match job.labels.first().map(String::as_str) {
+    Arc::new(|job: &Job, control: &Control<'_>| match job.submission().labels.first().map(String::as_str) {
         Some("slow") => slow(control),
         Some("panic") => panic!("as the test wants"),
         Some("fail") => Err(RunFailure::Failed { cause: "did-not-converge", detail: "as the test wants".into() }),
@@ -145,11 +145,17 @@ fn slow(control: &Control<'_>) -> Result<Outcome, RunFailure> {
 /// The real simulation, cut to a millisecond, and a study to four runs: results have their real form.
 fn short(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
     let mut job = job.clone();
-    job.settings.settle = 0.0;
-    job.settings.duration = 0.001;
-    if let Some(plan) = &mut job.plan {
-        plan.methods.truncate(2);
-        plan.relative_tolerances.truncate(2);
-    }
+    let base = match &mut job {
+        Job::Simulation(simulation) => simulation,
+        Job::Study(study) => &mut study.base,
+        Job::Optimum(search) => &mut search.base,
+        Job::Accuracy(comparison) => {
+            comparison.plan.methods.truncate(2);
+            comparison.plan.relative_tolerances.truncate(2);
+            &mut comparison.base
+        }
+    };
+    base.settings.settle = 0.0;
+    base.settings.duration = 0.001;
     contract::execute(&job, control)
 }

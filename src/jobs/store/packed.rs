@@ -3,7 +3,7 @@
 
 use super::results::decompressed;
 use crate::contract::SpectrumAnswer;
-use crate::contract::units::{decimal, of_decimal};
+use crate::contract::json::numbers::{decimal, of_decimal};
 use crate::jobs::JobError;
 
 /// First byte of what is packed here. What earlier builds have left is the answer compressed with zlib, which begins with 0x78.
@@ -60,7 +60,7 @@ mod tests {
     use super::super::results::compressed;
     use super::*;
     use crate::contract::SpectrumKind;
-    use crate::contract::units::rounded;
+    use crate::contract::json::numbers::rounded;
 
     fn spectrum(amplitude: Vec<f64>) -> SpectrumAnswer {
         SpectrumAnswer {

@@ -7,7 +7,7 @@ use super::claims::Pulse;
 use super::database::{Dialect, Tx};
 use super::statement::statement;
 use super::{Store, claims, micros, results, stored};
-use crate::contract::table::PointError;
+use crate::contract::answer::point::PointError;
 use crate::contract::{JobKind, PointEnd, PointStatus};
 use crate::jobs::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
 use crate::jobs::{Failure, JobError, Status};

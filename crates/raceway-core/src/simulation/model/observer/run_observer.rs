@@ -2,10 +2,10 @@
 
 use super::moments::{CageMoments, Moments};
 use super::snapshot::{Contact, Peaks, RunningExtremes, Snapshot, SnapshotWatch};
+use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
 use crate::numerics::ode::Integrator;
 use crate::numerics::ode::Method;
-use crate::numerics::decimation::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, length};
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
