@@ -191,7 +191,7 @@ fn misled(found: &Metrics, full: &Metrics) -> Option<&'static str> {
 }
 
 fn main() {
-    raceway::commands::memory::keep_for_the_next_run();
+    raceway::commands::allocator::keep_memory_for_next_run();
     let numbers: Vec<usize> = std::env::args().skip(1).filter_map(|argument| argument.parse().ok()).collect();
     let (seed, count) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(SCENES));
     let mut draw = Draw(SplitMix64::seed_from_u64(seed as u64));

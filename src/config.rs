@@ -9,8 +9,8 @@ use axum::http::HeaderValue;
 use clap::builder::BoolishValueParser;
 use clap::{Args, Parser, Subcommand};
 
-use crate::api::auth::{LEAST_TOKEN, Tokens};
-use crate::api::origins::origin;
+use crate::api::cors::origin;
+use crate::api::credentials::{MIN_TOKEN_LENGTH, Tokens};
 use crate::jobs::{Location, Settings};
 
 /// Predicts the vibration of rolling bearings.
@@ -324,7 +324,7 @@ pub enum ConfigError {
     )]
     UnsendableTokens,
     #[error(
-        "{0} can be reached from other machines, and a token of RACEWAY_API_TOKENS has fewer than {LEAST_TOKEN} characters: make a longer \
+        "{0} can be reached from other machines, and a token of RACEWAY_API_TOKENS has fewer than {MIN_TOKEN_LENGTH} characters: make a longer \
          one, or one with `raceway token create`, or accept the risk with --insecure-no-auth"
     )]
     WeakToken(SocketAddr),

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use raceway::api::Access;
-use raceway::api::auth::Tokens;
-use raceway::api::origins::origin;
+use raceway::api::cors::origin;
+use raceway::api::credentials::Tokens;
 use raceway::api::service::Service;
 use raceway::contract::{self, Job, Outcome, RunFailure};
 use raceway::jobs::{Location, Settings, Simulator};
