@@ -107,7 +107,7 @@ fn every_link_of_a_job_can_be_followed() {
         (&problem["type"], &problem["detail"]),
         (
             &json!("urn:raceway:problem:unknown-channel"),
-            &json!("nothing of this sort is kept; see outputs in the request")
+            &json!("no signal of this kind is kept; see outputs in the request")
         )
     );
 }
