@@ -32,7 +32,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 23] = files! {
+static FILES: [File; 24] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -45,6 +45,7 @@ static FILES: [File; 23] = files! {
     "format.js": SCRIPT,
     "jobs.js": SCRIPT,
     "main.js": SCRIPT,
+    "messages.js": SCRIPT,
     "metrics.js": SCRIPT,
     "plots.js": SCRIPT,
     "request.js": SCRIPT,
