@@ -357,7 +357,7 @@ impl WorkerOptions {
     }
 }
 
-/// Whether only this machine can reach the address.
+/// Returns whether only this machine can reach the address.
 pub fn is_loopback(address: IpAddr) -> bool {
     address.to_canonical().is_loopback()
 }
@@ -402,7 +402,7 @@ pub fn log_level(default: tracing::Level) -> Result<tracing::Level, ConfigError>
     level.parse().map_err(|_| ConfigError::UnknownLogLevel(level.into_owned()))
 }
 
-/// Whether logs are JSON: `RACEWAY_LOG_FORMAT` is `text`, or `json` with one object per line.
+/// Returns whether logs are JSON: `RACEWAY_LOG_FORMAT` is `text`, or `json` with one object per line.
 pub fn logs_json() -> Result<bool, ConfigError> {
     let Some(format) = std::env::var_os("RACEWAY_LOG_FORMAT") else { return Ok(false) };
     match format.to_string_lossy().as_ref() {

@@ -21,7 +21,7 @@ use crate::jobs::tokens::{TokenDigest, digest_of};
 pub struct Credential(Option<TokenDigest>);
 
 impl Credential {
-    /// Whether the token is still accepted.
+    /// Returns whether the token is still accepted.
     pub fn is_valid(&self, app: &App) -> bool {
         match &self.0 {
             Some(digest) => known_owner(app, digest).is_some(),
@@ -56,7 +56,7 @@ pub async fn guard(State(app): State<App>, mut request: Request, next: Next) -> 
     Ok(next.run(request).await)
 }
 
-/// Whether a token is needed: one exists, or has ever existed.
+/// Returns whether a token is needed: one exists, or has ever existed.
 fn needs_token(app: &App) -> bool {
     !app.access.tokens.is_empty() || !app.jobs.tokens().is_empty()
 }

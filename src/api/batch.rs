@@ -26,7 +26,7 @@ const JSON: &[&str] = &["application/json"];
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[allow(dead_code, reason = "only describes the body; `contract::parse_batch` reads it")]
-pub struct BatchInput {
+struct BatchInput {
     /// The jobs, each as in `POST /v1/jobs`.
     #[schema(min_items = 1, max_items = 1000)]
     jobs: Vec<JobInput>,
@@ -34,29 +34,29 @@ pub struct BatchInput {
 
 /// The answers to the jobs, in their order.
 #[derive(Serialize, ToSchema)]
-pub struct BatchAnswer {
+struct BatchAnswer {
     /// One answer for each job, in their order.
-    pub answers: Vec<ItemAnswer>,
+    answers: Vec<ItemAnswer>,
 }
 
 /// The answer to one job.
 #[derive(Serialize, ToSchema)]
-pub struct ItemAnswer {
+struct ItemAnswer {
     /// Status code that `POST /v1/jobs` would have answered: 202, 422, 429, …
     #[schema(minimum = 200, maximum = 599, example = 202)]
-    pub status: u16,
+    status: u16,
     /// The created job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub job: Option<JobAnswer>,
+    job: Option<JobAnswer>,
     /// Reason why no job was created; pointers are relative to the job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub problem: Option<Problem>,
+    problem: Option<Problem>,
     /// Seconds after which to try again, if that may succeed.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub retry_after_s: Option<u32>,
+    retry_after_s: Option<u32>,
 }
 
 /// Headers of a batch.

@@ -188,7 +188,7 @@ pub async fn limit(
     answered
 }
 
-/// Whether a path is exempt: the metrics for operators, and public paths, which cost very little.
+/// Returns whether a path is exempt: the metrics for operators, and public paths, which cost very little.
 fn is_unlimited(path: &str) -> bool {
     path == "/metrics" || is_public(path)
 }

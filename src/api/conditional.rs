@@ -91,12 +91,12 @@ fn tag(prefix: &str, parts: &[&[u8]]) -> HeaderValue {
     HeaderValue::try_from(format!("{prefix}\"{hex}\"")).unwrap_or(HeaderValue::from_static("\"\""))
 }
 
-/// Whether `If-None-Match` is `*`.
+/// Returns whether `If-None-Match` is `*`.
 fn has_any(headers: &HeaderMap) -> bool {
     headers.get(IF_NONE_MATCH).is_some_and(|value| value.as_bytes().trim_ascii() == b"*")
 }
 
-/// Whether `If-None-Match` contains the tag. The comparison is weak (RFC 9110, 13.1.2).
+/// Returns whether `If-None-Match` contains the tag. The comparison is weak (RFC 9110, 13.1.2).
 fn has(headers: &HeaderMap, tag: &HeaderValue) -> bool {
     let strip = |tag: &str| tag.trim().trim_start_matches("W/").to_owned();
     let Ok(tag) = tag.to_str().map(strip) else { return false };

@@ -35,7 +35,7 @@ impl Tokens {
         }
     }
 
-    /// Whether a token is short enough to be guessed.
+    /// Returns whether a token is short enough to be guessed.
     pub fn is_weak(&self) -> bool {
         self.is_weak
     }

@@ -85,7 +85,7 @@ pub async fn events(
 /// An event of the stream.
 #[derive(ToSchema)]
 #[allow(dead_code, reason = "only describes the stream")]
-pub struct JobEvent {
+struct JobEvent {
     /// `progress`, or the final status: `succeeded`, `failed`, `cancelled`.
     #[schema(example = "progress")]
     event: String,
@@ -141,7 +141,7 @@ impl Follower {
         }
     }
 
-    /// Whether the stored record may be newer than the last read one.
+    /// Returns whether the stored record may be newer than the last read one.
     fn is_stale(&self) -> bool {
         let runs_here = self.record.kind != JobKind::Study.name() && self.app.jobs.view(self.id).is_some();
         let has_started = runs_here && self.record.status == Status::Queued;

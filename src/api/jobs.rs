@@ -231,7 +231,7 @@ pub struct ShowQuery {
 
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Include {
+enum Include {
     Metrics,
 }
 

@@ -95,7 +95,7 @@ fn answer(name: &str, headers: &HeaderMap) -> Result<Response, ApiError> {
     Ok((fields, file.content).into_response())
 }
 
-/// Whether the client has this content. The comparison is weak (RFC 9110, 13.1.2).
+/// Returns whether the client has this content. The comparison is weak (RFC 9110, 13.1.2).
 fn is_known(headers: &HeaderMap, tag: &str) -> bool {
     let lists = headers.get_all(IF_NONE_MATCH).iter().filter_map(|list| list.to_str().ok());
     lists.flat_map(|list| list.split(',')).map(str::trim).any(|one| one == "*" || one.trim_start_matches("W/") == tag)

@@ -66,16 +66,16 @@ pub async fn channels(
 
 /// Channels by kind of kept signal.
 #[derive(Debug, Serialize, ToSchema)]
-pub struct ChannelsAnswer {
+struct ChannelsAnswer {
     /// Channels with an amplitude spectrum.
     #[schema(example = json!(["spindle.y.acceleration", "spindle.z.acceleration"]))]
-    pub spectra: Vec<String>,
+    spectra: Vec<String>,
     /// Channels with an envelope spectrum.
     #[schema(example = json!(["spindle.y.acceleration", "spindle.z.acceleration"]))]
-    pub envelopes: Vec<String>,
+    envelopes: Vec<String>,
     /// Channels with a full time series.
     #[schema(example = json!([]))]
-    pub series: Vec<String>,
+    series: Vec<String>,
 }
 
 /// Get a spectrum

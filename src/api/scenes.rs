@@ -14,7 +14,7 @@ use crate::contract::{ResolveAnswer, parse_scene_request, presets_answer, resolv
 /// A scene, or a whole job.
 #[derive(ToSchema)]
 #[allow(dead_code, reason = "only describes the body; the contract reads it")]
-pub struct SceneRequest {
+struct SceneRequest {
     /// The scene. All other fields of a job are allowed.
     scene: SceneInput,
 }

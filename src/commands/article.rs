@@ -57,7 +57,7 @@ pub fn run(options: &ArticleOptions) -> Exit {
     written.map_or_else(|error| failed(&error), |()| Exit::Success)
 }
 
-/// Whether a run reproduces a figure. Figures 5 and 6 are one run, 7 and 8 another, 17 and 18 one comparison.
+/// Returns whether a run reproduces a figure. Figures 5 and 6 are one run, 7 and 8 another, 17 and 18 one comparison.
 fn shows(figure: &Figure, number: u32) -> bool {
     let two = matches!(figure.subject, Subject::Series { .. } | Subject::Pocket { .. });
     figure.number == number || two && figure.number + 1 == number

@@ -37,7 +37,7 @@ pub async fn access(
     Ok(Access { tokens, is_local, ..Access::default() })
 }
 
-/// Whether the database has ever had a token. A missing database is not created.
+/// Returns whether the database has ever had a token. A missing database is not created.
 async fn has_tokens(database: &Location) -> Result<bool, JobError> {
     if matches!(database, Location::File(path) if !path.exists()) {
         return Ok(false);

@@ -27,7 +27,7 @@ impl DatabaseLock {
         }
     }
 
-    /// Whether the path still names the locked file. Writes to a removed or replaced file are lost with this process.
+    /// Returns whether the path still names the locked file. Writes to a removed or replaced file are lost with this process.
     pub fn is_in_place(&self) -> bool {
         let (held, current) = (self.file.metadata(), std::fs::metadata(&self.path));
         matches!((held, current), (Ok(held), Ok(current)) if is_same(&held, &current))

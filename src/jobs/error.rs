@@ -68,12 +68,12 @@ impl JobError {
         Self::CannotOpen { path: place.to_string(), reason: reason.to_string() }
     }
 
-    /// Whether the database exists without our tables, because it was created anew.
+    /// Returns whether the database exists without our tables, because it was created anew.
     pub fn lacks_tables(&self) -> bool {
         matches!(self, Self::Database(sqlx::Error::Database(error)) if error.code().is_some_and(|code| code == NO_TABLE))
     }
 
-    /// Whether the database is unreachable for now, or accepts no writes.
+    /// Returns whether the database is unreachable for now, or accepts no writes.
     pub fn is_away(&self) -> bool {
         let error = match self {
             Self::NotWritable | Self::Displaced => return true,

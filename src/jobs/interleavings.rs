@@ -191,7 +191,7 @@ fn after(step: Step, before: &State, file: bool) -> Option<Row> {
 }
 
 impl State {
-    /// Whether the process holds the current claim.
+    /// Returns whether the process holds the current claim.
     fn holds(&self, process: usize) -> bool {
         let claim = match &self.hands[process] {
             Hand::Run { claim, .. } => claim.number,
@@ -671,7 +671,7 @@ impl World {
         }
     }
 
-    /// Whether a run starts under the claim.
+    /// Returns whether a run starts under the claim.
     fn begins(&self, claim: &Claim) -> bool {
         !claim.cancel_requested && claim.lost < self.settings.max_lost_runs
     }

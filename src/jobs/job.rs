@@ -37,7 +37,7 @@ impl Status {
         Self::ALL.iter().find(|status| status.1 == name).map(|status| status.0)
     }
 
-    /// Whether the job has ended.
+    /// Returns whether the job has ended.
     pub fn is_final(self) -> bool {
         !matches!(self, Self::Queued | Self::Running)
     }

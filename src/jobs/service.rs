@@ -10,7 +10,7 @@ use super::intake::Submitted;
 use super::job::{IdempotencyKey, JobRecord, NewJob, Status};
 use super::parts::Parts;
 use super::running::{Completion, StopReason, View};
-use super::store::deliveries::{Delivery, QueueStats};
+use super::store::deliveries::Delivery;
 use super::store::notifications::{notify_cancelled, notify_ended};
 use super::store::records::{self, Filter};
 use super::store::results::Signal;
@@ -99,7 +99,7 @@ impl Jobs {
         self.parts.running.completion(id)
     }
 
-    /// Whether the service accepts no more jobs.
+    /// Returns whether the service accepts no more jobs.
     pub fn is_stopping(&self) -> bool {
         self.parts.is_stopping()
     }
@@ -290,10 +290,5 @@ impl Jobs {
     pub async fn service_metrics(&self) -> Result<String, JobError> {
         let depth = self.parts.store.queue_depth().await?;
         self.parts.store.metrics.text(&depth)
-    }
-
-    /// Counts of the queue.
-    pub async fn stats(&self) -> Result<QueueStats, JobError> {
-        self.parts.store.queue_stats().await
     }
 }

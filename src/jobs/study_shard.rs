@@ -104,7 +104,7 @@ impl Worker {
         }
     }
 
-    /// Whether deliveries of higher priority wait, or others of the same priority after the time slice.
+    /// Returns whether deliveries of higher priority wait, or others of the same priority after the time slice.
     async fn yields(&self, begin: Instant) -> bool {
         // A failed query must not lose the computed point.
         let (before, any) = self.store.others_wait().await.unwrap_or_default();

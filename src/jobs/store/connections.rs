@@ -45,7 +45,7 @@ fn file_pool(connections: u32) -> SqlitePoolOptions {
         .before_acquire(|connection, _| Box::pin(std::future::ready(Ok(is_outside_transactions(connection)))))
 }
 
-/// Whether the connection may be used again.
+/// Returns whether the connection may be used again.
 ///
 /// On a full disk SQLite ends a transaction by itself. sqlx then fails to end it, counts it as open for ever, and refuses every
 /// later one.
@@ -109,7 +109,7 @@ pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgP
     Ok(pool.connect_with(options).await?)
 }
 
-/// Whether the server answers a ping in time.
+/// Returns whether the server answers a ping in time.
 async fn answers(connection: &mut PgConnection) -> bool {
     tokio::time::timeout(PING_TIMEOUT, connection.ping()).await.is_ok_and(|answer| answer.is_ok())
 }

@@ -81,12 +81,12 @@ impl Store {
         self.metrics.measure_wait(self.writer.begin_locked(lock)).await
     }
 
-    /// Whether the last write failed because the disk is full.
+    /// Returns whether the last write failed because the disk is full.
     pub fn disk_is_full(&self) -> bool {
         self.disk_full.load(Ordering::Acquire)
     }
 
-    /// Whether the last sweep, which writes, failed.
+    /// Returns whether the last sweep, which writes, failed.
     pub fn is_unwritable(&self) -> bool {
         self.unwritable.load(Ordering::Acquire)
     }

@@ -11,7 +11,7 @@ use super::statement::statement;
 use crate::jobs::error::JobError;
 
 /// Queue priority of study shards: behind single jobs of default priority.
-pub const SHARD_PRIORITY: u8 = 4;
+const SHARD_PRIORITY: u8 = 4;
 
 /// An entry of the queue.
 #[derive(Debug, Clone, Copy)]
@@ -32,13 +32,6 @@ impl Delivery {
     pub fn shards(study: Uuid, count: usize) -> Vec<Self> {
         vec![Self { job: study, priority: SHARD_PRIORITY, shard: true }; count]
     }
-}
-
-/// Counts of the queue's rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct QueueStats {
-    pub available: i64,
-    pub running: i64,
 }
 
 /// Makes deliveries due whose due time lies further ahead than the queue ever sets one; returns their number.
@@ -83,18 +76,10 @@ impl Store {
         statement("UPDATE river_job SET state = 'available' WHERE state = 'running'").run(&self.writer).await
     }
 
-    /// Whether deliveries wait that go before studies, and whether any wait.
+    /// Returns whether deliveries wait that go before studies, and whether any wait.
     pub async fn others_wait(&self) -> Result<(bool, bool), JobError> {
         let sql =
             "SELECT count(*) FILTER (WHERE priority < $1) > 0, count(*) > 0 FROM river_job WHERE state = 'available'";
         statement(sql).bind(i64::from(SHARD_PRIORITY)).one(&self.writer).await
-    }
-
-    /// Counts of available and running deliveries.
-    pub async fn queue_stats(&self) -> Result<QueueStats, JobError> {
-        let sql = "SELECT CAST(state AS TEXT), count(*) FROM river_job WHERE state IN ('available', 'running') GROUP BY state";
-        let rows: Vec<(String, i64)> = statement(sql).all(&self.writer).await?;
-        let count = |state: &str| rows.iter().find(|row| row.0 == state).map_or(0, |row| row.1);
-        Ok(QueueStats { available: count("available"), running: count("running") })
     }
 }

@@ -18,7 +18,7 @@ pub async fn migrate(pool: &Pool) -> Result<(), JobError> {
     }
 }
 
-/// Whether every migration was applied successfully.
+/// Returns whether every migration was applied successfully.
 pub async fn is_up_to_date(pool: &Pool) -> Result<bool, JobError> {
     Ok(has_own_tables(pool).await? && has_queue_tables(pool).await?)
 }
@@ -50,7 +50,7 @@ async fn migrate_queue(pool: &Pool) -> Result<(), JobError> {
     Ok(())
 }
 
-/// Whether River's tables have the version that this build creates.
+/// Returns whether River's tables have the version that this build creates.
 async fn has_queue_tables(pool: &Pool) -> Result<bool, JobError> {
     let (applied, all) = match pool {
         Pool::Sqlite(pool) => {

@@ -351,7 +351,7 @@ pub async fn cancel(tx: &mut Tx, job: Uuid, keep_s: f64) -> Result<(), JobError>
     remove_shards(tx, job).await
 }
 
-/// Whether a shard is running points of a study.
+/// Returns whether a shard is running points of a study.
 pub async fn is_under_way(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
     // A file has no other process.
     if tx.dialect() == Dialect::Sqlite {

@@ -24,7 +24,7 @@ pub struct Token {
 }
 
 impl Token {
-    /// Whether the token is neither revoked nor expired at this time.
+    /// Returns whether the token is neither revoked nor expired at this time.
     pub fn is_valid(&self, now: Timestamp) -> bool {
         self.revoked_at.is_none() && self.expires_at.is_none_or(|end| now < end)
     }
