@@ -10,7 +10,7 @@
 
 use std::path::{Path, PathBuf};
 
-use raceway::commands::table;
+use raceway::commands::text_tables;
 use raceway::contract::{self, Metrics, Outcome, WorkPrecisionAnswer, execute};
 use raceway::plots::draw;
 use raceway::plots::{ErrorPanel, WorkPoint, WorkPrecisionCurve, work_precision_svg};
@@ -39,7 +39,7 @@ fn main() {
     for name in &options.scenes {
         println!("## Scene {name}\n");
         let answer = study(name, options.repetitions);
-        println!("{}", table::work_precision(&answer));
+        println!("{}", text_tables::work_precision(&answer));
         if let Some(directory) = &options.plots {
             let file = directory.join(format!("work-precision-{name}.svg"));
             std::fs::write(&file, draw::work_precision(&answer)).expect("the plot's directory can be written to");

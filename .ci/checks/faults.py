@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the service does while its surroundings fail, and afterwards: a full disk, a database that takes no writes, a link to the server
+"""What the service does while its surroundings fail, and afterwards: a full disk, a database that accepts no writes, a link to the server
 that is cut or falls silent, a clock that is set back. Each time: problems as answers, readiness red with its reason, recovery
 without help, nothing lost, every job ended once. With words, only those parts: disk, readonly, clock, link."""
 
@@ -416,7 +416,7 @@ def server_without_writes(server):
             time.sleep(1)
             status = jobs.submit(0.1)
             is_problem(jobs.answer, 503, "database-away", status)
-            until_not_ready(service, "takes no writes")
+            until_not_ready(service, "accepts no writes")
             check(service.request("GET", path)[0] == 200, "a server without writes: what is on record can be read")
             writes(True)
             until_ready(service, "a server without writes", 30)

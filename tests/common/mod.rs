@@ -1,4 +1,4 @@
-//! What both test binaries share: a minimal HTTP client, and servers inside and outside the process.
+//! Shared by both test binaries: a minimal HTTP client, and servers inside and outside the process.
 #![allow(dead_code, reason = "each test binary uses its part")]
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -26,7 +26,7 @@ impl Answer {
         serde_json::from_str(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
     }
 
-    /// The same, once it is known to be a problem of this status.
+    /// The answer as JSON, after checking that it is a problem with this status.
     pub fn problem(&self, status: u16) -> Value {
         assert_eq!(self.status, status, "{self:?}");
         assert_eq!(self.header("content-type"), Some("application/problem+json"), "{self:?}");
@@ -39,7 +39,7 @@ impl Answer {
     }
 }
 
-/// One request over a connection of its own.
+/// One request over a new connection.
 pub fn request(address: &str, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
     let mut text = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\nContent-Length: {}\r\n", body.len());
     if !headers.iter().any(|header| header.0.eq_ignore_ascii_case("host")) {
@@ -49,7 +49,7 @@ pub fn request(address: &str, method: &str, path: &str, headers: &[(&str, &str)]
     text.push_str("\r\n");
     let mut stream = TcpStream::connect(address).expect("the server listens");
     stream.set_read_timeout(Some(Duration::from_secs(30))).expect("a socket has timeouts");
-    // The server may answer and close before it has read all.
+    // The server may answer and close before it has read the whole request.
     let _ = stream.write_all(text.as_bytes()).and_then(|()| stream.write_all(body));
     let mut bytes = Vec::new();
     let _ = stream.read_to_end(&mut bytes);
@@ -78,7 +78,7 @@ fn unchunked(mut body: &str) -> String {
     text
 }
 
-/// Something that answers.
+/// A server under test.
 pub trait Server {
     fn address(&self) -> &str;
 
@@ -91,14 +91,14 @@ pub trait Server {
         request(self.address(), "POST", path, &headers, body.to_string().as_bytes())
     }
 
-    /// Submits a job and answers with its path.
+    /// Submits a job and returns its path.
     fn submit(&self, job: &Value) -> String {
         let answer = self.post("/v1/jobs", job);
         assert_eq!(answer.status, 202, "{answer:?}");
         answer.header("location").expect("a 202 has a location").to_owned()
     }
 
-    /// The job once it has one of these statuses.
+    /// The job, as soon as it has one of these statuses.
     fn wait_for(&self, path: &str, statuses: &[&str]) -> Value {
         let begin = Instant::now();
         loop {
@@ -117,7 +117,7 @@ pub fn job() -> Value {
     json!({ "kind": "simulation", "scene": { "bearing": "608", "operation": { "speed_rpm": 3000 } } })
 }
 
-/// The same with other fields.
+/// The smallest job with other fields.
 pub fn job_with(fields: Value) -> Value {
     let mut job = job();
     for (name, value) in fields.as_object().expect("fields") {
@@ -126,7 +126,7 @@ pub fn job_with(fields: Value) -> Value {
     job
 }
 
-/// Names a PostgreSQL server on which tests make databases; without it tests use files.
+/// Environment variable of a PostgreSQL server on which tests create databases; without it tests use files.
 pub const POSTGRES: &str = "RACEWAY_TEST_POSTGRES";
 
 /// The URL of an empty database on that server; `None` where there is none.

@@ -1,5 +1,4 @@
-//! What the OpenAPI document says beside the operations: title, tags, tokens, and the errors that
-//! operations share.
+//! The OpenAPI document beside its operations: title, tags, tokens, shared error responses, examples and links.
 
 use std::collections::BTreeMap;
 
@@ -15,8 +14,8 @@ use utoipa::openapi::{ContentBuilder, OpenApi as Document, Ref, RefOr, Required,
 use utoipa::{IntoResponses, Modify, OpenApi};
 
 use super::error::{ApiError, PROBLEM_JSON, Problem};
-use super::jobs::wrong_wait;
-use super::request::BODY_LIMIT;
+use super::limits::BODY_LIMIT;
+use super::submission_headers::wrong_wait;
 use crate::contract::job::schema;
 use crate::contract::{FieldError, Refusal};
 use crate::jobs::{JobError, Status};
@@ -27,7 +26,7 @@ pub const SCENES: &str = "scenes";
 pub const HEALTH: &str = "health";
 pub const DOCUMENT: &str = "document";
 
-/// The document without its operations, which bring themselves.
+/// The document without its operations, which the routes add.
 #[derive(OpenApi)]
 #[openapi(
     info(
@@ -42,27 +41,27 @@ pub const DOCUMENT: &str = "document";
     tags(
         (name = "jobs", description = "Submit, follow, cancel and delete simulations"),
         (name = "results", description = "Metrics, spectra, series and plots of succeeded jobs"),
-        (name = "scenes", description = "What a scene means before it runs"),
-        (name = "health", description = "Probes"),
+        (name = "scenes", description = "Scenes before they run"),
+        (name = "health", description = "Probes and service metrics"),
         (name = "document", description = "This description; as a page at `/docs/`")
     ),
     security(("token" = [])),
     components(schemas(Problem)),
-    modifiers(&Tokens)
+    modifiers(&TokenScheme)
 )]
 pub struct Description;
 
-struct Tokens;
+struct TokenScheme;
 
-impl Modify for Tokens {
+impl Modify for TokenScheme {
     fn modify(&self, document: &mut Document) {
-        let text = "A token made by `raceway token create`, or one of RACEWAY_API_TOKENS; none is needed where there never was any.";
+        let text = "A token from `raceway token create` or RACEWAY_API_TOKENS. Without any token the API is open.";
         let scheme = HttpBuilder::new().scheme(HttpAuthScheme::Bearer).description(Some(text)).build();
         document.components.get_or_insert_default().add_security_scheme("token", SecurityScheme::Http(scheme));
     }
 }
 
-/// Types that stand for errors: status, name in the document, when it comes, and what is answered then.
+/// Groups of error responses: status, name in the document, description, and the errors that serve as examples.
 macro_rules! problems {
     ($($(#[$doc:meta])* $group:ident {
         $($status:literal $name:ident: $description:literal => [$($error:expr),+ $(,)?]),+ $(,)?
@@ -86,75 +85,75 @@ macro_rules! problems {
     };
 }
 
-/// Results of succeeded jobs, which never change.
+/// The answer 304 of results.
 pub struct Unchanged;
 
 impl IntoResponses for Unchanged {
     fn responses() -> BTreeMap<String, RefOr<Response>> {
         let text =
-            "The result that `If-None-Match` names, which never changes; each answer of a succeeded job has an `ETag`";
+            "The client has the result: its `ETag` is in `If-None-Match`. Results of succeeded jobs never change";
         BTreeMap::from([("304".to_owned(), ResponseBuilder::new().description(text).build().into())])
     }
 }
 
 problems! {
-    /// Every operation that needs a token.
+    /// Errors of every operation that needs a token.
     Anywhere {
-        "401" Unauthorized: "No token, or an unknown one" => [Unauthorized],
-        "421" ForeignHost: "Without tokens: a `Host` that is neither an address nor localhost" => [ForeignHost("raceway.example".into())],
-        "429" TooOften: "The token asks more often than it may; `Retry-After` tells when to try again" => [TooOften { limit: 1000, wait_s: 1 }],
-        "500" InternalError: "An error of the service; its cause is in the log" => [Internal],
-        "503" Unavailable: "The service is stopping or busy, or its database is away" => [Job(JobError::Stopping), Overloaded, Job(JobError::Database(sqlx::Error::PoolTimedOut))],
+        "401" Unauthorized: "The token is missing or unknown" => [Unauthorized],
+        "421" ForeignHost: "Without tokens: the `Host` is neither an IP address nor localhost" => [ForeignHost("raceway.example".into())],
+        "429" TooOften: "The owner of the token has sent too many requests; try again after `Retry-After`" => [TooOften { limit: 1000, wait_s: 1 }],
+        "500" InternalError: "An internal error; its cause is in the log of the service" => [Internal],
+        "503" Unavailable: "The service is stopping or busy, or its database is not available" => [Job(JobError::Stopping), Overloaded, Job(JobError::Database(sqlx::Error::PoolTimedOut))],
     }
-    /// Operations that are open to everybody.
-    OnlyLocal { "421" ForeignHost: "Without tokens: a `Host` that is neither an address nor localhost" => [ForeignHost("raceway.example".into())] }
-    /// Operations with a body.
+    /// Errors of operations that need no token.
+    OnlyLocal { "421" ForeignHost: "Without tokens: the `Host` is neither an IP address nor localhost" => [ForeignHost("raceway.example".into())] }
+    /// Errors of operations with a body.
     BadBody {
-        "400" BadRequest: "The body is not JSON, or a header or the query is wrong" => [
+        "400" BadRequest: "The body is not JSON, or a header or the query is not valid" => [
             Refused(Refusal::NotJson { detail: "expected `,` or `}` at line 3 column 5".into() }),
             wrong_wait("1min"),
         ],
         "408" SlowBody: "The body did not arrive in time" => [SlowBody],
         "413" TooLarge: "The body is larger than 1 MiB" => [TooLarge { limit: BODY_LIMIT }],
         "415" UnsupportedMediaType: "The body is not `application/json`" => [UnsupportedMediaType("send Content-Type: application/json".into())],
-        "422" InvalidRequest: "The body is JSON, but not valid; `errors` names the fields" => [Refused(wrong_diameter())],
+        "422" InvalidRequest: "The body is JSON but not a valid request; `errors` lists the invalid fields" => [Refused(wrong_diameter())],
     }
-    BadQuery { "400" BadQuery: "The query is wrong" => [BadRequest("query: limit 0: must be 1 to 200".into())] }
-    NoJob { "404" UnknownJob: "There is no such job, or it belongs to another token" => [UnknownJob] }
+    BadQuery { "400" BadQuery: "The query is not valid" => [BadRequest("query: limit 0: must be 1 to 200".into())] }
+    NoJob { "404" UnknownJob: "There is no such job, or it belongs to another owner" => [UnknownJob] }
     NoChannel {
-        "404" UnknownChannel: "There is no such job, or the channel is not kept; `detail` names the kept ones" => [
+        "404" UnknownChannel: "There is no such job, or the channel is not kept; `detail` lists the kept channels" => [
             UnknownJob,
             UnknownChannel { channel: "cage.speed".into(), kept: vec!["spindle.y.acceleration".into()] },
         ],
     }
     NoPlot {
-        "404" UnknownPlot: "There is no such job, or it has no such plot; `detail` names those it has" => [
+        "404" UnknownPlot: "There is no such job, or it has no such plot; `detail` lists its plots" => [
             UnknownJob,
             UnknownPlot { known: &["spectrum.svg", "velocity.svg", "acceleration.svg"] },
         ],
     }
     NoResult {
-        "409" NoResult: "`result-not-ready`: the job has not ended, try again; `no-result`: it failed or was cancelled, or is of a kind that has no such result" => [
+        "409" NoResult: "`result-not-ready`: the job has not ended; try again. `no-result`: the job failed, was cancelled, or is of a kind without such a result" => [
             Job(JobError::NotReady(Status::Running)),
             Job(JobError::NoResult(Status::Failed)),
         ],
     }
     HasEnded { "409" HasEnded: "The job has succeeded or failed" => [Job(JobError::Conflict(Status::Succeeded))] }
-    HasNotEnded { "409" HasNotEnded: "The job waits or runs" => [Job(JobError::Conflict(Status::Running))] }
+    HasNotEnded { "409" HasNotEnded: "The job is queued or running" => [Job(JobError::Conflict(Status::Running))] }
     CannotResume {
-        "409" CannotResume: "The job is no study, it waits or runs, or nothing is left to do" => [Job(JobError::CannotResume(Status::Running))],
+        "409" CannotResume: "The job is not a study, has not ended, or has no points left to run" => [Job(JobError::CannotResume(Status::Running))],
     }
-    NotAccepted { "406" NotAcceptable: "The answer is not available in a format that `Accept` names" => [NotAcceptable { offered: &["application/json"] }] }
-    QueueFull { "429" QueueFull: "The queue is full, or the token asks more often than it may; `Retry-After` tells when to try again" => [Job(JobError::QueueFull { limit: 10_000 }), TooOften { limit: 1000, wait_s: 1 }] }
+    NotAccepted { "406" NotAcceptable: "The answer is not available in a format of `Accept`" => [NotAcceptable { offered: &["application/json"] }] }
+    QueueFull { "429" QueueFull: "The queue is full, or the owner of the token has sent too many requests; try again after `Retry-After`" => [Job(JobError::QueueFull { limit: 10_000 }), TooOften { limit: 1000, wait_s: 1 }] }
     NoSpace { "507" NoSpace: "No space is left for the database; nothing was written" => [Job(JobError::DiskFull)] }
-    TakesNoJobs { "503" TakesNoJobs: "The service takes no jobs now" => [NotReady(JobError::Stopping)] }
+    TakesNoJobs { "503" TakesNoJobs: "The service accepts no jobs now" => [NotReady(JobError::Stopping)] }
 }
 
 fn wrong_diameter() -> Refusal {
     FieldError::new("/scene/bearing/ball_diameter_mm", "-1 mm: must be from 0.1 to 500 mm").into()
 }
 
-/// A response with what is answered in each case, by the kind of problem.
+/// A response with one example for each error, by the kind of problem.
 fn problem(description: &str, errors: &[ApiError]) -> Response {
     let schema = Ref::from_schema_name("Problem");
     let problems = errors.iter().map(|error| error.problem().1);
@@ -169,12 +168,12 @@ fn problem(description: &str, errors: &[ApiError]) -> Response {
     headers.into_iter().fold(response, |response, (name, header)| response.header(name, header)).build()
 }
 
-/// A header of an error.
+/// Documentation of a header of an error.
 fn documented((name, value): (Option<HeaderName>, HeaderValue)) -> Option<(&'static str, Header)> {
     let (name, kind, description) = match name? {
         RETRY_AFTER => ("Retry-After", Type::Integer, "Seconds after which to try again"),
         WWW_AUTHENTICATE => ("WWW-Authenticate", Type::String, "How to send a token"),
-        ACCEPT => ("Accept", Type::String, "What a body may be"),
+        ACCEPT => ("Accept", Type::String, "Supported media type of the body"),
         _ => return None,
     };
     let value = value.to_str().ok()?;
@@ -183,17 +182,17 @@ fn documented((name, value): (Option<HeaderName>, HeaderValue)) -> Option<(&'sta
     Some((name, HeaderBuilder::new().schema(Some(schema)).description(Some(description)).build()))
 }
 
-/// Answers of a run of the service, by operation and status.
+/// Recorded answers, by operation and status.
 const EXAMPLES: &str = include_str!("examples.json");
 
-/// The document with what its operations share: problems by name, examples of answers, and where a job leads.
+/// The document completed by shared responses, recorded examples, and links from a job to its operations.
 pub fn completed(mut document: Document) -> Document {
     let examples: Value = serde_json::from_str(EXAMPLES).unwrap_or_default();
     let components = document.components.get_or_insert_default();
     components.responses.extend(problems().into_iter().map(|(name, response)| (name.to_owned(), response.into())));
     components.links.extend(links_of_job().map(|(name, link)| (name.to_owned(), link.into())));
     schema::complete(&mut components.schemas);
-    name_requests(&mut document);
+    add_request_id(&mut document);
     for operation in operations(&mut document) {
         let examples = &examples[operation.operation_id.as_deref().unwrap_or_default()];
         for (status, response) in &mut operation.responses.responses {
@@ -204,8 +203,8 @@ pub fn completed(mut document: Document) -> Document {
     document
 }
 
-/// Every request may bring a name, and every answer has it.
-fn name_requests(document: &mut Document) {
+/// Adds the request id, which every request may and every answer does contain.
+fn add_request_id(document: &mut Document) {
     const NAME: &str = "X-Request-Id";
     let text = || ObjectBuilder::new().schema_type(Type::String).build();
     let parameter = ParameterBuilder::new()
@@ -213,12 +212,12 @@ fn name_requests(document: &mut Document) {
         .parameter_in(ParameterIn::Header)
         .required(Required::False)
         .description(Some(
-            "A name of the client's for this request, at most 128 visible ASCII characters, which the answer and the log repeat; \
-             in the place of another, or of none, the service makes one",
+            "An id of the client for this request, at most 128 visible ASCII characters; the answer and the log repeat it. The \
+             service replaces a missing or invalid id",
         ))
         .schema(Some(text()))
         .example(Some("portal-17".into()));
-    let header = HeaderBuilder::new().schema(Some(text())).description(Some("The request's name, as in the log"));
+    let header = HeaderBuilder::new().schema(Some(text())).description(Some("The id of the request, as in the log"));
     let components = document.components.get_or_insert_default();
     components.parameters.insert(NAME.to_owned(), parameter.build().into());
     components.headers.insert(NAME.to_owned(), header.build().into());
@@ -253,24 +252,24 @@ fn complete(response: &mut Response, example: &Value) {
     }
 }
 
-/// Operations on a job that an answer has told of.
+/// Links from a job in an answer to the operations on it.
 fn links_of_job() -> impl Iterator<Item = (&'static str, Link)> {
     const ALWAYS: &str = "The job";
-    const OF_SIMULATION: &str = "Of a simulation that has succeeded";
+    const OF_SIMULATION: &str = "For a succeeded simulation";
     let links = [
         ("showJob", ALWAYS, None),
         ("followJob", ALWAYS, None),
         ("getChannels", OF_SIMULATION, None),
-        ("cancelJob", "While it has not ended", None),
-        ("deleteJob", "Once it has ended", None),
-        ("resumeStudy", "Of a study that was cancelled or failed", None),
+        ("cancelJob", "Until the job has ended", None),
+        ("deleteJob", "When the job has ended", None),
+        ("resumeStudy", "For a study that was cancelled or failed", None),
         ("getMetrics", OF_SIMULATION, None),
         ("getSpectrum", OF_SIMULATION, Some(("channel", "spindle.y.acceleration"))),
-        ("getSeries", "Of a simulation that was asked for it", Some(("channel", "spindle.y.displacement"))),
+        ("getSeries", "For a simulation with requested series", Some(("channel", "spindle.y.displacement"))),
         ("getPlot", OF_SIMULATION, Some(("file", "spectrum.svg"))),
-        ("getTable", "Of a study", None),
-        ("getOptimum", "Of an optimum job that has succeeded", None),
-        ("getAccuracy", "Of an accuracy job that has succeeded", None),
+        ("getTable", "For a study", None),
+        ("getOptimum", "For a succeeded optimum job", None),
+        ("getAccuracy", "For a succeeded accuracy job", None),
     ];
     links.into_iter().map(|(operation, description, more)| {
         let link =

@@ -1,14 +1,14 @@
-//! Many independent runs, some at a time.
+//! Many independent runs on several threads.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError, mpsc};
 
-/// Runs at a time where nobody says.
+/// Default number of threads.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// What `run` gives for each number from 0 on, in their order, by so many threads; tells the share that is done.
+/// The results of `run` for the numbers 0 to `count` − 1, in order, on `threads` threads. `progress` gets the finished share.
 pub fn map<T: Send>(count: usize, threads: usize, progress: &dyn Fn(f64), run: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let done: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
     let next = AtomicUsize::new(0);
@@ -35,7 +35,7 @@ pub fn map<T: Send>(count: usize, threads: usize, progress: &dyn Fn(f64), run: i
             progress(count_done as f64 / count as f64);
         }
     });
-    // A thread that panics takes the scope with it: every place is filled here.
+    // A panic in a thread propagates from the scope, so every place is filled here.
     done.into_iter().filter_map(|place| place.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
 }
 

@@ -1,21 +1,22 @@
-//! Idempotency keys: which job a key has made.
+//! Idempotency keys and the jobs they created.
 
 use jiff::{SignedDuration, Timestamp};
 use sqlx::FromRow;
 use uuid::Uuid;
 
-use super::database::Tx;
+use super::database::Store;
+use super::pool::Tx;
 use super::statement::statement;
-use super::{Store, stored, time};
-use crate::jobs::job::IdempotencyKey;
-use crate::jobs::{JobError, JobRecord, NewJob, Status};
+use super::stored_time::{stored, time};
+use crate::jobs::error::JobError;
+use crate::jobs::job::{IdempotencyKey, JobRecord, NewJob, Status};
 
-/// Least time that a key is kept after its first use.
-const KEPT: SignedDuration = SignedDuration::from_hours(24);
+/// Shortest time for which a key is kept after its first use.
+const MIN_RETENTION: SignedDuration = SignedDuration::from_hours(24);
 
-/// What a key has made, as it was answered first.
+/// The job that a key created, with the fields of the first answer.
 #[derive(Debug, FromRow)]
-pub struct Made {
+pub struct FirstUse {
     fingerprint: Vec<u8>,
     job: Uuid,
     created_at: i64,
@@ -23,8 +24,8 @@ pub struct Made {
     expires_at: Option<i64>,
 }
 
-impl Made {
-    /// The first answer, to the same body sent again.
+impl FirstUse {
+    /// The first answer, for the same body sent again.
     pub fn first_answer(&self, again: &NewJob, key: &IdempotencyKey) -> Result<JobRecord, JobError> {
         if self.fingerprint != key.fingerprint {
             return Err(JobError::KeyReused);
@@ -46,15 +47,20 @@ impl Made {
     }
 }
 
-/// What a key has made; `None`: it is new.
-pub async fn made(tx: &mut Tx, owner: &str, key: &IdempotencyKey) -> Result<Option<Made>, JobError> {
+/// The first use of a key; `None`: the key is new.
+pub async fn first_use(tx: &mut Tx, owner: &str, key: &IdempotencyKey) -> Result<Option<FirstUse>, JobError> {
     let sql =
         "SELECT fingerprint, job, created_at, reused, expires_at FROM idempotency_keys WHERE owner = $1 AND key = $2";
     statement(sql).bind(owner).bind(&key.key).optional(&mut *tx).await
 }
 
-/// Notes what a key makes.
-pub async fn note(tx: &mut Tx, job: &NewJob, key: &IdempotencyKey, expires: Option<Timestamp>) -> Result<(), JobError> {
+/// Records the job that a key creates.
+pub async fn record(
+    tx: &mut Tx,
+    job: &NewJob,
+    key: &IdempotencyKey,
+    expires: Option<Timestamp>,
+) -> Result<(), JobError> {
     let sql = "INSERT INTO idempotency_keys (owner, key, fingerprint, job, created_at, reused, expires_at) \
                VALUES ($1, $2, $3, $4, $5, $6, $7)";
     statement(sql)
@@ -71,9 +77,9 @@ pub async fn note(tx: &mut Tx, job: &NewJob, key: &IdempotencyKey, expires: Opti
 }
 
 impl Store {
-    /// Forgets keys whose day is over and whose job is gone.
+    /// Deletes keys older than the retention whose job is deleted.
     pub async fn forget_keys(&self) -> Result<(), JobError> {
-        let before = Timestamp::now().saturating_sub(KEPT).unwrap_or(Timestamp::MIN);
+        let before = Timestamp::now().saturating_sub(MIN_RETENTION).unwrap_or(Timestamp::MIN);
         let old = "SELECT EXISTS (SELECT 1 FROM idempotency_keys WHERE created_at < $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = job))";
         let any: bool = statement(old).bind(stored(before)).value(&self.readers).await?.unwrap_or(false);
         if any {

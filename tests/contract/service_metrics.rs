@@ -1,19 +1,19 @@
-//! What Prometheus reads.
+//! `GET /metrics`: service metrics for Prometheus.
 
 use std::time::{Duration, Instant};
 
 use serde_json::json;
 
 use crate::common::{Server, job_with, request};
-use crate::server::{Wishes, start, start_with};
+use crate::server::{ServerSettings, start, start_with};
 
-/// The value of a line that begins with these words.
+/// The value of the line that begins with this text.
 fn value(text: &str, words: &str) -> f64 {
     let line = text.lines().find_map(|line| line.strip_prefix(words));
     line.and_then(|value| value.trim().parse().ok()).unwrap_or_else(|| panic!("no {words} in {text}"))
 }
 
-/// The text once it holds this: a run is counted a moment after its end is written.
+/// The text once it contains this line: a run is counted a moment after its end is written.
 fn text_with(server: &impl Server, line: &str) -> String {
     let begin = Instant::now();
     loop {
@@ -26,8 +26,8 @@ fn text_with(server: &impl Server, line: &str) -> String {
 }
 
 #[test]
-fn figures_follow_the_queue_and_its_runs() {
-    let server = start_with(Wishes { workers: 1, ..Wishes::default() });
+fn service_metrics_follow_the_queue_and_its_runs() {
+    let server = start_with(ServerSettings { workers: 1, ..ServerSettings::default() });
     let slow = server.submit(&job_with(json!({ "labels": ["slow"] })));
     server.wait_for(&slow, &["running"]);
     let waiting = server.submit(&job_with(json!({ "labels": ["slow"], "reuse": false })));
@@ -61,8 +61,8 @@ fn times_of_runs_are_counted() {
 }
 
 #[test]
-fn figures_are_for_those_with_a_token() {
-    let server = start_with(Wishes { tokens: "mine", ..Wishes::default() });
+fn service_metrics_need_a_token() {
+    let server = start_with(ServerSettings { tokens: "mine", ..ServerSettings::default() });
     server.get("/metrics").problem(401);
     let headers = [("Authorization", "Bearer mine")];
     assert_eq!(request(server.address(), "GET", "/metrics", &headers, b"").status, 200);

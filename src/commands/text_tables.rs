@@ -1,7 +1,8 @@
-//! Results as text for people.
+//! Results as text tables.
 
 use std::fmt::Write;
 
+use raceway_core::simulation::result::metrics::LEVEL_UNIT;
 use serde_json::Value;
 
 use crate::contract::answer::report::MotionName;
@@ -9,9 +10,8 @@ use crate::contract::answer::work_precision::point::{MeasuredAnswer, PointAnswer
 use crate::contract::answer::work_precision::recommended::RECOMMENDED_ERRORS_DB;
 use crate::contract::job::input::GoalName;
 use crate::contract::{OptimumAnswer, PointStatus, TableAnswer, WorkPrecisionAnswer};
-use crate::simulation::result::metrics::LEVEL_UNIT;
 
-/// What the table shows: name, pointer into the metrics, unit, digits.
+/// Rows of the table of metrics: name, pointer into the metrics, unit, digits.
 const ROWS: [(&str, &str, &str, usize); 18] = [
     ("acceleration level, Y", "/channels/spindle.y.acceleration/level_db", LEVEL_UNIT, 2),
     ("acceleration level, Z", "/channels/spindle.z.acceleration/level_db", LEVEL_UNIT, 2),
@@ -52,10 +52,10 @@ pub fn metrics(jobs: &[(&str, Value)]) -> String {
     text
 }
 
-/// A shorter time holds too few values for a level [s].
-const LEAST_LEVEL_S: f64 = 1e-4;
-/// Lines that are shown of a channel.
-const LINES: usize = 6;
+/// Shortest recorded time for a level [s].
+const MIN_LEVEL_TIME_S: f64 = 1e-4;
+/// Largest number of printed lines of a channel.
+const MAX_LINES: usize = 6;
 
 /// The strongest labelled lines of a job.
 pub fn lines(name: &str, job: &Value) -> String {
@@ -65,7 +65,7 @@ pub fn lines(name: &str, job: &Value) -> String {
     for line in lines.iter().filter(|line| line["label"] != "") {
         let channel = line["channel"].as_str().unwrap_or_default();
         match shown.iter_mut().find(|(name, _)| *name == channel) {
-            Some((_, count)) if *count == LINES => continue,
+            Some((_, count)) if *count == MAX_LINES => continue,
             Some((_, count)) => *count += 1,
             None => shown.push((channel, 1)),
         }
@@ -83,10 +83,10 @@ fn short(value: &Value) -> String {
     value.as_f64().map_or_else(|| value.to_string(), |number| number.to_string())
 }
 
-/// Rows of a study that are printed; the rest is in its files.
-const MOST_ROWS: usize = 60;
+/// Largest number of printed rows of a study; its files have all rows.
+const MAX_ROWS: usize = 60;
 
-/// A study: a row a point, the best points, and what the trends are worth.
+/// A study: one row for each point, the best points, and whether the trends are resolved.
 pub fn study(table: &TableAnswer) -> String {
     const SHOWN: [usize; 9] = [0, 1, 4, 5, 6, 7, 10, 12, 13];
     let mut text = String::new();
@@ -107,7 +107,7 @@ pub fn study(table: &TableAnswer) -> String {
         let _ = write!(text, "{:>12}", format!("({letter})"));
     }
     text.push('\n');
-    for row in table.rows.iter().take(MOST_ROWS) {
+    for row in table.rows.iter().take(MAX_ROWS) {
         for value in table.axes.iter().filter_map(|axis| row.point.get(&axis.axis)) {
             let value = value.as_str().map_or_else(|| short(value), str::to_owned);
             let _ = write!(text, "{value:>14}");
@@ -131,8 +131,8 @@ pub fn study(table: &TableAnswer) -> String {
         }
         text.push('\n');
     }
-    if table.rows.len() > MOST_ROWS {
-        let _ = writeln!(text, "… {} more", table.rows.len() - MOST_ROWS);
+    if table.rows.len() > MAX_ROWS {
+        let _ = writeln!(text, "… {} more", table.rows.len() - MAX_ROWS);
     }
     for (name, pointer, unit, digits) in shown {
         let Some(best) = table.best.get(pointer) else { continue };
@@ -153,10 +153,10 @@ pub fn study(table: &TableAnswer) -> String {
     text
 }
 
-/// Runs that may be as good as the optimum and are printed; the rest is in its file.
-const MOST_RIVALS: usize = 5;
+/// Largest number of printed runs that may be as good as the optimum; its file has all of them.
+const MAX_RIVALS: usize = 5;
 
-/// An optimum: where it lies, how well that is known, and what may be as good.
+/// An optimum: its point, its uncertainty, and runs that may be as good.
 pub fn optimum(answer: &OptimumAnswer) -> String {
     let error = answer.error.map_or(String::new(), |error| format!(" ± {error:.1e}"));
     let goal = if answer.goal == GoalName::Minimum { "minimum" } else { "maximum" };
@@ -166,33 +166,33 @@ pub fn optimum(answer: &OptimumAnswer) -> String {
         let _ = write!(text, "  at {} = {at}", axis.axis);
         match answer.within.as_ref().and_then(|within| within.get(&axis.axis)) {
             Some([low, high]) => {
-                let _ = write!(text, ", known to lie within {low} … {high} of {} … {}", axis.from, axis.to);
+                let _ = write!(text, ", lies within {low} … {high} of the range {} … {}", axis.from, axis.to);
             }
-            None => text.push_str("; how well it is known cannot be told: the error of this metric is not estimated"),
+            None => text.push_str("; uncertainty unknown: the error of this metric is not estimated"),
         }
         if answer.at_end_of_range.contains(&axis.axis) {
-            text.push_str("; at the end of the range: beyond it there may be better");
+            text.push_str("; at the end of the range: a better value may lie beyond it");
         }
         text.push('\n');
     }
-    for rival in answer.rivals.iter().take(MOST_RIVALS) {
+    for rival in answer.rivals.iter().take(MAX_RIVALS) {
         let at: Vec<String> = rival.point.iter().map(|(axis, value)| format!("{axis} = {}", short(value))).collect();
-        let _ = writeln!(text, "  as good it may be at {}: {:.5}", at.join(", "), rival.value.unwrap_or(f64::NAN));
+        let _ = writeln!(text, "  may be as good at {}: {:.5}", at.join(", "), rival.value.unwrap_or(f64::NAN));
     }
-    if answer.rivals.len() > MOST_RIVALS {
-        let _ = writeln!(text, "  … and {} more", answer.rivals.len() - MOST_RIVALS);
+    if answer.rivals.len() > MAX_RIVALS {
+        let _ = writeln!(text, "  … and {} more", answer.rivals.len() - MAX_RIVALS);
     }
     let failed = if answer.failed > 0 { format!(", {} of them failed", answer.failed) } else { String::new() };
     let _ = writeln!(text, "{} runs{failed}", answer.runs);
     text
 }
 
-/// Error against run time: what is compared, a row a point, what columns and marks mean, and what is recommended.
+/// Error against run time: the compared scene, one row for each point, a legend, and recommendations.
 pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     let (compared, timing) = (&answer.compared, &answer.timing);
-    let motion = compared.motion.map_or("motion not told: run too short".to_owned(), |motion| {
+    let motion = compared.motion.map_or("motion unknown: run too short".to_owned(), |motion| {
         let motion = format!("{motion:?}").to_lowercase();
-        // Plus 0, so that nothing reads -0.
+        // Adding 0 turns -0 into 0.
         format!("motion {motion}, divergence rate {:.0} 1/s", compared.divergence_rate_per_s.round() + 0.0)
     });
     let mut text = format!(
@@ -232,19 +232,19 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
     }
     let _ = writeln!(
         text,
-        "\nerror: of the acceleration's level, worst of all axes (without one more than 60 dB below another)\n\
+        "\nerror: of the acceleration level, largest of all axes (axes more than 60 dB below another are excluded)\n\
          trajectory: rms distance of all states from the reference's, in standard deviations of each\n\
-         *: below ten times the reference's own error, or below the sampling error: says nothing\n\
-         time: median and range of {}, one thread; cpu: what of it the processor gave to the run\n\
+         *: not significant: below ten times the reference's own error, or below the sampling error\n\
+         time: median and range of {}, one thread; cpu: processor time of the run\n\
          rhs: evaluations of the equations; jac: Jacobians; lu: factorizations\n\
-         cheapest: least cpu (else wall) time whose error is within, and so that of all tighter tolerances\n\
-         timed: {}; not: {}\n",
+         cheapest: least cpu (else wall) time with an error within the bound, at this and all tighter tolerances\n\
+         timed: {}; not timed: {}\n",
         timing.repetitions, timing.inside, timing.outside
     );
     text + &recommendation(answer)
 }
 
-/// A line for each wanted error.
+/// One line for each error bound.
 fn recommendation(answer: &WorkPrecisionAnswer) -> String {
     let mut text = String::new();
     for within in RECOMMENDED_ERRORS_DB {
@@ -256,32 +256,33 @@ fn recommendation(answer: &WorkPrecisionAnswer) -> String {
                 found.relative_tolerance,
                 found.processor_time_s.unwrap_or(found.wall_time_s)
             ),
-            None => writeln!(text, "cheapest within {within} dB: none of these"),
+            None => writeln!(text, "cheapest within {within} dB: none of the methods"),
         };
     }
-    match (answer.recommended.is_empty(), level_not_told(answer), answer.reference.sampling_error_db) {
+    match (answer.recommended.is_empty(), missing_level(answer), answer.reference.sampling_error_db) {
         (true, Some(why), _) => format!("no recommendation: level {why}\n"),
         (_, _, Some(sampling)) if answer.recommended.len() < RECOMMENDED_ERRORS_DB.len() => {
-            format!("{text}chaotic: a run of this length tells the level to {sampling:.1e} dB, whatever solves it\n")
+            format!(
+                "{text}chaotic motion: the sampling error of the level over this time is {sampling:.1e} dB for every method\n"
+            )
         }
         _ => text,
     }
 }
 
-/// Why there is no level to compare, where there is none.
-fn level_not_told(answer: &WorkPrecisionAnswer) -> Option<&'static str> {
-    let too_short = answer.compared.duration_s < LEAST_LEVEL_S;
+/// The reason why there is no level to compare, if there is none.
+fn missing_level(answer: &WorkPrecisionAnswer) -> Option<&'static str> {
+    let too_short = answer.compared.duration_s < MIN_LEVEL_TIME_S;
     match (answer.reference.levels_db.is_empty(), too_short) {
         (false, _) => None,
-        (true, true) => Some("not told: run too short"),
-        (true, false) => Some("not told: nothing moves"),
+        (true, true) => Some("unknown: run too short"),
+        (true, false) => Some("unknown: nothing moves"),
     }
 }
 
 fn reference_line(answer: &WorkPrecisionAnswer) -> String {
     let reference = &answer.reference;
-    let unchecked =
-        if reference.check_method.is_none() { "not told: no second reference finished" } else { "not told" };
+    let unchecked = if reference.check_method.is_none() { "unknown: no second reference finished" } else { "unknown" };
     let sampling =
         reference.sampling_error_db.map_or(String::new(), |error| format!("; sampling error {error:.2e} dB"));
     let check = match (&reference.check_method, reference.check_relative_tolerance) {
@@ -289,8 +290,8 @@ fn reference_line(answer: &WorkPrecisionAnswer) -> String {
         _ => String::new(),
     };
     let level = reference.own_error_db.map(|error| format!("{error:.2e} dB"));
-    let level = level.unwrap_or_else(|| format!("level {}", level_not_told(answer).unwrap_or(unchecked)));
-    // In a chaotic motion each point has it for a time of its own.
+    let level = level.unwrap_or_else(|| format!("level {}", missing_level(answer).unwrap_or(unchecked)));
+    // For a chaotic motion each point states it over its own time.
     let trajectory = match (reference.own_trajectory_error, answer.compared.motion) {
         (Some(error), _) => format!(", trajectory {error:.2e}"),
         (None, Some(MotionName::Diverging)) => String::new(),
@@ -303,8 +304,8 @@ fn reference_line(answer: &WorkPrecisionAnswer) -> String {
 }
 
 fn measured_row(point: &MeasuredAnswer) -> String {
-    let error = |value: Option<f64>, says_nothing: bool| {
-        let mark = if says_nothing { "*" } else { " " };
+    let error = |value: Option<f64>, is_insignificant: bool| {
+        let mark = if is_insignificant { "*" } else { " " };
         value.map_or("– ".to_owned(), |value| format!("{value:.2e}{mark}"))
     };
     let range: Vec<String> = point.wall_time_range_s.iter().map(|time| format!("{time:.4}")).collect();

@@ -1,4 +1,4 @@
-//! Jobs as JSON.
+//! Jobs as JSON, with links to their results.
 
 use jiff::Timestamp;
 use serde::de::IgnoredAny;
@@ -13,7 +13,7 @@ use crate::contract::job::{input::JobInput, kind::JobKindName};
 use crate::contract::{JobKind, Metrics};
 use crate::jobs::{JobError, JobRecord, Status};
 
-/// Where a job stands.
+/// Status of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StatusName {
@@ -53,52 +53,52 @@ impl From<StatusName> for Status {
 pub struct JobAnswer {
     /// UUIDv7: later jobs have greater ids.
     pub id: Uuid,
-    /// What was to be done.
+    /// Kind of the job.
     #[schema(value_type = JobKindName)]
     pub kind: String,
-    /// Where the job stands.
+    /// Status of the job.
     pub status: StatusName,
     /// Finished share.
     #[schema(minimum = 0, maximum = 1, example = 1.0)]
     pub progress: f64,
-    /// When it was accepted (RFC 3339, UTC).
+    /// Time of acceptance (RFC 3339, UTC).
     #[schema(value_type = String, format = DateTime)]
     pub created_at: Timestamp,
-    /// Begin of the run; of the last one, if a run was lost or interrupted.
+    /// Start of the run; of the last run if one was lost or interrupted.
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub started_at: Option<Timestamp>,
-    /// When it ended, in whatever way.
+    /// Time of the end.
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub finished_at: Option<Timestamp>,
-    /// When the job and its result are removed; set once it has ended.
+    /// Time at which the job and its result are removed; set when it has ended.
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub expires_at: Option<Timestamp>,
-    /// When it was asked to stop.
+    /// Time of the first request to cancel.
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub cancel_requested_at: Option<Timestamp>,
-    /// Why the job failed: its `type` ends in `did-not-converge`, `numerical-blowup`, `time-limit`,
+    /// Cause of a failed job. Its `type` ends in `did-not-converge`, `numerical-blowup`, `time-limit`,
     /// `memory-limit`, `worker-lost` or `internal`.
     #[schema(required = true)]
     pub error: Option<Problem>,
-    /// Words to find the job by.
+    /// Labels of the job.
     pub labels: Vec<String>,
-    /// 1 (first) to 4 (last).
+    /// 1 (highest) to 4 (lowest).
     #[schema(minimum = 1, maximum = 4)]
     pub priority: u8,
-    /// Whether the result of identical finished work answered this job.
+    /// Whether an existing result of identical work answered this job.
     pub reused: bool,
     /// The request as it was sent.
     #[schema(value_type = JobInput)]
     pub request: Box<RawValue>,
-    /// Paths that make sense for the job now.
+    /// Paths that are valid for the job now.
     pub links: Links,
-    /// With `include=metrics` or `Prefer: wait`, once a simulation has succeeded.
+    /// Metrics of a succeeded simulation, with `include=metrics` or `Prefer: wait`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Metrics, nullable = false, required = false)]
     pub metrics: Option<Box<RawValue>>,
 }
 
-/// Paths that make sense for the job now.
+/// Paths that are valid for the job now.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Links {
     /// The job itself.
@@ -106,27 +106,27 @@ pub struct Links {
     pub this: String,
     /// Server-sent events.
     pub events: String,
-    /// Cancels the job; a `POST`. While it has not ended.
+    /// Cancels the job (`POST`); present until the job has ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cancel: Option<String>,
-    /// Of a simulation that has succeeded.
+    /// Metrics of a succeeded simulation.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub metrics: Option<String>,
-    /// Which spectra and series are kept.
+    /// Channels with a spectrum or a series.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub channels: Option<String>,
-    /// Of a simulation that keeps spectra and has succeeded: of the first channel; `?channel=` names another.
+    /// Spectrum of the first channel of a succeeded simulation; `?channel=` selects another channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum: Option<String>,
-    /// Of a simulation that keeps series and has succeeded: of the first channel; `?channel=` names another.
+    /// Series of the first channel of a succeeded simulation; `?channel=` selects another channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub series: Option<String>,
-    /// Of a simulation that has succeeded.
+    /// Spectra of a succeeded simulation.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum_svg: Option<String>,
@@ -142,39 +142,39 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub orbit_svg: Option<String>,
-    /// Loads of a ball along its way, where contacts were asked for.
+    /// Loads of a ball over its orbit, if contacts were requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub loads_svg: Option<String>,
-    /// Of a study.
+    /// Table of a study.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub table: Option<String>,
-    /// Of a study over one axis.
+    /// Trend of a study over one axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub trend_svg: Option<String>,
-    /// Of a study over two axes.
+    /// Map of a study over two axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub map_svg: Option<String>,
-    /// Goes on with a study that was cancelled or failed; a `POST`.
+    /// Resumes a study that was cancelled or failed (`POST`).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub resume: Option<String>,
-    /// Of an optimum job.
+    /// Result of an optimum job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub optimum: Option<String>,
-    /// Of an optimum job.
+    /// Runs of an optimum job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub optimum_svg: Option<String>,
-    /// Of an accuracy job.
+    /// Result of an accuracy job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub accuracy: Option<String>,
-    /// Of an accuracy job.
+    /// Error against run time of an accuracy job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub work_precision_svg: Option<String>,
@@ -185,12 +185,12 @@ pub struct Links {
 pub struct JobList {
     /// Newest first.
     pub jobs: Vec<JobAnswer>,
-    /// Path of the next page; null on the last one.
+    /// Path of the next page; null on the last page.
     #[schema(required = true, example = "/v1/jobs?limit=50&cursor=01919f5c-8c4e-7d3a-9a51-2f6d1b0c4e7f")]
     pub next: Option<String>,
 }
 
-/// A job's path.
+/// The path of a job.
 pub fn path_of(id: Uuid) -> String {
     format!("/v1/jobs/{id}")
 }
@@ -208,7 +208,7 @@ impl JobAnswer {
             finished_at: record.finished_at,
             expires_at: record.expires_at,
             cancel_requested_at: record.cancel_requested_at,
-            error: record.failure.as_ref().map(Problem::of_run),
+            error: record.failure.as_ref().map(Problem::of_failure),
             labels: record.labels,
             priority: record.priority,
             reused: record.reused,
@@ -217,7 +217,7 @@ impl JobAnswer {
         })
     }
 
-    /// With its metrics, JSON as it is stored.
+    /// The job with its metrics, as JSON text.
     pub fn with_metrics(self, metrics: Option<String>) -> Result<Self, ApiError> {
         Ok(Self { metrics: metrics.map(raw).transpose()?, ..self })
     }
@@ -227,25 +227,25 @@ fn raw(json: String) -> Result<Box<RawValue>, ApiError> {
     RawValue::from_string(json).map_err(|error| ApiError::Job(JobError::Corrupt(error.to_string())))
 }
 
-/// What in a request decides over links.
+/// The fields of a request that decide on links.
 #[derive(Default, Deserialize)]
 #[serde(default)]
-struct Asked {
+struct RequestFields {
     axes: Vec<IgnoredAny>,
-    outputs: AskedOutputs,
+    outputs: OutputFields,
 }
 
 #[derive(Default, Deserialize)]
 #[serde(default)]
-struct AskedOutputs {
-    /// The usual ones where it does not say.
+struct OutputFields {
+    /// `None`: the default spectra.
     spectra: Option<Vec<IgnoredAny>>,
     series: Vec<IgnoredAny>,
-    /// All of them where it does not say.
+    /// `None`: all metrics.
     metrics: Option<Vec<MetricsPart>>,
 }
 
-impl Asked {
+impl RequestFields {
     fn of(request: &str) -> Self {
         serde_json::from_str(request).unwrap_or_default()
     }
@@ -255,38 +255,38 @@ impl Links {
     fn of(record: &JobRecord) -> Self {
         let (status, kind) = (record.status, &*record.kind);
         let this = path_of(record.id);
-        let asked = Asked::of(&record.request);
-        let spectra = asked.outputs.spectra.as_ref().is_none_or(|spectra| !spectra.is_empty());
-        let series = !asked.outputs.series.is_empty();
-        let contacts = asked.outputs.metrics.as_ref().is_none_or(|parts| parts.contains(&MetricsPart::Contacts));
-        let axes = if kind == JobKind::Study.name() { asked.axes.len() } else { 0 };
-        let below = |name: &str, when: bool| when.then(|| format!("{this}/{name}"));
+        let fields = RequestFields::of(&record.request);
+        let spectra = fields.outputs.spectra.as_ref().is_none_or(|spectra| !spectra.is_empty());
+        let series = !fields.outputs.series.is_empty();
+        let contacts = fields.outputs.metrics.as_ref().is_none_or(|parts| parts.contains(&MetricsPart::Contacts));
+        let axes = if kind == JobKind::Study.name() { fields.axes.len() } else { 0 };
+        let link = |name: &str, when: bool| when.then(|| format!("{this}/{name}"));
         let succeeded = |of: JobKind| status == Status::Succeeded && kind == of.name();
         let (simulated, compared) = (succeeded(JobKind::Simulation), succeeded(JobKind::Accuracy));
         let drawn = simulated && (spectra || series);
         Self {
             events: format!("{this}/events"),
-            cancel: below("cancel", !status.is_final()),
-            metrics: below("metrics", simulated),
-            spectrum: below("spectrum", simulated && spectra),
-            channels: below("channels", simulated),
-            series: below("series", simulated && series),
-            spectrum_svg: below("plots/spectrum.svg", simulated && spectra),
-            velocity_svg: below("plots/velocity.svg", drawn),
-            acceleration_svg: below("plots/acceleration.svg", drawn),
-            orbit_svg: below("plots/orbit.svg", drawn),
-            loads_svg: below("plots/loads.svg", drawn && contacts),
-            table: below("table", kind == JobKind::Study.name()),
-            trend_svg: below("plots/trend.svg", axes == 1),
-            map_svg: below("plots/map.svg", axes == 2),
-            resume: below(
+            cancel: link("cancel", !status.is_final()),
+            metrics: link("metrics", simulated),
+            spectrum: link("spectrum", simulated && spectra),
+            channels: link("channels", simulated),
+            series: link("series", simulated && series),
+            spectrum_svg: link("plots/spectrum.svg", simulated && spectra),
+            velocity_svg: link("plots/velocity.svg", drawn),
+            acceleration_svg: link("plots/acceleration.svg", drawn),
+            orbit_svg: link("plots/orbit.svg", drawn),
+            loads_svg: link("plots/loads.svg", drawn && contacts),
+            table: link("table", kind == JobKind::Study.name()),
+            trend_svg: link("plots/trend.svg", axes == 1),
+            map_svg: link("plots/map.svg", axes == 2),
+            resume: link(
                 "resume",
                 kind == JobKind::Study.name() && matches!(status, Status::Cancelled | Status::Failed),
             ),
-            optimum: below("optimum", succeeded(JobKind::Optimum)),
-            optimum_svg: below("plots/optimum.svg", succeeded(JobKind::Optimum)),
-            accuracy: below("accuracy", compared),
-            work_precision_svg: below("plots/work-precision.svg", compared),
+            optimum: link("optimum", succeeded(JobKind::Optimum)),
+            optimum_svg: link("plots/optimum.svg", succeeded(JobKind::Optimum)),
+            accuracy: link("accuracy", compared),
+            work_precision_svg: link("plots/work-precision.svg", compared),
             this,
         }
     }

@@ -1,4 +1,4 @@
-//! Web pages from elsewhere that may use the API (CORS): none, unless their origin is listed.
+//! Cross-origin requests (CORS): only web pages of listed origins may use the API.
 
 use std::time::Duration;
 
@@ -10,12 +10,13 @@ use tower_http::cors::CorsLayer;
 
 use super::request_id::X_REQUEST_ID;
 
-/// How long a browser may remember what it was allowed.
-const REMEMBERED: Duration = Duration::from_secs(3600);
+/// Time for which a browser may cache the answer to a preflight request.
+const PREFLIGHT_MAX_AGE: Duration = Duration::from_secs(3600);
 
-/// An origin as browsers send it: scheme and host, and a port where it is not the usual one.
+/// An origin as browsers send it: scheme, host, and the port unless it is the default.
 pub fn origin(text: &str) -> Result<HeaderValue, String> {
-    let refused = || format!("`{text}` is no origin; write it like https://portal.example or http://localhost:5173");
+    let refused =
+        || format!("`{text}` is not an origin; write it like https://portal.example or http://localhost:5173");
     let uri: Uri = text.parse().map_err(|_| refused())?;
     match (uri.scheme_str(), uri.authority()) {
         (Some(scheme @ ("http" | "https")), Some(authority)) if text == format!("{scheme}://{authority}") => {
@@ -25,8 +26,8 @@ pub fn origin(text: &str) -> Result<HeaderValue, String> {
     }
 }
 
-/// Answers the browser's questions before requests, and lets pages of these origins read answers.
-pub fn allowed(origins: &[HeaderValue]) -> CorsLayer {
+/// Layer that answers preflight requests and allows pages of these origins to read answers.
+pub fn layer(origins: &[HeaderValue]) -> CorsLayer {
     let name = HeaderName::from_static;
     CorsLayer::new()
         .allow_origin(origins.to_vec())
@@ -49,7 +50,7 @@ pub fn allowed(origins: &[HeaderValue]) -> CorsLayer {
             name("idempotent-replayed"),
             name("preference-applied"),
         ])
-        .max_age(REMEMBERED)
+        .max_age(PREFLIGHT_MAX_AGE)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! How often each owner may ask.
+//! Rate limit of each owner.
 
 use std::fmt;
 use std::num::NonZeroU32;
@@ -8,34 +8,35 @@ use governor::clock::{Clock, DefaultClock};
 use governor::state::keyed::HashMapStateStore;
 use governor::{Quota, RateLimiter};
 
-use super::auth::Owner;
+use super::credentials::Owner;
 use super::error::ApiError;
 
-/// Requests a second of each owner, and as many at once after a rest. Only who has a token is counted, so owners are few.
+/// Largest number of requests per second of each owner, and of requests at once after a pause. Only requests with a token are counted,
+/// so the number of owners is small.
 #[derive(Default)]
-pub struct Rates {
+pub struct RateLimits {
     limiter: Option<(u32, ByOwner)>,
 }
 
 type ByOwner = RateLimiter<Owner, HashMapStateStore<Owner>, DefaultClock>;
 
-impl fmt::Debug for Rates {
+impl fmt::Debug for RateLimits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.limiter {
-            Some((rate, _)) => write!(f, "{rate} requests a second"),
+            Some((rate, _)) => write!(f, "{rate} requests per second"),
             None => f.write_str("no limit"),
         }
     }
 }
 
-impl Rates {
-    /// So many requests a second; 0: any number.
+impl RateLimits {
+    /// A limit of requests per second; 0: no limit.
     pub fn new(per_second: u32) -> Self {
         let quota = NonZeroU32::new(per_second).map(Quota::per_second);
         Self { limiter: quota.map(|quota| (per_second, RateLimiter::hashmap(quota))) }
     }
 
-    /// Counts a request.
+    /// Counts a request; an error beyond the limit.
     pub fn check(&self, owner: &Owner) -> Result<(), ApiError> {
         let Some((limit, limiter)) = &self.limiter else { return Ok(()) };
         limiter.check_key(owner).map_err(|early| {
@@ -50,11 +51,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_owner_has_a_rate_of_its_own() {
-        let (rates, [one, other]) = (Rates::new(3), ["one", "other"].map(|name| Owner(name.to_owned())));
+    fn each_owner_has_its_own_rate() {
+        let (rates, [one, other]) = (RateLimits::new(3), ["one", "other"].map(|name| Owner(name.to_owned())));
         assert!((0..3).all(|_| rates.check(&one).is_ok()));
         assert!(matches!(rates.check(&one), Err(ApiError::TooOften { limit: 3, wait_s: 1 })));
         assert!(rates.check(&other).is_ok());
-        assert!((0..1000).all(|_| Rates::new(0).check(&one).is_ok()));
+        assert!((0..1000).all(|_| RateLimits::new(0).check(&one).is_ok()));
     }
 }

@@ -1,4 +1,4 @@
-//! Errors that do not come from a handler: the framework's own refusals and panics.
+//! Layers for errors that do not come from a handler: refusals of the framework, and panics.
 
 use std::any::Any;
 
@@ -10,18 +10,18 @@ use axum::response::{IntoResponse, Response};
 
 use super::error::{self, ApiError, PROBLEM_JSON};
 
-/// Headers that tell of the body that is replaced.
-const OF_THE_BODY: [HeaderName; 5] = [CONTENT_TYPE, CONTENT_LENGTH, CONTENT_ENCODING, ETAG, CACHE_CONTROL];
+/// Headers that describe the replaced body.
+const BODY_HEADERS: [HeaderName; 5] = [CONTENT_TYPE, CONTENT_LENGTH, CONTENT_ENCODING, ETAG, CACHE_CONTROL];
 
-/// Gives every error that is no problem yet the form of one, keeping its headers.
+/// Layer that replaces every other error answer by problem details. Headers such as `Allow` are kept.
 pub async fn as_problems(request: Request, next: Next) -> Response {
     let is_head = request.method() == Method::HEAD;
     let mut response = next.run(request).await;
     let is_problem = response.headers().get(CONTENT_TYPE).is_some_and(|value| value == PROBLEM_JSON);
-    if let (false, Some(error)) = (is_problem || is_head, error::of_bare(response.status())) {
+    if let (false, Some(error)) = (is_problem || is_head, error::of_status(response.status())) {
         let mut problem = error.into_response();
         for (name, value) in response.headers() {
-            if !OF_THE_BODY.contains(name) {
+            if !BODY_HEADERS.contains(name) {
                 problem.headers_mut().insert(name, value.clone());
             }
         }
@@ -31,7 +31,7 @@ pub async fn as_problems(request: Request, next: Next) -> Response {
     response
 }
 
-/// A panic of a handler is one request's misfortune, not the service's.
+/// The answer after a panic of a handler. Other requests are not affected.
 pub fn of_panic(panic: Box<dyn Any + Send + 'static>) -> Response {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");

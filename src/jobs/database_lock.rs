@@ -1,14 +1,14 @@
-//! One server a database: two would each take the other's running jobs for lost.
+//! Lock that admits one server per database file: two servers would each treat the other's running jobs as lost.
 
 use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
 
-use super::JobError;
+use super::error::JobError;
 
-/// Held as long as the server runs; the system lets go of it when the process ends, however it ends.
+/// A lock that is held as long as the server runs. The system releases it when the process ends for any reason.
 ///
-/// It is on the database file itself, so that no other name of it, a link for instance, is a way around. SQLite's own locks are of
-/// another kind, and on a local disk neither sees the other.
+/// It is on the database file itself, so another name of the file, such as a link, does not circumvent it. SQLite's own locks are
+/// of another kind and do not conflict with it on a local disk.
 #[derive(Debug)]
 pub struct DatabaseLock {
     file: File,
@@ -16,7 +16,7 @@ pub struct DatabaseLock {
 }
 
 impl DatabaseLock {
-    /// Takes the lock on the database file, which is made where there is none.
+    /// Locks the database file, and creates it if it is missing.
     pub fn take(database: &Path) -> Result<Self, JobError> {
         let opened = OpenOptions::new().create(true).truncate(false).write(true).open(database);
         let file = opened.map_err(|error| JobError::opening(database.display(), error))?;
@@ -27,10 +27,10 @@ impl DatabaseLock {
         }
     }
 
-    /// Whether the file is still there by its name: what is written to one that was removed or replaced goes with this process.
+    /// Returns whether the path still names the locked file. Writes to a removed or replaced file are lost with this process.
     pub fn is_in_place(&self) -> bool {
-        let (held, there) = (self.file.metadata(), std::fs::metadata(&self.path));
-        matches!((held, there), (Ok(held), Ok(there)) if is_same(&held, &there))
+        let (held, current) = (self.file.metadata(), std::fs::metadata(&self.path));
+        matches!((held, current), (Ok(held), Ok(current)) if is_same(&held, &current))
     }
 }
 
@@ -40,7 +40,7 @@ fn is_same(one: &Metadata, other: &Metadata) -> bool {
     (one.dev(), one.ino()) == (other.dev(), other.ino())
 }
 
-/// Elsewhere an open file can be neither removed nor replaced.
+/// On other systems an open file can be neither removed nor replaced.
 #[cfg(not(unix))]
 fn is_same(_: &Metadata, _: &Metadata) -> bool {
     true

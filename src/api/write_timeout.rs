@@ -1,4 +1,4 @@
-//! A stream whose other end has to take what it is sent: who does not read is cut off.
+//! A stream with a timeout for writes: a connection whose client stops reading is closed.
 
 use std::io::{Error, ErrorKind, IoSlice, Result};
 use std::pin::Pin;
@@ -8,33 +8,33 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Sleep, sleep};
 
-/// Fails a write that makes no progress for some time.
-pub struct Patient<S> {
+/// A stream whose writes fail when they make no progress for `timeout`.
+pub struct WriteTimeout<S> {
     stream: S,
-    patience: Duration,
-    /// The end of patience, while a write waits.
-    end: Option<Pin<Box<Sleep>>>,
+    timeout: Duration,
+    /// Runs while a write waits.
+    timer: Option<Pin<Box<Sleep>>>,
 }
 
-impl<S: Unpin> Patient<S> {
-    pub fn new(stream: S, patience: Duration) -> Self {
-        Self { stream, patience, end: None }
+impl<S: Unpin> WriteTimeout<S> {
+    pub fn new(stream: S, timeout: Duration) -> Self {
+        Self { stream, timeout, timer: None }
     }
 
-    fn watched(&mut self, context: &mut Context<'_>, written: Poll<Result<usize>>) -> Poll<Result<usize>> {
+    fn timed(&mut self, context: &mut Context<'_>, written: Poll<Result<usize>>) -> Poll<Result<usize>> {
         if written.is_ready() {
-            self.end = None;
+            self.timer = None;
             return written;
         }
-        let end = self.end.get_or_insert_with(|| Box::pin(sleep(self.patience)));
-        end.as_mut().poll(context).map(|()| Err(Error::new(ErrorKind::TimedOut, "the client does not read")))
+        let timer = self.timer.get_or_insert_with(|| Box::pin(sleep(self.timeout)));
+        timer.as_mut().poll(context).map(|()| Err(Error::new(ErrorKind::TimedOut, "the client does not read")))
     }
 }
 
-impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
+impl<S: AsyncWrite + Unpin> AsyncWrite for WriteTimeout<S> {
     fn poll_write(mut self: Pin<&mut Self>, context: &mut Context<'_>, bytes: &[u8]) -> Poll<Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write(context, bytes);
-        self.watched(context, written)
+        self.timed(context, written)
     }
 
     fn poll_write_vectored(
@@ -43,7 +43,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
         slices: &[IoSlice<'_>],
     ) -> Poll<Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write_vectored(context, slices);
-        self.watched(context, written)
+        self.timed(context, written)
     }
 
     fn is_write_vectored(&self) -> bool {
@@ -59,7 +59,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
     }
 }
 
-impl<S: AsyncRead + Unpin> AsyncRead for Patient<S> {
+impl<S: AsyncRead + Unpin> AsyncRead for WriteTimeout<S> {
     fn poll_read(mut self: Pin<&mut Self>, context: &mut Context<'_>, buffer: &mut ReadBuf<'_>) -> Poll<Result<()>> {
         Pin::new(&mut self.stream).poll_read(context, buffer)
     }
@@ -74,10 +74,10 @@ mod tests {
     use super::*;
 
     #[tokio::test]
-    async fn who_does_not_read_is_cut_off() -> Result<()> {
+    async fn connections_that_stop_reading_are_closed() -> Result<()> {
         let listener = TcpListener::bind("127.0.0.1:0").await?;
-        let _lazy = TcpStream::connect(listener.local_addr()?).await?;
-        let mut stream = Patient::new(listener.accept().await?.0, Duration::from_millis(100));
+        let _client = TcpStream::connect(listener.local_addr()?).await?;
+        let mut stream = WriteTimeout::new(listener.accept().await?.0, Duration::from_millis(100));
         let ended = loop {
             if let Err(error) = poll_fn(|context| Pin::new(&mut stream).poll_write(context, &[0; 65536])).await {
                 break error;

@@ -1,22 +1,30 @@
-//! What was lost, what has expired, and whether the disk takes writes.
+//! Lost runs, expired jobs, listed workers, and a test write to the disk.
 
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
-use super::database::{Dialect, Tx};
+use super::database::Store;
+use super::deliveries::Delivery;
+use super::dialect::Dialect;
+use super::notifications::notify_ended;
+use super::pool::Tx;
+use super::records;
 use super::statement::statement;
-use super::{Store, micros, records, stored};
-use crate::jobs::JobError;
-use crate::jobs::queue::Delivery;
+use super::stored_time::{micros, stored};
+use crate::jobs::error::JobError;
+use crate::jobs::service_metrics::QueueDepth;
 
-/// Rows a round of removal takes at most: the writer is shared with submissions.
-const ROUND: i64 = 500;
+/// Largest number of rows of one transaction: the writer is shared with submissions.
+const MAX_ROWS: i64 = 500;
 
-/// Unfinished jobs that nothing will run any more: their delivery is gone or ended, or in the hands of a process that has died before
-/// it took them up, or their run, with a delivery or without, gave no sign of life for `lost_after`. `alive` are the runs of this process, which need no sign.
-pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<Delivery>, JobError> {
+/// Deliveries for unfinished jobs that no process will run otherwise.
+///
+/// - The delivery is missing or completed.
+/// - The process that holds the delivery has died before it claimed the job.
+/// - The run, with a delivery or without, has sent no heartbeat for `lost_after`. Runs of this process (`alive`) need none.
+pub async fn undeliverable(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<Delivery>, JobError> {
     let (now, orphaned) = (tx.dialect().now(), tx.dialect().is_orphaned());
-    // What began with its acceptance never had a delivery; in a file it can only be a run of this process, or of one that is dead.
+    // A job that started as it was accepted never had a delivery. In a file it can only be a run of this process, or of a dead one.
     let had_none = match tx.dialect() {
         Dialect::Sqlite => "FALSE",
         Dialect::Postgres => "jobs.status = 'running' AND jobs.delivery IS NULL",
@@ -28,12 +36,12 @@ pub async fn stranded(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -
          OR (jobs.status = 'queued' AND {orphaned}) \
          OR (jobs.status = 'running' AND jobs.heartbeat_at < {now} - $1)) LIMIT $2"
     );
-    let rows: Vec<(Uuid, i64)> = statement(sql).bind(micros(lost_after)).bind(ROUND).all(&mut *tx).await?;
-    let stranded = rows.into_iter().filter(|row| !alive.contains(&row.0));
-    Ok(stranded.map(|(id, priority)| Delivery::of_job(id, u8::try_from(priority).unwrap_or(2))).collect())
+    let rows: Vec<(Uuid, i64)> = statement(sql).bind(micros(lost_after)).bind(MAX_ROWS).all(&mut *tx).await?;
+    let lost = rows.into_iter().filter(|row| !alive.contains(&row.0));
+    Ok(lost.map(|(id, priority)| Delivery::of_job(id, u8::try_from(priority).unwrap_or(2))).collect())
 }
 
-/// Ends jobs that someone wants to end and that nobody runs.
+/// Ends jobs whose cancellation was requested and that no process runs.
 pub async fn end_cancelled(tx: &mut Tx, lost_after: SignedDuration, keep_s: f64) -> Result<(), JobError> {
     let now = tx.dialect().now();
     let sql = format!(
@@ -44,13 +52,12 @@ pub async fn end_cancelled(tx: &mut Tx, lost_after: SignedDuration, keep_s: f64)
     );
     let ended = statement(sql).bind(stored(Timestamp::now())).bind(keep_s).bind(micros(lost_after));
     for job in ended.values::<Uuid>(&mut *tx).await? {
-        tx.tell_ended(job).await?;
+        notify_ended(&mut *tx, job).await?;
     }
     Ok(())
 }
 
-/// Gives a job a new delivery, which makes older ones void. A run that was lost waits again: it is lost once, however long it waits, and
-/// counts as with `claim`.
+/// Gives a job a new delivery, which makes older ones void. A lost run is queued again and counts as one loss, as in `claim`.
 pub async fn redeliver(tx: &mut Tx, id: Uuid, delivery: i64, max_lost_runs: u32) -> Result<(), JobError> {
     let sql = "UPDATE jobs SET delivery = $2, \
                lost = lost + CASE WHEN status = 'running' AND lost < $3 THEN 1 ELSE 0 END, status = 'queued', \
@@ -59,10 +66,10 @@ pub async fn redeliver(tx: &mut Tx, id: Uuid, delivery: i64, max_lost_runs: u32)
     Ok(())
 }
 
-/// Shows that a process is there that runs so many jobs at a time, and forgets those that are not any more.
-pub async fn work(tx: &mut Tx, worker: Uuid, slots: usize, lost_after: SignedDuration) -> Result<(), JobError> {
+/// Lists this process as a worker with `slots` runs at a time, and removes workers that have sent no heartbeat.
+pub async fn list_worker(tx: &mut Tx, worker: Uuid, slots: usize, lost_after: SignedDuration) -> Result<(), JobError> {
     let now = tx.dialect().now();
-    // A file has one process; elsewhere they show themselves less often than runs.
+    // A file has one process. On a server workers send heartbeats less often than runs.
     match tx.dialect() {
         Dialect::Sqlite => statement("DELETE FROM workers WHERE id <> $1").bind(worker).run(&mut *tx).await?,
         Dialect::Postgres => {
@@ -78,18 +85,7 @@ pub async fn work(tx: &mut Tx, worker: Uuid, slots: usize, lost_after: SignedDur
     Ok(())
 }
 
-/// How the queue stands.
-#[derive(Debug, Clone, Copy, PartialEq, sqlx::FromRow)]
-pub struct Standing {
-    pub waiting: i64,
-    pub running: i64,
-    /// [s]; 0 where none waits.
-    pub oldest_waiting_s: f64,
-    /// Places where runs may be.
-    pub slots: i64,
-}
-
-/// How many jobs all processes together run at a time; 1 where there are none yet.
+/// Number of runs that all workers together can carry out at a time; at least 1.
 pub async fn slots(tx: &mut Tx) -> Result<usize, JobError> {
     let sql = "SELECT CAST(coalesce(sum(slots), 0) AS BIGINT) FROM workers";
     let (slots,): (i64,) = statement(sql).one(&mut *tx).await?;
@@ -97,8 +93,8 @@ pub async fn slots(tx: &mut Tx) -> Result<usize, JobError> {
 }
 
 impl Store {
-    /// How the queue stands.
-    pub async fn standing(&self) -> Result<Standing, JobError> {
+    /// The depth of the queue.
+    pub async fn queue_depth(&self) -> Result<QueueDepth, JobError> {
         let now = self.dialect().now();
         let sql = format!(
             "SELECT count(*) FILTER (WHERE status = 'queued') AS waiting, \
@@ -107,24 +103,24 @@ impl Store {
              (SELECT CAST(coalesce(sum(slots), 0) AS BIGINT) FROM workers) AS slots \
              FROM jobs WHERE status IN ('queued', 'running')"
         );
-        let standing: Standing = statement(sql).one(&self.readers).await?;
-        // A clock may have been set back since.
-        Ok(Standing { oldest_waiting_s: standing.oldest_waiting_s.max(0.0), ..standing })
+        let depth: QueueDepth = statement(sql).one(&self.readers).await?;
+        // Negative after a clock was set back.
+        Ok(QueueDepth { oldest_waiting_s: depth.oldest_waiting_s.max(0.0), ..depth })
     }
 
-    /// Forgets a process that ends.
-    pub async fn leave(&self, worker: Uuid) -> Result<(), JobError> {
+    /// Removes a process that ends from the list of workers.
+    pub async fn unlist_worker(&self, worker: Uuid) -> Result<(), JobError> {
         statement("DELETE FROM workers WHERE id = $1").bind(worker).run(&self.writer).await?;
         Ok(())
     }
 
-    /// Jobs whose time is over.
+    /// Expired jobs.
     pub async fn expired(&self) -> Result<Vec<Uuid>, JobError> {
         let sql = "SELECT id FROM jobs WHERE expires_at < $1 LIMIT $2";
-        statement(sql).bind(stored(Timestamp::now())).bind(ROUND).values(&self.readers).await
+        statement(sql).bind(stored(Timestamp::now())).bind(MAX_ROWS).values(&self.readers).await
     }
 
-    /// Removes jobs whose time is over.
+    /// Removes expired jobs.
     pub async fn remove(&self, jobs: &[Uuid]) -> Result<(), JobError> {
         let mut tx = self.begin().await?;
         for job in jobs {
@@ -133,7 +129,7 @@ impl Store {
         tx.commit().await
     }
 
-    /// Writes something, to see whether the disk takes it.
+    /// Writes one row; fails if the disk is full or the database is read-only.
     pub async fn try_write(&self) -> Result<(), JobError> {
         let sql = "INSERT INTO writability (id, written_at) VALUES (1, $1) \
                    ON CONFLICT (id) DO UPDATE SET written_at = excluded.written_at";
