@@ -127,7 +127,7 @@ pub fn on_postgres() -> bool {
 
 /// A stub for the simulator: `slow` runs until it is stopped, `panic` panics, `fail` fails, and any other label is a short real run.
 pub fn stub_simulator() -> Simulator {
-    Arc::new(|job: &Job, control: &Control<'_>| match job.labels.first().map(String::as_str) {
+    Arc::new(|job: &Job, control: &Control<'_>| match job.submission().labels.first().map(String::as_str) {
         Some("slow") => slow(control),
         Some("panic") => panic!("intended by the test"),
         Some("fail") => Err(RunFailure::Failed { cause: "did-not-converge", detail: "intended by the test".into() }),

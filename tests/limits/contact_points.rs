@@ -3,7 +3,8 @@
 //! The reference of each contact is the integral of the law over the ellipse by 129 strips, evaluated here from the geometry of the
 //! contact. Strips of the same rule reproduce the program to rounding, which proves the reference.
 
-use raceway::physics::contact::traction::{Strip, Strips, Traction, TractionContext, TractionLaw, load_share_below};
+use raceway::physics::contact::strips::{Strip, Strips, load_share_below};
+use raceway::physics::contact::traction::{Traction, TractionContext, TractionLaw};
 use raceway::physics::raceway::{RacewayContact, RacewayTerms, RelativeMotion};
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;
@@ -229,10 +230,7 @@ fn six_points_integrate_a_gentle_law_as_well_as_nine_strips() {
             let scene = with_law(bearing, rising_until(at_slip));
             let terms = needs(&scene, Some(ModelLevel::Full)).raceway;
             let (gauss, strips) = (errors(&scene, GAUSS), errors(&scene, (9, false)));
-            println!(
-                "{bearing}, {at_slip} m/s: six points {gauss:.2e?}, nine strips {strips:.2e?}, {} points",
-                terms.strips
-            );
+            println!("{bearing}, {at_slip} m/s: six points {gauss:?}, nine strips {strips:?}, {} points", terms.strips);
             assert!(terms.gauss && terms.strips == 6, "{bearing}, {at_slip} m/s: {terms:?}");
             for (gauss, strips) in gauss.into_iter().zip(strips) {
                 assert!(gauss <= strips.max(NEGLIGIBLE), "{bearing}, {at_slip} m/s: {gauss:e} {strips:e}");
@@ -250,9 +248,9 @@ fn seventeen_strips_integrate_a_steep_law_better_than_six_points() {
             let scene = with_law(bearing, law.clone());
             let terms = needs(&scene, Some(ModelLevel::Full)).raceway;
             let (gauss, strips) = (errors(&scene, GAUSS), errors(&scene, (17, false)));
-            println!("{bearing}, {law}: six points {gauss:.2e?}, seventeen strips {strips:.2e?}");
+            println!("{bearing}, {law}: six points {gauss:?}, seventeen strips {strips:?}");
             assert!(!terms.gauss && terms.strips == 17, "{bearing}, {law}: {terms:?}");
-            assert!(strips[0] < gauss[0] && strips[1] < gauss[1], "{bearing}, {law}: {gauss:e?} {strips:e?}");
+            assert!(strips[0] < gauss[0] && strips[1] < gauss[1], "{bearing}, {law}: {gauss:?} {strips:?}");
         }
     }
 }

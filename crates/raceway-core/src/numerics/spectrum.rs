@@ -87,6 +87,7 @@ fn hann(bins: &[Complex64], n: usize, k: usize) -> Complex64 {
 
 /// Amplitude spectrum of the envelope: the signal passes the band (from, to) [Hz], and the magnitude of its analytic
 /// signal, mean removed, is analysed. A carrier in the band with amplitude A (1 + m cos Ωt) reads A·m at Ω.
+#[cfg(test)]
 pub(crate) fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectrum {
     let n = signal.len();
     if n == 0 {

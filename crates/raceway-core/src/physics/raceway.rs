@@ -150,7 +150,7 @@ impl RacewayContact {
     }
 
     /// Penetration under an elastic load [N] over the ball's radius [-].
-    pub(crate) fn relative_depth(&self, load: f64) -> f64 {
+    pub fn relative_depth(&self, load: f64) -> f64 {
         (load / self.groove.hertz.stiffness).powf(2.0 / 3.0) / self.groove.ball_radius
     }
 
@@ -165,7 +165,7 @@ impl RacewayContact {
     }
 
     /// Elastic normal load at a penetration [N], and its slope [N/m]; both 0 without contact.
-    pub(crate) fn elastic_load(&self, penetration: f64) -> (f64, f64) {
+    pub fn elastic_load(&self, penetration: f64) -> (f64, f64) {
         self.groove.elastic_load(penetration)
     }
 

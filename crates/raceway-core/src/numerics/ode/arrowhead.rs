@@ -6,7 +6,7 @@
 
 mod group;
 
-use self::group::{Group, add_dot, alone, gather, invert, invert_group, product, scatter};
+use self::group::{Group, add_dot, gather, invert, invert_group, product, scatter};
 pub use self::group::{Number, Singular};
 use super::structure::{Jacobian, Structure};
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, Task};

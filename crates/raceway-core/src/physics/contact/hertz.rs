@@ -41,7 +41,7 @@ impl HertzContact {
 
     /// Largest pressure `p₀ = 3 Q / (2 π a b)` [Pa] at a normal load [N]; 0 without load.
     #[inline(always)]
-    pub(crate) fn max_pressure(&self, load: f64) -> f64 {
+    pub fn max_pressure(&self, load: f64) -> f64 {
         // a b = c_a c_b Q^(2/3), so p₀ goes with Q^(1/3) and needs no division by the load.
         1.5 / (PI * self.semi_major_coefficient * self.semi_minor_coefficient) * power(larger(load, 0.0), 1.0 / 3.0)
     }

@@ -3,5 +3,5 @@
 pub mod damping;
 pub mod film;
 pub mod hertz;
-pub(crate) mod strips;
+pub mod strips;
 pub mod traction;

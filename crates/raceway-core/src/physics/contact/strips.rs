@@ -2,7 +2,7 @@
 
 /// A strip of the ellipse of contact, parallel to rolling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Strip {
+pub struct Strip {
     /// Place of the strip's load, t = η/a in −1 … 1 [-].
     pub position: f64,
     /// Share of the normal load [-].
@@ -12,9 +12,9 @@ pub(crate) struct Strip {
 }
 
 /// Largest number of strips.
-pub(crate) const MAX_STRIPS: usize = 33;
+pub const MAX_STRIPS: usize = 33;
 /// Number of strips where nothing else is asked.
-pub(crate) const DEFAULT_STRIPS: usize = 9;
+pub const DEFAULT_STRIPS: usize = 9;
 
 /// Places t > 0 and weights of ∫ ¾ (1 − t²) g(t) dt over −1 … 1 (Gauss–Jacobi), for 2, 4 and 6 points. The places are
 /// the inner ones of Lobatto's rule with two more points (Abramowitz & Stegun, table 25.6), the weights those of the
@@ -41,7 +41,7 @@ pub struct Strips {
 
 impl Strips {
     /// `count` strips, at least 1 and at most `MAX_STRIPS`.
-    pub(crate) fn new(count: usize) -> Self {
+    pub fn new(count: usize) -> Self {
         let count = count.clamp(1, MAX_STRIPS);
         let mut strips = [Strip::default(); MAX_STRIPS];
         // Half of the strips from the middle outwards, mirrored, so that symmetry holds to the bit.
@@ -62,7 +62,7 @@ impl Strips {
 
     /// The Gauss rule of the load with `2 × pairs` points (one to three pairs). It is exact for polynomials of t up to
     /// degree 4 `pairs` − 1, strips only up to degree 1. Traction laws with sharp bends need strips.
-    pub(crate) fn gauss(pairs: usize) -> Self {
+    pub fn gauss(pairs: usize) -> Self {
         let nodes = GAUSS[pairs.clamp(1, GAUSS.len()) - 1];
         let count = 2 * nodes.len();
         let mut strips = [Strip::default(); MAX_STRIPS];
@@ -78,7 +78,7 @@ impl Strips {
 
     /// The strips from t = −1 to t = 1.
     #[inline]
-    pub(crate) fn as_slice(&self) -> &[Strip] {
+    pub fn as_slice(&self) -> &[Strip] {
         &self.strips[..self.count]
     }
 }
@@ -90,7 +90,7 @@ impl Default for Strips {
 }
 
 /// Share of the normal load at t' < t, ½ + ¾ (t − t³/3) [-].
-pub(super) fn load_share_below(t: f64) -> f64 {
+pub fn load_share_below(t: f64) -> f64 {
     0.5 + 0.75 * (t - t * t * t / 3.0)
 }
 

@@ -60,7 +60,7 @@ impl TractionLaw {
 
 /// Constants of μ(u) = (A + B u) e^(−C u) + D [-, s/m, s/m, -].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct FourParameters {
+pub struct FourParameters {
     pub a: f64,
     pub b: f64,
     pub c: f64,
@@ -91,7 +91,7 @@ pub(crate) fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f
 
 /// Inputs of a traction law besides slip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct TractionContext<T = f64> {
+pub struct TractionContext<T = f64> {
     /// Mean rolling speed ū, a magnitude [m/s].
     pub rolling_speed: T,
     /// Mean pressure where the slip acts [Pa].
@@ -106,7 +106,7 @@ side_by_side!(TractionContext { rolling_speed, pressure, film_thickness });
 /// The force on a surface is `load · traction_over_speed(u², …) · slip vector`: no division, no branch on
 /// rest and no jump there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Traction {
+pub enum Traction {
     /// (A + B u) e^(−C u) + D with A + D = 0.
     RisingFromZero(FourParameters),
     /// (A + B u) e^(−C u) + D with μ at rest.
@@ -123,7 +123,7 @@ pub(crate) enum Traction {
 
 /// Constants of the law of Eyring.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Eyring {
+pub struct Eyring {
     /// [Pa]
     stress: f64,
     /// Largest τ/p [-].
@@ -157,7 +157,7 @@ pub(crate) const TINY: f64 = 1e-150;
 
 impl Traction {
     /// Prepares a law for a lubricant of viscosity η₀ [Pa s] and pressure–viscosity coefficient α_p [1/Pa].
-    pub(crate) fn new(law: &TractionLaw, viscosity: f64, pressure_viscosity: f64) -> Self {
+    pub fn new(law: &TractionLaw, viscosity: f64, pressure_viscosity: f64) -> Self {
         match *law {
             TractionLaw::FourParameter { at_rest, maximum, at_slip, limit } => {
                 let parameters = four_parameters(at_rest, maximum, at_slip, limit);
@@ -189,8 +189,7 @@ impl Traction {
     }
 
     /// μ(|u|)/|u| [s/m] from the square of the slip speed [m²/s²]; finite at rest.
-    #[cfg(test)]
-    fn traction_over_speed(&self, slip_squared: f64, context: &TractionContext) -> f64 {
+    pub fn traction_over_speed(&self, slip_squared: f64, context: &TractionContext) -> f64 {
         match self {
             Self::RisingFromZero(law) => rising(law, [slip_squared + TINY])[0],
             Self::StickingAtRest(law) => sticking(law, slip_squared.sqrt(), slip_squared),
