@@ -128,7 +128,7 @@ fn errors_of_unusable_databases_name_them_without_secrets() {
         assert!(!stderr.contains("secret"), "{stderr}");
     }
     refused(&["serve", "--database", "raceway.db"], &[]);
-    assert!(refused(&["worker", "--database", "sqlite://raceway.db"], &[]).contains("a file serves one process"));
+    assert!(refused(&["worker", "--database", "sqlite://raceway.db"], &[]).contains("only one process can use a file"));
     let alone = refused(&["serve", "--listen", "127.0.0.1:0", "--workers", "0"], &[]);
     assert!(alone.contains("--workers 0") && alone.contains("postgres://"), "{alone}");
 }

@@ -257,8 +257,8 @@ fn a_peak_that_is_not_resolved_is_stated() {
         (contacts.inner.max_load.max(contacts.outer.max_load), summary.accuracy)
     };
     let (right, _) = of(1e-7);
-    // The run at 1e-4 happens to reach it within 0.2 percent.
-    for tolerance in [3e-4, 3e-5, 1e-5] {
+    // The runs at 1e-4 and 1e-5 happen to reach it within 0.2 and 6 percent.
+    for tolerance in [1e-3, 3e-4, 3e-5] {
         let (load, accuracy) = of(tolerance);
         let (off, stated) = ((load / right - 1.0).abs(), accuracy.quantity_errors.unwrap().max_load);
         println!("{tolerance:e}: {load:.0} N for {right:.0} N, stated {stated:.3}: {:?}", accuracy.warnings);

@@ -71,6 +71,9 @@ pub enum MessageCode {
 /// Time constants above this are not worth waiting for [s].
 const LONG_WAIT_S: f64 = 60.0;
 
+/// Longest time constant that is shown as a number [s].
+const LONGEST_SHOWN_S: f64 = 1000.0;
+
 /// The messages of a result: warnings first, then how it was made.
 pub fn of_result(warnings: &[Warning], solver: &SolverReport) -> Vec<MessageAnswer> {
     let chosen = solver.choice.iter().map(|reason| {
@@ -235,7 +238,11 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             let text = format!(
                 "The recorded time may contain the initial transient: free vibration of the spindle decays with a time constant of {} s, and \
                  settle_s is {settle:?}. {remedy}",
-                significant(*time_constant, 3)
+                if *time_constant > LONGEST_SHOWN_S {
+                    format!("more than {LONGEST_SHOWN_S}")
+                } else {
+                    significant(*time_constant, 3).to_string()
+                }
             );
             let values = [("time_constant_s", *time_constant), ("required_settle_s", *required)];
             (MessageCode::StartTransient, text, numbers(&values))
@@ -255,7 +262,9 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             (MessageCode::TiltTransient, text, numbers(&[("required_settle_s", *required)]))
         }
     };
-    message(code, Severity::Warning, text, values)
+    // The scatter of the recorded time alone is no reason to doubt a number.
+    let severity = if code == MessageCode::LaterWindowFailed { Severity::Info } else { Severity::Warning };
+    message(code, severity, text, values)
 }
 
 fn of_rejection(rejection: &Rejection) -> MessageAnswer {

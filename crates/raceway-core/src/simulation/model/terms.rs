@@ -2,7 +2,9 @@
 //! does not test for omitted terms.
 
 use crate::physics::cage::PocketFilm;
+use crate::physics::contact::hertz::{HertzContact, raceway_contacts};
 use crate::physics::contact::traction::TractionLaw;
+use crate::physics::kinematics;
 use crate::physics::lubricant::LubricantKind;
 use crate::physics::pocket::PocketTerms;
 use crate::physics::raceway::{RacewayTerms, nominal_rolling_friction};
@@ -63,10 +65,8 @@ pub enum UnsupportedChoice {
 
 /// Gauss points of a contact ellipse across the groove: six integrate the traction of a gentle law more accurately than nine equal strips.
 const GAUSS_POINTS: usize = 6;
-/// Strips for a steep law, which saturates within less slip than conformity spreads over the ellipse.
+/// Strips for a law that is steep over the ellipse: it saturates within less slip than varies over it.
 const STRIPS_OF_STEEP_LAWS: usize = 17;
-/// Largest saturation slip of a steep law [m/s].
-const STEEP_SLIP: f64 = 0.02;
 
 impl ActiveTerms {
     /// The active terms of a scene with its outputs, at a requested model level or at the one that the scene needs.
@@ -92,7 +92,7 @@ impl ActiveTerms {
             }
         });
         let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then(|| "nothing fills the bearing".into());
-        let is_steep = is_steep(&scene.lubricant.traction);
+        let is_steep = saturation_slip(&scene.lubricant.traction) < decision.slip_variation();
         let needs = Self {
             rung,
             raceway: RacewayTerms {
@@ -136,9 +136,9 @@ fn refuse_unbuilt(scene: &Scene) -> Result<(), UnsupportedChoice> {
     Ok(())
 }
 
-/// Whether a law saturates within so little slip that it needs strips.
-fn is_steep(law: &TractionLaw) -> bool {
-    let saturates_within = match *law {
+/// Slip at which a law saturates [m/s]; infinite for laws that rise smoothly.
+fn saturation_slip(law: &TractionLaw) -> f64 {
+    match *law {
         TractionLaw::FourParameter { at_rest, at_slip, .. } => {
             if at_rest > 0.0 {
                 0.0
@@ -148,8 +148,7 @@ fn is_steep(law: &TractionLaw) -> bool {
         }
         TractionLaw::Coulomb { regularisation, .. } => regularisation,
         TractionLaw::SlideRoll { .. } | TractionLaw::Eyring { .. } => f64::INFINITY,
-    };
-    saturates_within < STEEP_SLIP
+    }
 }
 
 /// Decision over all terms, with the omitted ones so far.
@@ -292,6 +291,26 @@ impl Decision<'_> {
             return false;
         }
         true
+    }
+
+    /// Variation of the slip over the ellipse of the most loaded ball [m/s]: the larger of a² Ω/(2 R_d) by conformity and a Ω sin α by
+    /// spin about the normal, with the ball's spin Ω of ideal rolling.
+    ///
+    /// Down to a saturation slip of this variation six Gauss points err by less than nine strips (`tests/limits/contact_points.rs`).
+    fn slip_variation(&self) -> f64 {
+        let Scene { bearing, operation, .. } = self.scene;
+        let speed = operation.speed.largest();
+        let spin = (kinematics::ideal_spin_ratio(bearing) * speed).abs();
+        let orbit = kinematics::ideal_orbit_ratio(bearing) * speed;
+        let centrifugal = bearing.ball_mass * 0.5 * bearing.parameters.pitch_diameter * orbit * orbit;
+        let is_axial = operation.load[0] != 0.0 || self.scene.spindle.axial != AxialHold::Fixed;
+        let sine = if is_axial { bearing.free_contact_angle.sin().abs() } else { 0.0 };
+        let of = |contact: &HertzContact, load: f64| {
+            let (semi_major, _) = contact.semi_axes(load);
+            semi_major * spin * f64::max(0.5 * semi_major / contact.deformed_radius, sine)
+        };
+        let (contacts, load) = (raceway_contacts(bearing), self.largest_ball_load());
+        of(&contacts.inner, load).max(of(&contacts.outer, load + centrifugal))
     }
 
     /// Stribeck's estimate of the most loaded ball, axial load shared [N].

@@ -6,7 +6,7 @@ use crate::numerics::ode::Method;
 use crate::simulation::error::codes::{ErrorBasis, Gap, Refinement};
 use crate::simulation::error::comparison::{Deviation, level_errors, quantity_errors, twice};
 use crate::simulation::error::lyapunov::{self, DivergenceEstimate, MotionKind, Pairs};
-use crate::simulation::error::stationarity::{is_stationary, scattering_level};
+use crate::simulation::error::stationarity::{halves_deviation, is_stationary, scattering_level};
 use crate::simulation::error::thresholds::{
     BALL_DRIFT, CAGE_SPEED_CHANGE, DIVERGENCE_CAGE_TURNS, IN_PLANE_SINE, INERTIA_OVER_PRELOAD, LEAVING_PLANE_PER_S,
     LEAVING_WINDOW_S, LONG_WINDOW_S, MIN_DECAY_EFOLDS, MIN_WINDOW_SETTLE_S, OUT_OF_PLANE_SINE, WINDOW_PASSAGES,
@@ -160,6 +160,7 @@ fn by_richer_model(
                 let by_steps = Deviation::of_recordings(&own, &finer, 0.0).of_asked(&settings.outputs);
                 deviation = deviation.larger(&by_steps);
             }
+            deviation = along_the_run(deviation, &attempt.recording);
             // The same once the run has settled, over a turn of the cage.
             let settled = RunSettings { duration: settled_window(scene, settings), ..settings.clone() };
             if let Some(finer) = or_failure(control.part((0.5, 0.75), |_| finer(&settled)))?.ok().flatten() {
@@ -197,6 +198,13 @@ fn by_richer_model(
         course,
         ..Verification::default()
     })
+}
+
+/// Errors of single numbers by a window, at least those that the recorded time itself shows: slow motions are longer than a window.
+fn along_the_run(deviation: Deviation, recording: &Recording) -> Deviation {
+    let halves = halves_deviation(&recording.parts);
+    let quantities = deviation.quantities.map(|errors| halves.map_or(errors, |halves| errors.larger(&halves)));
+    Deviation { quantities, ..deviation }
 }
 
 /// The short run that verifies a reduced model.
@@ -474,6 +482,9 @@ fn by_refinement(
         levels: level_errors(&signals, |twice| twice.error_db(unseen)),
         quantities: Some(quantity_errors(&attempt.recording.parts, &again.parts)),
     });
+    if is_windowed {
+        verification.deviation = verification.deviation.map(|deviation| along_the_run(deviation, &attempt.recording));
+    }
     verification.basis = ErrorBasis::Repetition { refinement: refinement(&own), window, recorded: settings.duration };
     Ok(verification)
 }

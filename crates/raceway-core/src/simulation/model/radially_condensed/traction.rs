@@ -4,7 +4,7 @@
 use super::contact::Contact;
 use crate::numerics::exponential::binary_saturation_single;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Singles, alike, larger, side_by_side, smaller};
-use crate::physics::contact::strips::{DEFAULT_STRIPS, Strips};
+use crate::physics::contact::strips::Strips;
 use crate::physics::contact::traction::FourParameters;
 use crate::physics::raceway::{LARGEST_CONTACT, RacewayContact, RacewayLoad, RacewayTerms, RelativeMotion};
 use crate::simulation::model::condensed_contact::chebyshev;
@@ -28,7 +28,7 @@ const POINTS: usize = 3;
 const PLACES: [f64; POINTS] = [0.209_299_217_902_479, 0.591_700_181_433_142, 0.871_740_148_509_607];
 const LOBATTO: [f64; POINTS] = [0.412_458_794_658_704, 0.341_122_692_483_504, 0.210_704_227_143_506];
 /// Strips of the full model on one side of a contact, the middle one included.
-const WIDE_POINTS: usize = DEFAULT_STRIPS.div_ceil(2);
+const WIDE_POINTS: usize = 9;
 
 /// Integrals over one contact, divided by its load.
 #[derive(Debug, Clone, Copy, Default)]
@@ -146,7 +146,7 @@ impl RisingTraction {
 }
 
 impl WideTraction {
-    /// Traction of a wide contact; `None` where the law is steep, or neither conformity nor spin acts.
+    /// Traction of a wide contact; `None` where neither conformity nor spin acts.
     pub(super) fn new(
         law: FourParameters,
         needs: &RacewayTerms,
@@ -154,7 +154,7 @@ impl WideTraction {
         deformed_radius: f64,
     ) -> Option<Self> {
         let strips = Strips::new(2 * WIDE_POINTS - 1);
-        let half = strips.as_slice().get(..WIDE_POINTS).filter(|_| needs.gauss)?;
+        let half = strips.as_slice().get(..WIDE_POINTS).filter(|_| needs.strips > 1)?;
         let conformity = if needs.conformity { 1.0 } else { 0.0 };
         let folded = std::array::from_fn(|k| {
             let (strip, images) = (half[k], if k + 1 == WIDE_POINTS { 1.0 } else { 2.0 });
