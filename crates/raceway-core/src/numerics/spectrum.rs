@@ -156,8 +156,8 @@ pub(crate) fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> 
 
 /// Frequency [Hz] and amplitude of the tone whose strongest bin is `bin`, from that bin and its two neighbours.
 ///
-/// Exact for a single tone under a Hann window. With δ the tone's distance from the bin in bins, the entries are A·w(δ
-/// + 1), A·w(δ), A·w(δ − 1), w(x) = sin πx / (πx (1 − x²)). Hence δ = 2 (a₊ − a₋)/(a₋ + 2a₀ + a₊). The first and last
+/// Exact for a single tone under a Hann window. With δ the tone's distance from the bin in bins, the entries are
+/// A·w(δ + 1), A·w(δ), A·w(δ − 1), w(x) = sin πx / (πx (1 − x²)). Hence δ = 2 (a₊ − a₋)/(a₋ + 2a₀ + a₊). The first and last
 /// entries have no two neighbours and are returned as they stand, a bin outside the spectrum as amplitude 0.
 pub(crate) fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
     let frequency = |bin: f64| bin * spectrum.resolution;

@@ -126,6 +126,7 @@ impl Tilt {
 
     /// A vector of the inertial frame, in the tilted frame.
     #[inline(always)]
+    #[allow(clippy::wrong_self_convention, reason = "nine numbers are not copied for each vector")]
     pub(crate) fn to_tilted(&self, v: Vector) -> Vector {
         [dot(self.columns[0], v), dot(self.columns[1], v), dot(self.columns[2], v)]
     }
