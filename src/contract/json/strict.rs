@@ -18,7 +18,7 @@ pub fn read(body: &[u8]) -> Result<Value, Refusal> {
     let errors = reader.errors.into_inner();
     match value {
         Ok(value) if errors.is_empty() => Ok(value),
-        Ok(_) => Err(Refusal::Invalid { errors: errors }),
+        Ok(_) => Err(Refusal::Invalid { errors }),
         Err(error) if error.to_string().starts_with("number out of range") => {
             let pointer: String = reader.path.into_inner().concat();
             Err(FieldError::new(pointer, "a number beyond double precision (about ±1.8e308)").into())
