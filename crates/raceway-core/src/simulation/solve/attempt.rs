@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use crate::numerics::ode::{Choice, Integrator, Method, Statistics};
 use crate::simulation::error::comparison::Deviation;
+use crate::simulation::error::thresholds::MIN_WINDOW_S;
 use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
@@ -226,7 +227,7 @@ pub(crate) fn window_settings(scene: &Scene, settings: &RunSettings) -> RunSetti
         method: Method::Auto,
         fixed_step: None,
         settle: settle.min(settings.settle),
-        duration: window.min(settings.duration.max(crate::simulation::error::thresholds::MIN_WINDOW_S)),
+        duration: window.min(settings.duration.max(MIN_WINDOW_S)),
         outputs: without_signals(&settings.outputs),
         ..settings.clone()
     }

@@ -13,6 +13,7 @@ use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::solve::eligibility::window_time;
+use crate::simulation::solve::fixed_step;
 use crate::simulation::solve::plan::{Candidate, CandidateSteps, Plan};
 
 /// Time of one ball in one evaluation of the equations, and of each point of its two contacts on top [s], on one core of a slow shared
@@ -98,7 +99,7 @@ impl<'a> Rates<'a> {
         let samples = SAMPLE_EVALUATIONS * kept_values(self.settings.duration) as f64 * self.evaluation;
         match candidate.stepping {
             CandidateSteps::Own(_) => {
-                let window = WINDOW_RUNS * self.fixed(crate::simulation::solve::fixed_step::STEP, self.window());
+                let window = WINDOW_RUNS * self.fixed(fixed_step::STEP, self.window());
                 self.condensed_slowness(candidate.level) * time / CONDENSED_REAL_TIME_FACTOR + window
             }
             CandidateSteps::Fixed(Method::SemiImplicit, step) => VERIFIED * (self.fixed(step, time) + samples),

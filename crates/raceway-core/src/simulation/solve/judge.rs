@@ -157,7 +157,7 @@ fn chosen_step(
     problem: &Problem<'_>,
     progress: &Progress<'_>,
 ) -> Verdict {
-    let Problem { scene, settings, .. } = *problem;
+    let settings = problem.settings;
     let outputs = &settings.outputs;
     if verification.is_chaotic() {
         return chaotic_step(candidate, step, verification, problem);
@@ -176,7 +176,6 @@ fn chosen_step(
     if let Some(report) = sufficient(&report, verification, &attempt.recording, outputs, allowed_db) {
         return Verdict::Accept(report);
     }
-    let _ = scene;
     let next = fixed_step::refined(step, excess);
     let may_refine = progress.refinements + 1 < MOST_REFINEMENTS
         && next >= fixed_step::SHORTEST

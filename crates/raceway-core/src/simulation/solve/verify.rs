@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::numerics::ode::Method;
-use crate::simulation::error::codes::{ErrorBasis, Gap, Refinement};
+use crate::simulation::error::codes::{ErrorBasis, Gap, Ineligible, Refinement};
 use crate::simulation::error::comparison::{Deviation, level_errors, quantity_errors, twice};
 use crate::simulation::error::lyapunov::{self, DivergenceEstimate, MotionKind, Pairs};
 use crate::simulation::error::stationarity::{halves_deviation, is_stationary, scattering_level};
@@ -21,6 +21,7 @@ use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::Stepping;
 use crate::simulation::model::radially_condensed::{self, RadiallyCondensed};
 use crate::simulation::model::system::Model;
+use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::record::{Quantities, Recording};
 use crate::simulation::recording::sampling::{ACCELERATIONS, RATE, REPEATED, kept_values};
 use crate::simulation::recording::windows::Windows;
@@ -241,7 +242,7 @@ fn compare_window(
     let own = record(level, scene, &own_settings, &quiet)?.0;
     let mut leaves = None;
     let (richer_level, richer) = if level == ModelLevel::RadiallyCondensed {
-        let terms = crate::simulation::model::terms::ActiveTerms::of(scene, &short.outputs, None)?;
+        let terms = ActiveTerms::of(scene, &short.outputs, None)?;
         let model = Model::new(scene, &terms);
         let start = InitialState::at_rest(&model)?;
         let dynamics = Dynamics { model, terms, start };
@@ -351,7 +352,7 @@ fn uncovered(
         slow_motion(window, recording, scene)
     } else {
         tilt_risk(scene).map(|risk| match risk {
-            crate::simulation::error::codes::Ineligible::HeavyCage => Gap::HeavyCage,
+            Ineligible::HeavyCage => Gap::HeavyCage,
             _ => Gap::MayTilt,
         })
     };
