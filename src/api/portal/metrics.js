@@ -64,11 +64,8 @@ export function summary(metrics) {
     // Shown if it exceeds the error and matters for a level with one decimal.
     return scatter > Math.max(error ?? 0, 0.05) ? `${known}, over another time window ± ${number(scatter, 1)}` : known;
   };
-  const messages = metrics.messages ?? [];
-  const warnings = [accuracy.warning, accuracy.settling].filter((text) => text && !messages.some((one) => one.text === text));
   return [
     ...messageList(messages),
-    ...warnings.map((text) => h('p', { class: 'warning', role: 'note' }, text)),
     h(
       'dl',
       { class: 'figures' },
