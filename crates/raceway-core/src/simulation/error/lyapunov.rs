@@ -119,9 +119,9 @@ pub(crate) fn of_signals(
     }
 }
 
-/// Growth rate of a small disturbance of the state at `begin` [s] over `stretch` [s]: the slope of a straight line through the later half of the
-/// logarithms of the distance. The time is extended up to the end of the recorded time while the rate would allow growth that has not yet appeared.
-/// Slow chaos appears late. A drift is not chaos, and never grows much in the later half.
+/// Growth rate of a small disturbance of the state at `begin` [s] over `stretch` [s]. It is the slope of a straight line through the later half of
+/// the logarithms of the distance. The time is extended up to the end of the recorded time while the rate would allow growth that has not yet
+/// appeared. Slow chaos appears late. A drift is not chaos, and never grows much in the later half.
 pub(crate) fn divergence_rate(
     model: &Model,
     settings: &RunSettings,

@@ -185,7 +185,7 @@ fn by_richer_model(
     } else if settings.duration < window {
         Some(Gap::ShortRecord)
     } else {
-        // Levels that deviate too far are reported as a deviation.
+        // If the levels deviate too far, the deviation is reported instead of the plane that balls leave.
         leaves.filter(|_| deviation.within(&settings.outputs, settings.model_tolerance_db))
     };
     let gap = unknown.or_else(|| uncovered(level, scene, settings, &own, &attempt.recording, course.as_ref()));
@@ -355,7 +355,7 @@ fn uncovered(
             _ => Gap::MayTilt,
         })
     };
-    // The comparison with finer steps already shows a deviation that includes the scatter.
+    // A deviation of the whole run in finer steps shows more than the scatter, and is reported instead.
     let is_known = course.is_some_and(|course| !course.within(&settings.outputs, settings.model_tolerance_db));
     slow.or_else(|| inertia_exceeds_preload(scene, settings, recording)).or_else(|| {
         let scatters = scattering_level(recording).filter(|_| is_condensed && !is_known);
