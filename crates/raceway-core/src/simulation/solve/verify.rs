@@ -185,7 +185,7 @@ fn by_richer_model(
     } else if settings.duration < window {
         Some(Gap::ShortRecord)
     } else {
-        // If the levels deviate too far, the deviation is reported instead of the plane that balls leave.
+        // If the levels deviate too far, this deviation is reported, not balls that leave the plane.
         leaves.filter(|_| deviation.within(&settings.outputs, settings.model_tolerance_db))
     };
     let gap = unknown.or_else(|| uncovered(level, scene, settings, &own, &attempt.recording, course.as_ref()));
