@@ -134,9 +134,8 @@ fn bins_below(bins: usize, is_below: impl Fn(usize) -> bool) -> usize {
 
 /// The signal without its mean and without anything above `highest` [Hz]; same length, same rate.
 ///
-/// An ideal filter in the frequency domain treats the signal as periodic. Where its ends differ, the result would
-/// overshoot by a tenth of that difference. The straight line through the ends, which lies within the band, is
-/// therefore subtracted first and added again.
+/// An ideal filter in the frequency domain treats the signal as periodic. Different end values would cause an overshoot of a tenth of their
+/// difference. The straight line through the ends, which lies within the band, is therefore subtracted first and added again.
 pub(crate) fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
     let (n, [Some(first), Some(last)]) = (signal.len(), [signal.first(), signal.last()]) else { return Vec::new() };
     let rise = if n > 1 { (last - first) / (n - 1) as f64 } else { 0.0 };

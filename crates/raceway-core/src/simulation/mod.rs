@@ -1,5 +1,5 @@
-//! The motion: a checked scene becomes a model that holds only what it needs, an integrator advances
-//! it from equilibrium, and what was asked for is recorded. Plain synchronous Rust; knows no JSON, HTTP or SQL.
+//! Simulation of the motion. A validated scene becomes a model with the required terms only. An integrator advances it from equilibrium, and the
+//! requested outputs are recorded. Plain synchronous Rust; independent of JSON, HTTP and SQL.
 
 pub mod error;
 pub mod input;

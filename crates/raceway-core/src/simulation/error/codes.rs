@@ -1,4 +1,4 @@
-//! What a run reports about itself: codes with numbers. The text of each code stands above this crate.
+//! Codes with numbers that a run reports about itself. The text of each code is defined outside this crate.
 
 use crate::numerics::ode::Method;
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
@@ -24,7 +24,7 @@ pub struct QuantityError {
     pub error: f64,
 }
 
-/// How a repetition differs from the run that it verifies.
+/// Refinement of a repetition over the run that it verifies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Refinement {
     /// Step of the repetition over that of the run [-].
@@ -43,13 +43,13 @@ impl Refinement {
     }
 }
 
-/// How the stated errors were estimated.
+/// Basis of the stated errors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ErrorBasis {
     /// No error is stated.
     #[default]
     None,
-    /// Nothing moves: there is no level to compare.
+    /// Nothing moves: no level can be compared.
     Silence,
     /// Difference from a richer model over a window [s].
     RicherModel { level: ModelLevel, window: f64 },
@@ -59,7 +59,7 @@ pub enum ErrorBasis {
     BatchMeans { refinement: Refinement },
 }
 
-/// What one window of verification does not cover.
+/// Effect that one window of verification does not cover.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gap {
     /// The cage speed changed after the window, as a share of it [-].
@@ -72,36 +72,36 @@ pub enum Gap {
     LevelScatters(Channel, f64),
     /// Balls leave the plane: contact angles before and after [rad], over a window [s].
     BallsLeavePlane { before: f64, after: f64, window: f64 },
-    /// A lubricant so viscous for the speed may tilt cage and balls.
+    /// The lubricant is so viscous at this speed that cage and balls may tilt.
     MayTilt,
-    /// A crown cage so heavy, or so far off its balls, may tilt them.
+    /// The crown cage is so heavy, or so far from the plane of the balls, that it may tilt them.
     HeavyCage,
     /// The speed changes.
     SpeedChanges,
-    /// Less is recorded than a window of verification.
+    /// The recorded time is shorter than a window of verification.
     ShortRecord,
     /// Neighbouring trajectories diverge.
     Chaos,
 }
 
-/// Why a candidate was rejected.
+/// Cause of the rejection of a candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cause {
-    /// It failed.
+    /// The candidate failed.
     Failed(SimulationError),
     /// The verification deviates by more than is allowed.
     Deviation { levels: LevelErrors, quantities: Option<QuantityErrors>, beyond: Vec<Quantity> },
     /// The window of verification does not cover the run.
     NotCovered(Gap),
-    /// Refinement leads the whole run elsewhere.
+    /// Under refinement the whole run takes a different course.
     CourseDiffers { levels: LevelErrors, quantities: Option<QuantityErrors>, beyond: Vec<Quantity> },
-    /// Disturbances grow faster than chaos lets them.
+    /// Disturbances grow faster than in chaotic motion: the step is unstable.
     Instability,
     /// Disturbances grow, and the recorded time is too short to be a sample of chaos.
     ShortChaos,
-    /// Disturbances do not decay, where axial motion or tilt keeps light oscillations that long steps damp.
+    /// Disturbances do not decay, and axial motion or tilt keeps light oscillations that long steps damp.
     NoDecay,
-    /// Chaotic motion shows other levels with other steps.
+    /// Levels of the chaotic motion depend on the step.
     SamplesDiffer,
     /// The repetition failed.
     NotVerified(SimulationError),
@@ -111,19 +111,19 @@ pub enum Cause {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rejection {
     pub level: ModelLevel,
-    /// The integrator, where it is not the model's own.
+    /// The integrator, if it is not the model's own.
     pub method: Option<Method>,
     /// [s]; `None`: error control, or the model's own step.
     pub step: Option<f64>,
     pub cause: Cause,
 }
 
-/// Why numbers are uncertain.
+/// Cause of uncertain numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Uncertainty {
     /// Refinement still changes them.
     Steps,
-    /// The least disturbance leads to other peaks.
+    /// The smallest disturbance leads to other peaks.
     Sensitive,
     /// The recorded time is a short sample of chaotic motion.
     ShortSample,
@@ -131,20 +131,20 @@ pub enum Uncertainty {
     Uneven,
 }
 
-/// What a user of a result has to know.
+/// Warning to the user of a result.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
     /// Errors of numbers are large.
     Uncertain { cause: Uncertainty, errors: Vec<QuantityError> },
     /// A level rises or falls throughout the recorded time [dB].
     NotStationary { channel: Channel, change_db: f64 },
-    /// A chaotic motion: disturbances take this long to grow e-fold, and this much has to be recorded [s].
+    /// A chaotic motion: time in which disturbances grow e-fold, and recorded time that is required [s].
     ShortChaoticSample { growth_time: f64, required: f64 },
     /// The recorded time [s] is shorter than an error estimate needs [s].
     RecordTooShort { recorded: f64, required: f64 },
     /// The repetition failed: no error is known.
     NotVerified(SimulationError),
-    /// Only the first part [s] could be repeated.
+    /// Only a first window [s] could be repeated.
     PartlyVerified { window: f64, cause: SimulationError },
     /// A later window could not be recorded.
     LaterWindowFailed(SimulationError),
@@ -162,35 +162,35 @@ pub enum Warning {
     TiltTransient { settle: f64, required: f64 },
 }
 
-/// Why no reduced model, or no model leaner than the condensed one, is a candidate.
+/// Reason why no reduced model, or no model leaner than the condensed one, is a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ineligible {
     /// A method, a step or a tolerance was selected.
     MethodSelected,
     /// `model_tolerance_db` is 0.
     NoModelError,
-    /// A term that it leaves out is on.
+    /// A term that the model omits is on.
     TermOn,
     /// Hydrodynamic forces act: they tilt balls and cage later than a window shows.
     Hydrodynamics,
     /// The speed changes: a window shows nothing of later speeds.
     SpeedChanges,
-    /// Its window of verification would be too large a part of the run.
+    /// The window of verification would be too large a part of the run.
     ShortRun,
-    /// A lubricant so viscous for the speed may tilt cage and balls, which a planar window does not show.
+    /// The lubricant is so viscous at this speed that cage and balls may tilt, which a planar window does not show.
     MayTilt,
-    /// A crown cage so heavy, or so far off its balls, may tilt them, which a planar window does not show.
+    /// The crown cage is so heavy, or so far from the plane of the balls, that it may tilt them, which a planar window does not show.
     HeavyCage,
 }
 
-/// A model level that is no candidate of a run, and why.
+/// A model level that is not a candidate of a run, and the reason.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotEligible {
     pub levels: Vec<ModelLevel>,
     pub reason: NotEligibleReason,
 }
 
-/// Why a level is no candidate.
+/// Reason why a level is not a candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NotEligibleReason {
     Known(Ineligible),

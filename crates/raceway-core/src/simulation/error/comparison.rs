@@ -1,4 +1,4 @@
-//! By how much two runs of a scene differ: levels of the spindle's accelerations, loads, speeds, the cage's orbit.
+//! Deviation between two runs of a scene: levels of the spindle's accelerations, loads, speeds and the orbit of the cage.
 
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{CentralMoments, mean, rms};
@@ -14,49 +14,49 @@ use crate::simulation::recording::sampling::BAND;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::windows::Signal;
 
-/// A channel whose level lies this far below the strongest one's [dB] is not judged: its motion is a thousandth of the other's
-/// at most, adds less than 1e-5 dB to their sum, and is mostly what rounding and tolerances make of a symmetry, which every
-/// run makes anew.
+/// Distance below the strongest level from which a channel is not compared [dB]. Its motion is at most a thousandth of the strongest one and adds
+/// less than 1e-5 dB to their sum. Rounding and tolerances on a symmetry cause most of it, differently in every run.
 pub const FAINT: f64 = 60.0;
 
-/// Parts of the repeated stretch whose levels are compared one by one.
+/// Parts of the repeated window whose levels are compared one by one.
 const PARTS: usize = 5;
-/// Levels below this count as silence [m/s²]: a hundredth of what a good accelerometer hears, and what is left of the noise of steps and of a start.
+/// Acceleration below which a level counts as silence [m/s²]. It is a hundredth of the resolution of a good accelerometer. Noise of the steps and
+/// rests of the initial transient stay below it.
 pub(crate) const SILENCE: f64 = 1e-5;
-/// How near to the largest contact load the peak of a ball counts as one that may be the largest of a longer run [-].
+/// Distance from the largest contact load within which the peak of a ball may be the largest of a longer run [-].
 const NEAR_LARGEST: f64 = 0.01;
-/// Contact loads [N] and cage speeds [rad/s] below these count as so large in a relative error.
+/// Contact load [N] and cage speed [rad/s] that a relative error is at least divided by.
 const LEAST_LOAD: f64 = 0.1;
 const LEAST_SPEED: f64 = 0.06;
-/// The same of pocket loads [N], slips [m/s] and orbits of the cage [m].
+/// Pocket load [N], slip [m/s] and cage orbit [m] that a relative error is at least divided by.
 const LEAST_POCKET_LOAD: f64 = 1e-3;
 const LEAST_SLIP: f64 = 1e-3;
 const LEAST_ORBIT: f64 = 1e-8;
 
-/// Mean squares of so many equal parts of a run, from those of the batches of its windows.
+/// Mean squares of `parts` equal parts of a run, from the mean squares of the batches of its windows.
 pub(crate) fn in_parts(mean_squares: &[f64], parts: usize) -> Vec<f64> {
     mean_squares.chunks(mean_squares.len().div_ceil(parts).max(1)).map(mean).collect()
 }
 
-/// 20 lg(a / b) [dB] of root mean squares, silence counted as `SILENCE`; `None` where both are silent.
+/// 20 lg(a / b) [dB] of root mean squares, silence counted as `SILENCE`; `None` if both are silent.
 pub(crate) fn level_difference((a, b): (f64, f64)) -> Option<f64> {
     (a.max(b) > SILENCE).then(|| 20.0 * (a.max(SILENCE) / b.max(SILENCE)).log10())
 }
 
-/// Root mean squares [m/s²] of a signal that was recorded twice, first and again, in the band of levels.
+/// Root mean squares [m/s²], in the band of levels, of a signal that was recorded twice.
 pub(crate) struct Twice {
-    /// Of all that was recorded again.
+    /// Rms over the repeated window, of the first and of the second recording.
     stretch: (f64, f64),
-    /// Of its parts.
+    /// Rms over each part of the repeated window, likewise.
     parts: Vec<(f64, f64)>,
-    /// Of the difference of the two.
+    /// Rms of the difference of both recordings.
     difference: f64,
-    /// Of all that was recorded first.
+    /// Rms over the whole first recording.
     whole: f64,
 }
 
 impl Twice {
-    /// From the values of the stretch that was recorded again.
+    /// Comparison of the values of a repeated window.
     fn of_values(first: &[f64], again: &[f64], whole: f64) -> Self {
         let [first, again] = [first, again].map(|values| band_limited(values, RATE, BAND));
         let part = first.len().div_ceil(PARTS).max(1);
@@ -69,7 +69,7 @@ impl Twice {
         }
     }
 
-    /// Of two runs of the same windows.
+    /// Comparison of two runs that recorded the same windows.
     fn of_windows(first: &Signal, again: &Signal) -> Self {
         let parts = |signal: &Signal| in_parts(&signal.in_band().mean_squares, PARTS);
         let both = parts(first).into_iter().zip(parts(again));
@@ -88,10 +88,10 @@ impl Twice {
         level_difference(self.stretch)
     }
 
-    /// What the levels of the whole run may differ by [dB]. `unseen`: root of the share of it that was not recorded again.
+    /// Estimated error of the level of the whole run [dB]. `unseen`: root of the share of the run that was not repeated.
     pub fn error_db(&self, unseen: f64) -> Option<f64> {
         let whole = self.level_difference()?;
-        // Differences of either sign can cancel, here by luck, and their scatter tells by how much the rest may differ.
+        // Differences of opposite sign can cancel by chance. Their scatter shows the possible deviation of the rest of the run.
         let parts: Vec<f64> = self.parts.iter().copied().filter_map(level_difference).collect();
         Some(whole.abs().max(mean_or_luck(&parts)).hypot(unseen * standard_error(&parts)))
     }
@@ -102,7 +102,7 @@ impl Twice {
     }
 }
 
-/// The accelerations that are judged: those that are not faint.
+/// The compared accelerations: all that are not faint.
 pub(crate) fn judged(recording: &Recording) -> Vec<Channel> {
     let level = |channel: &Channel| recording.of(*channel).map_or(0.0, |signal| signal.in_band().moments.rms());
     let strongest = ACCELERATIONS.iter().map(level).fold(0.0, f64::max);
@@ -110,7 +110,7 @@ pub(crate) fn judged(recording: &Recording) -> Vec<Channel> {
     ACCELERATIONS.into_iter().filter(|channel| level(channel) >= faint).collect()
 }
 
-/// Accelerations of a recording, and what was recorded again of all of it or of its first window.
+/// Compared accelerations of a recording and of its repetition, over the whole time or over the first window.
 pub(crate) fn twice(first: &Recording, again: &Recording) -> Vec<(Channel, Twice)> {
     let both = |channel: Channel| {
         let (first, again) = (first.of(channel)?, again.of(channel)?);
@@ -118,30 +118,30 @@ pub(crate) fn twice(first: &Recording, again: &Recording) -> Vec<(Channel, Twice
         let stretch = first.excerpts.first()?.get(..repeated.len())?;
         Some((channel, Twice::of_values(stretch, repeated, first.in_band().moments.rms())))
     };
-    // What is faint in one of them may be the noise of the other.
+    // A channel that is faint in one recording may be noise in the other, so either recording can select it.
     let (of_first, of_again) = (judged(first), judged(again));
     let either = |channel: &Channel| of_first.contains(channel) || of_again.contains(channel);
     ACCELERATIONS.into_iter().filter(either).filter_map(both).collect()
 }
 
-/// Errors of the levels of what was recorded twice.
+/// Level errors from pairs of recordings of the same signal.
 pub(crate) fn level_errors(both: &[(Channel, Twice)], error: impl Fn(&Twice) -> Option<f64>) -> LevelErrors {
     LevelErrors::each(|channel| both.iter().find(|(of, _)| *of == channel).and_then(|(_, twice)| error(twice)))
 }
 
-/// By how much two runs of a scene differ.
+/// Deviation between two runs of a scene.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Deviation {
     pub levels: LevelErrors,
-    /// Single numbers; `None` where they are not known.
+    /// Deviations of single numbers; `None`: unknown.
     pub quantities: Option<QuantityErrors>,
 }
 
 impl Deviation {
     pub const UNKNOWN: Self = Self { levels: LevelErrors([None; 3]), quantities: None };
 
-    /// Each error that was asked for over what is allowed of it: of the level so many decibels, of what else the share that these are,
-    /// or `DETAIL_SHARE`; `None` where one is not known.
+    /// Each requested error over its allowed value [-]; `None` if one is unknown. A level may deviate by `tolerance_db`. Other numbers may deviate
+    /// by the same ratio as a share, or by `DETAIL_SHARE`.
     fn of_allowed(&self, outputs: &Outputs, tolerance_db: f64) -> Option<Vec<(Quantity, f64)>> {
         let mut all = vec![(Quantity::Level, self.levels.worst()? / tolerance_db)];
         if !(outputs.contacts || outputs.cage) {
@@ -165,7 +165,7 @@ impl Deviation {
         Some(all)
     }
 
-    /// The largest of them; `None` where one is not known.
+    /// The largest error over its allowed value [-]; `None` if one is unknown.
     pub fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
         self.of_allowed(outputs, tolerance_db)?.into_iter().map(|(_, excess)| excess).reduce(f64::max)
     }
@@ -176,12 +176,12 @@ impl Deviation {
         all.into_iter().filter(|(_, excess)| *excess > 1.0).map(|(quantity, _)| quantity).collect()
     }
 
-    /// Whether everything that was asked for differs by no more than is allowed.
+    /// True if every requested number deviates by no more than is allowed.
     pub fn within(&self, outputs: &Outputs, tolerance_db: f64) -> bool {
         self.excess(outputs, tolerance_db).is_some_and(|excess| excess <= 1.0)
     }
 
-    /// Of two recordings of the same stretch. `unseen`: root of the share of a run that they do not show.
+    /// Deviation between two recordings of the same window. `unseen`: root of the share of the run outside this window.
     pub fn of_recordings(a: &Recording, b: &Recording, unseen: f64) -> Self {
         let of_all = quantity_errors(&[a.quantities()], &[b.quantities()]);
         Self {
@@ -194,7 +194,7 @@ impl Deviation {
         }
     }
 
-    /// The larger of both errors of each; not known where one is not.
+    /// The larger of both errors for each number; unknown if one of them is unknown.
     pub fn larger(&self, other: &Self) -> Self {
         Self {
             levels: self.levels.zip(&other.levels, f64::max),
@@ -202,7 +202,7 @@ impl Deviation {
         }
     }
 
-    /// Without the errors of single numbers that were not asked for.
+    /// The deviation without errors of single numbers that were not requested.
     pub fn of_asked(&self, outputs: &Outputs) -> Self {
         let of = |asked: bool, error: f64| if asked { error } else { 0.0 };
         let quantities = self.quantities.filter(|_| outputs.contacts || outputs.cage).map(|errors| QuantityErrors {
@@ -214,12 +214,12 @@ impl Deviation {
         Self { quantities, ..*self }
     }
 
-    /// Of two samples of a chaotic motion.
+    /// Deviation between two samples of a chaotic motion.
     pub fn of_samples(a: &Recording, b: &Recording) -> Self {
         Self { quantities: Some(sampled_errors(a, b)), ..Self::of_runs(a, b) }
     }
 
-    /// Of two whole runs.
+    /// Deviation between two whole runs.
     pub fn of_runs(a: &Recording, b: &Recording) -> Self {
         Self {
             levels: level_errors(&twice(a, b), |twice| twice.level_difference().map(f64::abs)),
@@ -228,8 +228,8 @@ impl Deviation {
     }
 }
 
-/// The same of two samples of a chaotic motion: what its parts scatter by, of which the largest, and the mean, scatter less the more parts
-/// there are; at least what the two show.
+/// Deviations of single numbers between two samples of a chaotic motion, from the scatter of their parts. The scatter of a maximum or a mean falls
+/// with the number of parts. Each deviation is at least the difference of the whole samples.
 fn sampled_errors(a: &Recording, b: &Recording) -> QuantityErrors {
     let (parts, whole) = (quantity_errors(&a.parts, &b.parts), quantity_errors(&[a.quantities()], &[b.quantities()]));
     let share = 1.0 / (a.parts.len().min(b.parts.len()).max(1) as f64).sqrt();
@@ -243,11 +243,11 @@ fn sampled_errors(a: &Recording, b: &Recording) -> QuantityErrors {
     }
 }
 
-/// Differences of two runs' numbers as shares of the larger ones, from those of equal parts of both. A largest value may be
-/// that of any part; differences in a mean partly cancel, and may do so by luck.
+/// Differences of the numbers of two runs as shares of the larger ones, from equal parts of both. A maximum may lie in any part. Differences in a
+/// mean partly cancel, possibly by chance.
 pub(crate) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErrors {
     let relative = |a: f64, b: f64, least: f64| (a - b) / a.max(b).max(least);
-    // One may be of a part of the time of the other.
+    // One run may cover only a part of the time of the other.
     let a = &a[..a.len().min(b.len())];
     let differences = |of: &dyn Fn(&Quantities) -> f64, least: f64| -> Vec<f64> {
         a.iter().zip(b).map(|(a, b)| relative(of(a), of(b), least)).collect()
@@ -266,8 +266,8 @@ pub(crate) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErr
     }
 }
 
-/// What the peaks of single balls on a raceway differ by at most, as a share of the largest, of those that come near it: any of them
-/// may be the largest of a longer run, and in the largest alone two short runs may agree by luck.
+/// Largest difference of the peak loads of single balls on a raceway, as a share of the largest load. Only balls near the largest load count,
+/// because any of them may be the largest of a longer run. The maxima alone may agree by chance in two short runs.
 fn peaks_apart(a: &Recording, b: &Recording) -> f64 {
     let largest = a.quantities().max_load.max(b.quantities().max_load).max(LEAST_LOAD);
     let peaks = |of: &Recording| [of.contacts.inner.max_load.clone(), of.contacts.outer.max_load.clone()].concat();
@@ -276,7 +276,7 @@ fn peaks_apart(a: &Recording, b: &Recording) -> f64 {
     near.map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max)
 }
 
-/// What the radii of the cage's orbit differ by over parts of two recordings, as a share: over all of it they may agree by luck.
+/// Difference of the orbit radii of the cage over parts of two recordings, as a share. Over the whole recording the radii may agree by chance.
 fn orbits_apart(a: &Recording, b: &Recording) -> f64 {
     let radii = |of: &Recording| -> Option<Vec<f64>> {
         let part = |values: &[f64]| -> Vec<f64> {
@@ -290,7 +290,7 @@ fn orbits_apart(a: &Recording, b: &Recording) -> f64 {
     mean_or_luck(&relative)
 }
 
-/// Size of the mean of some differences; at least what it would be if their signs were a matter of chance.
+/// Magnitude of the mean of some differences; at least the value that random signs would give.
 fn mean_or_luck(differences: &[f64]) -> f64 {
     let n = (differences.len() as f64).max(1.0);
     (differences.iter().sum::<f64>() / n).abs().max(rms_about_zero(differences) / n.sqrt())

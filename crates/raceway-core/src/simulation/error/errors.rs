@@ -12,7 +12,7 @@ impl LevelErrors {
         self.0[ACCELERATIONS.iter().position(|one| *one == channel)?]
     }
 
-    /// The largest; `None` where nothing moves.
+    /// The largest level error [dB]; `None` if nothing moves.
     pub fn worst(&self) -> Option<f64> {
         self.0.into_iter().flatten().reduce(f64::max)
     }
@@ -22,7 +22,7 @@ impl LevelErrors {
         Self(ACCELERATIONS.map(error))
     }
 
-    /// Combines both where both are known.
+    /// Combines the errors of each channel for which both are known.
     pub(crate) fn zip(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
         Self(std::array::from_fn(|i| Some(of(self.0[i]?, other.0[i]?))))
     }
@@ -37,7 +37,7 @@ impl LevelErrors {
         Self(std::array::from_fn(|i| self.0[i].map(|error| error.max(least.0[i].unwrap_or(0.0)))))
     }
 
-    /// Each known error, changed.
+    /// Applies a function to each known error.
     pub(crate) fn map(self, change: impl Fn(f64) -> f64) -> Self {
         Self(self.0.map(|error| error.map(&change)))
     }
@@ -49,9 +49,9 @@ pub struct QuantityErrors {
     pub max_load: f64,
     pub cage_speed: f64,
     pub max_pocket_load: f64,
-    /// Of the raceway where it is the larger.
+    /// The larger one of both raceways.
     pub max_slip: f64,
-    /// Of the cage's centre about its mean position.
+    /// Error of the orbit of the cage centre about its mean position.
     pub orbit_radius: f64,
 }
 

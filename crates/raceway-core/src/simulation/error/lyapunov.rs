@@ -1,4 +1,4 @@
-//! Do two motions that start next to each other meet or part? It tells chaos from decay.
+//! Divergence of neighbouring trajectories. It distinguishes chaos from decay.
 
 use crate::numerics::ode::Method;
 use crate::numerics::ode::{Integrator, OdeSystem, Tolerances};
@@ -10,72 +10,72 @@ use crate::simulation::model::Model;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{STEPS_PER_LOOK, stops};
 
-/// Stretch over which the disturbed and the undisturbed motion are followed at first [s].
+/// Initial time over which the disturbed and the undisturbed trajectory are compared [s].
 const STRETCH: f64 = 0.01;
-/// Shortest stretch that tells decay from divergence; shorter runs say nothing about it [s].
+/// Shortest time that distinguishes decay from divergence [s]; shorter runs give no estimate.
 const LEAST_STRETCH: f64 = 5e-3;
-/// Disturbance, in sizes of the state's entries: 1e-11 m in each position.
+/// Disturbance relative to the sizes of the state's entries [-]: 1e-11 m in each position.
 const DISTURBANCE: f64 = 1e-5;
-/// Distances at which two motions have nothing more in common; growth ends there.
+/// Relative distance at which two trajectories are independent [-]; growth ends there.
 const SATURATED: f64 = 0.1;
-/// Distances on the way, evenly spaced in time.
+/// Number of recorded distances, evenly spaced in time.
 const SAMPLES: usize = 50;
-/// Relative distances below this are those of rounding.
+/// Relative distance below which rounding dominates [-].
 const ROUNDING: f64 = 1e-9;
-/// Growth by this many e-folds over the stretch counts as diverging; less may be a neutral drift of the azimuths.
+/// Growth over the window from which trajectories count as diverging [e-folds]. Smaller growth may be a neutral drift of the azimuths.
 const FOLDS: f64 = 2.0;
-/// Loosest relative tolerance at which two motions are followed: whether they part is a matter of the scene, and must not
-/// drown in the errors of the steps.
+/// Loosest relative tolerance for following two trajectories [-]. Divergence is a property of the scene and must not be hidden by errors of the
+/// steps.
 const PAIR_TOLERANCE: f64 = 1e-4;
 
-/// How much of a run is judged [s].
+/// Time over which divergence is estimated [s].
 pub fn judged_stretch(settings: &RunSettings) -> f64 {
     settings.duration.min(STRETCH)
 }
 
-/// By what a run of a method is judged. The long steps of `radau` damp what parts two motions and are looked at by
-/// interpolation, whose error hardly depends on the tolerance: another method sees both.
+/// Method that follows the trajectories of a run. Long steps of `radau` damp the divergence. Its interpolation error hardly depends on the
+/// tolerance. Another method shows both effects.
 pub(crate) fn judging(method: Method) -> Method {
     if method == Method::Radau { Method::Gear } else { method }
 }
 
-/// Whether neighbouring trajectories converge or diverge.
+/// Kind of motion: neighbouring trajectories converge or diverge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MotionKind {
     Decaying,
     Diverging,
 }
 
-/// How a disturbance has grown.
+/// Growth of a disturbance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DivergenceEstimate {
-    /// [1/s]; negative: it has shrunk.
+    /// Growth rate [1/s]; negative: the disturbance decays.
     pub rate: f64,
-    /// How long it was followed [s].
+    /// Time over which the disturbance was followed [s].
     pub over: f64,
-    /// Its mean size in the later half over that at the beginning [e-folds].
+    /// Mean size of the disturbance in the later half over its initial size [e-folds].
     pub growth: f64,
 }
 
 impl DivergenceEstimate {
-    /// What that says of the motion; `None`: too short to tell.
+    /// Kind of motion; `None`: the time is too short.
     pub fn motion(&self) -> Option<MotionKind> {
         let diverging = self.rate * self.over > FOLDS;
         let kind = if diverging { MotionKind::Diverging } else { MotionKind::Decaying };
         (self.over >= LEAST_STRETCH).then_some(kind)
     }
 
-    /// Whether trajectories may diverge over a longer time [s], although they have not yet.
+    /// True if trajectories may diverge over a longer time [s], although they have not yet diverged.
     pub fn may_grow(&self, time: f64) -> bool {
         self.motion() != Some(MotionKind::Diverging) && self.rate * time > FOLDS
     }
 }
 
-/// A signal of two motions: what was kept of each, stretch by stretch.
+/// Excerpts of one signal on two trajectories.
 pub(crate) type Pairs<'a> = (&'a [Vec<f64>], &'a [Vec<f64>]);
 
-/// How two motions part that started `disturbance` apart, in sizes of their signals, from what was recorded of them after a
-/// time to settle [s] at a rate [Hz]: of every `spacing` values the first few.
+/// Divergence of two trajectories that started `disturbance` apart, relative to the sizes of their signals. The signals were recorded after
+/// `settle` [s] at `rate` [Hz]. Each excerpt contains the first few of every `spacing` values.
 pub(crate) fn of_signals(
     pairs: &[Pairs<'_>],
     spacing: usize,
@@ -107,7 +107,7 @@ pub(crate) fn of_signals(
     match logarithms.iter().copied().reduce(f64::max) {
         Some(largest) if largest > SATURATED.ln() => {
             let growth = largest - disturbance.ln();
-            // However it came about: they have nothing more in common.
+            // The trajectories are independent, whatever the course of growth was.
             let over = values as f64 / rate;
             DivergenceEstimate { rate: late.max((FOLDS + growth).max(FOLDS) / over), over, growth }
         }
@@ -119,9 +119,9 @@ pub(crate) fn of_signals(
     }
 }
 
-/// How a small disturbance of the state at `begin` [s] grows over a stretch [s]: the slope of a straight line through the later
-/// half of the logarithms of the distance. Where it might have grown by the end of the kept time and has not yet, it is
-/// followed on: slow chaos shows late, and a drift, which is none, never grows by much in the later half.
+/// Growth rate of a small disturbance of the state at `begin` [s] over `stretch` [s]. It is the slope of a straight line through the later half of
+/// the logarithms of the distance. The time is extended up to the end of the recorded time while the rate would allow growth that has not yet
+/// appeared. Slow chaos appears late. A drift is not chaos, and never grows much in the later half.
 pub(crate) fn divergence_rate(
     model: &Model,
     settings: &RunSettings,
@@ -169,7 +169,7 @@ pub(crate) fn divergence_rate(
                     let squares: f64 = (0..n).map(|i| ((disturbed[i] - straight[i]) / sizes[i]).powi(2)).sum();
                     let distance = (squares / n as f64).sqrt();
                     if distance > SATURATED {
-                        // However it came about, on the whole or lately.
+                        // The larger of the mean rate and the latest rate counts.
                         let mean = (distance / DISTURBANCE).ln() / (time - begin);
                         let growth = (distance / DISTURBANCE).ln();
                         return Ok(DivergenceEstimate {
@@ -200,13 +200,13 @@ pub(crate) fn divergence_rate(
     }
 }
 
-/// Slope of the later half: two motions that fly apart freely part ever more slowly, seen so, and chaos does not.
+/// Slope of the later half. On this scale, trajectories that separate by free drift diverge ever more slowly, and chaotic ones do not.
 fn late_slope(times: &[f64], logarithms: &[f64]) -> f64 {
     let half = times.len() / 2;
     slope(&times[half..], &logarithms[half..]).unwrap_or(0.0)
 }
 
-/// Mean of the later half; smallest where there is none.
+/// Mean of the later half; `f64::MIN` if the half is empty.
 fn late_mean(logarithms: &[f64]) -> f64 {
     let late = &logarithms[logarithms.len() / 2..];
     if late.is_empty() { f64::MIN } else { late.iter().sum::<f64>() / late.len() as f64 }

@@ -1,4 +1,4 @@
-//! How two runs of a scene are compared, and what that says of the error of each number. Knows no plan and no candidate.
+//! Comparison of two runs of a scene, and the resulting error of each number. Independent of plans and candidates.
 
 pub mod codes;
 pub mod comparison;

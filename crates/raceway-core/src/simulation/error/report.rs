@@ -1,4 +1,4 @@
-//! How far a result can be trusted: its errors, how they were estimated, and what a user has to know.
+//! Accuracy of a result: its errors, the basis of their estimate, and warnings to the user.
 
 use crate::simulation::error::codes::{ErrorBasis, Quantity, QuantityError, Warning};
 use crate::simulation::error::comparison::Deviation;
@@ -7,7 +7,7 @@ use crate::simulation::error::lyapunov::{DivergenceEstimate, MotionKind};
 use crate::simulation::error::thresholds::{WARNED_ERROR_DB, WARNED_ERROR_SHARE};
 use crate::simulation::input::settings::Outputs;
 
-/// How far the result can be trusted.
+/// Accuracy of the result.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AccuracyReport {
     /// Estimated errors of the levels [dB].
@@ -17,7 +17,7 @@ pub struct AccuracyReport {
     /// Standard deviation of a level between windows as long as the recorded time [dB].
     pub level_scatter: LevelErrors,
     pub basis: ErrorBasis,
-    /// `None`: the run is too short to show it.
+    /// Kind of motion; `None`: the run is too short to show it.
     pub motion: Option<MotionKind>,
     /// Rate at which neighbouring trajectories diverge [1/s]; negative: they converge.
     pub divergence_rate: f64,
@@ -36,7 +36,7 @@ impl AccuracyReport {
         }
     }
 
-    /// Error of the worst level [dB]; `None` where no level error is known.
+    /// Largest level error [dB]; `None` if no level error is known.
     pub fn level_error_db(&self) -> Option<f64> {
         self.level_errors.worst()
     }
@@ -49,14 +49,14 @@ impl AccuracyReport {
         Deviation { levels: self.level_errors, quantities: self.quantity_errors }
     }
 
-    /// The largest stated error over what is allowed of it; `None` where one is unknown. Silence has no level that could err.
+    /// The largest stated error over its allowed value [-]; `None` if one is unknown. The level of silence has no error.
     pub(crate) fn excess(&self, outputs: &Outputs, tolerance_db: f64) -> Option<f64> {
         let silent = self.quantity_errors.is_some() && self.level_errors.worst().is_none();
         let levels = if silent { LevelErrors::each(|_| Some(0.0)) } else { self.level_errors };
         Deviation { levels, ..self.deviation() }.excess(outputs, tolerance_db)
     }
 
-    /// The requested numbers whose errors are so large that the result warns.
+    /// The requested numbers whose errors require a warning.
     pub(crate) fn large_errors(&self, outputs: &Outputs) -> Vec<QuantityError> {
         // The level of a short chaotic sample shows by itself that single numbers are uncertain.
         let quantities = self.quantity_errors.filter(|_| !self.is_chaotic() || !outputs.include_levels());

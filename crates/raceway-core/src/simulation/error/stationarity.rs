@@ -1,4 +1,4 @@
-//! Whether the recorded time stands for other windows of the same motion: batch means, trends, halves.
+//! Stationarity: batch means, trends and halves show if the recorded time represents other windows of the same motion.
 
 use crate::numerics::statistics::{CentralMoments, level_scatter_db, level_standard_error_db, mean, rms};
 use crate::physics::bearing::PerRaceway;
@@ -15,10 +15,10 @@ use crate::simulation::recording::record::{Quantities, Recording};
 use crate::simulation::recording::sampling::{BATCHES, REPEATED, kept_values};
 use crate::simulation::recording::windows::Signal;
 
-/// Batches at either end of the recorded time whose mean levels make a trend.
+/// Batches at each end of the recorded time whose mean levels define a trend.
 const END_BATCHES: usize = 3;
 
-/// Standard deviation of a level between windows of one motion [dB], and what a later window shows.
+/// Standard deviation of a level between windows of one motion [dB], and the deviation of a later window.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct WindowScatter {
     /// One standard deviation [dB].
@@ -39,7 +39,7 @@ pub fn scatter(recording: &Recording) -> LevelErrors {
     LevelErrors::each(|channel| scatter.of(channel).filter(|_| recording.of(channel).is_some_and(has_batches)))
 }
 
-/// Whether levels and requested single numbers are the same all along the recorded time: one window stands for the others then.
+/// True if levels and requested single numbers are constant along the recorded time. One window then represents the others.
 pub fn is_stationary(recording: &Recording, outputs: &Outputs, tolerance_db: f64) -> bool {
     let levels = scatter(recording);
     let is_steady = |channel: &Channel| levels.of(*channel).is_some_and(|scatter| scatter < STATIONARY_SCATTER_DB);
@@ -49,7 +49,7 @@ pub fn is_stationary(recording: &Recording, outputs: &Outputs, tolerance_db: f64
     heard(recording).iter().all(is_steady) && (levels_only || halves.within(outputs, tolerance_db))
 }
 
-/// Changes of the levels [dB] that rise or fall throughout the recorded time, where no later window shows an oscillation.
+/// Changes of the levels [dB] that rise or fall throughout the recorded time, if no later window shows an oscillation.
 pub fn trends(recording: &Recording, later: Option<&LevelErrors>) -> Vec<(Channel, f64)> {
     let of = |channel: Channel| {
         let signal = recording.of(channel).filter(|signal| has_batches(signal))?;
@@ -60,7 +60,7 @@ pub fn trends(recording: &Recording, later: Option<&LevelErrors>) -> Vec<(Channe
     heard(recording).into_iter().filter_map(of).collect()
 }
 
-/// The channel whose level scatters so much that no window stands for the rest, and its scatter [dB].
+/// The channel whose level scatters so much that no window represents the rest, and its scatter [dB].
 pub fn scattering_level(recording: &Recording) -> Option<(Channel, f64)> {
     let scatter = |channel: Channel| {
         let parts = in_parts(&recording.of(channel)?.in_band().mean_squares, BATCHES);
@@ -71,7 +71,7 @@ pub fn scattering_level(recording: &Recording) -> Option<(Channel, f64)> {
     all.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|(_, scatter)| *scatter > WINDOW_SCATTER_DB)
 }
 
-/// Deviation of the second half of a run from the first; `None`: it has fewer than two parts.
+/// Deviation of the second half of a run from the first; `None`: the run has fewer than two parts.
 pub fn halves_deviation(parts: &[Quantities]) -> Option<QuantityErrors> {
     let of_all = |parts: &[Quantities]| {
         let most = |of: fn(&Quantities) -> f64| parts.iter().map(of).fold(0.0, f64::max);
@@ -102,13 +102,13 @@ pub fn deviation_of_parts(recorded: &Recording, later: &Recording) -> LevelError
     })
 }
 
-/// Errors of levels that are no silence.
+/// Errors of the levels that are not silent.
 pub fn of_heard(errors: &LevelErrors, recording: &Recording) -> LevelErrors {
     let heard = heard(recording);
     LevelErrors::each(|channel| errors.of(channel).filter(|_| heard.contains(&channel)))
 }
 
-/// Change of a level along equal parts of a run [dB], where it is a trend.
+/// Change of a level along equal parts of a run [dB]; `None` if it is not a trend.
 fn trend(mean_squares: &[f64]) -> Option<f64> {
     if mean_squares.len() < BATCHES || mean_squares.iter().any(|square| *square <= 0.0) {
         return None;
@@ -121,12 +121,12 @@ fn trend(mean_squares: &[f64]) -> Option<f64> {
     (change.abs() > NOTABLE_CHANGE_DB && rms(&residual) < TREND_RESIDUAL * change.abs()).then_some(change)
 }
 
-/// Whether a signal is long enough for batch means.
+/// True if a signal is long enough for batch means.
 fn has_batches(signal: &Signal) -> bool {
     signal.in_band().moments.count() >= kept_values(REPEATED)
 }
 
-/// The compared accelerations that are no silence.
+/// The compared accelerations that are not silent.
 fn heard(recording: &Recording) -> Vec<Channel> {
     let is_heard = |channel: &Channel| recording.of(*channel).is_some_and(|of| of.in_band().moments.rms() > SILENCE);
     judged(recording).into_iter().filter(is_heard).collect()

@@ -3,11 +3,11 @@
 //! Commands: *drawn* = `cargo bench --bench calibration -- drawn`, *settling* = `cargo bench --bench calibration -- settling`,
 //! *steps* = `cargo bench --bench fixed_steps`, *limits* = `cargo test --release --test limits`.
 
-/// Window of a verification against a richer model, and what comes before it [s]; *drawn*. Over 6 ms after 2 ms single levels that were
-/// off by 0.1 dB showed a fifth of that.
+/// Window of a verification against a richer model, and settling time before it [s]; *drawn*. After 2 ms, a window of 6 ms showed only a fifth of
+/// the 0.1 dB by which single levels deviated.
 pub const WINDOW_S: f64 = 12e-3;
 pub const WINDOW_SETTLE_S: f64 = 10e-3;
-/// The same of a short run, as a share of it [-], and the shortest ones [s].
+/// Share of a short run that its window and settling time take [-], and their shortest values [s].
 pub const WINDOW_RUN_SHARE: f64 = 0.1;
 pub const MIN_WINDOW_S: f64 = 6e-3;
 pub const MIN_WINDOW_SETTLE_S: f64 = 2e-3;
@@ -26,50 +26,50 @@ pub const NOTABLE_CHANGE_DB: f64 = 0.5;
 pub const TREND_RESIDUAL: f64 = 0.25;
 /// If a second window reproduces the level within this share of its trend, the trend is an oscillation [-]; *settling*.
 pub const OSCILLATION_SHARE: f64 = 0.25;
-/// Share of the scatter of a level that hides an error of it [-]: a tenth.
+/// Share of the scatter of a level below which an error of the level is hidden [-]: a tenth.
 pub const HIDDEN_SHARE: f64 = 0.1;
 
 /// Level error from which a result carries a warning [dB].
 pub const WARNED_ERROR_DB: f64 = 1.0;
 /// Error of a load, speed, slip or orbit from which a result carries a warning [-].
 pub const WARNED_ERROR_SHARE: f64 = 0.1;
-/// Largest error of pocket load, slip and cage orbit, whatever is allowed of a level [-]; *limits*. Steps that leave levels
-/// unchanged move these by per cents.
+/// Largest error of pocket load, slip and cage orbit, independent of the allowed level error [-]; *limits*. Steps that leave levels unchanged move
+/// these numbers by a few per cent.
 pub const DETAIL_SHARE: f64 = 0.03;
 /// Share of `model_tolerance_db` that a stated error may take [-]: an estimate may be off by a factor of two.
 pub const STATED_SHARE: f64 = 0.5;
-/// Share of `model_tolerance_db` of a model that a reduced model verifies, which uses the rest [-].
+/// Share of `model_tolerance_db` allowed for a model that is verified by a reduced model, which uses the rest [-].
 pub const LEAN_SHARE: f64 = 0.7;
 
-/// Change of a level under refinement from which both may be the noise of their steps [dB]; *steps*.
+/// Change of a level under refinement from which both levels may be noise of the steps [dB]; *steps*.
 pub const UNRESOLVED_DB: f64 = 0.5;
-/// Rms of the difference of two signals over the signal from which each is a sample of its own [-]; *steps*.
+/// Rms of the difference of two signals over the signal, from which each signal is an independent sample [-]; *steps*.
 pub const INDEPENDENT_NOISE: f64 = 0.3;
-/// Change under refinement over the last change, and size of it [dB], from which it is no noise of the steps; *steps*.
+/// Ratio of a change under refinement to the last change, above which the change is not noise of the steps [-], and its largest size [dB]; *steps*.
 pub const STALLED_SHARE: f64 = 0.5;
 pub const STALLED_DB: f64 = 10.0;
 /// Growth of a disturbance over the recorded time from which a chaotic motion is a sample of its statistics [e-folds]; *drawn*.
 pub const SAMPLE_EFOLDS: f64 = 10.0;
 /// Standard errors by which two samples of a chaotic motion may differ [-].
 pub const SAMPLE_SIGMAS: f64 = 3.0;
-/// Growth of a disturbance in one step that is chaos and no instability of the step [e-folds]; *steps*.
+/// Growth of a disturbance in one step up to which it is chaos, not instability of the step [e-folds]; *steps*.
 pub const MAX_GROWTH_PER_STEP: f64 = 0.05;
 
-/// Change of the cage speed after a window of verification [-], and of the balls' places in their pockets over their spacing [-], that the
-/// window does not cover; *drawn*. Levels were off by decibels at 20 % and 3 %, by 0.05 dB at 1.5 %.
+/// Change of the cage speed after a window of verification [-], and drift of the balls in their pockets over their spacing [-], that the window
+/// does not cover; *drawn*. Levels deviated by decibels at 20 % and 3 %, and by 0.05 dB at 1.5 %.
 pub const CAGE_SPEED_CHANGE: f64 = 5e-3;
 pub const BALL_DRIFT: f64 = 1e-2;
 /// Rms of the spindle's inertia force over its static load from which the spindle may leave its balls [-]; *limits*.
 pub const INERTIA_OVER_PRELOAD: f64 = 0.1;
 /// Decay over a window of verification that shows how the spindle comes to rest [e-folds]; *limits*.
 pub const MIN_DECAY_EFOLDS: f64 = 2.0;
-/// Scatter of a level from which no window stands for the rest [dB]; *drawn*.
+/// Scatter of a level from which no window represents the rest [dB]; *drawn*.
 pub const WINDOW_SCATTER_DB: f64 = 1.5;
 /// Sine of a contact angle from which balls are out of the plane [-]: growing, and in any case; rate of growth [1/s]; *drawn*.
 pub const IN_PLANE_SINE: f64 = 5e-4;
 pub const OUT_OF_PLANE_SINE: f64 = 2.5e-3;
 pub const LEAVING_PLANE_PER_S: f64 = 12.0;
-/// Shortest window that shows this rate, and the window that is taken instead of a shorter one [s]; *drawn*.
+/// Shortest window that shows this rate, and the window that replaces a shorter one [s]; *drawn*.
 pub const LEAVING_WINDOW_S: f64 = 0.025;
 pub const LONG_WINDOW_S: f64 = 0.03;
 

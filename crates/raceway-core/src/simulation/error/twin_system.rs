@@ -7,11 +7,10 @@ use crate::numerics::ode::structure::{Jacobian, Structure};
 use crate::numerics::ode::{Choice, IntegrationError, Integrator, OdeSystem, Statistics};
 use crate::simulation::model::Model;
 
-/// Two copies of a system side by side, so that both take the same steps: the balls of both, then spindle and cage of
-/// both.
+/// Two copies of a system as one, so that both take the same steps. Order: the balls of both, then spindle and cage of both.
 ///
-/// Each has its own Jacobian: they are never far from each other, but a contact that closes in one of them and not yet in
-/// the other may change its Jacobian beyond recognition.
+/// Each copy has its own Jacobian. The copies are always close to each other. A contact that has closed in only one of them can still make their
+/// Jacobians entirely different.
 pub struct Pair<'a> {
     model: &'a Model,
     /// Entries of the balls of one copy.
@@ -79,7 +78,7 @@ impl OdeSystem for Pair<'_> {
         Structure { blocks: 2 * structure.blocks, border: 2 * border, ..structure }
     }
 
-    /// Steps of a fixed length are the same for both by themselves.
+    /// Fixed steps are the same for both copies without further control.
     fn own_method<'s>(&'s self, time: f64, state: &[f64], step: f64) -> Option<Box<dyn Integrator + 's>> {
         let start = |copy: usize| {
             let mut own = vec![0.0; self.model.dimension()];
@@ -124,7 +123,7 @@ impl OdeSystem for Pair<'_> {
     }
 }
 
-/// Both copies, each by an integrator of its own that takes the same steps as the other.
+/// Both copies, each with its own integrator that takes the same steps as the other.
 struct Twins<'a> {
     pair: &'a Pair<'a>,
     copies: [Box<dyn Integrator + 'a>; 2],

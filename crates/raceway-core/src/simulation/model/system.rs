@@ -23,7 +23,7 @@ impl Model {
         let mechanism = Mechanism::new(scene, needs);
         match needs.rung {
             ModelLevel::Full => Self::Full(Full::new(mechanism)),
-            // Reduced levels have models of their own. Where one needs the dynamics as well, these are planar.
+            // Reduced levels have their own models. If such a level also needs the dynamics, the planar ones are used.
             _ => Self::Planar(Planar::new(mechanism)),
         }
     }

@@ -50,7 +50,7 @@ impl BallLoadRecorder {
     }
 }
 
-/// Number of recorded values in so many turns at a speed [rad/s], at most `values`; all of them without a speed and at rest.
+/// Number of recorded values in `turns` turns at a speed [rad/s], at most `values`; `values` at rest or without a speed.
 pub(crate) fn values_in_turns(values: usize, turns: f64, speed: Option<f64>) -> usize {
     let of_turns = |speed: f64| turns * std::f64::consts::TAU * RATE / speed.abs().max(f64::MIN_POSITIVE);
     speed.map_or(values, |speed| of_turns(speed).min(values as f64) as usize)

@@ -38,7 +38,7 @@ pub struct Windows {
 }
 
 impl Windows {
-    /// Division of so many recorded values.
+    /// Windows of `values` recorded values.
     pub fn of(values: usize) -> Self {
         let count = values.div_ceil(kept_values(LONGEST)).max(1);
         let grain = if count > 1 { GRAIN } else { 1 };

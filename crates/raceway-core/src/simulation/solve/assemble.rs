@@ -27,9 +27,9 @@ use crate::simulation::solve::plan::Candidate;
 use crate::simulation::solve::startup::{self, InitialState};
 use crate::simulation::solve::verify::or_failure;
 
-/// Recorded time of a reduced model up to which as many later windows are recorded as there are batches [s]: they are cheap.
+/// Recorded time of a reduced model up to which one later window per batch is recorded [s]. These windows cost little.
 const MANY_WINDOWS_S: f64 = 0.5;
-/// Time between the recorded time and a later window over the recorded time [-]: next to it a slow beat is the same still.
+/// Time between the recorded time and a later window, over the recorded time [-]. A slow beat would not change in an adjacent window.
 const GAP: f64 = 1.0;
 /// Evaluations of a later window over those of the run, at most [-].
 const LATER_EVALUATIONS: u64 = 4;
@@ -58,7 +58,7 @@ pub(crate) fn assemble(
     }
     let level = Some(candidate.level).filter(|level| level.is_reduced() || settings.rung.is_some());
     let terms = active_terms(scene, &settings.outputs, level)?;
-    // The rung that repeats a passage has no start; neither chaos nor a damped start keeps it.
+    // The periodic model has no initial transient. Neither chaos nor a damped start keeps it.
     let is_damped = attempt.trajectory.is_some() && problem.dynamics(control)?.start.is_damped;
     let keeps_start = candidate.level != ModelLevel::Periodic && !report.is_chaotic() && !is_damped;
     report.warnings.extend(startup::warnings(scene, &terms, settings.settle, keeps_start));
@@ -94,7 +94,7 @@ fn window_scatter(
 ) -> Result<(WindowScatter, Option<SimulationError>), SimulationError> {
     let settings = problem.settings;
     let own = WindowScatter { scatter: stationarity::scatter(&attempt.recording), later: None };
-    // A record that is too short for batch means is compared with others in any case.
+    // A record that is too short for batch means is always compared with later windows.
     let is_short = settings.duration < REPEATED;
     let many = is_short || (candidate.level.is_reduced() && settings.duration <= MANY_WINDOWS_S);
     let is_even = !is_short && own.scatter.worst().is_none_or(|scatter| scatter < STATIONARY_SCATTER_DB);
@@ -153,7 +153,7 @@ fn later_window(
     Ok(run_from(dynamics, &start, &later, &stepping, control)?.recording)
 }
 
-/// With the scatter between windows. A level error is at least a notable scatter, and a trend along the recorded time.
+/// Adds the scatter between windows to the report. A level error is at least a notable scatter, and a trend along the recorded time.
 fn with_scatter(
     report: AccuracyReport,
     recording: &Recording,
@@ -174,7 +174,7 @@ fn with_scatter(
     {
         report.quantity_errors = Some(errors.larger(&halves));
     }
-    // Large errors are worded once, by what is stated in the end.
+    // Large errors are reported once, from the final values.
     let was_uncertain = report.warnings.iter().find_map(|warning| match warning {
         Warning::Uncertain { cause, .. } => Some(*cause),
         _ => None,

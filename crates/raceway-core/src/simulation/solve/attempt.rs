@@ -23,19 +23,19 @@ use crate::simulation::solve::startup::{InitialState, StartupPhase};
 
 /// First-order states of the models of the spindle alone.
 const SPINDLE_STATES: usize = 4;
-/// Evaluations that a run is counted with at least, where another one may take a multiple of them.
+/// Least number of evaluations of a run when the limit of another run is a multiple of them.
 pub(crate) const MIN_EVALUATIONS: u64 = 10_000;
 /// Share of the tolerance by which a longer step of the condensed model may move its levels over a window [-]; *drawn*.
 const STEP_SHARE: f64 = 0.5;
 
-/// A scene to solve, and what its candidates share.
+/// A scene to solve, and the state shared by its candidates.
 pub(crate) struct Problem<'a> {
     pub scene: &'a Scene,
     pub settings: &'a RunSettings,
     dynamics: OnceCell<Dynamics>,
 }
 
-/// The dynamics of a scene, settled as far as all attempts share.
+/// The dynamics of a scene after the shared start-up phase.
 pub(crate) struct Dynamics {
     pub model: Model,
     pub terms: ActiveTerms,
@@ -54,15 +54,15 @@ pub(crate) struct Attempt {
     pub tolerance: Option<f64>,
     /// Fixed step [s].
     pub step: Option<f64>,
-    /// Deviation of the condensed model in longer steps from its own step over a window.
+    /// Deviation over a window of the condensed model in longer steps from the same model in its own step.
     pub step_deviation: Option<Deviation>,
-    /// What a run of the dynamics leaves for others.
+    /// States of a run of the dynamics, for later runs.
     pub trajectory: Option<Trajectory>,
 }
 
 /// States of a run of the dynamics.
 pub(crate) struct Trajectory {
-    /// When recording begins.
+    /// State at the beginning of the recorded time.
     pub checkpoint: Vec<f64>,
     pub end: Vec<f64>,
     pub choice: Choice,
@@ -74,12 +74,12 @@ impl<'a> Problem<'a> {
         Self { scene, settings, dynamics: OnceCell::new() }
     }
 
-    /// Whether the spindle moves along the axis or is tilted, where little damps light oscillations.
+    /// True if the spindle moves along the axis or is tilted, so that light oscillations have little damping.
     pub fn has_axial_motion_or_tilt(&self) -> bool {
         self.dynamics.get().is_some_and(|dynamics| dynamics.model.mechanism().has_axial_motion_or_tilt())
     }
 
-    /// The dynamics, settled once.
+    /// The dynamics after the start-up phase, computed once.
     pub fn dynamics(&self, control: &Control<'_>) -> Result<&Dynamics, SimulationError> {
         if let Some(dynamics) = self.dynamics.get() {
             return Ok(dynamics);
@@ -205,7 +205,7 @@ pub(crate) fn record(
     }
 }
 
-/// The longest step of the condensed model [s] whose levels over a window are those of its own step, and its deviation from that.
+/// The longest step of the condensed model [s] that reproduces the levels of its own step over a window, and its deviation from that step.
 fn longer_step(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Option<(f64, Deviation)> {
     let model = RadiallyCondensed::new(scene, &settings.outputs).ok()?;
     let short = window_settings(scene, settings);

@@ -1,5 +1,5 @@
-//! What a plan will cost, before it runs. An order of magnitude: impacts, loads that grow later, and levels that drown in noise are not
-//! foreseen.
+//! Estimated cost of a plan before it runs. The estimate is an order of magnitude. It does not foresee impacts, loads that grow later, or levels
+//! below the noise of the steps.
 
 use crate::numerics::lanes::LANES;
 use crate::numerics::ode::Method;
@@ -16,8 +16,8 @@ use crate::simulation::solve::eligibility::window_time;
 use crate::simulation::solve::fixed_step;
 use crate::simulation::solve::plan::{Candidate, CandidateSteps, Plan};
 
-/// Time of one ball in one evaluation of the equations, and of each point of its two contacts on top [s], on one core of a slow shared
-/// server with AVX2: `cargo bench --bench contact`. Hydrodynamic forces take this many times as long [-].
+/// Time of one ball in one evaluation of the equations [s], and additional time of each point of its two contacts [s]. Measured on one core of a
+/// slow shared server with AVX2: `cargo bench --bench contact`. Hydrodynamic forces multiply the time by the last factor [-].
 const SECONDS_PER_BALL: f64 = 0.04e-6;
 const SECONDS_PER_POINT: f64 = 0.0055e-6;
 const HYDRODYNAMIC: f64 = 1.4;
@@ -32,14 +32,14 @@ const STIFF_TOLERANCE: f64 = 1e-5;
 const SMOOTH_STEP: f64 = 20e-6;
 /// Evaluations for each recorded value [-].
 const SAMPLE_EVALUATIONS: f64 = 2.0;
-/// Speed of the condensed model on that machine, verification apart, times real time [-], and how much longer general traction takes.
+/// Speed of the condensed model on that machine without verification, over real time [-], and factor on the time for general traction [-].
 const CONDENSED_REAL_TIME_FACTOR: f64 = 20.0;
 const GENERAL_TRACTION: f64 = 12.0;
 /// Windows of the dynamics that verify a reduced model, in fixed steps [-]: half steps, and a share of longer windows.
 const WINDOW_RUNS: f64 = 3.0;
 /// Cost of a verified run of the dynamics over that of the run [-].
 const VERIFIED: f64 = 2.0;
-/// What impacts and levels that drown in noise add to error control at most [-].
+/// Largest factor on the cost of error control by impacts and by levels below the noise of the steps [-].
 const UNFORESEEN: f64 = 20.0;
 /// Longest estimate [s]; a run that long never finishes.
 const LONGEST: f64 = 1e12;
@@ -78,7 +78,7 @@ struct Rates<'a> {
     scene: &'a Scene,
     settings: &'a RunSettings,
     mode: FastestMode,
-    /// Of one evaluation of the equations [s].
+    /// Wall time of one evaluation of the equations [s].
     evaluation: f64,
 }
 
@@ -86,14 +86,14 @@ impl<'a> Rates<'a> {
     /// `None` where there is no equilibrium.
     fn of(scene: &'a Scene, settings: &'a RunSettings, terms: &ActiveTerms, model: &Model) -> Option<Self> {
         let mode = start_state(model).and_then(|start| fastest_mode(model, &start)).ok()?;
-        // As many balls as there are lanes are evaluated together.
+        // `LANES` balls are evaluated together.
         let balls = scene.bearing.parameters.ball_count.next_multiple_of(LANES) as f64;
         let contacts = 2.0 * terms.raceway.strips as f64 * SECONDS_PER_POINT;
         let film = if terms.raceway.hydrodynamics { HYDRODYNAMIC } else { 1.0 };
         Some(Self { scene, settings, mode, evaluation: film * balls * (SECONDS_PER_BALL + contacts) })
     }
 
-    /// Wall time of a candidate with its verification [s]. `unforeseen`: of error control.
+    /// Wall time of a candidate with its verification [s]. `unforeseen`: factor on the cost of error control [-].
     fn candidate(&self, candidate: &Candidate, unforeseen: f64) -> f64 {
         let time = self.settings.settle + self.settings.duration;
         let samples = SAMPLE_EVALUATIONS * kept_values(self.settings.duration) as f64 * self.evaluation;
@@ -131,7 +131,7 @@ impl<'a> Rates<'a> {
         time * evaluations * self.evaluation
     }
 
-    /// How many times as long as usual the condensed model takes: its steps may be shorter, and its traction general.
+    /// Factor on the usual time of the condensed model [-]: its steps may be shorter, and its traction general.
     fn condensed_slowness(&self, level: ModelLevel) -> f64 {
         let condensed = || RadiallyCondensed::new(self.scene, &self.settings.outputs).ok();
         let Some(model) = Some(level).filter(|level| *level == ModelLevel::RadiallyCondensed).and_then(|_| condensed())

@@ -1,4 +1,4 @@
-//! Which model levels can solve a scene, and what each leaves out.
+//! Model levels that can solve a scene, and the terms that each omits.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ use crate::simulation::model::radially_condensed;
 use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut, UnsupportedChoice};
 use crate::simulation::model::{periodic, spindle_only};
 
-/// Terms whose dynamics no reduced model has.
+/// Terms whose dynamics every reduced model omits.
 const DYNAMICS: [Term; 3] = [Term::BallRadialDynamics, Term::BallSpinDynamics, Term::CageTilt];
 
 /// The model levels that are tried, the cheapest first, and those that are not.
@@ -113,7 +113,7 @@ pub fn allowed_deviation(level: ModelLevel, model_tolerance_db: f64) -> f64 {
     }
 }
 
-/// Why a reduced model cannot represent a scene or its outputs.
+/// Reason why a reduced model cannot represent a scene or its outputs; `None` if it can.
 fn cannot_represent(level: ModelLevel, scene: &Scene, terms: &ActiveTerms, outputs: &Outputs) -> Option<String> {
     // The leaner models are verified by the condensed one.
     let condensed = || radially_condensed::inapplicability(scene, outputs).map(str::to_owned);
@@ -143,7 +143,7 @@ fn no_reduced_model(scene: &Scene, settings: &RunSettings, terms: &ActiveTerms) 
     }
 }
 
-/// Why the planar verification of the leanest models does not show tilt.
+/// Reason why the planar verification of the leanest models does not show tilt; `None` if tilt is not expected.
 pub fn tilt_risk(scene: &Scene) -> Option<Ineligible> {
     if may_tilt(scene) {
         Some(Ineligible::MayTilt)
@@ -154,17 +154,17 @@ pub fn tilt_risk(scene: &Scene) -> Option<Ineligible> {
     }
 }
 
-/// Whether cage and balls may tilt in so viscous a lubricant at so low a speed.
+/// True if the lubricant is so viscous at this speed that cage and balls may tilt.
 pub fn may_tilt(scene: &Scene) -> bool {
     scene.lubricant.viscosity > TILT_VISCOSITY * scene.operating_speed().abs()
 }
 
-/// Whether they may begin to tilt late in a run.
+/// True if cage and balls may begin to tilt late in a run.
 pub fn may_tilt_late(scene: &Scene) -> bool {
     scene.lubricant.viscosity > LATE_TILT_VISCOSITY * scene.operating_speed().abs()
 }
 
-/// Whether weight and inertia of the cage, which act beside the plane of its balls, may take these out of it.
+/// True if weight and inertia of the cage, which act outside the plane of the balls, may move the balls out of this plane.
 fn is_heavy_crown(scene: &Scene) -> bool {
     let (cage, bearing) = (&scene.cage, &scene.bearing);
     let balls = bearing.parameters.ball_count as f64 * bearing.ball_mass;

@@ -1,4 +1,4 @@
-//! Steps of a fixed length: which are tried, and where.
+//! Selection and refinement of fixed steps.
 
 use crate::numerics::ode::Method;
 use crate::simulation::input::settings::RunSettings;
@@ -13,20 +13,20 @@ const AXIAL_STEP: f64 = 5.5e-6;
 const VERIFYING_STEP: f64 = 0.5 * STEP;
 /// Shortest step that is tried [s]: below it error control takes no longer.
 pub const SHORTEST: f64 = 1e-6;
-/// The next step over one that failed [-].
+/// Next step over a step that failed [-].
 pub const HALVED: f64 = 0.5;
 /// Order by which the error falls with the step, rounded down [-].
 const ORDER: f64 = 2.0;
-/// Share of the allowed error that the next step aims at, and the next step over the last at most [-].
+/// Share of the allowed error that the next step aims at [-], and largest ratio of the next step to the last [-].
 const AIM: f64 = 0.5;
 const LARGEST_CHANGE: f64 = 0.75;
 
-/// Whether the method is free and no step or tolerance was selected.
+/// True if no method, step or tolerance was selected.
 pub fn is_free(settings: &RunSettings) -> bool {
     settings.method == Method::Auto && settings.fixed_step.is_none() && settings.tightened.is_some()
 }
 
-/// Whether fixed steps can be tried: undamped contacts ring on, and long steps damp that.
+/// True if fixed steps can be tried. Undamped contacts keep vibrating, and long steps would damp this vibration.
 pub fn is_eligible(model: &Model, settings: &RunSettings) -> bool {
     is_free(settings) && model.mechanism().raceway.inner.is_damped()
 }
@@ -41,7 +41,7 @@ pub(crate) fn lengths(model: &Model) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(first_step(model)), |step| Some(HALVED * step)).take_while(|step| *step >= SHORTEST)
 }
 
-/// The step after one whose error exceeds the allowed one by a factor `excess` [s].
+/// Next step after a step whose error exceeds the allowed one by a factor `excess` [s].
 pub fn refined(step: f64, excess: f64) -> f64 {
     step * (AIM / excess).powf(1.0 / ORDER).min(LARGEST_CHANGE)
 }
@@ -56,7 +56,7 @@ pub fn in_steps(settings: &RunSettings, step: f64) -> RunSettings {
     RunSettings { method: Method::SemiImplicit, fixed_step: Some(step), tightened: None, ..settings.clone() }
 }
 
-/// The dynamics that verify a reduced model, where steps are free.
+/// Settings of the dynamics that verify a reduced model in fixed steps; `None` if a step was selected.
 pub fn verifying(settings: &RunSettings) -> Option<RunSettings> {
     is_free(settings).then(|| in_steps(settings, VERIFYING_STEP))
 }

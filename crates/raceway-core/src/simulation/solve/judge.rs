@@ -1,4 +1,4 @@
-//! Whether an attempt becomes the result, and what is tried in its place.
+//! Judgement of an attempt: it becomes the result, or another candidate is tried in its place.
 
 use std::rc::Rc;
 
@@ -22,17 +22,17 @@ use crate::simulation::solve::fixed_step;
 use crate::simulation::solve::plan::{Candidate, CandidateSteps, Reference};
 use crate::simulation::solve::verify::{MIN_VALUES, TIGHTEST, Verification};
 
-/// Fixed steps that are tried for accuracy, and samples of a chaotic motion, at most.
+/// Largest number of fixed steps tried for accuracy, and of samples of a chaotic motion.
 const MOST_REFINEMENTS: usize = 3;
-/// Tolerance of a repetition of the whole run over the last [-].
+/// Tolerance of a repetition of the whole run over the last tolerance [-].
 const MUCH_TIGHTER: f64 = 0.01;
 
-/// What becomes of an attempt.
+/// Verdict on an attempt.
 pub(crate) enum Verdict {
     Accept(AccuracyReport),
-    /// The attempt before it is the result.
+    /// The previous attempt is the result.
     AcceptPrevious(AccuracyReport),
-    /// `refined`: to be tried next. `report`: what the attempt would state.
+    /// `refined`: the candidate to try next. `report`: the accuracy report of the rejected attempt.
     Reject {
         cause: Cause,
         refined: Option<Candidate>,
@@ -40,7 +40,7 @@ pub(crate) enum Verdict {
     },
 }
 
-/// How far the search has come.
+/// Progress of the search.
 pub(crate) struct Progress<'a> {
     /// Refinements of this kind of candidate so far.
     pub refinements: usize,
@@ -79,7 +79,7 @@ fn deviates(deviation: &Deviation, outputs: &Outputs, allowed_db: f64) -> Cause 
     Cause::Deviation { levels: asked.levels, quantities: asked.quantities, beyond }
 }
 
-/// A reduced model: within its share of `model_tolerance_db` of a richer one, all along the run.
+/// Verdict on a reduced model: accepted if it stays within its share of `model_tolerance_db` of a richer model all along the run.
 fn reduced(candidate: &Candidate, attempt: &Attempt, verification: &Verification, problem: &Problem<'_>) -> Verdict {
     let Problem { scene, settings, .. } = *problem;
     let outputs = &settings.outputs;
@@ -101,7 +101,7 @@ fn reduced(candidate: &Candidate, attempt: &Attempt, verification: &Verification
     } else {
         verification.is_chaotic().then_some(Cause::NotCovered(Gap::Chaos))
     };
-    // Longer steps may be to blame.
+    // The deviation may come from longer steps than the model's own.
     let own_step = || {
         let model = RadiallyCondensed::new(scene, outputs).ok()?;
         Some(Candidate { stepping: CandidateSteps::Own(Some(model.step_ratio().step())), ..*candidate })
@@ -116,7 +116,7 @@ fn reduced(candidate: &Candidate, attempt: &Attempt, verification: &Verification
     }
 }
 
-/// What a reduced model states; `cause`: why it would be rejected, had it not been selected.
+/// Accuracy report of a reduced model. `cause`: reason for rejecting it if it had not been selected.
 fn reduced_report(
     candidate: &Candidate,
     attempt: &Attempt,
@@ -148,7 +148,7 @@ fn reduced_report(
     report
 }
 
-/// Fixed steps that were chosen: a quarter of the step shows no more than half of `model_tolerance_db`.
+/// Verdict on automatic fixed steps: accepted if a quarter of the step deviates by no more than half of `model_tolerance_db`.
 fn chosen_step(
     candidate: &Candidate,
     step: f64,
@@ -184,7 +184,7 @@ fn chosen_step(
     reject(deviates(&deviation, outputs, allowed_db), may_refine.then_some(Candidate { stepping, ..*candidate }))
 }
 
-/// Chaos in fixed steps: only statistics can be compared, with a sample in half of the step.
+/// Verdict on chaotic motion in fixed steps. Only its statistics can be compared, with a sample in half of the step.
 fn chaotic_step(candidate: &Candidate, step: f64, verification: &Verification, problem: &Problem<'_>) -> Verdict {
     let Problem { scene, settings, .. } = *problem;
     let rate = verification.divergence.map_or(0.0, |divergence| divergence.rate);
@@ -211,7 +211,7 @@ fn half_step(candidate: &Candidate, step: f64) -> Candidate {
     Candidate { stepping, reference: Reference::IndependentSample, ..*candidate }
 }
 
-/// The second of two samples of a chaotic motion: their levels are the same within their standard errors.
+/// Verdict on the second of two samples of a chaotic motion: accepted if their levels agree within their standard errors.
 fn sample(
     candidate: &Candidate,
     step: f64,
@@ -238,7 +238,7 @@ fn sample(
     reject(Cause::SamplesDiffer, refined)
 }
 
-/// Error control, or a method, step or tolerance that was selected.
+/// Verdict on error control, or on a selected method, step or tolerance.
 fn controlled(
     candidate: &Candidate,
     attempt: &Attempt,
@@ -265,7 +265,7 @@ fn controlled(
         report = sufficient(&report, verification, &attempt.recording, outputs, allowed_db).unwrap_or(report);
         return Verdict::Accept(report);
     }
-    // Where little moves, a loose tolerance may take the noise of its steps for chaos.
+    // With axial motion or tilt, the step noise of a loose tolerance may look like chaos.
     let is_believed = !problem.has_axial_motion_or_tilt() || !report.is_chaotic();
     if is_believed {
         if let Some(report) = sufficient(&report, verification, &attempt.recording, outputs, allowed_db) {
@@ -280,7 +280,7 @@ fn controlled(
     Verdict::Reject { cause, refined: None, report: Some(report) }
 }
 
-/// The whole run at a much tighter tolerance than the last.
+/// The whole run at a much tighter tolerance than the last; `None` if no tighter one is left.
 fn much_tighter(candidate: &Candidate, tolerance: f64) -> Option<Candidate> {
     let CandidateSteps::Controlled(method, _) = candidate.stepping else { return None };
     let tighter = (MUCH_TIGHTER * tolerance).max(TIGHTEST);
@@ -288,7 +288,7 @@ fn much_tighter(candidate: &Candidate, tolerance: f64) -> Option<Candidate> {
     (tighter < tolerance).then_some(Candidate { stepping, reference: Reference::LooserRun, ..*candidate })
 }
 
-/// A whole run against one at a looser tolerance: the level stands still, or the change is the motion's own.
+/// Verdict on a whole run against one at a looser tolerance. Either the level has converged, or the change belongs to the motion itself.
 fn looser_run(
     candidate: &Candidate,
     attempt: &Attempt,
@@ -298,7 +298,7 @@ fn looser_run(
 ) -> Verdict {
     let settings = problem.settings;
     let mut deviation = verification.deviation.unwrap_or(Deviation::UNKNOWN);
-    // A level that is silence at the tighter tolerance was the noise of the looser steps.
+    // A level that is silent at the tighter tolerance was the noise of the looser steps.
     deviation.levels = of_heard(&deviation.levels, &attempt.recording);
     let change = deviation.levels.worst();
     let before = progress.previous.and_then(|(_, before)| before.deviation).map(|deviation| deviation.levels);
@@ -325,14 +325,14 @@ fn looser_run(
     }
 }
 
-/// What a run of the dynamics states.
+/// Accuracy report of a run of the dynamics.
 fn dynamics_report(attempt: &Attempt, verification: &Verification, settings: &RunSettings) -> AccuracyReport {
     let mut deviation = verification.deviation.unwrap_or(Deviation::UNKNOWN);
     let mut basis = verification.basis;
     let mut report = AccuracyReport::new(deviation, basis, verification.divergence);
     let mut cause = Uncertainty::Steps;
     if report.is_chaotic() {
-        // Another sample of the same motion: over a part of the time it scatters more than over all of it.
+        // The repetition is another sample of the same motion. Its scatter is larger over a part of the time than over the whole time.
         let share = match verification.basis {
             ErrorBasis::Repetition { window, recorded, .. } if settings.fixed_step.is_none() => {
                 (window / recorded).sqrt()
@@ -369,7 +369,7 @@ fn dynamics_report(attempt: &Attempt, verification: &Verification, settings: &Ru
     report
 }
 
-/// Warning of a chaotic motion that is recorded for too short a time to be a sample of its statistics.
+/// Warning of a chaotic motion whose recorded time is too short to be a sample of its statistics.
 fn short_chaos(report: &AccuracyReport, settings: &RunSettings) -> Option<Warning> {
     let rate = report.divergence_rate;
     (report.is_chaotic() && rate * settings.duration < SAMPLE_EFOLDS)
@@ -383,7 +383,7 @@ pub(crate) fn large_errors(report: &AccuracyReport, cause: Uncertainty, outputs:
     warning.into_iter().collect()
 }
 
-/// Why no error is known.
+/// Cause for which no error is known.
 fn not_verified(verification: &Verification, settings: &RunSettings) -> Option<Cause> {
     let is_short = kept_values(settings.duration) < MIN_VALUES;
     match &verification.failure {
@@ -392,8 +392,8 @@ fn not_verified(verification: &Verification, settings: &RunSettings) -> Option<C
     }
 }
 
-/// The report of a run that no finer steps would make better: its errors are allowed, or hidden by the scatter between windows of the
-/// motion; `None`: finer steps might.
+/// Report of a run that finer steps would not improve: its errors are allowed, or hidden by the scatter between windows of the motion. `None`:
+/// finer steps may improve it.
 fn sufficient(
     report: &AccuracyReport,
     verification: &Verification,
@@ -412,7 +412,7 @@ fn sufficient(
     if within(report.excess(outputs, allowed_db)) || within(beside_scatter()) {
         return Some(report.clone());
     }
-    // Finer steps lead to another course with the same levels: each is a sample as good as the other.
+    // Finer steps give another course with the same levels: both are equally valid samples.
     let ratio = report.level_errors.zip(&scatter, |error, scatter| error / scatter.max(allowed_db));
     let is_sample = verification.is_whole && verification.noise > INDEPENDENT_NOISE && !report.is_chaotic();
     let only_uncertain = report.warnings.iter().all(|warning| matches!(warning, Warning::Uncertain { .. }));

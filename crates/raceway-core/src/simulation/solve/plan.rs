@@ -18,7 +18,7 @@ pub struct Candidate {
     pub reference: Reference,
 }
 
-/// How a candidate steps.
+/// Integration steps of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CandidateSteps {
     /// The integrator of a reduced model. `None`: the longest step that a trial over a short window allows; else this one [s].
@@ -29,23 +29,23 @@ pub enum CandidateSteps {
     Controlled(Method, f64),
 }
 
-/// What a candidate is verified by.
+/// Reference that verifies a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reference {
     /// A richer model over a window.
     RicherModel,
     /// A repetition with finer steps or a tighter tolerance.
     Refined,
-    /// The attempt before it, a sample of the same chaotic motion.
+    /// The previous attempt, a sample of the same chaotic motion.
     IndependentSample,
-    /// The whole run before it, at a looser tolerance.
+    /// The previous whole run, at a looser tolerance.
     LooserRun,
 }
 
-/// Candidates by cost, and the levels that are none.
+/// Candidates by cost, and the levels that are not eligible.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// Those that are still to be tried, the next one last.
+    /// Candidates still to be tried, the next one last.
     queue: Vec<Candidate>,
     pub not_eligible: Vec<NotEligible>,
 }
@@ -90,18 +90,18 @@ impl Plan {
         self.queue.push(candidate);
     }
 
-    /// Drops all candidates that are left.
+    /// Drops all remaining candidates.
     pub(crate) fn clear(&mut self) {
         self.queue.clear();
     }
 
-    /// Whether no candidate is left.
+    /// True if no candidate is left.
     pub(crate) fn is_empty(&self) -> bool {
         self.queue.is_empty()
     }
 }
 
-/// Candidates of the dynamics: fixed steps where they are free, error control, and a tighter tolerance.
+/// Candidates of the dynamics: fixed steps if they are eligible, error control, and a tighter tolerance.
 fn dynamics(scene: &Scene, settings: &RunSettings, level: ModelLevel) -> Result<Vec<Candidate>, UnsupportedChoice> {
     let candidate = |stepping| Candidate { level, stepping, reference: Reference::Refined };
     if let Some(step) = settings.fixed_step {

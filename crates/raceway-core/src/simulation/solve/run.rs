@@ -1,4 +1,4 @@
-//! The main story: plan, execute, verify, judge.
+//! Main sequence of a simulation: plan, execute, verify, judge.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -18,11 +18,12 @@ use crate::simulation::solve::judge::{Progress, Verdict, judge};
 use crate::simulation::solve::plan::{Candidate, CandidateSteps, Plan, Reference};
 use crate::simulation::solve::verify::{Verification, or_failure, verify};
 
-/// Share of the progress that is left which a candidate takes: another may have to follow.
+/// Share of the remaining progress that a candidate takes; another candidate may have to follow.
 const CANDIDATE_SHARE: f64 = 0.8;
 /// Share of a candidate's progress that its run takes; the rest is its verification.
 const RUN_SHARE: f64 = 0.6;
-/// Evaluations of a candidate over those of the last attempt, at most: a tighter tolerance, and the whole run much tighter.
+/// Largest ratio of a candidate's evaluations to those of the last attempt [-]: for a tighter tolerance, and for the whole run at a much tighter
+/// one.
 const TIGHTER_EVALUATIONS: u64 = 5;
 const LOOSER_EVALUATIONS: u64 = 50;
 
@@ -82,20 +83,20 @@ pub fn simulate(scene: &Scene, settings: &RunSettings, control: &Control<'_>) ->
     Ok(result)
 }
 
-/// What the candidates so far have shown.
+/// State of the search after the candidates so far.
 #[derive(Default)]
 struct Search {
     rejections: Vec<Rejection>,
-    /// The last attempt, by which a sample or a tighter run is verified.
+    /// The last attempt, the reference of a sample or of a tighter run.
     previous: Option<(Rc<Attempt>, Verification)>,
     refinements: usize,
-    /// The result, or the best that is known while candidates are left.
+    /// The result, or the best attempt so far while candidates are left.
     fallback: Option<(Candidate, Rc<Attempt>, AccuracyReport)>,
     last_failure: Option<SimulationError>,
 }
 
 impl Search {
-    /// Another attempt that costs too much is abandoned: what is known stands.
+    /// Limit on evaluations of another attempt. An attempt above it is aborted, and the previous result remains valid.
     fn most_evaluations(&self, candidate: &Candidate) -> Option<u64> {
         let CandidateSteps::Controlled(..) = candidate.stepping else { return None };
         let times = match candidate.reference {
@@ -106,7 +107,7 @@ impl Search {
         Some(times * attempt.work.rhs_evaluations.max(MIN_EVALUATIONS))
     }
 
-    /// Notes a candidate that failed. Fixed steps that blow up are halved.
+    /// Records a candidate that failed. Fixed steps that diverge are halved.
     fn fail(&mut self, candidate: &Candidate, failure: SimulationError, plan: &mut Plan, settings: &RunSettings) {
         if let CandidateSteps::Fixed(method, step) = candidate.stepping
             && may_halve(candidate, settings)
@@ -115,7 +116,7 @@ impl Search {
             plan.insert(Candidate { stepping, ..*candidate });
         }
         if candidate.reference == Reference::LooserRun {
-            // What is known of the looser run stands.
+            // The result of the looser run remains valid.
             plan.clear();
         }
         self.rejections.push(rejection(candidate, Cause::Failed(failure.clone())));
@@ -136,7 +137,7 @@ impl Search {
         let is_compared =
             |refined: &Candidate| matches!(refined.reference, Reference::LooserRun | Reference::IndependentSample);
         if refined.as_ref().is_some_and(|refined| refined.reference == Reference::LooserRun) {
-            // A run that is refined against the noise of its steps is not run at a looser tolerance again.
+            // After refinement against the noise of the steps, no looser tolerance is tried again.
             plan.clear();
         }
         match (refined.as_ref().is_some_and(is_compared), report) {
@@ -155,7 +156,7 @@ impl Search {
     }
 }
 
-/// Whether fixed steps were chosen and may be halved.
+/// True if the fixed steps were chosen automatically and may be halved.
 fn may_halve(candidate: &Candidate, settings: &RunSettings) -> bool {
     match candidate.stepping {
         CandidateSteps::Fixed(_, step) => {

@@ -1,6 +1,6 @@
-//! How long the start of a run rings: the spindle vibrates freely on its contacts until their damping has taken that away. Across the
-//! load few contacts lean far, and that vibration stays many times longer than the one along it. All attempts at a run of the
-//! dynamics share what of that time comes before the last turns of the cage.
+//! Start-up of a run. The spindle vibrates freely on its contacts until their damping has removed this initial transient. Few contacts act across
+//! the load, so vibration in that direction decays many times more slowly than along the load. All attempts at a run of the dynamics share the
+//! start-up phase, except for the last turns of the cage.
 
 use crate::simulation::error::codes::Warning;
 use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
@@ -20,56 +20,57 @@ use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{FadingDamping, Mechanism, Model};
 use crate::simulation::solve::fixed_step;
 
-/// e-folds after which free vibration has gone: one five times as strong as the steady one adds less than 0.05 dB to its level then.
+/// Decay after which free vibration is treated as gone [e-folds]. A vibration five times as strong as the stationary one then adds less than 0.05
+/// dB to its level.
 const SETTLED_EFOLDS: f64 = 4.0;
-/// Longest time that is waited for it [s].
+/// Longest settling time that is allowed for this decay [s].
 const MAX_SETTLE_S: f64 = 5.0;
-/// Turns of the cage in which balls, cage and film have settled, and within which of these times [s].
+/// Turns of the cage in which balls, cage and film settle [-], and the range of the resulting time [s].
 const SETTLE_CAGE_TURNS: f64 = 3.0;
 const CAGE_SETTLE_RANGE_S: [f64; 2] = [0.02, 1.0];
-/// How much longer a run settles, over that, whose attempts share the first part of it.
+/// Settling time beyond `turning_time`, over `turning_time`, from which the attempts share the first part of it [-].
 const SHARED: f64 = 2.0;
-/// Share of settling, however short it is, where contacts lean and all of them carry, and the shortest time that is shared [s]: the cage rings
-/// along its axis then, on films that hardly damp it there.
+/// Least shared part of the settling time if contacts have a contact angle and all carry load [-], and shortest shared time [s]. The cage then
+/// vibrates along its axis, on films that hardly damp this motion.
 const AXIAL_SHARED: f64 = 2.0 / 3.0;
 const LEAST_SHARED: f64 = 0.01;
-/// Decay of the spindle's free vibration from which on there is one motion, whatever it came from [1/s]. Below 5/s some grow by themselves, slowly
-/// from a quiet start, or come to another motion from a lively one.
+/// Decay rate of the spindle's free vibration from which the attractor is unique [1/s]. Below 5/s, some vibrations grow slowly by themselves after
+/// a quiet start, or reach a different motion after a strongly disturbed start.
 const UNIQUE_DECAY_PER_S: f64 = 10.0;
-/// Time after which the cage, too, mostly rings no more [s].
+/// Time after which the axial vibration of the cage has mostly decayed [s].
 const CAGE_SETTLE_S: f64 = 2.0;
-/// Time after which cage and balls mostly tilt no more [s].
+/// Time after which the tilting of cage and balls has mostly ended [s].
 const TILT_SETTLE_S: f64 = 4.0;
-/// Rate of the damping at the start [1/s]: vibration falls by 7 e-folds or more before it has faded, and steps of 7.5 µs resolve it.
+/// Rate of the damping at the start [1/s]. Vibration falls by at least 7 e-folds before the damping has faded, and steps of 7.5 µs resolve it.
 const START_DAMPING_PER_S: f64 = 2000.0;
 
-/// How attempts come to share it where all steps of a fixed length blow up: what it leaves behind is forgotten.
+/// Error control of the start-up phase, used if all fixed steps diverge. Its error decays with the initial transient.
 const STARTUP_TOLERANCE: Stepping =
     Stepping { method: Method::Auto, relative_tolerance: 1e-3, fixed_step: None, most_evaluations: None };
 
-/// How the spindle rests on its contacts.
+/// Static equilibrium of the spindle on its contacts.
 struct StaticSupport {
-    /// Slowest rate at which its free vibration decays [1/s].
+    /// Slowest decay rate of the free vibration of the spindle [1/s].
     decay: f64,
-    /// Each ball carries load wherever it stands, so that none knocks.
+    /// Every ball carries load at every position, so that no ball knocks.
     all_carry: bool,
-    /// Contacts lean, and there is a cage that rings along the axis.
+    /// Contacts have a contact angle, and there is a cage that vibrates along the axis.
     has_axial_motion_or_tilt: bool,
 }
 
 impl StaticSupport {
-    /// Whatever a run starts from, it comes to the same motion.
+    /// The attractor is unique.
     fn has_one_attractor(&self) -> bool {
         self.all_carry && self.decay > UNIQUE_DECAY_PER_S
     }
 
-    /// Under load, weight and centrifugal force at the operating speed; `None` where nothing holds it.
+    /// Equilibrium under load, weight and centrifugal force at the operating speed; `None` if the spindle has no equilibrium.
     fn of(scene: &Scene) -> Option<Self> {
-        // Which outputs are asked for does not matter to what holds the spindle.
+        // The requested outputs do not change the static support.
         let outputs = Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: vec![] };
         let mut mechanism = Mechanism::new(scene, &ActiveTerms::of(scene, &outputs, None).ok()?);
         let law = scene.raceway_damping.resolve();
-        // Balls go round: a place with one of them under the load, and the one halfway to the next.
+        // The balls orbit. Two positions are averaged: one ball below the load, and half a ball spacing further.
         let (mut damping, mut all_carry) = (Matrix3::zeros(), true);
         let halfway = 0.5 * std::f64::consts::TAU / mechanism.layout.balls as f64;
         for turned in [0.0, halfway] {
@@ -81,7 +82,7 @@ impl StaticSupport {
                     all_carry = false;
                     continue;
                 }
-                // Two contacts in series: half of the damping of one; the mean of two places.
+                // Two contacts in series have half of the damping of one. The other factor of 0.5 averages the two positions.
                 let both = 0.25 * (law.chi * load.inner + law.viscous);
                 let (cosine, sine) = (mechanism.start.cosine[ball], mechanism.start.sine[ball]);
                 let (axial, radial) = rest.balls[ball];
@@ -100,15 +101,14 @@ impl StaticSupport {
     }
 }
 
-/// Slowest rate at which free vibration of the spindle decays [1/s], along its axis, too, where it moves there: by the damping of its
-/// contacts at rest; `None` where it does not rest on contacts that damp it.
+/// Slowest decay rate of the free vibration of the spindle by the damping of its contacts at rest [1/s]. Axial vibration is included if the spindle
+/// moves along its axis. `None` if the spindle does not rest on contacts that damp it.
 pub fn decay_rate(scene: &Scene) -> Option<f64> {
     StaticSupport::of(scene).map(|rest| rest.decay).filter(|rate| *rate > 0.0)
 }
 
-/// Time that a vibration which a run starts with is given to go [s], that of the cage along its axis, too, where no start is damped at first; at
-/// most `MAX_SETTLE_S`; `None` as for [`decay_rate`], and at changing
-/// speed, where waiting would leave out what is asked for.
+/// Settling time for the decay of the initial transient [s], at most `MAX_SETTLE_S`. It includes the axial vibration of the cage if the start is
+/// not damped. `None` as for [`decay_rate`], and at changing speed, where settling would skip a part of the requested speed range.
 pub fn settling_time(scene: &Scene) -> Option<f64> {
     let rest = StaticSupport::of(scene).filter(|rest| rest.decay > 0.0 && scene.operation.speed.is_constant())?;
     let of_cage =
@@ -116,7 +116,7 @@ pub fn settling_time(scene: &Scene) -> Option<f64> {
     Some((SETTLED_EFOLDS / rest.decay).clamp(of_cage, MAX_SETTLE_S))
 }
 
-/// Time in which balls and cage settle [s], however long the spindle rings.
+/// Time in which balls and cage settle [s], independent of the decay of the spindle's vibration.
 pub fn turning_time(scene: &Scene) -> f64 {
     let turn = kinematics::ideal_frequencies(&scene.bearing, scene.operating_speed()).cage;
     if turn > 0.0 {
@@ -126,20 +126,20 @@ pub fn turning_time(scene: &Scene) -> f64 {
     }
 }
 
-/// What of settling the attempts at a run share.
+/// Start-up phase that all attempts reuse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StartupPhase {
-    /// From the start [s]; 0: nothing.
+    /// End of the phase, counted from the start of the run [s]; 0: no shared phase.
     pub time: f64,
-    /// Until it has faded.
+    /// Additional damping that fades out before the phase ends; `None`: no additional damping.
     damping: Option<FadingDamping>,
 }
 
 impl StartupPhase {
     const NOTHING: Self = Self { time: 0.0, damping: None };
 
-    /// Of a run. Where the start still rings, or may lead to one motion or to another, what is kept is of that one start, and each attempt
-    /// has to come from there.
+    /// Start-up phase of a run. Attempts share nothing if the initial transient has not decayed, or if the attractor may not be unique. The
+    /// recorded motion then belongs to one start, and each attempt has to begin from that start.
     pub fn of(scene: &Scene, model: &Model, settings: &RunSettings) -> Self {
         let (settle, turning) = (settings.settle, turning_time(scene));
         let mechanism = model.mechanism();
@@ -153,40 +153,40 @@ impl StartupPhase {
             && time >= LEAST_SHARED
             && StaticSupport::of(scene).is_some_and(|rest| rest.has_one_attractor())
         {
-            // It fades slowly beside all vibration, that of a heavy spindle, too.
+            // The damping fades slowly compared with every vibration, also that of a heavy spindle.
             let end = turning.max(0.5 * time).min(time);
             return Self { time, damping: Some(FadingDamping { rate: START_DAMPING_PER_S, end }) };
         }
         if settle <= (1.0 + SHARED) * turning || !fixed_step::is_free(settings) {
             return Self::NOTHING;
         }
-        // By default, to three digits.
+        // The default settling time is rounded to three digits, hence 0.99.
         let forgets = settling_time(scene).is_some_and(|time| settle >= 0.99 * time);
         if forgets { Self { time: settle - turning, damping: None } } else { Self::NOTHING }
     }
 }
 
-/// Where the attempts at a run begin.
+/// Initial state of all attempts at a run.
 #[derive(Debug, Clone)]
 pub struct InitialState {
     /// [s]
     pub time: f64,
-    /// What only the start has set going has been taken away.
+    /// Damping has removed the vibration that only the start excited.
     pub is_damped: bool,
     pub state: Vec<f64>,
-    /// What led to it.
+    /// Work of the integration up to this state.
     pub work: Statistics,
 }
 
 impl InitialState {
-    /// In equilibrium, at no time.
+    /// Equilibrium at time 0.
     pub fn at_rest(model: &Model) -> Result<Self, SimulationError> {
         Ok(Self { time: 0.0, is_damped: false, state: start_state(model)?, work: Statistics::default() })
     }
 
-    /// After what attempts share, so that they and their repetitions have no more before them than the last of settling. In long steps,
-    /// which leave what rings as it is (levels that still rang after a second, and a quarter of the step, differed by
-    /// 0.0015 dB at most), or in shorter ones, or under error control where the long ones blow up.
+    /// State after the shared phase. Attempts and their repetitions only have the rest of the settling time before them. Long fixed steps are tried
+    /// first, because they hardly change undamped vibration. Levels that had not settled after a second differed by at most 0.0015 dB between this
+    /// step and a quarter of it. If the long steps diverge, shorter ones follow, then error control.
     pub fn after(shared: &StartupPhase, model: &Model, control: &Control<'_>) -> Result<Self, SimulationError> {
         let start = Self::at_rest(model)?;
         let &StartupPhase { time, damping } = shared;
@@ -208,12 +208,12 @@ impl InitialState {
                 Err(_) => {}
             }
         }
-        // Every attempt settles by itself.
+        // No integration succeeded: every attempt settles by itself.
         Ok(start)
     }
 }
 
-/// Warnings of vibration of the start in the recorded time. `keeps_start`: neither chaos nor damping has removed it.
+/// Warnings of an initial transient in the recorded time. `keeps_start`: neither chaos nor damping has removed it.
 pub fn warnings(scene: &Scene, terms: &ActiveTerms, settle: f64, keeps_start: bool) -> Vec<Warning> {
     let vibration = || start_transient(scene, settle).or_else(|| cage_transient(scene, terms, settle));
     let tilt = || {
@@ -231,7 +231,7 @@ fn cage_transient(scene: &Scene, terms: &ActiveTerms, settle: f64) -> Option<War
     Some(Warning::CageTransient { settle, required: CAGE_SETTLE_S })
 }
 
-/// Warning of free vibration of the spindle that may still be that of the start.
+/// Warning of free vibration of the spindle that may remain from the start.
 pub fn start_transient(scene: &Scene, settle: f64) -> Option<Warning> {
     let rate = decay_rate(scene).filter(|rate| settle * rate < MIN_DECAY_EFOLDS)?;
     let constant_speed = scene.operation.speed.is_constant();

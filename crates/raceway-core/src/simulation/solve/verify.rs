@@ -1,4 +1,4 @@
-//! One comparison: what a run deviates by from its reference, and whether that covers the run.
+//! One comparison: the deviation of a run from its reference, and the coverage of the run by this comparison.
 
 use std::rc::Rc;
 
@@ -33,15 +33,15 @@ use crate::simulation::solve::fixed_step;
 use crate::simulation::solve::plan::{Candidate, Reference};
 use crate::simulation::solve::startup::InitialState;
 
-/// Window of the leanest models, whose richer model costs little, over that of the condensed one [-].
+/// Window of the leanest models over that of the condensed model [-]. Their richer model costs little.
 const LEAN_WINDOW: f64 = 2.0;
-/// Relative tolerance of the dynamics that verify a reduced model [-]; errs by some 2e-4 dB.
+/// Relative tolerance of the dynamics that verify a reduced model [-]; its level error is about 2e-4 dB.
 const WINDOW_TOLERANCE: f64 = 1e-4;
 /// Initial distance of two trajectories [m], and the size of the spindle's displacements [m].
 const DISPLACEMENT: f64 = 1e-10;
 const STATIC_DISPLACEMENT: f64 = 1e-6;
-/// Step of a repetition over that of a run in steps of a fixed length [-]. Long steps of `semi_implicit` damp light oscillations above the
-/// band as half of them do, and a quarter shows it.
+/// Step of a repetition over the fixed step of the run [-]. Half of a long step of `semi_implicit` damps light oscillations above the band as the
+/// step itself does. A quarter shows this damping.
 const HALF_STEP: f64 = 0.5;
 const QUARTER_STEP: f64 = 0.25;
 /// Tolerance of a repetition over that of the run [-], and the tightest that double precision resolves.
@@ -52,7 +52,7 @@ pub(crate) const MIN_VALUES: usize = 200;
 /// Evaluations of a verification over those of the run, at most [-].
 const MOST_EVALUATIONS: u64 = 10;
 
-/// What a comparison has shown.
+/// Result of a comparison.
 #[derive(Debug, Default)]
 pub(crate) struct Verification {
     /// `None`: unknown.
@@ -63,13 +63,13 @@ pub(crate) struct Verification {
     pub noise: f64,
     /// The whole recorded time was repeated.
     pub is_whole: bool,
-    /// What the window does not cover.
+    /// Effect that the window does not cover.
     pub gap: Option<Gap>,
     /// Deviation of the whole run in finer steps.
     pub course: Option<Deviation>,
     /// The repetition failed.
     pub failure: Option<SimulationError>,
-    /// Only a part [s] could be repeated, and why.
+    /// Window that could be repeated [s], and the reason why no longer one could.
     pub part: Option<(f64, SimulationError)>,
 }
 
@@ -118,7 +118,7 @@ pub(crate) fn verify(
     }
 }
 
-/// A result, or why there is none: a run is not lost because its verification fails. Only a stop is passed on.
+/// Separates a stop from other failures. A failed verification does not discard a run; only a stop is passed on.
 pub(crate) fn or_failure<T>(result: Result<T, SimulationError>) -> Result<Result<T, SimulationError>, SimulationError> {
     match result {
         Err(stopped @ SimulationError::Stopped { .. }) => Err(stopped),
@@ -146,7 +146,7 @@ fn by_richer_model(
     };
     let Compared { mut deviation, own, richer, richer_level, leaves } = compared;
     let whole = is_condensed && !is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
-    // The whole time where the motion is neither periodic nor stationary.
+    // The whole time is compared if the motion is neither periodic nor stationary.
     let mut course = None;
     if is_condensed {
         let finer = |settings: &RunSettings| finer_run(scene, settings, &stepped, control);
@@ -162,7 +162,7 @@ fn by_richer_model(
                 deviation = deviation.larger(&by_steps);
             }
             deviation = along_the_run(deviation, &attempt.recording);
-            // The same once the run has settled, over a turn of the cage.
+            // The settled run is compared in the same way, over a turn of the cage.
             let settled = RunSettings { duration: settled_window(scene, settings), ..settings.clone() };
             if let Some(finer) = or_failure(control.part((0.5, 0.75), |_| finer(&settled)))?.ok().flatten() {
                 let unseen = (1.0 - settled.duration / settings.duration).max(0.0).sqrt();
@@ -177,7 +177,7 @@ fn by_richer_model(
         let of = if is_condensed { &stepped } else { &short };
         divergence(scene, of, first, whole || !is_condensed, control)
     }))? {
-        // Where nothing turns, two trajectories may stay apart for ever.
+        // If nothing turns, two trajectories may keep a constant distance for ever.
         Ok(divergence) => Some(divergence).filter(|_| turns),
         Err(_) => None,
     };
@@ -186,7 +186,7 @@ fn by_richer_model(
     } else if settings.duration < window {
         Some(Gap::ShortRecord)
     } else {
-        // Where levels deviate too far, they show it themselves.
+        // If the levels deviate too far, this deviation is reported, not balls that leave the plane.
         leaves.filter(|_| deviation.within(&settings.outputs, settings.model_tolerance_db))
     };
     let gap = unknown.or_else(|| uncovered(level, scene, settings, &own, &attempt.recording, course.as_ref()));
@@ -201,7 +201,7 @@ fn by_richer_model(
     })
 }
 
-/// Errors of single numbers by a window, at least those that the recorded time itself shows: slow motions are longer than a window.
+/// Errors of single numbers from a window, at least those between the halves of the recorded time. Slow motions take longer than a window.
 fn along_the_run(deviation: Deviation, recording: &Recording) -> Deviation {
     let halves = halves_deviation(&recording.parts);
     let quantities = deviation.quantities.map(|errors| halves.map_or(errors, |halves| errors.larger(&halves)));
@@ -214,7 +214,7 @@ fn window_of(level: ModelLevel, scene: &Scene, settings: &RunSettings) -> RunSet
     if level == ModelLevel::RadiallyCondensed {
         return short;
     }
-    // The richer model costs little; and a periodic motion is none from the start.
+    // The richer model costs little. A periodic motion is not periodic during the initial transient.
     let settle = short.settle.max(settings.settle).max(MIN_WINDOW_SETTLE_S);
     let duration = settings.duration.min(LEAN_WINDOW * short.duration).max(short.duration);
     RunSettings { settle, duration, ..short }
@@ -249,7 +249,7 @@ fn compare_window(
         let richer = dynamics_window(&dynamics, short, settings, control)?;
         leaves = leaving_plane(&richer, short.duration);
         if short.duration < LEAVING_WINDOW_S && leaves.is_some() {
-            // So short a window takes chance for growth.
+            // Such a short window may show random growth.
             let long = RunSettings { duration: LONG_WINDOW_S, ..short.clone() };
             leaves = leaving_plane(&dynamics_window(&dynamics, &long, settings, control)?, LONG_WINDOW_S);
         }
@@ -263,13 +263,13 @@ fn compare_window(
     if level == ModelLevel::RadiallyCondensed
         && let Some(errors) = &mut deviation.quantities
     {
-        // The largest load of the run is at another approach than that of the window, where the law of its contacts errs otherwise.
+        // The largest load of the run occurs at a different approach from that in the window. There, the law of the contacts has a different error.
         errors.max_load += condensed_contact::LOAD_ERROR;
     }
     Ok(Compared { deviation, own, richer, richer_level, leaves })
 }
 
-/// A window of the dynamics, in fixed steps where they are free and do not blow up.
+/// Window of the dynamics. Fixed steps are used if no step is selected and the integration does not diverge; otherwise error control.
 fn dynamics_window(
     dynamics: &Dynamics,
     short: &RunSettings,
@@ -290,7 +290,7 @@ fn dynamics_window(
     }
 }
 
-/// A run of the condensed model in finer steps than those of `stepped`; `None`: they would be too many.
+/// Run of the condensed model in finer steps than those of `stepped`; `None`: too many steps.
 fn finer_run(
     scene: &Scene,
     settings: &RunSettings,
@@ -303,8 +303,8 @@ fn finer_run(
     Ok(Some(radially_condensed::simulate_perturbed(scene, [0.0; 2], &finer, control)?.0))
 }
 
-/// Divergence of a trajectory of the condensed model that starts next to a recorded one. `whole`: over all of it; else over a window, as
-/// long as a disturbance does not seem to grow.
+/// Divergence of a trajectory of the condensed model that starts next to a recorded one. `whole`: over the whole recorded time. Otherwise a window
+/// is used while a disturbance does not appear to grow.
 fn divergence(
     scene: &Scene,
     settings: &RunSettings,
@@ -331,14 +331,14 @@ fn divergence(
     }
 }
 
-/// Window of the recorded time that shows the error of steps, and whether neighbouring trajectories diverge [s]: a turn of the cage.
+/// Window of the recorded time that shows the step error and the divergence of neighbouring trajectories [s]: a turn of the cage.
 fn settled_window(scene: &Scene, settings: &RunSettings) -> f64 {
     let passages = scene.bearing.parameters.ball_count as f64 * DIVERGENCE_CAGE_TURNS;
     let turn = WINDOW_PASSAGES.max(passages) * ball_passage(scene);
     window_time(scene, settings).max(REPEATED).max(turn).min(settings.duration)
 }
 
-/// What happens in a run that its window of verification does not cover.
+/// Effect in a run that its window of verification does not cover; `None` if the window covers the run.
 fn uncovered(
     level: ModelLevel,
     scene: &Scene,
@@ -356,7 +356,7 @@ fn uncovered(
             _ => Gap::MayTilt,
         })
     };
-    // What finer steps show is known, and more than that.
+    // A deviation of the whole run in finer steps shows more than the scatter, and is reported instead.
     let is_known = course.is_some_and(|course| !course.within(&settings.outputs, settings.model_tolerance_db));
     slow.or_else(|| inertia_exceeds_preload(scene, settings, recording)).or_else(|| {
         let scatters = scattering_level(recording).filter(|_| is_condensed && !is_known);
@@ -364,7 +364,7 @@ fn uncovered(
     })
 }
 
-/// Slow motions that went on after the window: slip of the cage, and balls that drift in their pockets.
+/// Slow motions that continued after the window: slip of the cage, and drift of the balls in their pockets.
 fn slow_motion(window: &Recording, recording: &Recording, scene: &Scene) -> Option<Gap> {
     let slipped = (recording.cage_speed - window.cage_speed).abs() / window.cage_speed.max(f64::MIN_POSITIVE);
     let p = &scene.bearing.parameters;
@@ -380,7 +380,7 @@ fn slow_motion(window: &Recording, recording: &Recording, scene: &Scene) -> Opti
     }
 }
 
-/// Whether the spindle may leave its balls at times, and comes to rest slowly: the consequences show long after a window.
+/// Reports a spindle that may leave its balls at times and comes to rest slowly. The consequences appear long after a window.
 fn inertia_exceeds_preload(scene: &Scene, settings: &RunSettings, recording: &Recording) -> Option<Gap> {
     let rms = |channel| recording.of(channel).map_or(0.0, |signal| signal.in_band().moments.rms());
     let [x, y, z] = ACCELERATIONS.map(rms);
@@ -393,7 +393,7 @@ fn inertia_exceeds_preload(scene: &Scene, settings: &RunSettings, recording: &Re
     (share > INERTIA_OVER_PRELOAD && !comes_to_rest()).then_some(Gap::InertiaExceedsPreload(share))
 }
 
-/// Whether a motion that begins in the plane may leave it. Planar motion solves the equations but for a small tilt by the crown's seat,
+/// Reports a motion that begins in the plane and may leave it. Planar motion solves the equations except for a small tilt by the seat of the crown,
 /// which grows in a viscous grease at low speed.
 fn leaving_plane(recording: &Recording, window: f64) -> Option<Gap> {
     let most = |parts: &[Quantities]| parts.iter().fold(0.0, |most, part| f64::max(most, part.out_of_plane));
@@ -447,20 +447,20 @@ fn by_refinement(
     let has_axial_motion_or_tilt = dynamics.model.mechanism().has_axial_motion_or_tilt();
     let forgets = if has_axial_motion_or_tilt { decays } else { !verification.is_chaotic() };
     if method == Method::SemiImplicit && !forgets {
-        // Chaos, instability of the step, or slow motions that keep what steps have damped: no repetition shows the error.
+        // The cause is chaos, instability of the step, or slow motion that keeps oscillations damped by the step. No repetition shows the error.
         verification.failure = failure;
         return Ok(verification);
     }
     let steady = scene.operation.speed.is_constant()
         && is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
-    // The whole time where the motion is neither periodic nor stationary.
+    // The whole time is compared if the motion is neither periodic nor stationary.
     let is_windowed = steady && !verification.is_chaotic();
     let mut window = if is_windowed { refined_window(scene, settings) } else { settings.duration };
     let mut repeated = or_failure(repeat(window, &own, dynamics, most, control))?;
     if let Err(why) = &repeated
         && window > REPEATED
     {
-        // A part is better than nothing.
+        // The first window still gives an error estimate.
         match or_failure(repeat(REPEATED, &own, dynamics, most, control))? {
             Ok(recording) => {
                 verification.part = Some((REPEATED, why.clone()));
@@ -490,13 +490,13 @@ fn by_refinement(
     Ok(verification)
 }
 
-/// Window of a repetition, and time over which neighbouring trajectories are followed at first [s].
+/// Window of a repetition, and initial time over which neighbouring trajectories are followed [s].
 fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
     let passages = WINDOW_PASSAGES * ball_passage(scene);
     settings.duration.min(if passages.is_finite() { passages.max(REPEATED) } else { REPEATED })
 }
 
-/// How a repetition is refined.
+/// Refinement of a repetition.
 fn refinement(settings: &RunSettings) -> Refinement {
     match settings.fixed_step {
         Some(_) if settings.method == Method::SemiImplicit => Refinement::Step(QUARTER_STEP),
@@ -521,7 +521,7 @@ fn repeat(
     }
     let again = RunSettings {
         duration: window,
-        // Sampled as often as its own steps require: peaks lie between the samples of longer ones.
+        // The sampling follows the steps of the repetition, because peaks lie between the samples of longer steps.
         fixed_step: settings.fixed_step.zip(refinement(settings).step()).map(|(step, share)| share * step),
         outputs: without_signals(&settings.outputs),
         ..settings.clone()

@@ -64,7 +64,7 @@ pub struct Point {
     pub relative_tolerance: f64,
     /// Duration of each repetition until its end or its failure; empty where the point was not tried.
     pub taken: Vec<Taken>,
-    /// The measurement, or the reason why there is none.
+    /// The measurement, or the reason for its absence.
     pub measured: Result<Measured, String>,
 }
 

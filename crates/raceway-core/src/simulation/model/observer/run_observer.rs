@@ -21,7 +21,7 @@ use crate::simulation::recording::sampling::picked_channels;
 use crate::simulation::recording::sampling::{PART, RATE};
 use crate::simulation::recording::windows::Recorder;
 
-/// Samples per recorded value, unless long fixed steps damp the motion that only so many samples resolve.
+/// Samples per recorded value [-], which resolve fast motion; not needed if long fixed steps damp this motion.
 const OVERSAMPLING: usize = 4;
 /// Steps per sample from which samples resolve all motion that the steps leave. Motion faster than half the sampling rate then turns by
 /// 120° a step or more, and loses half of its amplitude or more with each step.
