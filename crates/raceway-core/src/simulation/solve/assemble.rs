@@ -25,7 +25,7 @@ use crate::simulation::solve::eligibility::active_terms;
 use crate::simulation::solve::judge::large_errors;
 use crate::simulation::solve::plan::Candidate;
 use crate::simulation::solve::startup::{self, InitialState};
-use crate::simulation::solve::verify::or_failure;
+use crate::simulation::solve::verification::or_failure;
 
 /// Recorded time of a reduced model up to which one later window per batch is recorded [s]. These windows cost little.
 const MANY_WINDOWS_S: f64 = 0.5;

@@ -20,7 +20,7 @@ use crate::simulation::solve::attempt::{Attempt, Problem};
 use crate::simulation::solve::eligibility::{allowed_deviation, may_tilt_late};
 use crate::simulation::solve::fixed_step;
 use crate::simulation::solve::plan::{Candidate, CandidateSteps, Reference};
-use crate::simulation::solve::verify::{MIN_VALUES, TIGHTEST, Verification};
+use crate::simulation::solve::verification::{MIN_VALUES, TIGHTEST, Verification};
 
 /// Largest number of fixed steps tried for accuracy, and of samples of a chaotic motion.
 const MOST_REFINEMENTS: usize = 3;

@@ -9,4 +9,7 @@ pub mod judge;
 pub mod plan;
 pub mod run;
 pub mod startup;
+pub mod verification;
 pub mod verify;
+pub mod verify_dynamics;
+pub mod verify_reduced;

@@ -16,7 +16,8 @@ use crate::simulation::solve::attempt::{Attempt, MIN_EVALUATIONS, Problem, execu
 use crate::simulation::solve::fixed_step;
 use crate::simulation::solve::judge::{Progress, Verdict, judge};
 use crate::simulation::solve::plan::{Candidate, CandidateSteps, Plan, Reference};
-use crate::simulation::solve::verify::{Verification, or_failure, verify};
+use crate::simulation::solve::verification::{Verification, or_failure};
+use crate::simulation::solve::verify::verify;
 
 /// Share of the remaining progress that a candidate takes; another candidate may have to follow.
 const CANDIDATE_SHARE: f64 = 0.8;

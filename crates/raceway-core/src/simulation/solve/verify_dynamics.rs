@@ -1,0 +1,151 @@
+//! Verification of a run of the dynamics: a repetition in finer steps or at a tighter tolerance.
+
+use crate::numerics::ode::Method;
+use crate::simulation::error::codes::{ErrorBasis, Refinement};
+use crate::simulation::error::comparison::{Deviation, level_errors, quantity_errors, twice};
+use crate::simulation::error::lyapunov::{self};
+use crate::simulation::error::stationarity::is_stationary;
+use crate::simulation::error::thresholds::WINDOW_PASSAGES;
+use crate::simulation::input::control::Control;
+use crate::simulation::input::scene::Scene;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::Stepping;
+use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::sampling::{REPEATED, kept_values};
+use crate::simulation::solve::attempt::{Attempt, Dynamics, MIN_EVALUATIONS, Problem, run, without_signals};
+use crate::simulation::solve::eligibility::ball_passage;
+use crate::simulation::solve::verification::{MIN_VALUES, TIGHTEST, Verification, along_the_run, or_failure};
+
+/// Step of a repetition over the fixed step of the run [-]. Half of a long step of `semi_implicit` damps light oscillations above the band as the
+/// step itself does. A quarter shows this damping.
+const HALF_STEP: f64 = 0.5;
+const QUARTER_STEP: f64 = 0.25;
+/// Tolerance of a repetition over that of the run [-].
+const TIGHTER: f64 = 0.1;
+/// Evaluations of a verification over those of the run, at most [-].
+const MOST_EVALUATIONS: u64 = 10;
+pub(crate) fn by_refinement(
+    attempt: &Attempt,
+    problem: &Problem<'_>,
+    control: &Control<'_>,
+) -> Result<Verification, SimulationError> {
+    let Problem { scene, settings, .. } = *problem;
+    let Some(trajectory) = &attempt.trajectory else { return Ok(Verification::default()) };
+    let dynamics = problem.dynamics(control)?;
+    let method = if attempt.step.is_some() { trajectory.choice.method } else { settings.method };
+    let method = if settings.method == Method::Auto && attempt.step.is_none() { Method::Auto } else { method };
+    let own = RunSettings {
+        method,
+        fixed_step: attempt.step,
+        relative_tolerance: attempt.tolerance.unwrap_or(settings.relative_tolerance),
+        ..settings.clone()
+    };
+    let most = MOST_EVALUATIONS * attempt.work.rhs_evaluations.max(MIN_EVALUATIONS);
+    let window = refined_window(scene, settings);
+    let estimated = lyapunov::divergence_rate(
+        &dynamics.model,
+        &own,
+        settings.settle,
+        &trajectory.checkpoint,
+        window,
+        most,
+        control,
+    );
+    let (divergence, mut failure) = match or_failure(estimated)? {
+        Ok(divergence) => (Some(divergence), None),
+        Err(failure) => (None, Some(failure)),
+    };
+    (control.progress)(0.2);
+    let mut verification = Verification { divergence, ..Verification::default() };
+    let decays = divergence.is_some_and(|divergence| divergence.growth < 0.0);
+    let has_axial_motion_or_tilt = dynamics.model.mechanism().has_axial_motion_or_tilt();
+    let forgets = if has_axial_motion_or_tilt { decays } else { !verification.is_chaotic() };
+    if method == Method::SemiImplicit && !forgets {
+        // The cause is chaos, instability of the step, or slow motion that keeps oscillations damped by the step. No repetition shows the error.
+        verification.failure = failure;
+        return Ok(verification);
+    }
+    let steady = scene.operation.speed.is_constant()
+        && is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
+    // The whole time is compared if the motion is neither periodic nor stationary.
+    let is_windowed = steady && !verification.is_chaotic();
+    let mut window = if is_windowed { refined_window(scene, settings) } else { settings.duration };
+    let mut repeated = or_failure(repeat(window, &own, dynamics, most, control))?;
+    if let Err(why) = &repeated
+        && window > REPEATED
+    {
+        // The first window still gives an error estimate.
+        match or_failure(repeat(REPEATED, &own, dynamics, most, control))? {
+            Ok(recording) => {
+                verification.part = Some((REPEATED, why.clone()));
+                (repeated, window) = (Ok(recording), REPEATED);
+                failure = None;
+            }
+            Err(_) => failure = Some(why.clone()),
+        }
+    } else if let Err(why) = &repeated {
+        failure = failure.or(Some(why.clone()));
+    }
+    (control.progress)(1.0);
+    verification.failure = failure.filter(|_| verification.part.is_none());
+    verification.is_whole = window >= settings.duration;
+    let Ok(Some(again)) = repeated else { return Ok(verification) };
+    let signals = twice(&attempt.recording, &again);
+    let unseen = (1.0 - window / settings.duration).max(0.0).sqrt();
+    verification.noise = signals.iter().map(|(_, twice)| twice.noise()).fold(0.0, f64::max);
+    verification.deviation = Some(Deviation {
+        levels: level_errors(&signals, |twice| twice.error_db(unseen)),
+        quantities: Some(quantity_errors(&attempt.recording.parts, &again.parts)),
+    });
+    if is_windowed {
+        verification.deviation = verification.deviation.map(|deviation| along_the_run(deviation, &attempt.recording));
+    }
+    verification.basis = ErrorBasis::Repetition { refinement: refinement(&own), window, recorded: settings.duration };
+    Ok(verification)
+}
+
+/// Window of a repetition, and initial time over which neighbouring trajectories are followed [s].
+fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
+    let passages = WINDOW_PASSAGES * ball_passage(scene);
+    settings.duration.min(if passages.is_finite() { passages.max(REPEATED) } else { REPEATED })
+}
+
+/// Refinement of a repetition.
+fn refinement(settings: &RunSettings) -> Refinement {
+    match settings.fixed_step {
+        Some(_) if settings.method == Method::SemiImplicit => Refinement::Step(QUARTER_STEP),
+        Some(_) => Refinement::Step(HALF_STEP),
+        None => {
+            let tolerance = (TIGHTER * settings.relative_tolerance).max(TIGHTEST);
+            Refinement::Tolerance(tolerance, lyapunov::judging(settings.method))
+        }
+    }
+}
+
+/// Repeats a run from its initial state over a window [s]; `None`: too short to compare.
+fn repeat(
+    window: f64,
+    settings: &RunSettings,
+    dynamics: &Dynamics,
+    most_evaluations: u64,
+    control: &Control<'_>,
+) -> Result<Option<Recording>, SimulationError> {
+    if kept_values(window) < MIN_VALUES {
+        return Ok(None);
+    }
+    let again = RunSettings {
+        duration: window,
+        // The sampling follows the steps of the repetition, because peaks lie between the samples of longer steps.
+        fixed_step: settings.fixed_step.zip(refinement(settings).step()).map(|(step, share)| share * step),
+        outputs: without_signals(&settings.outputs),
+        ..settings.clone()
+    };
+    let stepping = Stepping {
+        method: lyapunov::judging(settings.method),
+        relative_tolerance: (TIGHTER * settings.relative_tolerance).max(TIGHTEST),
+        fixed_step: again.fixed_step,
+        most_evaluations: Some(most_evaluations),
+    };
+    Ok(Some(run(dynamics, &again, &stepping, control)?.recording))
+}
