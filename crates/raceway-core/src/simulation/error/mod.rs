@@ -1,10 +1,15 @@
-//! Comparison of two runs of a scene, and the resulting error of each number. Independent of plans and candidates.
+//! How two runs of a scene are compared, and what that says of the error of each number. Knows no plan and no candidate.
 
 pub mod codes;
-pub mod comparison;
-pub mod errors;
-pub mod lyapunov;
-pub mod report;
-pub mod stationarity;
 pub mod thresholds;
+
+pub mod errors;
+
+pub mod comparison;
+
+pub mod stationarity;
+
+pub mod lyapunov;
 pub mod twin_system;
+
+pub mod report;
