@@ -26,9 +26,9 @@ Options of several modes:
   --old-label, --new-label   Names in the CSV and the report, for example commits; by default a digest of the binary.
   --note-codes A,B   Codes in `messages` that do not count as a warning although their severity is `warning`.
 
-Jobs: 18 scenes of the rungs bench (0.02 s of settling, 0.1 s recorded), 100 drawn scenes of seed 1 and 60 of seed 2 as the
-drawn_scenes bench draws them (0.03 s, 0.1 s), and the files in `cases` (their own times). Each runs twice, with default
-settings: with all metrics, and with vibration only.
+Jobs: 18 scenes of the rungs bench (0.02 s of settling, 0.1 s recorded), 100 drawn scenes of seed 1 and 60 of seed 2 as
+`cargo bench --bench calibration -- drawn` draws them (0.03 s, 0.1 s), and the files in `cases` (their own times). Each runs
+twice, with default settings: with all metrics, and with vibration only.
 
 Definitions:
   Stated error   `channels.<spindle acceleration>.level_error_db`. A level without it is counted as `unstated`, never as a miss.
@@ -41,8 +41,8 @@ Definitions:
                  Where the references contradict each other, the report lists the scene as `disputed`.
   Warning        `accuracy.warning`, or an entry of `messages` with the severity `warning` or `error`.
                  `accuracy.settling` is a remark and does not count.
-  Other numbers  Largest loads, slips, pocket load, cage speed and cage orbit. The rule is that of drawn_scenes: off by more
-                 than 3 times both stated errors plus 1 %, in motion that does not diverge.
+  Other numbers  Largest loads, slips, pocket load, cage speed and cage orbit. The rule is that of `calibration -- drawn`: off by
+                 more than 3 times both stated errors plus 1 %, in motion that does not diverge.
 
 Files: a reference or a row belongs to a job by a digest of the job, so that files stay valid when jobs are added. Keep both
 files outside the repository. Findings do not change the exit status, which is 0.
@@ -66,10 +66,10 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 METRICS = {"all": ["vibration", "contacts", "cage"], "vibration": ["vibration"]}
 AXES = ("x", "y", "z")
-# A difference between two methods that is this small [dB] is of no consequence; the same figure stands in drawn_scenes.
+# A difference between two methods that is this small [dB] is of no consequence; as in benches/calibration/drawn.rs.
 INAUDIBLE_DB = 2e-3
 MISS_FACTOR = 3.0
-# Relative difference of a single number that is of no consequence; the same figure stands in drawn_scenes.
+# Relative difference of a single number that is of no consequence; as in benches/calibration/drawn.rs.
 MINUTE = 1e-2
 REFERENCES = (("gear", 1e-8), ("dormand_prince", 1e-7))
 # Single numbers, and the field of `accuracy` that states the relative error of each.
@@ -127,7 +127,7 @@ def rungs_scene(speed, load, clearance, balls, mass, grade):
 
 
 class Draw:
-    """The scenes of benches/drawn_scenes.rs: SplitMix64 and the same order of draws."""
+    """The scenes of benches/calibration/drawn.rs: SplitMix64 and the same order of draws."""
 
     MASK = (1 << 64) - 1
 
