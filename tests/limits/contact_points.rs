@@ -201,6 +201,10 @@ fn errors(scene: &Scene, points: (usize, bool)) -> [f64; 2] {
     [f64::sqrt(squares / count), worst]
 }
 
+fn text([rms, largest]: [f64; 2]) -> String {
+    format!("rms {rms:.1e}, at most {largest:.1e}")
+}
+
 const GAUSS: (usize, bool) = (6, true);
 
 /// The reference is the rule of the program with more strips.
@@ -230,7 +234,9 @@ fn six_points_integrate_a_gentle_law_as_well_as_nine_strips() {
             let terms = needs(&scene, Some(ModelLevel::Full)).raceway;
             let (gauss, strips) = (errors(&scene, GAUSS), errors(&scene, (9, false)));
             println!(
-                "{bearing}, {at_slip} m/s: six points {gauss:.2e?}, nine strips {strips:.2e?}, {} points",
+                "{bearing}, {at_slip} m/s: six points {}, nine strips {}, {} points",
+                text(gauss),
+                text(strips),
                 terms.strips
             );
             assert!(terms.gauss && terms.strips == 6, "{bearing}, {at_slip} m/s: {terms:?}");
@@ -250,9 +256,9 @@ fn seventeen_strips_integrate_a_steep_law_better_than_six_points() {
             let scene = with_law(bearing, law.clone());
             let terms = needs(&scene, Some(ModelLevel::Full)).raceway;
             let (gauss, strips) = (errors(&scene, GAUSS), errors(&scene, (17, false)));
-            println!("{bearing}, {law}: six points {gauss:.2e?}, seventeen strips {strips:.2e?}");
+            println!("{bearing}, {law}: six points {}, seventeen strips {}", text(gauss), text(strips));
             assert!(!terms.gauss && terms.strips == 17, "{bearing}, {law}: {terms:?}");
-            assert!(strips[0] < gauss[0] && strips[1] < gauss[1], "{bearing}, {law}: {gauss:e?} {strips:e?}");
+            assert!(strips[0] < gauss[0] && strips[1] < gauss[1], "{bearing}, {law}: {gauss:?} {strips:?}");
         }
     }
 }
