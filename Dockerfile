@@ -3,7 +3,7 @@
 #   docker build -t raceway .
 #   docker run -p 127.0.0.1:8080:8080 -v raceway:/data -e RACEWAY_API_TOKENS="$(openssl rand -hex 32)" raceway
 #
-# Inside a container the service listens beyond loopback, so it refuses to start without RACEWAY_API_TOKENS
+# Inside a container the service listens on all interfaces, so it does not start without RACEWAY_API_TOKENS
 # (or, at your own risk, RACEWAY_INSECURE_NO_AUTH=true).
 
 FROM rust:1.95-bookworm AS builder
@@ -13,7 +13,7 @@ COPY crates crates
 COPY src src
 COPY migrations migrations
 COPY verification verification
-# Not built, but Cargo.toml names them.
+# Needed only because Cargo.toml lists them.
 COPY benches benches
 RUN cargo build --release --locked --bin raceway
 

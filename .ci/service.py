@@ -1,4 +1,4 @@
-"""What the checks from outside share: a service as a process, and requests to it. Standard library only."""
+"""Shared by the checks of the running program: a service as a process, and requests to it. Standard library only."""
 
 import contextlib
 import json
@@ -17,11 +17,11 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
 def binary():
-    """The release build: the file that RACEWAY names, else where cargo puts it."""
+    """Path of the release build: the variable RACEWAY, else the target directory of cargo."""
     target = os.environ.get("CARGO_TARGET_DIR", os.path.join(ROOT, "target"))
     path = os.environ.get("RACEWAY", os.path.join(target, "release", "raceway"))
     if not os.path.exists(path):
-        sys.exit(f"{path} is not there; build it with: cargo build --release")
+        sys.exit(f"{path} does not exist; build it with: cargo build --release")
     return path
 
 
@@ -32,14 +32,14 @@ ARTICLE = {
 
 
 def check(holds, what):
-    """Stops the check with words when something does not hold."""
+    """Stops with a message if the condition does not hold."""
     if not holds:
         sys.exit(f"FAILED: {what}")
     print(f"ok: {what}")
 
 
 def clean_environment(**more):
-    """The environment without settings of the service, so that a developer's do not leak in."""
+    """The environment without settings of the service, so that those of a developer have no effect."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("RACEWAY_")}
     return kept | more
 
@@ -51,7 +51,7 @@ def free_port():
 
 
 class Service:
-    """`raceway serve` on a port of its own choice."""
+    """`raceway serve` on a free port."""
 
     def __init__(self, directory, *options, command=None, environment=None, **popen):
         database = os.path.join(directory, "raceway.db")
@@ -81,7 +81,7 @@ class Service:
             return log.read()
 
     def request(self, method, path, body=None, headers=None, timeout=70):
-        """Status, headers and body (parsed where it is JSON)."""
+        """Status, headers and body (parsed if it is JSON)."""
         request = urllib.request.Request(self.url + path, method=method, headers=dict(headers or {}))
         if self.token:
             request.add_header("Authorization", f"Bearer {self.token}")
@@ -105,25 +105,25 @@ class Service:
         return headers["Location"], answer
 
     def until(self, path, holds, at_most=120, every=0.05):
-        """The job as soon as `holds(job)`."""
+        """The job, as soon as `holds(job)` is true."""
         deadline = time.monotonic() + at_most
         while time.monotonic() < deadline:
             job = self.request("GET", path)[2]
             if holds(job):
                 return job
             time.sleep(every)
-        sys.exit(f"FAILED: after {at_most} s the job still is {job}\n{self.stderr()}")
+        sys.exit(f"FAILED: after {at_most} s the job is still {job}\n{self.stderr()}")
 
     def ended(self, path, at_most=120):
         return self.until(path, lambda job: job["status"] not in ("queued", "running"), at_most)
 
     def kill(self):
-        """As a power cut would: nothing is tidied up."""
+        """Kills the process, like a power cut."""
         self.process.kill()
         self.process.wait()
 
     def stop(self):
-        """As an operator would."""
+        """Stops the process with SIGTERM and returns its exit status."""
         if self.process.poll() is None:
             self.process.terminate()
             try:
@@ -137,7 +137,7 @@ class Service:
 
 @contextlib.contextmanager
 def service(*options, **settings):
-    """A service with a database of its own, stopped and removed afterwards."""
+    """A service with its own database, both removed afterwards."""
     with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         running = Service(directory, *options, **settings)
         try:

@@ -32,7 +32,7 @@ const CHANNELS: [Channel; 4] = [
 const AXIAL: [usize; 4] = [0, 2, 7, 17];
 
 fn main() {
-    raceway::commands::memory::keep_for_the_next_run();
+    raceway::commands::allocator::keep_memory_for_next_run();
     println!(
         "| scene | × real time | by | steps | errors a_y, a_z, v_y, v_z dB | stated dB | by error control: × | by | steps | errors dB |"
     );

@@ -249,7 +249,7 @@ fn others() {
 }
 
 fn main() {
-    raceway::commands::memory::keep_for_the_next_run();
+    raceway::commands::allocator::keep_memory_for_next_run();
     if std::env::args().any(|argument| argument == "chosen") {
         return chosen();
     }

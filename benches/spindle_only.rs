@@ -238,7 +238,7 @@ fn parts() {
 
 fn main() {
     if !std::env::args().any(|argument| argument == "trimmed") {
-        raceway::commands::memory::keep_for_the_next_run();
+        raceway::commands::allocator::keep_memory_for_next_run();
     }
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {

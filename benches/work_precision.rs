@@ -10,10 +10,10 @@
 
 use std::path::{Path, PathBuf};
 
-use raceway::commands::table;
+use raceway::commands::text_tables;
 use raceway::contract::{self, Metrics, Outcome, WorkPrecisionAnswer, execute};
+use raceway::plots::draw;
 use raceway::plots::{ErrorPanel, WorkPoint, WorkPrecisionCurve, work_precision_svg};
-use raceway::render;
 use raceway::simulation::input::control::Control;
 use serde_json::{Value, json};
 
@@ -39,10 +39,10 @@ fn main() {
     for name in &options.scenes {
         println!("## Scene {name}\n");
         let answer = study(name, options.repetitions);
-        println!("{}", table::work_precision(&answer));
+        println!("{}", text_tables::work_precision(&answer));
         if let Some(directory) = &options.plots {
             let file = directory.join(format!("work-precision-{name}.svg"));
-            std::fs::write(&file, render::work_precision(&answer)).expect("the plot's directory can be written to");
+            std::fs::write(&file, draw::work_precision(&answer)).expect("the plot's directory can be written to");
         }
     }
     println!("## Stated and true level error of plain runs\n");
@@ -225,7 +225,7 @@ fn models(plots: Option<&Path>) {
     println!("|---|---|---|---|---|");
     for (number, (speed, load, clearance, balls, mass, grade)) in scenes::SCENES.into_iter().enumerate() {
         let scene = scenes::scene(number).1;
-        let (truth, _, _) = by_model(&scene, WHOLE, true).expect("the whole dynamics serve every scene");
+        let (truth, _, _) = by_model(&scene, WHOLE, true).expect("the full model applies to every scene");
         let name = format!("{speed} r/min, {load} N, {clearance} µm, {balls} balls, {mass} g, G {grade}");
         let mut found = [None; MODELS.len()];
         for (index, (model, solver, all)) in MODELS.into_iter().enumerate() {

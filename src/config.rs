@@ -1,4 +1,4 @@
-//! Settings from command line and environment: the only place that reads either.
+//! Settings from command line and environment. Only this file reads them.
 
 use std::ffi::OsStr;
 use std::net::{IpAddr, SocketAddr};
@@ -9,8 +9,8 @@ use axum::http::HeaderValue;
 use clap::builder::BoolishValueParser;
 use clap::{Args, Parser, Subcommand};
 
-use crate::api::auth::{LEAST_TOKEN, Tokens};
-use crate::api::origins::origin;
+use crate::api::cors::origin;
+use crate::api::credentials::{MIN_TOKEN_LENGTH, Tokens};
 use crate::jobs::{Location, Settings};
 
 /// Predicts the vibration of rolling bearings.
@@ -21,39 +21,39 @@ pub struct Cli {
     pub command: Command,
 }
 
-/// What to do.
+/// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Start the service on loopback, run the article's case over HTTP, print and plot the results
+    /// Start the service on loopback, run the article's case over HTTP, and print and plot the results
     Demo(DemoOptions),
     /// Serve the HTTP API and run jobs
     Serve(ServeOptions),
     /// Run jobs of a service on the same PostgreSQL database, without HTTP
     Worker(WorkerOptions),
-    /// Make, list and revoke bearer tokens, also while the service runs
+    /// Create, list and revoke bearer tokens, also while the service runs
     #[command(subcommand)]
     Token(TokenCommand),
-    /// Make the tables of a database, or bring them up to date, as every start does whose user may
+    /// Create or update the tables of a database, as every start does if its database user may
     Migrate(DatabaseOptions),
-    /// Run one job without a server: metrics on stdout as JSON
+    /// Run one job without a server, and print its metrics as JSON
     Simulate(SimulateOptions),
-    /// Run a scene by several methods and tolerances: error against run time, as table, JSON and SVG
+    /// Run a scene with several methods and tolerances: error against run time as table, JSON and SVG
     Accuracy(AccuracyOptions),
-    /// Find the point of one range or two that is best by a metric
+    /// Find the minimum or maximum of a metric over one or two ranges
     Optimum(OptimumOptions),
-    /// Run a study: a scene over a grid of values, as table, CSV and plots
+    /// Run a study, a scene over a grid of values: table, CSV and plots
     Study(StudyOptions),
-    /// Make the article's figures again, each beside what the article says of it, and judge them
+    /// Reproduce the article's figures and compare them with the article
     Article(ArticleOptions),
     /// Print the OpenAPI document
     Openapi,
-    /// Ask a running service whether it takes jobs; the exit status tells
+    /// Ask a running service whether it accepts jobs; exit status 0 if it does
     Health(HealthOptions),
 }
 
 #[derive(Debug, Args)]
 pub struct DemoOptions {
-    /// Stop after the demonstration instead of serving on
+    /// Stop after the demonstration instead of continuing to serve
     #[arg(long, env = "RACEWAY_ONCE", value_parser = BoolishValueParser::new())]
     pub once: bool,
     /// Directory for spectrum.svg
@@ -63,29 +63,29 @@ pub struct DemoOptions {
 
 #[derive(Debug, Args)]
 pub struct SimulateOptions {
-    /// JSON with a job, or with a scene alone; - reads stdin
+    /// JSON with a job or only a scene; - reads stdin
     #[arg(value_name = "JOB.json|-")]
     pub job: PathBuf,
     /// Directory for metrics, spectra, series and plots
     #[arg(long, env = "RACEWAY_OUTPUT", value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Neither estimate nor progress on stderr
+    /// No estimate and no progress on stderr
     #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
     pub quiet: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct AccuracyOptions {
-    /// JSON with a scene alone, or with a job of kind accuracy; - reads stdin
+    /// JSON with only a scene, or with a job of kind accuracy; - reads stdin
     #[arg(value_name = "SCENE.json|-")]
     pub scene: PathBuf,
     /// Directory for accuracy.json and work-precision.svg
     #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
     pub output: PathBuf,
-    /// Timed runs of each method at each tolerance, where the job does not say [default: 1]
+    /// Timed runs of each method at each tolerance, unless the job states them [default: 1]
     #[arg(long, env = "RACEWAY_REPETITIONS", value_parser = clap::value_parser!(u32).range(1..=9))]
     pub repetitions: Option<u32>,
-    /// Neither estimate nor progress on stderr
+    /// No estimate and no progress on stderr
     #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
     pub quiet: bool,
 }
@@ -98,10 +98,10 @@ pub struct StudyOptions {
     /// Directory for table.json, table.csv, trend.svg (one axis) or map.svg (two)
     #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
     pub output: PathBuf,
-    /// Points at a time [default: number of cores]
+    /// Number of simultaneous points [default: number of cores]
     #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub workers: Option<u16>,
-    /// Neither estimate nor progress on stderr
+    /// No estimate and no progress on stderr
     #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
     pub quiet: bool,
 }
@@ -114,27 +114,27 @@ pub struct OptimumOptions {
     /// Directory for optimum.json and optimum.svg
     #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
     pub output: PathBuf,
-    /// Neither estimate nor progress on stderr
+    /// No estimate and no progress on stderr
     #[arg(long, env = "RACEWAY_QUIET", value_parser = BoolishValueParser::new())]
     pub quiet: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct ArticleOptions {
-    /// This figure alone, 5 to 18
+    /// Only this figure, 5 to 18
     #[arg(long, value_name = "N")]
     pub figure: Option<u32>,
-    /// Whether the statements hold for other values of what the article does not give, over sampled sets of them; writes
-    /// robustness.md and robustness.csv
+    /// Test the article's statements over sampled sets of the values that the article does not give; writes ROBUSTNESS.md and
+    /// robustness.csv
     #[arg(long, conflicts_with = "figure")]
     pub robustness: bool,
-    /// With --robustness: number of these sets [default: 200]
+    /// With --robustness: number of sampled sets [default: 200]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=10_000))]
     pub sets: Option<u32>,
-    /// With --robustness: what the sets are drawn from [default: 2025]
+    /// With --robustness: seed of the samples [default: 2025]
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Directory for article.md, or FIGURE-N.md of one figure, and plots/article
+    /// Directory for ARTICLE.md (or FIGURE-N.md of one figure) and plots/article
     #[arg(long, env = "RACEWAY_OUTPUT", default_value = ".", value_name = "DIR")]
     pub output: PathBuf,
     /// No progress on stderr
@@ -156,34 +156,34 @@ pub struct ServeOptions {
     pub listen: SocketAddr,
     #[command(flatten)]
     pub database: DatabaseOptions,
-    /// Simulations at a time [default: number of cores]; on PostgreSQL 0 leaves them to workers
+    /// Number of simultaneous simulations [default: number of cores]; on PostgreSQL 0 leaves them to workers
     #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub workers: Option<u16>,
-    /// Jobs that may wait; more are answered with 429
+    /// Largest number of queued jobs; further ones are answered with 429
     #[arg(long, env = "RACEWAY_QUEUE_LIMIT", default_value_t = 10_000)]
     pub queue_limit: u32,
-    /// Of these, jobs of one owner [default: all]
+    /// Largest number of queued jobs of one owner [default: no limit]
     #[arg(long, env = "RACEWAY_QUEUE_LIMIT_PER_OWNER", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub queue_limit_per_owner: Option<u32>,
-    /// Requests a second that tokens of one owner may make, and as many at once after a rest; 0: any number
+    /// Largest number of requests per second of one owner, and of requests at once after a pause; 0: no limit
     #[arg(long, env = "RACEWAY_RATE_LIMIT", default_value_t = 1000, value_name = "N")]
     pub rate_limit: u32,
     #[command(flatten)]
     pub runs: RunOptions,
-    /// Web pages from elsewhere that may use the API: their origins, such as `https://portal.example`, separated by commas
+    /// Origins of other web pages that may use the API, such as `https://portal.example`, separated by commas
     #[arg(long, env = "RACEWAY_ALLOWED_ORIGINS", value_name = "ORIGIN,…", value_delimiter = ',', value_parser = origin)]
     pub allowed_origins: Vec<HeaderValue>,
-    /// Serve beyond loopback without tokens: everyone who reaches the port may do everything
+    /// Serve other machines without tokens: whoever reaches the port may do everything
     #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH", value_parser = BoolishValueParser::new())]
     pub insecure_no_auth: bool,
 }
 
-/// What to do with tokens.
+/// Commands on tokens.
 #[derive(Debug, Subcommand)]
 pub enum TokenCommand {
-    /// Make a token and print it, this once: only its digest is kept
+    /// Create a token and print it once: only its digest is stored
     Create(NewTokenOptions),
-    /// List all tokens that ever were, without the tokens themselves
+    /// List all tokens, revoked and expired ones included, without their secrets
     List(DatabaseOptions),
     /// Revoke a token; a running service refuses it within a second
     Revoke(RevokeOptions),
@@ -191,7 +191,7 @@ pub enum TokenCommand {
 
 #[derive(Debug, Args)]
 pub struct DatabaseOptions {
-    /// Database: sqlite://FILE, made when it does not exist, or postgres://USER@HOST/NAME
+    /// Database: sqlite://FILE, created if it is missing, or postgres://USER@HOST/NAME
     #[arg(
         long,
         env = "RACEWAY_DATABASE",
@@ -211,16 +211,16 @@ impl DatabaseOptions {
 
 #[derive(Debug, Args)]
 pub struct NewTokenOptions {
-    /// Name of the token, by which it is listed and revoked [default: made up]
+    /// Name of the token, by which it is listed and revoked [default: generated]
     #[arg(value_parser = token_name)]
     pub name: Option<String>,
-    /// Whose jobs it sees: tokens of one owner see the same jobs [default: an owner of its own]
+    /// Owner of the jobs that it gives access to; several tokens can have one owner [default: an owner of its own]
     #[arg(long, value_name = "OWNER", value_parser = token_name)]
     pub owner: Option<String>,
-    /// Sees the jobs that were made while no token was needed, in place of those of an owner
+    /// Gives access to the jobs that were created while no token was needed, instead of those of an owner
     #[arg(long, conflicts_with = "owner")]
     pub open_jobs: bool,
-    /// Days after which it is refused [default: never]
+    /// Days until it expires [default: never]
     #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
     pub expires_in_days: Option<u32>,
     #[command(flatten)]
@@ -236,7 +236,7 @@ pub struct RevokeOptions {
     pub database: DatabaseOptions,
 }
 
-/// A name of a token or an owner: a word, so that lists can be read and cut into columns.
+/// A name of a token or an owner: one word, so that lists can be split into columns.
 fn token_name(name: &str) -> Result<String, String> {
     let is_word = name.chars().all(|letter| letter.is_ascii_graphic());
     if is_word && (1..=100).contains(&name.len()) {
@@ -251,7 +251,7 @@ pub struct WorkerOptions {
     /// Database of the service: postgres://USER@HOST/NAME
     #[arg(long, env = "RACEWAY_DATABASE", value_name = "URL", hide_env_values = true)]
     pub database: String,
-    /// Simulations at a time [default: number of cores]
+    /// Number of simultaneous simulations [default: number of cores]
     #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub workers: Option<u16>,
     #[command(flatten)]
@@ -259,24 +259,24 @@ pub struct WorkerOptions {
     /// Address for /health/live, /health/ready and /metrics of this worker; port 0 picks a free one [default: none]
     #[arg(long, env = "RACEWAY_PROBES", value_name = "ADDRESS:PORT")]
     pub probes: Option<SocketAddr>,
-    /// Probes beyond loopback without tokens: everyone who reaches the port may read how busy the worker is
+    /// Answer probes of other machines without tokens: whoever reaches the port can read the metrics
     #[arg(long, env = "RACEWAY_INSECURE_NO_AUTH", value_parser = BoolishValueParser::new())]
     pub insecure_no_auth: bool,
 }
 
-/// What holds for every run.
+/// Options of runs.
 #[derive(Debug, Args)]
 pub struct RunOptions {
-    /// Runs of a job that may end with their process before the job fails
+    /// Number of runs lost with their process after which a job fails
     #[arg(long, env = "RACEWAY_MAX_LOST_RUNS", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     pub max_lost_runs: u32,
-    /// Wall time a run may take, in seconds
+    /// Longest wall time of a run, in seconds
     #[arg(long, env = "RACEWAY_TIME_LIMIT_S", default_value_t = 3600, value_parser = clap::value_parser!(u32).range(1..))]
     pub time_limit_s: u32,
-    /// How long ended jobs are kept that say nothing about it, in seconds
+    /// Retention of ended jobs that do not state their own, in seconds
     #[arg(long, env = "RACEWAY_KEEP_FOR_S", default_value_t = 30 * 86_400, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep_for_s: u32,
-    /// Silence of a worker after which its runs count as lost, in seconds; the same for all that share a database
+    /// Time without a heartbeat after which a run counts as lost, in seconds; the same for all processes on a database
     #[arg(long, env = "RACEWAY_LOST_AFTER_S", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=3600))]
     pub lost_after_s: u32,
 }
@@ -297,38 +297,36 @@ impl RunOptions {
     }
 }
 
-/// Why settings make no sense.
+/// An invalid setting.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
-    #[error("the database {0}: not understood; use sqlite://FILE or postgres://USER@HOST/NAME")]
+    #[error("the database {0} is not valid; use sqlite://FILE or postgres://USER@HOST/NAME")]
     UnknownDatabase(String),
-    #[error(
-        "the database sqlite://:memory: would be lost with the process, and accepted jobs with it: use sqlite://FILE"
-    )]
+    #[error("the database sqlite://:memory: and its jobs would be lost with the process: use sqlite://FILE")]
     NotKept,
-    #[error("the database {0}: a file serves one process; workers of their own need postgres://USER@HOST/NAME")]
+    #[error("the database {0}: only one process can use a file; a separate worker needs postgres://USER@HOST/NAME")]
     NotShared(Location),
     #[error(
-        "--workers 0 leaves the jobs to other processes, which a file cannot be shared with: use postgres://USER@HOST/NAME"
+        "--workers 0 leaves the jobs to other processes, and only one process can use a file: use postgres://USER@HOST/NAME"
     )]
-    NobodyWorks,
+    NoWorkers,
     #[error(
-        "{0} can be reached from other machines, and there are no tokens: make one with `raceway token create`, set \
+        "{0} can be reached from other machines, and there are no tokens: create one with `raceway token create`, set \
          RACEWAY_API_TOKENS, listen on 127.0.0.1, or accept the risk with --insecure-no-auth"
     )]
     OpenToEveryone(SocketAddr),
     #[error("RACEWAY_API_TOKENS is not UTF-8")]
     UnreadableTokens,
     #[error(
-        "RACEWAY_API_TOKENS holds characters that no header carries: tokens are visible ASCII, separated by commas"
+        "RACEWAY_API_TOKENS contains characters that a header cannot carry: tokens are visible ASCII, separated by commas"
     )]
     UnsendableTokens,
     #[error(
-        "{0} can be reached from other machines, and a token of RACEWAY_API_TOKENS has fewer than {LEAST_TOKEN} characters: make a longer \
-         one, or one with `raceway token create`, or accept the risk with --insecure-no-auth"
+        "{0} can be reached from other machines, and a token of RACEWAY_API_TOKENS has fewer than {MIN_TOKEN_LENGTH} characters: use a longer \
+         one, or create one with `raceway token create`, or accept the risk with --insecure-no-auth"
     )]
     WeakToken(SocketAddr),
-    #[error("RACEWAY_API_TOKENS is set, but holds no token: set tokens, separated by commas, or unset it")]
+    #[error("RACEWAY_API_TOKENS is set but holds no token: set tokens, separated by commas, or unset it")]
     NoTokens,
     #[error("RACEWAY_LOG is {0:?}: must be error, warn, info, debug or trace")]
     UnknownLogLevel(String),
@@ -341,7 +339,7 @@ impl ServeOptions {
     pub fn job_settings(&self) -> Result<Settings, ConfigError> {
         let database = self.database.location()?;
         if self.workers == Some(0) && matches!(database, Location::File(_)) {
-            return Err(ConfigError::NobodyWorks);
+            return Err(ConfigError::NoWorkers);
         }
         let settings = self.runs.settings(database, self.workers);
         let queue_limit_of_owner = self.queue_limit_per_owner.map_or(u64::MAX, u64::from);
@@ -359,13 +357,12 @@ impl WorkerOptions {
     }
 }
 
-/// Whether only this machine reaches the address.
+/// Returns whether only this machine can reach the address.
 pub fn is_loopback(address: IpAddr) -> bool {
     address.to_canonical().is_loopback()
 }
 
-/// What a database URL names. URLs with a server's name may hold a password, so of one that is not understood only the scheme
-/// is told.
+/// The location of a database URL. An error shows only the scheme of a server's URL, which may contain a password.
 fn location(url: &str) -> Result<Location, ConfigError> {
     let scheme = url.split_once(':').map_or("", |parts| parts.0);
     match (scheme, url.strip_prefix("sqlite://")) {
@@ -375,15 +372,16 @@ fn location(url: &str) -> Result<Location, ConfigError> {
         (_, Some(":memory:")) => Err(ConfigError::NotKept),
         (_, Some(file)) if !file.is_empty() && !file.contains(['?', '#']) => Ok(Location::File(file.into())),
         ("sqlite", _) => Err(ConfigError::UnknownDatabase(url.to_owned())),
-        // A path holds no password.
+        // A path contains no password.
         ("", _) if !url.contains('@') => Err(ConfigError::UnknownDatabase(url.to_owned())),
         _ => Err(ConfigError::UnknownDatabase(format!("{scheme}:…"))),
     }
 }
 
-/// Tokens from `RACEWAY_API_TOKENS`, separated by commas. Not an option, because every user of a machine
-/// can read the command lines of all its processes. Only without the variable is the service open: one that is
-/// set was meant to close it.
+/// Tokens from `RACEWAY_API_TOKENS`, separated by commas.
+///
+/// They are not an option, because every user of a machine can read the command lines of its processes. A set variable without a
+/// token is an error and does not open the service.
 pub fn tokens() -> Result<Tokens, ConfigError> {
     std::env::var_os("RACEWAY_API_TOKENS").map_or_else(|| Ok(Tokens::default()), |list| tokens_of(&list))
 }
@@ -397,14 +395,14 @@ fn tokens_of(list: &OsStr) -> Result<Tokens, ConfigError> {
     if tokens.is_empty() { Err(ConfigError::NoTokens) } else { Ok(tokens) }
 }
 
-/// How much is logged: `RACEWAY_LOG` is one of error, warn, info, debug, trace; `usual` where it is not set.
-pub fn log_level(usual: tracing::Level) -> Result<tracing::Level, ConfigError> {
-    let Some(level) = std::env::var_os("RACEWAY_LOG") else { return Ok(usual) };
+/// The log level: `RACEWAY_LOG` is one of error, warn, info, debug, trace; `default` if it is not set.
+pub fn log_level(default: tracing::Level) -> Result<tracing::Level, ConfigError> {
+    let Some(level) = std::env::var_os("RACEWAY_LOG") else { return Ok(default) };
     let level = level.to_string_lossy();
     level.parse().map_err(|_| ConfigError::UnknownLogLevel(level.into_owned()))
 }
 
-/// Whether logs are for programs: `RACEWAY_LOG_FORMAT` is `text`, a line for people, or `json`, an object a line.
+/// Returns whether logs are JSON: `RACEWAY_LOG_FORMAT` is `text`, or `json` with one object per line.
 pub fn logs_json() -> Result<bool, ConfigError> {
     let Some(format) = std::env::var_os("RACEWAY_LOG_FORMAT") else { return Ok(false) };
     match format.to_string_lossy().as_ref() {
@@ -420,10 +418,10 @@ mod tests {
 
     #[test]
     fn files_and_servers_are_databases() {
-        let told = |url: &str| location(url).map(|place| place.to_string()).ok();
-        assert_eq!(told("sqlite:///data/raceway.db").as_deref(), Some("/data/raceway.db"));
-        assert_eq!(told("sqlite://raceway.db").as_deref(), Some("raceway.db"));
-        assert_eq!(told("postgres://me:secret@host/db").as_deref(), Some("postgres://host:5432/db"));
+        let shown = |url: &str| location(url).map(|place| place.to_string()).ok();
+        assert_eq!(shown("sqlite:///data/raceway.db").as_deref(), Some("/data/raceway.db"));
+        assert_eq!(shown("sqlite://raceway.db").as_deref(), Some("raceway.db"));
+        assert_eq!(shown("postgres://me:secret@host/db").as_deref(), Some("postgres://host:5432/db"));
         assert!(!format!("{:?}", location("postgres://me:secret@host/db")).contains("secret"));
         assert!(matches!(location("sqlite://:memory:"), Err(ConfigError::NotKept)));
         for url in ["", "raceway.db", "sqlite:raceway.db", "sqlite://", "mysql://x:secret@y/z"] {
@@ -433,7 +431,7 @@ mod tests {
     }
 
     #[test]
-    fn tokens_that_are_set_are_there() {
+    fn set_tokens_are_parsed_or_refused() {
         use std::os::unix::ffi::OsStrExt;
         assert!(tokens_of(OsStr::new("one,")).is_ok_and(|tokens| !tokens.is_empty() && tokens.is_weak()));
         assert!(tokens_of(OsStr::new("sixteen-letters-")).is_ok_and(|tokens| !tokens.is_weak()));

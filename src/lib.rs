@@ -1,13 +1,13 @@
 //! raceway predicts the vibration of rolling bearings.
 //!
-//! A request becomes a checked *scene*; the scene becomes a *model* that holds only what it needs;
-//! an integrator advances it; the observed motion becomes the result. The rooms, from the ground up:
+//! A request becomes a checked *scene*; the scene becomes a *model* that holds only what it needs; an integrator advances it; the
+//! observed motion becomes the result.
 
 /// The HTTP service.
 pub mod api;
-/// The figures of the article whose system this is, made again and judged.
+/// The figures of the article, reproduced and compared with it.
 pub mod article;
-/// What the program does when it is called: serve, simulate, demonstrate.
+/// The commands of the program.
 pub mod commands;
 /// Settings from command line and environment.
 pub mod config;
@@ -15,9 +15,7 @@ pub mod config;
 pub mod contract;
 /// Queue and store of jobs.
 pub mod jobs;
-/// Pictures from results.
+/// Plots from numbers.
 pub mod plots;
-/// Answers as pictures and tables.
-pub mod render;
 
 pub use raceway_core::{numerics, physics, simulation, study};

@@ -1,4 +1,4 @@
-//! The commands are in `config`, what they do in `commands`.
+//! The program. `config` parses the command line, `commands` runs it.
 
 use std::process::ExitCode;
 

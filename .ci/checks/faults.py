@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The service during and after faults of its environment: a full disk, a read-only database, a broken or silent connection to the
-database server, a clock that is set back. Each time requests are answered with problems, readiness fails with its reason, the
-service recovers without help, no job is lost, and every job ends once. Arguments select parts: disk, readonly, clock, link."""
+"""What the service does while its surroundings fail, and afterwards: a full disk, a database that accepts no writes, a link to the server
+that is cut or falls silent, a clock that is set back. Each time: problems as answers, readiness red with its reason, recovery
+without help, nothing lost, every job ended once. With words, only those parts: disk, readonly, clock, link."""
 
 import contextlib
 import ctypes
@@ -416,8 +416,8 @@ def server_without_writes(server):
             time.sleep(1)
             status = jobs.submit(0.1)
             is_problem(jobs.answer, 503, "database-away", status)
-            until_not_ready(service, "takes no writes")
-            check(service.request("GET", path)[0] == 200, "a server without writes: stored jobs can be read")
+            until_not_ready(service, "accepts no writes")
+            check(service.request("GET", path)[0] == 200, "a server without writes: what is on record can be read")
             writes(True)
             until_ready(service, "a server without writes", 30)
             jobs.settle("a server without writes")

@@ -45,7 +45,7 @@ pub fn seed_and_count(words: &[String], count: usize) -> (u64, usize) {
     (numbers.first().copied().unwrap_or(1), numbers.get(1).map_or(count, |count| *count as usize))
 }
 
-/// Whether a word is among those of a command.
+/// True where a word is among those of a command.
 pub fn has(words: &[String], option: &str) -> bool {
     words.iter().any(|word| word == option)
 }

@@ -174,7 +174,7 @@ fn misstated(found: &Metrics, full: &Metrics) -> Option<&'static str> {
 }
 
 pub fn run(words: &[String]) {
-    raceway::commands::memory::keep_for_the_next_run();
+    raceway::commands::allocator::keep_memory_for_next_run();
     let (seed, count) = seed_and_count(words, SCENES);
     let mut draw = Draw::new(seed);
     let mut scenes: Vec<Value> = (0..count).map(|_| drawn_scene(&mut draw)).collect();

@@ -98,7 +98,7 @@ struct Answer {
     stated: f64,
     chaotic: bool,
     warned: bool,
-    /// Whether an error is stated. A result without one confirms no other.
+    /// True where an error is stated. A result without one confirms no other.
     judged: bool,
     /// Largest load of the inner contacts [N], cage speed [Hz].
     quantities: [f64; 2],
@@ -109,7 +109,7 @@ struct Answer {
     evaluations: u64,
 }
 
-/// How a run ended.
+/// End of a run.
 enum End {
     Answer(Answer),
     OverBudget(String),
@@ -251,7 +251,7 @@ pub fn run(words: &[String]) {
     println!("{}; scenes refused: {refused}; {:.0} s", counts.join("; "), begin.elapsed().as_secs_f64());
 }
 
-/// How each method ends at both tolerances, on as many threads as there are processors.
+/// Ends of each method at both tolerances, on as many threads as there are processors.
 fn ends(case: &Case, scene: &Scene, methods: &[Method], budget: u64) -> Vec<[End; 2]> {
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
     let mut all = in_parallel(threads, TOLERANCES.len() * methods.len(), |index| {

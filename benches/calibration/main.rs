@@ -19,7 +19,7 @@ mod threads;
 use std::process::ExitCode;
 
 use raceway::contract::Metrics;
-use raceway::contract::messages::{MessageCode, Severity};
+use raceway::contract::answer::messages::{MessageCode, Severity};
 
 const USAGE: &str = "usage: cargo bench --bench calibration -- COMMAND …
   settling [SEED COUNT] [chosen|axial]

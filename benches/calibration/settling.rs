@@ -88,8 +88,8 @@ fn simulate(scene: &Value, rung: Option<&str>, settle: Option<f64>) -> Result<Ru
             scatter: of(&outcome.metrics, |channel| channel.level_scatter_db),
             warns: warns(&outcome.metrics),
             seconds: begin.elapsed().as_secs_f64(),
-            settled: job.settings.settle,
-            kept: job.settings.duration,
+            settled: job.base().settings.settle,
+            kept: job.base().settings.duration,
         }),
         Ok(_) => Err("not a simulation".to_owned()),
         Err(error) => Err(format!("{error:?}")),
@@ -104,7 +104,7 @@ struct Compared {
     /// Whether the run with the default `settle_s` deviates by more than its error covers, and by more than error and scatter cover.
     beyond_error: bool,
     beyond_both: bool,
-    /// Whether the result carries a warning.
+    /// True where the result carries a warning.
     warns: bool,
     /// Wall time with three cage turns, and with the default `settle_s` [s].
     seconds: [f64; 2],

@@ -1,5 +1,5 @@
-//! Links SUNDIALS where the system's linker finds it (Debian: libsundials-dev), and remembers what the header of a
-//! report states.
+//! Links SUNDIALS from the path of the system linker (Debian: libsundials-dev), and stores the data for the header of a
+//! report.
 
 use std::env::var;
 use std::process::Command;

@@ -9,8 +9,8 @@ use libfuzzer_sys::{fuzz_mutator, fuzz_target};
 use raceway::contract::{self, Job, JobKind, Refusal, RunFailure, parse_job};
 use raceway::jobs::NewJob;
 use raceway::simulation::input::control::Control;
-use raceway::simulation::model::equilibrium::start_state;
 use raceway::simulation::model::Model;
+use raceway::simulation::model::equilibrium::start_state;
 use serde_json::{Value, json};
 
 fuzz_target!(|body: &[u8]| {
@@ -64,32 +64,33 @@ fn accepted(job: &Job) {
     assert_eq!(null_in(&json, String::new()), None, "{json}");
     assert_eq!(contract::estimate(job).estimated_wall_time_s, answer.cost.estimated_wall_time_s);
     again(job);
-    if let Some(study) = &job.study {
-        for point in [0, study.points / 2, study.points - 1] {
-            match study.point(point) {
-                Ok(point) => assert_eq!(point.kind, JobKind::Simulation),
-                Err(refusal) => refused(&refusal),
+    match job {
+        Job::Study(study) => {
+            for point in [0, study.points / 2, study.points - 1] {
+                if let Err(refusal) = study.point(point) {
+                    refused(&refusal);
+                }
             }
         }
-    }
-    if let Some(sought) = &job.sought {
-        assert!(sought.most_runs() > 0);
+        Job::Optimum(search) => assert!(search.most_runs() > 0),
+        Job::Simulation(_) | Job::Accuracy(_) => {}
     }
 }
 
 /// A resolved job, posted again, is the same job.
 fn again(job: &Job) {
     let mut complete = job.complete();
-    if !matches!(job.kind, JobKind::Simulation | JobKind::Accuracy) {
+    if !matches!(job, Job::Simulation(_) | Job::Accuracy(_)) {
         complete["kind"] = json!(JobKind::Simulation.name());
     }
     let second = parse_job(complete.to_string().as_bytes());
     let second = second.unwrap_or_else(|refusal| panic!("{refusal}: {complete}"));
     assert_eq!(second.scene(), job.scene());
     assert_eq!(second.scene_json(), job.scene_json());
-    if matches!(job.kind, JobKind::Simulation | JobKind::Accuracy) {
+    if matches!(job, Job::Simulation(_) | Job::Accuracy(_)) {
         assert_eq!(second.canonical(), job.canonical());
-        assert_eq!((&second.settings, &second.rungs, &second.needs), (&job.settings, &job.rungs, &job.needs));
+        let of = |job: &Job| (job.base().settings.clone(), job.base().model_levels.clone(), job.base().terms.clone());
+        assert_eq!(of(&second), of(job));
     }
 }
 
@@ -105,14 +106,17 @@ fn null_in(value: &Value, way: String) -> Option<String> {
 }
 
 fn ten_steps(job: &Job) {
-    let model = Model::new(job.scene(), &job.needs);
+    let model = Model::new(job.scene(), &job.base().terms);
     let start = match start_state(&model) {
         Ok(start) => start,
         Err(error) => return assert!(!error.to_string().is_empty()),
     };
     assert!(start.iter().all(|entry| entry.is_finite()), "the start");
-    let settings = &job.settings;
-    let method = job.plan.as_ref().and_then(|plan| plan.methods.first().copied()).unwrap_or(settings.method);
+    let settings = &job.base().settings;
+    let method = match job {
+        Job::Accuracy(comparison) => comparison.plan.methods.first().copied().unwrap_or(settings.method),
+        _ => settings.method,
+    };
     let tolerances = model.mechanism().layout.tolerances(settings.relative_tolerance);
     let mut integrator = method.start(&model, 0.0, &start, tolerances, settings.fixed_step);
     let end = settings.settle + settings.duration;
@@ -134,7 +138,7 @@ fn ten_steps(job: &Job) {
 
 /// The first 5 ms of wall time of a whole run, as a worker executes it, reduced models included.
 fn run(job: &Job) {
-    if job.kind == JobKind::Study {
+    if matches!(job, Job::Study(_)) {
         return;
     }
     let begin = Instant::now();
@@ -143,7 +147,7 @@ fn run(job: &Job) {
         Ok(outcome) => drop(outcome),
         Err(RunFailure::Cancelled) => {}
         Err(RunFailure::Failed { cause, detail }) => {
-            assert!(!detail.is_empty() && cause != contract::execute::INTERNAL, "{cause}: {detail}");
+            assert!(!detail.is_empty() && cause != contract::answer::failure::INTERNAL, "{cause}: {detail}");
         }
     }
 }

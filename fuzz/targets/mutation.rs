@@ -35,10 +35,11 @@ static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
     for seed in SEEDS {
         let job = parse_job(seed.as_bytes()).unwrap_or_else(|refusal| panic!("{refusal} in {seed}"));
         let complete = job.complete();
-        for value in [&job.request, &complete] {
+        let request = &job.submission().request;
+        for value in [request, &complete] {
             gather(value, &mut Vec::new(), &mut library);
         }
-        library.jobs.extend([job.request, complete]);
+        library.jobs.extend([request.clone(), complete]);
     }
     library.words.sort();
     library.words.dedup();

@@ -9,54 +9,54 @@ use futures_util::future::join_all;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::answers::JobAnswer;
-use super::auth::Owner;
-use super::describe::{Anywhere, BadBody, NotAccepted};
+use super::app::App;
+use super::credentials::Owner;
 use super::error::{ApiError, Problem};
-use super::jobs::{IDEMPOTENT_REPLAYED, idempotency_key};
-use super::request::{JsonBody, Nothing, Query, negotiated};
-use super::{App, describe};
-use crate::contract::job::JobInput;
+use super::job_response::JobAnswer;
+use super::openapi::{self, Anywhere, BadBody, NotAccepted};
+use super::request::{JsonBody, NoQuery, Query, negotiated};
+use super::submission_headers::{IDEMPOTENT_REPLAYED, idempotency_key};
+use crate::contract::job::input::JobInput;
 use crate::contract::{self, Job, Refusal};
 use crate::jobs::{IdempotencyKey, JobError, Submitted};
 
 const JSON: &[&str] = &["application/json"];
 
-/// Jobs that are handed in together.
+/// Jobs of one request.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[allow(dead_code, reason = "only describes the body; `contract::parse_batch` reads it")]
-pub struct BatchInput {
-    /// The jobs, as each would be handed in alone.
+struct BatchInput {
+    /// The jobs, each as in `POST /v1/jobs`.
     #[schema(min_items = 1, max_items = 1000)]
     jobs: Vec<JobInput>,
 }
 
-/// What became of each job, in their order.
+/// The answers to the jobs, in their order.
 #[derive(Serialize, ToSchema)]
-pub struct BatchAnswer {
-    /// One for each job, in their order.
-    pub answers: Vec<ItemAnswer>,
+struct BatchAnswer {
+    /// One answer for each job, in their order.
+    answers: Vec<ItemAnswer>,
 }
 
-/// What became of one job.
+/// The answer to one job.
 #[derive(Serialize, ToSchema)]
-pub struct ItemAnswer {
-    /// What `POST /v1/jobs` would have answered: 202, 422, 429, …
+struct ItemAnswer {
+    /// Status code that `POST /v1/jobs` would have answered: 202, 422, 429, …
     #[schema(minimum = 200, maximum = 599, example = 202)]
-    pub status: u16,
-    /// The job that was made.
+    status: u16,
+    /// The created job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub job: Option<JobAnswer>,
-    /// Why none was made; pointers begin at the job.
+    job: Option<JobAnswer>,
+    /// Reason why no job was created; pointers are relative to the job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub problem: Option<Problem>,
-    /// Seconds after which to try again, where that is worth while.
+    problem: Option<Problem>,
+    /// Seconds after which to try again, if that may succeed.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub retry_after_s: Option<u32>,
+    retry_after_s: Option<u32>,
 }
 
 /// Headers of a batch.
@@ -64,7 +64,7 @@ pub struct ItemAnswer {
 #[into_params(parameter_in = Header)]
 #[allow(dead_code, reason = "only describes the header; `idempotency_key` reads it")]
 struct BatchHeaders {
-    /// A name of the client's for this request, 1 to 255 visible ASCII characters.
+    /// A key of the client for this request, 1 to 255 visible ASCII characters.
     #[param(
         rename = "Idempotency-Key",
         nullable = false,
@@ -78,33 +78,33 @@ struct BatchHeaders {
 
 /// Submit several jobs
 ///
-/// Each is answered as if it had been handed in alone: one that is refused keeps no other from being made. At most 1000 jobs in
-/// 1 MiB. With `Idempotency-Key` the whole request can be sent again, byte for byte: jobs that were made are not made again
-/// (`Idempotent-Replayed: true`), those that found the queue full are; with another body it is refused (422).
+/// Each job is answered as if it had been submitted alone; a refused job does not affect the others. At most 1000 jobs in 1 MiB. With
+/// `Idempotency-Key` the same bytes can be sent again: existing jobs are not created again (`Idempotent-Replayed: true`), and jobs
+/// that found the queue full are created now. Another body with the same key is refused (422).
 #[utoipa::path(
-    post, path = "/v1/jobs/batch", tag = describe::JOBS, operation_id = "submitJobs",
+    post, path = "/v1/jobs/batch", tag = openapi::JOBS, operation_id = "submitJobs",
     params(BatchHeaders),
     request_body(content = BatchInput, content_type = "application/json", example = json!({"jobs": [
         {"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}},
         {"kind": "simulation", "scene": {"bearing": "6205", "operation": {"speed_rpm": 3000, "radial_load_y_n": 500}}}
     ]})),
     responses((status = 200, description = "An answer for each job, in their order", body = BatchAnswer,
-        headers(("Idempotent-Replayed" = String, description = "`true` where the `Idempotency-Key` had made these jobs before"))), BadBody, NotAccepted, Anywhere)
+        headers(("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the jobs"))), BadBody, NotAccepted, Anywhere)
 )]
 pub async fn submit(
     State(app): State<App>,
     Owner(owner): Owner,
     headers: HeaderMap,
-    _: Query<Nothing>,
+    _: Query<NoQuery>,
     JsonBody(body): JsonBody,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, JSON)?;
     let key = idempotency_key(&headers)?;
     let key = key.map(|key| IdempotencyKey::of_batch(key, &body));
-    // A thousand scenes take some milliseconds each to check.
+    // A scene takes some milliseconds to check, and there may be a thousand.
     let parsed = tokio::task::spawn_blocking(move || contract::parse_batch(&body));
     let jobs = parsed.await.map_err(|_| ApiError::Internal)??;
-    // The first good job goes ahead: where the key has come with another body, none of them is made.
+    // The first valid job is submitted alone: if the key was used with another body, no job is created.
     let lead = jobs.iter().position(Result::is_ok);
     let key_of = |place: usize| {
         let place = if Some(place) == lead { "first".to_owned() } else { place.to_string() };
@@ -124,12 +124,12 @@ pub async fn submit(
         answer(&app, &owner, job, made, key_of(place))
     });
     let answers: Vec<_> = answers.collect();
-    let told = replayed.then_some((IDEMPOTENT_REPLAYED, HeaderValue::from_static("true")));
-    let told: HeaderMap = told.into_iter().collect();
-    Ok((told, Json(BatchAnswer { answers: join_all(answers).await })).into_response())
+    let headers = replayed.then_some((IDEMPOTENT_REPLAYED, HeaderValue::from_static("true")));
+    let headers: HeaderMap = headers.into_iter().collect();
+    Ok((headers, Json(BatchAnswer { answers: join_all(answers).await })).into_response())
 }
 
-/// What becomes of one job; `made`: it has been handed in already.
+/// The answer to one job; `made`: the job has already been submitted.
 async fn answer(
     app: &App,
     owner: &str,

@@ -1,5 +1,5 @@
-//! Answers that a client has already: results never change, so that a tag of the work behind them tells all; a job's standing is tagged
-//! by what it says.
+//! Conditional requests: ETags and answers 304. Results never change, so their tag is a digest of the work and the request. The tag of
+//! a job is a digest of its JSON text.
 
 use axum::body::Body;
 use axum::extract::{Request, State};
@@ -10,18 +10,18 @@ use axum::response::{IntoResponse, Response};
 use sha2::{Digest, Sha256};
 use uuid::Uuid;
 
-use super::App;
-use super::auth::Owner;
+use super::app::App;
+use super::credentials::Owner;
 use super::error::ApiError;
 
-/// Whoever was let in may keep it; nobody on the way.
+/// Caching of results by the client, not by proxies.
 const IMMUTABLE: HeaderValue = HeaderValue::from_static("private, max-age=31536000, immutable");
-/// To be asked for each time.
-const ASK: HeaderValue = HeaderValue::from_static("private, no-cache");
-/// Bytes of a digest that a tag shows.
-const SHOWN: usize = 16;
+/// Caching with a conditional request each time.
+const REVALIDATE: HeaderValue = HeaderValue::from_static("private, no-cache");
+/// Length of the digest in a tag [B].
+const TAG_BYTES: usize = 16;
 
-/// Tags results of succeeded jobs, and answers 304 where the client has them.
+/// Layer that adds an ETag to results of succeeded jobs, or answers 304 if the client has them.
 pub async fn results(
     State(app): State<App>,
     Owner(owner): Owner,
@@ -35,16 +35,16 @@ pub async fn results(
     };
     let Some(work) = work else {
         let mut response = next.run(request).await;
-        response.headers_mut().entry(CACHE_CONTROL).or_insert(ASK);
+        response.headers_mut().entry(CACHE_CONTROL).or_insert(REVALIDATE);
         return Ok(response);
     };
     let asked = request.uri().path_and_query().map_or("", |path| path.as_str());
-    // Bytes differ by format and by coding.
+    // The body depends on the format and the content coding.
     let headers = request.headers();
     let accepted = [ACCEPT, ACCEPT_ENCODING].map(|name| headers.get_all(name).iter().cloned().collect::<Vec<_>>());
     let accepted: Vec<&[u8]> = accepted.iter().flatten().map(HeaderValue::as_bytes).collect();
     let tag = tag("", &[&work, env!("CARGO_PKG_VERSION").as_bytes(), asked.as_bytes(), &accepted.join(&b","[..])]);
-    // A tag that fits has come with an answer to the same question.
+    // A matching tag came with an answer to the same request.
     if has(request.headers(), &tag) {
         return Ok(not_modified(tag, IMMUTABLE));
     }
@@ -62,18 +62,18 @@ pub async fn results(
     Ok(response)
 }
 
-/// A job's standing as JSON with a weak tag, or 304 where the client has it.
-pub fn standing(headers: &HeaderMap, json: Vec<u8>) -> Response {
+/// The JSON text of a job with a weak ETag, or 304 if the client has it.
+pub fn job(headers: &HeaderMap, json: Vec<u8>) -> Response {
     let tag = tag("W/", &[&json]);
     if has(headers, &tag) || has_any(headers) {
-        return not_modified(tag, ASK);
+        return not_modified(tag, REVALIDATE);
     }
-    let told = [
+    let fields = [
         (ETAG, tag),
-        (CACHE_CONTROL, ASK),
+        (CACHE_CONTROL, REVALIDATE),
         (axum::http::header::CONTENT_TYPE, HeaderValue::from_static("application/json")),
     ];
-    (told, Body::from(json)).into_response()
+    (fields, Body::from(json)).into_response()
 }
 
 fn not_modified(tag: HeaderValue, caching: HeaderValue) -> Response {
@@ -87,16 +87,16 @@ fn tag(prefix: &str, parts: &[&[u8]]) -> HeaderValue {
         digest.update(part.len().to_le_bytes());
         digest.update(part);
     }
-    let hex: String = digest.finalize().iter().take(SHOWN).map(|byte| format!("{byte:02x}")).collect();
+    let hex: String = digest.finalize().iter().take(TAG_BYTES).map(|byte| format!("{byte:02x}")).collect();
     HeaderValue::try_from(format!("{prefix}\"{hex}\"")).unwrap_or(HeaderValue::from_static("\"\""))
 }
 
-/// Whether any answer will do.
+/// Returns whether `If-None-Match` is `*`.
 fn has_any(headers: &HeaderMap) -> bool {
     headers.get(IF_NONE_MATCH).is_some_and(|value| value.as_bytes().trim_ascii() == b"*")
 }
 
-/// Whether `If-None-Match` names the tag; `W/` does not matter there.
+/// Returns whether `If-None-Match` contains the tag. The comparison is weak (RFC 9110, 13.1.2).
 fn has(headers: &HeaderMap, tag: &HeaderValue) -> bool {
     let strip = |tag: &str| tag.trim().trim_start_matches("W/").to_owned();
     let Ok(tag) = tag.to_str().map(strip) else { return false };

@@ -1,4 +1,4 @@
-//! Errors as problem details (RFC 9457). The only place that knows status codes of errors.
+//! Errors as problem details (RFC 9457). Only this file maps errors to status codes.
 
 use axum::http::header::{ACCEPT, CONTENT_TYPE, RETRY_AFTER, WWW_AUTHENTICATE};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
@@ -6,29 +6,30 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::contract::problem::listed;
-use crate::contract::{FieldError, MOST_FAULTS, Refusal};
+use super::limits::BODY_LIMIT;
+use crate::contract::json::problem::{MAX_ERRORS, listed};
+use crate::contract::{FieldError, Refusal};
 use crate::jobs::{Failure, JobError, Status};
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
-/// What went wrong (RFC 9457).
+/// A problem (RFC 9457).
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct Problem {
-    /// What kind of problem this is; stays the same from version to version.
+    /// Kind of the problem; stable across versions.
     #[serde(rename = "type")]
     #[schema(format = "uri-reference", example = "urn:raceway:problem:invalid-request")]
     pub kind: String,
-    /// The kind in words.
+    /// Short description of the kind.
     #[schema(example = "The request is not valid")]
     pub title: String,
-    /// The answer's status code; absent where the problem is not the answer's.
+    /// Status code of the answer; absent in the `error` of a job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 400, maximum = 599, example = 422)]
     pub status: Option<u16>,
-    /// What happened this time.
+    /// Description of this occurrence.
     pub detail: String,
-    /// The fields of the body that are wrong.
+    /// The invalid fields of the body.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(nullable = false)]
     pub errors: Vec<FieldError>,
@@ -45,30 +46,30 @@ impl Problem {
         }
     }
 
-    /// Why a job failed.
-    pub fn of_run(failure: &Failure) -> Self {
+    /// The problem of a failed job.
+    pub fn of_failure(failure: &Failure) -> Self {
         let title = match failure.cause.as_str() {
             "did-not-converge" => "The simulation did not converge",
-            "numerical-blowup" => "The simulation blew up",
+            "numerical-blowup" => "The simulation diverged",
             "time-limit" => "The run took too long",
             "memory-limit" => "The run needed too much memory",
-            "no-metric" => "No run has the metric that was asked for",
-            "worker-lost" => "The run was lost with its process, again and again",
-            _ => "The service made an error",
+            "no-metric" => "No run has the requested metric",
+            "worker-lost" => "The process of the run ended repeatedly",
+            _ => "Internal error of the service",
         };
         Self::new(&failure.cause, title, failure.detail.clone())
     }
 }
 
-/// Why a request is answered with an error.
+/// An error of a request.
 #[derive(Debug)]
 pub enum ApiError {
-    /// Body is no JSON, or no valid request.
+    /// The body is not JSON, or not a valid request.
     Refused(Refusal),
     /// A wrong header or query.
     BadRequest(String),
     Unauthorized,
-    /// More requests a second than a token has.
+    /// More requests per second than the owner may send.
     TooOften {
         limit: u32,
         wait_s: u64,
@@ -95,12 +96,12 @@ pub enum ApiError {
     },
     UnsupportedMediaType(String),
     ForeignHost(String),
-    /// More is asked for than is done at a time.
+    /// A limit of simultaneous requests is reached.
     Overloaded,
     Job(JobError),
-    /// The service takes no jobs now.
+    /// The service does not accept jobs now.
     NotReady(JobError),
-    /// A request that could not be served, for reasons that are logged and not told.
+    /// An internal error; its cause is logged and not sent.
     Internal,
 }
 
@@ -119,22 +120,23 @@ impl From<Refusal> for ApiError {
     }
 }
 
-/// Seconds after which a full queue is worth another try, and a run worth another look.
+/// `Retry-After` for a full queue [s].
 const QUEUE_RETRY_S: &str = "5";
+/// `Retry-After` for a result that is not ready [s].
 const RESULT_RETRY_S: &str = "1";
-/// The same of a database that does not answer.
-const AWAY_RETRY_S: &str = "1";
-/// The same of a busy service.
+/// `Retry-After` for an unreachable database [s].
+const DATABASE_RETRY_S: &str = "1";
+/// `Retry-After` for a busy service [s].
 const OVERLOAD_RETRY_S: &str = "1";
 
 impl ApiError {
     /// Status and problem.
     pub fn problem(&self) -> (StatusCode, Problem) {
-        let (status, problem) = self.untold();
+        let (status, problem) = self.status_and_problem();
         (status, Problem { status: Some(status.as_u16()), ..problem })
     }
 
-    fn untold(&self) -> (StatusCode, Problem) {
+    fn status_and_problem(&self) -> (StatusCode, Problem) {
         use StatusCode as S;
         let of = |status, kind, title, detail: String| (status, Problem::new(kind, title, detail));
         match self {
@@ -144,35 +146,42 @@ impl ApiError {
             Self::Refused(Refusal::Invalid { errors }) => {
                 let detail = match errors.as_slice() {
                     [only] => only.to_string(),
-                    several if several.len() > MOST_FAULTS => {
-                        format!("{} fields are wrong; the first {MOST_FAULTS} are told", several.len())
+                    several if several.len() > MAX_ERRORS => {
+                        format!("{} fields are invalid; the first {MAX_ERRORS} are listed", several.len())
                     }
-                    several => format!("{} fields are wrong", several.len()),
+                    several => format!("{} fields are invalid", several.len()),
                 };
-                let errors = errors.iter().take(MOST_FAULTS);
+                let errors = errors.iter().take(MAX_ERRORS);
                 let problem = Problem::new("invalid-request", "The request is not valid", detail);
                 (S::UNPROCESSABLE_ENTITY, Problem { errors: errors.cloned().collect(), ..problem })
             }
-            Self::BadRequest(detail) => of(S::BAD_REQUEST, "bad-request", "Header or query is wrong", detail.clone()),
+            Self::BadRequest(detail) => {
+                of(S::BAD_REQUEST, "bad-request", "A header or the query is not valid", detail.clone())
+            }
             Self::Unauthorized => {
-                let detail = "send Authorization: Bearer with one of the service's tokens".into();
+                let detail = "send a token of the service as Authorization: Bearer".into();
                 of(S::UNAUTHORIZED, "unauthorized", "A token is needed", detail)
             }
             Self::TooOften { limit, .. } => {
-                let detail = format!("tokens of one owner may make {limit} requests a second; try again later");
+                let detail = format!("tokens of one owner may send {limit} requests per second; try again later");
                 of(S::TOO_MANY_REQUESTS, "too-often", "Too many requests", detail)
             }
-            Self::UnknownPath => {
-                of(S::NOT_FOUND, "not-found", "There is nothing here", "the paths are listed in /openapi.json".into())
-            }
+            Self::UnknownPath => of(
+                S::NOT_FOUND,
+                "not-found",
+                "There is nothing at this path",
+                "the paths are listed in /openapi.json".into(),
+            ),
             Self::UnknownJob => {
-                let detail = "it never was, has been deleted or has expired, or belongs to another token".into();
+                let detail =
+                    "the id is unknown, or the job was deleted, has expired, or belongs to another owner".into();
                 of(S::NOT_FOUND, "unknown-job", "There is no such job", detail)
             }
             Self::UnknownPlot { known } => {
                 let detail = match known {
                     [] => {
-                        "this job has none: a study over more than two axes, or a simulation without signals".to_owned()
+                        "this job has no plots: it is a study over more than two axes, or a simulation without signals"
+                            .to_owned()
                     }
                     known => format!("plots of this job: {}", listed(known.iter().copied())),
                 };
@@ -186,34 +195,34 @@ impl ApiError {
                 of(S::METHOD_NOT_ALLOWED, "method-not-allowed", "The path has no such method", detail)
             }
             Self::NotAcceptable { offered } => {
-                let detail = format!("available are {}", listed(offered.iter().copied()));
-                of(S::NOT_ACCEPTABLE, "not-acceptable", "The answer is not available in that format", detail)
+                let detail = format!("available formats: {}", listed(offered.iter().copied()));
+                of(S::NOT_ACCEPTABLE, "not-acceptable", "The answer is not available in this format", detail)
             }
             Self::SlowBody => {
                 let detail = "the body did not arrive in time".into();
                 of(S::REQUEST_TIMEOUT, "slow-request", "The request took too long to arrive", detail)
             }
             Self::TooLarge { limit } => {
-                let detail = format!("a body may have {limit} bytes at most");
+                let detail = format!("a body may have at most {limit} bytes");
                 of(S::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
             }
             Self::UnsupportedMediaType(detail) => {
-                let title = "The body is not in a format that is understood";
+                let title = "The format of the body is not supported";
                 of(S::UNSUPPORTED_MEDIA_TYPE, "unsupported-media-type", title, detail.clone())
             }
             Self::HeaderTooLarge { limit } => {
-                let detail = format!("the header and its first line must not be longer than {limit} bytes");
+                let detail = format!("the header with the request line may have at most {limit} bytes");
                 of(S::REQUEST_HEADER_FIELDS_TOO_LARGE, "header-too-large", "The header is too large", detail)
             }
             Self::ForeignHost(host) => {
                 let detail = format!(
-                    "without tokens the service answers only to localhost and to addresses, not to `{}`",
+                    "without tokens the service answers only requests to localhost or an IP address, not to `{}`",
                     host.chars().take(100).collect::<String>()
                 );
                 of(S::MISDIRECTED_REQUEST, "foreign-host", "The request was meant for another host", detail)
             }
             Self::Overloaded => {
-                let detail = "more is asked for than the service does at a time; try again".into();
+                let detail = "a limit of simultaneous requests is reached; try again".into();
                 of(S::SERVICE_UNAVAILABLE, "overloaded", "The service is busy", detail)
             }
             Self::Job(error) => of_job(error),
@@ -224,13 +233,13 @@ impl ApiError {
                     }
                     _ => "the database does not answer".into(),
                 };
-                of(S::SERVICE_UNAVAILABLE, "not-ready", "The service takes no jobs now", detail)
+                of(S::SERVICE_UNAVAILABLE, "not-ready", "The service accepts no jobs now", detail)
             }
             Self::Internal => internal(),
         }
     }
 
-    /// Headers of the answer that stand for this error alone.
+    /// Headers that this error adds to the answer.
     pub fn headers(&self) -> HeaderMap {
         let mut headers = HeaderMap::new();
         let mut set = |name, value| headers.insert(name, HeaderValue::from_static(value));
@@ -243,7 +252,7 @@ impl ApiError {
             }
             Self::Overloaded => drop(set(RETRY_AFTER, OVERLOAD_RETRY_S)),
             Self::Job(JobError::Stopping | JobError::DiskFull) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
-            Self::Job(away) if away.is_away() => drop(set(RETRY_AFTER, AWAY_RETRY_S)),
+            Self::Job(away) if away.is_away() => drop(set(RETRY_AFTER, DATABASE_RETRY_S)),
             Self::Job(JobError::NotReady(_)) => drop(set(RETRY_AFTER, RESULT_RETRY_S)),
             _ => {}
         }
@@ -254,9 +263,11 @@ impl ApiError {
 fn not_kept(channel: &str, kept: &[String]) -> String {
     let channel: String = channel.chars().take(100).collect();
     match kept {
-        [] if channel.is_empty() => "nothing of this sort is kept; see outputs in the request".to_owned(),
-        [] => format!("nothing of this sort is kept for `{channel}` or any other channel; see outputs in the request"),
-        kept => format!("`{channel}` is not kept; kept are {}", listed(kept.iter().map(String::as_str))),
+        [] if channel.is_empty() => "no signal of this kind is kept; see outputs in the request".to_owned(),
+        [] => {
+            format!("no signal of this kind is kept for `{channel}` or any other channel; see outputs in the request")
+        }
+        kept => format!("`{channel}` is not kept; kept channels: {}", listed(kept.iter().map(String::as_str))),
     }
 }
 
@@ -265,17 +276,17 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
     let of = |status, kind, title, detail: String| (status, Problem::new(kind, title, detail));
     match error {
         JobError::NotReady(Status::Queued) => {
-            of(S::CONFLICT, "result-not-ready", "The result is not there yet", "the job is waiting to run".into())
+            of(S::CONFLICT, "result-not-ready", "The result is not ready", "the job is queued".into())
         }
         JobError::NotReady(_) => {
-            of(S::CONFLICT, "result-not-ready", "The result is not there yet", "the job is running".into())
+            of(S::CONFLICT, "result-not-ready", "The result is not ready", "the job is running".into())
         }
         JobError::KeyReused => {
-            let detail = "this Idempotency-Key has come with another body before: a new request needs a new key".into();
+            let detail = "this Idempotency-Key was used with another body; a new request needs a new key".into();
             of(S::UNPROCESSABLE_ENTITY, "idempotency-key-reused", "The key belongs to another request", detail)
         }
         JobError::NoResult(status) => {
-            let detail = format!("the job has {}; its `error` tells why, if it failed", ended(*status));
+            let detail = format!("the job has {}; if it failed, its `error` has the cause", ended(*status));
             of(S::CONFLICT, "no-result", "The job has no result", detail)
         }
         JobError::OtherKind { kind } => {
@@ -285,46 +296,48 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
                 "study" => "…/table, …/plots/trend.svg and …/plots/map.svg",
                 _ => "…/metrics, …/spectrum, …/series and …/plots/spectrum.svg",
             };
-            let detail = format!("a job of kind `{kind}` never has this; its results are at {has}");
+            let detail = format!("a job of kind `{kind}` has no such result; its results are at {has}");
             of(S::CONFLICT, "no-result", "Jobs of this kind have no such result", detail)
         }
         JobError::NoStudy { kind } => {
             let detail = format!("only studies can be resumed; the job is of kind `{kind}`");
-            of(S::CONFLICT, "conflict", "The job is no study", detail)
+            of(S::CONFLICT, "conflict", "The job is not a study", detail)
         }
         JobError::CannotResume(status) => {
             let detail = if status.is_final() {
-                format!("the study has {}, and none of its points could end otherwise", ended(*status))
+                format!("the study has {}, and no point is left that a new run could change", ended(*status))
             } else {
                 "the study has not ended".to_owned()
             };
             of(S::CONFLICT, "conflict", "The study cannot be resumed", detail)
         }
         JobError::Conflict(status) => {
-            let detail = format!("the job has {} already", ended(*status));
+            let detail = format!("the job has already {}", ended(*status));
             let detail = if status.is_final() { detail } else { "the job has not ended; cancel it first".into() };
             of(S::CONFLICT, "conflict", "The job's status does not allow it", detail)
         }
         JobError::QueueFull { limit } => {
-            let detail = format!("{limit} jobs are waiting; try again later");
+            let detail = format!("{limit} jobs are queued; try again later");
             of(S::TOO_MANY_REQUESTS, "queue-full", "The queue is full", detail)
         }
         JobError::OwnersQueueFull { limit } => {
-            let detail = format!("{limit} jobs of this token's owner are waiting; try again later");
+            let detail = format!("{limit} jobs of this token's owner are queued; try again later");
             of(S::TOO_MANY_REQUESTS, "queue-full", "The queue is full", detail)
         }
         JobError::Stopping => {
-            let detail = "nothing that was accepted is lost; try again".into();
+            let detail = "accepted jobs are not lost; try again".into();
             of(S::SERVICE_UNAVAILABLE, "stopping", "The service is stopping", detail)
         }
         JobError::DiskFull => {
-            let detail = "nothing was written; try again once there is space".into();
+            let detail = "nothing was written; free disk space and try again".into();
             of(S::INSUFFICIENT_STORAGE, "disk-full", "No space is left for the database", detail)
         }
-        JobError::Displaced => of(S::SERVICE_UNAVAILABLE, "database-away", "The database is away", error.to_string()),
-        away if away.is_away() => {
+        JobError::Displaced => {
+            of(S::SERVICE_UNAVAILABLE, "database-away", "The database is not available", error.to_string())
+        }
+        unavailable if unavailable.is_away() => {
             let detail = "the database does not answer; try again".into();
-            of(S::SERVICE_UNAVAILABLE, "database-away", "The database is away", detail)
+            of(S::SERVICE_UNAVAILABLE, "database-away", "The database is not available", detail)
         }
         _ => internal(),
     }
@@ -339,7 +352,7 @@ fn ended(status: Status) -> &'static str {
 
 fn internal() -> (StatusCode, Problem) {
     let detail = "the cause is in the service's log";
-    (StatusCode::INTERNAL_SERVER_ERROR, Problem::new("internal", "The service made an error", detail))
+    (StatusCode::INTERNAL_SERVER_ERROR, Problem::new("internal", "Internal error of the service", detail))
 }
 
 impl IntoResponse for ApiError {
@@ -358,13 +371,12 @@ fn answer(status: StatusCode, problem: &Problem, mut headers: HeaderMap) -> Resp
     (status, headers, body).into_response()
 }
 
-/// The problem for an error that axum answered by itself, which has no body or one in plain text; its
-/// headers, such as Allow, are kept.
-pub fn of_bare(status: StatusCode) -> Option<ApiError> {
+/// The error for a status that axum answered itself, without a body or with plain text.
+pub fn of_status(status: StatusCode) -> Option<ApiError> {
     Some(match status {
         StatusCode::NOT_FOUND => ApiError::UnknownPath,
         StatusCode::METHOD_NOT_ALLOWED => ApiError::MethodNotAllowed,
-        StatusCode::PAYLOAD_TOO_LARGE => ApiError::TooLarge { limit: super::request::BODY_LIMIT },
+        StatusCode::PAYLOAD_TOO_LARGE => ApiError::TooLarge { limit: BODY_LIMIT },
         StatusCode::UNSUPPORTED_MEDIA_TYPE => ApiError::UnsupportedMediaType("application/json is".into()),
         StatusCode::NOT_ACCEPTABLE => ApiError::NotAcceptable { offered: &["gzip", "no encoding at all"] },
         status if status.is_client_error() => ApiError::BadRequest("the request could not be read".into()),

@@ -1,5 +1,5 @@
-//! Requests as far as they go without jobs, for the fuzz target `request`: routes and extractors are the service's own, and so is what is
-//! made of a stored signal; where a handler would ask for a job, there is one that has everything.
+//! A service without jobs, for the fuzz target `request`. Extractors and the formatting of stored signals are those of the service. In
+//! place of stored jobs there is one that has every result.
 
 use axum::Router;
 use axum::body::{Body, Bytes};
@@ -14,13 +14,17 @@ use hyper_util::service::TowerToHyperService;
 use uuid::Uuid;
 
 use super::error::ApiError;
-use super::jobs::{ListQuery, ShowQuery, idempotency_key, preferred_wait};
-use super::request::{JobId, JsonBody, Nothing, PlotFile, Query, header, negotiated};
-use super::results::{CSV, JSON, NPY, SeriesQuery, SpectrumQuery};
-use super::{conditional, document, plots, portal, refusals};
+use super::jobs::ShowQuery;
+use super::list_query::ListQuery;
+use super::request::{JobId, JsonBody, NoQuery, PlotFile, Query, header, negotiated};
+use super::results::{SeriesQuery, SpectrumQuery};
+use super::routes::document;
+use super::stored_answer::{CSV, JSON, NPY, SVG};
+use super::submission_headers::{idempotency_key, preferred_wait};
+use super::{conditional, error_layers, plots, portal};
 use crate::contract::{SeriesAnswer, SpectrumAnswer, SpectrumKind, parse_batch, parse_job, parse_scene_request};
 
-/// What answers.
+/// The service.
 pub struct Service {
     router: TowerToHyperService<Router>,
     runtime: tokio::runtime::Runtime,
@@ -42,7 +46,7 @@ impl Default for Service {
 }
 
 impl Service {
-    /// The answer to a request; `None` where no server would take this for one.
+    /// The answer to a request; `None` if it is not a valid HTTP request.
     pub fn answer(&self, method: &str, target: &str, headers: &[(&[u8], &[u8])], body: &[u8]) -> Option<Answer> {
         let mut request = Request::builder().method(method).uri(target);
         for (name, value) in headers {
@@ -57,7 +61,7 @@ impl Service {
         })
     }
 
-    /// Paths that the OpenAPI document has.
+    /// Paths of the OpenAPI document.
     pub fn paths() -> Vec<String> {
         document().paths.paths.keys().cloned().collect()
     }
@@ -67,7 +71,7 @@ fn router() -> Router {
     let mut router = Router::new()
         .route("/v1/jobs", get(list).post(submit))
         .route("/v1/jobs/batch", post(batch))
-        .route("/v1/jobs/{id}", get(show).delete(of_job))
+        .route("/v1/jobs/{id}", get(show).delete(with_job))
         .route("/v1/jobs/{id}/events", get(events))
         .route("/v1/jobs/{id}/spectrum", get(spectrum))
         .route("/v1/jobs/{id}/series", get(series))
@@ -76,15 +80,15 @@ fn router() -> Router {
         .route("/v1/scenes/resolve", post(resolve))
         .route("/portal/{*file}", get(portal::file));
     for result in ["metrics", "channels", "accuracy", "optimum"] {
-        router = router.route(&format!("/v1/jobs/{{id}}/{result}"), get(of_job));
+        router = router.route(&format!("/v1/jobs/{{id}}/{result}"), get(with_job));
     }
     for action in ["cancel", "resume"] {
-        router = router.route(&format!("/v1/jobs/{{id}}/{action}"), post(of_job));
+        router = router.route(&format!("/v1/jobs/{{id}}/{action}"), post(with_job));
     }
     for path in ["/v1/presets", "/health/live", "/health/ready", "/metrics", "/openapi.json"] {
-        router = router.route(path, get(of_nobody));
+        router = router.route(path, get(without_job));
     }
-    router.layer(middleware::from_fn(refusals::as_problems))
+    router.layer(middleware::from_fn(error_layers::as_problems))
 }
 
 async fn list(headers: HeaderMap, Query(query): Query<ListQuery>) -> Result<Response, ApiError> {
@@ -94,7 +98,7 @@ async fn list(headers: HeaderMap, Query(query): Query<ListQuery>) -> Result<Resp
     Ok([(LINK, next)].into_response())
 }
 
-async fn submit(headers: HeaderMap, _: Query<Nothing>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+async fn submit(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     let (wait, key) = (preferred_wait(&headers)?, idempotency_key(&headers)?);
     assert!(wait.is_none_or(|seconds| seconds <= 60));
@@ -103,7 +107,7 @@ async fn submit(headers: HeaderMap, _: Query<Nothing>, JsonBody(body): JsonBody)
     Ok((StatusCode::ACCEPTED, [(LOCATION, "/")]).into_response())
 }
 
-async fn batch(headers: HeaderMap, _: Query<Nothing>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+async fn batch(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     idempotency_key(&headers)?;
     for error in parse_batch(&body)?.into_iter().filter_map(Result::err) {
@@ -113,7 +117,7 @@ async fn batch(headers: HeaderMap, _: Query<Nothing>, JsonBody(body): JsonBody) 
     Ok(StatusCode::OK.into_response())
 }
 
-async fn resolve(headers: HeaderMap, _: Query<Nothing>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+async fn resolve(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     parse_scene_request(&body)?;
     Ok(StatusCode::OK.into_response())
@@ -121,10 +125,10 @@ async fn resolve(headers: HeaderMap, _: Query<Nothing>, JsonBody(body): JsonBody
 
 async fn show(headers: HeaderMap, JobId(id): JobId, _: Query<ShowQuery>) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
-    Ok(conditional::standing(&headers, format!("\"{id}\"").into_bytes()))
+    Ok(conditional::job(&headers, format!("\"{id}\"").into_bytes()))
 }
 
-async fn events(headers: HeaderMap, _: JobId, _: Query<Nothing>) -> Result<Response, ApiError> {
+async fn events(headers: HeaderMap, _: JobId, _: Query<NoQuery>) -> Result<Response, ApiError> {
     negotiated(&headers, &["text/event-stream"])?;
     let seen = header(&headers, &HeaderName::from_static("last-event-id"));
     Ok(if seen == Some("succeeded-1000") { StatusCode::NO_CONTENT } else { StatusCode::OK }.into_response())
@@ -144,7 +148,7 @@ async fn spectrum(headers: HeaderMap, _: JobId, query: Query<SpectrumQuery>) -> 
         frequency_hz: Vec::new(),
         amplitude: (0..40).map(f64::from).collect(),
     };
-    SpectrumQuery::checked(query)?.shape(format, stored)
+    SpectrumQuery::checked(query)?.formatted(format, stored)
 }
 
 async fn series(headers: HeaderMap, _: JobId, query: Query<SeriesQuery>) -> Result<Response, ApiError> {
@@ -155,16 +159,16 @@ async fn series(headers: HeaderMap, _: JobId, query: Query<SeriesQuery>) -> Resu
         time_s: (0..40).map(|k| 0.01 * f64::from(k)).collect(),
         value: (0..40).map(|k| f64::from(k * 7 % 11) - 5.0).collect(),
     };
-    SeriesQuery::checked(query)?.shape(format, &serde_json::to_vec(&stored).unwrap_or_default())
+    SeriesQuery::checked(query)?.formatted(format, &serde_json::to_vec(&stored).unwrap_or_default())
 }
 
 async fn plot(
     headers: HeaderMap,
     _: JobId,
     PlotFile(file): PlotFile,
-    _: Query<Nothing>,
+    _: Query<NoQuery>,
 ) -> Result<StatusCode, ApiError> {
-    negotiated(&headers, &["image/svg+xml"])?;
+    negotiated(&headers, &[SVG])?;
     let known = [plots::OF_SIMULATION, plots::OF_ACCURACY, plots::OF_OPTIMUM, plots::OF_STUDY].concat();
     if known.contains(&file.as_str()) {
         return Ok(StatusCode::OK);
@@ -172,14 +176,14 @@ async fn plot(
     Err(ApiError::UnknownPlot { known: plots::OF_SIMULATION })
 }
 
-async fn table(headers: HeaderMap, _: JobId, _: Query<Nothing>) -> Result<StatusCode, ApiError> {
+async fn table(headers: HeaderMap, _: JobId, _: Query<NoQuery>) -> Result<StatusCode, ApiError> {
     negotiated(&headers, &[JSON, CSV]).map(|_| StatusCode::OK)
 }
 
-async fn of_job(headers: HeaderMap, _: JobId, _: Query<Nothing>) -> Result<StatusCode, ApiError> {
+async fn with_job(headers: HeaderMap, _: JobId, _: Query<NoQuery>) -> Result<StatusCode, ApiError> {
     negotiated(&headers, &[JSON]).map(|_| StatusCode::OK)
 }
 
-async fn of_nobody(headers: HeaderMap, _: Query<Nothing>) -> Result<StatusCode, ApiError> {
+async fn without_job(headers: HeaderMap, _: Query<NoQuery>) -> Result<StatusCode, ApiError> {
     negotiated(&headers, &[JSON]).map(|_| StatusCode::OK)
 }

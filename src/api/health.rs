@@ -1,4 +1,4 @@
-//! Probes.
+//! Probes, and metrics for Prometheus.
 
 use axum::Json;
 use axum::extract::State;
@@ -7,17 +7,17 @@ use axum::response::IntoResponse;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::auth::Owner;
-use super::describe::{Anywhere, BadQuery, OnlyLocal, TakesNoJobs};
+use super::app::App;
+use super::credentials::Owner;
 use super::error::ApiError;
-use super::request::{Nothing, Query};
-use super::{App, describe};
-use crate::jobs::FIGURES_MEDIA_TYPE;
+use super::openapi::{self, Anywhere, BadQuery, OnlyLocal, TakesNoJobs};
+use super::request::{NoQuery, Query};
+use crate::jobs::METRICS_MEDIA_TYPE;
 
-/// How the service is.
+/// Health of the service.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Health {
-    /// Always `ok`: what is not is answered with a problem.
+    /// Always `ok`; any other state is answered with a problem.
     #[schema(example = "ok")]
     status: &'static str,
     /// Version of the service.
@@ -27,24 +27,24 @@ pub struct Health {
 
 const OK: Health = Health { status: "ok", version: env!("CARGO_PKG_VERSION") };
 
-/// Is the service alive?
+/// Liveness probe
 ///
-/// Answers as long as the process serves HTTP; restart it when it does not.
+/// Answers as long as the process serves HTTP. Without an answer the process should be restarted.
 #[utoipa::path(
-    get, path = "/health/live", tag = describe::HEALTH, operation_id = "isAlive", security(()),
+    get, path = "/health/live", tag = openapi::HEALTH, operation_id = "isAlive", security(()),
     responses((status = 200, description = "The service is alive", body = Health), OnlyLocal)
 )]
 pub async fn live() -> Json<Health> {
     Json(OK)
 }
 
-/// Does the service take jobs?
+/// Readiness probe
 ///
-/// Not while it stops, while the database is away, and while the disk is full.
+/// Succeeds if the service accepts jobs. It fails while the service stops, the database is not available, or the disk is full.
 #[utoipa::path(
-    get, path = "/health/ready", tag = describe::HEALTH, operation_id = "isReady", security(()),
+    get, path = "/health/ready", tag = openapi::HEALTH, operation_id = "isReady", security(()),
     responses(
-        (status = 200, description = "The service takes jobs", body = Health),
+        (status = 200, description = "The service accepts jobs", body = Health),
         TakesNoJobs, OnlyLocal
     )
 )]
@@ -53,18 +53,22 @@ pub async fn ready(State(app): State<App>) -> Result<Json<Health>, ApiError> {
     Ok(Json(OK))
 }
 
-/// How busy is the service?
+/// Service metrics
 ///
-/// For Prometheus, in the text format of OpenMetrics: jobs that wait and run, age of the oldest, places for runs; since this process began
-/// its runs by how they ended, their time, real-time factor, claims taken and lost, waits for the database.
+/// For Prometheus, in the text format of OpenMetrics: queued and running jobs, age of the oldest queued job, and worker slots. Since the
+/// start of this process: ended runs by their end, wall time, real-time factor, claims and lost claims, and waits for the database.
 #[utoipa::path(
-    get, path = "/metrics", tag = describe::HEALTH, operation_id = "getFigures",
+    get, path = "/metrics", tag = openapi::HEALTH, operation_id = "getFigures",
     responses(
         (status = 200, description = "Counts and times", body = String, content_type = "application/openmetrics-text",
             example = json!("# TYPE raceway_jobs_waiting gauge\nraceway_jobs_waiting 3\n# EOF\n")),
         BadQuery, Anywhere
     )
 )]
-pub async fn figures(State(app): State<App>, _: Owner, _: Query<Nothing>) -> Result<impl IntoResponse, ApiError> {
-    Ok(([(CONTENT_TYPE, FIGURES_MEDIA_TYPE)], app.jobs.figures().await?))
+pub async fn service_metrics(
+    State(app): State<App>,
+    _: Owner,
+    _: Query<NoQuery>,
+) -> Result<impl IntoResponse, ApiError> {
+    Ok(([(CONTENT_TYPE, METRICS_MEDIA_TYPE)], app.jobs.service_metrics().await?))
 }

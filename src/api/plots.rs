@@ -1,4 +1,4 @@
-//! Pictures of a succeeded job.
+//! Plots of a job.
 
 use axum::extract::State;
 use axum::http::HeaderMap;
@@ -7,21 +7,21 @@ use axum::response::{IntoResponse, Response};
 use utoipa::ToSchema;
 use uuid::Uuid;
 
-use super::auth::Owner;
-use super::describe::{Anywhere, BadQuery, NoPlot, NoResult, NotAccepted, Unchanged};
+use super::app::App;
+use super::credentials::Owner;
 use super::error::ApiError;
-use super::request::{JobId, Nothing, PlotFile, Query, negotiated};
-use super::results::{read, series_of, shaped, spectrum_of};
+use super::openapi::{self, Anywhere, BadQuery, NoPlot, NoResult, NotAccepted, Unchanged};
+use super::request::{JobId, NoQuery, PlotFile, Query, negotiated};
+use super::stored_answer::{SVG, formatted, read, series_of, spectrum_of};
 use super::studies::table_of;
-use super::{App, describe};
-use crate::contract::views::TraceView;
+use crate::contract::answer::views::TraceView;
 use crate::contract::{
     JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumKind, TableAnswer, ViewsAnswer, WorkPrecisionAnswer,
 };
 use crate::jobs::Signal;
-use crate::render;
+use crate::plots::draw;
 
-/// Plots by name; which of them a job has depends on its kind.
+/// Names of plots. The kind of a job decides which of them it has.
 #[derive(ToSchema)]
 #[allow(dead_code, reason = "only describes the path; the handler reads it")]
 enum PlotName {
@@ -45,24 +45,30 @@ enum PlotName {
     Map,
 }
 
-const SVG: &str = "image/svg+xml";
-pub(super) const OF_SIMULATION: &[&str] =
-    &["spectrum.svg", "velocity.svg", "acceleration.svg", "orbit.svg", "loads.svg"];
-pub(super) const OF_ACCURACY: &[&str] = &["work-precision.svg"];
-pub(super) const OF_OPTIMUM: &[&str] = &["optimum.svg"];
-pub(super) const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
-/// Of studies over one axis, over two, and over more.
-const BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
+pub const OF_SIMULATION: &[&str] = &["spectrum.svg", "velocity.svg", "acceleration.svg", "orbit.svg", "loads.svg"];
+pub const OF_ACCURACY: &[&str] = &["work-precision.svg"];
+pub const OF_OPTIMUM: &[&str] = &["optimum.svg"];
+pub const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
+/// Plots of studies over one axis, over two, and over more.
+const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 
 /// Get a plot
 ///
-/// `spectrum.svg`: the amplitude spectra that are kept, with labelled lines. `velocity.svg`,
-/// `acceleration.svg`: the spindle's, thinned so that peaks survive. `orbit.svg`: the paths of the centres of spindle and cage. `loads.svg`: of ball 1 along its way,
-/// where contacts were asked for. They show what can be told apart: at a steady speed the last 12 ball passages, four turns, and the first three turns of the ball; else the run. Of a run longer than a second they show its first part, a second at most. `work-precision.svg`: of an accuracy
-/// job, error against run time, a curve a method. `optimum.svg`: of an optimum job, its runs and the best of them. `trend.svg`, `map.svg`: of a study over one axis or two, with what has been
-/// computed so far.
+/// Simulation:
+/// - `spectrum.svg`: the kept amplitude spectra, with labelled lines.
+/// - `velocity.svg`, `acceleration.svg`: velocity and acceleration of the spindle over time, thinned so that peaks survive.
+/// - `orbit.svg`: the paths of the centres of spindle and cage.
+/// - `loads.svg`: loads of ball 1 over its orbit, if contacts were requested.
+///
+/// At a steady speed these plots show the last 12 ball passages, four turns, or the first three turns of the ball; otherwise the whole
+/// run. Of a run longer than 1 s they show at most its first second.
+///
+/// Other kinds:
+/// - `work-precision.svg` (accuracy job): error against run time, one curve for each method.
+/// - `optimum.svg` (optimum job): the runs and the best point.
+/// - `trend.svg`, `map.svg` (study over one axis or two): the points that have been computed.
 #[utoipa::path(
-    get, path = "/v1/jobs/{id}/plots/{file}", tag = describe::RESULTS, operation_id = "getPlot",
+    get, path = "/v1/jobs/{id}/plots/{file}", tag = openapi::RESULTS, operation_id = "getPlot",
     params(
         ("id" = Uuid, Path, description = "The job"),
         ("file" = inline(PlotName), Path, description = "The plot", example = "spectrum.svg")
@@ -75,7 +81,7 @@ pub async fn plot(
     headers: HeaderMap,
     JobId(id): JobId,
     PlotFile(file): PlotFile,
-    _: Query<Nothing>,
+    _: Query<NoQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[SVG])?;
     match file.as_str() {
@@ -83,16 +89,15 @@ pub async fn plot(
         "velocity.svg" => series(&app, &owner, id, "velocity").await,
         "acceleration.svg" => series(&app, &owner, id, "acceleration").await,
         "orbit.svg" => {
-            view(&app, &owner, id, |views| Some(render::orbits(&views.orbits)).filter(|_| !views.orbits.is_empty()))
-                .await
+            view(&app, &owner, id, |views| Some(draw::orbits(&views.orbits)).filter(|_| !views.orbits.is_empty())).await
         }
-        "loads.svg" => view(&app, &owner, id, |views| views.loads.as_ref().map(render::loads)).await,
+        "loads.svg" => view(&app, &owner, id, |views| views.loads.as_ref().map(draw::loads)).await,
         "work-precision.svg" => work_precision(&app, &owner, id).await,
         "optimum.svg" => optimum(&app, &owner, id).await,
-        "trend.svg" => of_study(&app, &owner, id, render::trend).await,
-        "map.svg" => of_study(&app, &owner, id, render::map).await,
+        "trend.svg" => of_study(&app, &owner, id, draw::trend).await,
+        "map.svg" => of_study(&app, &owner, id, draw::map).await,
         _ => {
-            // Whether the job is there comes first.
+            // A missing job is reported first.
             let record = app.jobs.get(&owner, id).await?;
             let is = |kind: JobKind| record.kind == kind.name();
             let known = if is(JobKind::Accuracy) {
@@ -118,14 +123,14 @@ async fn spectra(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError>
     if spectra.is_empty() {
         return Err(ApiError::UnknownChannel { channel: "spindle.y.acceleration".into(), kept: Vec::new() });
     }
-    shaped(move || {
+    formatted(move || {
         let metrics: Metrics = read(metrics.as_bytes())?;
-        Ok(drawn(render::spectra(&metrics, &spectra)))
+        Ok(svg_response(draw::spectra(&metrics, &spectra)))
     })
     .await
 }
 
-/// A picture of what is kept for pictures; a rung may lack what it shows.
+/// A plot of the data that are kept for plots. Some models lack the data of some plots.
 async fn view(
     app: &App,
     owner: &str,
@@ -133,51 +138,51 @@ async fn view(
     draw: impl FnOnce(ViewsAnswer) -> Option<String> + Send + 'static,
 ) -> Result<Response, ApiError> {
     let stored = app.jobs.views(owner, id).await?;
-    shaped(move || {
+    formatted(move || {
         let views = stored.map(|stored| read::<ViewsAnswer>(&stored)).transpose()?;
         let known = match &views {
             None => &[][..],
             Some(views) if views.loads.is_none() => &OF_SIMULATION[..4],
             Some(_) => OF_SIMULATION,
         };
-        views.and_then(draw).map(drawn).ok_or(ApiError::UnknownPlot { known })
+        views.and_then(draw).map(svg_response).ok_or(ApiError::UnknownPlot { known })
     })
     .await
 }
 
 async fn series(app: &App, owner: &str, id: Uuid, quantity: &'static str) -> Result<Response, ApiError> {
     let kept = app.jobs.channels(owner, id, Signal::Series).await?;
-    let wanted = kept.iter().filter(|channel| render::is_of_spindle(channel, quantity));
+    let wanted = kept.iter().filter(|channel| draw::is_of_spindle(channel, quantity));
     let mut stored = Vec::new();
     for channel in wanted {
         stored.push(series_of(app, owner, id, channel).await?);
     }
     if stored.is_empty() {
         return view(app, owner, id, move |views| {
-            let of_quantity = views.traces.into_iter().filter(|trace| render::is_of_spindle(&trace.channel, quantity));
+            let of_quantity = views.traces.into_iter().filter(|trace| draw::is_of_spindle(&trace.channel, quantity));
             let traces: Vec<SeriesAnswer> = of_quantity.map(TraceView::series).collect();
-            (!traces.is_empty()).then(|| render::series(&traces))
+            (!traces.is_empty()).then(|| draw::series(&traces))
         })
         .await;
     }
-    shaped(move || {
+    formatted(move || {
         let series = stored.iter().map(|stored| read(stored)).collect::<Result<Vec<SeriesAnswer>, _>>()?;
-        Ok(drawn(render::series(&series)))
+        Ok(svg_response(draw::series(&series)))
     })
     .await
 }
 
 async fn work_precision(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
     let stored = app.jobs.report(owner, id, JobKind::Accuracy).await?;
-    shaped(move || Ok(drawn(render::work_precision(&read::<WorkPrecisionAnswer>(&stored)?)))).await
+    formatted(move || Ok(svg_response(draw::work_precision(&read::<WorkPrecisionAnswer>(&stored)?)))).await
 }
 
 async fn optimum(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
     let stored = app.jobs.report(owner, id, JobKind::Optimum).await?;
-    shaped(move || Ok(drawn(render::optimum(&read::<OptimumAnswer>(&stored)?)))).await
+    formatted(move || Ok(svg_response(draw::optimum(&read::<OptimumAnswer>(&stored)?)))).await
 }
 
-/// A picture of a study, which may have another number of axes.
+/// A plot of a study; an error if the plot needs another number of axes.
 async fn of_study(
     app: &App,
     owner: &str,
@@ -185,14 +190,15 @@ async fn of_study(
     draw: fn(&TableAnswer) -> Option<String>,
 ) -> Result<Response, ApiError> {
     let (request, points) = app.jobs.points(owner, id).await?;
-    shaped(move || {
+    formatted(move || {
         let table = table_of(&request, points)?;
-        let known = BY_AXES[table.axes.len().clamp(1, 3) - 1];
-        draw(&table).map(drawn).ok_or(ApiError::UnknownPlot { known })
+        let known = OF_STUDY_BY_AXES[table.axes.len().clamp(1, 3) - 1];
+        draw(&table).map(svg_response).ok_or(ApiError::UnknownPlot { known })
     })
     .await
 }
 
-fn drawn(svg: String) -> Response {
+/// The response of a plot.
+fn svg_response(svg: String) -> Response {
     ([(CONTENT_TYPE, SVG)], svg).into_response()
 }

@@ -1,5 +1,5 @@
-//! The page at `/` and its files, from inside the binary. They are the same for everybody and open without a token; what they
-//! show comes from the API, which is not.
+//! The page at `/` and its files, embedded in the binary. They are the same for every client and need no token; the API from which the
+//! page takes its data does.
 
 use std::sync::LazyLock;
 
@@ -10,8 +10,8 @@ use sha2::{Digest, Sha256};
 
 use super::error::ApiError;
 
-/// What the page may load: its own files, and pictures that it made itself (`blob:`). Nothing inline, nothing from elsewhere, and
-/// nobody may frame it.
+/// Content-Security-Policy: the page may load its own files and images that it created (`blob:`). Inline code, other origins and
+/// framing are forbidden.
 const POLICY: &str = "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; \
                       frame-ancestors 'none'";
 
@@ -32,7 +32,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 23] = files! {
+static FILES: [File; 24] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -45,6 +45,7 @@ static FILES: [File; 23] = files! {
     "format.js": SCRIPT,
     "jobs.js": SCRIPT,
     "main.js": SCRIPT,
+    "messages.js": SCRIPT,
     "metrics.js": SCRIPT,
     "plots.js": SCRIPT,
     "request.js": SCRIPT,
@@ -58,8 +59,8 @@ static FILES: [File; 23] = files! {
     "vendor/LICENSE": TEXT,
 };
 
-/// A tag of each file's content, quoted as it is sent. The files change only with the binary, but one address serves
-/// many versions of it in its life, so a browser asks each time and mostly hears that nothing has changed.
+/// ETag of each file, quoted as it is sent. The files change only with the binary, but one address serves many versions over time. So a
+/// browser asks each time, and mostly gets 304.
 static TAGS: LazyLock<Vec<String>> = LazyLock::new(|| {
     FILES.iter().map(|file| hex(&Sha256::digest(file.content)[..16])).map(|digest| format!("\"{digest}\"")).collect()
 });
@@ -94,7 +95,7 @@ fn answer(name: &str, headers: &HeaderMap) -> Result<Response, ApiError> {
     Ok((fields, file.content).into_response())
 }
 
-/// Whether the client has this content: `If-None-Match` compares weakly (RFC 9110, 13.1.2).
+/// Returns whether the client has this content. The comparison is weak (RFC 9110, 13.1.2).
 fn is_known(headers: &HeaderMap, tag: &str) -> bool {
     let lists = headers.get_all(IF_NONE_MATCH).iter().filter_map(|list| list.to_str().ok());
     lists.flat_map(|list| list.split(',')).map(str::trim).any(|one| one == "*" || one.trim_start_matches("W/") == tag)

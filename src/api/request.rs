@@ -1,4 +1,4 @@
-//! Parts of a request, each refused with a problem of its own.
+//! Extractors for the parts of a request. Each refuses a wrong part with its own problem.
 
 use std::time::Duration;
 
@@ -16,16 +16,11 @@ use serde::de::DeserializeOwned;
 use tokio::sync::OwnedSemaphorePermit;
 use uuid::Uuid;
 
+use super::concurrency::{Concurrency, RequestPermit};
 use super::error::ApiError;
-use super::load::{Load, Place};
+use super::limits::{BODY_LIMIT, HEADER_LIMIT};
 
-/// Bytes of a body at most.
-pub const BODY_LIMIT: usize = 1 << 20;
-
-/// Bytes of a request's header at most, with its first line.
-pub const HEADER_LIMIT: usize = 64 << 10;
-
-/// Refuses longer ones: hyper's own limit is of its buffer, which may hold twice as much.
+/// Layer that refuses long headers. The limit of hyper applies to its buffer, which may hold twice as much.
 pub async fn limit_header(request: Request, next: Next) -> Result<Response, ApiError> {
     let fields = request.headers().iter().map(|(name, value)| name.as_str().len() + value.len() + 4);
     if request.uri().to_string().len() + fields.sum::<usize>() > HEADER_LIMIT {
@@ -34,10 +29,10 @@ pub async fn limit_header(request: Request, next: Next) -> Result<Response, ApiE
     Ok(next.run(request).await)
 }
 
-/// Time that a body has to arrive.
-const BODY_TIME: Duration = Duration::from_secs(30);
+/// Longest time in which a body must arrive.
+const BODY_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// A body that says it is JSON. It takes room among the bodies until it is dropped.
+/// A body with the media type of JSON. It holds its permits until it is dropped.
 pub struct JsonBody(pub Bytes);
 
 impl<S: Sync> FromRequest<S> for JsonBody {
@@ -50,57 +45,58 @@ impl<S: Sync> FromRequest<S> for JsonBody {
             return Err(ApiError::TooLarge { limit: BODY_LIMIT });
         }
         let (mut parts, body) = request.into_parts();
-        let Ok(place) = Place::from_request_parts(&mut parts, state).await;
-        // Slow clients keep no quick ones out.
-        place.leave();
-        let body =
-            tokio::time::timeout(BODY_TIME, read(body, place.load())).await.unwrap_or(Err(ApiError::SlowBody))?;
-        place.enter()?;
+        let Ok(permit) = RequestPermit::from_request_parts(&mut parts, state).await;
+        // A slow client must not occupy the permit of another request.
+        permit.release();
+        let body = tokio::time::timeout(BODY_TIMEOUT, read(body, permit.concurrency()))
+            .await
+            .unwrap_or(Err(ApiError::SlowBody))?;
+        permit.acquire()?;
         Ok(Self(Bytes::from_owner(body)))
     }
 }
 
-/// A body with the room that it takes.
-struct Held {
+/// A body with its permits.
+struct HeldBody {
     bytes: Vec<u8>,
-    room: Vec<OwnedSemaphorePermit>,
+    permits: Vec<OwnedSemaphorePermit>,
 }
 
-impl AsRef<[u8]> for Held {
+impl AsRef<[u8]> for HeldBody {
     fn as_ref(&self) -> &[u8] {
         &self.bytes
     }
 }
 
-/// Reads as it comes: only what has arrived takes room, whatever length was announced.
-async fn read(body: Body, load: &Load) -> Result<Held, ApiError> {
+/// Reads a body. Only bytes that have arrived need permits, whatever length was announced.
+async fn read(body: Body, concurrency: &Concurrency) -> Result<HeldBody, ApiError> {
     let mut body = Limited::new(body, BODY_LIMIT);
-    let mut held = Held { bytes: Vec::new(), room: Vec::new() };
+    let mut held = HeldBody { bytes: Vec::new(), permits: Vec::new() };
     while let Some(frame) = body.frame().await {
         let frame = frame.map_err(|error| match error.is::<LengthLimitError>() {
             true => ApiError::TooLarge { limit: BODY_LIMIT },
             false => ApiError::BadRequest("the body ended too early".into()),
         })?;
         let Some(bytes) = frame.data_ref() else { continue };
-        held.make_room(bytes.len(), load)?;
+        held.reserve(bytes.len(), concurrency)?;
         held.bytes.extend_from_slice(bytes);
     }
     Ok(held)
 }
 
-impl Held {
-    /// Room comes in doubling steps, as the vector's own does.
-    fn make_room(&mut self, more: usize, load: &Load) -> Result<(), ApiError> {
+impl HeldBody {
+    /// Takes permits for `more` bytes, in doubling steps like the capacity of the vector.
+    fn reserve(&mut self, more: usize, concurrency: &Concurrency) -> Result<(), ApiError> {
         if self.bytes.len() + more > self.bytes.capacity() {
             let capacity = (self.bytes.len() + more).next_power_of_two().max(4096);
-            self.room.push(load.room(capacity - self.bytes.capacity())?);
+            self.permits.push(concurrency.body_bytes(capacity - self.bytes.capacity())?);
             self.bytes.reserve_exact(capacity - self.bytes.len());
         }
         Ok(())
     }
 }
 
-/// A form of a foreign page can send text/plain without being asked, but not JSON.
+/// Refuses other media types than JSON: a form on a foreign page can send text/plain without a preflight request, but not JSON.
 fn check_media_type(headers: &HeaderMap) -> Result<(), ApiError> {
     let refuse = |detail: &str| Err(ApiError::UnsupportedMediaType(detail.to_owned()));
     let media_type = header(headers, &CONTENT_TYPE).map(|value| value.split(';').next().unwrap_or_default().trim());
@@ -119,7 +115,7 @@ pub fn header<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> 
     headers.get(name)?.to_str().ok()
 }
 
-/// The query; unknown parameters are refused, and repeated ones that take one value.
+/// The query. Unknown parameters are refused, and repeated parameters that take one value.
 pub struct Query<T>(pub T);
 
 impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
@@ -127,36 +123,36 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
         match percent_decode_str(parts.uri.query().unwrap_or_default()).decode_utf8() {
-            // No name or label has one, and PostgreSQL takes none.
+            // PostgreSQL does not accept it in text.
             Ok(query) if query.contains('\0') => {
-                return Err(ApiError::BadRequest("query: holds a NUL character".into()));
+                return Err(ApiError::BadRequest("query: contains a NUL character".into()));
             }
             Ok(_) => {}
             Err(_) => return Err(ApiError::BadRequest("query: is not UTF-8".into())),
         }
         match axum::extract::Query::from_request_parts(parts, state).await {
             Ok(axum::extract::Query(query)) => Ok(Self(query)),
-            Err(rejection) => Err(ApiError::BadRequest(format!("query: {}", of_query(&innermost(&rejection))))),
+            Err(rejection) => Err(ApiError::BadRequest(format!("query: {}", query_message(&innermost(&rejection))))),
         }
     }
 }
 
-/// No query at all, where there are no parameters.
+/// The query of an operation without parameters.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Nothing {}
+pub struct NoQuery {}
 
-/// What is wrong with a query, in words of queries.
-fn of_query(fault: &str) -> String {
+/// The message of serde, in terms of query parameters.
+fn query_message(fault: &str) -> String {
     const WORDS: [(&str, &str); 6] = [
         ("invalid digit found in string", "must be a whole number"),
         ("invalid float literal", "must be a number"),
-        ("there are no fields", "there are none here"),
+        ("there are no fields", "this operation has none"),
         ("unknown field", "unknown parameter"),
         ("unknown variant", "unknown value"),
         ("missing field", "missing parameter"),
     ];
-    WORDS.iter().fold(fault.to_owned(), |fault, (of_serde, of_ours)| fault.replace(of_serde, of_ours))
+    WORDS.iter().fold(fault.to_owned(), |fault, (serde, query)| fault.replace(serde, query))
 }
 
 fn innermost(error: &dyn std::error::Error) -> String {
@@ -167,7 +163,7 @@ fn innermost(error: &dyn std::error::Error) -> String {
     error.to_string()
 }
 
-/// The job that the path names; what is no UUID names none.
+/// The id of the job in the path; an invalid UUID is an unknown job.
 pub struct JobId(pub Uuid);
 
 impl<S: Send + Sync> FromRequestParts<S> for JobId {
@@ -175,13 +171,13 @@ impl<S: Send + Sync> FromRequestParts<S> for JobId {
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
         let id = segment(parts, state, "id").await.ok_or(ApiError::UnknownJob)?;
-        // The one form in which ids are given out; others would be a second address of the same job.
+        // Only the form in which ids are issued: another form would be a second address of the same job.
         let parsed: Uuid = id.parse().map_err(|_| ApiError::UnknownJob)?;
         if parsed.to_string() == id { Ok(Self(parsed)) } else { Err(ApiError::UnknownJob) }
     }
 }
 
-/// The file that the path names.
+/// The plot in the path.
 pub struct PlotFile(pub String);
 
 impl<S: Send + Sync> FromRequestParts<S> for PlotFile {
@@ -192,17 +188,17 @@ impl<S: Send + Sync> FromRequestParts<S> for PlotFile {
     }
 }
 
-/// A named segment of the path; `None` also where it is no UTF-8.
+/// A named segment of the path; `None` also if it is not UTF-8.
 async fn segment<S: Send + Sync>(parts: &mut Parts, state: &S, name: &str) -> Option<String> {
     let Path(segments) = Path::<Vec<(String, String)>>::from_request_parts(parts, state).await.ok()?;
     segments.into_iter().find(|segment| segment.0 == name).map(|segment| segment.1)
 }
 
-/// The format that the client likes best among those offered, the first in doubt.
+/// The offered format that the client prefers; the first of equals.
 pub fn negotiated(headers: &HeaderMap, offered: &'static [&'static str]) -> Result<&'static str, ApiError> {
     let accepted: Vec<&str> = headers.get_all(ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
     let accepted = accepted.join(",");
-    // A header that names nothing asks for nothing.
+    // An empty header states no preference.
     if accepted.trim_matches([',', ' ', '\t']).is_empty() {
         return Ok(offered[0]);
     }
@@ -216,7 +212,7 @@ pub fn negotiated(headers: &HeaderMap, offered: &'static [&'static str]) -> Resu
     offered.iter().copied().find(|&format| format == best.0).ok_or(ApiError::NotAcceptable { offered })
 }
 
-/// How much an Accept header likes a format, 0–1; the most specific range counts.
+/// Quality of a format in an Accept header, 0–1; the most specific range counts (RFC 9110, 12.5.1).
 fn quality(accepted: &str, format: &str) -> f32 {
     let group = format.split('/').next().unwrap_or_default();
     let mut found: (u8, f32) = (0, 0.0);
@@ -241,7 +237,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_format_that_is_liked_best_is_chosen() {
+    fn the_preferred_format_is_chosen() {
         const OFFERED: &[&str] = &["application/json", "text/csv"];
         let choose = |accept: &'static str| {
             let headers = HeaderMap::from_iter([(ACCEPT, axum::http::HeaderValue::from_static(accept))]);

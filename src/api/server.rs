@@ -1,5 +1,5 @@
-//! The accept loop. A client that sends half a header and then waits, or does not read its answer, is cut off, which `axum::serve`
-//! cannot do, and no number of connections takes more than its share.
+//! The accept loop. Unlike `axum::serve` it limits the number of connections, and closes a connection whose client does not complete its
+//! header or does not read its answer in time.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -14,110 +14,110 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use super::patience::Patient;
-use super::request::HEADER_LIMIT;
+use super::limits::HEADER_LIMIT;
+use super::write_timeout::WriteTimeout;
 
-/// Time in which a new connection has to begin its first request.
-const FIRST_BYTE_TIME: Duration = Duration::from_secs(10);
+/// Longest time until the first byte of a new connection.
+const FIRST_BYTE_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Time for a whole request header, from the first moment of waiting for it: also the longest silence
-/// between two requests of a connection.
-const HEADER_TIME: Duration = Duration::from_secs(30);
+/// Longest time until a request header is complete. It is also the longest pause between two requests of a connection.
+const HEADER_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Longest time in which a client may take nothing of its answer.
-const READING_TIME: Duration = Duration::from_secs(30);
+/// Longest time for which a client may read nothing of its answer.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Connections at a time.
-const CONNECTIONS: usize = 1024;
+/// Largest number of connections.
+const MAX_CONNECTIONS: usize = 1024;
 
-/// Connections beyond, which are soon closed and only told how the service is; more wait to be accepted.
-const LOBBY: usize = 64;
+/// Largest number of connections beyond, the overflow: they get only the probes and are closed soon. Further ones wait to be accepted.
+const MAX_OVERFLOW: usize = 64;
 
-/// All the time that those in the lobby have, and for their first byte: those who only hold a place there make way at once.
-const LOBBY_TIME: Duration = Duration::from_secs(2);
-const LOBBY_FIRST_BYTE_TIME: Duration = Duration::from_millis(200);
+/// Longest duration of an overflow connection.
+const OVERFLOW_TIMEOUT: Duration = Duration::from_secs(2);
+/// Longest time until the first byte of an overflow connection: an idle one is closed at once.
+const OVERFLOW_FIRST_BYTE_TIMEOUT: Duration = Duration::from_millis(200);
 
-/// Open files beside connections: database, pages of the portal, the runtime's own.
+/// Number of open files in addition to connections: database and runtime.
 const OTHER_FILES: u64 = 128;
 
-/// Bytes of answers that wait in the kernel for a client to read, for each connection; on its own it takes megabytes, and whoever fills
-/// them for many connections holds up the others.
+/// Largest size of unsent data of a connection in the kernel [B]. By default it grows to megabytes, and clients that do not read could
+/// fill them on many connections.
 #[cfg(target_os = "linux")]
 const UNSENT_BYTES: u32 = 128 << 10;
 
-/// Time that requests have to end once the service stops.
-const GRACE: Duration = Duration::from_secs(5);
+/// Longest time for requests to end when the service stops.
+const STOP_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Serves until told to stop, then lets the requests under way end.
-pub async fn serve(listener: TcpListener, router: Router, lobby: Router, stop: CancellationToken) {
-    // What a listener has, its connections have.
+/// Serves until `stop` is cancelled, then waits for the current requests.
+pub async fn serve(listener: TcpListener, router: Router, overflow: Router, stop: CancellationToken) {
+    // Connections inherit the options of their listener.
     #[cfg(target_os = "linux")]
     if let Err(error) = socket2::SockRef::from(&listener).set_tcp_notsent_lowat(UNSENT_BYTES) {
-        tracing::warn!(%error, "answers that are not read take more memory of the kernel than they should");
+        tracing::warn!(%error, "the limit of unsent data could not be set; unread answers take more memory in the kernel");
     }
-    let places = Arc::new(Semaphore::new(connections()));
-    let beyond = Arc::new(Semaphore::new(LOBBY));
-    let conversations = TaskTracker::new();
-    while let Some((stream, guest)) = next(&listener, &places, &beyond, &stop).await {
-        let (router, stop) = (if guest.is_in_lobby { &lobby } else { &router }.clone(), stop.clone());
-        conversations.spawn(async move {
+    let regular = Arc::new(Semaphore::new(connection_limit()));
+    let beyond = Arc::new(Semaphore::new(MAX_OVERFLOW));
+    let connections = TaskTracker::new();
+    while let Some((stream, permit)) = next(&listener, &regular, &beyond, &stop).await {
+        let (router, stop) = (if permit.is_overflow { &overflow } else { &router }.clone(), stop.clone());
+        connections.spawn(async move {
             tokio::select! {
-                () = converse(stream, router, &guest, &stop) => {}
-                () = tokio::time::sleep(LOBBY_TIME), if guest.is_in_lobby => {}
+                () = serve_connection(stream, router, &permit, &stop) => {}
+                () = tokio::time::sleep(OVERFLOW_TIMEOUT), if permit.is_overflow => {}
             }
         });
     }
     drop(listener);
-    conversations.close();
-    if tokio::time::timeout(GRACE, conversations.wait()).await.is_err() {
-        tracing::warn!(connections = conversations.len(), "requests are broken off");
+    connections.close();
+    if tokio::time::timeout(STOP_TIMEOUT, connections.wait()).await.is_err() {
+        tracing::warn!(connections = connections.len(), "unfinished requests are aborted");
     }
 }
 
-/// Connections that the limit of open files allows; the limit is raised as far as it goes.
-fn connections() -> usize {
+/// Largest number of connections that the limit of open files allows. The limit is raised to its maximum first.
+fn connection_limit() -> usize {
     #[cfg(target_os = "linux")]
     {
         use rustix::process::{Resource, getrlimit, setrlimit};
         let mut files = getrlimit(Resource::Nofile);
         files.current = files.maximum;
         if let Err(error) = setrlimit(Resource::Nofile, files) {
-            tracing::warn!(%error, "the limit of open files stays as it is");
+            tracing::warn!(%error, "the limit of open files could not be raised");
         }
         if let Some(allowed) = getrlimit(Resource::Nofile).current {
             let allowed = usize::try_from(allowed.saturating_sub(OTHER_FILES)).unwrap_or(usize::MAX);
-            return allowed.saturating_sub(LOBBY).clamp(1, CONNECTIONS);
+            return allowed.saturating_sub(MAX_OVERFLOW).clamp(1, MAX_CONNECTIONS);
         }
     }
-    CONNECTIONS
+    MAX_CONNECTIONS
 }
 
-/// A connection's place.
-struct Guest {
-    is_in_lobby: bool,
-    _place: OwnedSemaphorePermit,
+/// The permit of a connection.
+struct ConnectionPermit {
+    is_overflow: bool,
+    _permit: OwnedSemaphorePermit,
 }
 
-/// The next connection and its place, until told to stop.
+/// The next connection and its permit; `None` when the service stops.
 async fn next(
     listener: &TcpListener,
-    places: &Arc<Semaphore>,
+    regular: &Arc<Semaphore>,
     beyond: &Arc<Semaphore>,
     stop: &CancellationToken,
-) -> Option<(TcpStream, Guest)> {
+) -> Option<(TcpStream, ConnectionPermit)> {
     let accept = async {
-        // Before a connection is taken, so that those for which there is no place at all wait outside.
-        let in_lobby = Arc::clone(beyond).acquire_owned().await.ok()?;
+        // Taken before a connection is accepted, so that connections beyond all limits wait in the kernel.
+        let overflow = Arc::clone(beyond).acquire_owned().await.ok()?;
         loop {
             match listener.accept().await {
                 Ok((stream, _)) => {
-                    let guest = match Arc::clone(places).try_acquire_owned() {
-                        Ok(place) => Guest { is_in_lobby: false, _place: place },
-                        Err(_) => Guest { is_in_lobby: true, _place: in_lobby },
+                    let permit = match Arc::clone(regular).try_acquire_owned() {
+                        Ok(permit) => ConnectionPermit { is_overflow: false, _permit: permit },
+                        Err(_) => ConnectionPermit { is_overflow: true, _permit: overflow },
                     };
-                    return Some((stream, guest));
+                    return Some((stream, permit));
                 }
-                // Such as too many open files: goes by itself, and until then trying again at once burns a core.
+                // Such as too many open files, a temporary state. Retrying without a pause would occupy a core.
                 Err(error) => {
                     tracing::warn!(%error, "a connection could not be accepted");
                     tokio::time::sleep(Duration::from_millis(100)).await;
@@ -131,25 +131,25 @@ async fn next(
     }
 }
 
-async fn converse(stream: TcpStream, router: Router, guest: &Guest, stop: &CancellationToken) {
-    // Answers are short and complete: waiting for more to send only delays them.
+async fn serve_connection(stream: TcpStream, router: Router, permit: &ConnectionPermit, stop: &CancellationToken) {
+    // Answers are written whole, so waiting for more data would only delay them.
     let _ = stream.set_nodelay(true);
     let mut first = [0];
-    let first_byte_time = if guest.is_in_lobby { LOBBY_FIRST_BYTE_TIME } else { FIRST_BYTE_TIME };
-    let begun = tokio::select! {
-        begun = tokio::time::timeout(first_byte_time, stream.peek(&mut first)) => matches!(begun, Ok(Ok(1))),
+    let first_byte_timeout = if permit.is_overflow { OVERFLOW_FIRST_BYTE_TIMEOUT } else { FIRST_BYTE_TIMEOUT };
+    let has_data = tokio::select! {
+        peeked = tokio::time::timeout(first_byte_timeout, stream.peek(&mut first)) => matches!(peeked, Ok(Ok(1))),
         () = stop.cancelled() => false,
     };
-    if !begun {
+    if !has_data {
         return;
     }
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
-        .header_read_timeout(HEADER_TIME)
-        // Also what is read ahead of a connection.
+        .header_read_timeout(HEADER_TIMEOUT)
+        // Also the limit of data that is read ahead.
         .max_buf_size(HEADER_LIMIT)
-        .keep_alive(!guest.is_in_lobby)
-        .serve_connection(TokioIo::new(Patient::new(stream, READING_TIME)), TowerToHyperService::new(router));
+        .keep_alive(!permit.is_overflow)
+        .serve_connection(TokioIo::new(WriteTimeout::new(stream, WRITE_TIMEOUT)), TowerToHyperService::new(router));
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,
@@ -159,11 +159,11 @@ async fn converse(stream: TcpStream, router: Router, guest: &Guest, stop: &Cance
         }
     };
     if let Err(error) = ended {
-        tracing::debug!(%error, "a connection broke off");
+        tracing::debug!(%error, "a connection ended with an error");
     }
 }
 
-/// The address as a client writes it: one that means every interface is reached on loopback, too.
+/// The URL of an address. The unspecified address is written as loopback.
 pub fn url(address: SocketAddr) -> String {
     match (address.ip().is_unspecified(), address) {
         (true, SocketAddr::V4(_)) => format!("http://127.0.0.1:{}", address.port()),

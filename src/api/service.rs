@@ -1,4 +1,4 @@
-//! The parts of the service put together, in their order of starting and stopping.
+//! The service and the worker process: their parts in the order of start and stop.
 
 use std::net::SocketAddr;
 
@@ -7,30 +7,32 @@ use tokio::net::{TcpListener, TcpSocket};
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
+use super::app::{Access, App};
+use super::routes::{overflow, probes, router};
+use super::server;
 pub use super::server::url;
-use super::{Access, App, lobby, probes, router, server};
 use crate::jobs::{JobError, Jobs, Settings, Simulator};
 
 /// A running service.
 pub struct Service {
     jobs: Jobs,
-    door: Door,
+    http: HttpServer,
 }
 
-/// A running worker, which tells how it is where it has an address for that.
+/// A running worker; it answers probes if it has an address for them.
 pub struct Worker {
     jobs: Jobs,
-    door: Option<Door>,
+    http: Option<HttpServer>,
 }
 
-/// What requests come in by.
-struct Door {
+/// A running HTTP server.
+struct HttpServer {
     address: SocketAddr,
     stop: CancellationToken,
     serving: JoinHandle<()>,
 }
 
-/// Why the service does not start.
+/// Reason why the service does not start.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
     #[error("cannot listen on {address}: {source}")]
@@ -40,8 +42,7 @@ pub enum StartError {
 }
 
 impl Service {
-    /// Starts to run jobs and to answer. The port comes first: a service that cannot be reached must not
-    /// touch the database.
+    /// Starts to run jobs and to answer requests. The port is bound first: a service that cannot be reached must not open the database.
     pub async fn start(
         listen: SocketAddr,
         settings: Settings,
@@ -51,69 +52,69 @@ impl Service {
         let listener = bind(listen)?;
         let jobs = Jobs::start(settings, simulator).await?;
         let app = App::new(jobs.clone(), access);
-        Ok(Self { jobs, door: Door::open(listener, router(app.clone()), lobby(app)) })
+        Ok(Self { jobs, http: HttpServer::start(listener, router(app.clone()), overflow(app)) })
     }
 
-    /// Where it is reached.
+    /// The URL of the service.
     pub fn url(&self) -> String {
-        server::url(self.door.address)
+        server::url(self.http.address)
     }
 
-    /// Where it listens; unspecified: on all interfaces.
+    /// The address it listens on; unspecified: all interfaces.
     pub fn address(&self) -> SocketAddr {
-        self.door.address
+        self.http.address
     }
 
-    /// Stops: no more jobs, no more connections, running jobs back into the queue, database closed.
+    /// Stops accepting jobs, closes the connections, returns running jobs to the queue, and closes the database.
     pub async fn stop(self) {
         self.jobs.refuse_new();
-        self.door.close().await;
+        self.http.stop().await;
         if let Err(error) = self.jobs.stop().await {
-            tracing::error!(%error, "the queue did not stop as it should; its jobs run again at the next start");
+            tracing::error!(%error, "the queue did not stop cleanly; its jobs run again at the next start");
         }
     }
 }
 
 impl Worker {
-    /// Starts to run jobs and, at the address of the probes, to tell how that goes.
+    /// Starts to run jobs, and to answer probes if an address is given.
     pub async fn start(
         settings: Settings,
         simulator: Simulator,
-        probed: Option<(SocketAddr, Access)>,
+        probes_at: Option<(SocketAddr, Access)>,
     ) -> Result<Self, StartError> {
-        let Some((listen, access)) = probed else {
-            return Ok(Self { jobs: Jobs::start(settings, simulator).await?, door: None });
+        let Some((listen, access)) = probes_at else {
+            return Ok(Self { jobs: Jobs::start(settings, simulator).await?, http: None });
         };
         let listener = bind(listen)?;
         let jobs = Jobs::start(settings, simulator).await?;
         let app = App::new(jobs.clone(), access);
-        let door = Door::open(listener, probes(app.clone()), lobby(app));
-        Ok(Self { jobs, door: Some(door) })
+        let http = HttpServer::start(listener, probes(app.clone()), overflow(app));
+        Ok(Self { jobs, http: Some(http) })
     }
 
-    /// Where it is probed.
+    /// The URL of the probes.
     pub fn url(&self) -> Option<String> {
-        self.door.as_ref().map(|door| server::url(door.address))
+        self.http.as_ref().map(|http| server::url(http.address))
     }
 
-    /// Stops: running jobs back into the queue, database closed. It is alive until then, but not ready.
+    /// Returns running jobs to the queue and closes the database. Until then the worker is alive but not ready.
     pub async fn stop(self) -> Result<(), JobError> {
         self.jobs.refuse_new();
         let stopped = self.jobs.stop().await;
-        if let Some(door) = self.door {
-            door.close().await;
+        if let Some(http) = self.http {
+            http.stop().await;
         }
         stopped
     }
 }
 
-/// Connections that wait in the kernel to be accepted. Of those that find no room there a client tries again after a second, then two.
+/// Largest number of connections that wait in the kernel to be accepted. Clients of further connections retry after 1 s, then 2 s.
 const BACKLOG: u32 = 1024;
 
 fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartError> {
     let listen = || {
         let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
-        // A port that was in use a moment ago can be taken again.
+        // Allows a port that was in use a moment ago.
         #[cfg(unix)]
         socket.set_reuseaddr(true)?;
         socket.bind(address)?;
@@ -124,17 +125,17 @@ fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartError> {
     listen().map_err(|source| StartError::Listen { address, source })
 }
 
-impl Door {
-    fn open((listener, address): (TcpListener, SocketAddr), router: Router, lobby: Router) -> Self {
+impl HttpServer {
+    fn start((listener, address): (TcpListener, SocketAddr), router: Router, overflow: Router) -> Self {
         let stop = CancellationToken::new();
-        let serving = tokio::spawn(server::serve(listener, router, lobby, stop.clone()));
+        let serving = tokio::spawn(server::serve(listener, router, overflow, stop.clone()));
         Self { address, stop, serving }
     }
 
-    async fn close(self) {
+    async fn stop(self) {
         self.stop.cancel();
         if let Err(error) = self.serving.await {
-            tracing::error!(%error, "the server broke off");
+            tracing::error!(%error, "the HTTP server ended with an error");
         }
     }
 }

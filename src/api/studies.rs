@@ -1,4 +1,4 @@
-//! Studies: their table, and how they go on after they were cancelled.
+//! Studies: their table, and resuming them.
 
 use axum::Json;
 use axum::extract::State;
@@ -6,27 +6,25 @@ use axum::http::header::{CONTENT_TYPE, LOCATION, VARY};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 
-use super::answers::{JobAnswer, path_of};
-use super::auth::Owner;
-use super::describe::{Anywhere, BadQuery, CannotResume, NoJob, NoResult, NoSpace, NotAccepted, Unchanged};
+use super::app::App;
+use super::concurrency::{RequestPermit, hold_until_sent};
+use super::credentials::Owner;
 use super::error::ApiError;
-use super::load::{self, Place};
-use super::request::{JobId, Nothing, Query, negotiated};
-use super::results::{read, shaped};
-use super::{App, describe};
-use crate::contract::{self, PointEnd, PointStatus, Row, TableAnswer};
+use super::job_response::{JobAnswer, path_of};
+use super::openapi::{self, Anywhere, BadQuery, CannotResume, NoJob, NoResult, NoSpace, NotAccepted, Unchanged};
+use super::request::{JobId, NoQuery, Query, negotiated};
+use super::stored_answer::{CSV, JSON, formatted, json_text, read};
+use crate::contract::answer::csv;
+use crate::contract::{self, Job, PointEnd, PointStatus, Row, TableAnswer};
 use crate::jobs::{JobError, StoredPoint, decompressed};
-use crate::render;
-
-const JSON: &str = "application/json";
-const CSV: &str = "text/csv";
 
 /// Get the table of a study
 ///
-/// A row a point, with what has been computed so far, whatever the status of the study; the best points by each metric with
-/// those that may be as good; how each metric changes along the axis. As JSON, or as CSV with the header `Accept: text/csv`.
+/// One row for each point, with the points that have been computed, whatever the status of the study. The table also has the best point
+/// for each metric with points that may be as good, and the change of each metric along the axis. JSON, or CSV with the header
+/// `Accept: text/csv`.
 #[utoipa::path(
-    get, path = "/v1/jobs/{id}/table", tag = describe::RESULTS, operation_id = "getTable",
+    get, path = "/v1/jobs/{id}/table", tag = openapi::RESULTS, operation_id = "getTable",
     params(("id" = Uuid, Path, description = "The job, of kind `study`")),
     responses(
         (status = 200, description = "The table", content((TableAnswer = "application/json"), (String = "text/csv", example = json!("/spindle/mass_kg,status,error,/solver/rung,/channels/spindle.y.acceleration/level_db\n0.05,succeeded,,radially_condensed,66.9\n")))),
@@ -36,35 +34,35 @@ const CSV: &str = "text/csv";
 pub async fn table(
     State(app): State<App>,
     Owner(owner): Owner,
-    place: Place,
+    permit: RequestPermit,
     headers: HeaderMap,
     JobId(id): JobId,
-    _: Query<Nothing>,
+    _: Query<NoQuery>,
 ) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV])?;
-    let held = place.load().series()?;
+    let held = permit.concurrency().series()?;
     let (request, points) = app.jobs.points(&owner, id).await?;
-    let response = shaped(move || {
+    let response = formatted(move || {
         let table = table_of(&request, points)?;
         let body = match format {
-            CSV => render::table_csv(&table),
-            _ => serde_json::to_string(&table).map_err(|error| JobError::Corrupt(error.to_string()))?,
+            CSV => csv::table_csv(&table).into_bytes(),
+            _ => json_text(&table)?,
         };
         Ok(([(VARY, "Accept"), (CONTENT_TYPE, format)], body).into_response())
     });
-    // Of ten thousand points it takes a hundred megabytes, and is sent as slowly as a client reads.
-    Ok(load::holding(held, response.await?))
+    // A table of ten thousand points has a hundred megabytes, and a slow client reads slowly.
+    Ok(hold_until_sent(held, response.await?))
 }
 
 /// Resume a study
 ///
-/// A study that was cancelled goes on; so does one with points that failed by a time limit, a lost worker or an error of the service.
-/// Points that have ended otherwise are kept.
+/// Continues a study that was cancelled, or that has points which failed by a time limit, a lost worker or an internal error. All other
+/// finished points are kept.
 #[utoipa::path(
-    post, path = "/v1/jobs/{id}/resume", tag = describe::JOBS, operation_id = "resumeStudy",
+    post, path = "/v1/jobs/{id}/resume", tag = openapi::JOBS, operation_id = "resumeStudy",
     params(("id" = Uuid, Path, description = "The job, of kind `study`")),
     responses(
-        (status = 202, description = "The study is in the queue again", body = JobAnswer, headers(("Location" = String, description = "Path of the job"))),
+        (status = 202, description = "The study is queued again", body = JobAnswer, headers(("Location" = String, description = "Path of the job"))),
         CannotResume, BadQuery, NoJob, NotAccepted, NoSpace, Anywhere
     )
 )]
@@ -73,16 +71,16 @@ pub async fn resume(
     Owner(owner): Owner,
     headers: HeaderMap,
     JobId(id): JobId,
-    _: Query<Nothing>,
+    _: Query<NoQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     let record = app.jobs.resume(&owner, id).await?;
     Ok((StatusCode::ACCEPTED, [(LOCATION, path_of(id))], Json(JobAnswer::of(record)?)).into_response())
 }
 
-/// The table of a study's request and its stored points.
+/// The table of a study from its request and its stored points.
 pub fn table_of(request: &str, points: Vec<StoredPoint>) -> Result<TableAnswer, ApiError> {
-    let study = contract::parse_job(request.as_bytes()).ok().and_then(|job| job.study);
+    let study = contract::parse_job(request.as_bytes()).ok().and_then(Job::into_study);
     let study = study.ok_or_else(|| JobError::Corrupt("the request of a study".into()))?;
     let mut rows = Vec::with_capacity(points.len());
     for point in points {

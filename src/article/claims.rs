@@ -1,20 +1,20 @@
-//! Statements about a trend, and whether a table shows them.
+//! Statements about a trend, and whether a table confirms them.
 
 use serde_json::Value;
 
 use crate::contract::TableAnswer;
-use crate::study::{Goal, best, trend};
+use raceway_core::study::{Goal, best, trend};
 
-/// What is said of a metric over the varied quantity.
+/// A statement about the trend of a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Claim {
-    /// Falls, then rises, and is least between two values.
+    /// The metric falls, then rises; its minimum is between two values.
     LeastWithin(f64, f64),
-    /// Rises all along.
+    /// The metric rises over the whole range.
     Rises,
 }
 
-/// How much of a statement was seen.
+/// How far the results confirm a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     NotShown,
@@ -31,7 +31,7 @@ impl Verdict {
         }
     }
 
-    /// Of several statements together.
+    /// The verdict on several statements together.
     pub fn of_all(all: &[Self]) -> Self {
         match (all.iter().min(), all.iter().max()) {
             (Some(Self::Shown), _) => Self::Shown,
@@ -41,17 +41,17 @@ impl Verdict {
     }
 }
 
-/// A verdict with what was seen.
+/// A verdict with its observation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     pub name: &'static str,
     pub verdict: Verdict,
     pub seen: String,
-    /// Whether the trend is smaller than ten times its error: then nothing is shown.
+    /// Whether the trend is smaller than ten times its error, so that it confirms nothing.
     pub unresolved: bool,
 }
 
-/// Metrics that the article shows: name, pointer, unit, digits.
+/// Metrics in the article: name, pointer, unit, digits.
 pub const SHOWN: [(&str, &str, &str, usize); 4] = [
     ("velocity, rms, Y", "/channels/spindle.y.velocity/rms", "mm/s", 3),
     ("velocity, rms, Z", "/channels/spindle.z.velocity/rms", "mm/s", 3),
@@ -59,11 +59,11 @@ pub const SHOWN: [(&str, &str, &str, usize); 4] = [
     ("acceleration level, Z", "/channels/spindle.z.acceleration/level_db", "dB", 2),
 ];
 
-/// Rank correlation from which on a metric counts as rising all along, and as mostly rising.
+/// Rank correlation from which on a metric counts as rising over the whole range, and as mostly rising [-].
 const RISES: f64 = 0.98;
 const MOSTLY: f64 = 0.7;
 
-/// What the table of a study over one axis says of a statement, metric by metric.
+/// Findings of a statement from the table of a study over one axis, one for each metric.
 pub fn judged(table: &TableAnswer, claim: Claim) -> Vec<Finding> {
     SHOWN
         .iter()
@@ -119,20 +119,20 @@ fn judged_metric(
             let place = if low < high { format!("{low} … {high}") } else { format!("{low}") };
             let shape = match (least.point == first, least.point == last) {
                 (true, _) if rises => "rises from the first point on",
-                (true, _) => "no valley",
+                (true, _) => "no minimum",
                 (_, true) if falls => "falls to the last point",
-                (_, true) => "no valley",
+                (_, true) => "no minimum",
                 _ if falls && rises => "falls, then rises",
-                _ if falls => "falls to the least value, and does not steadily rise after it",
-                _ if rises => "does not steadily fall to the least value, and rises after it",
-                _ => "neither steadily falls to the least value nor rises after it",
+                _ if falls => "falls to the minimum, but does not rise steadily after it",
+                _ if rises => "does not fall steadily to the minimum, but rises after it",
+                _ => "neither falls steadily to the minimum nor rises steadily after it",
             };
             let verdict = match (falls && rises, within) {
                 (true, true) => Verdict::Shown,
                 (false, false) => Verdict::NotShown,
                 _ => Verdict::InPart,
             };
-            (verdict, format!("{shape}; least at {place}"))
+            (verdict, format!("{shape}; minimum at {place}"))
         }
     };
     let resolved = if unresolved { "; the trend is not resolved beyond its error" } else { "" };
@@ -144,10 +144,10 @@ fn judged_metric(
     }
 }
 
-/// Correlation of two curves from which on they go the same way.
+/// Correlation of two curves from which on they count as similar [-].
 const ALIKE: f64 = 0.9;
 
-/// What is seen of two bearings over the same speeds, metric by metric: that they go the same way, the first slightly lower.
+/// Findings of two bearings over the same speeds, one for each metric. The statement: similar curves, the first slightly lower.
 pub fn compared(integrated: &TableAnswer, deep_groove: &TableAnswer) -> Vec<Finding> {
     let one = |&(name, pointer, unit, digits): &(&'static str, &str, &str, usize)| {
         let both: Vec<(f64, f64)> = integrated
@@ -165,7 +165,7 @@ pub fn compared(integrated: &TableAnswer, deep_groove: &TableAnswer) -> Vec<Find
             _ => Verdict::InPart,
         };
         let seen = format!(
-            "correlation over the speeds {alike:.2}; the integrated one is lower at {lower} of {} speeds, by {mean:.digits$} {unit} in the mean",
+            "correlation over speed {alike:.2}; the integrated bearing is lower at {lower} of {} speeds, by {mean:.digits$} {unit} on average",
             both.len()
         );
         Finding { name, verdict, seen, unresolved: false }
@@ -173,7 +173,7 @@ pub fn compared(integrated: &TableAnswer, deep_groove: &TableAnswer) -> Vec<Find
     SHOWN.iter().map(one).collect()
 }
 
-/// Pearson's, of pairs; 0 where one stands still.
+/// Pearson correlation of pairs; 0 where one of them is constant.
 fn correlation(pairs: &[(f64, f64)]) -> f64 {
     let n = pairs.len().max(1) as f64;
     let (x, y) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
@@ -196,7 +196,7 @@ mod tests {
             "kind": "study", "axes": [{ "path": "/spindle/mass_kg", "values": masses }],
             "scene": { "bearing": "608", "operation": { "speed_rpm": 3000 } },
         });
-        let study = parse_job(request.to_string().as_bytes()).unwrap().study.unwrap();
+        let study = parse_job(request.to_string().as_bytes()).unwrap().into_study().unwrap();
         let row = |(point, level): (usize, &f64)| {
             let metrics = json!({
                 "channels": { "spindle.y.acceleration": { "level_db": level } },
@@ -217,7 +217,7 @@ mod tests {
         assert_eq!(verdict(&valley, 0.1, Claim::LeastWithin(0.065, 0.075)), Verdict::Shown);
         assert_eq!(verdict(&valley, 0.1, Claim::LeastWithin(0.055, 0.061)), Verdict::InPart);
         assert_eq!(verdict(&[60.0, 61.0, 62.0, 63.0], 0.1, Claim::LeastWithin(0.065, 0.075)), Verdict::NotShown);
-        // No better known than a tenth of the valley.
+        // The error is a tenth of the depth of the minimum.
         assert_eq!(verdict(&valley, 0.5, Claim::LeastWithin(0.065, 0.075)), Verdict::NotShown);
     }
 

@@ -1,23 +1,23 @@
-//! The figures: what is run for each, and what the article says of it.
+//! The figures: the jobs of each, and the article's statement.
 
 use serde_json::{Value, json};
 
 use super::claims::Claim;
 
-/// One figure, or several of one run.
+/// One figure, or several figures from one run.
 #[derive(Debug, Clone)]
 pub struct Figure {
-    /// First number, and how the figures are named.
+    /// First number, and name of the figures.
     pub number: u32,
     pub title: &'static str,
-    /// The article's statement, in our words.
+    /// The article's statement, paraphrased.
     pub says: &'static str,
-    /// What has to be known to read the verdict.
+    /// Remark on the verdict.
     pub remark: &'static str,
     pub subject: Subject,
 }
 
-/// What a figure shows.
+/// Subject of a figure.
 #[derive(Debug, Clone)]
 pub enum Subject {
     /// Series over time of one run.
@@ -26,15 +26,15 @@ pub enum Subject {
     Spectrum(Lines),
     /// A study over one axis.
     Trend { study: Value, claim: Claim },
-    /// The optimum over one range by several metrics: name of the metric and job.
+    /// Optima of several metrics over one range: name of the metric and job.
     Optimum { jobs: Vec<(&'static str, Value)>, within: (f64, f64) },
-    /// Two bearings over their speed.
+    /// Two bearings against speed.
     Comparison(Compared),
-    /// Force of a ball in its pocket against finite elements: the bearing, and the case of them.
+    /// Force of a ball in its pocket, compared with finite elements: the bearing, and the case of the finite elements.
     Pocket { scene: Value, case: &'static str },
 }
 
-/// A spectrum and the lines that are said to be in it [Hz].
+/// A spectrum and its lines according to the article [Hz].
 #[derive(Debug, Clone)]
 pub struct Lines {
     pub job: Value,
@@ -53,7 +53,7 @@ pub fn operation() -> Value {
     json!({ "speed_rpm": 50_000, "radial_load_y_n": 200, "radial_load_z_n": 0, "axial_load_n": 0 })
 }
 
-/// By the full dynamics with every term: trends of some hundredths of a decibel are to be told.
+/// The full model with all terms: trends of some hundredths of a decibel must be resolved.
 fn job(bearing: &str, extra: Value) -> Value {
     let mut job = json!({
         "kind": "simulation", "settle_s": 0.05, "duration_s": 0.2,
@@ -71,7 +71,7 @@ fn study(bearing: &str, axis: Value) -> Value {
     job(bearing, json!({ "kind": "study", "axes": [axis] }))
 }
 
-/// The curvature of the inner groove of least level in one direction.
+/// Job for the inner groove curvature of the lowest level in one direction.
 fn optimum(direction: &str) -> Value {
     let axis = json!({ "path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 0.55 });
     let mut sought = study(INTEGRATED, axis);
@@ -83,7 +83,7 @@ fn optimum(direction: &str) -> Value {
 pub const INTEGRATED: &str = "article-integrated";
 pub const DEEP_GROOVE: &str = "article-deep-groove";
 
-/// All figures that are runs, in the article's order.
+/// All figures that simulations reproduce, in the article's order.
 pub fn figures() -> Vec<Figure> {
     let spaced =
         |path: &str, from: f64, to: f64, count: u32| json!({ "path": path, "from": from, "to": to, "count": count });
@@ -102,22 +102,22 @@ pub fn figures() -> Vec<Figure> {
         Figure {
             number: 5,
             title: "Figures 5 and 6: velocity of the spindle over time",
-            says: "The velocity of the spindle's centre in Y and Z at 50 000 r/min under 200 N, after the model has been solved. No number is given.",
-            remark: "Shown for comparison by eye. The article does not say what the spindle weighs, what clearance the bearing has or how its contacts are damped; the values taken here are those of the preset.",
+            says: "Velocity of the spindle's centre in Y and Z at 50 000 r/min under 200 N. No number is given.",
+            remark: "For visual comparison. The article does not give spindle mass, bearing clearance and contact damping; the values of the preset are used.",
             subject: series("velocity"),
         },
         Figure {
             number: 7,
             title: "Figures 7 and 8: acceleration of the spindle over time",
-            says: "The acceleration in Y and Z, from whose effective value equation (15) makes the level. No number is given.",
-            remark: "The reference of the level, 9.81·10⁻³ m/s², is the article's; its sign in the exponent was lost in print.",
+            says: "Acceleration in Y and Z, whose rms value gives the level by equation (15). No number is given.",
+            remark: "The reference of the level, 9.81·10⁻³ m/s², is the article's; the minus sign of the exponent is missing in print.",
             subject: series("acceleration"),
         },
         Figure {
             number: 9,
             title: "Figure 9: spectrum of the acceleration",
             says: "Lines at 833 Hz (f_r), 1666 Hz (2 f_r), 2333 Hz (f_r + ½ f_i) and 3800 Hz (f_i).",
-            remark: "The article's own numbers do not agree: its equation (16) gives 7080 Hz for f_i, with the ½ that is missing there 3540 Hz, and f_r + ½ · 3800 is 2733 Hz. 2333 Hz lies 1.7 % from the ball passing frequency of the outer raceway, 2293 Hz. On ideal circles and without unbalance, as its equations (13) and (14) have it, nothing turns with the spindle, and no line at f_r can appear; the run with balance grade G 6.3 has one.",
+            remark: "The article's numbers contradict each other. Its equation (16) gives 7080 Hz for f_i, or 3540 Hz with the factor ½ that is missing there. f_r + ½ · 3800 is 2733 Hz. 2333 Hz is 1.7 % from the ball pass frequency of the outer raceway, 2293 Hz. With ideal circles and without unbalance, as in its equations (13) and (14), no excitation rotates with the spindle, and no line at f_r can appear. The run with balance grade G 6.3 has this line.",
             subject: Subject::Spectrum(Lines {
                 job: job(INTEGRATED, json!({ "duration_s": 0.5 })),
                 unbalanced: {
@@ -132,7 +132,7 @@ pub fn figures() -> Vec<Figure> {
             number: 10,
             title: "Figure 10: curvature of the inner groove",
             says: "Velocity and level fall, then rise with the curvature; best at 0.52 to 0.53.",
-            remark: "The stiffness of a Hertz contact falls monotonically with the curvature, so that an optimum would have to come from something else in the model.",
+            remark: "The stiffness of a Hertz contact falls monotonically with the curvature. An optimum would need another cause in the model.",
             subject: Subject::Trend {
                 study: study(INTEGRATED, spaced("/bearing/inner_groove_curvature", 0.51, 0.55, 17)),
                 claim: Claim::LeastWithin(0.52, 0.53),
@@ -140,9 +140,9 @@ pub fn figures() -> Vec<Figure> {
         },
         Figure {
             number: 10,
-            title: "Figure 10, the optimum: curvature of the inner groove of least level",
+            title: "Figure 10, optimum: inner groove curvature of the lowest level",
             says: "Best at 0.52 to 0.53.",
-            remark: "Sought by an optimum job between 0.51 and 0.55 for each direction; what is not the least, but may be within the errors, is named.",
+            remark: "Found by an optimum job between 0.51 and 0.55 for each direction. Other points whose level may be as low within the errors are listed.",
             subject: Subject::Optimum {
                 jobs: vec![("acceleration level, Y", optimum("y")), ("acceleration level, Z", optimum("z"))],
                 within: (0.52, 0.53),
@@ -162,7 +162,7 @@ pub fn figures() -> Vec<Figure> {
             number: 12,
             title: "Figure 12: clearance of the cage's pockets",
             says: "Velocity and level fall, then rise with the clearance; best at 0.045 to 0.055 mm.",
-            remark: "The article does not say whether its clearance is diametral or radial; it is taken as diametral.",
+            remark: "The article does not state whether its clearance is diametral or radial; diametral is assumed.",
             subject: Subject::Trend {
                 study: study(INTEGRATED, spaced("/bearing/cage/pocket_clearance_mm", 0.02, 0.1, 17)),
                 claim: Claim::LeastWithin(0.045, 0.055),
@@ -172,7 +172,7 @@ pub fn figures() -> Vec<Figure> {
             number: 13,
             title: "Figure 13: axial preload",
             says: "A preload reduces vibration; it falls, then rises, and is best at 0.5 to 0.8 % of the dynamic load rating.",
-            remark: "The article's equations hold the spindle along X and have no axial force in them; here the spindle is free along X and the load acts on it.",
+            remark: "In the article's equations the spindle is fixed along X and carries no axial force. Here the spindle is free along X and carries the load.",
             subject: Subject::Trend {
                 study: study(
                     INTEGRATED,
@@ -201,8 +201,8 @@ pub fn figures() -> Vec<Figure> {
         Figure {
             number: 16,
             title: "Figure 16 and Table 4: integrated against deep-groove bearing",
-            says: "Over the speed both go almost the same way; the level of the integrated bearing is slightly lower.",
-            remark: "Groove curvature, clearance and pockets of the deep-groove bearing are not given, and taken as those of the integrated one; its spindle follows from its own bore.",
+            says: "Both curves over speed are almost the same; the level of the integrated bearing is slightly lower.",
+            remark: "Groove curvature, clearance and pockets of the deep-groove bearing are not given; those of the integrated one are used. The spindle mass follows from the bore.",
             subject: Subject::Comparison(Compared {
                 integrated: study(INTEGRATED, speeds()),
                 deep_groove: study(DEEP_GROOVE, speeds()),
@@ -212,7 +212,7 @@ pub fn figures() -> Vec<Figure> {
             number: 17,
             title: "Figures 17 and 18: pocket force against finite elements",
             says: "The largest force between ball and cage by finite elements (204 251 of them, Ansys) and by the dynamics agree to 13 %, which validates the model.",
-            remark: "What is compared here is the law of the contact over all loads that runs reach, with finite elements of our own (CalculiX, `verification/pocket`), to which it is fitted; the article compares two programs at one load, and does not say which.",
+            remark: "Here the contact law is compared with our own finite elements (CalculiX, `verification/pocket`), to which it is fitted, over all loads of the simulations. The article compares two programs at one load, and does not name the load.",
             subject: Subject::Pocket {
                 scene: json!({ "bearing": INTEGRATED, "operation": operation() }),
                 case: "clearance-51",
@@ -241,7 +241,7 @@ mod tests {
             };
             for job in jobs {
                 let parsed = parse_job(job.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{job}: {refusal}"));
-                let last = parsed.study.map(|study| study.point(study.points - 1).map(|_| ()));
+                let last = parsed.into_study().map(|study| study.point(study.points - 1).map(|_| ()));
                 assert!(last.is_none_or(|last| last.is_ok()), "{job}");
             }
         }

@@ -1,5 +1,5 @@
-//! The article's figures made again, each beside what the article says of it, and judged by what an honest run shows. Knows what to
-//! run and how to read it; runs nothing itself.
+//! The article's figures, reproduced by simulations and compared with its statements. Contains the jobs and the evaluation of their
+//! results; runs nothing itself.
 
 mod claims;
 mod figures;

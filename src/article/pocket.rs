@@ -1,17 +1,17 @@
-//! The force of a ball in its pocket by finite elements, which stand in `verification/pocket`, and by the model's law.
+//! Force of a ball in its pocket: by finite elements, from `verification/pocket`, and by the model.
 
 use serde_json::Value;
 
 use crate::contract;
-use crate::simulation::model::Model;
+use raceway_core::simulation::model::Model;
 
 const RESULTS: &str = include_str!("../../verification/pocket/results.csv");
 
-/// Penetration [µm], force of the finite elements, of the law, and of Hertz's contact alone [N], of a case computed for the pocket of the scene.
+/// Penetration [µm], and forces of the finite elements, of the model, and of Hertz's contact alone [N], for a case with the pocket of the scene.
 pub fn forces(scene: &Value, case: &str) -> Result<Vec<[f64; 4]>, String> {
     let request = serde_json::json!({ "scene": scene }).to_string();
     let job = contract::parse_scene_request(request.as_bytes()).map_err(|refusal| refusal.to_string())?;
-    let model = Model::new(job.scene(), &job.needs);
+    let model = Model::new(job.scene(), &job.base().terms);
     let pocket = &model.mechanism().pocket;
     let mut lines = RESULTS.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = lines.next().unwrap_or_default();

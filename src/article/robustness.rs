@@ -1,4 +1,4 @@
-//! Whether the article's statements hold for other values of what it does not give: sets of these, sampled over their ranges.
+//! Robustness of the article's statements against the parameters that it does not give: parameter sets sampled over their ranges.
 
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
@@ -7,15 +7,15 @@ use serde_json::{Value, json};
 use super::claims::{Claim, Finding, SHOWN, Verdict, compared, judged};
 use super::figures::{DEEP_GROOVE, INTEGRATED};
 use crate::contract::{self, TableAnswer};
-use crate::study::{Goal, best};
+use raceway_core::study::{Goal, best};
 
-/// What the article does not give, and the range it is sampled over.
+/// A parameter that the article does not give, and its sampled range.
 pub struct Parameter {
     pub name: &'static str,
     pub unit: &'static str,
     from: f64,
     to: f64,
-    /// Equal ratios are equally likely, not equal differences.
+    /// Whether the logarithm of the parameter is sampled uniformly.
     logarithmic: bool,
     set: fn(&mut Value, f64),
 }
@@ -30,7 +30,7 @@ impl Parameter {
     }
 }
 
-/// Ranges and their reasons are in the report.
+/// The parameters; the report gives the reasons of their ranges.
 pub const PARAMETERS: [Parameter; 7] = [
     Parameter {
         name: "spindle mass",
@@ -100,10 +100,10 @@ pub const PARAMETERS: [Parameter; 7] = [
     },
 ];
 
-/// Values of all parameters.
+/// A parameter set: values of all parameters.
 pub type Set = [f64; PARAMETERS.len()];
 
-/// A Latin hypercube: of as many equal parts of each range as there are sets, each part holds one value.
+/// A Latin hypercube: each range is divided into as many equal parts as there are sets, and each part contains one value.
 pub fn sampled(sets: usize, seed: u64) -> Vec<Set> {
     let mut random = SplitMix64::seed_from_u64(seed);
     let mut sampled = vec![[0.0; PARAMETERS.len()]; sets];
@@ -113,7 +113,7 @@ pub fn sampled(sets: usize, seed: u64) -> Vec<Set> {
             parts.swap(last, (random.next_u64() % (last as u64 + 1)) as usize);
         }
         for (set, part) in sampled.iter_mut().zip(parts) {
-            // 53 random bits: every double of equal distance between 0 and 1.
+            // 53 random bits: uniform doubles between 0 and 1.
             let within = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
             let share = (part as f64 + within) / sets as f64;
             let value = if parameter.logarithmic {
@@ -121,14 +121,14 @@ pub fn sampled(sets: usize, seed: u64) -> Vec<Set> {
             } else {
                 parameter.from + share * (parameter.to - parameter.from)
             };
-            // Four digits: what is written is what is run.
+            // Four digits, so that the reported values are those that ran.
             set[number] = format!("{value:.3e}").parse().unwrap_or(value);
         }
     }
     sampled
 }
 
-/// A statement that is put to every set.
+/// A statement that is tested with every set.
 pub struct Question {
     pub figure: u32,
     pub title: &'static str,
@@ -136,9 +136,9 @@ pub struct Question {
 }
 
 enum Asked {
-    /// Over one axis.
+    /// A trend along one axis.
     Trend(fn() -> Value, Claim),
-    /// Of both bearings over the speed.
+    /// A comparison of both bearings over speed.
     Comparison,
 }
 
@@ -152,7 +152,7 @@ fn speeds() -> Value {
 
 const BEST_CURVATURE: Claim = Claim::LeastWithin(0.52, 0.53);
 
-/// The statements that runs can show.
+/// The statements that simulations can test.
 pub const QUESTIONS: [Question; 7] = [
     Question {
         figure: 10,
@@ -176,7 +176,7 @@ pub const QUESTIONS: [Question; 7] = [
         figure: 13,
         title: "axial preload: falls, then rises, best at 0.5 to 0.8 % of the rating",
         asked: Asked::Trend(
-            // These runs cost ten times the others: more of them where the best is said to be.
+            // These runs cost ten times the others: more points only near the stated optimum.
             || json!({ "quantity": "axial_load_over_rating", "values": [0.0, 0.0025, 0.005, 0.0065, 0.008, 0.0125, 0.02] }),
             Claim::LeastWithin(0.005, 0.008),
         ),
@@ -190,11 +190,11 @@ pub const QUESTIONS: [Question; 7] = [
     Question { figure: 16, title: "integrated slightly lower than deep-groove", asked: Asked::Comparison },
 ];
 
-/// Times of a run [s]: shorter than for the figures, and long against the ball passes.
+/// Times of a run [s]: shorter than for the figures, but long compared with a ball passage.
 const SETTLE: f64 = 0.02;
 const DURATION: f64 = 0.05;
 
-/// The studies that answer the questions for a set, the last one for the deep-groove bearing.
+/// The studies that test the statements for a set; the last one is for the deep-groove bearing.
 pub fn studies(set: &Set) -> Vec<Value> {
     let study = |bearing: &str, axis: Value| {
         let mut scene = complete(bearing);
@@ -216,17 +216,17 @@ pub fn studies(set: &Set) -> Vec<Value> {
     studies
 }
 
-/// The article's operation of a preset with every default, so that what a set does not give stays; the spindle's own fields apart.
+/// A preset in the article's operation with all defaults, so that parameters outside the set keep their values; without the spindle's fields.
 fn complete(bearing: &str) -> Value {
     let scene = json!({ "scene": { "bearing": bearing, "operation": super::figures::operation() } });
     let job = contract::parse_scene_request(scene.to_string().as_bytes());
     let mut scene = job.map(|job| job.scene_json()).unwrap_or_default();
-    // Free along its axis only where an axial load acts.
+    // The spindle is free in axial direction only with an axial load.
     scene["spindle"] = json!({});
     scene
 }
 
-/// What the tables of a set say, question by question, a finding a metric.
+/// Findings of the tables of a set: for each question, one finding for each metric.
 pub fn answers(tables: &[TableAnswer]) -> Vec<Vec<Finding>> {
     let by_speed = QUESTIONS.iter().position(|question| question.figure == 15).unwrap_or(0);
     let of = |(question, table): (&Question, &TableAnswer)| match question.asked {
@@ -236,14 +236,14 @@ pub fn answers(tables: &[TableAnswer]) -> Vec<Vec<Finding>> {
     QUESTIONS.iter().zip(tables).map(of).collect()
 }
 
-/// A set with what became of it.
+/// A set and its findings.
 pub struct Judged {
     pub set: Set,
-    /// Question by question, metric by metric.
+    /// Verdicts by question and metric.
     pub findings: Vec<Vec<Finding>>,
-    /// The curvature of the inner groove with the least level, Y and Z.
+    /// Inner groove curvature of the lowest level, in Y and Z.
     pub best_curvature: [Option<f64>; 2],
-    /// Simulations that failed.
+    /// Number of failed simulations.
     pub failed: u64,
 }
 
@@ -262,7 +262,7 @@ impl Judged {
         }
     }
 
-    /// How much of a statement is shown, 0–1: over the metrics, one in part counts half.
+    /// Confirmed share of a statement, 0–1: mean over the metrics, where a partly confirmed one counts half.
     pub fn score(&self, question: usize) -> f64 {
         let findings = &self.findings[question];
         let points = findings.iter().map(|finding| match finding.verdict {
@@ -274,11 +274,11 @@ impl Judged {
     }
 }
 
-/// How a score depends on a parameter: its mean where the parameter is in the lower, middle and upper third.
+/// Dependence of a score on a parameter: mean scores for the lower, middle and upper third of the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Influence {
     pub thirds: [f64; 3],
-    /// Largest difference of two thirds over its standard deviation by chance.
+    /// Largest difference between two thirds, divided by its standard deviation by chance [-].
     pub strength: f64,
 }
 
@@ -323,7 +323,7 @@ mod tests {
             };
             let mut parts: Vec<usize> = sets.iter().map(part).collect();
             parts.sort_unstable();
-            // Four digits of a value may take it to the next part.
+            // Rounding to four digits may move a value into the next part.
             let off = parts.iter().enumerate().filter(|(k, part)| k != *part).count();
             assert!(off <= 2, "{}: {parts:?}", parameter.name);
         }
@@ -337,13 +337,13 @@ mod tests {
         for request in all {
             let job = contract::parse_job(request.to_string().as_bytes())
                 .unwrap_or_else(|refusal| panic!("{request}: {refusal}"));
-            let study = job.study.unwrap();
+            let study = job.into_study().unwrap();
             let last = study.point(study.points - 1).unwrap();
             let scene = last.scene();
             assert!((scene.spindle.mass / set[0] - 1.0).abs() < 1e-12);
             assert!((scene.bearing.radial_clearance / (1e-6 * set[1]) - 1.0).abs() < 1e-9);
             let axial = scene.operation.load[0] > 0.0;
-            assert_eq!(axial, scene.spindle.axial == crate::physics::spindle::AxialHold::Free);
+            assert_eq!(axial, scene.spindle.axial == raceway_core::physics::spindle::AxialHold::Free);
         }
     }
 

@@ -2,32 +2,34 @@
 
 use std::io::Write;
 
-use super::local::{self, Directory, badly, json};
-use super::{Ended, table};
+use super::exit::{Exit, failed};
+use super::local::{self, json};
+use super::output_directory::OutputDirectory;
+use super::text_tables;
 use crate::config::AccuracyOptions;
 use crate::contract::{self, Outcome, WorkPrecisionAnswer};
-use crate::render;
+use crate::plots::draw;
 
-/// Runs the study, prints it as a table, and writes `accuracy.json` and `work-precision.svg`.
-pub fn run(options: &AccuracyOptions) -> Ended {
+/// Runs the comparison, prints it as a table, and writes `accuracy.json` and `work-precision.svg`.
+pub fn run(options: &AccuracyOptions) -> Exit {
     let parse = |body: &[u8]| contract::parse_accuracy_request(body, options.repetitions);
     match local::read(&options.scene, parse).and_then(|job| local::execute_into(&job, &options.output, options.quiet)) {
         Ok((Outcome::Accuracy(answer), output)) => finish(&answer, &output),
-        Ok(_) => badly("the job was no accuracy job"),
-        Err(ended) => ended,
+        Ok(_) => failed("the job is not of kind accuracy"),
+        Err(exit) => exit,
     }
 }
 
-fn finish(answer: &WorkPrecisionAnswer, output: &Directory) -> Ended {
+fn finish(answer: &WorkPrecisionAnswer, output: &OutputDirectory) -> Exit {
     let mut stdout = std::io::stdout().lock();
-    if let Err(error) = write!(stdout, "{}", table::work_precision(answer)) {
-        return badly(&format!("stdout: {error}"));
+    if let Err(error) = write!(stdout, "{}", text_tables::work_precision(answer)) {
+        return failed(&format!("stdout: {error}"));
     }
-    write(answer, output).map_or_else(|error| badly(&error), |()| Ended::Well)
+    write(answer, output).map_or_else(|error| failed(&error), |()| Exit::Success)
 }
 
 /// The answer and its plot, as files.
-pub fn write(answer: &WorkPrecisionAnswer, directory: &Directory) -> Result<(), String> {
+pub fn write(answer: &WorkPrecisionAnswer, directory: &OutputDirectory) -> Result<(), String> {
     directory.write("accuracy.json", &json(answer))?;
-    directory.write("work-precision.svg", &render::work_precision(answer))
+    directory.write("work-precision.svg", &draw::work_precision(answer))
 }

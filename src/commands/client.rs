@@ -1,4 +1,4 @@
-//! Asks a service over HTTP, as any client would.
+//! A client of the HTTP API.
 
 use axum::body::Bytes;
 use axum::http::header::{ACCEPT, CONTENT_TYPE};
@@ -15,7 +15,7 @@ pub struct Client {
     http: HyperClient<HttpConnector, Full<Bytes>>,
 }
 
-/// Why there is no answer.
+/// Reason why a request failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
     #[error("{0}")]
@@ -29,12 +29,12 @@ impl Client {
         Self { url, http: HyperClient::builder(TokioExecutor::new()).build_http() }
     }
 
-    /// The JSON behind a path.
+    /// The JSON at a path.
     pub async fn get_json(&self, path: &str) -> Result<Value, ClientError> {
         json(&self.send(Method::GET, path, "application/json", None).await?)
     }
 
-    /// The text behind a path.
+    /// The text at a path.
     pub async fn get_text(&self, path: &str) -> Result<String, ClientError> {
         let body = self.send(Method::GET, path, "*/*", None).await?;
         String::from_utf8(body.to_vec()).map_err(|error| ClientError::NoAnswer(error.to_string()))

@@ -1,4 +1,4 @@
-//! `raceway demo`: the service shown from outside, over HTTP, on the article's case.
+//! `raceway demo`: the article's case, submitted to a service over HTTP.
 
 use std::fs;
 use std::io::{IsTerminal, Write};
@@ -9,49 +9,52 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::client::{Client, ClientError};
-use super::local::Directory;
-use super::serve::{Signals, announce, log_to_stderr, simulator};
-use super::{Ended, table};
+use super::exit::Exit;
+use super::logging::log_to_stderr;
+use super::output_directory::OutputDirectory;
+use super::signals::Signals;
+use super::startup::{announce, simulator};
+use super::text_tables;
 use crate::api::Access;
 use crate::api::service::Service;
 use crate::config::DemoOptions;
 use crate::jobs::Settings;
 
-/// Starts the service, shows both cases, and serves on unless told to stop.
-pub async fn run(options: DemoOptions) -> Ended {
-    let place = Place::new();
-    let (service, mut signals) = match start(&place).await {
+/// Starts the service, runs both cases, and continues to serve unless `once` is set.
+pub async fn run(options: DemoOptions) -> Exit {
+    let directory = TemporaryDirectory::new();
+    let (service, mut signals) = match start(&directory).await {
         Ok(started) => started,
         Err(error) => {
             eprintln!("raceway: {error}");
-            return Ended::Badly;
+            return Exit::Failure;
         }
     };
     let url = service.url();
     announce(&url);
-    let ended = tokio::select! {
+    let exit = tokio::select! {
         shown = show(&url, &options) => shown,
-        () = signals.next() => Ended::Badly,
+        () = signals.next() => Exit::Failure,
     };
-    if ended == Ended::Well && !options.once {
-        println!("\nThe service runs on; its documentation is at {url}/docs/. Stop it with Ctrl-C.");
+    if exit == Exit::Success && !options.once {
+        println!("\nThe service continues to run; its documentation is at {url}/docs/. Stop it with Ctrl-C.");
         signals.next().await;
     }
     service.stop().await;
-    ended
+    exit
 }
 
-async fn start(place: &Place) -> Result<(Service, Signals), Box<dyn std::error::Error>> {
-    // What it prints tells how its jobs go.
+async fn start(directory: &TemporaryDirectory) -> Result<(Service, Signals), Box<dyn std::error::Error>> {
+    // The output of the command already reports the jobs.
     log_to_stderr(tracing::Level::WARN)?;
     let signals = Signals::listen()?;
-    let settings = Settings::new(place.0.join("raceway.db"));
+    let settings = Settings::new(directory.0.join("raceway.db"));
     let listen = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
     let access = Access { is_local: true, ..Access::default() };
     Ok((Service::start(listen, settings, access, simulator()).await?, signals))
 }
 
-/// The article's integrated bearing, on a perfect spindle and on an unbalanced one.
+/// The article's integrated bearing, on a balanced and on an unbalanced spindle.
 fn cases() -> [(&'static str, Value); 2] {
     let operation = json!({ "speed_rpm": 50000, "radial_load_y_n": 200 });
     let scene = |spindle: Value| json!({ "bearing": "article-integrated", "operation": operation, "spindle": spindle });
@@ -62,18 +65,18 @@ fn cases() -> [(&'static str, Value); 2] {
     ]
 }
 
-async fn show(url: &str, options: &DemoOptions) -> Ended {
+async fn show(url: &str, options: &DemoOptions) -> Exit {
     match try_show(url, options).await {
-        Ok(ended) => ended,
+        Ok(exit) => exit,
         Err(error) => {
             eprintln!("raceway: {error}");
-            Ended::Badly
+            Exit::Failure
         }
     }
 }
 
-async fn try_show(url: &str, options: &DemoOptions) -> Result<Ended, Box<dyn std::error::Error>> {
-    let output = Directory::at(&options.output)?;
+async fn try_show(url: &str, options: &DemoOptions) -> Result<Exit, Box<dyn std::error::Error>> {
+    let output = OutputDirectory::open(&options.output)?;
     let client = Client::new(url.to_owned());
     let mut submitted = Vec::new();
     for (name, job) in cases() {
@@ -82,45 +85,45 @@ async fn try_show(url: &str, options: &DemoOptions) -> Result<Ended, Box<dyn std
         println!("submitted {path}: article-integrated, 50 000 r/min, 200 N radial, {name}");
         submitted.push((name, path));
     }
-    let mut ended = Vec::new();
+    let mut finished = Vec::new();
     for (name, path) in submitted {
-        let job = followed(&client, name, &path).await?;
+        let job = finished_job(&client, name, &path).await?;
         if job["status"] != "succeeded" {
             eprintln!("raceway: {path} has {}: {}", job["status"], job["error"]);
-            return Ok(Ended::Badly);
+            return Ok(Exit::Failure);
         }
-        ended.push((name, job));
+        finished.push((name, job));
     }
-    let path = ended[0].1["links"]["spectrum_svg"].as_str().unwrap_or_default().to_owned();
+    let path = finished[0].1["links"]["spectrum_svg"].as_str().unwrap_or_default().to_owned();
     output.write("spectrum.svg", &client.get_text(&path).await?)?;
-    println!("\n{}", table::metrics(&ended));
-    ended.iter().for_each(|(name, job)| println!("{}", table::lines(name, job)));
-    println!("The spectrum of the first is drawn in {}.", options.output.join("spectrum.svg").display());
-    Ok(Ended::Well)
+    println!("\n{}", text_tables::metrics(&finished));
+    finished.iter().for_each(|(name, job)| println!("{}", text_tables::lines(name, job)));
+    println!("Spectrum of the first case: {}", options.output.join("spectrum.svg").display());
+    Ok(Exit::Success)
 }
 
-/// The job once it has ended, with its metrics.
-async fn followed(client: &Client, name: &str, path: &str) -> Result<Value, ClientError> {
+/// The finished job with its metrics.
+async fn finished_job(client: &Client, name: &str, path: &str) -> Result<Value, ClientError> {
     let terminal = std::io::stderr().is_terminal();
     loop {
         let job = client.get_json(&format!("{path}?include=metrics")).await?;
-        let waits = matches!(job["status"].as_str(), Some("queued" | "running"));
+        let is_unfinished = matches!(job["status"].as_str(), Some("queued" | "running"));
         if terminal {
             let percent = 100.0 * job["progress"].as_f64().unwrap_or(0.0);
-            eprint!("\r{name}: {percent:3.0} % {}", if waits { "" } else { "\n" });
+            eprint!("\r{name}: {percent:3.0} % {}", if is_unfinished { "" } else { "\n" });
             let _ = std::io::stderr().flush();
         }
-        if !waits {
+        if !is_unfinished {
             return Ok(job);
         }
         tokio::time::sleep(Duration::from_millis(100)).await;
     }
 }
 
-/// A directory for the database that goes with the demonstration.
-struct Place(PathBuf);
+/// A directory for the database; dropping it removes it.
+struct TemporaryDirectory(PathBuf);
 
-impl Place {
+impl TemporaryDirectory {
     fn new() -> Self {
         let place = std::env::temp_dir().join(format!("raceway-demo-{}", uuid::Uuid::now_v7()));
         if let Err(error) = fs::create_dir_all(&place) {
@@ -130,7 +133,7 @@ impl Place {
     }
 }
 
-impl Drop for Place {
+impl Drop for TemporaryDirectory {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.0);
     }

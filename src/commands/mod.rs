@@ -1,59 +1,51 @@
-//! What the program does when it is called, one command a file. Above all other rooms.
+//! The commands of the program, one file each. Above all other folders.
 
-pub mod accuracy;
-pub mod article;
-/// Asks a service over HTTP.
+/// Memory that consecutive runs reuse.
+pub mod allocator;
+/// A client of the HTTP API.
 mod client;
-pub mod demo;
-pub mod health;
+/// Exit status of a command.
+mod exit;
 /// A job in this process.
 mod local;
-/// What the process keeps of memory that is given back.
-pub mod memory;
-pub mod optimum;
-/// Many runs, some at a time.
-mod parallel;
-/// What stderr tells of a run.
+/// Logs on stderr.
+mod logging;
+/// The directory for results.
+mod output_directory;
+/// Many runs on several threads.
+mod parallel_map;
+/// Progress of a run on stderr.
 mod progress;
-pub mod serve;
-pub mod simulate;
-pub mod study;
-/// Results as text for people.
-pub mod table;
-pub mod token;
-pub mod worker;
+/// Signals of the operating system.
+mod signals;
+/// Access, simulator and announcement of a service.
+mod startup;
+/// Results as text tables.
+pub mod text_tables;
+
+mod accuracy;
+mod article;
+mod demo;
+mod health;
+mod optimum;
+mod serve;
+mod simulate;
+mod study;
+mod token;
+mod worker;
 
 use std::io::Write as _;
-use std::process::ExitCode;
 use std::time::Duration;
 
 use tokio::runtime::{Builder, Runtime};
 
 use crate::config::{Cli, Command};
 
-/// How a command ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ended {
-    Well,
-    /// It did not work out: exit status 1.
-    Badly,
-    /// It was not understood or not allowed: exit status 2.
-    Refused,
-}
+pub use exit::Exit;
 
-impl From<Ended> for ExitCode {
-    fn from(ended: Ended) -> Self {
-        match ended {
-            Ended::Well => Self::SUCCESS,
-            Ended::Badly => Self::from(1),
-            Ended::Refused => Self::from(2),
-        }
-    }
-}
-
-/// Does what the command line says.
-pub fn run(cli: Cli) -> Ended {
-    memory::keep_for_the_next_run();
+/// Runs the command of the command line.
+pub fn run(cli: Cli) -> Exit {
+    allocator::keep_memory_for_next_run();
     match cli.command {
         Command::Demo(options) => on_runtime(demo::run(options)),
         Command::Serve(options) => on_runtime(serve::run(options)),
@@ -63,9 +55,9 @@ pub fn run(cli: Cli) -> Ended {
         Command::Study(options) => study::run(&options),
         Command::Article(options) => article::run(&options),
         Command::Openapi => {
-            // Who reads may have read enough.
+            // A reader may close the pipe early.
             let _ = std::io::stdout().write_all(crate::api::document_text().as_bytes());
-            Ended::Well
+            Exit::Success
         }
         Command::Token(command) => on_runtime(token::run(command)),
         Command::Migrate(options) => on_runtime(token::migrate(options)),
@@ -74,25 +66,25 @@ pub fn run(cli: Cli) -> Ended {
     }
 }
 
-/// Two threads answer all requests; solvers have threads of their own.
-/// Time that work on threads aside has after a command has ended.
-const LAST_WORK: Duration = Duration::from_secs(1);
+/// Longest time for blocking work to end after a command has ended.
+const BLOCKING_WORK_TIMEOUT: Duration = Duration::from_secs(1);
 
-fn on_runtime(command: impl Future<Output = Ended>) -> Ended {
+fn on_runtime(command: impl Future<Output = Exit>) -> Exit {
     match runtime() {
         Ok(runtime) => {
-            let ended = runtime.block_on(command);
-            // What is still being checked for clients that are gone is not waited for.
-            runtime.shutdown_timeout(LAST_WORK);
-            ended
+            let exit = runtime.block_on(command);
+            // Requests of clients that have gone may still be parsed; they are not waited for.
+            runtime.shutdown_timeout(BLOCKING_WORK_TIMEOUT);
+            exit
         }
         Err(error) => {
-            eprintln!("raceway: no threads to work with: {error}");
-            Ended::Badly
+            eprintln!("raceway: the threads could not be created: {error}");
+            Exit::Failure
         }
     }
 }
 
+/// A runtime whose two threads answer all requests; solvers have their own threads.
 fn runtime() -> std::io::Result<Runtime> {
     Builder::new_multi_thread().worker_threads(2).max_blocking_threads(16).enable_all().build()
 }

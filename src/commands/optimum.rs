@@ -1,33 +1,35 @@
-//! `raceway optimum`: the best point of one range or two, in this process.
+//! `raceway optimum`: the best point over one or two ranges, in this process.
 
 use std::io::Write;
 
-use super::local::{self, Directory, badly, json};
-use super::{Ended, table};
+use super::exit::{Exit, failed};
+use super::local::{self, json};
+use super::output_directory::OutputDirectory;
+use super::text_tables;
 use crate::config::OptimumOptions;
 use crate::contract::{self, OptimumAnswer, Outcome};
-use crate::render;
+use crate::plots::draw;
 
-/// Searches, prints what was found, and writes it with its plot.
-pub fn run(options: &OptimumOptions) -> Ended {
+/// Searches, prints the optimum, and writes it with its plot.
+pub fn run(options: &OptimumOptions) -> Exit {
     let job = local::read(&options.job, contract::parse_optimum_request);
     match job.and_then(|job| local::execute_into(&job, &options.output, options.quiet)) {
         Ok((Outcome::Optimum(answer), output)) => finish(&answer, &output),
-        Ok(_) => badly("the job was no optimum job"),
-        Err(ended) => ended,
+        Ok(_) => failed("the job is not of kind optimum"),
+        Err(exit) => exit,
     }
 }
 
-fn finish(answer: &OptimumAnswer, output: &Directory) -> Ended {
+fn finish(answer: &OptimumAnswer, output: &OutputDirectory) -> Exit {
     let mut stdout = std::io::stdout().lock();
-    if let Err(error) = write!(stdout, "{}", table::optimum(answer)) {
-        return badly(&format!("stdout: {error}"));
+    if let Err(error) = write!(stdout, "{}", text_tables::optimum(answer)) {
+        return failed(&format!("stdout: {error}"));
     }
-    write(answer, output).map_or_else(|error| badly(&error), |()| Ended::Well)
+    write(answer, output).map_or_else(|error| failed(&error), |()| Exit::Success)
 }
 
 /// The answer and its plot, as files.
-pub fn write(answer: &OptimumAnswer, directory: &Directory) -> Result<(), String> {
+pub fn write(answer: &OptimumAnswer, directory: &OutputDirectory) -> Result<(), String> {
     directory.write("optimum.json", &json(answer))?;
-    directory.write("optimum.svg", &render::optimum(answer))
+    directory.write("optimum.svg", &draw::optimum(answer))
 }

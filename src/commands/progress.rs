@@ -1,4 +1,4 @@
-//! What stderr tells of a run: an estimate, then how far it is.
+//! Progress of a run on stderr: an estimate of its time, then the finished share.
 
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,38 +7,41 @@ use std::time::{Duration, Instant};
 
 use crate::contract::{self, Job};
 
-/// How often one line is drawn anew on a terminal, and how often a line is written elsewhere.
-const REDRAWN: Duration = Duration::from_millis(200);
-const WRITTEN: Duration = Duration::from_secs(5);
-/// Shares below this tell nothing of the time to go.
-const LEAST_SHARE: f64 = 0.02;
+/// Time between two updates of the line on a terminal.
+const TERMINAL_INTERVAL: Duration = Duration::from_millis(200);
+/// Time between two lines in a file or pipe.
+const LINE_INTERVAL: Duration = Duration::from_secs(5);
+/// Smallest finished share from which the remaining time is estimated.
+const MIN_SHARE: f64 = 0.02;
 
-/// Runs `work`, which tells its progress, 0–1, to what it is given; quietly, or with an estimate and the progress on stderr. A
-/// thread of its own looks at the progress, so that writing takes no time from the run.
+/// Runs `work`, which passes its progress (0–1) to the given function. Unless `quiet`, an estimate and the progress are written to stderr,
+/// by a thread of its own so that writing does not slow the run.
 pub fn shown<T>(job: &Job, quiet: bool, work: impl FnOnce(&dyn Fn(f64)) -> T) -> T {
     announced(|| announcement(job), quiet, work)
 }
 
-/// The same with an announcement of its own.
+/// Runs `work` as `shown`, with another first line.
 pub fn announced<T>(announcement: impl FnOnce() -> String, quiet: bool, work: impl FnOnce(&dyn Fn(f64)) -> T) -> T {
     if quiet {
         return work(&|_| ());
     }
     let terminal = std::io::stderr().is_terminal();
-    say(&format!("{}\n", announcement()));
+    write_stderr(&format!("{}\n", announcement()));
     let share = AtomicU64::new(0);
     let begin = Instant::now();
     let (ended, end) = channel::<()>();
     std::thread::scope(|scope| {
         scope.spawn(|| {
-            // The channel closes at the end, also where the work panics.
+            // The channel closes at the end, also after a panic of the work.
             let end = end;
-            while end.recv_timeout(if terminal { REDRAWN } else { WRITTEN }) == Err(RecvTimeoutError::Timeout) {
+            while end.recv_timeout(if terminal { TERMINAL_INTERVAL } else { LINE_INTERVAL })
+                == Err(RecvTimeoutError::Timeout)
+            {
                 let line = line(f64::from_bits(share.load(Ordering::Relaxed)), begin.elapsed());
-                say(&if terminal { format!("\r{line:<50}") } else { format!("{line}\n") });
+                write_stderr(&if terminal { format!("\r{line:<50}") } else { format!("{line}\n") });
             }
             if terminal {
-                say(&format!("\r{:<50}\r", ""));
+                write_stderr(&format!("\r{:<50}\r", ""));
             }
         });
         let done = work(&|done| share.store(done.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed));
@@ -47,35 +50,37 @@ pub fn announced<T>(announcement: impl FnOnce() -> String, quiet: bool, work: im
     })
 }
 
-/// What will be done, and about how long that takes.
+/// Kind, simulated time and estimated run time of a job.
 fn announcement(job: &Job) -> String {
-    let simulated = format!("{} s after {} s", job.settings.duration, job.settings.settle);
+    let simulated = format!("{} s after {} s", job.base().settings.duration, job.base().settings.settle);
     let cost = contract::estimate(job);
-    let (kind, estimate) = (job.kind.name(), estimated(cost.estimated_wall_time_s, cost.most_wall_time_s));
-    let points = job.study.as_ref().map_or(1, |study| study.points);
-    if points > 1 {
-        return format!("{kind}: {points} points of {simulated}; {estimate} for each");
+    let (kind, estimate) = (job.kind().name(), estimated(cost.estimated_wall_time_s, cost.most_wall_time_s));
+    match job {
+        Job::Study(study) if study.points > 1 => {
+            format!("{kind}: {} points of {simulated}; {estimate} for each", study.points)
+        }
+        Job::Optimum(search) => {
+            format!("{kind}: up to about {} runs of {simulated}; {estimate} for each", search.most_runs())
+        }
+        Job::Accuracy(comparison) => {
+            let plan = &comparison.plan;
+            let (runs, times) = (plan.methods.len() * plan.relative_tolerances.len(), times(plan.repetitions));
+            format!("{kind}: {simulated}, {runs} runs{times} and their references; {estimate}")
+        }
+        Job::Simulation(_) | Job::Study(_) => format!("{kind}: {simulated}; {estimate}"),
     }
-    if let Some(sought) = &job.sought {
-        return format!("{kind}: up to about {} runs of {simulated}; {estimate} for each", sought.most_runs());
-    }
-    let runs = job.plan.as_ref().map_or(String::new(), |plan| {
-        let runs = plan.methods.len() * plan.relative_tolerances.len();
-        format!(", {runs} runs{} and their references", times(plan.repetitions))
-    });
-    format!("{kind}: {simulated}{runs}; {estimate}")
 }
 
-/// An estimate [s] in words, with what it may become.
+/// The estimated run time and its upper value [s] as text.
 fn estimated(estimate: Option<f64>, most: Option<f64>) -> String {
     match (estimate, most) {
         (Some(estimate), Some(most)) if most > estimate => format!(
-            "estimated to an order of magnitude: {}, up to {} where models or tolerances do not serve at once",
+            "estimated to an order of magnitude: {}, up to {} if models or tolerances are rejected",
             duration(estimate),
             duration(most)
         ),
         (Some(estimate), _) => format!("estimated to an order of magnitude: {}", duration(estimate)),
-        _ => "no estimate: no equilibrium to start from".to_owned(),
+        _ => "no estimate: the static equilibrium was not found".to_owned(),
     }
 }
 
@@ -83,18 +88,18 @@ fn times(repetitions: u32) -> String {
     if repetitions == 1 { String::new() } else { format!(" of {repetitions} repetitions") }
 }
 
-fn line(share: f64, gone: Duration) -> String {
-    let gone = gone.as_secs_f64();
+fn line(share: f64, elapsed: Duration) -> String {
+    let elapsed = elapsed.as_secs_f64();
     let percent = (100.0 * share).floor();
-    let to_go = if share >= LEAST_SHARE {
-        format!(", about {} to go", duration(gone * (1.0 - share) / share))
+    let to_go = if share >= MIN_SHARE {
+        format!(", about {} to go", duration(elapsed * (1.0 - share) / share))
     } else {
         String::new()
     };
-    format!("{percent:3.0} %, {} gone{to_go}", duration(gone))
+    format!("{percent:3.0} %, {} gone{to_go}", duration(elapsed))
 }
 
-/// A time [s] as people say it.
+/// A duration [s] as text with a suitable unit.
 fn duration(time: f64) -> String {
     match time {
         0.0 => "0 s".into(),
@@ -108,8 +113,8 @@ fn duration(time: f64) -> String {
     }
 }
 
-/// Nobody may be there to read it: a closed stderr is no reason to end a run.
-fn say(text: &str) {
+/// Writes to stderr. A closed stderr is no reason to end a run.
+fn write_stderr(text: &str) {
     let mut stderr = std::io::stderr().lock();
     let _ = stderr.write_all(text.as_bytes()).and_then(|()| stderr.flush());
 }
@@ -119,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn progress_tells_the_time_to_go_once_it_is_known() {
+    fn progress_includes_the_remaining_time_once_it_is_known() {
         assert_eq!(line(0.0, Duration::from_secs(1)), "  0 %, 1.0 s gone");
         assert_eq!(line(0.25, Duration::from_secs(30)), " 25 %, 30 s gone, about 90 s to go");
         assert_eq!(line(1.0, Duration::from_secs(600)), "100 %, 10 min gone, about 0 s to go");
@@ -136,7 +141,7 @@ mod tests {
         assert!(told.contains("estimated "), "{told}");
         let told = announcement(&contract::parse_job_or_scene(scene).unwrap());
         assert!(told.starts_with("simulation: ") && !told.contains("runs"), "{told}");
-        // What it may become is told, too, and nothing takes no time at all.
+        // The upper value is included, and no time reads 0 s.
         assert!(told.contains(", up to ") && !told.contains(" 0 s"), "{told}");
     }
 }

@@ -1,15 +1,15 @@
-//! What can go wrong with a job, apart from the simulation itself.
+//! Errors of requests about jobs. A failed simulation is not an error here but the end of its job.
 
 use std::fmt::Display;
 
 use super::job::Status;
 
-/// Why a request about jobs was not done.
+/// Reason why a request about jobs failed.
 #[derive(Debug, thiserror::Error)]
 pub enum JobError {
     #[error("there is no such job")]
     NotFound,
-    /// The result will come.
+    /// The job has not ended.
     #[error("the job is {}", .0.name())]
     NotReady(Status),
     /// The job ended without a result.
@@ -21,29 +21,29 @@ pub enum JobError {
     /// Only studies can be resumed.
     #[error("the job is of kind {kind}")]
     NoStudy { kind: String },
-    /// A study that waits, runs, or has nothing left to do.
+    /// The study is queued or running, or has no points left.
     #[error("the job is {}", .0.name())]
     CannotResume(Status),
     /// The job's status forbids it.
     #[error("the job is {}", .0.name())]
     Conflict(Status),
-    /// Nothing is kept under that channel; these are.
-    #[error("nothing is kept for that channel")]
+    /// No signal is kept for the channel; `kept` lists the channels that have one.
+    #[error("no signal is kept for that channel")]
     UnknownChannel { kept: Vec<String> },
-    /// The key of a submission has come with another body before.
+    /// The idempotency key was used with another body.
     #[error("the idempotency key belongs to another request")]
     KeyReused,
-    #[error("{limit} jobs are waiting")]
+    #[error("{limit} jobs are queued")]
     QueueFull { limit: u64 },
-    #[error("{limit} jobs of the owner are waiting")]
+    #[error("{limit} jobs of the owner are queued")]
     OwnersQueueFull { limit: u64 },
     #[error("the service is stopping")]
     Stopping,
     #[error("no space is left for the database")]
     DiskFull,
-    #[error("the database takes no writes")]
+    #[error("the database accepts no writes")]
     NotWritable,
-    /// What is written to it goes with this process.
+    /// Writes to the database file would be lost with this process.
     #[error("the database file was moved, removed or replaced; put it back, or restart")]
     Displaced,
     #[error("another server uses the database {0}")]
@@ -63,17 +63,17 @@ pub enum JobError {
 }
 
 impl JobError {
-    /// The database cannot be used.
+    /// The database cannot be opened.
     pub fn opening(place: impl Display, reason: impl Display) -> Self {
         Self::CannotOpen { path: place.to_string(), reason: reason.to_string() }
     }
 
-    /// Whether the database is there without our tables: it was made anew.
+    /// Returns whether the database exists without our tables, because it was created anew.
     pub fn lacks_tables(&self) -> bool {
         matches!(self, Self::Database(sqlx::Error::Database(error)) if error.code().is_some_and(|code| code == NO_TABLE))
     }
 
-    /// Whether the database cannot be reached for now, or takes no writes.
+    /// Returns whether the database is unreachable for now, or accepts no writes.
     pub fn is_away(&self) -> bool {
         let error = match self {
             Self::NotWritable | Self::Displaced => return true,
@@ -90,8 +90,8 @@ impl JobError {
                 if error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>().is_none() {
                     return code.parse::<i64>().is_ok_and(|code| SQLITE_AWAY.contains(&(code & 0xff)));
                 }
-                // PostgreSQL: no connection, too many of them, shutting down or starting, read-only, not let in, no such database, none of
-                // our tables in it.
+                // PostgreSQL: no connection, too many connections, shutting down or starting, read-only, login refused, no such
+                // database, no tables.
                 ["08", "53300", "57P", "25006", "28", "3D000", NO_TABLE].iter().any(|class| code.starts_with(class))
             }
             _ => false,
@@ -99,10 +99,10 @@ impl JobError {
     }
 }
 
-/// SQLite's "database or disk is full", and the errors of writing, syncing, truncating and growing as which a full disk shows, too.
+/// SQLite's "database or disk is full", and the errors of write, sync, truncate and grow that a full disk also causes.
 const SQLITE_FULL: [i64; 7] = [13, 778, 1034, 1290, 1546, 4874, 5386];
-/// SQLite's "database is locked", by another connection or within this one, "attempt to write a readonly database", "disk I/O error"
-/// and "unable to open database file"; extended codes carry them in the low byte.
+/// SQLite's "database is locked" (by another connection or within this one), "attempt to write a readonly database", "disk I/O error"
+/// and "unable to open database file". Extended codes hold these in the low byte.
 const SQLITE_AWAY: [i64; 5] = [5, 6, 8, 10, 14];
 /// PostgreSQL's `undefined_table`.
 const NO_TABLE: &str = "42P01";
@@ -112,7 +112,7 @@ const POSTGRES_DISK_FULL: &str = "53100";
 impl From<sqlx::Error> for JobError {
     fn from(error: sqlx::Error) -> Self {
         if is_full_disk(&error) {
-            tracing::error!(%error, "the disk does not take what is written");
+            tracing::error!(%error, "a write failed because the disk is full");
             return Self::DiskFull;
         }
         Self::Database(error)

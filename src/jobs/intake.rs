@@ -1,63 +1,66 @@
-//! One transaction, and one flush to the disk, for all submissions that wait: a transaction each would be
-//! several times slower under load, and no faster without.
+//! One transaction, and one flush to disk, for all waiting submissions. A transaction for each would be several times slower under
+//! load, and no faster without load.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
 
-use super::queue::{Delivery, Queue};
-use super::store::database::{Lock, Tx};
-use super::store::{Store, keys, submissions, upkeep};
-use super::worker::{Begun, Worker};
-use super::{JobError, JobRecord, NewJob};
+use super::error::JobError;
+use super::job::{JobRecord, NewJob};
+use super::queue::Queue;
+use super::store::database::Store;
+use super::store::deliveries::Delivery;
+use super::store::pool::{Lock, Tx};
+use super::store::{idempotency_keys, maintenance, submissions};
+use super::worker::{InlineRun, Worker};
 
-/// Submissions that one transaction takes at most.
-const BATCH: usize = 64;
+/// Largest number of submissions in one transaction.
+const BATCH_SIZE: usize = 64;
 
 type Answer = Result<Submitted, JobError>;
 type Waiting = (NewJob, oneshot::Sender<Answer>);
 
-/// A job that was handed in.
+/// A submitted job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Submitted {
-    /// As it was answered first.
+    /// The record of the first answer.
     pub record: JobRecord,
-    /// Whether its idempotency key had made it before.
+    /// Whether an earlier submission with the same idempotency key created the job.
     pub replayed: bool,
 }
 
-/// Where submissions are handed in.
+/// Entry of submissions.
 #[derive(Debug, Clone)]
 pub struct Intake {
     sender: mpsc::Sender<Waiting>,
 }
 
-/// What a submission is measured against.
+/// Limits of submissions.
 #[derive(Debug, Clone, Copy)]
 pub struct IntakeLimits {
-    /// Jobs that may wait.
+    /// Largest number of queued jobs.
     pub queue: u64,
-    /// Of these, jobs of one owner.
+    /// Largest number of queued jobs of one owner.
     pub queue_of_owner: u64,
-    /// How long jobs are kept that say nothing about it [s].
+    /// Retention of ended jobs that do not state their own [s].
     pub keep_s: f64,
 }
 
 impl Intake {
     /// Starts the task that writes submissions.
     pub fn start(store: Store, queue: Arc<Queue>, worker: Arc<Worker>, limits: IntakeLimits) -> Self {
-        let (sender, mut receiver) = mpsc::channel::<Waiting>(4 * BATCH);
+        let (sender, mut receiver) = mpsc::channel::<Waiting>(4 * BATCH_SIZE);
         tokio::spawn(async move {
-            let mut batch = Vec::with_capacity(BATCH);
-            while receiver.recv_many(&mut batch, BATCH).await > 0 {
+            let mut batch = Vec::with_capacity(BATCH_SIZE);
+            while receiver.recv_many(&mut batch, BATCH_SIZE).await > 0 {
                 write(&store, &queue, &worker, limits, std::mem::take(&mut batch)).await;
             }
         });
         Self { sender }
     }
 
-    /// Hands in a job; the answer comes once it is on the disk.
+    /// Submits a job; returns when it is on disk.
     pub async fn submit(&self, job: NewJob) -> Answer {
         let (answer, answered) = oneshot::channel();
         self.sender.send((job, answer)).await.map_err(|_| JobError::Stopping)?;
@@ -68,17 +71,17 @@ impl Intake {
 async fn write(store: &Store, queue: &Queue, worker: &Arc<Worker>, limits: IntakeLimits, batch: Vec<Waiting>) {
     let (jobs, waiting): (Vec<NewJob>, Vec<_>) = batch.into_iter().unzip();
     match write_all(store, queue, worker, limits, &jobs).await {
-        // Whoever no longer waits for an answer has still submitted the job.
+        // A client that has gone has still submitted the job.
         Ok(answers) => waiting.into_iter().zip(answers).for_each(|(sender, answer)| drop(sender.send(answer))),
         Err(error) => {
             tracing::error!(%error, jobs = jobs.len(), "submissions could not be written");
-            waiting.into_iter().for_each(|sender| drop(sender.send(Err(same_for_each(&error)))));
+            waiting.into_iter().for_each(|sender| drop(sender.send(Err(error_for_each(&error)))));
         }
     }
 }
 
-/// The error of a batch, told to each of those in it.
-fn same_for_each(error: &JobError) -> JobError {
+/// The error of a batch, for each submission in it.
+fn error_for_each(error: &JobError) -> JobError {
     match error {
         JobError::DiskFull => JobError::DiskFull,
         JobError::Database(sqlx::Error::PoolClosed) => JobError::Stopping,
@@ -94,28 +97,28 @@ async fn write_all(
     limits: IntakeLimits,
     jobs: &[NewJob],
 ) -> Result<Vec<Answer>, JobError> {
-    let mut tx = store.begin_alone(Lock::Intake).await?;
+    let mut tx = store.begin_locked(Lock::Intake).await?;
     let mut places = Places { limits, waiting: submissions::waiting(&mut tx).await? };
-    let none_waited = places.waiting.is_empty();
+    let queue_was_empty = places.waiting.is_empty();
     let mut plans = Vec::with_capacity(jobs.len());
     for job in jobs {
         plans.push(plan(&mut tx, job, &mut places, limits.keep_s).await?);
     }
-    let slots = if jobs.iter().any(|job| job.points.is_some()) { upkeep::slots(&mut tx).await? } else { 1 };
-    let to_run = |plan: &Plan| matches!(plan, Plan::Queue);
-    let begin = |(job, plan): (&NewJob, &Plan)| {
-        let may_begin = to_run(plan) && none_waited && job.points.is_none();
-        may_begin.then(|| worker.begin(job)).flatten()
+    let slots = if jobs.iter().any(|job| job.points.is_some()) { maintenance::slots(&mut tx).await? } else { 1 };
+    let is_queued = |plan: &Plan| matches!(plan, Plan::Queue);
+    let start = |(job, plan): (&NewJob, &Plan)| {
+        let may_start = is_queued(plan) && queue_was_empty && job.points.is_none();
+        may_start.then(|| worker.start_inline(job)).flatten()
     };
-    // Before they are in the record: while that is written they run.
-    let mut begun: Vec<Option<Begun>> = jobs.iter().zip(&plans).map(begin).collect();
-    let queued = jobs.iter().zip(&plans).zip(&begun).filter(|((_, plan), begun)| to_run(plan) && begun.is_none());
+    // The runs start before the jobs are written, so that they overlap with the write.
+    let mut started: Vec<Option<InlineRun>> = jobs.iter().zip(&plans).map(start).collect();
+    let queued = jobs.iter().zip(&plans).zip(&started).filter(|((_, plan), run)| is_queued(plan) && run.is_none());
     let queued: Vec<_> = queued.flat_map(|((job, _), _)| deliveries_of(job, slots)).collect();
     let mut deliveries = queue.enqueue(&mut tx, &queued).await?.into_iter();
     let mut answers = Vec::with_capacity(jobs.len());
-    for ((job, plan), begun) in jobs.iter().zip(plans).zip(&begun) {
+    for ((job, plan), run) in jobs.iter().zip(plans).zip(&started) {
         let record = match plan {
-            Plan::Made(first) => {
+            Plan::Replay(first) => {
                 answers.push(first.map(|record| Submitted { record, replayed: true }));
                 continue;
             }
@@ -123,10 +126,10 @@ async fn write_all(
             Plan::Refuse(reason) => Err(reason),
             Plan::Queue if job.points.is_some() => {
                 let points = job.points.unwrap_or(0);
-                let strands: Vec<i64> = deliveries.by_ref().take(strands_of(points, slots)).collect();
-                Ok(submissions::insert_study(&mut tx, job, points, &strands).await?)
+                let shards: Vec<i64> = deliveries.by_ref().take(shard_count(points, slots)).collect();
+                Ok(submissions::insert_study(&mut tx, job, points, &shards).await?)
             }
-            Plan::Queue if begun.is_some() => Ok(submissions::insert_begun(&mut tx, job).await?),
+            Plan::Queue if run.is_some() => Ok(submissions::insert_started(&mut tx, job).await?),
             Plan::Queue => {
                 let delivery = deliveries.next().ok_or_else(|| JobError::Corrupt("a delivery is missing".into()))?;
                 Ok(submissions::insert(&mut tx, job, delivery).await?)
@@ -135,38 +138,39 @@ async fn write_all(
         answers.push(record.map(|record| Submitted { record, replayed: false }));
     }
     tx.commit().await?;
-    begun.drain(..).flatten().for_each(|begun| worker.go_on(begun));
+    started.drain(..).flatten().for_each(|run| worker.finish_inline(run));
     if !queued.is_empty() {
         queue.wake();
     }
     Ok(answers)
 }
 
-/// Strands of a study of so many points, where there are so many workers.
-pub fn strands_of(points: usize, workers: usize) -> usize {
+/// Number of shards of a study: one for each worker, at most one for each point.
+fn shard_count(points: usize, workers: usize) -> usize {
     points.min(workers).max(1)
 }
 
 fn deliveries_of(job: &NewJob, workers: usize) -> Vec<Delivery> {
     match job.points {
-        Some(points) => Delivery::strands(job.id, strands_of(points, workers)),
+        Some(points) => Delivery::shards(job.id, shard_count(points, workers)),
         None => vec![Delivery::of_job(job.id, job.priority)],
     }
 }
 
-/// What happens to a submission.
+/// Treatment of a submission.
 enum Plan {
-    /// Its key has made a job before, or is refused.
-    Made(Box<Result<JobRecord, JobError>>),
+    /// Its key was used before: the first answer, or the refusal of another body.
+    Replay(Box<Result<JobRecord, JobError>>),
     Queue,
+    /// An existing result answers it.
     Answer(submissions::Reusable),
     Refuse(JobError),
 }
 
-/// Places in the queue.
+/// Free places in the queue.
 struct Places {
     limits: IntakeLimits,
-    /// Jobs that wait, by owner.
+    /// Number of queued jobs by owner.
     waiting: HashMap<String, u64>,
 }
 
@@ -184,12 +188,12 @@ impl Places {
     }
 }
 
-/// Notes the key of a submission that will be made at once: the same key may stand once more in the same batch.
+/// Decides the treatment of a submission and records its key at once: the same batch may contain the key again.
 async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Result<Plan, JobError> {
     if let Some(key) = &job.key
-        && let Some(made) = keys::made(tx, &job.owner, key).await?
+        && let Some(first_use) = idempotency_keys::first_use(tx, &job.owner, key).await?
     {
-        return Ok(Plan::Made(Box::new(made.first_answer(job, key))));
+        return Ok(Plan::Replay(Box::new(first_use.first_answer(job, key))));
     }
     let found = if job.reuse { submissions::reusable(tx, job).await? } else { None };
     let (plan, expires) = match found {
@@ -200,7 +204,7 @@ async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Re
         },
     };
     if let Some(key) = &job.key {
-        keys::note(tx, job, key, expires).await?;
+        idempotency_keys::record(tx, job, key, expires).await?;
     }
     Ok(plan)
 }

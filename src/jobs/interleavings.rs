@@ -1,50 +1,59 @@
-//! The life of a job, explored: whatever order two processes do things in, breadth first over the real store. After each step the
-//! stored job must be what `after` says, a specification without SQL, and what is promised in whatever order must hold (`promises`);
-//! and from each state the job must come to an end by itself (`comes_to_an_end`).
+//! Every order of actions of two processes on one job, explored breadth first over the real store.
 //!
-//! Played is only what is not the store's: River, which hands deliveries out and takes them back, the run, and the clock: an hour
-//! passes where a step says so. Two states are the same if they differ by nothing but numbers and which process is which.
+//! After each step three conditions are checked. The stored job must equal the specification `after`, which uses no SQL. The invariants
+//! must hold (`check_invariants`). From each state the job must reach an end by itself (`reaches_an_end`).
+//!
+//! River, the run and the clock are simulated; everything else is the store. An hour passes where a step states it. Two states are equal
+//! if they differ only in numbers and in the order of the processes.
 
 use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 use std::time::Duration;
 
+use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
+use super::error::JobError;
+use super::job::{NewJob, Status};
+use super::parts::Parts;
 use super::running::{Run, StopReason};
-use super::service::{Cancelled, Jobs, Settings, Simulator};
-use super::store::claims::Pulse;
-use super::store::database::Dialect;
+use super::service::{Cancelled, Jobs};
+use super::settings::{Settings, Simulator};
+use super::store::claims::{Claim, Heartbeat};
+use super::store::database::Store;
+use super::store::dialect::Dialect;
+use super::store::location::Location;
+use super::store::results::StoredResult;
 use super::store::statement::statement;
-use super::store::{Claim, Location, Store, StoredResult, submissions};
-use super::worker::{Outcome, Worker, ended, follow};
-use super::{JobError, NewJob, Status, sweep};
+use super::store::submissions;
+use super::sweep;
+use super::worker::{RunOutcome, Worker, apply_heartbeat, outcome_of};
 use crate::contract::{self, RunFailure};
 
 const OWNER: &str = "";
 const REQUEST: &str =
     r#"{"kind": "simulation", "scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}, "keep_for_s": 900}"#;
 const MAX_LOST_RUNS: u32 = 2;
-/// Shorter than the hour that passes, also three times: so long is a silent process listed.
+/// Three times this, after which a silent process is no longer listed, is less than the hour that passes.
 const LOST_AFTER: Duration = Duration::from_secs(15 * 60);
 const HOUR: Duration = Duration::from_secs(60 * 60);
-/// Of the two processes.
+/// Indices of the two processes.
 const BOTH: [usize; 2] = [0, 1];
 
-/// What may happen next; the number is that of a process.
+/// A possible action; the number is the index of a process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Step {
-    /// River hands out the delivery that has waited longest.
+    /// River hands the oldest waiting delivery to the process.
     Deliver(usize),
-    /// The process claims the job of the delivery in its hands.
+    /// The process claims the job of its delivery.
     Take(usize),
     Beat(usize),
     Finish(usize, Solved),
-    /// The process is told to stop: a run hears it, a delivery that was not taken goes back.
+    /// The process stops: a run gets its stop flag, an unclaimed delivery is returned.
     Stop(usize),
     /// The process dies and starts again.
     Die(usize),
-    /// River takes a delivery for lost that is in someone's hands.
+    /// River treats a delivery as lost that a process holds.
     DeliverAgain,
     Cancel(usize),
     Sweep(usize),
@@ -53,16 +62,16 @@ enum Step {
     Delete,
 }
 
-/// How the solver ends.
+/// The end of the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Solved {
     Result,
     Failure,
-    /// It was told to stop and did, or never began.
+    /// It was stopped, or never started.
     Obeyed,
 }
 
-/// What a process has in its hands.
+/// The delivery or run that a process holds.
 #[derive(Debug, Clone)]
 enum Hand {
     Nothing,
@@ -77,28 +86,28 @@ struct Row {
     cancel: bool,
     lost: i64,
     claim: i64,
-    /// 0: it began with its acceptance, and has none.
+    /// 0: the job started inline and has no delivery.
     delivery: i64,
-    /// Whether there was a sign of life lately.
+    /// Whether the heartbeat is recent.
     fresh: bool,
     result: bool,
     cause: Option<String>,
 }
 
-/// A delivery that River has not done with.
+/// A delivery that River has not completed.
 #[derive(Debug, Clone)]
 struct Delivery {
     id: i64,
-    /// In someone's hands, or waiting.
+    /// Held by a process; otherwise waiting.
     out: bool,
-    /// Out to a process that is not listed any more; a file has one process, which knows by itself.
+    /// Held by a process that is no longer listed. A file has one process, which needs no list.
     orphaned: bool,
 }
 
-/// What the database shows.
+/// The content of the database.
 #[derive(Debug, Clone)]
-struct Seen {
-    /// `None`: the job is gone.
+struct Stored {
+    /// `None`: the job is removed.
     row: Option<Row>,
     deliveries: Vec<Delivery>,
     results: i64,
@@ -107,15 +116,15 @@ struct Seen {
 
 #[derive(Debug, Clone)]
 struct State {
-    /// Where its rows are kept.
+    /// Number of its saved rows.
     saved: i64,
-    seen: Seen,
+    seen: Stored,
     hands: [Hand; 2],
     workers: [Uuid; 2],
     trace: Vec<Step>,
 }
 
-impl Seen {
+impl Stored {
     fn delivery(&self, id: i64) -> Option<&Delivery> {
         self.deliveries.iter().find(|delivery| delivery.id == id)
     }
@@ -125,15 +134,15 @@ impl Seen {
     }
 }
 
-/// The job as it is stored after a step: what its life is meant to be.
+/// The specification: the stored job after a step.
 fn after(step: Step, before: &State, file: bool) -> Option<Row> {
     let row = before.seen.row.clone()?;
     if row.status.is_final() {
-        // Nothing leaves an end but the job itself, by wish or by age.
+        // An ended job changes only by its removal, on request or by expiry.
         return (!matches!(step, Step::Delete | Step::LateSweep(_))).then_some(row);
     }
     let running = row.status == Status::Running;
-    // A run that begins no more is none that could be lost.
+    // After the largest number of losses no run starts, so none is lost.
     let lost = row.lost + i64::from(running && row.lost < i64::from(MAX_LOST_RUNS));
     let ended = |status| Row { status, fresh: false, ..row.clone() };
     Some(match step {
@@ -150,12 +159,12 @@ fn after(step: Step, before: &State, file: bool) -> Option<Row> {
                 Row { status: Status::Queued, fresh: false, ..row }
             }
             (Hand::Run { stopped: Some(StopReason::ClaimLost), .. }, Solved::Obeyed) => row,
-            // Whoever asked for it was promised it, however the run has ended.
+            // A requested cancellation holds for every end of the run.
             _ if row.cancel => ended(Status::Cancelled),
             (_, Solved::Result) => Row { result: true, ..ended(Status::Succeeded) },
             (_, Solved::Failure) => Row { cause: Some("did-not-converge".into()), ..ended(Status::Failed) },
             (Hand::Run { stopped: Some(_), .. }, Solved::Obeyed) => ended(Status::Cancelled),
-            // It was lost too often to begin once more.
+            // It was lost too often to start again.
             _ => Row { cause: Some("worker-lost".into()), ..ended(Status::Failed) },
         },
         Step::Cancel(_) if running => Row { cancel: true, ..row },
@@ -165,13 +174,13 @@ fn after(step: Step, before: &State, file: bool) -> Option<Row> {
             let delivery = before.seen.delivery(row.delivery);
             let orphaned = !file && !running && delivery.is_some_and(|delivery| delivery.orphaned);
             let runs_here = matches!(before.hands[process], Hand::Run { .. });
-            // In a file a run without a delivery is one of the process that sweeps, or of a dead one.
+            // In a file a run without a delivery belongs to the sweeping process or to a dead one.
             let never_had_one = !file && running && row.delivery == 0;
             let gone = delivery.is_none() && !never_had_one;
             if row.cancel && (!running || silent) {
                 ended(Status::Cancelled)
             } else if !runs_here && (gone || orphaned || running && silent) {
-                // `check` sees to it that this is a new one.
+                // `step` checks that the delivery is a new one.
                 Row { status: Status::Queued, lost, delivery: 0, fresh: false, ..row }
             } else {
                 Row { fresh: running && !silent, ..row }
@@ -182,7 +191,7 @@ fn after(step: Step, before: &State, file: bool) -> Option<Row> {
 }
 
 impl State {
-    /// Whether the process has the claim that counts.
+    /// Returns whether the process holds the current claim.
     fn holds(&self, process: usize) -> bool {
         let claim = match &self.hands[process] {
             Hand::Run { claim, .. } => claim.number,
@@ -191,7 +200,7 @@ impl State {
         self.seen.row.as_ref().is_some_and(|row| row.status == Status::Running && row.claim == claim)
     }
 
-    /// What may happen.
+    /// The possible steps.
     fn steps(&self, begins: impl Fn(&Claim) -> bool) -> Vec<Step> {
         let mut steps = vec![Step::Delete];
         if self.seen.deliveries.iter().any(|delivery| delivery.out) {
@@ -221,7 +230,7 @@ impl State {
         steps
     }
 
-    /// Equal for states that differ by numbers alone.
+    /// A key that is equal for states which differ only in numbers.
     fn key(&self) -> String {
         let row = self.seen.row.as_ref();
         let now = row.map(|row| (row.status, row.cancel, row.lost, row.fresh, row.result, row.cause.clone()));
@@ -246,43 +255,46 @@ impl State {
     }
 }
 
-/// What holds whatever happens.
-fn promises(step: Step, before: &Seen, now: &State) {
+/// Checks the invariants of every step.
+fn check_invariants(step: Step, before: &Stored, now: &State) {
     let held = BOTH.into_iter().filter(|process| now.holds(*process)).count();
-    assert!(held <= 1, "two hold the claim");
+    assert!(held <= 1, "two processes hold the claim");
     let kept = now.seen.row.as_ref();
     assert_eq!(now.seen.results, i64::from(kept.is_some_and(|row| row.status == Status::Succeeded)), "results");
     let Some(row) = kept else {
         let ended = before.row.as_ref().is_none_or(|row| row.status.is_final());
-        return assert!(ended, "a job is gone that had not ended");
+        return assert!(ended, "an unfinished job was removed");
     };
-    let was = before.row.as_ref().expect("nothing comes back from nothing");
+    let was = before.row.as_ref().expect("a removed job does not reappear");
     assert!(!was.status.is_final() || row == was, "an end was changed");
     assert!(!was.cancel || row.cancel, "a request to cancel is forgotten");
-    assert!(!row.status.is_final() || !row.cancel || row.status == Status::Cancelled, "cancelled in vain");
+    assert!(
+        !row.status.is_final() || !row.cancel || row.status == Status::Cancelled,
+        "a cancelled job did not end as cancelled"
+    );
     assert!(row.lost <= i64::from(MAX_LOST_RUNS), "lost too often");
     if let (Step::Sweep(process) | Step::LateSweep(process), false) = (step, row.status.is_final()) {
         let delivery = now.seen.delivery(row.delivery);
         let runs_here = matches!(now.hands[process], Hand::Run { .. });
-        // Also one that another process runs, as its heartbeat tells.
+        // Also a job that another process runs, by its heartbeat.
         let runs_there = row.delivery == 0 && row.status == Status::Running && row.fresh;
-        assert!(delivery.is_some() || runs_here || runs_there, "nothing will run it");
-        assert!(row.status == Status::Queued || row.fresh || runs_here, "nobody runs it");
+        assert!(delivery.is_some() || runs_here || runs_there, "no process will run it");
+        assert!(row.status == Status::Queued || row.fresh || runs_here, "no process runs it");
     }
 }
 
-/// Shows how a fault was come by.
-struct Way(Vec<Step>);
+/// Prints the steps that led to a failed assertion.
+struct TraceOnPanic(Vec<Step>);
 
-impl Drop for Way {
+impl Drop for TraceOnPanic {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            eprintln!("by {:?}", self.0);
+            eprintln!("steps: {:?}", self.0);
         }
     }
 }
 
-/// The tables whose rows make a state, parents first.
+/// The tables whose rows form a state, parents first.
 const TABLES: [&str; 4] = ["results", "jobs", "river_job", "workers"];
 
 struct World {
@@ -290,12 +302,12 @@ struct World {
     store: Store,
     job: Uuid,
     settings: Settings,
-    /// Statements that keep and bring back the rows of a table.
-    keeping: Vec<[String; 3]>,
+    /// Statements that save, remove and restore the rows of a table.
+    table_statements: Vec<[String; 3]>,
     saved: i64,
 }
 
-/// A process, as it is for the time of a step.
+/// A process for the duration of a step.
 struct Process {
     jobs: Jobs,
     worker: Worker,
@@ -303,7 +315,7 @@ struct Process {
 }
 
 impl World {
-    /// A job that waits, and two processes that have just started.
+    /// A queued job, and two processes that have just started.
     async fn new(database: Location) -> Result<(Self, State), JobError> {
         let never: Simulator = Arc::new(|_, _| Err(RunFailure::Cancelled));
         let mut settings = Settings::on(database);
@@ -313,12 +325,12 @@ impl World {
         settings.workers = 1;
         settings.lost_after = LOST_AFTER;
         settings.max_lost_runs = MAX_LOST_RUNS;
-        let job = contract::parse_job(REQUEST.as_bytes()).expect("a good job");
+        let job = contract::parse_job(REQUEST.as_bytes()).expect("a valid job");
         let job = jobs.submit(&job, OWNER, None).await?.record.id;
-        let store = jobs.inner().store.clone();
-        let mut world = Self { jobs, store, job, settings, keeping: Vec::new(), saved: 0 };
+        let store = jobs.parts.store.clone();
+        let mut world = Self { jobs, store, job, settings, table_statements: Vec::new(), saved: 0 };
         if world.is_file() {
-            // It is not power cuts that are explored.
+            // Power cuts are not explored.
             statement("PRAGMA synchronous = OFF").run(world.store.writer()).await?;
         }
         for table in TABLES {
@@ -328,23 +340,23 @@ impl World {
         let hands = [Hand::Nothing, Hand::Nothing];
         let mut state = State { saved: 0, seen: world.look().await?, hands, workers, trace: Vec::new() };
         for process in BOTH {
-            sweep::sweep(world.process(&state, process).jobs.inner()).await?;
+            sweep::sweep(&world.process(&state, process).jobs.parts).await?;
         }
         state.seen = world.look().await?;
         world.save(&mut state).await?;
         Ok((world, state))
     }
 
-    /// Another job in the place of the first: the first process has begun it as it was accepted.
-    async fn begun(&mut self, first: &State) -> Result<State, JobError> {
-        let request = contract::parse_job(REQUEST.as_bytes()).expect("a good job");
+    /// Another job in place of the first: the first process started it inline.
+    async fn inline_run(&mut self, first: &State) -> Result<State, JobError> {
+        let request = contract::parse_job(REQUEST.as_bytes()).expect("a valid job");
         let job = NewJob { id: self.job, ..NewJob::new(&request, OWNER, None) };
-        let claim = Claim::with_acceptance(&job);
+        let claim = Claim::at_acceptance(&job);
         let mut tx = self.store.begin().await?;
         for table in ["jobs", "river_job"] {
             statement(format!("DELETE FROM {table}")).run(&mut tx).await?;
         }
-        submissions::insert_begun(&mut tx, &job).await?;
+        submissions::insert_started(&mut tx, &job).await?;
         tx.commit().await?;
         let hands = [Hand::Run { delivery: 0, claim, stopped: None }, Hand::Nothing];
         let mut state = State { seen: self.look().await?, hands, ..first.clone() };
@@ -373,7 +385,7 @@ impl World {
         for sql in [make, index] {
             statement(sql).run(self.store.writer()).await?;
         }
-        self.keeping.push([
+        self.table_statements.push([
             format!("INSERT INTO saved_{table} SELECT CAST($1 AS BIGINT), * FROM {table}"),
             format!("DELETE FROM {table}"),
             format!("INSERT INTO {table} ({columns}) SELECT {columns} FROM saved_{table} WHERE saved = $1"),
@@ -385,7 +397,7 @@ impl World {
         self.saved += 1;
         state.saved = self.saved;
         let mut tx = self.store.begin().await?;
-        for [save, ..] in &self.keeping {
+        for [save, ..] in &self.table_statements {
             statement(save.clone()).bind(state.saved).run(&mut tx).await?;
         }
         tx.commit().await
@@ -393,16 +405,16 @@ impl World {
 
     async fn restore(&self, state: &State) -> Result<(), JobError> {
         let mut tx = self.store.begin().await?;
-        for [_, remove, _] in self.keeping.iter().rev() {
+        for [_, remove, _] in self.table_statements.iter().rev() {
             statement(remove.clone()).run(&mut tx).await?;
         }
-        for [.., bring_back] in &self.keeping {
+        for [.., bring_back] in &self.table_statements {
             statement(bring_back.clone()).bind(state.saved).run(&mut tx).await?;
         }
         tx.commit().await
     }
 
-    async fn look(&self) -> Result<Seen, JobError> {
+    async fn look(&self) -> Result<Stored, JobError> {
         let writer = self.store.writer();
         let sql = format!(
             "SELECT status, cancel_requested_at IS NOT NULL, lost, claim, coalesce(delivery, 0), \
@@ -440,28 +452,35 @@ impl World {
         });
         let deliveries = deliveries.collect();
         let results = statement("SELECT count(*) FROM results").value(writer).await?.unwrap_or(0);
-        Ok(Seen { row, deliveries, results, listed })
+        Ok(Stored { row, deliveries, results, listed })
+    }
+
+    /// Another process on the same database that only sweeps and answers requests.
+    fn second_process(&self, worker_id: Uuid, settings: Settings) -> Jobs {
+        let (running, stopping) = (Arc::default(), CancellationToken::new());
+        let parts = Parts { worker_id, settings, running, stopping, ..Parts::clone(&self.jobs.parts) };
+        Jobs { parts: Arc::new(parts) }
     }
 
     fn process(&self, state: &State, process: usize) -> Process {
-        let jobs = self.jobs.twin(state.workers[process], self.settings.clone());
-        let inner = jobs.inner();
+        let jobs = self.second_process(state.workers[process], self.settings.clone());
+        let parts = &jobs.parts;
         let never: Simulator = Arc::new(|_, _| Err(RunFailure::Cancelled));
-        let worker = Worker::new(inner.store.clone(), Arc::clone(&inner.running), never, inner.settings.clone());
+        let worker = Worker::new(parts.store.clone(), Arc::clone(&parts.running), never, parts.settings.clone());
         let mut run = None;
         if let Hand::Run { stopped, .. } = &state.hands[process] {
-            let guard = inner.running.enter(self.job, Arc::default());
+            let guard = parts.running.enter(self.job, Arc::default());
             if let Some(reason) = stopped {
                 guard.run.stop(*reason);
             }
             run = Some(Arc::clone(&guard.run));
-            // It lasts as long as this process.
+            // The run lasts as long as this process.
             std::mem::forget(guard);
         }
         Process { jobs, worker, run }
     }
 
-    /// River's part: a delivery changes hands.
+    /// Changes the state of a delivery, as River does.
     async fn river(&self, sets: &str, only: &str, delivery: i64) -> Result<(), JobError> {
         let sql = format!("UPDATE river_job SET {sets} WHERE id = $1 AND {only}");
         statement(sql).bind(delivery).run(self.store.writer()).await?;
@@ -494,11 +513,11 @@ impl World {
         Ok(())
     }
 
-    /// Makes a step and checks what it has led to.
+    /// Makes a step and checks the new state.
     async fn step(&self, before: &State, step: Step) -> Result<State, JobError> {
         let mut state = before.clone();
         state.trace.push(step);
-        let _way = Way(state.trace.clone());
+        let _trace = TraceOnPanic(state.trace.clone());
         self.make(before, step, &mut state.hands, &mut state.workers).await?;
         state.seen = self.look().await?;
         let mut expected = after(step, before, self.is_file());
@@ -509,7 +528,7 @@ impl World {
             expected.delivery = row.delivery;
         }
         assert_eq!(state.seen.row, expected);
-        promises(step, &before.seen, &state);
+        check_invariants(step, &before.seen, &state);
         Ok(state)
     }
 
@@ -532,12 +551,9 @@ impl World {
             }
             Step::Take(process) => {
                 let Hand::Delivery(delivery) = before.hands[process] else { unreachable!("no delivery in hand") };
-                let outlook = self.store.outlook(self.job, delivery).await?;
+                let brief = self.store.job_brief(self.job, delivery).await?;
                 let claim = self.store.claim(self.job, delivery, MAX_LOST_RUNS).await?;
-                assert_eq!(
-                    outlook.map(|outlook| outlook.losses.min(MAX_LOST_RUNS)),
-                    claim.as_ref().map(|claim| claim.lost)
-                );
+                assert_eq!(brief.map(|brief| brief.losses.min(MAX_LOST_RUNS)), claim.as_ref().map(|claim| claim.lost));
                 hands[process] = match claim {
                     Some(claim) => Hand::Run { delivery, claim, stopped: None },
                     None => {
@@ -547,14 +563,14 @@ impl World {
                 };
             }
             Step::Beat(process) => {
-                let learnt = self.store.heartbeat(&held(process).1, 0.5).await?;
+                let answer = self.store.heartbeat(&held(process).1, 0.5).await?;
                 let cancelled = before.seen.row.as_ref().is_some_and(|row| row.cancel);
-                let expected = Pulse::of(before.holds(process).then_some(cancelled));
-                assert_eq!(learnt, expected);
+                let expected = Heartbeat::of(before.holds(process).then_some(cancelled));
+                assert_eq!(answer, expected);
                 let here = self.process(before, process);
-                let run = here.run.expect("it runs");
-                follow(Ok(learnt), &run);
-                let Hand::Run { stopped, .. } = &mut hands[process] else { unreachable!("it runs") };
+                let run = here.run.expect("a run");
+                apply_heartbeat(Ok(answer), &run);
+                let Hand::Run { stopped, .. } = &mut hands[process] else { unreachable!("a run") };
                 *stopped = run.stopped();
             }
             Step::Finish(process, solved) => {
@@ -583,7 +599,7 @@ impl World {
             Step::Die(process) => {
                 if let (true, Hand::Delivery(delivery) | Hand::Run { delivery, .. }) = (self.is_file(), &hands[process])
                 {
-                    // What `recover` does at a start.
+                    // As `recover_deliveries` does at a start.
                     self.river_takes_back(*delivery).await?;
                 }
                 hands[process] = Hand::Nothing;
@@ -605,24 +621,26 @@ impl World {
                     (Some(Status::Running), Ok(Cancelled::Soon(record))) => {
                         assert_eq!(record.status, Status::Running);
                     }
-                    (Some(ended), Err(JobError::Conflict(told))) => assert_eq!(told, ended),
+                    (Some(ended), Err(JobError::Conflict(status))) => assert_eq!(status, ended),
                     (was, answer) => panic!("{was:?} was answered by {answer:?}"),
                 }
                 if let (Hand::Run { stopped, .. }, Some(run)) = (&mut hands[process], here.run) {
                     *stopped = run.stopped();
                 }
             }
-            Step::Sweep(process) => sweep::sweep(self.process(before, process).jobs.inner()).await?,
+            Step::Sweep(process) => sweep::sweep(&self.process(before, process).jobs.parts).await?,
             Step::LateSweep(process) => {
                 self.an_hour_passes().await?;
-                sweep::sweep(self.process(before, process).jobs.inner()).await?;
+                sweep::sweep(&self.process(before, process).jobs.parts).await?;
             }
             Step::Delete => {
                 let answer = self.jobs.delete(OWNER, self.job).await;
                 match (before.seen.row.as_ref().map(|row| row.status), answer) {
                     (None, Err(JobError::NotFound)) => {}
                     (Some(status), Ok(())) => assert!(status.is_final()),
-                    (Some(status), Err(JobError::Conflict(told))) => assert!(!status.is_final() && told == status),
+                    (Some(status), Err(JobError::Conflict(reported))) => {
+                        assert!(!status.is_final() && reported == status)
+                    }
                     (was, answer) => panic!("{was:?} was answered by {answer:?}"),
                 }
             }
@@ -630,35 +648,39 @@ impl World {
         Ok(())
     }
 
-    /// What a worker does with a run that is over.
+    /// Completes a run, as a worker does.
     async fn finish(&self, here: &Process, claim: &Claim, solved: Solved, holds: bool) -> Result<(), JobError> {
-        let run = here.run.as_ref().expect("it runs");
+        let run = here.run.as_ref().expect("a run");
         let result = || StoredResult::Simulation { metrics: "{}".into(), signals: Vec::new(), views: None };
-        let failure = || RunFailure::Failed { cause: contract::execute::DID_NOT_CONVERGE, detail: "as told".into() };
-        let outcome = match (here.worker.without_running(claim), solved) {
-            (Some(end), _) => Outcome::Ended(end),
-            (None, Solved::Result) => ended(Ok(Ok(result())), run, Duration::MAX),
-            (None, Solved::Failure) => ended(Ok(Err(failure())), run, Duration::MAX),
-            (None, Solved::Obeyed) => ended(Ok(Err(RunFailure::Cancelled)), run, Duration::MAX),
+        let failure = || RunFailure::Failed {
+            cause: contract::answer::failure::DID_NOT_CONVERGE,
+            detail: "intended by the test".into(),
+        };
+        let outcome = match (here.worker.end_without_run(claim), solved) {
+            (Some(end), _) => RunOutcome::Ended(end),
+            (None, Solved::Result) => outcome_of(Ok(Ok(result())), run, Duration::MAX),
+            (None, Solved::Failure) => outcome_of(Ok(Err(failure())), run, Duration::MAX),
+            (None, Solved::Obeyed) => outcome_of(Ok(Err(RunFailure::Cancelled)), run, Duration::MAX),
         };
         match outcome {
-            Outcome::Ended(end) => {
+            RunOutcome::Ended(end) => {
                 let written = self.store.finish(claim, &end, run.progress(), self.settings.keep_s).await?;
                 assert_eq!(written.is_some(), holds);
                 Ok(())
             }
-            Outcome::HandedBack => self.store.hand_back(claim).await,
-            Outcome::ClaimLost => Ok(()),
+            RunOutcome::HandedBack => self.store.hand_back(claim).await,
+            RunOutcome::ClaimLost => Ok(()),
         }
     }
 
-    /// Whether a run begins under the claim.
+    /// Returns whether a run starts under the claim.
     fn begins(&self, claim: &Claim) -> bool {
         !claim.cancel_requested && claim.lost < self.settings.max_lost_runs
     }
 
-    /// Once both processes have died, one that sweeps and runs what it is handed is enough. `known`: from where that has been seen.
-    async fn comes_to_an_end(&self, state: &State, known: &mut HashSet<String>) -> Result<(), JobError> {
+    /// Checks that the job ends after both processes have died, if one new process sweeps and runs deliveries. `known` holds the keys of
+    /// states that were checked before.
+    async fn reaches_an_end(&self, state: &State, known: &mut HashSet<String>) -> Result<(), JobError> {
         let mut now = state.clone();
         for step in BOTH.map(Step::Die) {
             now = self.step(&now, step).await?;
@@ -666,7 +688,7 @@ impl World {
         if !known.insert(now.key()) {
             return Ok(());
         }
-        // The first sweep finds that the dead are gone, the second what was in their hands.
+        // The first sweep removes the dead processes from the list, the second redelivers what they held.
         for step in [Step::LateSweep(0), Step::Sweep(0)] {
             now = self.step(&now, step).await?;
         }
@@ -684,18 +706,18 @@ impl World {
     }
 }
 
-/// Makes every step from every state, to so many steps from a job that waits, however often it was lost before, and from one that began
-/// with its acceptance; answers with how many states that were.
+/// Makes every step from every state, up to `depth` steps from a queued job with each number of losses and from one that started inline.
+/// Returns the number of states.
 async fn explore(database: Location, depth: usize) -> Result<usize, JobError> {
     let (mut world, first) = World::new(database).await?;
-    let mut frontier = vec![first.clone(), world.begun(&first).await?];
+    let mut frontier = vec![first.clone(), world.inline_run(&first).await?];
     world.restore(&first).await?;
     let mut lost = first;
     for losses in 1..=MAX_LOST_RUNS {
         for step in [Step::Deliver(0), Step::Take(0), Step::LateSweep(1), Step::Finish(0, Solved::Result)] {
             lost = world.step(&lost, step).await?;
         }
-        let row = lost.seen.unfinished().expect("what a lost run brings is not written");
+        let row = lost.seen.unfinished().expect("the result of a lost run is not written");
         assert_eq!((row.status, row.lost), (Status::Queued, i64::from(losses)));
         world.save(&mut lost).await?;
         frontier.push(lost.clone());
@@ -712,7 +734,7 @@ async fn explore(database: Location, depth: usize) -> Result<usize, JobError> {
                 steps += 1;
                 if known.insert(reached.key()) {
                     world.save(&mut reached).await?;
-                    world.comes_to_an_end(&reached, &mut known_to_end).await?;
+                    world.reaches_an_end(&reached, &mut known_to_end).await?;
                     next.push(reached);
                 }
             }
@@ -729,23 +751,23 @@ fn explored(database: Location, depth: usize) -> usize {
     runtime.block_on(explore(database, depth)).expect("the database answers")
 }
 
-/// Names how many steps deep another search than the usual one goes.
+/// Environment variable with the depth of the search.
 const DEPTH: &str = "RACEWAY_TEST_DEPTH";
 
-fn depth(usual: usize) -> usize {
-    std::env::var(DEPTH).ok().and_then(|depth| depth.parse().ok()).unwrap_or(usual)
+fn depth(default: usize) -> usize {
+    std::env::var(DEPTH).ok().and_then(|depth| depth.parse().ok()).unwrap_or(default)
 }
 
 #[test]
-fn a_job_keeps_what_is_promised_in_whatever_order_two_processes_act() {
-    let place = tempfile::tempdir().expect("a place");
+fn the_invariants_of_a_job_hold_in_every_order_of_actions_of_two_processes() {
+    let place = tempfile::tempdir().expect("a directory");
     let states = explored(Location::File(place.path().join("jobs.db")), depth(7));
     assert!(states > 300, "only {states} states");
 }
 
-/// As everywhere in tests: without a server there is nothing to do.
+/// Without a server the test is skipped, like all tests on PostgreSQL.
 #[test]
-fn and_so_it_does_on_postgres() {
+fn the_invariants_of_a_job_hold_on_postgres() {
     use sqlx::{Connection, Executor};
     let Ok(server) = std::env::var("RACEWAY_TEST_POSTGRES") else { return };
     let name = format!("raceway_{}", Uuid::now_v7().simple());
@@ -756,7 +778,7 @@ fn and_so_it_does_on_postgres() {
         connection.execute(create).await.expect("a database can be made");
     });
     let (server, _) = server.rsplit_once('/').expect("a URL with a database");
-    // Not power cuts here either.
+    // Power cuts are not explored.
     let url = format!("{server}/{name}?options[synchronous_commit]=off");
     let states = explored(Location::server(&url).expect("a URL"), depth(4));
     assert!(states > 200, "only {states} states");

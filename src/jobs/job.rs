@@ -1,13 +1,13 @@
-//! The life of a job: queued → running → succeeded, failed or cancelled. A run that is lost with its
-//! process, or handed back by a stopping one, goes back to the queue; nothing leaves an end.
+//! The life of a job: queued → running → succeeded, failed or cancelled. A run that is lost with its process, or returned by a
+//! stopping one, goes back to the queue. An ended job never changes its status, except a study that is resumed.
 
 use jiff::Timestamp;
 use sha2::{Digest, Sha256};
 use uuid::Uuid;
 
-use crate::contract::Job;
+use crate::contract::{Job, Simulation};
 
-/// Where a job stands.
+/// Status of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Status {
     Queued,
@@ -32,23 +32,23 @@ impl Status {
         Self::ALL[self as usize].1
     }
 
-    /// The status of that name.
+    /// The status with this name.
     pub fn parse(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|status| status.1 == name).map(|status| status.0)
     }
 
-    /// Whether nothing more will happen.
+    /// Returns whether the job has ended.
     pub fn is_final(self) -> bool {
         !matches!(self, Self::Queued | Self::Running)
     }
 }
 
-/// Why a job failed.
+/// Cause of a failed job.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
-    /// One word for programs, such as `numerical-blowup`.
+    /// A code, such as `numerical-blowup`.
     pub cause: String,
-    /// A sentence for people.
+    /// A sentence for the user.
     pub detail: String,
 }
 
@@ -58,7 +58,7 @@ impl Failure {
     }
 }
 
-/// Causes that the service itself finds; the simulation's are the contract's.
+/// Causes of failure outside the simulation; `contract` has those of the simulation.
 pub const TIME_LIMIT: &str = "time-limit";
 pub const WORKER_LOST: &str = "worker-lost";
 pub const INTERNAL: &str = "internal";
@@ -85,7 +85,7 @@ pub struct JobRecord {
     pub failure: Option<Failure>,
 }
 
-/// A checked job on its way into the queue.
+/// A checked job that is not stored yet.
 #[derive(Debug, Clone)]
 pub struct NewJob {
     pub id: Uuid,
@@ -98,13 +98,13 @@ pub struct NewJob {
     pub reuse: bool,
     pub content_hash: Vec<u8>,
     pub created_at: Timestamp,
-    /// Points of a study; `None` of any other job.
+    /// Number of points of a study; `None` for any other job.
     pub points: Option<usize>,
-    /// What makes the submission one that is made once.
+    /// Key under which the submission creates at most one job.
     pub key: Option<IdempotencyKey>,
 }
 
-/// A client's name for a submission, with a digest of the body that came with it.
+/// A client's key for a submission, with a digest of the request body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct IdempotencyKey {
     pub key: String,
@@ -112,19 +112,19 @@ pub struct IdempotencyKey {
 }
 
 impl IdempotencyKey {
-    /// Of a key and the request that came with it; fields in any order are the same request.
+    /// The key of a single job. Requests that differ only in the order of fields are equal.
     pub fn new(key: impl Into<String>, job: &Job) -> Self {
-        let mut request = job.request.clone();
+        let mut request = job.submission().request.clone();
         request.sort_all_objects();
         Self { key: key.into(), fingerprint: Sha256::digest(request.to_string()).to_vec() }
     }
 
-    /// Of a batch, by the key and the body that came with it.
+    /// The key of a batch.
     pub fn of_batch(key: String, body: &[u8]) -> Self {
         Self { key, fingerprint: Sha256::digest(body).to_vec() }
     }
 
-    /// Of the job at a place of this batch. No client can send such a key for a single job.
+    /// The key of one job of this batch. It contains a line feed, so no client can send it for a single job.
     pub fn of_item(&self, place: &str) -> Self {
         Self { key: format!("{}\n{place}", self.key), fingerprint: self.fingerprint.clone() }
     }
@@ -132,24 +132,29 @@ impl IdempotencyKey {
 
 impl NewJob {
     pub fn new(job: &Job, owner: &str, key: Option<IdempotencyKey>) -> Self {
+        let submission = job.submission();
+        let points = match job {
+            Job::Study(study) => Some(study.points),
+            _ => None,
+        };
         Self {
             key,
             id: Uuid::now_v7(),
             owner: owner.to_owned(),
-            kind: job.kind.name(),
-            request: job.request.to_string(),
-            labels: job.labels.clone(),
-            priority: job.priority,
-            keep_for_s: job.keep_for_s,
-            // Points of a study are answered one by one.
-            reuse: job.reuse && job.study.is_none(),
-            points: job.study.as_ref().map(|study| study.points),
+            kind: job.kind().name(),
+            request: submission.request.to_string(),
+            labels: submission.labels.clone(),
+            priority: submission.priority,
+            keep_for_s: submission.keep_for_s,
+            // The points of a study are reused one by one.
+            reuse: submission.reuse && points.is_none(),
+            points,
             content_hash: content_hash(job),
             created_at: now(),
         }
     }
 
-    /// The job as it looks before anything has happened to it.
+    /// The record of the job when it is queued.
     pub fn record(&self) -> JobRecord {
         JobRecord {
             id: self.id,
@@ -170,20 +175,20 @@ impl NewJob {
     }
 }
 
-/// This moment as precisely as it is stored: an answer shows the same time before and after.
+/// The current time with the precision of the database, so that it reads the same before and after it is stored.
 fn now() -> Timestamp {
     let now = Timestamp::now();
     Timestamp::from_microsecond(now.as_microsecond()).unwrap_or(now)
 }
 
-/// Digest of all that determines the result; the version belongs to it, because results move with it.
+/// Digest of everything that determines the result, the program version included.
 pub fn content_hash(job: &Job) -> Vec<u8> {
     digest_of(&job.canonical())
 }
 
-/// Digests of the work whose metrics are those of a point: of the point, and of the simulation that keeps the usual spectra besides.
-pub fn point_hashes(job: &Job) -> [Vec<u8>; 2] {
-    [content_hash(job), digest_of(&job.canonical_with_usual_spectra())]
+/// Digests of work with the metrics of this point: the point itself, and a simulation that also keeps the default spectra.
+pub fn point_hashes(point: &Simulation) -> [Vec<u8>; 2] {
+    [digest_of(&point.canonical()), digest_of(&point.canonical_with_usual_spectra())]
 }
 
 fn digest_of(canonical: &str) -> Vec<u8> {

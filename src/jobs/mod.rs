@@ -1,47 +1,56 @@
-//! Queue and store of jobs: what was accepted survives a power cut, is run once, and ends in one of
-//! three ways. Our table of jobs is the truth; the queue only delivers. Knows contract and simulation;
-//! knows no HTTP.
+//! Queue and store of jobs. An accepted job survives a power cut, runs once, and ends in one of three ways. The table of jobs is
+//! authoritative; the queue only delivers. Knows contract and simulation; knows no HTTP.
 
-/// The life of a job.
-pub mod job;
-/// What the rest of the service asks for: submit, look, cancel, delete.
-pub mod service;
-
-/// What can go wrong, with what the caller may do about it.
+/// One server per database file.
+mod database_lock;
+/// Errors of requests about jobs.
 pub mod error;
-/// What operators watch.
-mod figures;
 /// One transaction for many submissions.
 mod intake;
-/// Every order of what two processes can do with a job.
-#[cfg(test)]
-mod interleavings;
-/// One server a database.
-mod lock;
-/// The port to the queue, and River behind it.
+/// The life of a job.
+pub mod job;
+/// Starting and stopping.
+mod lifecycle;
+/// The parts of a running service.
+mod parts;
+/// The queue, with River behind it.
 mod queue;
-/// Runs of this process: stop flags, progress, and who waits for an end.
+/// Runs of this process.
 mod running;
+/// Submitting, reading, cancelling and deleting jobs.
+mod service;
+/// Counts and times for Prometheus.
+mod service_metrics;
+/// Settings of queue and store.
+mod settings;
+/// Threads that simulate.
+mod solver_threads;
 /// Every SQL statement.
 mod store;
-/// One strand of a study.
-mod strand;
-/// Brings back what was lost, removes what has expired.
+/// One shard of a study.
+mod study_shard;
+/// Recovery of lost runs, removal of expired jobs.
 mod sweep;
-/// Threads that simulate.
-mod threads;
-/// Bearer tokens of the database.
+/// Bearer tokens of the running service.
+mod token_cache;
+/// Bearer tokens: created, listed and revoked.
 pub mod tokens;
 /// One job from claim to result.
 mod worker;
 
+/// Every order of actions of two processes on one job.
+#[cfg(test)]
+mod interleavings;
+
 pub use error::JobError;
-pub use figures::MEDIA_TYPE as FIGURES_MEDIA_TYPE;
 pub use intake::Submitted;
 pub use job::{Failure, IdempotencyKey, JobRecord, NewJob, Status};
 pub use running::View;
-pub use service::{Cancelled, Jobs, Settings, Simulator};
-pub use store::Location;
-pub use store::results::decompressed;
+pub use service::{Cancelled, Jobs};
+pub use service_metrics::MEDIA_TYPE as METRICS_MEDIA_TYPE;
+pub use settings::{Settings, Simulator};
+pub use store::compression::decompressed;
+pub use store::location::Location;
+pub use store::records::Filter;
+pub use store::results::Signal;
 pub use store::studies::StoredPoint;
-pub use store::{Filter, Signal};

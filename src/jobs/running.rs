@@ -1,61 +1,60 @@
-//! Runs of this process: stop flags, progress, and who waits for an end.
+//! Runs of this process: stop flags, progress, and requests that wait for an end.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
+use raceway_core::simulation::input::control::{Live, Phase};
 use tokio::sync::watch;
 use uuid::Uuid;
 
-use super::JobRecord;
-use crate::simulation::input::control::{Live, Phase};
+use super::job::JobRecord;
 
-/// Why a run is asked to stop.
+/// Reason why a run must stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum StopReason {
-    /// Someone asked for it.
+    /// A client cancelled the job.
     Cancelled = 1,
     /// The process stops; the job runs again later.
     HandedBack = 2,
     /// Another worker has taken the job.
     ClaimLost = 3,
-    /// It took longer than a run may.
+    /// The run exceeded its time limit.
     TimeLimit = 4,
 }
 
-/// One run, shared by the solver's thread and those who look at it.
+/// One run, shared by the solver thread and the requests that read its progress.
 #[derive(Debug, Default)]
 pub struct Run {
     stop: AtomicU8,
     progress: AtomicU64,
     view: Mutex<View>,
-    solved: OnceLock<Solved>,
+    summary: OnceLock<SolverSummary>,
     concludes: AtomicBool,
 }
 
-/// How a run that has succeeded was made.
+/// Wall time and model level of a succeeded run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Solved {
-    /// Wall time.
-    pub time: Duration,
-    /// Of a simulation.
+pub struct SolverSummary {
+    pub wall_time: Duration,
+    /// Model level of a simulation.
     pub rung: Option<String>,
 }
 
-/// How a run goes, for those who watch it.
+/// Phase and current levels of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct View {
-    /// `None`: it has not said.
+    /// `None`: not reported yet.
     pub phase: Option<Phase>,
-    /// rms of the spindle's accelerations in y and z so far [m/s²].
+    /// rms of the spindle's accelerations in y and z up to now [m/s²].
     pub accelerations: Option<[f64; 2]>,
     taken: Option<Instant>,
 }
 
-/// Least time between two estimates of what is being recorded: each goes through all that is there.
-const BETWEEN_ESTIMATES: Duration = Duration::from_millis(100);
+/// Shortest time between two estimates of the levels: each estimate reads everything recorded up to now.
+const ESTIMATE_INTERVAL: Duration = Duration::from_millis(100);
 
 impl Run {
     /// Asks the run to stop; the first reason counts.
@@ -63,7 +62,7 @@ impl Run {
         let _ = self.stop.compare_exchange(0, reason as u8, Ordering::AcqRel, Ordering::Acquire);
     }
 
-    /// Why the run was asked to stop, if it was.
+    /// The reason why the run must stop, if any.
     pub fn stopped(&self) -> Option<StopReason> {
         match self.stop.load(Ordering::Acquire) {
             1 => Some(StopReason::Cancelled),
@@ -74,16 +73,16 @@ impl Run {
         }
     }
 
-    /// Notes how the run was made; once.
-    pub fn note(&self, solved: Solved) {
-        let _ = self.solved.set(solved);
+    /// Records the summary of a succeeded run; the first call counts.
+    pub fn set_summary(&self, summary: SolverSummary) {
+        let _ = self.summary.set(summary);
     }
 
-    pub fn solved(&self) -> Option<&Solved> {
-        self.solved.get()
+    pub fn summary(&self) -> Option<&SolverSummary> {
+        self.summary.get()
     }
 
-    /// Notes that this process writes the end of the job, and tells it to those who wait.
+    /// Records that this process writes the end of the job and notifies the waiting requests itself.
     pub fn conclude(&self) {
         self.concludes.store(true, Ordering::Release);
     }
@@ -96,14 +95,14 @@ impl Run {
         self.progress.store(share.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
     }
 
-    /// Takes a look at the run, from the solver's thread.
-    pub fn show(&self, live: &Live<'_>) {
+    /// Updates phase and levels; called by the solver thread.
+    pub fn update_view(&self, live: &Live<'_>) {
         let mut view = locked(&self.view);
         if view.phase != Some(live.phase) {
             view.phase = Some(live.phase);
             view.taken = None;
         }
-        if view.taken.is_none_or(|taken| taken.elapsed() > BETWEEN_ESTIMATES) {
+        if view.taken.is_none_or(|taken| taken.elapsed() > ESTIMATE_INTERVAL) {
             view.accelerations = (live.accelerations)().or(view.accelerations);
             view.taken = Some(Instant::now());
         }
@@ -119,33 +118,33 @@ impl Run {
     }
 }
 
-/// How a job has ended.
+/// The end of a job.
 #[derive(Debug, Clone)]
-pub struct Ended {
+pub struct JobEnd {
     pub record: JobRecord,
-    /// Of a simulation that has succeeded, as JSON text.
+    /// Metrics of a succeeded simulation, as JSON text.
     pub metrics: Option<String>,
 }
 
-/// Changes once the job has ended; `None` then, too, where the end was written elsewhere.
-pub type Bell = watch::Receiver<Option<Arc<Ended>>>;
+/// Receiver that changes when the job ends. Its value is `None` if another process wrote the end.
+pub type Completion = watch::Receiver<Option<Arc<JobEnd>>>;
 
 /// The runs of this process.
 #[derive(Debug, Default)]
 pub struct Running {
-    /// With the number of those who hold the run.
+    /// Each run with the number of its holders.
     runs: Mutex<HashMap<Uuid, (Arc<Run>, usize)>>,
-    waiting: Mutex<HashMap<Uuid, watch::Sender<Option<Arc<Ended>>>>>,
+    waiting: Mutex<HashMap<Uuid, watch::Sender<Option<Arc<JobEnd>>>>>,
 }
 
 impl Running {
-    /// Adds a run; it leaves when the guard is dropped.
+    /// Adds a run; dropping the guard removes it.
     pub fn enter(self: &Arc<Self>, id: Uuid, run: Arc<Run>) -> RunGuard {
         locked(&self.runs).insert(id, (Arc::clone(&run), 1));
         RunGuard { running: Arc::clone(self), id, run }
     }
 
-    /// Joins a run, or begins one: strands of a study share theirs, until it is told to stop.
+    /// Joins the run of a study, or starts one. The shards of a study share one run until it must stop.
     pub fn join(self: &Arc<Self>, id: Uuid) -> RunGuard {
         let mut runs = locked(&self.runs);
         let run = match runs.get_mut(&id).filter(|(run, _)| run.stopped().is_none()) {
@@ -166,7 +165,7 @@ impl Running {
         locked(&self.runs).get(&id).map(|(run, _)| Arc::clone(run))
     }
 
-    /// Asks a run to stop, if it is one of this process.
+    /// Asks a run to stop if it is one of this process.
     pub fn cancel(&self, id: Uuid) {
         if let Some(run) = self.get(id) {
             run.stop(StopReason::Cancelled);
@@ -182,32 +181,32 @@ impl Running {
         locked(&self.runs).values().for_each(|(run, _)| run.stop(reason));
     }
 
-    /// What changes once the job has ended; to be taken before the job is looked at.
-    pub fn bell(&self, id: Uuid) -> Bell {
+    /// A receiver that changes when the job ends. It must be taken before the job is read.
+    pub fn completion(&self, id: Uuid) -> Completion {
         let mut waiting = locked(&self.waiting);
-        waiting.retain(|_, bell| bell.receiver_count() > 0);
+        waiting.retain(|_, sender| sender.receiver_count() > 0);
         waiting.entry(id).or_insert_with(|| watch::channel(None).0).subscribe()
     }
 
-    /// Tells those who wait that the job has ended.
+    /// Notifies the waiting requests that the job has ended.
     pub fn ended(&self, id: Uuid) {
-        self.ring(id, None);
+        self.notify(id, None);
     }
 
-    /// Tells them how, so that they need not ask the database.
-    pub fn ended_as(&self, ended: Ended) {
-        self.ring(ended.record.id, Some(Arc::new(ended)));
+    /// Notifies the waiting requests with the end, so that they need not query the database.
+    pub fn ended_as(&self, end: JobEnd) {
+        self.notify(end.record.id, Some(Arc::new(end)));
     }
 
-    fn ring(&self, id: Uuid, ended: Option<Arc<Ended>>) {
-        let bell = locked(&self.waiting).remove(&id);
-        if let Some(bell) = bell {
-            bell.send_replace(ended);
+    fn notify(&self, id: Uuid, end: Option<Arc<JobEnd>>) {
+        let sender = locked(&self.waiting).remove(&id);
+        if let Some(sender) = sender {
+            sender.send_replace(end);
         }
     }
 }
 
-/// A run's place among the running ones.
+/// Removes a run from the registry when it is dropped.
 #[derive(Debug)]
 pub struct RunGuard {
     running: Arc<Running>,
@@ -218,7 +217,7 @@ pub struct RunGuard {
 impl Drop for RunGuard {
     fn drop(&mut self) {
         let mut runs = locked(&self.running.runs);
-        // A later run of the same job may have taken the place.
+        // A later run of the same job may have replaced this one.
         if let Some((_, holders)) = runs.get_mut(&self.id).filter(|(run, _)| Arc::ptr_eq(run, &self.run)) {
             *holders -= 1;
             if *holders == 0 {
@@ -228,7 +227,7 @@ impl Drop for RunGuard {
     }
 }
 
-/// These maps are whole after every statement, so that a panic elsewhere spoils nothing.
+/// Ignores poisoning: the maps are consistent after every statement, so a panic elsewhere does no harm.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,89 +1,89 @@
-//! Brings back what was lost, removes what has expired, and tries the disk again after it was full.
+//! Recovery of lost runs, removal of expired jobs, and a test write after the disk was full.
 
 use std::sync::Arc;
 
-use super::JobError;
-use super::queue::Delivery;
-use super::service::Inner;
-use super::store::database::Lock;
-use super::store::{studies, upkeep};
+use super::error::JobError;
+use super::parts::Parts;
+use super::store::deliveries::{self, Delivery};
+use super::store::pool::Lock;
+use super::store::{maintenance, studies};
 
-/// Sweeps now and then until the service is dropped.
-pub fn start(inner: &Arc<Inner>) {
-    let (inner, every) = (Arc::downgrade(inner), inner.settings.sweep_every);
+/// Sweeps regularly until the service stops or is dropped.
+pub fn start(parts: &Arc<Parts>) {
+    let (parts, every) = (Arc::downgrade(parts), parts.settings.sweep_every);
     tokio::spawn(async move {
         loop {
             tokio::time::sleep(every).await;
-            let Some(inner) = inner.upgrade() else { return };
-            if inner.is_stopping() {
+            let Some(parts) = parts.upgrade() else { return };
+            if parts.is_stopping() {
                 return;
             }
-            let swept = sweep(&inner).await;
-            inner.store.note_sweep(swept.is_ok());
+            let swept = sweep(&parts).await;
+            parts.store.note_sweep(swept.is_ok());
             if let Err(error) = swept {
-                tracing::warn!(%error, "a sweep was broken off");
+                tracing::warn!(%error, "a sweep failed");
                 if error.lacks_tables() {
-                    bring_tables_back(&inner).await;
+                    recreate_tables(&parts).await;
                 }
             }
         }
     });
 }
 
-/// What a start does: someone has made the database anew, and its jobs are gone.
-async fn bring_tables_back(inner: &Inner) {
-    match inner.store.migrate().await {
-        Ok(()) => tracing::warn!("the database was made anew, and has its tables again"),
-        Err(error) => tracing::error!(%error, "the database was made anew, and its tables cannot be made"),
+/// Creates the tables as at a start, after the database was created anew and its jobs are gone.
+async fn recreate_tables(parts: &Parts) {
+    match parts.store.migrate().await {
+        Ok(()) => tracing::warn!("the database was created anew; its tables exist again"),
+        Err(error) => tracing::error!(%error, "the database was created anew; its tables cannot be created"),
     }
 }
 
 /// One sweep.
-pub async fn sweep(inner: &Inner) -> Result<(), JobError> {
-    inner.check_place()?;
-    if inner.store.disk_is_full() {
-        inner.store.note(inner.store.try_write().await)?;
+pub async fn sweep(parts: &Parts) -> Result<(), JobError> {
+    parts.check_file_in_place()?;
+    if parts.store.disk_is_full() {
+        parts.store.note(parts.store.try_write().await)?;
     }
-    let delivered = redeliver(inner).await?;
+    let delivered = redeliver(parts).await?;
     if delivered > 0 {
-        tracing::info!(jobs = delivered, "stranded jobs are back in the queue");
+        tracing::info!(jobs = delivered, "lost jobs are back in the queue");
     }
-    let expired = inner.store.expired().await?;
+    let expired = parts.store.expired().await?;
     if !expired.is_empty() {
-        inner.store.remove(&expired).await?;
+        parts.store.remove(&expired).await?;
     }
-    inner.store.forget_keys().await?;
+    parts.store.forget_keys().await?;
     Ok(())
 }
 
-async fn redeliver(inner: &Inner) -> Result<usize, JobError> {
-    let mut tx = inner.store.begin_alone(Lock::Sweep).await?;
-    let lost_after = inner.settings.lost_after.try_into().unwrap_or(jiff::SignedDuration::MAX);
-    let (keep_s, max_lost_runs) = (inner.settings.keep_s, inner.settings.max_lost_runs);
-    upkeep::end_cancelled(&mut tx, lost_after, keep_s).await?;
-    let stranded = upkeep::stranded(&mut tx, lost_after, &inner.running.ids()).await?;
-    upkeep::work(&mut tx, inner.worker, inner.settings.workers, lost_after).await?;
-    studies::lose_strands(&mut tx, lost_after, max_lost_runs).await?;
-    let hastened = inner.queue.hasten(&mut tx).await?;
+async fn redeliver(parts: &Parts) -> Result<usize, JobError> {
+    let mut tx = parts.store.begin_locked(Lock::Sweep).await?;
+    let lost_after = parts.settings.lost_after.try_into().unwrap_or(jiff::SignedDuration::MAX);
+    let (keep_s, max_lost_runs) = (parts.settings.keep_s, parts.settings.max_lost_runs);
+    maintenance::end_cancelled(&mut tx, lost_after, keep_s).await?;
+    let lost = maintenance::undeliverable(&mut tx, lost_after, &parts.running.ids()).await?;
+    maintenance::list_worker(&mut tx, parts.worker_id, parts.settings.workers, lost_after).await?;
+    studies::remove_lost_shards(&mut tx, lost_after, max_lost_runs).await?;
+    let hastened = deliveries::hasten(&mut tx).await?;
     if hastened > 0 {
-        tracing::warn!(jobs = hastened, "a clock was set back; what waited for the time before is due now");
+        tracing::warn!(jobs = hastened, "a clock was set back; deliveries that waited for a later time are due now");
     }
-    let recalled = inner.queue.recall(&mut tx, inner.settings.lost_after).await?;
+    let recalled = parts.queue.recall(&mut tx, parts.settings.lost_after).await?;
     if recalled > 0 {
-        tracing::warn!(jobs = recalled, "what was handed out on a link that broke is delivered again");
+        tracing::warn!(jobs = recalled, "deliveries that were lost with a broken connection are delivered again");
     }
-    let slots = upkeep::slots(&mut tx).await?;
-    let lacking = studies::lacking(&mut tx, slots, keep_s).await?;
-    let deliveries = inner.queue.enqueue(&mut tx, &stranded).await?;
-    for (stranded, delivery) in stranded.iter().zip(deliveries) {
-        upkeep::redeliver(&mut tx, stranded.job, delivery, max_lost_runs).await?;
+    let slots = maintenance::slots(&mut tx).await?;
+    let missing = studies::missing_shards(&mut tx, slots, keep_s).await?;
+    let numbers = parts.queue.enqueue(&mut tx, &lost).await?;
+    for (lost, number) in lost.iter().zip(numbers) {
+        maintenance::redeliver(&mut tx, lost.job, number, max_lost_runs).await?;
     }
-    for (study, count) in &lacking {
-        let strands = Delivery::strands(*study, *count);
-        let deliveries = inner.queue.enqueue(&mut tx, &strands).await?;
-        studies::add_strands(&mut tx, *study, &deliveries).await?;
+    for (study, count) in &missing {
+        let shards = Delivery::shards(*study, *count);
+        let numbers = parts.queue.enqueue(&mut tx, &shards).await?;
+        studies::add_shards(&mut tx, *study, &numbers).await?;
     }
     tx.commit().await?;
-    inner.queue.wake();
-    Ok(stranded.len() + lacking.len())
+    parts.queue.wake();
+    Ok(lost.len() + missing.len())
 }

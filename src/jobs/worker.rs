@@ -1,53 +1,56 @@
-//! One job: claim it, run it on a thread of its own, write how it ended. Most come from the queue; one that is accepted while a slot
-//! is free and nobody waits is claimed with its acceptance and never queued: whoever waits for a short job waits for many ways to
-//! the database less.
+//! One job: claim it, run it on a thread of its own, write its end.
+//!
+//! Most jobs come from the queue. A job that is accepted while a slot is free and no job waits starts inline: it is claimed as it is
+//! accepted and never queued, which saves several round trips to the database.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use raceway_core::simulation::input::control::{Control, Live};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use uuid::Uuid;
 
-use super::figures::Figures;
-use super::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
-use super::queue::{Delivered, Ticket};
-use super::running::{Ended, Run, RunGuard, Running, Solved, StopReason};
-use super::service::{Settings, Simulator};
-use super::store::claims::Pulse;
-use super::store::database::Dialect;
-use super::store::{Claim, End, Store, StoredResult};
-use super::threads::SolverThreads;
-use super::{Failure, JobError, NewJob, Status};
+use super::error::JobError;
+use super::job::{Failure, INTERNAL, NewJob, Status, TIME_LIMIT, WORKER_LOST};
+use super::queue::{DeliveryOutcome, WorkItem};
+use super::running::{JobEnd, Run, RunGuard, Running, SolverSummary, StopReason};
+use super::service_metrics::ServiceMetrics;
+use super::settings::{Settings, Simulator};
+use super::solver_threads::SolverThreads;
+use super::store::claims::{Claim, End, Heartbeat};
+use super::store::database::Store;
+use super::store::dialect::Dialect;
+use super::store::results::StoredResult;
 use crate::contract::{self, JobKind, RunFailure};
-use crate::simulation::input::control::{Control, Live};
 
-/// Runs delivered jobs.
+/// Runs jobs.
 pub struct Worker {
     pub store: Store,
     pub running: Arc<Running>,
     pub simulator: Simulator,
     pub settings: Settings,
     slots: Arc<Semaphore>,
-    /// The runs that no delivery stands for, and what tells them that the process stops.
-    unqueued: TaskTracker,
+    /// Inline runs, which have no delivery.
+    inline: TaskTracker,
+    /// Cancelled when the inline runs must stop.
     stopping: CancellationToken,
     pub(super) threads: SolverThreads,
 }
 
-/// Where the solver's thread leaves what it has found.
+/// Receiver of the solver thread's result.
 type Solution = oneshot::Receiver<Result<StoredResult, RunFailure>>;
 
-/// A run that began with the acceptance of its job. Where that is not committed, nobody claims it and it stops.
-pub(super) struct Begun {
+/// A run that started as its job was accepted. If the acceptance is not committed, dropping this stops the run.
+pub(super) struct InlineRun {
     _slot: OwnedSemaphorePermit,
     claim: Claim,
     guard: RunGuard,
     solution: Option<Solution>,
 }
 
-impl Drop for Begun {
+impl Drop for InlineRun {
     fn drop(&mut self) {
         if self.solution.is_some() {
             self.guard.run.stop(StopReason::ClaimLost);
@@ -55,102 +58,95 @@ impl Drop for Begun {
     }
 }
 
-/// What became of a run.
-pub(super) enum Outcome {
+/// The outcome of a run.
+pub(super) enum RunOutcome {
     Ended(End),
     HandedBack,
     ClaimLost,
 }
 
-/// From this number of losses on a job runs alone, so that it takes no neighbour with it.
+/// Number of losses from which a job runs alone, so that it ends no other run with its process.
 const LOSSES_TO_RUN_ALONE: u32 = 2;
 
 impl Worker {
     pub fn new(store: Store, running: Arc<Running>, simulator: Simulator, settings: Settings) -> Self {
         let slots = Arc::new(Semaphore::new(settings.workers));
-        let (unqueued, stopping, threads) = (TaskTracker::new(), CancellationToken::new(), SolverThreads::default());
-        Self { store, running, simulator, settings, slots, unqueued, stopping, threads }
+        let (inline, stopping, threads) = (TaskTracker::new(), CancellationToken::new(), SolverThreads::default());
+        Self { store, running, simulator, settings, slots, inline, stopping, threads }
     }
 
-    /// Begins with a job that is being accepted, where a slot is free.
-    pub fn begin(&self, job: &NewJob) -> Option<Begun> {
-        // One that measures time waits until it is alone.
+    /// Starts a job that is being accepted, if a slot is free.
+    pub fn start_inline(&self, job: &NewJob) -> Option<InlineRun> {
+        // A job that measures time waits until it can run alone.
         if self.stopping.is_cancelled() || job.kind == JobKind::Accuracy.name() {
             return None;
         }
         let slot = Arc::clone(&self.slots).try_acquire_owned().ok()?;
-        let claim = Claim::with_acceptance(job);
-        // Before the job is in the record: no sweep may find it there and nobody at it.
+        let claim = Claim::at_acceptance(job);
+        // Before the job is written: no sweep may find it without its run.
         let guard = self.running.enter(job.id, Arc::default());
         let solution = Some(self.solver_thread(job.request.clone(), &guard.run));
-        Some(Begun { _slot: slot, claim, guard, solution })
+        Some(InlineRun { _slot: slot, claim, guard, solution })
     }
 
-    /// Works what has begun to its end, once its job is in the record.
-    pub fn go_on(self: &Arc<Self>, mut begun: Begun) {
-        let Some(solution) = begun.solution.take() else { return };
-        self.store.figures.claimed();
+    /// Completes an inline run after its job is written.
+    pub fn finish_inline(self: &Arc<Self>, mut inline: InlineRun) {
+        let Some(solution) = inline.solution.take() else { return };
+        self.store.metrics.claimed();
         let worker = Arc::clone(self);
-        self.unqueued.spawn(async move {
-            let (claim, run, stopping) = (&begun.claim, &begun.guard.run, &worker.stopping);
-            let ended = worker.run(claim, run, solution, stopping);
-            // A solver that does not even hear its stop flag is left alone: the run falls silent, and is found by that.
-            let Ok(outcome) = tokio::time::timeout(worker.settings.rescue_after(), ended).await else {
-                return tracing::error!(job = %claim.job, "a run did not hear that its time is over");
+        self.inline.spawn(async move {
+            let (claim, run, stopping) = (&inline.claim, &inline.guard.run, &worker.stopping);
+            let outcome = worker.run(claim, run, solution, stopping);
+            // A solver that ignores its stop flag is abandoned: its heartbeat ceases, and a sweep finds the run.
+            let Ok(outcome) = tokio::time::timeout(worker.settings.rescue_after(), outcome).await else {
+                return tracing::error!(job = %claim.job, "a run did not react to its stop flag and is abandoned");
             };
             if let Err(error) = worker.conclude(claim, outcome, run, stopping).await {
-                tracing::warn!(%error, job = %claim.job, "a run could not be handed back");
+                tracing::warn!(%error, job = %claim.job, "a run could not be returned to the queue");
             }
         });
     }
 
-    /// Has the runs that no delivery stands for hand their jobs back, and waits until they have.
+    /// Stops the inline runs and waits until they have returned their jobs.
     pub async fn drain(&self) {
         self.stopping.cancel();
-        self.unqueued.close();
-        self.unqueued.wait().await;
+        self.inline.close();
+        self.inline.wait().await;
     }
 
-    /// Works a delivery to its end.
-    pub async fn work(&self, ticket: Ticket) -> Delivered {
-        self.attempt(&ticket).await.unwrap_or_else(Delivered::Again)
+    /// Runs the job of a delivery.
+    pub async fn work_job(&self, item: &WorkItem) -> DeliveryOutcome {
+        self.attempt(item).await.unwrap_or_else(DeliveryOutcome::Retry)
     }
 
-    async fn attempt(&self, ticket: &Ticket) -> Result<Delivered, JobError> {
-        if ticket.strand {
-            return match self.store.strand(ticket.delivery).await? {
-                Some(strand) => self.strand(ticket, strand).await,
-                None => Ok(Delivered::Done),
-            };
-        }
-        let outlook = self.store.outlook(ticket.job, ticket.delivery).await?;
-        let Some(outlook) = outlook else { return Ok(Delivered::Done) };
-        let measures = outlook.kind == JobKind::Accuracy.name();
-        let slot = self.slots(outlook.losses, measures, ticket.stopping()).await;
-        let Some(_slot) = slot else { return Ok(Delivered::HandedBack) };
-        let claim = self.store.claim(ticket.job, ticket.delivery, self.settings.max_lost_runs).await?;
-        let Some(claim) = claim else { return Ok(Delivered::Done) };
-        self.store.figures.claimed();
+    async fn attempt(&self, item: &WorkItem) -> Result<DeliveryOutcome, JobError> {
+        let brief = self.store.job_brief(item.job, item.delivery).await?;
+        let Some(brief) = brief else { return Ok(DeliveryOutcome::Done) };
+        let measures_time = brief.kind == JobKind::Accuracy.name();
+        let slot = self.slots(brief.losses, measures_time, item.stopping()).await;
+        let Some(_slot) = slot else { return Ok(DeliveryOutcome::HandedBack) };
+        let claim = self.store.claim(item.job, item.delivery, self.settings.max_lost_runs).await?;
+        let Some(claim) = claim else { return Ok(DeliveryOutcome::Done) };
+        self.store.metrics.claimed();
         let guard = self.running.enter(claim.job, Arc::default());
-        let outcome = match self.without_running(&claim) {
-            Some(end) => Outcome::Ended(end),
+        let outcome = match self.end_without_run(&claim) {
+            Some(end) => RunOutcome::Ended(end),
             None => {
                 let solution = self.solver_thread(claim.request.clone(), &guard.run);
-                self.run(&claim, &guard.run, solution, ticket.stopping()).await
+                self.run(&claim, &guard.run, solution, item.stopping()).await
             }
         };
-        self.conclude(&claim, outcome, &guard.run, ticket.stopping()).await
+        self.conclude(&claim, outcome, &guard.run, item.stopping()).await
     }
 
-    /// One slot, or all of them for a job that may have taken its process down and for one that measures time; none
-    /// once the service stops.
+    /// One slot, or all slots for a job that has lost runs or measures time; `None` when the service stops.
     pub(super) async fn slots(
         &self,
         losses: u32,
-        measures: bool,
+        measures_time: bool,
         stopping: &CancellationToken,
     ) -> Option<OwnedSemaphorePermit> {
-        let alone = losses >= LOSSES_TO_RUN_ALONE || measures;
+        let alone = losses >= LOSSES_TO_RUN_ALONE || measures_time;
         let slots = if alone { self.settings.workers } else { 1 };
         let slots = u32::try_from(slots).unwrap_or(1);
         tokio::select! {
@@ -159,8 +155,8 @@ impl Worker {
         }
     }
 
-    /// The end of a job that must not run.
-    pub(super) fn without_running(&self, claim: &Claim) -> Option<End> {
+    /// The end of a job that must not run: it was cancelled, or lost too often.
+    pub(super) fn end_without_run(&self, claim: &Claim) -> Option<End> {
         if claim.cancel_requested {
             return Some(End::Cancelled);
         }
@@ -170,25 +166,21 @@ impl Worker {
         })
     }
 
-    async fn run(&self, claim: &Claim, run: &Run, mut solution: Solution, stopping: &CancellationToken) -> Outcome {
-        // The claim was the first beat.
-        let between = self.between_beats();
-        let mut pulse = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
+    async fn run(&self, claim: &Claim, run: &Run, mut solution: Solution, stopping: &CancellationToken) -> RunOutcome {
+        // The claim was the first heartbeat.
+        let between = self.heartbeat_interval();
+        let mut heartbeats = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
         loop {
             tokio::select! {
-                end = &mut solution => return ended(end, run, self.settings.time_limit),
+                solved = &mut solution => return outcome_of(solved, run, self.settings.time_limit),
                 () = stopping.cancelled(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
-                _ = pulse.tick() => self.beat(claim, run).await,
+                _ = heartbeats.tick() => apply_heartbeat(self.store.heartbeat(claim, run.progress()).await, run),
             }
         }
     }
 
-    async fn beat(&self, claim: &Claim, run: &Run) {
-        follow(self.store.heartbeat(claim, run.progress()).await, run);
-    }
-
-    /// Time between two signs of life. Those who share a server see a run's progress by them.
-    pub(super) fn between_beats(&self) -> Duration {
+    /// Time between two heartbeats. Processes that share a server learn the progress of a run from them.
+    pub(super) fn heartbeat_interval(&self) -> Duration {
         let between = self.settings.lost_after / 5;
         match self.store.dialect() {
             Dialect::Sqlite => between,
@@ -198,92 +190,92 @@ impl Worker {
 
     fn solver_thread(&self, request: String, run: &Arc<Run>) -> Solution {
         let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
-        let figures = Arc::clone(&self.store.figures);
+        let metrics = Arc::clone(&self.store.metrics);
         let time_limit = self.settings.time_limit;
-        self.threads.run(move || solve(&simulator, &request, &run, time_limit, &figures))
+        self.threads.run(move || solve(&simulator, &request, &run, time_limit, &metrics))
     }
 
-    /// Writes the end, again and again while the database refuses.
+    /// Writes the end, and retries while the database refuses.
     async fn conclude(
         &self,
         claim: &Claim,
-        outcome: Outcome,
+        outcome: RunOutcome,
         run: &Run,
         stopping: &CancellationToken,
-    ) -> Result<Delivered, JobError> {
+    ) -> Result<DeliveryOutcome, JobError> {
         let end = match outcome {
-            Outcome::Ended(end) => end,
-            Outcome::ClaimLost => {
-                self.store.figures.claim_lost();
-                return Ok(Delivered::Done);
+            RunOutcome::Ended(end) => end,
+            RunOutcome::ClaimLost => {
+                self.store.metrics.claim_lost();
+                return Ok(DeliveryOutcome::Done);
             }
-            Outcome::HandedBack => {
+            RunOutcome::HandedBack => {
                 self.store.hand_back(claim).await?;
-                return Ok(Delivered::HandedBack);
+                return Ok(DeliveryOutcome::HandedBack);
             }
         };
         run.conclude();
         let mut pause = Duration::from_millis(100);
         let written = loop {
-            // River notes by itself that the delivery is done. Should this process end before, it delivers a job that nobody can claim.
+            // River itself completes the delivery afterwards. If this process ends before that, the job of the redelivery cannot be claimed.
             match self.store.note(self.store.finish(claim, &end, run.progress(), self.settings.keep_s).await) {
                 Ok(written) => break written,
                 Err(error) => {
-                    tracing::error!(%error, job = %claim.job, "the end of a run could not be written; trying again");
+                    tracing::error!(%error, job = %claim.job, "the end of a run could not be written; retrying");
                 }
             }
             tokio::select! {
                 () = tokio::time::sleep(pause) => {}
-                () = stopping.cancelled() => return Ok(Delivered::HandedBack),
+                () = stopping.cancelled() => return Ok(DeliveryOutcome::HandedBack),
             }
             pause = (2 * pause).min(Duration::from_secs(5));
         };
         match written {
             Some(record) => {
-                self.store.figures.ended(record.status);
-                tell(claim.job, &end, run);
+                self.store.metrics.ended(record.status);
+                log_end(claim.job, &end, run);
                 let metrics = if record.status == Status::Succeeded { end.into_metrics() } else { None };
-                self.running.ended_as(Ended { record, metrics });
+                self.running.ended_as(JobEnd { record, metrics });
             }
             None => {
-                self.store.figures.claim_lost();
+                self.store.metrics.claim_lost();
                 self.running.ended(claim.job);
             }
         }
-        Ok(Delivered::Done)
+        Ok(DeliveryOutcome::Done)
     }
 }
 
-/// Notes the end of a run in the log.
-fn tell(job: Uuid, end: &End, run: &Run) {
-    match (end, run.solved()) {
+/// Logs the end of a run.
+fn log_end(job: Uuid, end: &End, run: &Run) {
+    match (end, run.summary()) {
         (End::Failed(failure), _) => tracing::info!(%job, cause = %failure.cause, "a run has failed"),
-        (End::Succeeded(_), Some(Solved { time, rung })) => {
-            let seconds = (1e3 * time.as_secs_f64()).round() / 1e3;
+        (End::Succeeded(_), Some(SolverSummary { wall_time, rung })) => {
+            let seconds = (1e3 * wall_time.as_secs_f64()).round() / 1e3;
             tracing::info!(%job, seconds, rung, "a run has succeeded");
         }
         (end, _) => tracing::info!(%job, status = end.status().name(), "a run has ended"),
     }
 }
 
-/// What a heartbeat has learnt is what the run does.
-pub(super) fn follow(learnt: Result<Pulse, JobError>, run: &Run) {
-    match learnt {
-        Ok(Pulse::Alive) => {}
-        Ok(Pulse::CancelRequested) => run.stop(StopReason::Cancelled),
-        Ok(Pulse::ClaimLost) => run.stop(StopReason::ClaimLost),
-        // The run goes on: its end is fenced, and most links come back before anyone takes it for lost.
+/// Stops the run if the answer to its heartbeat requires it.
+pub(super) fn apply_heartbeat(answer: Result<Heartbeat, JobError>, run: &Run) {
+    match answer {
+        Ok(Heartbeat::Alive) => {}
+        Ok(Heartbeat::CancelRequested) => run.stop(StopReason::Cancelled),
+        Ok(Heartbeat::ClaimLost) => run.stop(StopReason::ClaimLost),
+        // The run continues: its end is fenced, and most connections recover before the run counts as lost.
         Err(error) => tracing::warn!(%error, "a heartbeat could not be written"),
     }
 }
 
-/// Reads the request and simulates it, until it is told to stop or its time is over.
+/// Parses the request and simulates it until it ends, must stop, or exceeds its time limit.
 fn solve(
     simulator: &Simulator,
     request: &str,
     run: &Run,
     time_limit: Duration,
-    figures: &Figures,
+    metrics: &ServiceMetrics,
 ) -> Result<StoredResult, RunFailure> {
     let internal = |detail: String| RunFailure::Failed { cause: INTERNAL, detail };
     let job = contract::parse_job(request.as_bytes()).map_err(|refusal| internal(refusal.to_string()))?;
@@ -294,39 +286,44 @@ fn solve(
         }
         run.stopped().is_some()
     };
-    let (progress, live) = (|share| run.set_progress(share), |live: &Live<'_>| run.show(live));
+    let (progress, live) = (|share| run.set_progress(share), |live: &Live<'_>| run.update_view(live));
     let outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
     let solved = begin.elapsed();
     let solver = match &outcome {
         contract::Outcome::Simulation(simulated) => Some(&simulated.metrics.solver),
         _ => None,
     };
-    figures.succeeded(solved, solver.map(|solver| solver.real_time_factor));
-    run.note(Solved { time: solved, rung: solver.map(|solver| solver.rung.clone()) });
+    metrics.succeeded(solved, solver.map(|solver| solver.real_time_factor));
+    run.set_summary(SolverSummary { wall_time: solved, rung: solver.map(|solver| solver.rung.clone()) });
     let stored = StoredResult::of(&outcome).map_err(|error| internal(error.to_string()));
     let ms = |time: Duration| 1e3 * time.as_secs_f64();
     tracing::debug!(solved_ms = ms(solved), encoded_ms = ms(begin.elapsed() - solved), "a result is there");
     stored
 }
 
-pub(super) type Found = Result<Result<StoredResult, RunFailure>, oneshot::error::RecvError>;
+/// The solver thread's answer; an error if the thread panicked.
+pub(super) type Solved = Result<Result<StoredResult, RunFailure>, oneshot::error::RecvError>;
 
-pub(super) fn ended(found: Found, run: &Run, time_limit: Duration) -> Outcome {
-    Outcome::Ended(match found {
+/// The outcome of a run by the solver's answer and the reason why it was stopped.
+pub(super) fn outcome_of(solved: Solved, run: &Run, time_limit: Duration) -> RunOutcome {
+    RunOutcome::Ended(match solved {
         Ok(Ok(result)) => End::Succeeded(result),
         Ok(Err(RunFailure::Failed { cause, detail })) => End::Failed(Failure::new(cause, detail)),
         Ok(Err(RunFailure::Cancelled)) => match run.stopped() {
-            Some(StopReason::HandedBack) => return Outcome::HandedBack,
-            Some(StopReason::ClaimLost) => return Outcome::ClaimLost,
-            Some(StopReason::TimeLimit) => End::Failed(Failure::new(TIME_LIMIT, stop_after(time_limit))),
+            Some(StopReason::HandedBack) => return RunOutcome::HandedBack,
+            Some(StopReason::ClaimLost) => return RunOutcome::ClaimLost,
+            Some(StopReason::TimeLimit) => End::Failed(Failure::new(TIME_LIMIT, time_limit_detail(time_limit))),
             Some(StopReason::Cancelled) | None => End::Cancelled,
         },
-        // The thread panicked; what it said is in the log, not for the user.
-        Err(_) => End::Failed(Failure::new(INTERNAL, "the simulation broke off by an error in the service")),
+        // The log has the message of the panic.
+        Err(_) => End::Failed(Failure::new(INTERNAL, BROKE_OFF)),
     })
 }
 
-/// Why a run was ended.
-pub(super) fn stop_after(limit: Duration) -> String {
+/// Detail of a run that a panic ended.
+pub(super) const BROKE_OFF: &str = "the simulation ended with an internal error of the service";
+
+/// Detail of a run that exceeded its time limit.
+pub(super) fn time_limit_detail(limit: Duration) -> String {
     format!("the run took longer than {} s of wall time", limit.as_secs_f64())
 }

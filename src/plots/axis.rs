@@ -1,6 +1,6 @@
 //! Scales and their ticks.
 
-/// A linear scale from values to positions; the range may run backwards.
+/// A linear scale from values to positions; the range may be descending.
 #[derive(Debug, Clone, Copy)]
 pub struct Scale {
     pub values: (f64, f64),
@@ -14,7 +14,7 @@ impl Scale {
     }
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten within the range, at most `most` (at least 2) steps apart, with their text.
+/// Multiples of 1, 2 or 5 times a power of ten within the range, at most `most` (at least 2) intervals, with their labels.
 pub fn ticks((from, to): (f64, f64), most: usize) -> Vec<(f64, String)> {
     let rough = (to - from) / most as f64;
     let power = 10f64.powf(rough.log10().floor());
@@ -29,7 +29,7 @@ pub fn ticks((from, to): (f64, f64), most: usize) -> Vec<(f64, String)> {
             let value = i as f64 * step;
             let plain = value == 0.0 || (decimals <= 4 && largest < 1e6);
             let text = if plain { format!("{value:.decimals$}") } else { format!("{value:.1e}") };
-            // A hyphen is no minus.
+            // A minus sign instead of a hyphen.
             let text = if value == 0.0 { "0".to_owned() } else { text.replace('-', "−") };
             (value, text)
         })
@@ -52,7 +52,7 @@ pub fn decade(exponent: i32) -> String {
     }
 }
 
-/// The range that holds all values that are numbers, a little wider; −1 … 1 when there is nothing to see.
+/// The range of all finite values, with a margin; −1 … 1 where there are none.
 pub fn range_of<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
     let finite = values.into_iter().filter(|value| value.is_finite());
     let (least, largest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
@@ -60,7 +60,7 @@ pub fn range_of<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
     if least > largest || scale == 0.0 {
         return (-1.0, 1.0);
     }
-    // A constant gets an axis around it.
+    // A constant value gets an axis centred on it.
     let margin = (0.06 * (largest - least)).max(1e-3 * scale).max(f64::MIN_POSITIVE);
     (least - margin, largest + margin)
 }

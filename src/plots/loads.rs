@@ -1,4 +1,4 @@
-//! Loads of a ball along its way round the bearing.
+//! Raceway loads of a ball against its azimuth.
 
 use super::axis::{Scale, range_of, ticks};
 use super::svg::{Anchor, Drawing};
@@ -6,9 +6,9 @@ use super::svg::{Anchor, Drawing};
 /// Load over azimuth, in the order of time.
 pub struct LoadCurve<'a> {
     pub name: &'a str,
-    /// [°], 0 to 360; drawn from −180 to 180, so that the load stands in the middle
+    /// Azimuth [°], 0 to 360; drawn from −180 to 180, with the loaded zone in the middle.
     pub azimuth: &'a [f64],
-    /// [N]
+    /// Load [N].
     pub load: &'a [f64],
 }
 
@@ -19,11 +19,11 @@ const TOP: f64 = 88.0;
 const PANEL: f64 = 190.0;
 const PITCH: f64 = PANEL + 46.0;
 const BOTTOM: f64 = 48.0;
-/// Degrees between two labels, and on either side of the load.
+/// Interval of the labels, and half range of the axis [°].
 const LABELS: usize = 45;
 const HALF: i32 = 180;
 
-/// A panel a contact; every turn of the ball is a curve of its own.
+/// One panel for each contact, one curve for each turn of the ball.
 pub fn loads_svg(title: &str, subtitle: &str, curves: &[LoadCurve<'_>]) -> String {
     let height = TOP + curves.len().max(1) as f64 * PITCH - 46.0 + BOTTOM;
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
@@ -57,7 +57,7 @@ pub fn loads_svg(title: &str, subtitle: &str, curves: &[LoadCurve<'_>]) -> Strin
     drawing.finish()
 }
 
-/// The way of the ball, cut where it passes ±180°.
+/// The curve of the ball, cut where it passes ±180°.
 fn turns(curve: &LoadCurve<'_>) -> Vec<Vec<(f64, f64)>> {
     let mut turns: Vec<Vec<(f64, f64)>> = vec![Vec::new()];
     for (azimuth, load) in curve.azimuth.iter().zip(curve.load) {

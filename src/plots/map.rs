@@ -1,8 +1,8 @@
-//! A metric over two varied quantities: a panel a metric, a coloured field a point.
+//! A metric over two varied quantities: one panel for each metric, one coloured field for each point.
 
 use super::axis::{Scale, range_of, ticks};
 use super::svg::{Anchor, Drawing};
-use super::trend::{AxisPlaces, VariedAxis};
+use super::varied_axis::{AxisValues, VariedAxis};
 
 /// One metric over a grid, the second axis changing fastest.
 pub struct MapPanel<'a> {
@@ -11,7 +11,7 @@ pub struct MapPanel<'a> {
     pub values: Vec<Option<f64>>,
     /// The best point, in fields to the right and up from the middle of the first one.
     pub best: Option<[f64; 2]>,
-    /// Further points that were run, likewise.
+    /// Further points, in the same coordinates.
     pub runs: Vec<[f64; 2]>,
 }
 
@@ -28,7 +28,7 @@ const SHADES: usize = 32;
 /// Labels on an axis.
 const MOST_LABELS: usize = 9;
 
-/// Panels above each other, the first axis to the right and the second one up.
+/// Stacked panels, with the first axis horizontal and the second one vertical.
 pub fn map_svg(title: &str, subtitle: &str, axes: [&VariedAxis<'_>; 2], panels: &[MapPanel<'_>]) -> String {
     let height = TOP + panels.len().max(1) as f64 * PITCH - 82.0 + BOTTOM;
     let shown: Vec<&str> = panels.iter().map(|panel| panel.name).collect();
@@ -56,7 +56,7 @@ fn draw(drawing: &mut Drawing, axes: [&VariedAxis<'_>; 2], panel: &MapPanel<'_>,
         let Some(value) = value.filter(|value| value.is_finite()) else { continue };
         let share = if most > least { (value - least) / (most - least) } else { 0.5 };
         let (x, y) = corner(point);
-        // A little larger, or paper would shine through between neighbours.
+        // Slightly larger, so that no gap shows between neighbours.
         drawing.filled(&shade(share), x, y, width + 0.4, height + 0.4);
     }
     let middle = |[column, row]: [f64; 2]| (LEFT + (column + 0.5) * width, bottom - (row + 0.5) * height);
@@ -98,8 +98,8 @@ fn bar(drawing: &mut Drawing, range: (f64, f64), (least, most): (f64, f64), (lef
     }
 }
 
-/// Every so many values of an axis, so that labels do not touch.
-fn label(drawing: &mut Drawing, values: &AxisPlaces, write: impl Fn(usize, &str, &mut Drawing)) {
+/// Interval of labelled values, so that labels do not overlap.
+fn label(drawing: &mut Drawing, values: &AxisValues, write: impl Fn(usize, &str, &mut Drawing)) {
     let every = values.len().div_ceil(MOST_LABELS).max(1);
     for place in (0..values.len()).step_by(every) {
         write(place, &values.text(place), drawing);
@@ -126,8 +126,8 @@ mod tests {
 
     #[test]
     fn a_map_has_a_field_a_point_a_bar_and_both_axes() {
-        let speed = VariedAxis { name: "speed", values: AxisPlaces::Numbers(vec![1e4, 2e4, 3e4]) };
-        let kind = VariedAxis { name: "kind", values: AxisPlaces::Words(vec!["a<b".into(), "c".into()]) };
+        let speed = VariedAxis { name: "speed", values: AxisValues::Numbers(vec![1e4, 2e4, 3e4]) };
+        let kind = VariedAxis { name: "kind", values: AxisValues::Names(vec!["a<b".into(), "c".into()]) };
         let values = vec![Some(1.0), Some(2.0), None, Some(3.0), Some(4.0), Some(f64::NAN)];
         let svg = map_svg(
             "Map",

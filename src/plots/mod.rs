@@ -1,6 +1,8 @@
-//! Pictures from results, as SVG text that stands alone: title and description for those who cannot see it, units on
-//! every axis, colours that follow the viewer's light or dark setting. Takes plain numbers and labelled lines; knows
-//! no HTTP, no file, and not where a result comes from.
+//! Plots as SVG text that is complete in itself: title and description for those who cannot see it, units on every axis, colours that
+//! follow the viewer's light or dark setting. `draw` takes results of the contract, the other modules plain numbers and labelled
+//! lines. Knows no HTTP and no file.
+
+pub mod draw;
 
 mod loads;
 mod map;
@@ -12,11 +14,6 @@ mod work_precision;
 
 mod axis;
 mod svg;
+mod varied_axis;
 
-pub use loads::{LoadCurve, loads_svg};
-pub use map::{MapPanel, map_svg};
-pub use orbit::{OrbitCurve, orbit_svg};
-pub use series::{SeriesCurve, series_svg};
-pub use spectrum::{SpectrumCurve, spectrum_svg};
-pub use trend::{AxisPlaces, TrendCurve, TrendPanel, VariedAxis, trend_svg};
-pub use work_precision::{ErrorPanel, FailedRun, WorkPoint, WorkPrecisionCurve, work_precision_svg};
+pub use work_precision::{ErrorPanel, WorkPoint, WorkPrecisionCurve, work_precision_svg};

@@ -2,9 +2,9 @@
 
 use super::axis::{Scale, range_of, ticks};
 use super::svg::{Anchor, Drawing};
-use crate::numerics::statistics::thin;
+use raceway_core::numerics::statistics::thin;
 
-/// The path of one centre; as many y as z.
+/// The path of one centre; `y` and `z` have the same length.
 pub struct OrbitCurve<'a> {
     pub name: &'a str,
     pub unit: &'a str,
@@ -18,7 +18,7 @@ const PITCH: f64 = SIDE + LEFT + 10.0;
 const TOP: f64 = 88.0;
 const MOST_POINTS: usize = 4000;
 
-/// Orbits side by side, both directions on one scale, y downwards as the load acts.
+/// Orbits side by side, with the same scale in both directions, y downwards in the direction of the load.
 pub fn orbit_svg(title: &str, subtitle: &str, curves: &[OrbitCurve<'_>]) -> String {
     let width = 20.0 + curves.len().max(2) as f64 * PITCH;
     let height = TOP + SIDE + 50.0;
@@ -51,7 +51,7 @@ pub fn orbit_svg(title: &str, subtitle: &str, curves: &[OrbitCurve<'_>]) -> Stri
 
 fn draw_path(drawing: &mut Drawing, number: usize, curve: &OrbitCurve<'_>, z: &Scale, y: &Scale) {
     let n = curve.y.len().min(curve.z.len());
-    // Extremes of both directions survive.
+    // Extremes of both directions are kept.
     let mut kept = thin(&curve.y[..n], MOST_POINTS / 2);
     kept.extend(thin(&curve.z[..n], MOST_POINTS / 2));
     kept.sort_unstable();

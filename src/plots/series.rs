@@ -1,10 +1,10 @@
-//! Signals over time: a panel a channel.
+//! Signals against time, one panel for each channel.
 
 use super::axis::{Scale, range_of, ticks};
 use super::svg::{Anchor, Drawing};
-use crate::numerics::statistics::thin;
+use raceway_core::numerics::statistics::thin;
 
-/// One channel over time; as many times as values.
+/// One channel; times and values have the same length.
 pub struct SeriesCurve<'a> {
     pub name: &'a str,
     pub unit: &'a str,
@@ -19,10 +19,10 @@ const TOP: f64 = 88.0;
 const PANEL: f64 = 170.0;
 const PITCH: f64 = PANEL + 46.0;
 const BOTTOM: f64 = 48.0;
-/// Spans shorter than this are labelled in milliseconds [s].
+/// Time span below which labels are in milliseconds [s].
 const MILLISECONDS_BELOW: f64 = 2.0;
 
-/// Signals stacked above each other over one time axis, those of one unit on one scale; thinned so that peaks survive.
+/// Stacked signals on one time axis, signals of one unit on one scale; thinned so that peaks are kept.
 pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>]) -> String {
     let height = TOP + curves.len().max(1) as f64 * PITCH - 46.0 + BOTTOM;
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
@@ -57,7 +57,7 @@ pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>]) -> St
     drawing.finish()
 }
 
-/// Panel, grid and the numbers at its edges.
+/// Panel, grid and axis labels.
 fn frame(drawing: &mut Drawing, x: &Scale, y: &Scale, unit: &str) {
     let ((left, right), (bottom, top)) = (x.positions, y.positions);
     drawing.rectangle("panel", left, top, right - left, bottom - top);

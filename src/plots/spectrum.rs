@@ -1,9 +1,9 @@
-//! Amplitude spectra: a panel a channel, logarithmic amplitude over linear frequency, the strongest lines named.
+//! Amplitude spectra: one panel for each channel, logarithmic amplitude against linear frequency, with labels of the strongest lines.
 
 use super::axis::{Scale, decade, ticks};
 use super::svg::{Anchor, Drawing};
-use crate::numerics::statistics::thin;
-use crate::simulation::result::lines::Line;
+use raceway_core::numerics::statistics::thin;
+use raceway_core::simulation::result::lines::Line;
 
 /// One channel's spectrum.
 pub struct SpectrumCurve<'a> {
@@ -19,7 +19,7 @@ pub struct SpectrumCurve<'a> {
 const WIDTH: f64 = 760.0;
 const LEFT: f64 = 76.0;
 const RIGHT: f64 = 18.0;
-/// Above the first panel, for the headings.
+/// Height of the headings above the first panel.
 const TOP: f64 = 66.0;
 /// Height of a panel's frame, and from one frame to the next.
 const PANEL: f64 = 236.0;
@@ -28,23 +28,23 @@ const BOTTOM: f64 = 48.0;
 
 /// Highest frequency shown [Hz].
 const HIGHEST: f64 = 20_000.0;
-/// A line without a name is shown when it has this share of the strongest one's amplitude.
+/// Amplitude of a line without label, relative to the strongest line, from which on the axis includes it [-].
 const STRONG: f64 = 0.02;
-/// Share of the axis that the last line shown takes, inverted.
+/// Length of the frequency axis divided by the frequency of the last shown line [-].
 const BEYOND_LAST_LINE: f64 = 1.2;
-/// Decades shown: as many as the quiet tenth of the spectrum needs, between these.
+/// Smallest and largest number of decades; within them, down to the quietest tenth of the spectrum.
 const DECADES: (i32, i32) = (2, 6);
 const MOST_LABELS: usize = 8;
 const LABEL_ROWS: usize = 3;
 const ROW: f64 = 17.0;
 const LABEL_STRIP: f64 = LABEL_ROWS as f64 * ROW + 8.0;
-/// Places tried for a set of labels before the weakest is given up.
+/// Number of placements tried for a set of labels before the weakest label is dropped.
 const SEARCH_LIMIT: usize = 20_000;
-/// Generous mean width of a character of a label.
+/// Upper estimate of the mean width of a character of a label.
 const CHARACTER: f64 = 7.6;
 
-/// Upper end of the frequency axis [Hz]: far enough for every named or strong line, at most 20 kHz and the spectrum's
-/// reach; all of it where there is no line.
+/// Upper end of the frequency axis [Hz]: it includes each labelled or strong line, up to 20 kHz and the end of the spectrum. Without lines it
+/// is that maximum.
 fn highest_shown(curves: &[SpectrumCurve<'_>]) -> f64 {
     let reach = curves.iter().map(|c| c.amplitude.len().saturating_sub(1) as f64 * c.resolution_hz).fold(0.0, f64::max);
     let all = if reach > 0.0 { reach.min(HIGHEST) } else { HIGHEST };
@@ -57,12 +57,12 @@ fn highest_shown(curves: &[SpectrumCurve<'_>]) -> f64 {
     if last == 0.0 {
         return all;
     }
-    // Rounded up to the next half or whole of the power of ten below.
+    // Rounded up to the next half or whole multiple of the power of ten below.
     let step = 0.5 * 10f64.powf(last.log10().floor());
     ((BEYOND_LAST_LINE * last / step).ceil() * step).min(all)
 }
 
-/// Spectra stacked above each other on one amplitude scale, as far as there are lines and at most 0–20 kHz.
+/// Stacked spectra on one amplitude scale, up to the last line and at most 20 kHz.
 pub fn spectrum_svg(title: &str, subtitle: &str, curves: &[SpectrumCurve<'_>]) -> String {
     let height = TOP + 22.0 + curves.len().max(1) as f64 * PITCH - 46.0 + BOTTOM;
     let mut drawing = Drawing::new(WIDTH, height, title, subtitle, &description(subtitle, curves));
@@ -72,7 +72,7 @@ pub fn spectrum_svg(title: &str, subtitle: &str, curves: &[SpectrumCurve<'_>]) -
         let top = TOP + 22.0 + number as f64 * PITCH;
         bottom = top + PANEL;
         let x = Scale { values: (0.0, highest), positions: (LEFT, WIDTH - RIGHT) };
-        // Channels of one unit are compared with each other.
+        // Channels of one unit share the scale, so that they can be compared.
         let alike: Vec<_> = curves.iter().filter(|other| other.unit == curve.unit).collect();
         let (floor, ceiling) = amplitude_range(&alike, highest);
         let y = Scale { values: (f64::from(floor), ceiling), positions: (bottom, top + LABEL_STRIP) };
@@ -94,7 +94,7 @@ pub fn spectrum_svg(title: &str, subtitle: &str, curves: &[SpectrumCurve<'_>]) -
     drawing.finish()
 }
 
-/// Panel, grid and the numbers at its edges.
+/// Panel, grid and axis labels.
 fn frame(drawing: &mut Drawing, top: f64, x: &Scale, y: &Scale, unit: &str) {
     let bottom = top + PANEL;
     let (left, right) = x.positions;
@@ -112,14 +112,14 @@ fn frame(drawing: &mut Drawing, top: f64, x: &Scale, y: &Scale, unit: &str) {
     drawing.upright_text("", 18.0, 0.5 * (y.positions.0 + y.positions.1), unit);
 }
 
-/// The curve, thinned so that peaks survive; false when none of it reaches the floor.
+/// The curve, thinned so that peaks are kept; false where all of it is below the axis.
 fn draw_curve(drawing: &mut Drawing, number: usize, curve: &SpectrumCurve<'_>, x: &Scale, y: &Scale) -> bool {
     let shown = shown(curve, x.values.1);
     let logarithm = |amplitude: f64| amplitude.max(f64::MIN_POSITIVE).log10().max(y.values.0);
     if !shown.iter().any(|&amplitude| logarithm(amplitude) > y.values.0) {
         return false;
     }
-    // Two points a unit of width are as fine as a screen can show.
+    // Two points per unit of width are as fine as a screen resolves.
     let points = thin(shown, 2 * (WIDTH - LEFT - RIGHT) as usize);
     drawing.curve(
         number,
@@ -131,7 +131,7 @@ fn draw_curve(drawing: &mut Drawing, number: usize, curve: &SpectrumCurve<'_>, x
     true
 }
 
-/// Where a label stands: its row, counted from the lowest, its extent, and the position of its line.
+/// Position of a label: its row, counted from the lowest, its extent, and the position of its line.
 #[derive(Debug)]
 struct Label {
     row: usize,
@@ -141,7 +141,7 @@ struct Label {
 }
 
 impl Label {
-    /// Text on text, or the leader of the higher one through the text of the lower one.
+    /// Whether the texts overlap, or the leader of the higher label crosses the text of the lower one.
     fn collides(&self, other: &Label) -> bool {
         let (upper, lower) = if self.row > other.row { (self, other) } else { (other, self) };
         if upper.row == lower.row {
@@ -152,7 +152,7 @@ impl Label {
     }
 }
 
-/// Names the strongest lines in the strip above the curve, as many as find a place, with a leader down to each.
+/// Labels of the strongest lines in the strip above the curve, as many as fit, each with a leader to its line.
 fn draw_labels(drawing: &mut Drawing, number: usize, curve: &SpectrumCurve<'_>, top: f64, x: &Scale, y: &Scale) {
     let visible = |line: &&Line| line.frequency <= x.values.1 && line.amplitude.log10() > y.values.0;
     let lines: Vec<&Line> = curve.lines.iter().filter(visible).take(MOST_LABELS).collect();
@@ -177,8 +177,7 @@ fn draw_labels(drawing: &mut Drawing, number: usize, curve: &SpectrumCurve<'_>, 
     }
 }
 
-/// Places for labels (position, width), the strongest first: for as many of the first ones as a short search can keep
-/// from colliding.
+/// Positions of labels (position, width), strongest first, for the largest number of labels that a short search places without overlap.
 fn arranged(wanted: &[(f64, f64)], edges: (f64, f64)) -> Vec<Label> {
     for count in (1..=wanted.len()).rev() {
         let (mut placed, mut tries) = (Vec::new(), SEARCH_LIMIT);
@@ -189,7 +188,7 @@ fn arranged(wanted: &[(f64, f64)], edges: (f64, f64)) -> Vec<Label> {
     Vec::new()
 }
 
-/// Adds a place for every label that has none yet, low rows and centred texts first, and goes back where none is free.
+/// Places the remaining labels by backtracking, low rows and centred texts first.
 fn place_all(wanted: &[(f64, f64)], edges: (f64, f64), placed: &mut Vec<Label>, tries: &mut usize) -> bool {
     let Some(&(at, width)) = wanted.get(placed.len()) else { return true };
     for row in 0..LABEL_ROWS {
@@ -230,7 +229,7 @@ fn shown<'a>(curve: &SpectrumCurve<'a>, highest: f64) -> &'a [f64] {
     &curve.amplitude[..bins.min(curve.amplitude.len())]
 }
 
-/// The picture in words.
+/// Text description of the plot.
 fn description(subtitle: &str, curves: &[SpectrumCurve<'_>]) -> String {
     let mut text = format!("{subtitle}. One-sided amplitude spectra, logarithmic amplitude over frequency.");
     for curve in curves {
@@ -249,7 +248,7 @@ fn description(subtitle: &str, curves: &[SpectrumCurve<'_>]) -> String {
     text
 }
 
-/// Three significant digits.
+/// The number in three significant digits.
 fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".to_owned();

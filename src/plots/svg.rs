@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-/// Colours and type for every picture. Selectors are scoped, for a picture may stand inside a page; no variables,
-/// which not every renderer knows; sizes of a page stand where only browsers look.
+/// Colours and fonts of all plots. Selectors are scoped because a plot may be part of a page. No CSS variables: not every renderer supports
+/// them. Sizes for pages are in a media query that only browsers read.
 const STYLE: &str = "\
 .raceway-plot{font-family:system-ui,'Segoe UI',Helvetica,Arial,sans-serif;font-size:13px}\
 @media screen{.raceway-plot{max-width:100%;height:auto}}\
@@ -39,10 +39,10 @@ const STYLE: &str = "\
 .raceway-plot .f0{fill:#6cb4ff}.raceway-plot .f1{fill:#ffb26b}.raceway-plot .f2{fill:#7fd08a}\
 .raceway-plot .f3{fill:#e08fe0}.raceway-plot .f4{fill:#b4bec8}}";
 
-/// Colours before they repeat.
+/// Number of colours before they repeat.
 const COLOURS: usize = 5;
 
-/// Which end of a text stands at its position.
+/// Alignment of a text at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     Start,
@@ -50,13 +50,13 @@ pub enum Anchor {
     End,
 }
 
-/// A picture that grows by what is drawn on it, first things below.
+/// A drawing; later elements cover earlier ones.
 pub struct Drawing {
     svg: String,
 }
 
 impl Drawing {
-    /// Blank paper with its headings; `description` says in words what the picture shows.
+    /// An empty drawing with its headings; `description` is its text alternative.
     pub fn new(width: f64, height: f64, title: &str, subtitle: &str, description: &str) -> Self {
         let svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"raceway-plot\" role=\"img\" width=\"{width:.0}\" \
@@ -78,14 +78,14 @@ impl Drawing {
         ));
     }
 
-    /// A field in a colour of its own, given as `#rrggbb`.
+    /// A rectangle in a colour given as `#rrggbb`.
     pub fn filled(&mut self, colour: &str, x: f64, y: f64, width: f64, height: f64) {
         self.element(format_args!(
             "<rect fill=\"{colour}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>"
         ));
     }
 
-    /// A ring that shows on every colour.
+    /// A ring that is visible on every colour.
     pub fn mark(&mut self, x: f64, y: f64) {
         for (colour, width) in [("#000", 3.5), ("#fff", 1.5)] {
             self.element(format_args!(
@@ -94,7 +94,7 @@ impl Drawing {
         }
     }
 
-    /// A small dot that shows on every colour.
+    /// A small dot that is visible on every colour.
     pub fn run(&mut self, x: f64, y: f64) {
         self.element(format_args!(
             "<circle fill=\"white\" stroke=\"black\" stroke-width=\"0.6\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.6\"/>"
@@ -108,7 +108,7 @@ impl Drawing {
         ));
     }
 
-    /// A curve in the colour of that number.
+    /// A curve in the colour with this number.
     pub fn curve(&mut self, colour: usize, points: impl IntoIterator<Item = (f64, f64)>) {
         let mut path = String::new();
         for (x, y) in points {
@@ -147,7 +147,7 @@ impl Drawing {
         self.placed_text(class, anchor, format_args!("x=\"{x:.1}\" y=\"{y:.1}\""), text);
     }
 
-    /// A text that reads upwards, its middle at the position.
+    /// A text that reads upwards, centred at the position.
     pub fn upright_text(&mut self, class: &str, x: f64, y: f64, text: &str) {
         let place = format_args!("transform=\"translate({x:.1} {y:.1}) rotate(-90)\"");
         self.placed_text(class, Anchor::Middle, place, text);
@@ -173,8 +173,8 @@ impl Drawing {
     }
 }
 
-/// Text as XML shows it literally; what XML cannot hold is left out.
-pub fn escaped(text: &str) -> String {
+/// Text escaped for XML, without characters that XML does not allow.
+fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

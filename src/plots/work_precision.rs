@@ -1,75 +1,75 @@
-//! Error against run time: a curve a method, a panel for the error of the level and one for that of the trajectory,
-//! both axes logarithmic.
+//! Error against run time: one curve for each method, one panel for the level error and one for the trajectory error, with
+//! logarithmic axes.
 
 use super::axis::{Scale, decade};
 use super::svg::{Anchor, Drawing};
 
-/// One method over its tolerances.
+/// One method at its tolerances.
 pub struct WorkPrecisionCurve<'a> {
     pub name: &'a str,
-    /// Loosest tolerance first.
+    /// Points, loosest tolerance first.
     pub points: Vec<WorkPoint>,
     pub failures: Vec<FailedRun>,
 }
 
-/// A run that has ended well.
+/// A finished run.
 #[derive(Debug, Clone, Copy)]
 pub struct WorkPoint {
-    /// Written beside the ends of a curve; `None` where the point has none.
+    /// Relative tolerance [-], the label of the ends of a curve; `None` for methods without one.
     pub relative_tolerance: Option<f64>,
     pub time_s: f64,
-    /// In the order of the panels: value, and whether it stands clear of the reference's own error.
+    /// Errors in the order of the panels: value, and whether it exceeds the error of the reference.
     pub errors: [Option<(f64, bool)>; 2],
 }
 
-/// A run that has not; without a time it was not tried.
+/// A failed run; without a time it was not tried.
 #[derive(Debug, Clone, Copy)]
 pub struct FailedRun {
     pub relative_tolerance: f64,
     pub time_s: Option<f64>,
 }
 
-/// Narrow enough to be read at its own size in a column of 600 px.
+/// Width that is readable at its own size in a column of 600 px.
 const WIDTH: f64 = 640.0;
 const LEFT: f64 = 74.0;
 const RIGHT: f64 = 16.0;
-/// Where the legend's first row stands, and the distance of rows.
+/// Position of the first row of the legend, and the distance of rows.
 const LEGEND: f64 = 76.0;
 const LEGEND_PITCH: f64 = 20.0;
-/// From the legend's last row to the first panel.
+/// Distance from the last row of the legend to the first panel.
 const HEADING: f64 = 42.0;
 const PANEL: f64 = 250.0;
 const PITCH: f64 = PANEL + 66.0;
-/// Height of a line of text below the panels, and of those that are always there.
+/// Height of a line of text below the panels, and of the lines that every plot has.
 const LINE: f64 = 18.0;
 const BOTTOM: f64 = 74.0;
 /// Height of the strip at a panel's top where failures are marked.
 const STRIP: f64 = 20.0;
-/// Size of a letter in legends, and of the labels of points: the widest of usual sans serifs, DejaVu.
+/// Width of a letter in legends and in labels of points, of DejaVu, the widest common sans serif.
 const LETTER: f64 = 7.8;
 const SMALL_LETTER: f64 = 8.0;
 const SMALL_HEIGHT: f64 = 9.0;
-/// A mark's radius, and the distance that labels keep from marks.
+/// Radius of a mark, and the distance of labels from marks.
 const MARK: f64 = 3.5;
-/// Least decades of error, and least logarithm of the ratio of times, that a panel shows.
+/// Smallest range of a panel: decades of error, and decades of time.
 const LEAST_DECADES: f64 = 2.0;
 const LEAST_TIMES: f64 = 0.6;
-/// Most decades of error that are shown.
+/// Largest number of decades of error in a panel.
 const MOST_DECADES: f64 = 12.0;
-/// What is left free around the data, in decades: times, errors.
+/// Margin around the data [decades]: times, errors.
 const MARGIN: (f64, f64) = (0.1, 0.3);
-/// A floor further below all errors than this [decades] is not shown: nothing comes near it.
+/// Distance of the reference's error below all errors from which on it is not shown [decades].
 const FAR_BELOW: f64 = 1.0;
-/// An error that is shown.
+/// A plotted error.
 #[derive(Debug, Clone, Copy)]
 pub struct ErrorPanel {
     pub name: &'static str,
     pub unit: &'static str,
-    /// Below it the reference says nothing.
+    /// Error of the reference: smaller errors are not significant.
     pub floor: Option<f64>,
 }
 
-/// Two panels above each other, one for each error of the points.
+/// Two stacked panels, one for each error of the points.
 pub fn work_precision_svg(
     title: &str,
     subtitle: &str,
@@ -104,7 +104,7 @@ pub fn work_precision_svg(
     }
     let middle = 0.5 * (LEFT + WIDTH - RIGHT);
     drawing.text("", Anchor::Middle, middle, bottom + 37.0, "run time in s");
-    let below = if has_floor { "; dashed line: below it an error says nothing (hollow marks)" } else { "" };
+    let below = if has_floor { "; dashed line: smaller errors are not significant (hollow marks)" } else { "" };
     let marks = &format!("numbers: relative tolerances{below}");
     drawing.text("small", Anchor::Middle, 0.5 * WIDTH, bottom + 60.0, marks);
     for (line, (number, curve)) in failed.into_iter().enumerate() {
@@ -115,7 +115,7 @@ pub fn work_precision_svg(
     drawing.finish()
 }
 
-/// Where the legend's dots and the lines of its names stand, and how many rows that makes.
+/// Positions of the dots and names of the legend, and the number of its rows.
 fn legend_places(names: &[&str]) -> (Vec<(f64, f64)>, usize) {
     let (mut x, mut row) = (22.0, 0);
     let mut places = Vec::new();
@@ -130,7 +130,7 @@ fn legend_places(names: &[&str]) -> (Vec<(f64, f64)>, usize) {
     (places, row as usize + 1)
 }
 
-/// Tolerances at which a method has failed, and those that were not tried then.
+/// Tolerances at which a method failed, and those that were not tried afterwards.
 fn failures_in_words(curve: &WorkPrecisionCurve<'_>) -> String {
     let listed = |tried: bool| {
         let tolerances = curve.failures.iter().filter(|failure| failure.time_s.is_some() == tried);
@@ -148,7 +148,7 @@ fn failures_in_words(curve: &WorkPrecisionCurve<'_>) -> String {
     }
 }
 
-/// A rectangle of the picture: left, top, right, bottom.
+/// A rectangle: left, top, right, bottom.
 type Frame = (f64, f64, f64, f64);
 /// A straight line from a position to another.
 type Segment = ((f64, f64), (f64, f64));
@@ -157,8 +157,7 @@ fn overlap(a: Frame, b: Frame) -> bool {
     a.0 < b.2 && b.0 < a.2 && a.1 < b.3 && b.1 < a.3
 }
 
-/// Curves from tolerance to tolerance, their marks, hollow where the error says nothing, and on top the tolerances of each
-/// curve's ends, where there is room for them.
+/// Curves with their marks, hollow where the error is not significant, and the tolerances at the ends of each curve where they fit.
 fn draw_curves(
     drawing: &mut Drawing,
     top: f64,
@@ -203,8 +202,7 @@ fn draw_curves(
     }
 }
 
-/// Left end and base line of a label at a point, where it stands on no mark, no other label and no curve; `None` where there is
-/// no such place.
+/// Left end and base line of a label at a point, clear of marks, other labels and curves; `None` where there is no such position.
 fn free_place(
     (x, y): (f64, f64),
     width: f64,
@@ -233,7 +231,7 @@ fn free_place(
     })
 }
 
-/// Whether a straight line meets a rectangle: what is left of it, side by side.
+/// Whether a straight line crosses a rectangle, by clipping it at each side.
 fn crosses(((x, y), to): Segment, frame: Frame) -> bool {
     let (dx, dy) = (to.0 - x, to.1 - y);
     let (mut begin, mut end) = (0.0_f64, 1.0_f64);
@@ -250,7 +248,7 @@ fn crosses(((x, y), to): Segment, frame: Frame) -> bool {
     begin <= end
 }
 
-/// Panel, grid and the numbers at its edges.
+/// Panel, grid and axis labels.
 fn frame(drawing: &mut Drawing, top: f64, x: &Scale, y: &Scale, unit: &str) {
     let bottom = top + PANEL;
     let (left, right) = x.positions;
@@ -268,7 +266,7 @@ fn frame(drawing: &mut Drawing, top: f64, x: &Scale, y: &Scale, unit: &str) {
     drawing.upright_text("", 18.0, 0.5 * (top + bottom), unit);
 }
 
-/// Logarithms of round multiples of the powers of ten in the range, fewer where it is long.
+/// Logarithms of the tick values: round multiples of the powers of ten in the range, fewer in a long range.
 fn time_ticks((from, to): (f64, f64)) -> Vec<(f64, String)> {
     let multiples: &[i32] = match to - from {
         0.0..0.9 => &[1, 2, 3, 5, 7],
@@ -292,7 +290,7 @@ fn time_ticks((from, to): (f64, f64)) -> Vec<(f64, String)> {
     ticks
 }
 
-/// Logarithms of the shortest and the longest time, a little wider.
+/// Logarithms of the shortest and the longest time, with a margin.
 fn time_range(curves: &[WorkPrecisionCurve<'_>]) -> (f64, f64) {
     let ended = curves.iter().flat_map(|curve| &curve.points).map(|point| point.time_s);
     let failed = curves.iter().flat_map(|curve| &curve.failures).filter_map(|failure| failure.time_s);
@@ -300,7 +298,7 @@ fn time_range(curves: &[WorkPrecisionCurve<'_>]) -> (f64, f64) {
     if least > most { (-2.0, 1.0) } else { at_least(LEAST_TIMES, (least - MARGIN.0, most + MARGIN.0)) }
 }
 
-/// Logarithms of the errors, a little wider, and of the floor where it is near them.
+/// Logarithms of the smallest and the largest error, with a margin, and with the error of the reference where it is near.
 fn error_range(curves: &[WorkPrecisionCurve<'_>], panel: usize, floor: Option<f64>) -> ((f64, f64), Option<f64>) {
     let errors = curves.iter().flat_map(|curve| &curve.points).filter_map(|point| Some(point.errors[panel]?.0));
     let floor = floor.filter(|floor| *floor > 0.0 && floor.is_finite()).map(f64::log10);
@@ -314,13 +312,13 @@ fn error_range(curves: &[WorkPrecisionCurve<'_>], panel: usize, floor: Option<f6
     ((from.max(to - MOST_DECADES), to), floor)
 }
 
-/// The range, widened on both sides to a least length.
+/// The range, widened on both sides to a smallest length.
 fn at_least(length: f64, (from, to): (f64, f64)) -> (f64, f64) {
     let missing = (length - (to - from)).max(0.0);
     (from - 0.5 * missing, to + 0.5 * missing)
 }
 
-/// Least and largest logarithm; infinite and crossed where there is none.
+/// Smallest and largest logarithm; infinite and in reverse order where there is none.
 fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let logarithms = values.filter(|value| *value > 0.0 && value.is_finite()).map(f64::log10);
     logarithms.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
@@ -366,7 +364,8 @@ mod tests {
         ];
         let svg = work_precision_svg("t", "s", &[curve("gear", 1.5), failing], panels([Some(1e-6), None]));
         assert_well_formed(&svg);
-        for text in ["gear", "radau failed at 1e-3; not tried: 1e-4", "1e−3", "says nothing", "dB", "class=\"ring"] {
+        for text in ["gear", "radau failed at 1e-3; not tried: 1e-4", "1e−3", "not significant", "dB", "class=\"ring"]
+        {
             assert!(svg.contains(text), "{text}");
         }
         assert_eq!(svg.matches("class=\"floor\"").count(), 1);

@@ -1,4 +1,4 @@
-//! What the service tests share: a minimal HTTP client, and the program as a process of its own.
+//! Shared by both test binaries: a minimal HTTP client, and servers inside and outside the process.
 #![allow(dead_code, reason = "each test binary uses its part")]
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-/// An HTTP response.
+/// An answer.
 #[derive(Debug, Clone)]
 pub struct Answer {
     pub status: u16,
@@ -26,7 +26,7 @@ impl Answer {
         serde_json::from_str(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
     }
 
-    /// The body of a response that must be a problem (RFC 9457) with this status.
+    /// The answer as JSON, after checking that it is a problem with this status.
     pub fn problem(&self, status: u16) -> Value {
         assert_eq!(self.status, status, "{self:?}");
         assert_eq!(self.header("content-type"), Some("application/problem+json"), "{self:?}");
@@ -39,7 +39,7 @@ impl Answer {
     }
 }
 
-/// One request over a connection of its own.
+/// One request over a new connection.
 pub fn request(address: &str, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
     let mut text = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\nContent-Length: {}\r\n", body.len());
     if !headers.iter().any(|header| header.0.eq_ignore_ascii_case("host")) {
@@ -49,7 +49,7 @@ pub fn request(address: &str, method: &str, path: &str, headers: &[(&str, &str)]
     text.push_str("\r\n");
     let mut stream = TcpStream::connect(address).expect("the server listens");
     stream.set_read_timeout(Some(Duration::from_secs(30))).expect("a socket has timeouts");
-    // The server may respond and close the connection before it has read the whole body.
+    // The server may answer and close before it has read the whole request.
     let _ = stream.write_all(text.as_bytes()).and_then(|()| stream.write_all(body));
     let mut bytes = Vec::new();
     let _ = stream.read_to_end(&mut bytes);
@@ -78,7 +78,7 @@ fn unchunked(mut body: &str) -> String {
     text
 }
 
-/// A server with an address.
+/// A server under test.
 pub trait Server {
     fn address(&self) -> &str;
 
@@ -98,7 +98,7 @@ pub trait Server {
         answer.header("location").expect("a 202 has a location").to_owned()
     }
 
-    /// The job once it has one of these statuses.
+    /// The job, as soon as it has one of these statuses.
     fn wait_for(&self, path: &str, statuses: &[&str]) -> Value {
         let begin = Instant::now();
         loop {
@@ -112,12 +112,12 @@ pub trait Server {
     }
 }
 
-/// The shortest valid job.
+/// The smallest job.
 pub fn job() -> Value {
     json!({ "kind": "simulation", "scene": { "bearing": "608", "operation": { "speed_rpm": 3000 } } })
 }
 
-/// The shortest valid job with other fields.
+/// The smallest job with other fields.
 pub fn job_with(fields: Value) -> Value {
     let mut job = job();
     for (name, value) in fields.as_object().expect("fields") {
@@ -126,10 +126,10 @@ pub fn job_with(fields: Value) -> Value {
     job
 }
 
-/// Environment variable with the URL of a PostgreSQL server on which tests create databases. Without it tests use SQLite files.
+/// Environment variable of a PostgreSQL server on which tests create databases; without it tests use files.
 pub const POSTGRES: &str = "RACEWAY_TEST_POSTGRES";
 
-/// URL of a new empty database on the PostgreSQL server; `None` without such a server.
+/// The URL of an empty database on that server; `None` where there is none.
 pub fn postgres_database() -> Option<String> {
     let server = std::env::var(POSTGRES).ok()?;
     let name = format!("raceway_{}", uuid::Uuid::now_v7().simple());
@@ -138,7 +138,7 @@ pub fn postgres_database() -> Option<String> {
     Some(format!("{server}/{name}"))
 }
 
-/// Executes a statement on the database as its superuser.
+/// Runs a statement on the database as whoever may do everything.
 pub fn execute(database: &str, sql: &str) {
     use sqlx::{Connection, Executor};
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
@@ -149,7 +149,7 @@ pub fn execute(database: &str, sql: &str) {
     });
 }
 
-/// The program as a process, killed when the value is dropped.
+/// The real program, killed when it is dropped.
 pub struct Process {
     pub child: Child,
     pub address: String,
@@ -162,47 +162,47 @@ impl Server for Process {
 }
 
 impl Process {
-    /// A command that runs the program.
+    /// A command of the real program.
     pub fn command(arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_raceway"));
         command.args(arguments).env_clear().stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
 
-    /// `raceway serve` on an SQLite file and a free port of the loopback; returns as soon as it listens.
+    /// `raceway serve` on a database, once it listens.
     pub fn serve(database: &Path, more: &[&str]) -> Self {
         let mut arguments = vec!["--listen", "127.0.0.1:0"];
         arguments.extend(more);
         Self::serve_with(database, &arguments, &[])
     }
 
-    /// `raceway serve` on an SQLite file, with the address among `more`.
+    /// The same, wherever it listens.
     pub fn serve_with(database: &Path, more: &[&str], environment: &[(&str, &str)]) -> Self {
         Self::serve_on(&format!("sqlite://{}", database.display()), more, environment)
     }
 
-    /// `raceway serve` on the database of a URL.
+    /// The same on any database.
     pub fn serve_on(database: &str, more: &[&str], environment: &[(&str, &str)]) -> Self {
         let mut command = Self::command(&["serve", "--database", database]);
         command.args(more).envs(environment.iter().copied());
         Self::announced(command, &["listening on http://"])
     }
 
-    /// `raceway worker` on a database; returns as soon as it accepts work.
+    /// `raceway worker` on a database, once it works.
     pub fn worker(database: &str, more: &[&str]) -> Self {
         let mut command = Self::command(&["worker", "--database", database]);
         command.args(more);
         Self::announced(command, &["working for postgres://"])
     }
 
-    /// `raceway worker` with health probes; its address is that of the probes.
+    /// The same with probes, at its address.
     pub fn probed_worker(database: &str, more: &[&str]) -> Self {
         let mut command = Self::command(&["worker", "--database", database, "--probes", "127.0.0.1:0"]);
         command.args(more);
         Self::announced(command, &["working for postgres://", "probes at http://"])
     }
 
-    /// Waits for these first lines of stdout. The last line ends with the address.
+    /// Once it has said these lines; the last one ends with its address.
     fn announced(mut command: Command, lines: &[&str]) -> Self {
         let mut child = command.stderr(Stdio::null()).spawn().expect("the program starts");
         let mut stdout = BufReader::new(child.stdout.take().expect("stdout is a pipe"));
@@ -220,7 +220,7 @@ impl Process {
         assert!(sent.is_ok_and(|status| status.success()));
     }
 
-    /// Ends the process by SIGKILL, like a power cut.
+    /// Ends it as a power cut would.
     pub fn kill(mut self) {
         self.child.kill().expect("the process runs");
         self.child.wait().expect("the process ends");

@@ -1,4 +1,4 @@
-//! Who may ask.
+//! Access control.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use crate::common::{Answer, Server, job, job_with, request};
-use crate::server::{InProcess, Wishes, start, start_with};
+use crate::server::{InProcess, ServerSettings, start, start_with};
 
 fn get(server: &InProcess, path: &str, headers: &[(&str, &str)]) -> Answer {
     request(server.address(), "GET", path, headers, b"")
@@ -26,7 +26,7 @@ fn without_tokens_only_local_hosts_are_answered() {
 }
 
 #[test]
-fn without_tokens_one_host_is_needed() {
+fn without_tokens_exactly_one_host_header_is_required() {
     let server = start();
     let mut stream = TcpStream::connect(server.address()).expect("the server listens");
     stream.write_all(b"GET /v1/jobs HTTP/1.1\r\nConnection: close\r\n\r\n").expect("a request is read");
@@ -37,8 +37,8 @@ fn without_tokens_one_host_is_needed() {
 }
 
 #[test]
-fn with_tokens_everything_but_the_open_pages_needs_one() {
-    let server = start_with(Wishes { tokens: "alpha, beta", ..Wishes::default() });
+fn with_tokens_every_path_except_public_ones_needs_one() {
+    let server = start_with(ServerSettings { tokens: "alpha, beta", ..ServerSettings::default() });
     for path in ["/health/live", "/health/ready", "/openapi.json", "/docs/", "/docs", "/"] {
         assert!(get(&server, path, &[]).status < 400, "{path}");
     }
@@ -65,7 +65,7 @@ fn post(server: &InProcess, token: (&str, &str), more: &[(&str, &str)], job: &Va
     request(server.address(), "POST", "/v1/jobs", &headers, job.to_string().as_bytes())
 }
 
-/// A job of A's, once it has this status.
+/// A job of owner A, once it has this status.
 fn made(server: &InProcess, job: &Value, status: &str) -> String {
     let path = post(server, A, &[], job).header("location").expect("a location").to_owned();
     let begin = Instant::now();
@@ -76,7 +76,7 @@ fn made(server: &InProcess, job: &Value, status: &str) -> String {
     path
 }
 
-/// Every operation on a job that the document knows, with all that it cannot do without: method and path behind the job's.
+/// Every operation on a job in the OpenAPI document, with required parameters: method, and path after that of the job.
 fn operations_on_a_job() -> Vec<(String, String)> {
     let document = serde_json::to_value(raceway::api::document()).expect("JSON");
     let mut operations = Vec::new();
@@ -104,8 +104,8 @@ fn operations_on_a_job() -> Vec<(String, String)> {
 }
 
 #[test]
-fn a_job_of_another_token_is_one_that_never_was_on_every_route() {
-    let server = start_with(Wishes { tokens: "alpha,beta", workers: 1, ..Wishes::default() });
+fn a_job_of_another_owner_is_unknown_on_every_route() {
+    let server = start_with(ServerSettings { tokens: "alpha,beta", workers: 1, ..ServerSettings::default() });
     let study =
         job_with(json!({ "kind": "study", "axes": [{ "path": "/operation/speed_rpm", "values": [3000, 4000] }] }));
     let ended = made(&server, &job(), "succeeded");
@@ -146,8 +146,8 @@ fn a_job_of_another_token_is_one_that_never_was_on_every_route() {
 }
 
 #[test]
-fn lists_keys_and_finished_work_tell_nothing_of_other_tokens() {
-    let server = start_with(Wishes { tokens: "alpha,beta", ..Wishes::default() });
+fn lists_keys_and_reuse_reveal_nothing_of_other_owners() {
+    let server = start_with(ServerSettings { tokens: "alpha,beta", ..ServerSettings::default() });
     let labelled = job_with(json!({ "labels": ["of-alpha"] }));
     let mine = made(&server, &labelled, "succeeded");
     made(&server, &job(), "succeeded");
@@ -157,7 +157,7 @@ fn lists_keys_and_finished_work_tell_nothing_of_other_tokens() {
     for path in pages.iter().map(|query| format!("/v1/jobs{query}")).chain(cursors) {
         assert_eq!(get(&server, &path, &[B]).json(), json!({ "jobs": [], "next": null }), "{path}");
     }
-    // The same work is done again, the same key is another one.
+    // For another owner the same work runs again, and the same key is a different one.
     let key = [("Idempotency-Key", "a-key")];
     assert_eq!(post(&server, A, &key, &labelled).json()["reused"], true);
     for body in [&labelled, &job()] {
@@ -175,9 +175,9 @@ fn lists_keys_and_finished_work_tell_nothing_of_other_tokens() {
 }
 
 #[test]
-fn pages_of_listed_origins_alone_may_use_the_api() {
+fn only_pages_of_listed_origins_may_use_the_api() {
     const PORTAL: &str = "https://portal.example";
-    let server = start_with(Wishes { tokens: "alpha", origins: &[PORTAL], ..Wishes::default() });
+    let server = start_with(ServerSettings { tokens: "alpha", origins: &[PORTAL], ..ServerSettings::default() });
     let asked = |origin: &str| {
         let headers = [
             ("Origin", origin),
@@ -190,7 +190,7 @@ fn pages_of_listed_origins_alone_may_use_the_api() {
     assert_eq!((answer.status, answer.header("access-control-allow-origin")), (200, Some(PORTAL)), "{answer:?}");
     assert!(answer.header("access-control-allow-headers").is_some_and(|names| names.contains("prefer")), "{answer:?}");
     assert_eq!(asked("https://other.example").header("access-control-allow-origin"), None);
-    // Refusals can be read, too.
+    // Pages can also read error answers.
     let refused = get(&server, "/v1/jobs", &[("Origin", PORTAL)]);
     refused.problem(401);
     assert_eq!(refused.header("access-control-allow-origin"), Some(PORTAL));
@@ -199,8 +199,8 @@ fn pages_of_listed_origins_alone_may_use_the_api() {
 }
 
 #[test]
-fn a_request_has_a_name() {
-    let server = start_with(Wishes { tokens: "alpha", ..Wishes::default() });
+fn every_answer_has_a_request_id() {
+    let server = start_with(ServerSettings { tokens: "alpha", ..ServerSettings::default() });
     for path in ["/health/live", "/v1/jobs", "/nowhere"] {
         assert_eq!(get(&server, path, &[("X-Request-Id", "mine-1")]).header("x-request-id"), Some("mine-1"), "{path}");
         let names = [(); 2].map(|()| get(&server, path, &[("X-Request-Id", "two words")]));

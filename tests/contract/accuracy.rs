@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use crate::common::{Server, job, job_with, request};
-use crate::server::{Wishes, start, start_with};
+use crate::server::{ServerSettings, start, start_with};
 
 fn accuracy_with(fields: Value) -> Value {
     let mut job = job_with(fields);
@@ -100,7 +100,7 @@ fn each_kind_has_its_own_results() {
 }
 
 #[test]
-fn a_study_is_never_reused_and_waits_like_any_job() {
+fn an_accuracy_job_is_never_reused_and_waits_like_any_job() {
     let server = start();
     let first = server.submit(&accuracy_with(json!({})));
     server.wait_for(&first, &["succeeded"]);
@@ -114,8 +114,8 @@ fn a_study_is_never_reused_and_waits_like_any_job() {
 }
 
 #[test]
-fn a_study_runs_alone_and_its_result_is_waited_for() {
-    let server = start_with(Wishes { workers: 2, ..Wishes::default() });
+fn an_accuracy_job_runs_alone_and_its_result_can_be_waited_for() {
+    let server = start_with(ServerSettings { workers: 2, ..ServerSettings::default() });
     let slow = |kind: &str| {
         let mut job = job_with(json!({ "labels": ["slow"] }));
         job["kind"] = json!(kind);
@@ -139,7 +139,7 @@ fn a_study_runs_alone_and_its_result_is_waited_for() {
 }
 
 #[test]
-fn wrong_studies_are_refused_with_their_fields() {
+fn invalid_accuracy_jobs_are_refused_with_their_fields() {
     let server = start();
     for (fields, pointer) in [
         (json!({ "solver": { "method": "gear" } }), "/solver/method"),

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::common::{Server, job, job_with, request};
 use crate::server::start;
 
-/// Events of a stream that has ended: name, id and data.
+/// Events of an ended stream: name, id and data.
 fn events(body: &str) -> Vec<(String, String, Value)> {
     let field = |event: &str, name: &str| {
         let line = event.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(": "));
@@ -21,7 +21,7 @@ fn events(body: &str) -> Vec<(String, String, Value)> {
 }
 
 #[test]
-fn a_job_that_has_ended_gets_its_last_event_at_once() {
+fn an_ended_job_gets_its_last_event_at_once() {
     let server = start();
     let path = server.submit(&job());
     let done = server.wait_for(&path, &["succeeded"]);
@@ -36,7 +36,7 @@ fn a_job_that_has_ended_gets_its_last_event_at_once() {
 }
 
 #[test]
-fn a_stream_shows_the_way_and_ends_with_the_job() {
+fn a_stream_reports_progress_and_ends_with_the_job() {
     let server = start();
     let path = server.submit(&job_with(json!({ "labels": ["slow"] })));
     server.wait_for(&path, &["running"]);
@@ -58,13 +58,13 @@ fn a_stream_shows_the_way_and_ends_with_the_job() {
     assert_eq!(last.2["status"], "cancelled");
     let shown = first.iter().find(|event| event.2["progress"] == 0.25).expect("the progress of the run");
     assert_eq!(shown.2["status"], "running");
-    // Who has seen the end need not come again.
+    // A client that has received the last event gets 204.
     let again = request(server.address(), "GET", &format!("{path}/events"), &[("Last-Event-ID", &last.1)], b"");
     assert_eq!((again.status, again.body.as_str()), (204, ""));
 }
 
 #[test]
-fn what_was_seen_is_not_said_again() {
+fn a_received_event_is_not_repeated() {
     let server = start();
     let path = server.submit(&job_with(json!({ "labels": ["slow"] })));
     server.wait_for(&path, &["running"]);

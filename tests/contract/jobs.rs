@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use crate::common::{Server, job, job_with, request};
-use crate::server::{Wishes, on_postgres, start, start_with};
+use crate::server::{ServerSettings, on_postgres, start, start_with};
 
 #[test]
 fn a_job_is_accepted_run_and_shown() {
@@ -31,17 +31,17 @@ fn a_job_is_accepted_run_and_shown() {
 }
 
 #[test]
-fn failures_say_why_and_leave_others_alone() {
+fn failures_state_their_cause_and_do_not_affect_other_jobs() {
     let server = start();
     let failing = server.submit(&job_with(json!({ "labels": ["fail"] })));
     let panicking = server.submit(&job_with(json!({ "labels": ["panic"] })));
     let good = server.submit(&job());
     let failed = server.wait_for(&failing, &["failed"]);
     assert_eq!(failed["error"]["type"], "urn:raceway:problem:did-not-converge");
-    assert_eq!(failed["error"]["detail"], "as the test wants");
+    assert_eq!(failed["error"]["detail"], "intended by the test");
     let broken = server.wait_for(&panicking, &["failed"]);
     assert_eq!(broken["error"]["type"], "urn:raceway:problem:internal");
-    assert!(!broken.to_string().contains("as the test wants"), "causes are logged, not sent");
+    assert!(!broken.to_string().contains("intended by the test"), "causes are logged, not sent");
     server.wait_for(&good, &["succeeded"]);
     let no_result = server.get(&format!("{failing}/metrics")).problem(409);
     assert_eq!(no_result["type"], "urn:raceway:problem:no-result");
@@ -49,7 +49,7 @@ fn failures_say_why_and_leave_others_alone() {
 
 #[test]
 fn a_run_ends_at_its_time_limit() {
-    let server = start_with(Wishes { time_limit: Duration::from_millis(100), ..Wishes::default() });
+    let server = start_with(ServerSettings { time_limit: Duration::from_millis(100), ..ServerSettings::default() });
     let path = server.submit(&job_with(json!({ "labels": ["slow"] })));
     let failed = server.wait_for(&path, &["failed"]);
     assert_eq!(failed["error"]["type"], "urn:raceway:problem:time-limit");
@@ -71,7 +71,7 @@ fn progress_is_shown_while_the_job_runs() {
 
 #[test]
 fn a_full_queue_refuses_and_recovers() {
-    let server = start_with(Wishes { workers: 1, queue_limit: 2, ..Wishes::default() });
+    let server = start_with(ServerSettings { workers: 1, queue_limit: 2, ..ServerSettings::default() });
     let slow = job_with(json!({ "labels": ["slow"] }));
     let running = server.submit(&slow);
     server.wait_for(&running, &["running"]);
@@ -85,11 +85,11 @@ fn a_full_queue_refuses_and_recovers() {
 
 #[test]
 fn a_full_disk_refuses_and_recovers_and_loses_nothing() {
-    // SQLite can be told how large a disk is; a server's is filled from outside.
+    // SQLite can simulate the size of a disk; the disk of a server is filled by a check outside these tests.
     if on_postgres() {
         return;
     }
-    let server = start_with(Wishes { workers: 1, max_pages: Some(200), ..Wishes::default() });
+    let server = start_with(ServerSettings { workers: 1, max_pages: Some(200), ..ServerSettings::default() });
     let large = |first: &str| {
         let labels: Vec<String> = std::iter::once(first.to_owned()).chain((0..15).map(|_| "x".repeat(200))).collect();
         job_with(json!({ "labels": labels }))
@@ -123,7 +123,7 @@ fn a_full_disk_refuses_and_recovers_and_loses_nothing() {
 }
 
 #[test]
-fn identical_finished_work_is_reused_unless_told() {
+fn identical_finished_work_is_reused_unless_disabled() {
     let server = start();
     let first = server.submit(&job());
     assert_eq!(server.wait_for(&first, &["succeeded"])["reused"], false);
@@ -136,7 +136,7 @@ fn identical_finished_work_is_reused_unless_told() {
     assert_eq!(metrics(&path), metrics(&first));
     let afresh = server.submit(&job_with(json!({ "reuse": false })));
     assert_eq!(server.wait_for(&afresh, &["succeeded"])["reused"], false);
-    // The result stays as long as one job points to it.
+    // The result is kept as long as a job refers to it.
     assert_eq!(request(server.address(), "DELETE", &first, &[], b"").status, 204);
     assert_eq!(server.get(&format!("{path}/metrics")).status, 200);
 }
@@ -159,7 +159,7 @@ fn an_answer_may_wait_for_the_end() {
 }
 
 #[test]
-fn a_deleted_job_is_gone_with_its_result() {
+fn a_deleted_job_is_removed_with_its_result() {
     let server = start();
     let path = server.submit(&job());
     server.wait_for(&path, &["succeeded"]);
@@ -173,7 +173,7 @@ fn a_deleted_job_is_gone_with_its_result() {
 }
 
 #[test]
-fn a_job_goes_when_its_time_is_over() {
+fn a_job_is_removed_when_it_expires() {
     let server = start();
     let path = server.submit(&job_with(json!({ "keep_for_s": 1 })));
     server.wait_for(&path, &["succeeded"]);

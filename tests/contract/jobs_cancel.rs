@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use crate::common::{Answer, Server, job, job_with, request};
-use crate::server::{InProcess, Wishes, start, start_with};
+use crate::server::{InProcess, ServerSettings, start, start_with};
 
 fn cancel(server: &InProcess, path: &str) -> Answer {
     request(server.address(), "POST", &format!("{path}/cancel"), &[], b"")
@@ -13,7 +13,7 @@ fn cancel(server: &InProcess, path: &str) -> Answer {
 
 #[test]
 fn a_waiting_job_is_cancelled_at_once() {
-    let server = start_with(Wishes { workers: 1, ..Wishes::default() });
+    let server = start_with(ServerSettings { workers: 1, ..ServerSettings::default() });
     let slow = job_with(json!({ "labels": ["slow"] }));
     let running = server.submit(&slow);
     server.wait_for(&running, &["running"]);
@@ -40,7 +40,7 @@ fn a_running_job_is_cancelled_soon() {
 }
 
 #[test]
-fn a_run_stops_even_if_that_cannot_be_written() {
+fn a_run_stops_even_if_its_cancellation_cannot_be_written() {
     let server = start();
     let path = server.submit(&job_with(json!({ "labels": ["slow"] })));
     server.wait_for(&path, &["running"]);

@@ -36,7 +36,7 @@ fn pages_follow_each_other_newest_first() {
 }
 
 #[test]
-fn filters_choose() {
+fn filters_select_jobs() {
     let server = start();
     let failed = server.submit(&job_with(json!({ "labels": ["fail"] })));
     let running = server.submit(&job_with(json!({ "labels": ["slow"] })));
@@ -63,7 +63,7 @@ fn filters_choose() {
 }
 
 #[test]
-fn several_labels_kinds_and_statuses_choose() {
+fn several_labels_kinds_and_statuses_select_jobs() {
     let server = start();
     let submit = |labels: Value| server.submit(&job_with(json!({ "labels": labels, "reuse": false })));
     let failed = submit(json!(["fail", "a, b", "é"]));
@@ -86,7 +86,7 @@ fn several_labels_kinds_and_statuses_choose() {
     assert_eq!(found("without_label=slow"), std::slice::from_ref(&failed));
     assert_eq!(found("label=a%2C+b&without_label=%C3%A9&without_label=a"), [running]);
     assert_eq!(found("without_label=a&without_label=a%2C%20b"), Vec::<String>::new());
-    // The next page goes on with the same filters.
+    // The next page has the same filters.
     let page = server.get("/v1/jobs?label=slow&without_label=x%26y&status=running&status=queued&limit=1").json();
     let next = page["next"].as_str().expect("another page");
     assert!(next.contains("&status=running&status=queued&label=slow&without_label=x%26y"), "{next}");

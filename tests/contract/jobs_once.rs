@@ -1,4 +1,4 @@
-//! `Idempotency-Key`, `POST /v1/jobs/batch`, and answers that a client has already.
+//! `Idempotency-Key`, `POST /v1/jobs/batch`, and conditional requests.
 
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ fn ask(server: &InProcess, path: &str, tag: &str) -> Answer {
 }
 
 #[test]
-fn a_key_makes_one_job() {
+fn an_idempotency_key_creates_one_job() {
     let server = start();
     let first = post(&server, "/v1/jobs", "night-1", &job());
     let again = post(&server, "/v1/jobs", "night-1", &job());
@@ -36,7 +36,7 @@ fn a_key_makes_one_job() {
     assert_ne!(other.json()["id"], first.json()["id"]);
     assert_eq!(other.json()["reused"], true);
     assert_eq!(post(&server, "/v1/jobs", "night-2", &job()).json(), other.json());
-    // A job that was deleted is not made a second time.
+    // A deleted job is not created again.
     request(server.address(), "DELETE", &path, &[], b"");
     assert_eq!(post(&server, "/v1/jobs", "night-1", &job()).json()["id"], first.json()["id"]);
     assert_eq!(server.get("/v1/jobs").json()["jobs"].as_array().map(Vec::len), Some(1));
@@ -85,7 +85,7 @@ fn a_batch_is_answered_one_by_one() {
 }
 
 #[test]
-fn what_a_client_has_is_not_sent_again() {
+fn a_result_that_the_client_has_is_answered_by_304() {
     let server = start();
     let path = server.submit(&job());
     server.wait_for(&path, &["succeeded"]);

@@ -1,5 +1,5 @@
-//! The HTTP contract, over real sockets and a real database. Files are named after routes; the simulator
-//! is a stand-in wherever the physics does not matter.
+//! The HTTP contract, over real sockets and a real database. Files are named after routes. Where the physics does not matter, a stub
+//! replaces the simulator.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -7,7 +7,6 @@ mod server;
 
 mod access;
 mod accuracy;
-mod figures;
 mod job_events;
 mod jobs;
 mod jobs_cancel;
@@ -19,4 +18,5 @@ mod portal;
 mod refusals;
 mod results;
 mod scenes;
+mod service_metrics;
 mod studies;

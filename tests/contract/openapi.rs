@@ -6,7 +6,7 @@ use crate::common::Server;
 use crate::server::start;
 
 #[test]
-fn the_document_that_is_checked_in_is_the_one_of_the_code() {
+fn the_checked_in_document_is_current() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/openapi/openapi.json");
     let checked_in = std::fs::read_to_string(path).unwrap_or_default();
     assert!(

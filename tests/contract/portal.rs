@@ -1,7 +1,7 @@
 //! The page at `/` and its files.
 
 use crate::common::{Answer, Server, request};
-use crate::server::{Wishes, start_with};
+use crate::server::{ServerSettings, start_with};
 
 const HTML: &str = "text/html; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
@@ -20,7 +20,7 @@ fn named_in(text: &str) -> Vec<String> {
 
 #[test]
 fn the_page_and_every_file_it_names_answer_without_a_token() {
-    let server = start_with(Wishes { tokens: "alpha", ..Wishes::default() });
+    let server = start_with(ServerSettings { tokens: "alpha", ..ServerSettings::default() });
     let mut waiting = vec!["/".to_owned()];
     let mut seen = Vec::new();
     while let Some(path) = waiting.pop() {
@@ -47,8 +47,8 @@ fn the_page_and_every_file_it_names_answer_without_a_token() {
 }
 
 #[test]
-fn nothing_inline_is_in_the_page() {
-    let server = start_with(Wishes::default());
+fn the_page_has_no_inline_code() {
+    let server = start_with(ServerSettings::default());
     let page = send(&server, "GET", "/", &[]).body;
     assert!(page.contains("<title>raceway</title>"));
     for inline in ["<style", " style=", " onclick=", "javascript:", "http://", "https://"] {
@@ -58,8 +58,8 @@ fn nothing_inline_is_in_the_page() {
 }
 
 #[test]
-fn a_browser_that_has_a_file_does_not_get_it_again() {
-    let server = start_with(Wishes::default());
+fn a_file_that_the_browser_has_is_answered_by_304() {
+    let server = start_with(ServerSettings::default());
     let first = send(&server, "GET", "/portal/main.js", &[]);
     let tag = first.header("etag").expect("a tag").to_owned();
     assert!(tag.starts_with('"') && first.header("cache-control") == Some("no-cache"), "{first:?}");
@@ -73,8 +73,8 @@ fn a_browser_that_has_a_file_does_not_get_it_again() {
 }
 
 #[test]
-fn the_page_is_only_read() {
-    let server = start_with(Wishes { tokens: "alpha", ..Wishes::default() });
+fn the_page_accepts_only_get_and_head() {
+    let server = start_with(ServerSettings { tokens: "alpha", ..ServerSettings::default() });
     for path in ["/", "/portal/main.js"] {
         let head = send(&server, "HEAD", path, &[]);
         assert!(head.status == 200 && head.body.is_empty(), "{head:?}");

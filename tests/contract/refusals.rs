@@ -1,4 +1,4 @@
-//! Wrong requests, and the form of every error.
+//! Invalid requests, and the form of every error.
 
 use serde_json::json;
 
@@ -6,20 +6,20 @@ use crate::common::{Server, job, request};
 use crate::server::start;
 
 #[test]
-fn queries_hold_no_nul() {
+fn queries_with_nul_are_refused() {
     let server = start();
     server.get("/v1/jobs?label=a%00b").problem(400);
 }
 
 #[test]
-fn what_no_extractor_reads_is_refused_in_the_same_form() {
+fn errors_of_the_framework_have_the_same_form() {
     let server = start();
     let problem = server.get("/v1/jobs?label=%ff").problem(400);
     assert_eq!(problem["detail"], "query: is not UTF-8");
     let get = |headers: &[(&str, &str)]| request(server.address(), "GET", "/v1/presets", headers, b"");
     let long = "a".repeat(70_000);
     let problem = get(&[("X-Long", &long)]).problem(431);
-    assert_eq!(problem["detail"], "the header and its first line must not be longer than 65536 bytes");
+    assert_eq!(problem["detail"], "the header with the request line may have at most 65536 bytes");
     assert_eq!(get(&[("X-Long", &long[..60_000])]).status, 200);
     let answer = get(&[("Accept-Encoding", "gzip;q=0, *;q=0")]);
     assert!(answer.header("etag").is_none());

@@ -55,7 +55,7 @@ fn a_series_is_cut_and_thinned() {
 }
 
 #[test]
-fn unknown_channels_name_the_kept_ones() {
+fn the_error_for_an_unknown_channel_lists_the_kept_ones() {
     let server = start();
     let path = finished(&server);
     let problem = server.get(&format!("{path}/spectrum?channel=cage.speed")).problem(404);
@@ -107,7 +107,7 @@ fn every_link_of_a_job_can_be_followed() {
         (&problem["type"], &problem["detail"]),
         (
             &json!("urn:raceway:problem:unknown-channel"),
-            &json!("nothing of this sort is kept; see outputs in the request")
+            &json!("no signal of this kind is kept; see outputs in the request")
         )
     );
 }

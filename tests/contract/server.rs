@@ -1,4 +1,4 @@
-//! A server inside the test's process, with a stand-in simulator.
+//! A server inside the process of the test, with a stub for the simulator.
 
 use std::net::SocketAddr;
 use std::path::Path;
@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use raceway::api::Access;
-use raceway::api::auth::Tokens;
-use raceway::api::origins::origin;
+use raceway::api::cors::origin;
+use raceway::api::credentials::Tokens;
 use raceway::api::service::Service;
 use raceway::contract::{self, Job, Outcome, RunFailure};
 use raceway::jobs::{Location, Settings, Simulator};
@@ -41,7 +41,7 @@ impl Drop for InProcess {
 }
 
 impl InProcess {
-    /// Changes the database behind the service's back.
+    /// Changes the database directly.
     pub fn sql(&self, on_sqlite: &'static str, on_postgres: &'static str) {
         use sqlx::Connection;
         let done = self.runtime.block_on(async {
@@ -63,8 +63,8 @@ impl InProcess {
     }
 }
 
-/// How a test wants its server.
-pub struct Wishes {
+/// Settings of a test server.
+pub struct ServerSettings {
     pub tokens: &'static str,
     pub origins: &'static [&'static str],
     pub workers: usize,
@@ -73,7 +73,7 @@ pub struct Wishes {
     pub max_pages: Option<u32>,
 }
 
-impl Default for Wishes {
+impl Default for ServerSettings {
     fn default() -> Self {
         Self {
             tokens: "",
@@ -86,27 +86,28 @@ impl Default for Wishes {
     }
 }
 
-/// A server whose jobs do what their first label says.
+/// A server whose jobs behave as their first label states.
 pub fn start() -> InProcess {
-    start_with(Wishes::default())
+    start_with(ServerSettings::default())
 }
 
-pub fn start_with(wishes: Wishes) -> InProcess {
+pub fn start_with(settings: ServerSettings) -> InProcess {
     let place = tempfile::tempdir().expect("a directory");
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().expect("threads");
     let database = database(place.path());
-    let settings = Settings {
-        workers: wishes.workers,
-        queue_limit: wishes.queue_limit,
-        time_limit: wishes.time_limit,
-        max_pages: wishes.max_pages,
+    let job_settings = Settings {
+        workers: settings.workers,
+        queue_limit: settings.queue_limit,
+        time_limit: settings.time_limit,
+        max_pages: settings.max_pages,
         sweep_every: Duration::from_millis(200),
         ..Settings::on(database.clone())
     };
-    let origins = wishes.origins.iter().map(|text| origin(text).expect("an origin")).collect();
-    let access = Access { tokens: Tokens::parse(wishes.tokens), is_local: true, origins, ..Access::default() };
+    let origins = settings.origins.iter().map(|text| origin(text).expect("an origin")).collect();
+    let access = Access { tokens: Tokens::parse(settings.tokens), is_local: true, origins, ..Access::default() };
     let listen = SocketAddr::from(([127, 0, 0, 1], 0));
-    let service = runtime.block_on(Service::start(listen, settings, access, stand_in())).expect("the service starts");
+    let service =
+        runtime.block_on(Service::start(listen, job_settings, access, stub_simulator())).expect("the service starts");
     let address = service.url().strip_prefix("http://").expect("a URL").to_owned();
     InProcess { runtime, service: Some(service), address, database, _place: place }
 }
@@ -124,12 +125,12 @@ pub fn on_postgres() -> bool {
     std::env::var(POSTGRES).is_ok()
 }
 
-/// `slow` runs until it is stopped, `panic` panics, `fail` fails; everything else gives a short real run.
-pub fn stand_in() -> Simulator {
-    Arc::new(|job: &Job, control: &Control<'_>| match job.labels.first().map(String::as_str) {
+/// A stub for the simulator: `slow` runs until it is stopped, `panic` panics, `fail` fails, and any other label is a short real run.
+pub fn stub_simulator() -> Simulator {
+    Arc::new(|job: &Job, control: &Control<'_>| match job.submission().labels.first().map(String::as_str) {
         Some("slow") => slow(control),
-        Some("panic") => panic!("as the test wants"),
-        Some("fail") => Err(RunFailure::Failed { cause: "did-not-converge", detail: "as the test wants".into() }),
+        Some("panic") => panic!("intended by the test"),
+        Some("fail") => Err(RunFailure::Failed { cause: "did-not-converge", detail: "intended by the test".into() }),
         _ => short(job, control),
     })
 }
@@ -142,14 +143,20 @@ fn slow(control: &Control<'_>) -> Result<Outcome, RunFailure> {
     Err(RunFailure::Cancelled)
 }
 
-/// The real simulation, cut to a millisecond, and a study to four runs: results have their real form.
+/// The real simulation over 1 ms, and accuracy jobs with four runs, so that results have their real form.
 fn short(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
     let mut job = job.clone();
-    job.settings.settle = 0.0;
-    job.settings.duration = 0.001;
-    if let Some(plan) = &mut job.plan {
-        plan.methods.truncate(2);
-        plan.relative_tolerances.truncate(2);
-    }
+    let base = match &mut job {
+        Job::Simulation(simulation) => simulation,
+        Job::Study(study) => &mut study.base,
+        Job::Optimum(search) => &mut search.base,
+        Job::Accuracy(comparison) => {
+            comparison.plan.methods.truncate(2);
+            comparison.plan.relative_tolerances.truncate(2);
+            &mut comparison.base
+        }
+    };
+    base.settings.settle = 0.0;
+    base.settings.duration = 0.001;
     contract::execute(&job, control)
 }

@@ -1,13 +1,13 @@
-//! Studies: from the request to the table, cancelled and resumed, behind single jobs, and answered by what is known.
+//! Studies: from the request to the table, cancellation and resumption, priority, and reuse.
 
 use std::time::Duration;
 
 use serde_json::{Value, json};
 
 use crate::common::{Server, job, job_with, request};
-use crate::server::{Wishes, start, start_with};
+use crate::server::{ServerSettings, start, start_with};
 
-/// A study of the smallest job over its speed.
+/// A study of the smallest job over the speed.
 fn study_of(points: u32) -> Value {
     let mut study = job();
     study["kind"] = json!("study");
@@ -49,7 +49,7 @@ fn a_study_fills_its_table() {
 }
 
 #[test]
-fn a_point_that_cannot_be_built_is_a_row_that_says_so() {
+fn a_point_that_cannot_be_built_is_a_failed_row() {
     let server = start();
     let mut study = study_of(2);
     // Twelve of the larger balls overlap.
@@ -70,7 +70,7 @@ fn a_point_that_cannot_be_built_is_a_row_that_says_so() {
 }
 
 #[test]
-fn a_value_that_can_be_nowhere_is_refused_with_its_place() {
+fn an_axis_value_that_is_never_valid_is_refused_with_its_pointer() {
     let server = start();
     let mut study = study_of(2);
     study["axes"] = json!([{ "path": "/bearing", "values": ["608", "6250"] }]);
@@ -79,7 +79,7 @@ fn a_value_that_can_be_nowhere_is_refused_with_its_place() {
 }
 
 #[test]
-fn a_cancelled_study_keeps_its_points_and_goes_on() {
+fn a_cancelled_study_keeps_its_points_and_can_be_resumed() {
     let server = start();
     let path = server.submit(&study_of(400));
     loop {
@@ -108,9 +108,9 @@ fn a_cancelled_study_keeps_its_points_and_goes_on() {
     }
 }
 
-/// A point that was lost is run once more, though the study has succeeded with the others.
+/// A lost point runs again although the study has succeeded with the others.
 #[test]
-fn lost_points_of_a_study_that_has_succeeded_can_be_had_again() {
+fn lost_points_of_a_succeeded_study_can_be_resumed() {
     let server = start();
     let path = server.submit(&study_of(3));
     server.wait_for(&path, &["succeeded"]);
@@ -128,7 +128,7 @@ fn lost_points_of_a_study_that_has_succeeded_can_be_had_again() {
 /// A single job does not wait for the end of a study that keeps every worker busy.
 #[test]
 fn single_jobs_go_before_studies() {
-    let server = start_with(Wishes { workers: 1, ..Wishes::default() });
+    let server = start_with(ServerSettings { workers: 1, ..ServerSettings::default() });
     let study = server.submit(&study_of(1000));
     server.wait_for(&study, &["running"]);
     let single = server.submit(&job());
@@ -142,7 +142,7 @@ fn single_jobs_go_before_studies() {
 }
 
 #[test]
-fn points_are_answered_by_identical_finished_work() {
+fn points_reuse_identical_finished_work() {
     let server = start();
     let first = server.submit(&study_of(4));
     server.wait_for(&first, &["succeeded"]);
@@ -160,9 +160,9 @@ fn points_are_answered_by_identical_finished_work() {
     assert!(rows(&afresh).as_array().unwrap().iter().all(|row| row["reused"] == false));
 }
 
-/// Of a simulation that has run alone, as somebody who looks closer at a point does.
+/// The reused simulation was submitted as a single job.
 #[test]
-fn a_point_is_answered_by_the_simulation_of_the_same_work() {
+fn a_point_reuses_a_simulation_of_the_same_work() {
     let server = start();
     let timed = |fields: Value| {
         let mut job = job_with(fields);
@@ -190,7 +190,7 @@ fn a_point_is_answered_by_the_simulation_of_the_same_work() {
 
 #[test]
 fn only_studies_resume_and_only_queued_ones_wait() {
-    let server = start_with(Wishes { workers: 1, ..Wishes::default() });
+    let server = start_with(ServerSettings { workers: 1, ..ServerSettings::default() });
     let slow = server.submit(&job_with(json!({ "labels": ["slow"] })));
     server.wait_for(&slow, &["running"]);
     server.post(&format!("{slow}/resume"), &json!({})).problem(409);

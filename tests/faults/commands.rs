@@ -1,4 +1,4 @@
-//! Commands, from outside.
+//! Commands of the program.
 
 use std::io::Write;
 use std::process::{Output, Stdio};
@@ -35,10 +35,10 @@ fn simulate_prints_metrics_and_writes_files() {
 }
 
 #[test]
-fn what_cannot_be_written_is_named() {
+fn the_error_for_an_unwritable_directory_names_it() {
     let place = tempfile::NamedTempFile::new().expect("a file");
     let directory = place.path().join("out").display().to_string();
-    // Told before anything is run: this would take hours.
+    // Reported before the run, which would take hours.
     let job = job_with(serde_json::json!({ "duration_s": 1000, "solver": { "rung": "full" } }));
     let output = simulate(&job.to_string(), &["--output", &directory]);
     let stderr = String::from_utf8_lossy(&output.stderr);
@@ -47,7 +47,7 @@ fn what_cannot_be_written_is_named() {
 }
 
 #[test]
-fn a_refused_job_exits_with_2_and_its_problem() {
+fn a_refused_job_exits_with_2_and_prints_its_problem() {
     let output = simulate(r#"{"kind":"simulation","scene":{"bearing":"nope","operation":{"speed_rpm":1}}}"#, &[]);
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     assert!(output.stdout.is_empty());
@@ -74,7 +74,7 @@ fn accuracy_prints_a_table_and_writes_json_and_svg() {
     assert_eq!(answer["points"].as_array().map(Vec::len), Some(2));
     let svg = std::fs::read_to_string(place.path().join("work-precision.svg")).expect("the plot is there");
     assert!(svg.starts_with("<svg"));
-    // What is written to repeat it is a job.
+    // The written job can be run again.
     let again = run("accuracy", &answer["repeat"]["job"].to_string(), &["--output", &directory]);
     assert_eq!(again.status.code(), Some(0), "{again:?}");
 }
@@ -91,7 +91,7 @@ fn accuracy_refuses_a_simulation() {
 }
 
 #[test]
-fn health_tells_by_its_exit_status() {
+fn health_reports_by_its_exit_status() {
     let place = tempfile::tempdir().expect("a directory");
     let server = Process::serve(&place.path().join("a.db"), &[]);
     let listen = server.address().to_owned();

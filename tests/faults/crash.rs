@@ -10,18 +10,18 @@ use crate::common::{Process, Server, job_with};
 /// A run that takes some seconds.
 fn long_job() -> serde_json::Value {
     let mut job = job_with(json!({ "settle_s": 0.0, "duration_s": 0.1, "reuse": false }));
-    // Without a load balls knock, and a level from the first instant on is repeated again and again.
+    // Without a load the balls knock, and without settling time the run is repeated several times.
     job["scene"]["operation"]["radial_load_y_n"] = json!(100);
     job
 }
 
-/// A run that takes a moment.
+/// A short run.
 fn short_job() -> serde_json::Value {
     job_with(json!({ "settle_s": 0.0, "duration_s": 0.001, "reuse": false }))
 }
 
 #[test]
-fn what_was_accepted_ends_once_although_the_process_is_killed() {
+fn an_accepted_job_ends_once_although_its_process_is_killed() {
     let place = tempfile::tempdir().expect("a directory");
     let database = place.path().join("raceway.db");
     let server = Process::serve(&database, &["--workers", "1"]);
@@ -50,7 +50,7 @@ fn a_job_that_is_lost_too_often_fails() {
     server.kill();
     let server = Process::serve(&database, &options);
     let begin = Instant::now();
-    // Running in the database from the last process: progress shows that this one has taken it.
+    // The last process left the status `running`; progress shows that the new process has claimed the job.
     while server.get(&path).json()["progress"].as_f64() <= Some(0.0) {
         assert!(begin.elapsed() < Duration::from_secs(20));
         std::thread::sleep(Duration::from_millis(5));
@@ -62,10 +62,10 @@ fn a_job_that_is_lost_too_often_fails() {
 }
 
 #[test]
-fn a_stopping_service_hands_its_runs_back() {
+fn a_stopping_service_returns_its_runs_to_the_queue() {
     let place = tempfile::tempdir().expect("a directory");
     let database = place.path().join("raceway.db");
-    // One loss would be one too many: handing back is none.
+    // One loss would be too many; returning a run is not a loss.
     let options = ["--workers", "1", "--max-lost-runs", "1"];
     let mut server = Process::serve(&database, &options);
     let path = server.submit(&long_job());
@@ -100,7 +100,7 @@ fn two_servers_do_not_share_a_database() {
     let place = tempfile::tempdir().expect("a directory");
     let database = place.path().join("raceway.db");
     let first = Process::serve(&database, &[]);
-    // By whatever name.
+    // Also by another name of the file.
     let (hard, soft) = (place.path().join("hard.db"), place.path().join("soft.db"));
     std::fs::hard_link(&database, &hard).expect("a link");
     std::os::unix::fs::symlink(&database, &soft).expect("a link");
@@ -119,7 +119,7 @@ fn two_servers_do_not_share_a_database() {
 }
 
 #[test]
-fn nothing_is_accepted_into_a_file_that_goes_with_the_process() {
+fn no_job_is_accepted_into_a_removed_database_file() {
     let place = tempfile::tempdir().expect("a directory");
     let [database, aside] = ["raceway.db", "aside.db"].map(|name| place.path().join(name));
     let server = Process::serve(&database, &["--workers", "1"]);
@@ -143,7 +143,7 @@ fn nothing_is_accepted_into_a_file_that_goes_with_the_process() {
     assert_eq!(server.post("/v1/jobs", &long_job()).status, 202);
 }
 
-/// Without what a clock has measured.
+/// The table without measured times.
 fn timeless(mut table: serde_json::Value) -> serde_json::Value {
     for row in table["rows"].as_array_mut().expect("rows") {
         row["reused"] = json!(false);
@@ -154,7 +154,7 @@ fn timeless(mut table: serde_json::Value) -> serde_json::Value {
     table
 }
 
-/// Cancelled in the middle, resumed, killed three times: the same table as undisturbed.
+/// A study that is cancelled, resumed, and killed three times has the same table as an undisturbed one.
 #[test]
 fn a_study_survives_kills_with_the_same_table() {
     let place = tempfile::tempdir().expect("a directory");

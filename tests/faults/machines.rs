@@ -1,4 +1,4 @@
-//! Several processes on one PostgreSQL database. Runs where `RACEWAY_TEST_POSTGRES` names a server.
+//! Several processes on one PostgreSQL database. Skipped unless `RACEWAY_TEST_POSTGRES` names a server.
 
 use std::time::{Duration, Instant};
 
@@ -6,10 +6,10 @@ use serde_json::{Value, json};
 
 use crate::common::{Process, Server, execute, job_with, postgres_database, request};
 
-/// Losses are found within a second or two.
+/// Settings with which losses are found within two seconds.
 const SOON: [&str; 2] = ["--lost-after-s", "1"];
 
-/// A server that runs nothing itself, on a database of its own; `None` where there is no PostgreSQL.
+/// A server without workers on its own database; `None` without PostgreSQL.
 fn server() -> Option<(String, Process)> {
     let url = postgres_database()?;
     let server = Process::serve_on(&url, &["--listen", "127.0.0.1:0", "--workers", "0", SOON[0], SOON[1]], &[]);
@@ -31,7 +31,7 @@ fn short_job() -> Value {
     job_with(json!({ "settle_s": 0.0, "duration_s": 0.001, "reuse": false }))
 }
 
-/// Metrics without what a clock has measured.
+/// Metrics without measured times.
 fn timeless(server: &Process, path: &str) -> Value {
     let mut metrics = server.get(&format!("{path}/metrics")).json();
     for field in ["wall_time_s", "real_time_factor"] {
@@ -41,7 +41,7 @@ fn timeless(server: &Process, path: &str) -> Value {
 }
 
 #[test]
-fn jobs_wait_for_a_worker_and_are_followed_and_cancelled_from_afar() {
+fn jobs_wait_for_a_worker_and_are_followed_and_cancelled_from_another_process() {
     let Some((url, server)) = server() else { return };
     let first = server.submit(&short_job());
     assert_eq!(server.get(&first).json()["status"], "queued");
@@ -65,7 +65,7 @@ fn jobs_wait_for_a_worker_and_are_followed_and_cancelled_from_afar() {
 }
 
 #[test]
-fn what_a_killed_worker_ran_another_finishes_to_the_bit() {
+fn another_worker_finishes_the_job_of_a_killed_one_with_the_same_bits() {
     let Some((url, server)) = server() else { return };
     let first = worker(&url);
     let undisturbed = server.submit(&long_job(100.0));
@@ -79,7 +79,7 @@ fn what_a_killed_worker_ran_another_finishes_to_the_bit() {
 }
 
 #[test]
-fn a_worker_that_slept_past_its_claim_changes_nothing() {
+fn a_suspended_worker_that_lost_its_claim_changes_nothing() {
     let Some((url, server)) = server() else { return };
     let sleeper = worker(&url);
     let path = server.submit(&long_job(110.0));
@@ -89,7 +89,7 @@ fn a_worker_that_slept_past_its_claim_changes_nothing() {
     let job = server.wait_for(&path, &["succeeded", "failed"]);
     let result = timeless(&server, &path);
     sleeper.signal("-CONT");
-    // It works on, with jobs that are its own.
+    // The worker continues with its own jobs.
     let later: Vec<String> = (0..4).map(|_| server.submit(&short_job())).collect();
     later.iter().for_each(|path| drop(server.wait_for(path, &["succeeded"])));
     std::thread::sleep(Duration::from_secs(2));
@@ -99,7 +99,7 @@ fn a_worker_that_slept_past_its_claim_changes_nothing() {
 }
 
 #[test]
-fn a_job_that_takes_its_workers_down_fails_and_its_neighbours_do_not() {
+fn a_job_that_ends_its_workers_fails_and_other_jobs_do_not() {
     let Some(url) = postgres_database() else { return };
     let options = ["--max-lost-runs", "2", SOON[0], SOON[1]];
     let server = Process::serve_on(
@@ -112,7 +112,7 @@ fn a_job_that_takes_its_workers_down_fails_and_its_neighbours_do_not() {
     for _ in 0..2 {
         let worker = Process::worker(&url, &options);
         let begin = Instant::now();
-        // Running under a claim of its own.
+        // Running under its own claim.
         while [&Value::Null, &last].contains(&&server.get(&path).json()["started_at"]) {
             assert!(begin.elapsed() < Duration::from_secs(20), "it is not taken up again");
             std::thread::sleep(Duration::from_millis(20));
@@ -128,7 +128,7 @@ fn a_job_that_takes_its_workers_down_fails_and_its_neighbours_do_not() {
 }
 
 #[test]
-fn what_nobody_runs_any_more_can_be_cancelled() {
+fn a_job_without_a_living_worker_can_be_cancelled() {
     let Some((url, server)) = server() else { return };
     let only = worker(&url);
     let job = server.submit(&job_with(json!({ "settle_s": 0.0, "duration_s": 100.0 })));
@@ -148,9 +148,9 @@ fn what_nobody_runs_any_more_can_be_cancelled() {
     assert_eq!(server.post(&format!("{study}/cancel"), &json!({})).json()["status"], "cancelled");
 }
 
-/// As when the link breaks between the server's handing a delivery out and the process that it is handed to.
+/// Simulates a connection that breaks after the server has handed out a delivery.
 #[test]
-fn what_was_handed_out_and_never_came_is_delivered_again() {
+fn a_delivery_that_never_arrived_is_delivered_again() {
     let Some((url, server)) = server() else { return };
     let _worker = worker(&url);
     let first = server.submit(&job_with(json!({ "settle_s": 0.0, "duration_s": 100.0 })));
@@ -166,7 +166,7 @@ fn what_was_handed_out_and_never_came_is_delivered_again() {
 }
 
 #[test]
-fn a_worker_tells_how_it_is_and_nothing_else() {
+fn a_worker_answers_only_probes_and_metrics() {
     let Some((url, server)) = server() else { return };
     let mut worker = Process::probed_worker(&url, &["--workers", "1", SOON[0], SOON[1]]);
     server.wait_for(&server.submit(&short_job()), &["succeeded"]);
@@ -177,7 +177,7 @@ fn a_worker_tells_how_it_is_and_nothing_else() {
     for path in ["/v1/jobs", "/", "/docs/", "/openapi.json"] {
         assert_eq!(worker.get(path).status, 404, "{path}");
     }
-    // A token made for the service closes the figures of its workers, too, but not how they are.
+    // A token of the service also protects the metrics of its workers, but not their probes.
     let mut token = Process::command(&["token", "create", "--database", &url]);
     assert!(token.status().is_ok_and(|status| status.success()));
     let begin = Instant::now();
@@ -191,7 +191,7 @@ fn a_worker_tells_how_it_is_and_nothing_else() {
 }
 
 #[test]
-fn a_study_goes_on_with_the_workers_that_are_left_and_with_those_that_come() {
+fn a_study_continues_with_remaining_and_new_workers() {
     let Some((url, server)) = server() else { return };
     let study = json!({
         "kind": "study",

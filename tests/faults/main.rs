@@ -1,4 +1,4 @@
-//! What breaks: processes that are killed, started twice, or started carelessly. With the real program.
+//! Faults of the real program: processes that are killed, started twice, or started with wrong settings.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Careless starts.
+//! Starts with wrong settings, and logs.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -21,7 +21,7 @@ fn refused(arguments: &[&str], environment: &[(&str, &str)]) -> String {
 }
 
 #[test]
-fn beyond_loopback_tokens_are_needed() {
+fn tokens_are_required_beyond_loopback() {
     for listen in ["0.0.0.0:0", "[::]:0"] {
         let stderr = refused(&["serve", "--listen", listen], &[]);
         assert!(stderr.contains("RACEWAY_API_TOKENS") && stderr.contains("--insecure-no-auth"), "{stderr}");
@@ -30,7 +30,7 @@ fn beyond_loopback_tokens_are_needed() {
 }
 
 #[test]
-fn settings_that_mean_nothing_are_refused() {
+fn invalid_settings_are_refused() {
     for tokens in ["", " , "] {
         let stderr = refused(&["serve", "--listen", "127.0.0.1:0"], &[("RACEWAY_API_TOKENS", tokens)]);
         assert!(stderr.contains("holds no token"), "{stderr}");
@@ -47,7 +47,7 @@ fn settings_that_mean_nothing_are_refused() {
 }
 
 #[test]
-fn it_can_be_stopped_as_soon_as_it_listens() {
+fn the_service_can_be_stopped_as_soon_as_it_listens() {
     for signal in ["-TERM", "-INT"] {
         let place = tempfile::tempdir().expect("a directory");
         let mut server = Process::serve(&place.path().join("a.db"), &[]);
@@ -65,7 +65,7 @@ fn logs_in_a_file_have_no_colours() {
 }
 
 #[test]
-fn logs_for_programs_are_an_object_a_line() {
+fn json_logs_have_one_object_per_line() {
     let environment = [("RACEWAY_INSECURE_NO_AUTH", "1"), ("RACEWAY_LOG_FORMAT", "json")];
     let database = "sqlite:///no/such/directory/raceway.db";
     let stderr = refused(&["serve", "--listen", "0.0.0.0:0", "--database", database], &environment);
@@ -73,7 +73,7 @@ fn logs_for_programs_are_an_object_a_line() {
     assert!(line["level"] == "WARN" && line["listen"] == "0.0.0.0:0" && line["message"].is_string(), "{stderr}");
 }
 
-/// What one reads of a usual session: where it is, what has run, that it has gone.
+/// The log of a session: its address, its runs, and its stop.
 #[test]
 fn a_session_is_logged_in_a_few_lines() {
     let place = tempfile::tempdir().expect("a directory");
@@ -105,7 +105,7 @@ fn a_session_is_logged_in_a_few_lines() {
 }
 
 #[test]
-fn with_tokens_or_at_ones_own_risk_it_listens_everywhere() {
+fn with_tokens_or_insecure_no_auth_the_service_listens_on_all_interfaces() {
     let place = tempfile::tempdir().expect("a directory");
     let open = ["--listen", "0.0.0.0:0", "--insecure-no-auth"];
     let server = Process::serve_with(&place.path().join("a.db"), &open, &[]);
@@ -119,8 +119,8 @@ fn with_tokens_or_at_ones_own_risk_it_listens_everywhere() {
 }
 
 #[test]
-fn databases_that_cannot_be_used_are_named_without_their_secrets() {
-    // Nothing listens on port 1.
+fn errors_of_unusable_databases_name_them_without_secrets() {
+    // No server listens on port 1.
     let url = "postgres://me:secret@127.0.0.1:1/db";
     for command in [&["serve", "--listen", "127.0.0.1:0", "--database", url][..], &["worker", "--database", url]] {
         let stderr = refused(command, &[]);
@@ -155,7 +155,7 @@ fn tokens_are_never_shown() {
 }
 
 #[test]
-fn half_a_request_holds_nobody_up() {
+fn an_incomplete_request_delays_no_other() {
     let place = tempfile::tempdir().expect("a directory");
     let server = Process::serve(&place.path().join("a.db"), &[]);
     let mut lazy: Vec<TcpStream> = (0..50)
@@ -167,7 +167,7 @@ fn half_a_request_holds_nobody_up() {
         .collect();
     assert_eq!(server.get("/health/live").status, 200);
     server.signal("-TERM");
-    // A stopping service does not wait for the other half.
+    // A stopping service does not wait for the rest of the request.
     lazy[0].set_read_timeout(Some(Duration::from_secs(10))).expect("a socket has timeouts");
     assert!(lazy[0].read(&mut [0; 1]).is_ok_and(|count| count == 0), "the connection is closed");
 }

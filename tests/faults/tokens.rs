@@ -1,4 +1,4 @@
-//! Tokens made and revoked by command, while a service runs and before; and databases whose user may not make tables.
+//! Tokens created and revoked by command, before and while a service runs; database users without the right to create tables.
 
 use std::path::Path;
 use std::process::Output;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::common::{POSTGRES, Process, Server, execute, job_with, postgres_database, request};
 
-/// An empty database on PostgreSQL where tests have one, else a file.
+/// An empty database on PostgreSQL if available, else a file.
 fn database(place: &Path) -> String {
     postgres_database().unwrap_or_else(|| format!("sqlite://{}", place.join("raceway.db").display()))
 }
@@ -27,7 +27,7 @@ fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// A token as it is printed, and nothing else.
+/// The printed token.
 fn created(arguments: &[&str], database: &str) -> String {
     let text = stdout(&raceway(&[&["token", "create"], arguments].concat(), database));
     let token = text.strip_suffix('\n').expect("one line");
@@ -42,7 +42,7 @@ fn status(server: &Process, path: &str, token: &str) -> u16 {
 }
 
 #[test]
-fn a_service_follows_what_becomes_of_its_tokens() {
+fn a_running_service_follows_changes_of_its_tokens() {
     let place = tempfile::tempdir().expect("a directory");
     let database = database(place.path());
     let first = created(&["portal"], &database);
@@ -57,7 +57,7 @@ fn a_service_follows_what_becomes_of_its_tokens() {
 
     let listed = stdout(&raceway(&["token", "list"], &database));
     let owner = listed.lines().nth(1).and_then(|line| line.split_whitespace().nth(1)).expect("an owner").to_owned();
-    assert!(listed.contains("portal") && listed.contains("holds") && !listed.contains(&first), "{listed}");
+    assert!(listed.contains("portal") && listed.contains("valid") && !listed.contains(&first), "{listed}");
     let same_owner = created(&["portal-2", "--owner", &owner, "--expires-in-days", "1"], &database);
     let other = created(&[], &database);
     assert_eq!((status(&server, &path, &same_owner), status(&server, &path, &other)), (200, 404));
@@ -72,9 +72,9 @@ fn a_service_follows_what_becomes_of_its_tokens() {
     assert!(stdout(&raceway(&["token", "list"], &database)).contains("revoked 2"));
 }
 
-/// Whoever guesses has the tokens read again and again; one that is made between two looks lets in at once.
+/// Requests with unknown tokens cause reads of the tokens. A token that is created between two reads is accepted at once.
 #[test]
-fn a_token_lets_in_from_its_first_moment() {
+fn a_new_token_is_accepted_at_once() {
     let place = tempfile::tempdir().expect("a directory");
     let database = database(place.path());
     created(&[], &database);
@@ -93,7 +93,7 @@ fn a_token_lets_in_from_its_first_moment() {
 }
 
 #[test]
-fn who_stays_longer_than_a_token_holds_sees_no_more() {
+fn a_stream_ends_when_its_token_is_revoked() {
     let place = tempfile::tempdir().expect("a directory");
     let database = database(place.path());
     let token = created(&["portal"], &database);
@@ -116,13 +116,13 @@ fn who_stays_longer_than_a_token_holds_sees_no_more() {
         assert!(raceway(&["token", "revoke", "portal"], &database).status.success());
         assert_eq!(waits.join().expect("an answer"), 401);
         let (status, time) = follows.join().expect("an answer");
-        // The job goes on for a minute and more.
+        // The job runs for more than a minute.
         assert!(status == 200 && time < Duration::from_secs(20), "{status} {time:?}");
     });
 }
 
 #[test]
-fn a_service_that_has_had_tokens_is_not_open_again() {
+fn a_service_that_has_had_tokens_never_opens_again() {
     let place = tempfile::tempdir().expect("a directory");
     let database = database(place.path());
     created(&["only"], &database);
@@ -149,7 +149,7 @@ fn an_open_service_closes_with_its_first_token() {
 }
 
 #[test]
-fn what_cannot_be_done_with_tokens_is_told() {
+fn errors_of_token_commands_state_their_cause() {
     let place = tempfile::tempdir().expect("a directory");
     let file = place.path().join("none.db");
     let missing = format!("sqlite://{}", file.display());
@@ -174,7 +174,7 @@ fn what_cannot_be_done_with_tokens_is_told() {
 }
 
 #[test]
-fn each_owner_has_a_rate_and_places_of_its_own() {
+fn each_owner_has_its_own_rate_and_queue_limit() {
     let place = tempfile::tempdir().expect("a directory");
     let database = database(place.path());
     let limits = ["--rate-limit", "20", "--queue-limit-per-owner", "2", "--workers", "1"];
@@ -190,7 +190,7 @@ fn each_owner_has_a_rate_and_places_of_its_own() {
         request(server.address(), "POST", "/v1/jobs", &headers, job.to_string().as_bytes())
     };
     assert_eq!([post("alpha").status, post("alpha").status], [202, 202]);
-    // Two wait; the third may have found that the first runs by then.
+    // Two jobs wait; the first may already run when the third is submitted.
     let refused = (0..3).map(|_| post("alpha")).find(|answer| answer.status == 429).expect("no more places");
     assert_eq!(refused.problem(429)["type"], "urn:raceway:problem:queue-full");
     assert_eq!(post("beta").status, 202);
@@ -214,7 +214,7 @@ fn each_owner_has_a_rate_and_places_of_its_own() {
 }
 
 #[test]
-fn a_database_that_is_made_anew_has_its_tables_again() {
+fn the_tables_of_a_recreated_database_are_restored() {
     let Some(database) = postgres_database() else { return };
     let (server_url, name) = database.rsplit_once('/').expect("a URL with a database");
     let server = Process::serve_on(&database, &["--listen", "127.0.0.1:0"], &[]);
@@ -237,7 +237,7 @@ fn a_database_that_is_made_anew_has_its_tables_again() {
 }
 
 #[test]
-fn a_user_with_too_few_connections_is_told_at_the_start() {
+fn too_few_connections_are_reported_at_the_start() {
     let Some(database) = postgres_database() else { return };
     let user = format!("few_{}", uuid::Uuid::now_v7().simple());
     execute(&database, &format!("CREATE ROLE {user} LOGIN SUPERUSER CONNECTION LIMIT 3"));
@@ -249,7 +249,7 @@ fn a_user_with_too_few_connections_is_told_at_the_start() {
 }
 
 #[test]
-fn a_user_who_may_not_make_tables_can_serve_and_work() {
+fn a_database_user_without_the_right_to_create_tables_can_serve_and_work() {
     let Some(database) = postgres_database() else { return };
     let user = format!("service_{}", uuid::Uuid::now_v7().simple());
     let as_user = database.replacen("raceway@", &format!("{user}@"), 1);
@@ -275,7 +275,7 @@ fn a_user_who_may_not_make_tables_can_serve_and_work() {
 }
 
 #[test]
-fn the_link_to_postgresql_can_be_encrypted() {
+fn the_connection_to_postgresql_can_be_encrypted() {
     let (Some(database), Ok(certificate)) = (postgres_database(), std::env::var(format!("{POSTGRES}_CA"))) else {
         return;
     };
@@ -283,15 +283,15 @@ fn the_link_to_postgresql_can_be_encrypted() {
     let server = Process::serve_on(&checked, &["--listen", "127.0.0.1:0"], &[]);
     let path = server.submit(&short_job());
     assert_eq!(server.wait_for(&path, &["succeeded", "failed"])["status"], "succeeded");
-    // Nobody has signed for that name.
+    // No certificate authority has signed for that name.
     let foreign = checked.replacen("127.0.0.1", "localhost", 1);
     let refused = raceway(&["migrate"], &foreign);
     assert!(!refused.status.success(), "{refused:?}");
 }
 
-/// What was submitted while no token was needed belongs to nobody's token but one that is made for it.
+/// Jobs that were submitted while no token was needed are accessible only to a token for open jobs.
 #[test]
-fn jobs_from_before_the_first_token_have_a_token_of_their_own() {
+fn jobs_from_before_the_first_token_need_a_token_for_open_jobs() {
     let place = tempfile::tempdir().expect("a directory");
     let database = database(place.path());
     let server = Process::serve_on(&database, &["--listen", "127.0.0.1:0"], &[]);
@@ -305,7 +305,7 @@ fn jobs_from_before_the_first_token_have_a_token_of_their_own() {
     assert!(listed.lines().any(|line| line.starts_with("before") && line.contains("(open)")), "{listed}");
     let server = Process::serve_on(&database, &["--listen", "127.0.0.1:0"], &[]);
     assert_eq!((status(&server, &path, &own), status(&server, &path, &open)), (404, 200));
-    // Of two tokens nobody knows which is meant.
+    // Two tokens are ambiguous.
     let (own, open) = (format!("Bearer {own}"), format!("Bearer {open}"));
     let both = [("Authorization", open.as_str()), ("Authorization", own.as_str())];
     assert_eq!(request(server.address(), "GET", &path, &both, b"").status, 401);

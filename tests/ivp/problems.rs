@@ -7,8 +7,8 @@
 // End values are given with the digits in which they were published.
 #![allow(clippy::excessive_precision)]
 
-use raceway::numerics::ode::structure::{Jacobian, dense_differences};
-use raceway::numerics::ode::{OdeSystem, Tolerances};
+use raceway::numerics::ode::structure::Jacobian;
+use raceway::numerics::ode::{OdeSystem, Tolerances, dense_differences};
 
 pub const E5: &str = "E5";
 

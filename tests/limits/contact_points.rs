@@ -3,7 +3,8 @@
 //! The reference of each contact is the integral of the law over the ellipse by 129 strips, evaluated here from the geometry of the
 //! contact. Strips of the same rule reproduce the program to rounding, which proves the reference.
 
-use raceway::physics::contact::traction::{Strip, Strips, Traction, TractionContext, TractionLaw, load_share_below};
+use raceway::physics::contact::strips::{Strip, Strips, load_share_below};
+use raceway::physics::contact::traction::{Traction, TractionContext, TractionLaw};
 use raceway::physics::raceway::{RacewayContact, RacewayTerms, RelativeMotion};
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;

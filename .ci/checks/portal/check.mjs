@@ -88,8 +88,30 @@ async function alone() {
   for (const pointer of ['/scene/bearing/ball_count', '/scene/lubricant/fill', '/scene/lubricant'])
     changed = write(changed, pointer, undefined);
   assert.deepEqual(changed, job);
+  const { messageList } = await import(`${page}/messages.js`);
+  globalThis.document = {
+    createElement: () => {
+      const element = { attributes: {}, children: [] };
+      element.setAttribute = (name, value) => Object.assign(element.attributes, { [name]: value });
+      element.append = (...children) => element.children.push(...children);
+      return element;
+    },
+  };
+  const shown = messageList([
+    { code: 'at-limit', severity: 'info', text: 'An info.' },
+    { code: 'not-stationary', severity: 'warning', text: 'A <b>warning</b>.' },
+  ]);
+  delete globalThis.document;
+  assert.deepEqual(
+    shown.map(({ attributes, children }) => [attributes.class, attributes['data-code'], ...children]),
+    [
+      ['warning', 'not-stationary', 'A <b>warning</b>.'],
+      ['note', 'at-limit', 'An info.'],
+    ],
+  );
+  assert.deepEqual(messageList(undefined), []);
   rmSync(page, { recursive: true });
-  ok('commands are quoted, requests say what was edited');
+  ok('commands are quoted, requests contain only what was edited, messages are sorted by severity');
 }
 
 /** A page that notes everything that must not happen. `expected(status, path)`: refusals that the check provokes, which Chromium itself logs; status 0: no connection. */

@@ -1,8 +1,8 @@
 //! CVODE of SUNDIALS 6 (Lawrence Livermore National Laboratory) by hand-written declarations: serial vectors, dense
 //! matrices, the dense solver that comes with it. The only file with `unsafe` code.
 //!
-//! Everything is left as CVODE has it (orders up to 5 and 12, Newton's iteration for BDF, its own difference quotients)
-//! but for the largest number of steps, which is lifted, and the stop time, which is set to the end of the task.
+//! All settings are the defaults of CVODE: orders up to 5 and 12, Newton's iteration for BDF, difference quotients. Two settings
+//! differ: the number of steps has no limit, and the stop time is the end of the task.
 
 use std::ffi::{CStr, c_char, c_int, c_long, c_void};
 use std::ptr;
@@ -13,7 +13,7 @@ use raceway::numerics::ode::{OdeSystem, Tolerances};
 use crate::dense;
 use crate::solver::{Counted, Failure, Solution, Solver, Stepper, Task, Work, drive};
 
-/// Major version whose headers the declarations below were taken from; others have other signatures.
+/// Major version of the declarations below. Other versions have other signatures.
 const MAJOR: c_int = 6;
 
 type Handle = *mut c_void;
@@ -75,20 +75,20 @@ unsafe extern "C" {
     fn CVodeFree(memory: *mut Handle);
 }
 
-/// The family of formulas.
+/// Family of formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
     Adams,
     Bdf,
 }
 
-/// How the implicit equation of a step is solved.
+/// Solution of the implicit equation of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Iteration {
     FixedPoint,
-    /// Newton's, its Jacobian by CVODE's own difference quotients: one evaluation a column.
+    /// Newton's iteration with the Jacobian from difference quotients of CVODE, one evaluation a column.
     Newton,
-    /// Newton's, its Jacobian by the system itself, which knows its structure.
+    /// Newton's iteration with the Jacobian of the system, which knows its structure.
     NewtonOwnJacobian,
 }
 
@@ -108,7 +108,7 @@ pub fn all() -> Vec<Box<dyn Solver>> {
     .into()
 }
 
-/// Of the library linked to.
+/// Version of the linked library.
 pub fn version() -> Result<String, String> {
     let (mut major, mut minor, mut patch, mut label) = (0, 0, 0, [0; 32]);
     // SAFETY: all pointers are to live locals, and the length is that of the label.
@@ -148,12 +148,12 @@ impl Solver for Cvode {
     }
 }
 
-/// What the callbacks are given.
+/// Data of the callbacks.
 struct Problem<'a> {
     system: &'a Counted<'a>,
     tolerances: &'a Tolerances,
     scratch: Jacobian,
-    /// For `OdeSystem::jacobian`, which may use them.
+    /// Displacements for `OdeSystem::jacobian`, which may use them.
     sizes: Vec<f64>,
     displacement: Vec<f64>,
     /// The last error message.
@@ -180,7 +180,7 @@ unsafe extern "C" fn rhs(time: f64, state: Handle, rate: Handle, data: Handle) -
     c_int::from(!rate.iter().all(|x| x.is_finite()))
 }
 
-/// The reciprocal of what each component may err by: the library's tolerances as they are.
+/// Reciprocal error tolerance of each component, from the tolerances of the library.
 unsafe extern "C" fn weights(state: Handle, weight: Handle, data: Handle) -> c_int {
     // SAFETY: as in `rhs`.
     let (problem, state, weight) = unsafe {
@@ -205,8 +205,8 @@ unsafe extern "C" fn own_jacobian(
     _: Handle,
     _: Handle,
 ) -> c_int {
-    // SAFETY: CVODE passes back the data of `CVodeSetUserData`, to which nothing else refers while it calls, two distinct
-    // vectors of the system's dimension n, and the dense n × n matrix of `CVodeSetLinearSolver`, columns one after the other.
+    // SAFETY: CVODE passes back the data of `CVodeSetUserData`, to which nothing else refers during the call. The vectors are
+    // distinct and of the dimension n of the system. The matrix is the dense n × n one of `CVodeSetLinearSolver`, by columns.
     let (problem, state, rate, matrix) = unsafe {
         let problem = &mut *data.cast::<Problem<'_>>();
         let n = problem.system.dimension();
@@ -228,7 +228,7 @@ unsafe extern "C" fn on_error(_: c_int, _: *const c_char, _: *const c_char, mess
     };
 }
 
-/// CVODE's memory and all that it refers to.
+/// Memory of CVODE and all objects that it refers to.
 struct Session<'p, 'a> {
     context: Handle,
     state: Handle,
@@ -267,8 +267,8 @@ impl<'p, 'a> Session<'p, 'a> {
             Family::Adams => code::ADAMS,
             Family::Bdf => code::BDF,
         };
-        // SAFETY: each object is made by its constructor, checked, and kept by the session until `drop`; all belong
-        // to the session's context, the problem is borrowed as long as the session lives, and callbacks match.
+        // SAFETY: each object comes from its constructor, is checked, and belongs to the session until `drop`. All belong to the
+        // context of the session. The problem is borrowed as long as the session lives, and the callbacks match.
         unsafe {
             check("SUNContext_Create", SUNContext_Create(null(), &mut session.context))?;
             session.state = made("N_VNew_Serial", N_VNew_Serial(n as Index, session.context))?;
@@ -288,7 +288,7 @@ impl<'p, 'a> Session<'p, 'a> {
                 session.fixed_point = made("SUNNonlinSol_FixedPoint", solver)?;
                 check("CVodeSetNonlinearSolver", CVodeSetNonlinearSolver(memory, solver))?;
             } else {
-                // Newton's iteration is what CVODE uses when told nothing.
+                // Newton's iteration is the default of CVODE.
                 session.matrix = made("SUNDenseMatrix", SUNDenseMatrix(n as Index, n as Index, session.context))?;
                 let solver = SUNLinSol_Dense(session.state, session.matrix, session.context);
                 session.linear = made("SUNLinSol_Dense", solver)?;

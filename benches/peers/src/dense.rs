@@ -1,4 +1,4 @@
-//! The library's Jacobian as a dense matrix, for solvers that know no other.
+//! The Jacobian of the library as a dense matrix, for solvers without other matrices.
 
 use raceway::numerics::ode::OdeSystem;
 use raceway::numerics::ode::structure::{Jacobian, Structure};
@@ -30,7 +30,7 @@ pub fn displacements(state: &[f64], sizes: &[f64], displacement: &mut [f64]) {
     }
 }
 
-/// ∂f/∂y column by column, one evaluation of f each: for solvers that are given no structure.
+/// ∂f/∂y column by column with one evaluation of f each, for solvers without the structure.
 pub fn by_differences(
     system: &dyn OdeSystem,
     time: f64,

@@ -1,8 +1,8 @@
 //! diffsol (M. Robinson et al.): its backward differentiation (quasi-constant step, orders 1–5, as in SciPy and MATLAB), its singly
 //! diagonally implicit Runge–Kutta methods and its explicit one, on dense matrices.
 //!
-//! It takes one relative tolerance for all components. Where the library's is 0 (arcs and spins, judged by their
-//! size alone) diffsol is therefore told a looser one; all absolute tolerances are the same.
+//! It has one relative tolerance for all components. The library has 0 for arcs and spins, whose error is relative to their size
+//! only. There diffsol gets a looser tolerance. All absolute tolerances are the same.
 
 use std::cell::{Cell, RefCell};
 
@@ -18,7 +18,7 @@ use raceway::numerics::ode::structure::Jacobian;
 use crate::dense;
 use crate::solver::{Counted, Failure, Solution, Solver, Stepper, Task, Work, drive};
 
-/// As in the lock file.
+/// Version in the lock file.
 pub const VERSION: &str = "0.18.0";
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub enum Formula {
     Tsit45,
 }
 
-/// Whose dense matrices and factors.
+/// Library of the dense matrices and their factors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Algebra {
     /// Partial pivoting.
@@ -38,12 +38,12 @@ pub enum Algebra {
     Faer,
 }
 
-/// Where Jacobians come from.
+/// Source of the Jacobians.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// Difference quotients, one evaluation a column.
     Differences,
-    /// The system itself, which knows its structure.
+    /// Jacobian of the system, which knows its structure.
     System,
 }
 
@@ -53,14 +53,14 @@ pub struct Diffsol {
     pub source: Source,
 }
 
-/// Its methods, with the algebra and the Jacobians it is fastest with.
+/// Methods of diffsol, with its fastest algebra and Jacobians.
 pub fn all() -> Vec<Box<dyn Solver>> {
     [Formula::Bdf, Formula::Esdirk34, Formula::TrBdf2, Formula::Tsit45]
         .map(|formula| Box::new(Diffsol { formula, algebra: Algebra::Nalgebra, source: Source::System }) as _)
         .into()
 }
 
-/// The other ways to run its backward differentiation, to show that they are slower.
+/// Other variants of its backward differentiation, which are slower.
 pub fn variants() -> Vec<Box<dyn Solver>> {
     use {Algebra::*, Source::*};
     [(Nalgebra, Differences), (Faer, System), (Faer, Differences)]
@@ -116,7 +116,7 @@ impl Diffsol {
         let mut problem = builder.build_from_eqn(Equations::new(task, system, self.source))?;
         // The default, 1e-13 s, may be too long for the first steps of a stiff system.
         problem.ode_options.min_timestep = 1e-18;
-        // It counts over the whole run, unlike CVODE's limit of failures a step.
+        // The limit is for the whole run, while that of CVODE is for a step.
         problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
         Ok(problem)
     }
@@ -179,7 +179,7 @@ trait Counts {
 struct Equations<'a, M: Matrix> {
     system: &'a Counted<'a>,
     start: &'a [f64],
-    /// Of the entries of a state, for difference quotients.
+    /// Sizes of the entries of a state, for difference quotients.
     sizes: Vec<f64>,
     source: Source,
     jacobians: Cell<u64>,
@@ -251,7 +251,7 @@ impl<M: Matrix<T = f64>> NonLinearOp for Equations<'_, M> {
 
 impl<M: Matrix<T = f64>> NonLinearOpJacobian for Equations<'_, M> {
     /// A difference quotient along `direction`, which moves no entry by more than half the digits of its size.
-    /// Dense matrices never ask for it: they take `jacobian_inplace`.
+    /// Dense matrices never call it. They use `jacobian_inplace`.
     fn jac_mul_inplace(&self, state: &M::V, time: f64, direction: &M::V, product: &mut M::V) {
         product.for_each_batch_host([state, direction], |product, [state, direction], _| {
             let most = direction.iter().zip(&self.sizes).map(|(d, size)| d.abs() / size).fold(0.0, f64::max);

@@ -5,27 +5,27 @@
 //! apt-get install libsundials-dev   # SUNDIALS 6; no other version has been tried
 //! cargo run --release --manifest-path benches/peers/Cargo.toml -- --scene a
 //! cargo run --release --manifest-path benches/peers/Cargo.toml -- --scene b
-//! cargo test --release --manifest-path benches/peers/Cargo.toml   # are the wrappers right?
+//! cargo test --release --manifest-path benches/peers/Cargo.toml   # tests of the wrappers
 //! ```
 //! `--help` lists the options. The report goes to standard output, progress to standard error.
 //!
-//! **The same for all.** The right-hand side is the library's, called through one wrapper that counts. Each solver steps
-//! as it likes from 0 to the end, and its own dense output gives the state on a grid of 102 400 Hz over the kept
-//! time. Set-up, steps and sampling are timed, the errors found afterwards. Runs are interleaved: all solvers once, then all again.
+//! **Common to all solvers.** The right-hand side is that of the library, called through one wrapper that counts. Each solver
+//! chooses its steps from 0 to the end, and its dense output gives the state on a grid of 102 400 Hz over the recorded time.
+//! Set-up, steps and sampling are timed; errors are computed afterwards. All solvers run once, then all again.
 //!
-//! **Tolerances.** The library's, component by component: CVODE gets them as its error weights. diffsol takes one relative
-//! tolerance for all, see `diffsol.rs`. What a tolerance means differs between solvers anyway (error per step, different norms):
-//! compare at equal *error*, not at equal tolerance.
+//! **Tolerances** are those of the library, for each component. CVODE gets them as its error weights. diffsol has one relative
+//! tolerance for all, see `diffsol.rs`. Solvers differ in the meaning of a tolerance (error per step, norm), so that a comparison
+//! is valid at equal *error*, not at equal tolerance.
 //!
-//! **Errors** against a reference whose own error is stated; those marked * lie below ten times that. Level: the worse of
-//! the spindle's acceleration in y and z, `level_db` of the samples as they are (no filter before sampling). Trajectory: root
-//! mean square over components and grid of the deviation over the component's standard deviation, the latter at least 1 % of
-//! the size that the tolerances refer to.
+//! **Errors** are relative to a reference with a stated error; the mark * stands below ten times that error. The level error is
+//! the larger one of the spindle accelerations in y and z, `level_db` of the samples without a filter. The trajectory error is the
+//! root mean square over components and grid of the deviation over the standard deviation of the component. The latter is at
+//! least 1 % of the size to which the tolerances refer.
 //!
-//! **What is unfair.** To CVODE and diffsol: dense matrices, as anybody would start with, where the library knows an arrowhead;
-//! compare steps and evaluations for the methods alone. SUNDIALS as packaged is built for any x86-64 processor; so is everything
-//! here unless `RUSTFLAGS` says otherwise. `cvode_bdf_j` and diffsol get the library's Jacobian, which takes a third of the
-//! evaluations that a column each would take.
+//! **Limits of the comparison.** CVODE and diffsol use dense matrices, the usual start, while the library has an arrowhead.
+//! Steps and evaluations compare the methods alone. The packaged SUNDIALS is built for any x86-64 processor, and so is this program
+//! without other `RUSTFLAGS`. `cvode_bdf_j` and diffsol get the Jacobian of the library, which needs a third of the evaluations
+//! of a Jacobian by columns.
 
 mod cvode;
 mod dense;
@@ -64,25 +64,25 @@ struct Options {
     /// Runs of each solver at each tolerance
     #[arg(long, default_value_t = 3)]
     runs: usize,
-    /// A run is given up after so much processor time [s]
+    /// Largest processor time of a run before it is aborted [s]
     #[arg(long, default_value_t = 120.0)]
     limit: f64,
     /// Only these solvers; by default all of --list but the last three
     #[arg(long, value_delimiter = ',')]
     solvers: Vec<String>,
-    /// Names the solvers and ends
+    /// List the solvers
     #[arg(long)]
     list: bool,
     /// Solver and relative tolerance of the reference, such as radau@1e-11; each scene has its own
     #[arg(long)]
     reference: Option<Choice>,
-    /// Solver and relative tolerance of the second reference, whose distance from the first is taken for its error
+    /// Solver and relative tolerance of the second reference. Its deviation from the first is the stated error
     #[arg(long)]
     check: Option<Choice>,
-    /// The references are given up after so much processor time each [s]
+    /// Largest processor time of each reference before it is aborted [s]
     #[arg(long, default_value_t = 1200.0)]
     reference_limit: f64,
-    /// What "time at equal error" is measured by
+    /// Error that the table "time at equal error" uses
     #[arg(long, value_enum, default_value = "processor")]
     clock: Clock,
 }
@@ -110,12 +110,12 @@ impl Display for Choice {
     }
 }
 
-/// Reference and second reference of a scene, unless asked for by name.
+/// Default reference and second reference of a scene.
 fn references(scene: Scene) -> (Choice, Choice) {
     let choice = |solver: &str, relative| Choice { solver: solver.into(), relative };
     match scene {
         Scene::A => (choice("dormand_prince", 1e-11), choice("dormand_prince", 1e-10)),
-        // Two methods that have nothing in common.
+        // Two independent methods.
         Scene::B => (choice("dormand_prince", 1e-10), choice("cvode_bdf_j", 1e-11)),
     }
 }
@@ -131,7 +131,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The solvers that run unless told otherwise come first; their number is the second entry.
+/// All solvers. The default ones come first; the second entry is their number.
 fn all() -> (Vec<Box<dyn Solver>>, usize) {
     let mut solvers: Vec<_> = ours::all().into_iter().chain(cvode::all()).chain(diffsol::all()).collect();
     let usual = solvers.len();
@@ -208,7 +208,7 @@ fn task<'a>(case: &'a Case, relative: f64, limit: f64) -> Task<'a> {
     }
 }
 
-/// The reference and its own error.
+/// The reference and its error.
 fn reference(options: &Options, solvers: &[Box<dyn Solver>], case: &Case) -> Result<(Reference, Deviation), String> {
     let (first, second) = references(options.scene);
     let first = options.reference.clone().unwrap_or(first);

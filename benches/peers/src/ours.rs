@@ -1,10 +1,10 @@
-//! The library's own methods.
+//! The methods of the library.
 
 use raceway::numerics::ode::{Integrator, Method};
 
 use crate::solver::{Counted, Failure, Solution, Solver, Stepper, Task, Work, drive};
 
-/// All that the library offers.
+/// All methods of the library.
 pub fn all() -> Vec<Box<dyn Solver>> {
     let methods = Method::NAMED.into_iter().chain([Method::Auto]);
     methods.map(|method| Box::new(Ours(method)) as Box<dyn Solver>).collect()

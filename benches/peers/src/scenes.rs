@@ -1,4 +1,4 @@
-//! What is integrated, on which grid it is looked at, and how two solutions differ.
+//! The scenes, the grid on which solutions are compared, and the deviation of two solutions.
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::OdeSystem;
@@ -16,7 +16,7 @@ use raceway::simulation::model::state::Layout;
 pub enum Scene {
     /// The article's case.
     A,
-    /// The same with traction that saturates at 1 mm/s of slip: stiff.
+    /// The article's case with traction that saturates at 1 mm/s of slip, which is stiff.
     B,
 }
 
@@ -35,7 +35,7 @@ impl Scene {
 pub struct Case {
     pub model: Model,
     pub start: Vec<f64>,
-    /// Times at which solutions are compared [s]: the kept time at the rate at which the library keeps signals.
+    /// Times at which solutions are compared [s]: the recorded time at the sampling rate of the library.
     pub grid: Vec<f64>,
 }
 
@@ -78,7 +78,7 @@ impl Case {
     }
 }
 
-/// What other solutions are held against.
+/// The reference of other solutions.
 pub struct Reference {
     states: Vec<f64>,
     levels: [f64; 2],
@@ -86,10 +86,10 @@ pub struct Reference {
     scales: Vec<f64>,
 }
 
-/// How far a solution is off.
+/// Errors of a solution.
 #[derive(Debug, Clone, Copy)]
 pub struct Deviation {
-    /// The worse of y and z [dB].
+    /// Larger level error of y and z [dB].
     pub level: f64,
     /// Root of the mean square over components and grid of the deviation over its scale.
     pub trajectory: f64,

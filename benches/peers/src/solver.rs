@@ -1,4 +1,4 @@
-//! What every solver is given, what it must do, and the loop that runs it.
+//! The problem that every solver gets, the interface of a solver, and the loop that runs it.
 
 use std::cell::Cell;
 use std::time::Instant;
@@ -7,7 +7,7 @@ use raceway::numerics::ode::structure::{Jacobian, Structure};
 use raceway::numerics::ode::{OdeSystem, Tolerances};
 use rustix::time::{ClockId, clock_gettime};
 
-/// A system that counts how often it is asked.
+/// A system that counts its evaluations.
 pub struct Counted<'a> {
     system: &'a dyn OdeSystem,
     rhs: Cell<u64>,
@@ -45,7 +45,7 @@ impl OdeSystem for Counted<'_> {
     }
 }
 
-/// An initial value problem with the grid on which its solution is wanted; it starts at time 0.
+/// An initial value problem from time 0, with the grid of its solution.
 pub struct Task<'a> {
     pub system: &'a dyn OdeSystem,
     pub start: &'a [f64],
@@ -53,9 +53,9 @@ pub struct Task<'a> {
     pub relative: f64,
     pub tolerances: Tolerances,
     pub end: f64,
-    /// Ascending, none after `end`.
+    /// Times of the grid, ascending, none after `end`.
     pub grid: &'a [f64],
-    /// A run is given up after so much processor time [s].
+    /// Largest processor time of a run before it is aborted [s].
     pub limit: f64,
 }
 
@@ -66,7 +66,7 @@ impl Task<'_> {
     }
 }
 
-/// What a solver counts itself; `None` where it does not.
+/// Counts that a solver reports; `None` where it has none.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Work {
     pub steps: u64,
@@ -75,7 +75,7 @@ pub struct Work {
     pub factorizations: Option<u64>,
 }
 
-/// A solver on its way.
+/// A started solver.
 pub trait Stepper {
     /// One step, not beyond the task's end.
     fn step(&mut self) -> Result<(), String>;
@@ -84,7 +84,7 @@ pub trait Stepper {
     /// The state at a time within the last step.
     fn interpolate(&mut self, time: f64, state: &mut [f64]) -> Result<(), String>;
     fn work(&self) -> Work;
-    /// What runs, where the solver's name does not tell.
+    /// Detail of the method that the name of the solver does not contain.
     fn ran(&self) -> Option<String> {
         None
     }
@@ -93,11 +93,11 @@ pub trait Stepper {
 /// A solver with its settings.
 pub trait Solver {
     fn name(&self) -> String;
-    /// Starts, and hands itself to `drive`.
+    /// Starts the solver and passes it to `drive`.
     fn run(&self, task: &Task<'_>, system: &Counted<'_>) -> Result<Solution, Failure>;
 }
 
-/// What a solver has found.
+/// Solution of a solver.
 pub struct Solution {
     /// The states on the grid, one after the other.
     pub states: Vec<f64>,
@@ -105,7 +105,7 @@ pub struct Solution {
     pub ran: Option<String>,
 }
 
-/// Why there is no solution.
+/// Reason of a missing solution.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Failure {
     OverLimit,
@@ -118,10 +118,10 @@ impl From<String> for Failure {
     }
 }
 
-/// Steps between two looks at the clock.
+/// Steps between two readings of the clock.
 const STEPS_PER_LOOK: u64 = 16;
 
-/// The way from start to end, the same for all: step, and sample what the step has passed.
+/// Advances a solver from start to end and samples the grid within each step. Common to all solvers.
 pub fn drive(task: &Task<'_>, stepper: &mut dyn Stepper) -> Result<Solution, Failure> {
     let n = task.start.len();
     let begin = processor_time();
@@ -145,12 +145,12 @@ pub fn drive(task: &Task<'_>, stepper: &mut dyn Stepper) -> Result<Solution, Fai
     Ok(Solution { states, work: stepper.work(), ran: stepper.ran() })
 }
 
-/// A run with what it took.
+/// A run with its cost.
 pub struct Measured {
     pub solution: Solution,
-    /// Time of the wall's clock [s].
+    /// Wall time [s].
     pub wall: f64,
-    /// Processor time of all threads [s]: what remains when others share the machine.
+    /// Processor time of all threads [s], which depends less on other processes of the machine.
     pub processor: f64,
     /// Evaluations of the right-hand side.
     pub rhs: u64,
@@ -165,7 +165,7 @@ pub fn measure(solver: &dyn Solver, task: &Task<'_>) -> Result<Measured, Failure
     Ok(Measured { solution, wall, processor, rhs: system.rhs() })
 }
 
-/// Of all threads [s].
+/// Processor time of all threads [s].
 fn processor_time() -> f64 {
     let now = clock_gettime(ClockId::ProcessCPUTime);
     now.tv_sec as f64 + now.tv_nsec as f64 * 1e-9

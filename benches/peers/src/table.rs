@@ -1,4 +1,4 @@
-//! The two tables of a report, in Markdown that reads well as it stands, too.
+//! The two tables of a report, in Markdown that is readable as plain text.
 
 use crate::scenes::Deviation;
 use crate::solver::{Failure, Work};
@@ -10,22 +10,22 @@ pub struct Row {
     pub outcome: Result<Point, Failure>,
 }
 
-/// What came out of a solver at a tolerance.
+/// Result of a solver at a tolerance.
 pub struct Point {
-    /// One entry a run [s].
+    /// Times of the runs [s].
     pub wall: Vec<f64>,
     pub processor: Vec<f64>,
     pub deviation: Deviation,
     pub work: Work,
     pub rhs: u64,
-    /// What ran, where the solver's name does not tell.
+    /// Detail of the method that the name of the solver does not contain.
     pub ran: Option<String>,
 }
 
-/// Which of its times a solver is judged by.
+/// Kind of time by which solvers are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Clock {
-    /// Of all threads: what remains when others share the machine.
+    /// Processor time of all threads, which depends less on other processes of the machine.
     Processor,
     Wall,
 }
@@ -39,14 +39,14 @@ impl Point {
     }
 }
 
-/// (median, least, largest)
+/// Median, least and largest value.
 fn spread(values: &[f64]) -> (f64, f64, f64) {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
     (values[values.len() / 2], values[0], values[values.len() - 1])
 }
 
-/// All that was measured. `own` is the reference's own error: nothing below ten times that is to be trusted.
+/// Table of all measurements. `own` is the error of the reference. Errors below ten times that are not reliable.
 pub fn measured(rows: &[Row], own: Deviation, limit: f64) -> String {
     let head = [
         "solver",
@@ -118,7 +118,7 @@ fn seconds(time: f64) -> String {
     format!("{time:.digits$}")
 }
 
-/// An error by which solvers are compared.
+/// Kind of error by which solvers are compared.
 #[derive(Debug, Clone, Copy)]
 pub enum Goal {
     Level(f64),
@@ -149,11 +149,11 @@ impl Goal {
     }
 }
 
-/// What a solver needs for an error.
+/// Time of a solver for an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Needed {
     Time(f64),
-    /// Its loosest tolerance already errs by less.
+    /// Even its loosest tolerance has a smaller error.
     AtMost(f64),
     NotReached,
 }
@@ -167,9 +167,8 @@ impl Needed {
     }
 }
 
-/// Time for an error, from (error, time) at falling tolerances: where the error falls below the goal for good, by
-/// interpolation of the logarithms. What counts at a tolerance is the largest error from there on, so that an error that is
-/// small by luck of a sign counts for nothing.
+/// Time for an error, from (error, time) at falling tolerances, by interpolation of the logarithms. The error at a tolerance is
+/// the largest one at this and all tighter tolerances, so that an error that is small by a change of sign has no effect.
 pub fn time_for(goal: f64, points: &[(f64, f64)]) -> Needed {
     let mut rest = 0.0;
     let mut kept: Vec<(f64, f64)> = Vec::new();
@@ -189,7 +188,7 @@ pub fn time_for(goal: f64, points: &[(f64, f64)]) -> Needed {
     }
 }
 
-/// Time at equal error, and over that of `base` and of the best of `own`.
+/// Time at equal error, absolute and over the times of `base` and of the best of `own`.
 pub fn equal_error(rows: &[Row], own: &[String], base: &str, clock: Clock, limit: f64) -> String {
     let mut solvers: Vec<&str> = Vec::new();
     for row in rows {

@@ -1,4 +1,4 @@
-//! Are the wrappers right? Robertson's reaction, whose solution is known.
+//! The wrappers on Robertson's reaction, whose solution is known.
 
 use raceway::numerics::ode::{OdeSystem, Tolerances};
 

@@ -1,11 +1,42 @@
 //! The motion of rolling bearings: geometry, contacts, integrators, reduced models and the error of each result.
-//! Knows no JSON, no HTTP, no SQL and no thread pool.
+//!
+//! A *scene* says what to simulate, *settings* say how. A run chooses the cheapest model that it can verify, and its result states
+//! the error. The crate knows no JSON, no HTTP, no SQL and no thread pool.
+//!
+//! ```
+//! use raceway_core::{Control, Outputs, Scene, Settings, presets, simulate};
+//!
+//! let bearing = presets::bearing("article-integrated").ok_or("no such bearing")?;
+//! let speed = 50_000.0 * std::f64::consts::PI / 30.0; // 50 000 r/min in rad/s
+//! let scene = Scene::of_preset(&bearing, speed, [0.0, 200.0, 0.0]).map_err(|faults| format!("{faults:?}"))?;
+//! let settings = Settings::new(0.005, 0.01, Outputs::vibration());
+//! let result = simulate(&scene, &settings, &Control::until(&|| false))?;
+//! for (channel, metrics) in &result.summary.channels {
+//!     println!("{channel}: level {:?} dB", metrics.level_db);
+//! }
+//! # assert!(result.summary.channels.iter().any(|(_, metrics)| metrics.level_db.is_some_and(f64::is_finite)));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The names at the root are those that a user of the crate needs; they rest on the types of their fields. Everything else in the
+//! modules is unstable: internal to the service.
 
-/// Mathematics: integrators, spectra, special functions. Knows no bearing.
+/// Mathematics: integrators, spectra, special functions. Knows no bearing. Unstable: internal to the service.
 pub mod numerics;
-/// The bearing: contacts, bodies, forces. Knows no clock and no JSON.
+/// The bearing: contacts, bodies, forces. Knows no clock and no JSON. Its formulas are unstable: internal to the service.
 pub mod physics;
-/// The motion: scene, model, equilibrium, run, recording.
+/// The motion: scene, model, equilibrium, run, recording. Unstable: internal to the service.
 pub mod simulation;
-/// Many runs: the points of a grid, and trends and optima over them.
+/// Many runs: the points of a grid, and trends and optima over them. Unstable: internal to the service.
 pub mod study;
+
+pub use numerics::ode::Method;
+pub use physics::{InvalidParameter, presets};
+pub use simulation::input::channel::Channel;
+pub use simulation::input::control::Control;
+pub use simulation::input::model_level::ModelLevel;
+pub use simulation::input::scene::{Scene, SceneParameters};
+pub use simulation::input::settings::{Outputs, RunSettings as Settings};
+pub use simulation::model::failure::SimulationError;
+pub use simulation::result::run_result::RunResult;
+pub use simulation::solve::run::simulate;

@@ -1,8 +1,8 @@
-// The HTTP API: tokens, problems, waiting and trying again, and the progress of a job.
+// Client of the HTTP API: tokens, problems, retries, and the progress of a job.
 
 const TOKEN = 'raceway-token';
 
-/** A problem that the service stated (RFC 9457). */
+/** A problem in an answer of the service (RFC 9457). */
 class Problem extends Error {
   constructor(status, body) {
     super(body.detail || body.title || `The service answered ${status}.`);
@@ -12,20 +12,21 @@ class Problem extends Error {
   }
 }
 
-/** What the page does when the API needs it: ask for a token, tell that it waits. */
+/** Functions of the page that the client calls: asking for a token, reporting a wait. */
 export const hooks = { askToken: async () => null, waiting: () => {} };
 
-/** What this version of the service can do, read from its own document instead of trying it. */
+/** Features of the service, read from its OpenAPI document. */
 export const features = { events: false, plots: '' };
 
 export const hasToken = () => sessionStorage.getItem(TOKEN) !== null;
 export const setToken = (token) => (token ? sessionStorage.setItem(TOKEN, token) : sessionStorage.removeItem(TOKEN));
 
-/** Times a request is tried again, and the longest wait that is still worth it [s]. */
-const TRIES = 5;
-const LONGEST_WAIT = 30;
+/** Largest number of retries. */
+const MAX_RETRIES = 5;
+/** Longest wait before a retry [s]. */
+const MAX_WAIT = 30;
 
-/** Only what changes nothing when it is repeated may be sent again after the connection broke. */
+/** `again`: whether the request may be repeated after a broken connection, because a repetition changes nothing. */
 async function send(method, path, { body, headers = {}, signal, again = method === 'GET', retry = true } = {}) {
   let waited = false;
   for (let attempt = 0; ; attempt += 1) {
@@ -48,7 +49,7 @@ async function send(method, path, { body, headers = {}, signal, again = method =
       if (await newToken(token)) continue;
       throw await problemOf(response);
     }
-    const wait = retry && attempt < TRIES ? waitBefore(response, attempt, again) : null;
+    const wait = retry && attempt < MAX_RETRIES ? waitBefore(response, attempt, again) : null;
     if (wait === null) {
       if (waited) hooks.waiting(null);
       if (!response) throw new Error('The service cannot be reached.');
@@ -64,13 +65,13 @@ async function send(method, path, { body, headers = {}, signal, again = method =
   }
 }
 
-/** Seconds until the next try; null where there is none. A 429 took nothing, so anything may be sent again. */
+/** Wait before the next retry [s]; null: no retry. A request answered by 429 had no effect, so it may always be repeated. */
 function waitBefore(response, attempt, again) {
   const backoff = Math.min(0.5 * 2 ** attempt, 8);
   if (!response) return again ? backoff : null;
   if (response.status !== 429 && !(response.status === 503 && again)) return null;
   const stated = Number(response.headers.get('Retry-After') || backoff);
-  return stated <= LONGEST_WAIT ? Math.max(stated, 0.2) : null;
+  return stated <= MAX_WAIT ? Math.max(stated, 0.2) : null;
 }
 
 async function problemOf(response) {
@@ -80,7 +81,7 @@ async function problemOf(response) {
 
 let asking = null;
 
-/** True once there is a token other than the one that was refused. Requests that fail together ask once. */
+/** Whether there is a token other than the refused one. Requests that fail together ask once. */
 async function newToken(refused) {
   if (sessionStorage.getItem(TOKEN) !== refused) return true;
   asking ??= hooks.askToken(refused !== null).finally(() => {
@@ -112,27 +113,27 @@ export const getText = async (path, accept, settings) =>
 export const remove = (path) => send('DELETE', path, { again: true });
 export const cancel = async (job) => (await send('POST', `${job.links.self}/cancel`, { again: true })).json();
 
-/** Quantities that follow from a scene. A form that changes needs no second try: the next keystroke asks again. */
+/** Derived quantities of a scene. Without retries, because the next keystroke sends a new request. */
 export const resolve = async (job, signal) =>
   (await send('POST', '/v1/scenes/resolve', { body: job, signal, retry: false })).json();
 
-/** Submits a job. The key makes sending it again safe. */
+/** Submits a job. The idempotency key makes retries safe. */
 export const submit = async (job) =>
   (await send('POST', '/v1/jobs', { body: job, again: true, headers: { 'Idempotency-Key': key() } })).json();
 
-/** Submits a job and waits for its end; not tried again, because the next position of the slider is better. */
+/** Submits a job and waits for its end. Without retries, because the next position of the slider replaces it. */
 export const submitAndWait = async (job, seconds, signal) =>
   (await send('POST', '/v1/jobs', { body: job, signal, retry: false, headers: { Prefer: `wait=${seconds}` } })).json();
 
-/** `crypto.randomUUID` exists in secure contexts only, and a service on a local network is none. */
+/** A random key. `crypto.randomUUID` exists only in secure contexts, and a service on a local network is not one. */
 function key() {
   return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 }
 
-/** Jobs of the slider carry this label, so that lists can leave them out. */
+/** Label of the slider's jobs, by which lists omit them. */
 export const SLIDER = 'portal-slider';
 
-/** Recent jobs without those of the slider, which may fill whole pages: `{ jobs, next }`. */
+/** Recent jobs `{ jobs, next }` without those of the slider, which may fill whole pages. */
 export async function recentJobs(path = '/v1/jobs?limit=100', wanted = 25) {
   const found = [];
   let next = path;
@@ -154,14 +155,14 @@ export function spectrumPath(id, channel, maxFrequency, kind = 'amplitude') {
 
 export const hasEnded = (job) => !['queued', 'running'].includes(job.status);
 
-/** Follows a job to its end and gives it back; events where the service has them, else questions. */
+/** Follows a job and returns it when it has ended, by events if the service has them, else by polling. */
 export async function follow(job, { signal, onProgress }) {
   if (features.events && !hasEnded(job)) {
     try {
       await listen(job, signal, onProgress);
     } catch (error) {
       if (signal?.aborted) throw error;
-      // A proxy that breaks the stream off loses nothing: the job can still be asked.
+      // The stream may be interrupted by a proxy; polling continues.
     }
   }
   for (let wait = 100; ; wait = Math.min(wait * 1.4, 1500)) {
@@ -172,7 +173,7 @@ export async function follow(job, { signal, onProgress }) {
   }
 }
 
-/** Reads server-sent events by fetch, which, unlike EventSource, can send a token. Returns after the last event. */
+/** Reads server-sent events with fetch, which can send a token, unlike EventSource. Returns after the last event. */
 async function listen(job, signal, onProgress) {
   const response = await send('GET', `${job.links.self}/events`, { signal, headers: { Accept: 'text/event-stream' } });
   const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();

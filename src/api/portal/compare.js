@@ -1,4 +1,4 @@
-// Two finished runs over each other.
+// Comparison of two finished runs.
 
 import * as api from './api.js';
 import { h, labelled, options, select, small, table, tools } from './dom.js';
@@ -26,7 +26,7 @@ export class Compare {
     this.caption = h('figcaption', {});
     this.figure = h('figure', { hidden: true }, this.place, this.caption);
     this.metrics = h('div', {});
-    this.note = h('p', { class: 'empty' }, 'Choose two finished runs.');
+    this.note = h('p', { class: 'empty' }, 'Select two finished runs.');
     host.replaceChildren(
       h('h2', {}, 'Compare'),
       h('div', { class: 'pair' }, labelA, labelB),
@@ -37,7 +37,7 @@ export class Compare {
     );
   }
 
-  /** Puts a run beside the one that was chosen before. */
+  /** Adds a run to the comparison. */
   async add(job) {
     this.added = true;
     await this.refresh();
@@ -48,17 +48,17 @@ export class Compare {
     await this.#draw();
   }
 
-  /** The last two runs, where nothing is chosen yet. */
+  /** Selects the last two runs if none is selected. */
   async show() {
     await this.refresh();
     const [a, b] = this.chosen;
     if (this.added || a.value || b.value || a.options.length < 3) return;
-    // The newest first, behind "none".
+    // The first option is "none", the second the newest run.
     [a.value, b.value] = [a.options[2].value, a.options[1].value];
     await this.#draw();
   }
 
-  /** The finished runs to choose from; what is chosen stays. */
+  /** Updates the list of finished runs and keeps the selection. */
   async refresh() {
     try {
       const { jobs } = await api.recentJobs('/v1/jobs?status=succeeded&kind=simulation&limit=200', 50);
@@ -98,7 +98,7 @@ export class Compare {
       });
       const levels = metrics.map((m) => m.channels?.[channel]?.level_db);
       const [first, second] = names.map((name, i) => `${name}: ${level(levels[i])} dB`);
-      const text = `Spectra of ${channelName(channel)}. First, with its labels: ${first}. Second: ${second}.`;
+      const text = `Spectra of ${channelName(channel)}. First (with line labels): ${first}. Second: ${second}.`;
       this.plot.describe(text);
       this.caption.textContent = text;
       this.#differences(metrics);
@@ -128,7 +128,7 @@ export class Compare {
 
 const signed = (value, digits = 3) => (value > 0 ? `+${measured(value, digits)}` : measured(value, digits));
 
-/** Metrics that both runs have: name, unit, both values. */
+/** Metrics of both runs: name, unit, both values. */
 function pairs(a, b) {
   const rows = [];
   for (const [name, channel] of Object.entries(a.channels ?? {})) {
@@ -142,7 +142,7 @@ function pairs(a, b) {
     ['Largest ball load, inner', 'N', 'contacts.inner.max_load_n'],
     ['Largest ball load, outer', 'N', 'contacts.outer.max_load_n'],
     ['Largest pressure, inner', 'MPa', 'contacts.inner.max_pressure_mpa'],
-    ['Least film, inner', 'µm', 'contacts.inner.min_film_thickness_um'],
+    ['Smallest film thickness, inner', 'µm', 'contacts.inner.min_film_thickness_um'],
     ['Largest pocket load', 'N', 'contacts.pocket.max_load_n'],
     ['Cage speed', 'Hz', 'kinematics.cage_speed_hz'],
     ['Cage orbit radius', 'µm', 'cage.orbit_radius_um'],

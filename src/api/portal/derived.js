@@ -1,8 +1,8 @@
-// What follows from the scene before anything runs: a drawing to scale, stiffness, rating, frequencies, static
-// loads, what will be left out, and what the run will cost.
+// Derived quantities of a scene: a drawing to scale, stiffness, rating, frequencies, static loads, omitted terms, and the cost of a run.
 
 import { h, s, table } from './dom.js';
 import { number, quantity, seconds, words } from './format.js';
+import { messageList } from './messages.js';
 
 export function showDerived(host, resolved) {
   const { derived, scene } = resolved;
@@ -37,13 +37,13 @@ export function showDerived(host, resolved) {
       h(
         'div',
         {},
-        h('h3', {}, 'At rest, largest'),
+        h('h3', {}, 'Static equilibrium'),
         rest
           ? rows([
-              ['Ball load', rest.max_ball_load_n, 'N'],
-              ['Pressure', rest.max_pressure_mpa, 'MPa'],
-              ['Radial shift', rest.radial_displacement_um, 'µm'],
-              scene.operation.axial_load_n ? ['Axial shift', rest.axial_displacement_um, 'µm'] : null,
+              ['Largest ball load', rest.max_ball_load_n, 'N'],
+              ['Largest pressure', rest.max_pressure_mpa, 'MPa'],
+              ['Radial displacement', rest.radial_displacement_um, 'µm'],
+              scene.operation.axial_load_n ? ['Axial displacement', rest.axial_displacement_um, 'µm'] : null,
             ])
           : h('p', { class: 'note' }, 'No static equilibrium under these loads.'),
       ),
@@ -60,24 +60,25 @@ export function showDerived(host, resolved) {
         ]),
       ),
     ),
-    ...doubts(resolved.warnings),
+    ...messageList(resolved.messages),
+    ...unitWarnings(resolved.warnings),
     h(
       'details',
       { open: opened },
-      h('summary', {}, `Left out of the equations: ${resolved.left_out.length} terms`),
+      h('summary', {}, `Omitted terms: ${resolved.left_out.length}`),
       leftOut(resolved.left_out),
     ),
   );
 }
 
-/** Values that a misread unit would give. */
-function doubts(warnings) {
+/** Values that suggest a wrong unit. */
+function unitWarnings(warnings = []) {
   if (!warnings.length) return [];
   const items = warnings.map(({ pointer, detail }) => h('li', {}, h('code', {}, pointer), ` ${detail}`));
-  return [h('div', { class: 'note', role: 'status' }, h('h3', {}, 'Is this meant?'), h('ul', {}, ...items))];
+  return [h('div', { class: 'note', role: 'status' }, h('h3', {}, 'Check these values'), h('ul', {}, ...items))];
 }
 
-/** Terms that are not in the equations, and on which grounds. */
+/** Terms that the equations omit, with the reason. */
 export function leftOut(terms) {
   const rows = terms.map(({ term, by, reason, bound, unit }) => [
     words(term),
@@ -85,18 +86,18 @@ export function leftOut(terms) {
     h('span', { class: 'prose' }, reason),
     bound === undefined ? '' : quantity(bound, unit, 2),
   ]);
-  return table('Left out, and why', ['Term', 'By', 'Reason', 'Bound'], rows, { hidden: true });
+  return table('Omitted terms', ['Term', 'By', 'Reason', 'Bound'], rows, { hidden: true });
 }
 
 /** The cost of a run in one line. */
 export function cost(resolved) {
   const { estimated_wall_time_s: estimate, most_wall_time_s: most } = resolved.cost;
-  if (estimate === undefined) return `Tries the model ${resolved.rungs.map(words).join(', then ')}.`;
+  if (estimate === undefined) return `Models in order: ${resolved.rungs.map(words).join(', ')}.`;
   const range = most > 2 * estimate ? `${seconds(estimate)} to ${seconds(most)}` : seconds(estimate);
   return `About ${range} on one core. Model: ${resolved.rungs.map(words).join(', else ')}.`;
 }
 
-/** The bearing seen along its axis, to scale; under each ball its share of the load. Ball 1 stands under +Y, which points down as gravity does. */
+/** The bearing in axial view, to scale, with the share of the load of each ball. Ball 1 is at +Y, which points down like gravity. */
 function drawing(bearing, loads = []) {
   const {
     outer_diameter_mm: outer,
@@ -121,7 +122,7 @@ function drawing(bearing, loads = []) {
   });
   const text =
     `${count} balls of ${number(ball)} mm between ${number(bore)} and ${number(outer)} mm` +
-    (largest ? `; the ball under the load carries ${number(largest)} N` : '');
+    (largest ? `; largest ball load ${number(largest)} N` : '');
   return h(
     'figure',
     { class: 'drawing' },
@@ -134,6 +135,6 @@ function drawing(bearing, loads = []) {
       circle(bore / 2, 'bore'),
       balls,
     ),
-    largest > 0 && h('figcaption', {}, 'Filled: share of the load'),
+    largest > 0 && h('figcaption', {}, 'Filled area: share of the load'),
   );
 }

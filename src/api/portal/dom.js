@@ -1,11 +1,11 @@
-// Elements. Nothing is ever parsed as HTML, so no text of a service or of a link can become markup.
+// Elements. No text is parsed as HTML, so no text of the service or of a link can become markup.
 
 /** An element: attributes, listeners (`onclick`), properties (`.value`), children. */
 export function h(tag, attributes = {}, ...children) {
   return build(document.createElement(tag), attributes, children);
 }
 
-/** The same in SVG. */
+/** An SVG element. */
 export function s(tag, attributes = {}, ...children) {
   return build(document.createElementNS('http://www.w3.org/2000/svg', tag), attributes, children);
 }
@@ -21,7 +21,7 @@ function build(element, attributes, children) {
   return element;
 }
 
-/** A table: heads, then rows of cells. Cells that are numbers or marked `num` stand to the right. */
+/** A table with a caption, column heads and rows of cells. All columns except the first are aligned to the right. */
 export function table(caption, heads, rows, { hidden = false } = {}) {
   const head = (cell, i) => h('th', { scope: 'col', class: i ? 'num' : undefined }, cell);
   const cell = (content, i) => (i === 0 ? h('th', { scope: 'row' }, content) : h('td', { class: 'num' }, content));
@@ -42,7 +42,7 @@ export function table(caption, heads, rows, { hidden = false } = {}) {
   );
 }
 
-/** The name of a line, `6·BPFO + f_r`, with its index as one. */
+/** The name of a line such as `6·BPFO + f_r`, with its subscript. */
 export function lineName(label) {
   return label.split(/_(\w+)/).map((part, i) => (i % 2 ? h('sub', {}, part) : part));
 }
@@ -50,24 +50,24 @@ export function lineName(label) {
 /** Options of a select from pairs of value and text. */
 export const options = (pairs) => pairs.map(([value, text]) => h('option', { value }, text));
 
-/** A button; `small` where it stands among others. */
+/** A button; `small` in groups of buttons. */
 export const button = (text, onclick, attributes = {}) => h('button', { type: 'button', onclick, ...attributes }, text);
 export const small = (text, onclick, attributes = {}) => button(text, onclick, { class: 'small', ...attributes });
 
-/** A choice between pairs of value and text; `onchange` hears the new value. */
+/** A select from pairs of value and text; `onchange` gets the new value. */
 export function select(pairs, onchange = () => {}, attributes = {}) {
   return h('select', { onchange: (event) => onchange(event.target.value), ...attributes }, options(pairs));
 }
 
-/** A control with its words before it, and perhaps its unit behind it. */
+/** A control after its label, optionally with its unit. */
 export const labelled = (text, ...controls) => h('label', {}, `${text} `, controls);
 
-/** One of several that exclude each other. */
+/** A radio button with its label. */
 export const labelledRadio = (attributes, text) =>
   h('label', {}, h('input', { type: 'radio', ...attributes }), h('span', {}, text));
 
-/** Controls side by side. */
+/** Controls in a row. */
 export const tools = (...controls) => h('div', { class: 'tools' }, controls);
 
-/** What is shown once it is asked for. */
+/** Content that opens on request. */
 export const more = (summary, ...content) => h('details', {}, h('summary', {}, summary), content);

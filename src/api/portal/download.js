@@ -1,4 +1,4 @@
-// Taking results away: files, and the command that fetches the same from a shell.
+// Downloads of results, and the curl commands for them.
 
 import * as api from './api.js';
 import { h, small } from './dom.js';
@@ -12,10 +12,10 @@ export function save(name, text, type) {
   setTimeout(() => URL.revokeObjectURL(address), 10000);
 }
 
-/** Fetches a file, with the token where there is one, and saves it. */
+/** Fetches a file, with the token if there is one, and saves it. */
 export const keep = async (name, path, type) => save(name, await api.getText(path, type), type);
 
-/** Numbers of nested objects as CSV: a JSON pointer and its value a row. */
+/** The values of nested objects as rows of JSON pointer and value. */
 export function flat(object, here = '') {
   return Object.entries(object).flatMap(([name, value]) => {
     const pointer = `${here}/${name.replaceAll('~', '~0').replaceAll('/', '~1')}`;
@@ -34,10 +34,10 @@ const csvCell = (value) => {
   return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 };
 
-/** A word of a POSIX shell, whatever it holds. */
+/** Text quoted as one word of a POSIX shell. */
 export const quoted = (text) => `'${text.replaceAll("'", "'\\''")}'`;
 
-/** The curl command of a request; the token stays a variable of the shell, so that the command can be shown around. */
+/** The curl command of a request. The token is a shell variable, so the command can be shared. */
 export function curl({ method = 'GET', path, body, accept, token }) {
   const parts = ['curl -sS'];
   if (method !== 'GET') parts.push(`-X ${method}`);
@@ -49,21 +49,21 @@ export function curl({ method = 'GET', path, body, accept, token }) {
   return parts.join(' ');
 }
 
-/** A command with a button that copies it; where the page may not use the clipboard, it selects the text instead. */
+/** A command with a button that copies it, or selects it if the clipboard is not available. */
 export function command(text) {
   const place = h('code', { tabindex: '0' }, text);
-  const said = h('span', { role: 'status' });
+  const status = h('span', { role: 'status' });
   const copy = async () => {
     try {
       await navigator.clipboard.writeText(place.textContent);
-      said.textContent = 'Copied';
+      status.textContent = 'Copied';
     } catch {
       getSelection().selectAllChildren(place);
-      said.textContent = 'Selected: press Ctrl+C';
+      status.textContent = 'Selected: press Ctrl+C';
     }
     setTimeout(() => {
-      said.textContent = '';
+      status.textContent = '';
     }, 3000);
   };
-  return h('div', { class: 'command' }, h('pre', {}, place), small('Copy command', copy), said);
+  return h('div', { class: 'command' }, h('pre', {}, place), small('Copy command', copy), status);
 }

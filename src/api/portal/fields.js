@@ -1,12 +1,12 @@
-// The fields that the form, the slider and the study offer: names and units. Limits and help come from the
-// service's own document, so that they cannot differ from what it accepts.
+// Names and units of the fields in the form, the slider and the study. Limits and help come from the OpenAPI document of the service,
+// so they agree with the service.
 
 import { number } from './format.js';
 
 const field = (pointer, label, symbol, unit, more = {}) => ({ pointer, label, symbol, unit, ...more });
 
-/** `range`: what the slider and the study offer where the value itself gives none, or, with `always`, in any case; `near`: how far they go
- *  from it; `fixed`: not varied. `derived`: where the value stands that follows when the field says nothing. */
+/** `range`: range of slider and study if the value gives none, or always with `always`. `near`: relative width of the range around the
+ *  value. `fixed`: not varied. `derived`: pointer to the derived value of an empty field. */
 export const GROUPS = [
   {
     name: 'Operation',
@@ -71,7 +71,7 @@ export const GROUPS = [
   {
     name: 'Run',
     fields: [
-      field('/duration_s', 'Kept time', '', 's'),
+      field('/duration_s', 'Recorded time', '', 's'),
       field('/settle_s', 'Settling time', '', 's'),
       field('/solver/model_tolerance_db', 'Model tolerance', '', 'dB'),
       field('/solver/relative_tolerance', 'Step tolerance', '', ''),
@@ -82,15 +82,15 @@ export const GROUPS = [
 
 export const FIELDS = GROUPS.flatMap((group) => group.fields);
 
-/** Fields that can be varied: numbers of the scene that are more than dimensions of the catalogue. */
+/** Fields that can be varied: numbers of the scene except catalogue dimensions. */
 export const VARIED = FIELDS.filter((f) => f.pointer.startsWith('/scene/') && !f.choices && !f.lubricants && !f.fixed);
 
-/** The schema of a field, found from the root of a job. Where a name or an object may stand, the object is meant. */
+/** The schema of a field of a job. If a name or an object is allowed, the schema of the object. */
 export function schemaAt(document, pointer) {
   const schemas = document.components.schemas;
   const plain = (schema) => {
     if (schema.$ref) return plain({ ...schemas[schema.$ref.split('/').pop()], ...described(schema) });
-    // A field that refers to a type and has a default says so by `allOf`.
+    // The schema of a field with a type and a default uses `allOf`.
     const inner = schema.allOf ? plain(schema.allOf[0]) : schema.oneOf?.map(plain).find((one) => one.properties);
     return inner ? { ...inner, ...described(schema) } : schema;
   };
@@ -101,7 +101,7 @@ export function schemaAt(document, pointer) {
     .reduce((schema, step) => plain(schema?.properties?.[step] ?? {}), plain({ $ref: '#/components/schemas/JobInput' }));
 }
 
-/** What a field means and what it may be, in words. */
+/** Meaning and limits of a field, as text. */
 export function help(schema) {
   const text = (schema.description ?? '')
     .replaceAll('\n', ' ')
@@ -122,7 +122,7 @@ function range({ minimum, maximum, exclusiveMinimum, exclusiveMaximum }) {
   return least ? (minimum !== undefined ? `at least ${least}` : least) : most && `at most ${most}`;
 }
 
-/** A range around a value that shows something when it is swept. */
+/** A range around a value for a sweep. */
 export function rangeAround(spec, value, schema) {
   let [from, to] = spec.range ?? [0, 1];
   if (!spec.always && typeof value === 'number' && value !== 0) {

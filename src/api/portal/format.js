@@ -1,6 +1,6 @@
-// Numbers and words, as they are read.
+// Numbers and names as text.
 
-/** A number with sensible digits: no more than it deserves, thousands apart, powers of ten where they are shorter. */
+/** A number with at most `digits` digits, grouped thousands, and a power of ten if that is shorter. */
 export function number(value, digits = 4, least = 1) {
   if (typeof value !== 'number' || !Number.isFinite(value)) return '–';
   if (value === 0) return '0';
@@ -18,21 +18,21 @@ export function number(value, digits = 4, least = 1) {
   return minus(text.replaceAll(',', '\u202f'));
 }
 
-/** A computed number: zeros at its end are digits, too, so that columns agree. */
+/** A computed number with a fixed number of digits, so that columns agree. */
 export const measured = (value, digits = 3) => (value === 0 ? '0' : number(value, digits, digits));
 
-/** A number with its unit; the space between them does not break. */
+/** A number with its unit, separated by a non-breaking space. */
 export function quantity(value, unit, digits) {
   return unit ? `${number(value, digits)}${unit === '°' ? '' : '\u00a0'}${unit}` : number(value, digits);
 }
 
-/** The unit of a level in full. */
+/** The unit of a level with its reference. */
 export const LEVEL_UNIT = 'dB re 9.81 mm/s²';
 
-/** Level with a fixed number of decimals, as levels are read. */
+/** A level with one decimal. */
 export const level = (value) => (typeof value === 'number' ? minus(value.toFixed(1)) : '–');
 
-/** A duration in the unit that suits it. */
+/** A duration in a suitable unit. */
 export function seconds(value) {
   if (typeof value !== 'number') return '–';
   if (value < 1) return quantity(value * 1000, 'ms', 2);
@@ -47,32 +47,32 @@ export const power = (value) =>
 const minus = (text) => text.replace('-', '−');
 const superscript = (exponent) => [...String(exponent)].map((c) => (c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c])).join('');
 
-/** `radially_condensed` as one reads it. */
+/** `radially_condensed` with spaces. */
 export const words = (name) => String(name ?? '').replaceAll('_', ' ');
 
-/** `spindle.y.acceleration` as one reads it. */
+/** `spindle.y.acceleration` with spaces. */
 export const channelName = (channel) => channel.replaceAll('.', ' ');
 
-/** A clock time today, else the date as well. */
+/** A time of today, else date and time. */
 export function moment(text) {
   const date = new Date(text);
   const time = date.toLocaleTimeString([], { hour: '2-digit', minute: '2-digit', second: '2-digit', hour12: false });
   return date.toDateString() === new Date().toDateString() ? time : `${date.toLocaleDateString()} ${time}`;
 }
 
-/** Units that end the names of fields. */
+/** Units at the end of field names. */
 const UNITS = { um: 'µm', mm: 'mm', g: 'g', kg: 'kg', n: 'N', rpm: 'r/min', deg: '°', pa_s: 'Pa·s' };
 const UNIT = new RegExp(`_(${Object.keys(UNITS).join('|')})$`);
 
-/** Fields that a request changes in a preset, the first two by name. */
+/** The fields of a preset that a request changes; the first two by name. */
 function changes(fields) {
-  const said = Object.entries(fields).map(([name, value]) =>
+  const changed = Object.entries(fields).map(([name, value]) =>
     typeof value === 'number' ? `${words(name.replace(UNIT, ''))} ${quantity(value, UNITS[name.match(UNIT)?.[1]])}` : words(name),
   );
-  return said.length > 2 ? [...said.slice(0, 2), `${said.length - 2} more`] : said;
+  return changed.length > 2 ? [...changed.slice(0, 2), `${changed.length - 2} more`] : changed;
 }
 
-/** What a request is about, in one line. */
+/** A one-line title of a request. */
 export function title(request) {
   const { scene = {}, axes } = request ?? {};
   const { bearing, operation = {}, spindle = {}, lubricant } = scene;

@@ -1,4 +1,4 @@
-// Recent jobs: open, compare, delete.
+// List of recent jobs: open, compare, delete.
 
 import * as api from './api.js';
 import { h, small, tools } from './dom.js';
@@ -87,21 +87,21 @@ export class JobList {
     return row;
   }
 
-  /** Deleting takes two clicks on the same place; leaving it takes the first one back. */
+  /** A button that deletes on the second click; leaving it resets it. */
   #deletion(job, name, row) {
-    let sure = false;
+    let armed = false;
     const button = h('button', { type: 'button', class: 'small', 'aria-label': `Delete: ${name}` }, 'Delete');
     const reset = () => {
-      sure = false;
+      armed = false;
       button.textContent = 'Delete';
       button.setAttribute('aria-label', `Delete: ${name}`);
     };
     button.addEventListener('blur', reset);
     button.addEventListener('click', async () => {
-      if (!sure) {
-        sure = true;
-        button.textContent = 'Really?';
-        button.setAttribute('aria-label', `Really delete: ${name}`);
+      if (!armed) {
+        armed = true;
+        button.textContent = 'Confirm';
+        button.setAttribute('aria-label', `Confirm: delete ${name}`);
         return;
       }
       try {

@@ -1,4 +1,4 @@
-// The page put together: the request in the middle, the form and the panels around it.
+// The page: the request, and the form and panels that use it.
 
 import * as api from './api.js';
 import { Compare } from './compare.js';
@@ -15,18 +15,18 @@ import { Study } from './study.js';
 
 const TABS = ['result', 'slider', 'study', 'compare', 'jobs'];
 
-/** Pause in typing after which the service is asked what follows [ms]. */
-const PAUSE = 180;
+/** Pause in typing after which the scene is resolved [ms]. */
+const TYPING_PAUSE = 180;
 
-/** Pause until the service is asked again when it could not be reached [ms]. */
-const RETRY = 3000;
+/** Pause before a retry when the service cannot be reached [ms]. */
+const RETRY_PAUSE = 3000;
 
 const at = (id) => document.getElementById(id);
-const said = fromAddress();
-const state = { ...said, job: said.job ?? START, resolved: null };
+const address = fromAddress();
+const state = { ...address, job: address.job ?? START, resolved: null };
 if (!TABS.includes(state.tab)) state.tab = 'result';
 
-/** Tells what happens; a remark goes by itself, what is still waited for stays. */
+/** Shows a status message, which disappears after 6 s unless `stays`. */
 function say(text, stays = false) {
   at('status').textContent = text;
   clearTimeout(say.timer);
@@ -39,12 +39,12 @@ function say(text, stays = false) {
 api.hooks.waiting = (what, wait) => say(what ? `${what}; trying again in ${Math.ceil(wait)} s.` : '', Boolean(what));
 api.hooks.askToken = askToken;
 
-/** Asks for a token; null where the reader gives none. */
+/** Asks for a token; null if none is entered. */
 function askToken(refused) {
   const dialog = at('token-dialog');
   at('token-note').textContent = refused
     ? 'The service does not know this token.'
-    : 'This service asks for a token. It is kept until this tab is closed.';
+    : 'This service requires a token. It is kept until this tab is closed.';
   at('token').value = '';
   dialog.returnValue = '';
   dialog.showModal();
@@ -81,7 +81,7 @@ async function start() {
     apply: (job) => {
       change(job);
       form.show(job);
-      say('Taken into the form.');
+      say('The form has this value now.');
     },
   });
   const study = new Study(at('panel-study'), {
@@ -110,7 +110,7 @@ async function start() {
   let timer = null;
   let controller = null;
 
-  /** The request has changed: everything that shows it follows. */
+  /** Updates everything that depends on the request. */
   function change(job, { fromText = false } = {}) {
     state.job = job;
     if (!fromText) {
@@ -120,7 +120,7 @@ async function start() {
     at('request-curl').replaceChildren(command(curl({ method: 'POST', path: '/v1/jobs', body: job, token: api.hasToken() })));
     remember();
     clearTimeout(timer);
-    timer = setTimeout(resolve, PAUSE);
+    timer = setTimeout(resolve, TYPING_PAUSE);
   }
 
   async function resolve() {
@@ -148,7 +148,7 @@ async function start() {
       at('derived').classList.add('stale');
       at('cost').textContent = '';
       showErrors(error.errors?.length ? error.errors : [{ pointer: '', detail: error.message }]);
-      if (!error.status || error.status >= 500) timer = setTimeout(resolve, RETRY);
+      if (!error.status || error.status >= 500) timer = setTimeout(resolve, RETRY_PAUSE);
     }
   }
 
@@ -177,12 +177,12 @@ async function start() {
     }
   }
 
-  /** Puts the scene of a run back into the form. */
+  /** Puts the scene of a run into the form. */
   function edit({ scene, solver, duration_s, settle_s, outputs }) {
     const job = JSON.parse(JSON.stringify({ kind: 'simulation', scene, solver, duration_s, settle_s, outputs }));
     form.show(job);
     change(job);
-    say('The form has the scene of this run.');
+    say('The form has the scene of this run now.');
   }
 
   function ended(job) {
@@ -192,7 +192,7 @@ async function start() {
   async function open(job) {
     state.run = job.id;
     choose(job.kind === 'study' ? 'study' : 'result');
-    // On a narrow page the result stands below the form.
+    // On a narrow page the result is below the form.
     if (matchMedia('(max-width: 56rem)').matches)
       at('panel-result').parentElement.querySelector('[role=tablist]').scrollIntoView();
     await (job.kind === 'study' ? study.show(job) : result.show(job));
@@ -237,7 +237,7 @@ async function start() {
       choose(TABS[to % TABS.length], true);
     });
   }
-  // A link that is pasted over the old one.
+  // A link that is pasted over the current one.
   addEventListener('hashchange', () => {
     const { job, run, tab } = fromAddress();
     const other = run !== null && run !== state.run;
@@ -249,15 +249,15 @@ async function start() {
   });
 
   form.show(state.job);
-  if (said.run !== null && !isId(said.run)) state.run = null;
+  if (address.run !== null && !isId(address.run)) state.run = null;
   choose(state.tab);
   change(state.job);
-  if (said.run !== null) await reopen(said);
+  if (address.run !== null) await reopen(address);
 
-  /** The run that an address names, on its tab and, where the address says no request, with its scene in the form. */
+  /** Shows the run of an address on its tab. If the address has no request, the form gets the scene of the run. */
   async function reopen({ job: request, run: id, tab }) {
     if (!isId(id)) {
-      nothing(id ? 'The link names no run: its address was cut off.' : 'The link names no run.');
+      showReason(id ? 'The link names no run: its address is incomplete.' : 'The link names no run.');
       return;
     }
     let job;
@@ -266,7 +266,7 @@ async function start() {
     } catch (error) {
       state.run = null;
       remember();
-      nothing(error.status === 404 ? 'The run of this link is gone, or another token owns it.' : error.message);
+      showReason(error.status === 404 ? 'The run of this link is gone, or it belongs to another owner.' : error.message);
       return;
     }
     if (!request && job.request.scene) edit(job.request);
@@ -276,10 +276,10 @@ async function start() {
     await (own === 'study' ? study.show(job) : result.show(job));
   }
 
-  /** Says in the place of a result why there is none. */
-  function nothing(why) {
-    say(why);
-    result.clear(why);
+  /** Shows the reason why there is no result. */
+  function showReason(reason) {
+    say(reason);
+    result.clear(reason);
   }
 }
 

@@ -1,15 +1,16 @@
-// The metrics of a run as figures and tables, and what plots take from them.
+// The metrics of a run as key values and tables, and the quantities that plots derive from them.
 
 import { leftOut } from './derived.js';
 import { h, more, table } from './dom.js';
 import { channelName, LEVEL_UNIT, level, measured, number, seconds, words } from './format.js';
+import { messageList } from './messages.js';
 
 const MOTIONS = { decaying: 'regular motion', diverging: 'chaotic motion' };
 
-/** Up to where the strong lines stand, rounded up: the part of a spectrum that one looks at first. */
+/** Upper frequency limit of a spectrum plot: above the strong lines, rounded up [Hz]. */
 export function usualLimit(metrics) {
   const lines = metrics.lines ?? [];
-  // Only lines of one unit can be told apart by strength.
+  // Only amplitudes of the same unit can be compared.
   const motion = (line) => line.channel.split('.').at(-1);
   const strongest = (line) => Math.max(...lines.filter((other) => motion(other) === motion(line)).map((other) => other.amplitude));
   const last = Math.max(
@@ -20,7 +21,7 @@ export function usualLimit(metrics) {
   return Math.min(Math.ceil((last * 1.1) / (step / 2)) * (step / 2), 20000);
 }
 
-/** Names for the peaks of an envelope, for which the service names no lines: those that stand at multiples of the bearing's frequencies. */
+/** Named peaks of an envelope spectrum at multiples of the bearing's frequencies. The service names no lines of envelopes. */
 export function peaks({ frequency_hz: f, amplitude, resolution_hz: resolution }, known) {
   const floor = 8 * [...amplitude].sort((a, b) => a - b)[amplitude.length >> 1];
   const names = [
@@ -50,7 +51,7 @@ export function peaks({ frequency_hz: f, amplitude, resolution_hz: resolution },
     .sort((a, b) => b.amplitude - a.amplitude);
 }
 
-/** What one reads first. */
+/** Messages and key values of a run. */
 export function summary(metrics) {
   const { channels = {}, contacts, kinematics, solver, accuracy, messages = [] } = metrics;
   const of = (axis) => channels[`spindle.${axis}.acceleration`]?.level_db;
@@ -60,13 +61,14 @@ export function summary(metrics) {
     const { level_error_db: own, level_scatter_db: scatter } = channels[`spindle.${axis}.acceleration`] ?? {};
     const error = own ?? accuracy.level_error_db;
     const known = typeof error === 'number' ? `± ${number(error, 1)}` : '';
-    // What matters beside that, and to anyone who reads a level to tenths.
-    return scatter > Math.max(error ?? 0, 0.05) ? `${known}, over another stretch ± ${number(scatter, 1)}` : known;
+    // Shown if it exceeds the error and matters for a level with one decimal.
+    return scatter > Math.max(error ?? 0, 0.05) ? `${known}, over another time window ± ${number(scatter, 1)}` : known;
   };
+  const messages = metrics.messages ?? [];
+  const warnings = [accuracy.warning, accuracy.settling].filter((text) => text && !messages.some((one) => one.text === text));
   return [
-    ...messages
-      .filter(({ severity }) => severity === 'warning')
-      .map(({ text }) => h('p', { class: 'warning', role: 'note' }, text)),
+    ...messageList(messages),
+    ...warnings.map((text) => h('p', { class: 'warning', role: 'note' }, text)),
     h(
       'dl',
       { class: 'figures' },
@@ -76,13 +78,13 @@ export function summary(metrics) {
         contacts?.inner &&
           figure('Largest pressure', number(Math.max(contacts.inner.max_pressure_mpa, contacts.outer.max_pressure_mpa)), 'MPa'),
         kinematics?.cage_slip !== undefined && figure('Cage slip', number(kinematics.cage_slip * 100, 2), '%'),
-        figure(`Model, in ${seconds(solver.wall_time_s)}`, words(solver.rung)),
+        figure('Model', words(solver.rung), '', `run time ${seconds(solver.wall_time_s)}`),
       ].filter(Boolean),
     ),
   ];
 }
 
-/** Everything else that the metrics hold. */
+/** All other metrics. */
 export function tables(metrics) {
   const { channels = {}, contacts = {}, kinematics, cage, frequencies_hz: f, solver, accuracy } = metrics;
   const rest = [
@@ -92,7 +94,7 @@ export function tables(metrics) {
             [`Largest load, ${side}`, contacts[side].max_load_n, 'N'],
             [`Largest pressure, ${side}`, contacts[side].max_pressure_mpa, 'MPa'],
             [`Largest slip, ${side}`, contacts[side].max_slip_m_s, 'm/s'],
-            [`Least film, ${side}`, contacts[side].min_film_thickness_um, 'µm'],
+            [`Smallest film thickness, ${side}`, contacts[side].min_film_thickness_um, 'µm'],
           ]
         : [],
     ),
@@ -110,7 +112,7 @@ export function tables(metrics) {
     ['Steps', solver.steps, ''],
     ['Simulated', solver.simulated_time_s, 's'],
     ['Wall time', solver.wall_time_s, 's'],
-    ['Simulated over wall time', solver.real_time_factor, ''],
+    ['Real-time factor', solver.real_time_factor, ''],
   ].filter((row) => row && row[1] !== undefined);
   return [
     h(
@@ -119,7 +121,7 @@ export function tables(metrics) {
       h('h3', {}, 'Vibration, 0 to 20 kHz'),
       table(
         'Channels',
-        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '± along the run, dB'],
+        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '± over time, dB'],
         Object.entries(channels).map(([name, c]) => [
           channelName(name),
           c.unit,
@@ -150,7 +152,7 @@ export function tables(metrics) {
         ),
       ),
     ),
-    more(`How accurate: ${MOTIONS[accuracy.motion] ?? 'not judged'}`, h('p', {}, accuracy.how), h('p', {}, solver.check)),
-    more(`Left out of the equations: ${metrics.left_out.length} terms`, leftOut(metrics.left_out)),
+    more(`Accuracy: ${MOTIONS[accuracy.motion] ?? 'motion not classified'}`, h('p', {}, accuracy.how), h('p', {}, solver.check)),
+    more(`Omitted terms: ${metrics.left_out.length}`, leftOut(metrics.left_out)),
   ];
 }

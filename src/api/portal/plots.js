@@ -1,10 +1,10 @@
-// Plots: a spectrum with named lines, curves over a quantity, and pictures the service has drawn.
+// Plots: a spectrum with named lines, curves over a quantity, and images drawn by the service.
 
 import { h, labelled, lineName, s, select, small } from './dom.js';
 import { number, power, quantity } from './format.js';
 import uPlot from './vendor/uPlot.esm.js';
 
-/** Colours come from the style sheet, so that a plot follows the theme. */
+/** The colours of the style sheet, so that plots follow the theme. */
 function colours() {
   const style = getComputedStyle(document.documentElement);
   const of = (name) => style.getPropertyValue(`--${name}`).trim();
@@ -36,10 +36,10 @@ function axis(label, values, theme, size = 36) {
   };
 }
 
-/** Of a logarithmic axis, the decades alone: nine lines each are too many for an amplitude of seven. */
+/** The decades of a logarithmic axis: nine grid lines each would be too many over seven decades. */
 const decades = (u, at) => at.map((v) => (Number.isInteger(Number(Math.log10(v).toFixed(9))) ? v : null));
 
-/** What all plots share: a size that follows the page, a theme that follows the system, and words for who cannot see it. */
+/** Base of all plots: the size follows the page, the theme follows the system, and a text describes the plot. */
 class Plot {
   constructor(host, height) {
     this.host = host;
@@ -58,7 +58,7 @@ class Plot {
     this.place.setAttribute('aria-label', text);
   }
 
-  /** Draws anew only what changed: with the same shape (`shape`) only data are exchanged, which takes under a millisecond. */
+  /** Draws the plot. With the same `shape` only the data are replaced, which takes less than a millisecond. */
   put(shape, options, data) {
     if (shape === this.shape && this.plot) {
       this.plot.setData(data, false);
@@ -79,7 +79,7 @@ class Plot {
   }
 }
 
-/** Amplitude over frequency, one or two runs over each other, lines with their labels. */
+/** Amplitude over frequency of one or two runs, with labelled lines. */
 export class SpectrumPlot extends Plot {
   constructor(host, height = 420) {
     super(host, height);
@@ -110,8 +110,8 @@ export class SpectrumPlot extends Plot {
     this.labels = [];
   }
 
-  /** `spectra`: `[{ name, frequency_hz, amplitude }]`; `lines`: those of the first; `limit` in Hz.
-   *  `ghost`: the first spectrum stays in the background, and the lines are those of the second. */
+  /** `spectra`: `[{ name, frequency_hz, amplitude }]`; `lines`: lines of the first spectrum; `limit` [Hz].
+   *  With `ghost` the first spectrum is the background, and the lines are those of the second. */
   draw({ spectra, lines, unit, limit, keepZoom = false, ghost = false }) {
     this.zoomed = keepZoom && this.limit === limit ? this.zoomed : null;
     this.drawn = { spectra, lines, unit, ghost };
@@ -123,7 +123,7 @@ export class SpectrumPlot extends Plot {
     if (!this.drawn) return;
     const { spectra, unit, ghost } = this.drawn;
     const largest = Math.max(...spectra.flatMap(({ amplitude }) => amplitude.reduce((a, b) => Math.max(a, b), 0)), 1e-12);
-    // A scale that follows every frame cannot be read: it grows at once, and shrinks only when it is far too large.
+    // The scale grows at once and shrinks only when it is far too large, so that it stays readable during a sweep.
     if (!(this.top >= largest * 1.05 && this.top <= largest * 12)) this.top = largest * 2;
     const floor = this.top * 1e-6;
     const column = ({ amplitude }) => (this.log ? amplitude.map((a) => Math.max(a, floor / 10)) : amplitude);
@@ -164,7 +164,7 @@ export class SpectrumPlot extends Plot {
       ],
       hooks: {
         draw: [(u) => this.#placeLabels(u)],
-        setCursor: [(u) => this.#tell(u)],
+        setCursor: [(u) => this.#showReadout(u)],
         setSelect: [(u) => this.#select(u)],
       },
     });
@@ -204,7 +204,7 @@ export class SpectrumPlot extends Plot {
     u.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
   }
 
-  #tell(u) {
+  #showReadout(u) {
     const i = u.cursor.idx;
     this.readout.textContent =
       i === null || i === undefined
@@ -216,7 +216,7 @@ export class SpectrumPlot extends Plot {
             .join(' and ')}`;
   }
 
-  /** Names of lines, strongest first, each only where it hides no other. */
+  /** Places the labels of lines, strongest first. A label that would cover another one is omitted. */
   #placeLabels(u) {
     const { min, max } = u.scales.x;
     const taken = [];
@@ -225,7 +225,7 @@ export class SpectrumPlot extends Plot {
       if (!label || f < min || f > max) continue;
       const width = label.length * 6.6 + 6;
       const x = Math.min(Math.max(u.valToPos(f, 'x'), width / 2), u.over.clientWidth - width / 2);
-      // Above whichever spectrum is higher there: a name on the other's line could be read as its own.
+      // Above both spectra: a label on the other curve would seem to belong to it.
       const at = u.valToIdx(f);
       const there = u.data.slice(1).flatMap((column) => [...column.slice(Math.max(at - 1, 0), at + 2)].filter(Number.isFinite));
       const y = u.valToPos(Math.max(amplitude, ...there, this.top * 1e-6), 'y') - 18;
@@ -254,13 +254,13 @@ export class SpectrumPlot extends Plot {
   }
 }
 
-/** A curve with dots over a quantity, with the error of each point where it is known. */
+/** A curve with dots over a quantity, with error bars. */
 export class CurvePlot extends Plot {
   constructor(host, height = 340) {
     super(host, height);
   }
 
-  /** `errors`: half the length of the bar at each point, or null. `dots`: whether points stand alone. */
+  /** `errors`: half length of the error bar of each point, or null. `dots`: whether points are marked. */
   draw({ x, y, errors = [], xLabel, yLabel, logX = false, dots = true }) {
     this.drawn = { x, y, errors, xLabel, yLabel, logX, dots };
     this.shape = '';
@@ -321,7 +321,7 @@ function bars(u, x, y, errors, colour) {
   ctx.restore();
 }
 
-/** A picture that the service drew: as an image, so that its own styles stay its own. */
+/** An SVG drawn by the service, as an image, so that its styles do not affect the page. */
 export function picture(svg, text) {
   const address = URL.createObjectURL(new Blob([svg], { type: 'image/svg+xml' }));
   const image = h('img', { class: 'picture', src: address, alt: text });
@@ -329,7 +329,7 @@ export function picture(svg, text) {
   return image;
 }
 
-/** The path of a point in a plane, of equal scale in both directions. */
+/** The path of a point in a plane, with the same scale in both directions. */
 export function orbit({ y, z, unit, text }) {
   const range = (values) => values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
   const [[y0, y1], [z0, z1]] = [range(y), range(z)];
@@ -351,7 +351,7 @@ export function orbit({ y, z, unit, text }) {
   );
 }
 
-/** Bars for one value a ball, inner and outer raceway beside each other. */
+/** Bars of one value for each ball, for the inner and the outer raceway. */
 export function ballBars({ inner = [], outer = [], text }) {
   const largest = Math.max(...inner, ...outer, 1e-12);
   const count = Math.max(inner.length, outer.length);

@@ -1,5 +1,5 @@
-// The request as plain contract JSON: reading and changing it by JSON pointers, and keeping it in the address.
-// It holds what the user said and nothing else; defaults are the service's.
+// The request as JSON: reading and changing it by JSON pointers, and keeping it in the address of the page.
+// It contains only what the user entered; the service adds the defaults.
 
 export const START = {
   kind: 'simulation',
@@ -10,7 +10,7 @@ export const START = {
   },
 };
 
-/** Where a name may stand for an object: the member of the object that then says the name. */
+/** Pointers at which a name may replace an object, with the member of the object that holds the name. */
 const NAMED = { '/scene/bearing': 'preset', '/scene/lubricant': 'kind' };
 
 const steps = (pointer) =>
@@ -23,7 +23,7 @@ export function read(object, pointer) {
   return steps(pointer).reduce((at, step) => (typeof at === 'object' && at !== null ? at[step] : undefined), object);
 }
 
-/** A copy with one value said, or, by `undefined`, no longer said. */
+/** A copy with one value set, or removed if it is `undefined`. */
 export function write(job, pointer, value) {
   const copy = structuredClone(job);
   const path = steps(pointer);
@@ -41,7 +41,7 @@ export function write(job, pointer, value) {
   return tidy(copy);
 }
 
-/** Empty objects go, and an object that says only a name becomes the name. */
+/** Removes empty objects, and replaces an object with only a name by the name. */
 function tidy(job) {
   const swept = (value, here) => {
     if (typeof value !== 'object' || value === null || Array.isArray(value)) return value;
@@ -56,24 +56,24 @@ function tidy(job) {
   return swept(job, '');
 }
 
-/** What the address says after `#`: the request and the run that is shown. */
+/** Request, run and tab from the part of the address after `#`. */
 export function fromAddress() {
-  const said = new URLSearchParams(location.hash.slice(1));
+  const parameters = new URLSearchParams(location.hash.slice(1));
   let job = null;
   try {
-    job = JSON.parse(said.get('job'));
+    job = JSON.parse(parameters.get('job'));
   } catch {
-    // A link that was cut off: the page starts as without it.
+    // An incomplete link is ignored.
   }
-  return { job: job && typeof job === 'object' ? job : null, run: said.get('run'), tab: said.get('tab') };
+  return { job: job && typeof job === 'object' ? job : null, run: parameters.get('run'), tab: parameters.get('tab') };
 }
 
-/** Whether a word can be the id of a job. */
+/** Whether a word has the form of a job id. */
 export const isId = (word) => /^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$/.test(word);
 
 export function toAddress({ job, run, tab }) {
-  const said = new URLSearchParams({ job: JSON.stringify(job) });
-  if (run) said.set('run', run);
-  if (tab && tab !== 'result') said.set('tab', tab);
-  history.replaceState(null, '', `#${said}`);
+  const parameters = new URLSearchParams({ job: JSON.stringify(job) });
+  if (run) parameters.set('run', run);
+  if (tab && tab !== 'result') parameters.set('tab', tab);
+  history.replaceState(null, '', `#${parameters}`);
 }

@@ -1,4 +1,4 @@
-// One run: its progress, then what it gave.
+// One run: its progress, then its results.
 
 import * as api from './api.js';
 import { h, small } from './dom.js';
@@ -9,13 +9,13 @@ import { picture } from './plots.js';
 import { Views } from './views.js';
 
 export class Result {
-  /** `say(text)` tells what happens; `onEnd(job)`, `rerun(request)` and `edit(request)` leave this room. */
+  /** `say(text)` shows a status message; `onEnd(job)`, `rerun(request)` and `edit(request)` are actions of the page. */
   constructor(host, { say, onEnd, rerun, edit }) {
     Object.assign(this, { host, say, onEnd, edit });
     this.views = new Views({ say, rerun });
   }
 
-  /** Follows a job to its end and shows what it has. Another call takes its place. */
+  /** Follows a job to its end and shows its results. Another call replaces it. */
   async show(job) {
     this.controller?.abort();
     const controller = new AbortController();
@@ -44,7 +44,7 @@ export class Result {
     }
   }
 
-  /** Shows nothing but a remark. */
+  /** Shows only a remark. */
   clear(remark) {
     this.controller?.abort();
     this.head = null;
@@ -106,7 +106,7 @@ export class Result {
     this.say(error.message);
   }
 
-  /** The picture of an optimum, or of error against run time. */
+  /** The plot of an optimum job or an accuracy job. */
   async #report(job, signal) {
     const [image, answer] =
       job.kind === 'optimum'
@@ -128,10 +128,10 @@ export class Result {
   }
 }
 
-/** Where a job stands, in words. */
+/** Status of a job as text. */
 function remark({ status, error, progress, reused, finished_at: ended }) {
   if (error) return `${error.title}: ${error.detail}`;
-  if (status === 'queued') return 'waits for a worker';
+  if (status === 'queued') return 'waiting for a worker';
   if (status === 'running') return `${Math.round(progress * 100)} %`;
-  return reused ? 'answered by an identical earlier run' : `ended ${moment(ended)}`;
+  return reused ? 'answered by the result of an identical run' : `ended ${moment(ended)}`;
 }

@@ -1,12 +1,12 @@
-// The form: a view of the request. It writes what was edited into the request and shows, as placeholders,
-// what the service fills in; errors appear at the field that the service's pointer names.
+// The form: a view of the request. It writes edits into the request and shows the defaults of the service as placeholders. Errors
+// appear at the field of their pointer.
 
 import { h, options } from './dom.js';
 import { GROUPS, FIELDS, help, schemaAt } from './fields.js';
 import { number, words } from './format.js';
 import { read, write } from './request.js';
 
-/** What a bearing without a preset must say; it starts from the bearing that was shown. */
+/** Required fields of a bearing without preset; they start with the values of the current bearing. */
 const REQUIRED = [
   'type',
   'outer_diameter_mm',
@@ -22,7 +22,7 @@ export class SceneForm {
   #errors = new Map();
   #unreadable = new Map();
 
-  /** `onChange(job)` is told every request that the form makes. */
+  /** `onChange(job)` gets every changed request. */
   constructor(host, { document, presets, onChange }) {
     this.document = document;
     this.presets = presets;
@@ -31,18 +31,18 @@ export class SceneForm {
     host.addEventListener('focusin', (event) => this.#explain(event.target));
   }
 
-  /** Shows a request. Fields that the user is writing in are left alone. */
+  /** Shows a request. The field that is being edited keeps its text. */
   show(job) {
     this.job = job;
     const { bearing } = job.scene ?? {};
     this.preset.value = typeof bearing === 'string' ? bearing : (bearing?.preset ?? '');
     const changed = typeof bearing === 'object' && bearing?.preset;
     this.presetNote.textContent = !this.preset.value
-      ? 'Every dimension is your own.'
-      : `${this.presets.bearings[this.preset.value]?.description ?? ''}${changed ? '; changed below' : ''}`;
+      ? 'All dimensions are entered below.'
+      : `${this.presets.bearings[this.preset.value]?.description ?? ''}${changed ? '; with changes below' : ''}`;
     for (const spec of FIELDS) {
       const input = this.#inputs.get(spec.pointer);
-      const value = this.#said(spec);
+      const value = this.#requested(spec);
       if (!this.#unreadable.has(spec.pointer) && !(document.activeElement === input && same(input.value, value))) {
         input.value = value === undefined ? '' : typeof value === 'object' ? 'profile' : String(value);
       }
@@ -50,7 +50,7 @@ export class SceneForm {
     }
   }
 
-  /** Shows what the service fills in where nothing was said. */
+  /** Shows the defaults of empty fields. */
   showDefaults(resolved) {
     for (const spec of FIELDS) {
       const input = this.#inputs.get(spec.pointer);
@@ -62,7 +62,7 @@ export class SceneForm {
     }
   }
 
-  /** Shows errors at their fields and gives back those that have no field here. */
+  /** Shows errors at their fields and returns those without a field. */
   showErrors(errors) {
     for (const pointer of this.#errors.keys()) this.#error(pointer, '');
     const elsewhere = [];
@@ -79,12 +79,12 @@ export class SceneForm {
     return elsewhere;
   }
 
-  /** Whether a field holds something that is no number. */
+  /** Whether a field contains text that is not a number. */
   get unreadable() {
     return this.#unreadable.size > 0;
   }
 
-  /** Puts the cursor where the first error is. */
+  /** Focuses the field of the first error. */
   focusFirstError() {
     const field = document.querySelector('.field.wrong');
     field?.querySelector('input, select')?.focus();
@@ -120,7 +120,7 @@ export class SceneForm {
     const name = this.preset.value;
     const current = this.resolved?.scene.bearing ?? Object.values(this.presets.bearings)[0].bearing;
     const own = Object.fromEntries(REQUIRED.map((field) => [field, current[field]]));
-    this.#tell(write(this.job, '/scene/bearing', name || own));
+    this.#update(write(this.job, '/scene/bearing', name || own));
   }
 
   #group(group) {
@@ -166,8 +166,8 @@ export class SceneForm {
     return [['', 'default'], ...names.map((name) => [name, words(name)])];
   }
 
-  /** What the request says of a field; undefined where it leaves it out. */
-  #said(spec) {
+  /** The value of a field in the request; undefined if it is absent. */
+  #requested(spec) {
     const value = read(this.job, spec.pointer);
     return spec.lubricants && typeof value === 'object' ? value.kind : value;
   }
@@ -183,10 +183,10 @@ export class SceneForm {
     }
     const value = text === '' ? undefined : isNumber ? Number(text) : text;
     const keep = spec.lubricants && typeof read(this.job, spec.pointer) === 'object' ? `${spec.pointer}/kind` : spec.pointer;
-    this.#tell(write(this.job, keep, value));
+    this.#update(write(this.job, keep, value));
   }
 
-  #tell(job) {
+  #update(job) {
     this.show(job);
     this.onChange(job);
   }
@@ -204,7 +204,7 @@ export class SceneForm {
     }
   }
 
-  /** The line of help beside the button: one place, so that nothing moves while one goes through the fields. */
+  /** Shows the help of a field next to the button. A fixed place keeps the form from moving. */
   #explain(element) {
     const field = element.closest('.field');
     const hint = field?.querySelector('.hint, .note');
@@ -212,12 +212,12 @@ export class SceneForm {
   }
 }
 
-/** Letters with an index, as formulas have them. */
+/** A symbol with its subscript. */
 export function symbol(text) {
   return text
     ? h('span', { class: 'symbol', 'aria-hidden': 'true' }, h('i', {}, text[0]), text.length > 1 && h('sub', {}, text.slice(1)))
     : null;
 }
 
-/** Whether a field's text already says the value: `500.` and `500` do. */
+/** Whether the text of a field already has the value: `500.` and `500` are equal. */
 const same = (text, value) => (text.trim() === '' ? value === undefined : Number(text.replace(',', '.')) === value);

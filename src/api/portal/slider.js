@@ -1,4 +1,4 @@
-// One parameter by hand: each position of the slider is a short job, and the newest one wins.
+// One parameter by slider: each position is a short job, and the newest one is shown.
 
 import * as api from './api.js';
 import { button, h, labelled, more, select, tools } from './dom.js';
@@ -9,16 +9,16 @@ import { usualLimit } from './metrics.js';
 import { SpectrumPlot } from './plots.js';
 import { read, write } from './request.js';
 
-/** Jobs of the slider are removed this long after their end [s]: time enough to fetch the spectrum. */
-const KEPT = 5;
+/** Retention of the slider's jobs [s]: enough to fetch the spectrum. */
+const KEEP_FOR_S = 5;
 
-/** Requests under way at a time: the next one computes while the last one is drawn. */
-const UNDER_WAY = 2;
+/** Largest number of simultaneous requests: the next one computes while the last one is drawn. */
+const MAX_REQUESTS = 2;
 
-/** After this long a request makes room for a newer one [ms]. */
-const PATIENCE = 1500;
+/** Time after which a request is aborted for a newer one [ms]. */
+const REQUEST_TIMEOUT = 1500;
 
-/** Does the newest of what comes in while it is busy, and forgets the rest. */
+/** Processes the newest value and drops older ones that waited. */
 class Latest {
   #running = new Set();
   #number = 0;
@@ -39,16 +39,16 @@ class Latest {
 
   #next() {
     if (!this.waiting) return;
-    if (this.#running.size >= UNDER_WAY) {
+    if (this.#running.size >= MAX_REQUESTS) {
       const [oldest] = this.#running;
-      if (performance.now() - oldest.begin > PATIENCE) oldest.controller.abort();
+      if (performance.now() - oldest.begin > REQUEST_TIMEOUT) oldest.controller.abort();
       return;
     }
     const { value } = this.waiting;
     this.waiting = null;
     const run = { controller: new AbortController(), begin: performance.now(), number: (this.#number += 1) };
     this.#running.add(run);
-    const timer = setTimeout(() => this.#next(), PATIENCE + 10);
+    const timer = setTimeout(() => this.#next(), REQUEST_TIMEOUT + 10);
     this.work(value, run.controller.signal, run.number).finally(() => {
       clearTimeout(timer);
       this.#running.delete(run);
@@ -58,7 +58,7 @@ class Latest {
 }
 
 export class Slider {
-  /** `request()` gives the scene of the form, `resolved()` what the service made of it, `apply(job)` puts a position into the form. */
+  /** `request()` returns the request of the form, `resolved()` its resolved form; `apply(job)` puts a position into the form. */
   constructor(host, { document, request, resolved, apply, say }) {
     Object.assign(this, { document, request, resolved, apply, say });
     this.latest = new Latest((value, signal, number) => this.#run(value, signal, number));
@@ -81,9 +81,9 @@ export class Slider {
     );
     this.tolerance = select(
       [
-        ['1', '1 dB, fast'],
+        ['1', '1 dB (fast)'],
         ['0.2', '0.2 dB'],
-        ['', 'as the form says'],
+        ['', 'as in the form'],
       ],
       () => this.#moved(),
     );
@@ -92,18 +92,18 @@ export class Slider {
       const dd = h('dd', {}, '–');
       return [h('div', {}, h('dt', {}, name), dd), dd];
     };
-    const gauges = ['Level', 'Frames a second', 'Model', 'Answer after'].map(gauge);
+    const gauges = ['Level', 'Frames per second', 'Model', 'Response time'].map(gauge);
     [this.level, this.rate, this.rung, this.delay] = gauges.map(([, dd]) => dd);
     this.error = h('p', { class: 'error', role: 'status' });
     this.place = h('div', {});
     this.plot = new SpectrumPlot(this.place, 400);
-    this.plot.describe('Spectrum at the position of the slider; the level is stated above.');
+    this.plot.describe('Spectrum at the position of the slider. The level is shown above.');
     host.replaceChildren(
       h('h2', {}, 'Slider'),
       tools(
         labelled('Parameter', this.field),
         labelled('Channel', this.channel),
-        labelled('What may be left out', this.tolerance),
+        labelled('Model accuracy', this.tolerance),
       ),
       h(
         'div',
@@ -116,7 +116,7 @@ export class Slider {
       tools(
         this.value,
         this.sweep,
-        button('Take into the form', () => this.apply(this.#job(Number(this.range.value), true))),
+        button('Copy to the form', () => this.apply(this.#job(Number(this.range.value), true))),
       ),
       h(
         'dl',
@@ -124,12 +124,12 @@ export class Slider {
         gauges.map(([div]) => div),
       ),
       this.error,
-      h('figure', {}, this.place, h('figcaption', {}, 'Thin grey: where the slider began.')),
+      h('figure', {}, this.place, h('figcaption', {}, 'Thin grey: the starting position of the slider.')),
       this.#asCommand(),
     );
   }
 
-  /** Starts anew from the scene of the form; what was set for the same scene stays. */
+  /** Restarts with the scene of the form, and keeps the settings if the scene is unchanged. */
   reset() {
     const resolved = this.resolved();
     if (!resolved) return;
@@ -148,7 +148,7 @@ export class Slider {
     this.#ends(value);
   }
 
-  /** The job of the present position, written when one asks for it: at each redraw it would cost time and be read by nobody. */
+  /** The job of the current position as a curl command, written only when it is opened: at each redraw it would cost time. */
   #asCommand() {
     const place = h('div', {});
     const details = more('This position with curl', place);
@@ -171,7 +171,7 @@ export class Slider {
   #ends(value = Number(this.range.value)) {
     const [from, to] = [Number(this.from.value), Number(this.to.value)];
     if (!(from < to)) {
-      this.error.textContent = 'The left end must be a number below the right one.';
+      this.error.textContent = 'The lowest value must be a number below the highest value.';
       return;
     }
     Object.assign(this.range, { min: from, max: to, step: this.#spec().whole ? 1 : (to - from) / 200 });
@@ -199,7 +199,7 @@ export class Slider {
       ...(tolerance ? { solver: { model_tolerance_db: Number(tolerance) } } : {}),
       outputs: { metrics: ['vibration'], spectra: [this.channel.value] },
       labels: [api.SLIDER],
-      keep_for_s: KEPT,
+      keep_for_s: KEEP_FOR_S,
       priority: 1,
     };
   }
@@ -211,7 +211,7 @@ export class Slider {
       if (job.status === 'failed') throw new Error(job.error.detail);
       if (job.status !== 'succeeded') {
         api.cancel(job).catch(() => {});
-        throw new Error('This scene takes too long for the slider.');
+        throw new Error('A run of this scene takes too long for the slider.');
       }
       this.limit = this.ghost ? this.limit : usualLimit(job.metrics);
       const spectrum = await api.spectrum(job.id, this.channel.value, this.limit, signal);
@@ -246,11 +246,11 @@ export class Slider {
     this.rate.textContent = rate ? rate.toFixed(0) : '–';
     this.rung.textContent = words(metrics.solver.rung);
     this.delay.textContent = seconds((now - begin) / 1000);
-    // Read by the check, which has no eyes.
+    // Read by the automated check.
     this.place.dataset.redraws = String(Number(this.place.dataset.redraws ?? 0) + 1);
   }
 
-  /** Moves the slider to and fro. Started by hand only, so that nobody is shown motion unasked. */
+  /** Moves the slider back and forth. It never starts by itself, because motion can disturb. */
   #toggle(on = this.sweep.getAttribute('aria-pressed') !== 'true') {
     this.sweep.setAttribute('aria-pressed', String(on));
     this.sweep.textContent = on ? 'Stop' : 'Sweep';

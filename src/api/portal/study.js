@@ -1,4 +1,4 @@
-// A study of one parameter: a run at each of its values, and what becomes of a metric.
+// A study of one parameter: a run at each value, and the trend of a metric.
 
 import * as api from './api.js';
 import { h, labelled, more, select, small, table, tools } from './dom.js';
@@ -8,7 +8,7 @@ import { LEVEL_UNIT, number, quantity, title, words } from './format.js';
 import { CurvePlot } from './plots.js';
 import { read } from './request.js';
 
-/** Metrics that are drawn: pointer, name, unit, and the error of a point from its metrics, where it states one. */
+/** Plotted metrics: pointer, name, unit, and the function for the error of a point, if stated. */
 const METRICS = [
   ...['y', 'z'].map((axis) => [
     `/channels/spindle.${axis}.acceleration/level_db`,
@@ -20,7 +20,7 @@ const METRICS = [
   ['/contacts/inner/max_load_n', 'Largest ball load, inner', 'N', (m, value) => m.accuracy?.max_load_error * value],
   ['/contacts/outer/max_load_n', 'Largest ball load, outer', 'N', (m, value) => m.accuracy?.max_load_error * value],
   ['/contacts/inner/max_pressure_mpa', 'Largest pressure, inner', 'MPa', (m, value) => (m.accuracy?.max_load_error * value) / 3],
-  ['/contacts/inner/min_film_thickness_um', 'Least film, inner', 'µm'],
+  ['/contacts/inner/min_film_thickness_um', 'Smallest film thickness, inner', 'µm'],
   ['/contacts/pocket/max_load_n', 'Largest pocket load', 'N', (m, value) => m.accuracy?.max_pocket_load_error * value],
   ['/kinematics/cage_speed_hz', 'Cage speed', 'Hz', (m, value) => m.accuracy?.cage_speed_error * value],
   ['/kinematics/cage_slip', 'Cage slip', '', (m, value) => m.accuracy?.cage_speed_error * Math.abs(1 - value)],
@@ -77,7 +77,7 @@ export class Study {
     if (!resolved) return;
     const spec = this.#spec();
     const value = read(this.request(), spec.pointer) ?? read(resolved, spec.pointer);
-    // What was typed for the same value stays.
+    // The entered range is kept as long as the value is unchanged.
     const base = `${spec.pointer} ${value}`;
     if (base === this.base) return;
     this.base = base;
@@ -188,7 +188,7 @@ export class Study {
         `${yLabel} over ${xLabel}, ${answer.succeeded} of ${answer.points} points.`,
         best &&
           `Best (${best.goal.replace('_', ' ')}): ${quantity(best.value, unit)} at ${quantity(best.point[axis.axis], spec.unit)}${best.as_good > 1 ? `, with ${best.as_good - 1} as good within their errors` : ''}.`,
-        trend?.resolved === false && 'The trend is not resolved: errors exceed a tenth of its span.',
+        trend?.resolved === false && 'The trend is not resolved: the errors exceed a tenth of its span.',
         failed > 0 && `${failed} without a result: ${answer.rows.find((row) => row.error)?.error.detail ?? 'not run'}.`,
       ]
         .filter(Boolean)
@@ -225,7 +225,7 @@ export class Study {
         small('Trends SVG', () => trends().catch((error) => this.say(error.message))),
       ),
       more(
-        'The same with curl',
+        'curl commands',
         command(curl({ method: 'POST', path: '/v1/jobs', body: job.request, token: api.hasToken() })),
         command(curl({ path, accept: 'text/csv', token: api.hasToken() })),
       ),

@@ -1,4 +1,4 @@
-// The plots of a finished run, one at a time, each with its table, its files and its command.
+// The plots of a finished run, one at a time, each with its table, downloads and curl command.
 
 import * as api from './api.js';
 import { button, h, labelled, labelledRadio, lineName, more, select, small, table, tools } from './dom.js';
@@ -7,7 +7,7 @@ import { channelName, number, quantity } from './format.js';
 import { peaks, usualLimit } from './metrics.js';
 import { ballBars, CurvePlot, orbit, picture, SpectrumPlot } from './plots.js';
 
-/** What orbit and time plots are drawn from, where the service keeps it only on request. */
+/** Series for orbit and time plots, which the service keeps only on request. */
 const SERIES = [
   'spindle.y.displacement',
   'spindle.z.displacement',
@@ -27,7 +27,7 @@ const VIEWS = [
 const POINTS = 4000;
 
 export class Views {
-  /** `say(text)` tells what happens; `rerun(request)` leaves this room. */
+  /** `say(text)` shows a status message; `rerun(request)` is an action of the page. */
   constructor({ say, rerun }) {
     Object.assign(this, { say, rerun });
     this.view = 'spectrum';
@@ -35,7 +35,7 @@ export class Views {
     this.kind = 'amplitude';
     this.stage = h('div', { class: 'stage' });
     this.extras = h('div', { class: 'extras' });
-    // One of each for all runs: a plot listens to the page as long as it lives.
+    // One plot for all runs, because a plot has listeners on the page.
     this.spectrumHost = h('div', {});
     this.spectrumPlot = new SpectrumPlot(this.spectrumHost);
     this.curveHost = h('div', {});
@@ -63,7 +63,7 @@ export class Views {
     return h('fieldset', { class: 'segments' }, h('legend', { class: 'unseen' }, 'Plot'), VIEWS.map(one));
   }
 
-  /** Draws what is chosen; a choice that comes meanwhile takes its place. */
+  /** Draws the selected view; a newer selection replaces it. */
   async #draw() {
     this.drawing?.abort();
     this.drawing = new AbortController();
@@ -134,7 +134,7 @@ export class Views {
     const text =
       `${this.kind === 'envelope' ? 'Envelope' : 'Amplitude'} spectrum of ${channelName(this.channel)} up to ${quantity(this.limit / 1000, 'kHz')}, resolution ${quantity(spectrum.resolution_hz, 'Hz', 3)}.` +
       (strongest
-        ? ` Strongest line: ${strongest.label || 'without a name'} at ${quantity(strongest.frequency_hz, 'Hz')}, ${quantity(strongest.amplitude, spectrum.unit, 3)}.`
+        ? ` Strongest line: ${strongest.label || 'unnamed'} at ${quantity(strongest.frequency_hz, 'Hz')}, ${quantity(strongest.amplitude, spectrum.unit, 3)}.`
         : '');
     plot.describe(text);
     caption.textContent = `${text} Drag to zoom.`;
@@ -149,7 +149,7 @@ export class Views {
         `Lines as a table (${lines.length})`,
         table(
           `Lines of ${channelName(this.channel)}`,
-          ['Line', 'Frequency, Hz', `Amplitude, ${spectrum.unit}`, 'Off its label, Hz'],
+          ['Line', 'Frequency, Hz', `Amplitude, ${spectrum.unit}`, 'Deviation, Hz'],
           rows,
           { hidden: true },
         ),
@@ -158,14 +158,14 @@ export class Views {
         [
           ['Spectrum CSV', () => keep(`spectrum-${id}.csv`, path(), 'text/csv')],
           ['Spectrum JSON', () => keep(`spectrum-${id}.json`, path(), 'application/json')],
-          ['Picture SVG', () => keep(`spectrum-${id}.svg`, `/v1/jobs/${id}/plots/spectrum.svg`, 'image/svg+xml')],
+          ['Plot SVG', () => keep(`spectrum-${id}.svg`, `/v1/jobs/${id}/plots/spectrum.svg`, 'image/svg+xml')],
         ],
         { path: path(this.limit), accept: 'text/csv' },
       ),
     );
   }
 
-  /** Orbit, velocity, acceleration: the service's picture where it draws one, else from the series it has kept. */
+  /** Orbit, velocity or acceleration: from kept series, or the plot of the service. */
   async #motion(view, signal) {
     const { request } = this.job;
     const kept = request.outputs?.series ?? [];
@@ -179,7 +179,7 @@ export class Views {
         signal,
       );
     } else if (drawnByService) {
-      await this.#picture(view, `The ${view} of the spindle, as the service draws it.`, signal);
+      await this.#picture(view, `The ${view} of the spindle.`, signal);
     } else if (view === 'orbit' && ['y', 'z'].every((axis) => kept.includes(`spindle.${axis}.displacement`))) {
       await this.#orbit(signal);
     } else {
@@ -188,7 +188,7 @@ export class Views {
         h(
           'div',
           { class: 'empty' },
-          h('p', {}, 'This run kept no motion over time.'),
+          h('p', {}, 'This run kept no time series.'),
           button('Run again with time series', again),
         ),
       );
@@ -200,7 +200,7 @@ export class Views {
     const svg = await api.getText(path, 'image/svg+xml', { signal });
     this.stage.replaceChildren(h('figure', {}, picture(svg, text)));
     this.extras.replaceChildren(
-      this.#downloads([['Picture SVG', async () => save(`${view}-${this.job.id}.svg`, svg, 'image/svg+xml')]], {
+      this.#downloads([['Plot SVG', async () => save(`${view}-${this.job.id}.svg`, svg, 'image/svg+xml')]], {
         path,
         accept: 'image/svg+xml',
       }),
@@ -239,7 +239,7 @@ export class Views {
         {},
         tools(labelled('Channel', chooser)),
         this.curveHost,
-        h('figcaption', {}, `${text} Drag to zoom, double-click for all.`),
+        h('figcaption', {}, `${text} Drag to zoom, double-click for the whole range.`),
       ),
     );
     const plot = this.curvePlot;
@@ -270,7 +270,7 @@ export class Views {
 
   async #loads(signal) {
     if (api.features.plots.includes('loads.svg')) {
-      await this.#picture('loads', 'Loads of the balls over a turn, as the service draws them.', signal);
+      await this.#picture('loads', 'Loads of a ball over its orbit.', signal);
       return;
     }
     const { inner, outer } = this.metrics.contacts ?? {};
@@ -319,7 +319,7 @@ export class Views {
       'div',
       { class: 'downloads' },
       tools(h('span', { class: 'note' }, 'Download'), all.map(file)),
-      more('The same with curl', command(curl({ ...request, token: api.hasToken() }))),
+      more('curl command', command(curl({ ...request, token: api.hasToken() }))),
     );
   }
 }

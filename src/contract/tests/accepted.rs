@@ -2,12 +2,20 @@
 
 use serde_json::{Value, json};
 
+use crate::contract::job::comparison::Comparison;
 use crate::contract::{
-    Job, JobKind, parse_accuracy_request, parse_job, parse_job_or_scene, parse_scene_request, presets, scene_from_json,
+    Job, JobKind, Simulation, parse_accuracy_request, parse_job, parse_job_or_scene, parse_scene_request,
+    presets_answer, scene_from_json,
 };
-use crate::physics::bearing::Fit;
-use crate::physics::cage::PocketFilm;
-use crate::physics::spindle::{AxialHold, Unbalance};
+use raceway_core::physics::bearing::Fit;
+use raceway_core::physics::cage::PocketFilm;
+use raceway_core::physics::presets;
+use raceway_core::physics::spindle::{AxialHold, Unbalance};
+
+/// What all runs of the job share.
+fn base(request: &Value) -> Simulation {
+    job(request).base().clone()
+}
 
 fn job(request: &Value) -> Job {
     parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{request}: {refusal}"))
@@ -54,10 +62,11 @@ fn the_article_is_what_its_tables_say() {
     assert_eq!((scene.lubricant.viscosity, scene.lubricant.fill), (0.02, 0.05));
     assert_eq!(scene.operation.load, [0.0, 200.0, 0.0]);
     assert!((scene.operating_speed() - 5_235.987_755_98).abs() < 1e-6);
-    assert_eq!((job.settings.settle, job.settings.duration), (0.02, 0.1));
-    assert_eq!((job.settings.relative_tolerance, job.settings.tightened), (1e-3, Some(1e-5)));
-    assert_eq!(job.settings.model_tolerance_db, 0.05);
-    assert_eq!((job.priority, job.reuse, job.settings.outputs.spectra.len()), (2, true, 2));
+    let (settings, submission) = (&job.base().settings, job.submission());
+    assert_eq!((settings.settle, settings.duration), (0.02, 0.1));
+    assert_eq!((settings.relative_tolerance, settings.tightened), (1e-3, Some(1e-5)));
+    assert_eq!(settings.model_tolerance_db, 0.05);
+    assert_eq!((submission.priority, submission.reuse, settings.outputs.spectra.len()), (2, true, 2));
 }
 
 /// As loose as the level allows only where the run may choose, and nothing asks for every value.
@@ -66,7 +75,7 @@ fn a_tolerance_left_out_is_chosen_for_levels() {
     let of = |solver: Value, outputs: Value| {
         let mut request = article(json!({"speed_rpm": 50000}));
         (request["solver"], request["outputs"]) = (solver, outputs);
-        let settings = job(&request).settings;
+        let settings = base(&request).settings;
         (settings.relative_tolerance, settings.tightened)
     };
     assert_eq!(of(json!({"rung": "full"}), json!({})), (1e-3, Some(1e-5)));
@@ -78,7 +87,7 @@ fn a_tolerance_left_out_is_chosen_for_levels() {
 
 #[test]
 fn times_follow_the_cage() {
-    let loaded = |rpm: f64| job(&article(json!({"speed_rpm": rpm, "radial_load_y_n": 200})));
+    let loaded = |rpm: f64| base(&article(json!({"speed_rpm": rpm, "radial_load_y_n": 200})));
     let slow = loaded(600.0);
     assert!((slow.settings.settle - 3.0 / (10.0 * 0.393_154)).abs() < 1e-3);
     assert!((slow.settings.duration - 20.0 / (7.0 * 10.0 * 0.393_154)).abs() < 1e-3);
@@ -89,7 +98,7 @@ fn times_follow_the_cage() {
     // A speed that changes is followed to its last point.
     let up_to = |at_s: f64| {
         let points = json!([{ "at_s": 0, "rpm": 0 }, { "at_s": at_s, "rpm": 30_000 }]);
-        let settings = job(&article(json!({ "speed_rpm": points, "radial_load_y_n": 200 }))).settings;
+        let settings = base(&article(json!({ "speed_rpm": points, "radial_load_y_n": 200 }))).settings;
         settings.settle + settings.duration
     };
     assert!((up_to(1.0) - 1.0).abs() < 1e-5 && (up_to(0.01) - 0.12).abs() < 1e-5 && up_to(100.0) < 11.0);
@@ -98,7 +107,7 @@ fn times_follow_the_cage() {
 /// Its own weight alone hardly damps a spindle; at changing speed the time would leave out what is asked for.
 #[test]
 fn a_lightly_loaded_spindle_is_given_time_to_settle() {
-    let settle = |speed: Value| job(&article(json!({"speed_rpm": speed}))).settings.settle;
+    let settle = |speed: Value| base(&article(json!({"speed_rpm": speed}))).settings.settle;
     let light = settle(json!(50_000));
     assert!((0.1..=5.0).contains(&light), "{light}");
     assert!(settle(json!([{"at_s": 0, "rpm": 50_000}, {"at_s": 1, "rpm": 40_000}])) < light);
@@ -139,7 +148,7 @@ fn resolved_scenes_resolve_to_themselves() {
             assert_eq!(first.scene_json(), second.scene_json());
             assert_eq!(first.canonical(), second.canonical());
             let left: Vec<_> =
-                second.resolved.defaults.iter().filter(|pointer| pointer.starts_with("/scene")).collect();
+                second.base().resolved.defaults.iter().filter(|pointer| pointer.starts_with("/scene")).collect();
             assert!(left.is_empty(), "{left:?}");
         }
     }
@@ -157,37 +166,51 @@ fn equal_work_has_one_canonical_form() {
     assert_ne!(short.canonical(), job(&long).canonical());
 }
 
+fn comparison(request: &Value) -> Comparison {
+    let Job::Accuracy(comparison) = job(request) else { panic!("{request}") };
+    comparison
+}
+
 #[test]
 fn an_accuracy_job_has_its_defaults_and_resolves_to_itself() {
     let mut request = article(json!({"speed_rpm": 50000}));
     request["kind"] = json!("accuracy");
-    let short = job(&request);
-    let plan = short.plan.as_ref().unwrap();
+    let short = comparison(&request);
+    let plan = &short.plan;
     let names: Vec<_> = plan.methods.iter().map(|method| method.name()).collect();
     assert_eq!(names, ["gear", "fine_abm", "dormand_prince", "radau", "auto"]);
+    let settings = &short.base.settings;
     assert_eq!(plan.relative_tolerances, [1e-3, 1e-4, 1e-5, 1e-6, 1e-7]);
-    assert_eq!((plan.repetitions, short.settings.settle, short.settings.duration, short.reuse), (1, 0.02, 0.02, false));
-    let again = job(&short.complete());
-    assert_eq!((again.plan.as_ref(), again.canonical()), (short.plan.as_ref(), short.canonical()));
+    assert_eq!(
+        (plan.repetitions, settings.settle, settings.duration, short.base.submission.reuse),
+        (1, 0.02, 0.02, false)
+    );
+    let again = comparison(&short.complete());
+    assert_eq!((&again.plan, again.complete()), (&short.plan, short.complete()));
     request["solver"] = json!({"rung": "planar", "model_tolerance_db": 0});
     request["outputs"] = json!({"metrics": ["vibration"]});
     request["reuse"] = json!(false);
-    let chosen = job(&request);
-    assert_eq!(chosen.settings.rung, Some(crate::simulation::input::model_level::ModelLevel::Planar));
+    let chosen = base(&request);
+    assert_eq!(chosen.settings.rung, Some(raceway_core::simulation::input::model_level::ModelLevel::Planar));
     assert!(!chosen.settings.outputs.cage && chosen.settings.outputs.spectra.is_empty());
+}
+
+fn repetitions(job: &Job) -> Option<u32> {
+    let Job::Accuracy(comparison) = job else { return None };
+    Some(comparison.plan.repetitions)
 }
 
 #[test]
 fn a_scene_alone_makes_a_job() {
     let scene = json!({"bearing": "608", "operation": {"speed_rpm": 3000}}).to_string();
     let job = parse_accuracy_request(scene.as_bytes(), Some(5)).unwrap();
-    assert_eq!((job.kind, job.plan.unwrap().repetitions), (JobKind::Accuracy, 5));
-    assert_eq!(parse_job_or_scene(scene.as_bytes()).unwrap().kind, JobKind::Simulation);
+    assert_eq!(repetitions(&job), Some(5));
+    assert_eq!(parse_job_or_scene(scene.as_bytes()).unwrap().kind(), JobKind::Simulation);
     let body = json!({"scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}}).to_string();
     let job = parse_accuracy_request(body.as_bytes(), Some(5)).unwrap();
-    assert_eq!((job.kind, job.plan.unwrap().repetitions), (JobKind::Accuracy, 5));
+    assert_eq!(repetitions(&job), Some(5));
     let body = json!({"repetitions": 2, "scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}}).to_string();
-    assert_eq!(parse_accuracy_request(body.as_bytes(), Some(5)).unwrap().plan.unwrap().repetitions, 2);
+    assert_eq!(repetitions(&parse_accuracy_request(body.as_bytes(), Some(5)).unwrap()), Some(2));
 }
 
 #[test]
@@ -195,13 +218,13 @@ fn methods_that_take_fixed_steps_get_them() {
     for method in ["dormand_prince", "fine_abm"] {
         let mut request = article(json!({"speed_rpm": 50000}));
         request["solver"] = json!({"method": method, "fixed_step_us": 0.5});
-        assert_eq!(job(&request).settings.fixed_step, Some(5e-7));
+        assert_eq!(base(&request).settings.fixed_step, Some(5e-7));
     }
 }
 
 #[test]
 fn every_preset_states_what_it_sets() {
-    let answer = serde_json::to_value(presets::presets_answer()).unwrap();
+    let answer = serde_json::to_value(presets_answer()).unwrap();
     assert_eq!(answer["bearings"]["6205"]["bearing"]["ball_count"], 9);
     assert_eq!(answer["lubricants"]["oil"]["lubricant"]["traction"]["maximum"], 0.05);
     assert_eq!(answer["materials"]["pa46"]["poisson_ratio"], 0.39);
@@ -220,6 +243,10 @@ fn long_decimals_survive_the_way_through_text() {
     for _ in 0..2000 {
         number = (number * 997.0 + 0.123_456_789).fract();
         let text = format!("{{\"value\":{number}}}");
-        assert_eq!(crate::contract::strict::read(text.as_bytes()).unwrap()["value"].as_f64(), Some(number), "{text}");
+        assert_eq!(
+            crate::contract::json::strict::read(text.as_bytes()).unwrap()["value"].as_f64(),
+            Some(number),
+            "{text}"
+        );
     }
 }

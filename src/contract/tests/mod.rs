@@ -3,4 +3,7 @@ mod optimum;
 mod refused;
 mod results;
 mod schema;
+mod several_errors;
 mod study;
+
+mod requests;

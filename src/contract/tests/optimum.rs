@@ -1,12 +1,15 @@
-//! Optimum jobs: what may be sought, and what is found.
+//! Optimum jobs: valid objectives, and their results.
 
 use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
-use crate::contract::optimum::{GoalName, PurposeName, wish};
+use crate::contract::answer::optimum::PurposeName;
+use crate::contract::job::input::GoalName;
+use crate::contract::job::search::Objective;
+use crate::contract::json::defaults::Defaults;
 use crate::contract::{Job, OptimumAnswer, Outcome, PointEnd, execute, parse_job};
-use crate::simulation::input::control::Control;
+use raceway_core::simulation::input::control::Control;
 
 const LEVEL: &str = "/channels/spindle.y.acceleration/level_db";
 
@@ -39,7 +42,7 @@ fn found(request: &Value) -> OptimumAnswer {
 }
 
 #[test]
-fn wrong_wishes_are_refused_with_their_place() {
+fn wrong_objectives_are_refused_with_their_pointer() {
     let axis = |axis: Value| request(json!([axis]));
     let path = "/spindle/mass_kg";
     for (request, told) in [
@@ -48,13 +51,13 @@ fn wrong_wishes_are_refused_with_their_place() {
         (axis(json!({ "path": path, "from": 0.1, "to": 0.2, "count": 5 })), "/axes/0: takes `from` and `to`"),
         (axis(json!({ "path": path, "from": 0.1, "to": 0.1 })), "/axes/0/to: the same as `from`"),
         (axis(json!({ "path": path, "from": 0.0, "to": 0.1, "scale": "log" })), "/axes/0/scale: `log` needs"),
-        (axis(json!({ "path": "/bearing/ball_count", "from": 6, "to": 9 })), "takes whole numbers: an optimum"),
+        (axis(json!({ "path": "/bearing/ball_count", "from": 6, "to": 9 })), "takes whole numbers only: use a study"),
         (axis(json!({ "path": "/spindle/colour", "from": 6, "to": 9 })), "/axes/0/path: unknown field `colour`"),
         (axis(json!({ "path": "/bearing/inner_groove_curvature", "from": 0.4, "to": 0.54 })), "/axes/0/from: 0.4"),
         (axis(json!({ "path": "/bearing/inner_groove_curvature", "from": 0.51, "to": 9 })), "/axes/0/to: 9"),
         (with("metric", json!("/channels/spindle.x.velocity/rms")), "/metric: `spindle.x.velocity` exists only where"),
-        (with("metric", json!("/channels/spindle.y.acceleration/colour")), "/metric: no metric is called"),
-        (with("metric", json!("/channels/spindle.y.velocity/level_db")), "/metric: no metric is called"),
+        (with("metric", json!("/channels/spindle.y.acceleration/colour")), "/metric: unknown metric"),
+        (with("metric", json!("/channels/spindle.y.velocity/level_db")), "/metric: unknown metric"),
         (with("metric", json!(5)), "/metric"),
         (with("goal", json!("least")), "/goal"),
         (with("outputs", json!({ "metrics": ["cage"] })), "/outputs/metrics: must contain `vibration`"),
@@ -94,9 +97,9 @@ fn every_number_of_the_metrics_can_be_sought() {
     assert!(names.len() > 60, "{names:?}");
     for name in names {
         let mut input = serde_json::from_value(with("metric", json!(name))).unwrap();
-        let mut filling = crate::contract::filling::Filling::default();
-        wish(&mut input, &mut filling);
-        assert!(filling.errors.is_empty(), "{name}: {:?}", filling.errors);
+        let mut defaults = Defaults::default();
+        Objective::of(&mut input, &mut defaults);
+        assert!(defaults.errors.is_empty(), "{name}: {:?}", defaults.errors);
     }
 }
 
@@ -132,7 +135,7 @@ fn the_optimum_is_the_best_run_and_tells_how_well_it_is_known() {
     let again = found(&request);
     let timeless = |answer: &OptimumAnswer| (answer.point.clone(), answer.value, answer.within.clone(), answer.runs);
     assert_eq!(timeless(&answer), timeless(&again));
-    let picture = crate::render::optimum(&answer);
+    let picture = crate::plots::draw::optimum(&answer);
     assert!(picture.contains("Minimum of") && picture.contains("mass in kg"));
 }
 
@@ -149,7 +152,7 @@ fn without_an_error_no_band_is_told() {
     let answer = found(&request);
     assert_eq!((answer.goal, &answer.within, answer.error), (GoalName::Maximum, &None, None));
     assert!(answer.rivals.is_empty() && answer.axes.len() == 2);
-    assert!(crate::render::optimum(&answer).contains("radial load y in N"));
+    assert!(crate::plots::draw::optimum(&answer).contains("radial load y in N"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::contract::{Outcome, RunFailure, SpectrumKind, execute, parse_job, parse_scene_request, resolve_answer};
-use crate::simulation::input::control::Control;
+use raceway_core::simulation::input::control::Control;
 
 fn article() -> Value {
     json!({"kind": "simulation", "settle_s": 0.001, "duration_s": 0.004,
@@ -66,7 +66,7 @@ fn every_spectrum_has_its_lines() {
     let largest = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
     assert!((velocity[0].amplitude / largest - 1.0).abs() < 0.2, "{} {largest} mm/s", velocity[0].amplitude);
     assert!(!of("ball.1.inner.load").is_empty() && of("spindle.y.acceleration").is_empty(), "{lines:?}");
-    let svg = crate::render::pictures(&outcome).into_iter().find(|(name, _)| *name == "spectrum.svg").unwrap().1;
+    let svg = crate::plots::draw::pictures(&outcome).into_iter().find(|(name, _)| *name == "spectrum.svg").unwrap().1;
     assert!(svg.contains(&velocity[0].label), "the picture names them");
 }
 

@@ -8,16 +8,17 @@ use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::Schema;
 use utoipa::{PartialSchema, ToSchema};
 
-use crate::contract::job::JobInput;
+use crate::contract::job::input::JobInput;
+use crate::contract::job::kind::FIELDS_OF_SOME_KINDS;
+use crate::contract::job::schema::{self, KINDS};
 use crate::contract::parse_job;
-use crate::contract::schema::{KINDS, OF_SOME};
 
 fn job_schemas() -> BTreeMap<String, RefOr<Schema>> {
     let mut schemas = Vec::new();
     JobInput::schemas(&mut schemas);
     schemas.push((JobInput::name().into_owned(), JobInput::schema()));
     let mut schemas = schemas.into_iter().collect();
-    crate::contract::schema::complete(&mut schemas);
+    schema::complete(&mut schemas);
     schemas
 }
 
@@ -105,7 +106,7 @@ fn kinds_take_what_their_schemas_say() {
     for kind in &KINDS {
         let job = base(kind.kind.name());
         let canonical = parsed(&job).unwrap().canonical();
-        for field in OF_SOME.into_iter().filter(|field| !kind.takes.contains(field)) {
+        for field in FIELDS_OF_SOME_KINDS.into_iter().filter(|field| !kind.kind.takes().contains(field)) {
             let mut with = job.clone();
             with[field] = match field {
                 "axes" => json!([]),

@@ -11,7 +11,7 @@ fn request(axes: Value) -> Value {
 fn study(axes: Value) -> Study {
     let request = request(axes);
     let job = parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{request}: {refusal}"));
-    job.study.expect("of a study")
+    job.into_study().expect("a study")
 }
 
 fn refused(request: &Value) -> String {
@@ -105,16 +105,16 @@ fn wrong_axes_are_refused_with_their_place() {
         (json!([{ "path": path }]), "/axes/0: takes either `values` or all of"),
         (json!([{ "path": path, "values": [] }]), "/axes/0/values: 0 values"),
         (json!([{ "path": path, "values": [1, 2, 1] }]), "/axes/0/values/2: given more than once"),
-        (json!([{ "path": path, "values": [[1]] }]), "/axes/0/values/0: must be a number or a word"),
+        (json!([{ "path": path, "values": [[1]] }]), "/axes/0/values/0: must be a number or a name"),
         (json!([{ "path": path, "from": -1, "to": 1, "count": 3, "scale": "log" }]), "/axes/0/scale: `log` needs"),
         (json!([{ "path": path, "from": 1, "to": 1, "count": 3 }]), "/axes/0/to: the same as `from`"),
         (json!([{ "path": path, "from": 1, "to": 2, "count": 1 }]), "/axes/0/count: 1: must be from 2"),
-        (json!([{ "path": path, "from": 1, "to": 2, "count": 3, "scale": "cubic" }]), "no scale is called `cubic`"),
-        (json!([{ "quantity": "luck", "values": [1] }]), "/axes/0/quantity: no quantity is called `luck`"),
+        (json!([{ "path": path, "from": 1, "to": 2, "count": 3, "scale": "cubic" }]), "unknown scale `cubic`"),
+        (json!([{ "quantity": "luck", "values": [1] }]), "/axes/0/quantity: unknown quantity `luck`"),
         (json!([{ "quantity": "axial_load_over_rating", "values": ["much"] }]), "takes numbers"),
         (
             json!([{ "path": path, "values": [1] }, { "path": path, "values": [2] }]),
-            "/axes/1: `/spindle/mass_kg` is varied",
+            "/axes/1: `/spindle/mass_kg` is already varied",
         ),
         (
             json!([{ "path": path, "from": 1, "to": 2, "count": 101 }, { "path": "/operation/speed_rpm", "from": 1, "to": 2, "count": 100 }]),
@@ -128,14 +128,14 @@ fn wrong_axes_are_refused_with_their_place() {
         (json!([{ "path": format!("/{}", "x".repeat(200)), "values": [1] }]), "/axes/0/path: 201 characters"),
         (json!([{ "path": path, "from": -1e308, "to": 1e308, "count": 3 }]), "/axes/0/to: too far from"),
         (json!([{ "path": path, "from": 1e-300, "to": 1e300, "count": 3, "scale": "log" }]), "/axes/0/to: too far"),
-        (json!([{ "path": path, "from": 500, "to": 500.0000001, "count": 4 }]), "/axes/0/to: too near to `from`"),
+        (json!([{ "path": path, "from": 500, "to": 500.0000001, "count": 4 }]), "/axes/0/to: too close to `from`"),
         (
             json!([{ "path": "/lubricant", "values": ["grease", "oil"] }, { "path": "/lubricant/fill", "values": [0.1] }]),
-            "/axes/1: `/lubricant/fill` sets what the axis `/lubricant` sets, or a part of it",
+            "/axes/1: `/lubricant/fill` sets the field of the axis `/lubricant`, or a part of it",
         ),
         (
             json!([{ "path": "/operation/axial_load_n", "values": [1] }, { "quantity": "axial_load_over_rating", "values": [0.01] }]),
-            "/axes/1: `axial_load_over_rating` sets what the axis `/operation/axial_load_n` sets",
+            "/axes/1: `axial_load_over_rating` sets the field of the axis `/operation/axial_load_n`",
         ),
     ] {
         let found = refused(&request(axes.clone()));
@@ -167,12 +167,12 @@ fn values_that_can_be_nowhere_are_refused_one_by_one() {
     for (axes, told) in [
         (
             json!([{ "path": "/bearing", "values": ["6205", "608", "6250"] }]),
-            vec!["/axes/0/values/2: no bearing is called `6250`; known are `article-integrated`"],
+            vec!["/axes/0/values/2: unknown bearing `6250`; known are `article-integrated`"],
         ),
         (
             json!([{ "path": "/lubricant", "values": ["greese", "oil"] }, { "path": "/spindle/mass_kg", "values": [0.05, -1, "much"] }]),
             vec![
-                "/axes/0/values/0: no lubricant is called `greese`",
+                "/axes/0/values/0: unknown lubricant `greese`",
                 "/axes/1/values/1: -1 kg: must be from 1e-9",
                 "/axes/1/values/2: invalid type: string",
             ],
@@ -246,11 +246,11 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
         "/kinematics/cage_slip",
     ];
     assert_eq!(table.columns(), columns);
-    let csv = crate::render::table_csv(&table);
+    let csv = crate::contract::answer::csv::table_csv(&table);
     assert_eq!(csv.lines().count(), 5);
     assert!(csv.starts_with("/spindle/mass_kg,status,error,/solver/rung,/accuracy/cage_speed_error,"), "{csv}");
     assert!(csv.lines().nth(2).unwrap().starts_with("0.05,succeeded,,full,0.01,0.1,60.0,60.0,-0.1"), "{csv}");
-    assert!(csv.lines().nth(4).unwrap().starts_with("0.2,failed,the run was told to stop,,,,"), "{csv}");
+    assert!(csv.lines().nth(4).unwrap().starts_with("0.2,failed,the run was cancelled,,,,"), "{csv}");
 }
 
 #[test]

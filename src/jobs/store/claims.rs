@@ -1,31 +1,34 @@
-//! Claims, heartbeats and ends. The queue does not fence its attempts, so the claim counter does: whoever
-//! took the job last may write, everyone else is told that the claim is lost.
+//! Claims, heartbeats and ends of runs. The queue does not fence its attempts; the claim counter does: only the process that
+//! took the job last may write, and every other one learns that its claim is lost.
 
-use jiff::{SignedDuration, Timestamp};
+use jiff::Timestamp;
 use uuid::Uuid;
 
-use super::database::{Dialect, ENDED};
+use super::database::Store;
+use super::dialect::Dialect;
+use super::notifications::ENDED;
 use super::records::{self, Row};
 use super::results::{self, StoredResult};
 use super::statement::statement;
-use super::{Store, stored};
-use crate::jobs::{Failure, JobError, JobRecord, NewJob, Status};
+use super::stored_time::{expiry, stored};
+use crate::jobs::error::JobError;
+use crate::jobs::job::{Failure, JobRecord, NewJob, Status};
 
-/// A job in the hands of this process.
+/// A job that this process runs.
 #[derive(Debug, Clone)]
 pub struct Claim {
     pub job: Uuid,
     pub number: i64,
     pub request: String,
     pub keep_for_s: Option<f64>,
-    /// Earlier runs that ended with their process.
+    /// Number of earlier runs that ended with their process.
     pub lost: u32,
     pub cancel_requested: bool,
 }
 
 impl Claim {
-    /// The first one, of a job that begins with its acceptance.
-    pub fn with_acceptance(job: &NewJob) -> Self {
+    /// The first claim of a job that starts as it is accepted.
+    pub fn at_acceptance(job: &NewJob) -> Self {
         Self {
             job: job.id,
             number: 1,
@@ -37,10 +40,10 @@ impl Claim {
     }
 }
 
-/// What is known of a job before it is claimed.
+/// Properties of a job that decide how it runs, read before it is claimed.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Outlook {
-    /// Runs that have ended with their process.
+pub struct JobBrief {
+    /// Number of runs that ended with their process.
     pub losses: u32,
     pub kind: String,
 }
@@ -62,7 +65,7 @@ impl End {
         }
     }
 
-    /// Of a simulation that has succeeded, as JSON text.
+    /// The metrics of a succeeded simulation, as JSON text.
     pub fn into_metrics(self) -> Option<String> {
         match self {
             Self::Succeeded(StoredResult::Simulation { metrics, .. }) => Some(metrics),
@@ -71,17 +74,17 @@ impl End {
     }
 }
 
-/// What a heartbeat learns.
+/// The answer to a heartbeat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Pulse {
+pub enum Heartbeat {
     Alive,
     CancelRequested,
     ClaimLost,
 }
 
-impl Pulse {
-    /// By whether someone wants an end; `None`: there is nothing any more that could be ended.
-    pub(in crate::jobs) fn of(cancel_requested: Option<bool>) -> Self {
+impl Heartbeat {
+    /// The answer for a row whose cancellation was requested or not; `None`: the claim has no row.
+    pub fn of(cancel_requested: Option<bool>) -> Self {
         match cancel_requested {
             None => Self::ClaimLost,
             Some(true) => Self::CancelRequested,
@@ -91,17 +94,18 @@ impl Pulse {
 }
 
 impl Store {
-    /// What decides how a job runs; `None`: this delivery is void.
-    pub async fn outlook(&self, job: Uuid, delivery: i64) -> Result<Option<Outlook>, JobError> {
+    /// The brief of a job; `None`: this delivery is void.
+    pub async fn job_brief(&self, job: Uuid, delivery: i64) -> Result<Option<JobBrief>, JobError> {
         let sql = "SELECT lost + CASE status WHEN 'running' THEN 1 ELSE 0 END, kind FROM jobs \
                    WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running')";
-        // Read where it is written: a reader may not see the row of a delivery that it has just caused.
+        // Through the writer: a reader may not yet see the row that belongs to this delivery.
         let row: Option<(i64, String)> = statement(sql).bind(job).bind(delivery).optional(&self.writer).await?;
-        Ok(row.map(|(losses, kind)| Outlook { losses: u32::try_from(losses).unwrap_or(u32::MAX), kind }))
+        Ok(row.map(|(losses, kind)| JobBrief { losses: u32::try_from(losses).unwrap_or(u32::MAX), kind }))
     }
 
-    /// Takes the job; `None`: it has ended, or another delivery has replaced this one. Once it has been lost so often, no run begins any
-    /// more: what is lost then is the writing of its end, and does not count.
+    /// Claims the job; `None`: it has ended, or another delivery has replaced this one.
+    ///
+    /// After `max_lost_runs` losses no run starts. A process that ends while it writes the failure is not counted as another loss.
     pub async fn claim(&self, job: Uuid, delivery: i64, max_lost_runs: u32) -> Result<Option<Claim>, JobError> {
         let now = self.dialect().now();
         let sql = format!(
@@ -124,8 +128,8 @@ impl Store {
         }))
     }
 
-    /// Shows that the run is alive and how far it is.
-    pub async fn heartbeat(&self, claim: &Claim, progress: f64) -> Result<Pulse, JobError> {
+    /// Records that the run is alive, with its progress.
+    pub async fn heartbeat(&self, claim: &Claim, progress: f64) -> Result<Heartbeat, JobError> {
         let now = self.dialect().now();
         let sql = format!(
             "UPDATE jobs SET heartbeat_at = {now}, progress = $3 \
@@ -133,20 +137,18 @@ impl Store {
         );
         let cancel_requested: Option<bool> =
             statement(sql).bind(claim.job).bind(claim.number).bind(progress).value(&self.writer).await?;
-        Ok(Pulse::of(cancel_requested))
+        Ok(Heartbeat::of(cancel_requested))
     }
 
-    /// Puts the job back into the queue: it was not lost, only interrupted.
+    /// Returns an interrupted job to the queue. It does not count as lost.
     pub async fn hand_back(&self, claim: &Claim) -> Result<(), JobError> {
         let sql = "UPDATE jobs SET status = 'queued', started_at = NULL, heartbeat_at = NULL, progress = 0 \
                    WHERE id = $1 AND claim = $2 AND status = 'running'";
         statement(sql).bind(claim.job).bind(claim.number).run(&self.writer).await?;
         Ok(())
     }
-}
 
-impl Store {
-    /// Writes how the run ended, and gives the job as it stands in the record then; `None`: the claim is lost, and nothing is written.
+    /// Writes the end of the run and returns the job's record; `None`: the claim is lost, and nothing is written.
     pub async fn finish(
         &self,
         claim: &Claim,
@@ -162,7 +164,7 @@ impl Store {
         let insertion =
             |provided| result.map(|(id, result)| results::insertion(id, result, provided)).unwrap_or_default();
         let now = Timestamp::now();
-        // Whoever asked for the cancellation was promised it, also when the run was a little faster.
+        // A requested cancellation is kept even if the run ended a little earlier.
         let sql = format!(
             "UPDATE jobs SET status = CASE WHEN cancel_requested_at IS NULL THEN $3 ELSE 'cancelled' END, \
              result_id = CASE WHEN cancel_requested_at IS NULL THEN $4 END, \
@@ -184,13 +186,13 @@ impl Store {
             .bind(stored(expiry(now, claim.keep_for_s.unwrap_or(keep_s))))
             .bind(progress);
         let row: Option<Row> = match self.dialect() {
-            // In one way to the server and back, its flush included.
+            // One round trip to the server, its flush included.
             Dialect::Postgres => {
-                let tell = format!("SELECT {}, pg_notify('{ENDED}', CAST(id AS TEXT)) FROM ended", records::COLUMNS);
+                let notify = format!("SELECT {}, pg_notify('{ENDED}', CAST(id AS TEXT)) FROM ended", records::COLUMNS);
                 let inserts = insertion(" FROM ended WHERE status = 'succeeded'");
                 let inserts = inserts.into_iter().enumerate().map(|(k, insert)| (format!("insert{k}"), insert));
                 let before = std::iter::once(("ended".to_owned(), update)).chain(inserts);
-                statement(tell).with(before).optional(&self.writer).await?
+                statement(notify).with(before).optional(&self.writer).await?
             }
             Dialect::Sqlite => {
                 let mut tx = self.begin().await?;
@@ -198,7 +200,7 @@ impl Store {
                     insert.run(&mut tx).await?;
                 }
                 let row: Option<Row> = update.optional(&mut tx).await?;
-                // Not committed where the claim is lost.
+                // Without a row the claim is lost, and the transaction is rolled back.
                 if let Some(row) = &row {
                     if let (Some((id, _)), false) = (result, row.is_succeeded()) {
                         results::remove_orphan(&mut tx, id).await?;
@@ -210,12 +212,4 @@ impl Store {
         };
         row.map(Row::record).transpose()
     }
-}
-
-/// When something that ended at a time and is kept for so many seconds goes.
-pub fn expiry(ended: Timestamp, keep_s: f64) -> Timestamp {
-    SignedDuration::try_from_secs_f64(keep_s)
-        .ok()
-        .and_then(|kept| ended.checked_add(kept).ok())
-        .unwrap_or(Timestamp::MAX)
 }

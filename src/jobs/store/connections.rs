@@ -7,9 +7,9 @@ use sqlx::postgres::{PgConnectOptions, PgPool, PgPoolOptions};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
 use sqlx::{Connection, PgConnection, SqliteConnection};
 
-use crate::jobs::JobError;
+use crate::jobs::error::JobError;
 
-/// Opens a file for one writer and some readers.
+/// Opens a file with one connection that writes and `readers` connections that read.
 pub async fn open_file(
     path: &Path,
     readers: u32,
@@ -19,11 +19,11 @@ pub async fn open_file(
         .filename(path)
         .create_if_missing(true)
         .journal_mode(SqliteJournalMode::Wal)
-        // A 202 promises that the job survives a power cut.
+        // An answer 202 promises that the job survives a power cut.
         .synchronous(SqliteSynchronous::Full)
         .foreign_keys(true)
         .busy_timeout(Duration::from_secs(10));
-    // Asked of the file itself: SQLite would tell it with the first write only, and leave a log that can be written as little.
+    // Tests the file itself: SQLite would report a read-only file only at the first write, and leave an unwritable log.
     match std::fs::OpenOptions::new().append(true).open(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
         _ => {}
@@ -40,31 +40,33 @@ fn file_pool(connections: u32) -> SqlitePoolOptions {
     SqlitePoolOptions::new()
         .max_connections(connections)
         .acquire_timeout(Duration::from_secs(30))
-        // A file is not lost like a link, and asking each time costs a third of a read.
+        // Unlike a network connection a file is not lost, and a test costs a third of a read.
         .test_before_acquire(false)
         .before_acquire(|connection, _| Box::pin(std::future::ready(Ok(is_outside_transactions(connection)))))
 }
 
-/// Whether the connection may be used again. On a full disk SQLite ends a transaction by itself; sqlx then
-/// fails to end it, counts it as open for ever, and refuses every later one.
+/// Returns whether the connection may be used again.
+///
+/// On a full disk SQLite ends a transaction by itself. sqlx then fails to end it, counts it as open for ever, and refuses every
+/// later one.
 fn is_outside_transactions(connection: &SqliteConnection) -> bool {
     !connection.is_in_transaction()
 }
 
-/// Connections that a process needs which runs jobs: two hear what others tell, one takes deliveries, one writes.
-const LEAST_CONNECTIONS: usize = 4;
+/// Least number of connections of a process that runs jobs: two listen to notifications, one takes deliveries, one writes.
+const MIN_CONNECTIONS: usize = 4;
 
-/// Refuses a server that gives so few connections that runs would wait for each other's.
-pub async fn check_room(options: &PgConnectOptions) -> Result<(), JobError> {
+/// Fails if the server grants fewer than the least number of connections: runs would wait for each other.
+pub async fn check_connection_limit(options: &PgConnectOptions) -> Result<(), JobError> {
     let mut held = Vec::new();
-    while held.len() < LEAST_CONNECTIONS {
+    while held.len() < MIN_CONNECTIONS {
         match PgConnection::connect_with(options).await {
             Ok(connection) => held.push(connection),
             Err(error) if held.is_empty() => return Err(error.into()),
             Err(error) => {
-                let given = held.len();
+                let granted = held.len();
                 let needed = format!(
-                    "{error}; a process that runs jobs needs {LEAST_CONNECTIONS} connections at least, and got {given}"
+                    "{error}; a process that runs jobs needs at least {MIN_CONNECTIONS} connections, and got {granted}"
                 );
                 return Err(JobError::Migration(needed));
             }
@@ -78,39 +80,39 @@ pub async fn check_room(options: &PgConnectOptions) -> Result<(), JobError> {
 
 /// Connects to a server.
 pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgPool, JobError> {
-    // A process that is frozen within a transaction would keep its locks, and with them all others.
+    // A process that freezes within a transaction would hold its locks and block all others.
     let options = options.clone().application_name("raceway").options([("idle_in_transaction_session_timeout", "10s")]);
-    // A pool tries again and again, and does not say why in vain.
+    // The pool retries without reporting the cause; one direct connection reports it.
     PgConnection::connect_with(&options).await?.close().await?;
     let port = options.get_port();
     let pool = PgPoolOptions::new()
         .max_connections(connections)
         .after_connect(move |_, _| {
             #[cfg(target_os = "linux")]
-            super::link::prepare(port);
+            super::tcp_options::set_for_port(port);
             Box::pin(std::future::ready(Ok(())))
         })
-        // Whoever waits for an answer does not wait longer for a server that is away.
+        // Longest time that a request waits for an unreachable server.
         .acquire_timeout(Duration::from_secs(5))
-        // Only a connection that has rested may have been cut meanwhile; asking each time would double the way of a query.
+        // Only an idle connection may have been cut; a ping before every query would double its round trips.
         .test_before_acquire(false)
         .before_acquire(|connection, rest| {
             Box::pin(async move {
-                let rested = rest.idle_for > Duration::from_secs(1);
-                Ok(!rested || answers(connection).await)
+                let was_idle = rest.idle_for > Duration::from_secs(1);
+                Ok(!was_idle || answers(connection).await)
             })
         })
-        // Before the pool asks the same without a limit.
+        // Runs before the pool's own ping, which has no time limit.
         .after_release(|connection, _| {
             Box::pin(async move { if answers(connection).await { Ok(true) } else { Err(sqlx::Error::WorkerCrashed) } })
         });
     Ok(pool.connect_with(options).await?)
 }
 
-/// Whether a connection can be used.
+/// Returns whether the server answers a ping in time.
 async fn answers(connection: &mut PgConnection) -> bool {
-    tokio::time::timeout(LONGEST_PING, connection.ping()).await.is_ok_and(|answer| answer.is_ok())
+    tokio::time::timeout(PING_TIMEOUT, connection.ping()).await.is_ok_and(|answer| answer.is_ok())
 }
 
-/// Time that a server has to answer a ping: less than a request waits for a connection, so that another one can still be had.
-const LONGEST_PING: Duration = Duration::from_secs(2);
+/// Shorter than the time that a request waits for a connection, so that it can still get another one.
+const PING_TIMEOUT: Duration = Duration::from_secs(2);

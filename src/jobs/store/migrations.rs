@@ -1,14 +1,16 @@
-//! Our tables, brought up to date.
+//! The tables of this program and of River, brought up to date.
 
+use riverqueue::migrate::{PostgresMigrator, SqliteMigrator};
 use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
-use super::database::Pool;
+use super::pool::Pool;
 use super::statement::statement;
-use crate::jobs::JobError;
+use crate::jobs::error::JobError;
 
-/// Brings our tables up to date; migrations are never edited once released.
+/// Brings all tables up to date.
 pub async fn migrate(pool: &Pool) -> Result<(), JobError> {
+    migrate_queue(pool).await?;
     let failed = |error: sqlx::migrate::MigrateError| JobError::Migration(error.to_string());
     match pool {
         Pool::Sqlite(pool) => migrator(&SQLITE_MIGRATIONS).run(pool).await.map_err(failed),
@@ -16,8 +18,12 @@ pub async fn migrate(pool: &Pool) -> Result<(), JobError> {
     }
 }
 
-/// Whether all our migrations were made, and whole.
+/// Returns whether every migration was applied successfully.
 pub async fn is_up_to_date(pool: &Pool) -> Result<bool, JobError> {
+    Ok(has_own_tables(pool).await? && has_queue_tables(pool).await?)
+}
+
+async fn has_own_tables(pool: &Pool) -> Result<bool, JobError> {
     let (sql, all): (&str, &[_]) = match pool {
         Pool::Sqlite(_) => (
             "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = '_sqlx_migrations'",
@@ -30,9 +36,31 @@ pub async fn is_up_to_date(pool: &Pool) -> Result<bool, JobError> {
     if statement(sql).value(pool).await? != Some(1_i64) {
         return Ok(false);
     }
-    let made: Vec<i64> =
+    let applied: Vec<i64> =
         statement("SELECT version FROM _sqlx_migrations WHERE success ORDER BY version").values(pool).await?;
-    Ok(made.iter().eq(all.iter().map(|(version, ..)| version)))
+    Ok(applied.iter().eq(all.iter().map(|(version, ..)| version)))
+}
+
+async fn migrate_queue(pool: &Pool) -> Result<(), JobError> {
+    match pool {
+        Pool::Sqlite(pool) => SqliteMigrator::new(pool.clone()).migrate_up().await,
+        Pool::Postgres(pool) => PostgresMigrator::new(pool.clone()).migrate_up().await,
+    }
+    .map_err(|error| JobError::Migration(error.to_string()))?;
+    Ok(())
+}
+
+/// Returns whether River's tables have the version that this build creates.
+async fn has_queue_tables(pool: &Pool) -> Result<bool, JobError> {
+    let (applied, all) = match pool {
+        Pool::Sqlite(pool) => {
+            (SqliteMigrator::new(pool.clone()).existing_versions().await, SqliteMigrator::all_versions().len())
+        }
+        Pool::Postgres(pool) => {
+            (PostgresMigrator::new(pool.clone()).existing_versions().await, PostgresMigrator::all_versions().len())
+        }
+    };
+    Ok(applied.map_err(|error| JobError::Migration(error.to_string()))?.len() == all)
 }
 
 fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
@@ -42,6 +70,7 @@ fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
     Migrator::with_migrations(migrations.collect())
 }
 
+// A released file is never edited: sqlx compares a checksum of its whole text, comments included, with the applied one.
 const SQLITE_MIGRATIONS: [(i64, &str, &str); 7] = [
     (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
     (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),

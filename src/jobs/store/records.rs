@@ -1,36 +1,42 @@
-//! Jobs looked up and listed, cancelled and deleted.
+//! Jobs read and listed, cancelled and deleted.
 
 use jiff::Timestamp;
 use sqlx::FromRow;
 use uuid::Uuid;
 
-use super::database::{Dialect, Tx};
+use super::database::Store;
+use super::dialect::Dialect;
+use super::pool::Tx;
+use super::results;
 use super::statement::{Statement, Value, statement};
-use super::{Store, results, stored, time};
-use crate::jobs::{Failure, JobError, JobRecord, Status};
+use super::stored_time::{stored, time};
+use crate::jobs::error::JobError;
+use crate::jobs::job::{Failure, JobRecord, Status};
 
-/// Which jobs a list shows.
+/// Selection of the jobs in a list.
 #[derive(Debug, Clone, Default)]
 pub struct Filter {
-    /// One of these; any, where there are none.
+    /// Any of these; all if empty.
     pub statuses: Vec<Status>,
+    /// Any of these; all if empty.
     pub kinds: Vec<String>,
-    /// All of these, and none of those.
+    /// All of these.
     pub labels: Vec<String>,
+    /// None of these.
     pub without_labels: Vec<String>,
     /// Only jobs older than this one.
     pub before: Option<Uuid>,
     pub limit: u32,
 }
 
-/// A page ends early when its requests are larger than this, so that no list takes the memory of the service.
+/// Size of the requests in a page at which the page ends early [B]: it bounds the memory of a list.
 const PAGE_BYTES: usize = 1 << 20;
 
-/// What `Row` is read from.
+/// Columns of `Row`.
 pub(super) const COLUMNS: &str = "id, kind, status, request, labels, priority, created_at, started_at, finished_at, expires_at, \
                        cancel_requested_at, progress, reused, error_cause, error_detail";
 
-/// A job as the tables have it.
+/// A row of the table `jobs`.
 #[derive(FromRow)]
 pub(super) struct Row {
     id: Uuid,
@@ -99,7 +105,7 @@ impl Store {
         );
         let found: Option<RowWithMetrics> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
         let RowWithMetrics { row, metrics } = found.ok_or(JobError::NotFound)?;
-        // Results of other kinds are reports.
+        // Jobs of other kinds have a report and no metrics.
         Ok((row.record()?, metrics.filter(|metrics| !metrics.is_empty())))
     }
 
@@ -120,7 +126,7 @@ impl Store {
     }
 }
 
-/// What lists a page and one job more.
+/// The query of a page, with one job more.
 fn list(owner: &str, filter: &Filter, dialect: Dialect) -> Statement {
     let mut values = vec![owner.into()];
     let mut place = |value| {
@@ -151,8 +157,8 @@ fn list(owner: &str, filter: &Filter, dialect: Dialect) -> Statement {
 }
 
 /// A job's status, delivery and kind, in a transaction that may change them.
-pub async fn standing(tx: &mut Tx, owner: &str, id: Uuid) -> Result<(Status, Option<i64>, String), JobError> {
-    // An update, so that nobody else changes the row before this transaction ends.
+pub async fn locked_status(tx: &mut Tx, owner: &str, id: Uuid) -> Result<(Status, Option<i64>, String), JobError> {
+    // An update, so that no other transaction changes the row before this one ends.
     let sql = "UPDATE jobs SET status = status WHERE id = $1 AND owner = $2 RETURNING status, delivery, kind";
     let row: Option<(String, Option<i64>, String)> = statement(sql).bind(id).bind(owner).optional(&mut *tx).await?;
     let (status, delivery, kind) = row.ok_or(JobError::NotFound)?;
@@ -160,7 +166,7 @@ pub async fn standing(tx: &mut Tx, owner: &str, id: Uuid) -> Result<(Status, Opt
     Ok((status, delivery, kind))
 }
 
-/// Ends a job that has not begun.
+/// Cancels a job that has not started.
 pub async fn cancel_queued(tx: &mut Tx, id: Uuid, keep_s: f64) -> Result<(), JobError> {
     let now = Timestamp::now();
     let sql = "UPDATE jobs SET status = 'cancelled', cancel_requested_at = $2, finished_at = $2, \
@@ -169,14 +175,14 @@ pub async fn cancel_queued(tx: &mut Tx, id: Uuid, keep_s: f64) -> Result<(), Job
     Ok(())
 }
 
-/// Notes that a running job shall end; the first request counts.
+/// Records the request to cancel a running job; the time of the first request is kept.
 pub async fn request_cancel(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
     let sql = "UPDATE jobs SET cancel_requested_at = coalesce(cancel_requested_at, $2) WHERE id = $1";
     statement(sql).bind(id).bind(stored(Timestamp::now())).run(&mut *tx).await?;
     Ok(())
 }
 
-/// Removes an ended job and what only it points to.
+/// Removes an ended job, and its result unless another job shares it.
 pub async fn delete(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
     let sql = "DELETE FROM jobs WHERE id = $1 RETURNING result_id";
     let result: Option<Option<Uuid>> = statement(sql).bind(id).value(&mut *tx).await?;

@@ -1,24 +1,20 @@
-//! Results: metrics as they are sent, spectra packed and series compressed, one row a channel; reports of other jobs than
-//! simulations, compressed.
+//! Results. A simulation has its metrics as JSON text and one row for each spectrum (encoded) and series (compressed). Jobs of
+//! other kinds have one compressed report.
 
-use std::cell::RefCell;
-use std::io::{Read, Write};
-
-use flate2::Compression;
-use flate2::read::ZlibDecoder;
-use flate2::write::ZlibEncoder;
-use serde::Serialize;
+use raceway_core::numerics::parallel::both;
 use uuid::Uuid;
 
-use super::Store;
-use super::database::{Dialect, Tx};
-use super::packed::{packed, unpacked};
+use super::compression::{compressed, decompressed};
+use super::database::Store;
+use super::dialect::Dialect;
+use super::pool::Tx;
+use super::spectrum_codec::{decoded, encoded};
 use super::statement::{Statement, statement};
 use crate::contract::{JobKind, Outcome, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind};
-use crate::jobs::{JobError, Status};
-use crate::numerics::parallel::both;
+use crate::jobs::error::JobError;
+use crate::jobs::job::Status;
 
-/// Which signal of a channel.
+/// Kind of a stored signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Signal {
     Amplitude,
@@ -45,10 +41,10 @@ impl Signal {
     }
 }
 
-/// A result as it is written. Made outside of any transaction: compressing takes time.
+/// A result as it is written. It is prepared outside any transaction, because compression takes time.
 #[derive(Debug)]
 pub enum StoredResult {
-    /// Metrics, signals by channel, and what pictures show.
+    /// Metrics, signals by channel, and the data of the plots.
     Simulation {
         metrics: String,
         signals: Signals,
@@ -58,7 +54,7 @@ pub enum StoredResult {
 }
 
 impl StoredResult {
-    /// Encodes and compresses what a job left behind.
+    /// Encodes and compresses the outcome of a job.
     pub fn of(outcome: &Outcome) -> Result<Self, JobError> {
         match outcome {
             Outcome::Simulation(simulated) => Self::of_simulation(simulated),
@@ -70,7 +66,7 @@ impl StoredResult {
     fn of_simulation(outcome: &Simulated) -> Result<Self, JobError> {
         let json = || serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()));
         let views = || Some(&outcome.views).filter(|views| !views.is_empty()).map(compressed).transpose();
-        // Half of it on another core: whoever waits for a short run waits for this nearly as long.
+        // Half of the work on another core: for a short run it takes nearly as long as the run.
         let (ahead, behind) = outcome.spectra.split_at(outcome.spectra.len() / 2);
         let ((ahead, views), (behind, series, metrics)) =
             both(|| (spectra_of(ahead), views()), || (spectra_of(behind), series_of(outcome), json()));
@@ -82,7 +78,7 @@ type Signals = Vec<(Signal, String, Vec<u8>)>;
 
 fn spectra_of(spectra: &[SpectrumAnswer]) -> Result<Signals, JobError> {
     let stored =
-        |spectrum: &SpectrumAnswer| Ok((Signal::from(spectrum.kind), spectrum.channel.clone(), packed(spectrum)?));
+        |spectrum: &SpectrumAnswer| Ok((Signal::from(spectrum.kind), spectrum.channel.clone(), encoded(spectrum)?));
     spectra.iter().map(stored).collect()
 }
 
@@ -91,24 +87,7 @@ fn series_of(outcome: &Simulated) -> Result<Signals, JobError> {
     outcome.series.iter().map(stored).collect()
 }
 
-/// Twice as fast as the usual 6, for blobs a twentieth larger: whoever waits for a result waits for this.
-const LEVEL: Compression = Compression::new(3);
-
-pub(super) fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
-    // As one piece: the compressor takes ten times as long for the few bytes at a time that serde_json writes.
-    let text = serde_json::to_vec(answer).map_err(|error| JobError::Corrupt(error.to_string()))?;
-    ENCODER.with_borrow_mut(|encoder| {
-        encoder.write_all(&text)?;
-        Ok(encoder.reset(Vec::new())?)
-    })
-}
-
-thread_local! {
-    /// Making one takes as long as compressing a spectrum.
-    static ENCODER: RefCell<ZlibEncoder<Vec<u8>>> = RefCell::new(ZlibEncoder::new(Vec::new(), LEVEL));
-}
-
-/// What adds a result; `provided`: the rest of a query that has one row where it shall be added.
+/// Statements that insert a result; `provided` is the end of a query that yields one row if the result is to be inserted.
 pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<Statement> {
     let insert = |into: &str| statement(format!("INSERT INTO {into} SELECT $1, $2{provided}")).bind(id);
     match result {
@@ -135,16 +114,16 @@ fn insertion_of_signals(id: Uuid, signals: &[(Signal, String, Vec<u8>)], provide
     })
 }
 
-/// Adds the result of a job that keeps its results elsewhere.
+/// Inserts an empty result, for a study, whose points hold their own results.
 pub(super) async fn insert_empty(tx: &mut Tx) -> Result<Uuid, JobError> {
     let id = Uuid::now_v7();
     statement("INSERT INTO results (id, metrics) VALUES ($1, '')").bind(id).run(&mut *tx).await?;
     Ok(id)
 }
 
-/// Removes results that no job points to any more.
+/// Removes a result unless a job refers to it.
 pub(super) async fn remove_orphan(tx: &mut Tx, result: Uuid) -> Result<(), JobError> {
-    // One after the other: two that delete the last two jobs would each see the other's.
+    // Serialized: two transactions that delete the last two jobs would each still see the other job.
     if tx.dialect() == Dialect::Postgres {
         statement("SELECT 1 FROM results WHERE id = $1 FOR UPDATE").bind(result).run(&mut *tx).await?;
     }
@@ -174,13 +153,13 @@ impl Store {
         channel: &str,
     ) -> Result<SpectrumAnswer, JobError> {
         let stored = self.signal(owner, job, kind.into(), channel).await?;
-        aside(stored, |stored| unpacked(&stored)).await
+        read_aside(stored, |stored| decoded(&stored)).await
     }
 
     /// A series of a succeeded job, as JSON text.
     pub async fn series(&self, owner: &str, job: Uuid, channel: &str) -> Result<Vec<u8>, JobError> {
         let stored = self.signal(owner, job, Signal::Series, channel).await?;
-        aside(stored, |stored| decompressed(&stored)).await
+        read_aside(stored, |stored| decompressed(&stored)).await
     }
 
     async fn signal(&self, owner: &str, job: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
@@ -194,7 +173,7 @@ impl Store {
         }
     }
 
-    /// What pictures of a succeeded simulation show, as JSON text; `None` where nothing was kept for them.
+    /// Data of the plots of a succeeded simulation, as JSON text; `None` if none are kept.
     pub async fn views(&self, owner: &str, job: Uuid) -> Result<Option<Vec<u8>>, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
         let sql = "SELECT answer FROM views WHERE result_id = $1";
@@ -202,7 +181,7 @@ impl Store {
         answer.map(|answer| decompressed(&answer)).transpose()
     }
 
-    /// The report of a succeeded job of a kind that leaves one, as JSON text.
+    /// The report of a succeeded optimum or accuracy job, as JSON text.
     pub async fn report(&self, owner: &str, job: Uuid, kind: JobKind) -> Result<Vec<u8>, JobError> {
         let result = self.result_of(owner, job, kind).await?;
         let sql = "SELECT answer FROM reports WHERE result_id = $1";
@@ -210,7 +189,7 @@ impl Store {
         decompressed(&answer.ok_or(JobError::NotFound)?)
     }
 
-    /// Channels of which a job keeps a signal.
+    /// Channels for which a job keeps a signal of this kind.
     pub async fn channels(&self, owner: &str, job: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
         self.kept(result, signal).await
@@ -225,13 +204,13 @@ impl Store {
         statement(sql).bind(result).bind(signal.name()).values(&self.readers).await
     }
 
-    /// Digest of all that determines the result of a succeeded job; `None` of any other.
+    /// Digest of everything that determines the result of a succeeded job; `None` for any other job.
     pub async fn fingerprint(&self, owner: &str, job: Uuid) -> Result<Option<Vec<u8>>, JobError> {
         let sql = "SELECT content_hash FROM jobs WHERE id = $1 AND owner = $2 AND status = 'succeeded'";
         statement(sql).bind(job).bind(owner).value(&self.readers).await
     }
 
-    /// The result of a job, which must be of that kind: others never have such a result.
+    /// The result of a job of the wanted kind; jobs of other kinds never have such a result.
     async fn result_of(&self, owner: &str, job: Uuid, wanted: JobKind) -> Result<Uuid, JobError> {
         let sql = "SELECT status, result_id, kind FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, Option<Uuid>, String)> =
@@ -252,20 +231,17 @@ fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: Job
     }
 }
 
-/// Reads what is stored; what takes long holds up no request.
-async fn aside<T: Send + 'static>(stored: Vec<u8>, read: fn(Vec<u8>) -> Result<T, JobError>) -> Result<T, JobError> {
-    if stored.len() < LONG {
+/// Reads a stored answer; a long one on a thread that delays no request.
+async fn read_aside<T: Send + 'static>(
+    stored: Vec<u8>,
+    read: fn(Vec<u8>) -> Result<T, JobError>,
+) -> Result<T, JobError> {
+    if stored.len() < LONG_ANSWER_BYTES {
         return read(stored);
     }
     let read = tokio::task::spawn_blocking(move || read(stored)).await;
     read.unwrap_or_else(|error| Err(JobError::Corrupt(error.to_string())))
 }
 
-/// Stored bytes that take some milliseconds to read.
-const LONG: usize = 256 << 10;
-
-pub fn decompressed(answer: &[u8]) -> Result<Vec<u8>, JobError> {
-    let mut text = Vec::with_capacity(4 * answer.len());
-    ZlibDecoder::new(answer).read_to_end(&mut text)?;
-    Ok(text)
-}
+/// Length from which reading takes some milliseconds [B].
+const LONG_ANSWER_BYTES: usize = 256 << 10;

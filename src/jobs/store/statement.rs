@@ -1,22 +1,22 @@
-//! Statements that run on both databases: each is written once, with `$1`, `$2`, … for what is bound.
+//! SQL statements that run on both databases, with the places `$1`, `$2`, … for bound values.
 
 use sqlx::postgres::{PgArguments, PgPool, PgRow};
 use sqlx::sqlite::{SqliteArguments, SqlitePool, SqliteRow};
 use sqlx::{Arguments, AssertSqlSafe, FromRow, PgConnection, Postgres, SqlSafeStr, Sqlite, SqliteConnection};
 use uuid::Uuid;
 
-use super::database::{Pool, Tx};
-use crate::jobs::JobError;
+use super::pool::{Pool, Tx};
+use crate::jobs::error::JobError;
 
-/// Where a statement runs.
-pub enum Place<'a> {
+/// The pool or transaction in which a statement runs.
+pub enum Executor<'a> {
     SqlitePool(&'a SqlitePool),
     SqliteTx(&'a mut SqliteConnection),
     PgPool(&'a PgPool),
     PgTx(&'a mut PgConnection),
 }
 
-impl<'a> From<&'a Pool> for Place<'a> {
+impl<'a> From<&'a Pool> for Executor<'a> {
     fn from(pool: &'a Pool) -> Self {
         match pool {
             Pool::Sqlite(pool) => Self::SqlitePool(pool),
@@ -25,7 +25,7 @@ impl<'a> From<&'a Pool> for Place<'a> {
     }
 }
 
-impl<'a> From<&'a mut Tx> for Place<'a> {
+impl<'a> From<&'a mut Tx> for Executor<'a> {
     fn from(tx: &'a mut Tx) -> Self {
         match tx {
             Tx::Sqlite(tx) => Self::SqliteTx(tx),
@@ -34,11 +34,11 @@ impl<'a> From<&'a mut Tx> for Place<'a> {
     }
 }
 
-/// What both databases give as a row of this kind.
+/// A type that can be read from a row of either database.
 pub trait Record: for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow> + Send + Unpin {}
 impl<T: for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow> + Send + Unpin> Record for T {}
 
-/// What can be bound.
+/// A bound value.
 #[derive(Debug, Clone)]
 pub enum Value {
     Uuid(Option<Uuid>),
@@ -80,14 +80,14 @@ binds! {
     Option<&[u8]> => Bytes: |bytes| bytes.map(<[u8]>::to_vec);
 }
 
-/// A statement with what is bound to its places.
+/// A statement with its bound values.
 #[derive(Debug)]
 pub struct Statement {
     sql: sqlx::SqlStr,
     values: Vec<Value>,
 }
 
-/// A statement; text that was put together holds nothing that came from outside.
+/// A statement. Assembled SQL text must not contain input from outside.
 pub fn statement(sql: impl Into<std::borrow::Cow<'static, str>>) -> Statement {
     let sql = match sql.into() {
         std::borrow::Cow::Borrowed(sql) => sql.into_sql_str(),
@@ -96,7 +96,7 @@ pub fn statement(sql: impl Into<std::borrow::Cow<'static, str>>) -> Statement {
     Statement { sql, values: Vec::new() }
 }
 
-/// SQL whose places `$1`, `$2`, … come so many later.
+/// SQL whose places `$1`, `$2`, … are shifted by a number.
 fn shifted(sql: &str, by: usize) -> String {
     let mut parts = sql.split('$');
     let first = parts.next().unwrap_or_default().to_owned();
@@ -107,26 +107,26 @@ fn shifted(sql: &str, by: usize) -> String {
     })
 }
 
-/// The same code for each database; `Db` is its type within.
-macro_rules! at {
+/// Instantiates the body for each database; `Db` is the sqlx type of the database.
+macro_rules! for_database {
     ($statement:ident, $place:expr, |$sql:ident, $arguments:ident, $executor:ident| $body:expr) => {
         match $place.into() {
-            Place::SqlitePool($executor) => {
+            Executor::SqlitePool($executor) => {
                 type Db = Sqlite;
                 let ($sql, $arguments) = $statement.arguments::<SqliteArguments, Db>()?;
                 $body
             }
-            Place::SqliteTx($executor) => {
+            Executor::SqliteTx($executor) => {
                 type Db = Sqlite;
                 let ($sql, $arguments) = $statement.arguments::<SqliteArguments, Db>()?;
                 $body
             }
-            Place::PgPool($executor) => {
+            Executor::PgPool($executor) => {
                 type Db = Postgres;
                 let ($sql, $arguments) = $statement.arguments::<PgArguments, Db>()?;
                 $body
             }
-            Place::PgTx($executor) => {
+            Executor::PgTx($executor) => {
                 type Db = Postgres;
                 let ($sql, $arguments) = $statement.arguments::<PgArguments, Db>()?;
                 $body
@@ -136,14 +136,14 @@ macro_rules! at {
 }
 
 impl Statement {
-    /// Binds the next place.
+    /// Binds a value to the next place.
     #[must_use]
     pub fn bind(mut self, value: impl Into<Value>) -> Self {
         self.values.push(value.into());
         self
     }
 
-    /// The same with others before it, each by a name that those after it may ask, as PostgreSQL has them in one.
+    /// This statement with common table expressions before it, each by a name that later ones may query (PostgreSQL).
     pub fn with(mut self, before: impl IntoIterator<Item = (String, Self)>) -> Self {
         let mut steps = Vec::new();
         for (name, statement) in before {
@@ -180,38 +180,38 @@ impl Statement {
         Ok((self.sql, arguments))
     }
 
-    /// Runs it; the number of rows that it has changed.
-    pub async fn run<'a>(self, place: impl Into<Place<'a>>) -> Result<u64, JobError> {
-        at!(self, place, |sql, arguments, executor| {
+    /// Runs the statement and returns the number of changed rows.
+    pub async fn run<'a>(self, place: impl Into<Executor<'a>>) -> Result<u64, JobError> {
+        for_database!(self, place, |sql, arguments, executor| {
             Ok(sqlx::query_with::<Db, _>(sql, arguments).execute(executor).await?.rows_affected())
         })
     }
 
-    /// The first row, if there is one. All are read: a statement outside of transactions is committed after its last.
-    pub async fn optional<'a, T: Record>(self, place: impl Into<Place<'a>>) -> Result<Option<T>, JobError> {
+    /// The first row, if any. All rows are read, because a statement outside a transaction is committed after its last row.
+    pub async fn optional<'a, T: Record>(self, place: impl Into<Executor<'a>>) -> Result<Option<T>, JobError> {
         Ok(self.all(place).await?.into_iter().next())
     }
 
-    /// The one row that there is.
-    pub async fn one<'a, T: Record>(self, place: impl Into<Place<'a>>) -> Result<T, JobError> {
+    /// The only row; an error if there is no row.
+    pub async fn one<'a, T: Record>(self, place: impl Into<Executor<'a>>) -> Result<T, JobError> {
         self.optional(place).await?.ok_or(JobError::Database(sqlx::Error::RowNotFound))
     }
 
     /// All rows.
-    pub async fn all<'a, T: Record>(self, place: impl Into<Place<'a>>) -> Result<Vec<T>, JobError> {
-        at!(self, place, |sql, arguments, executor| {
+    pub async fn all<'a, T: Record>(self, place: impl Into<Executor<'a>>) -> Result<Vec<T>, JobError> {
+        for_database!(self, place, |sql, arguments, executor| {
             Ok(sqlx::query_as_with::<Db, T, _>(sql, arguments).fetch_all(executor).await?)
         })
     }
 
-    /// Row after row, until the taker has enough.
+    /// Passes row after row to a function, until the function returns false.
     pub async fn each<'a, T: Record>(
         self,
-        place: impl Into<Place<'a>>,
+        place: impl Into<Executor<'a>>,
         mut takes_more: impl FnMut(T) -> Result<bool, JobError>,
     ) -> Result<(), JobError> {
         use futures_util::TryStreamExt;
-        at!(self, place, |sql, arguments, executor| {
+        for_database!(self, place, |sql, arguments, executor| {
             let mut rows = sqlx::query_as_with::<Db, T, _>(sql, arguments).fetch(executor);
             while let Some(row) = rows.try_next().await? {
                 if !takes_more(row)? {
@@ -222,8 +222,8 @@ impl Statement {
         })
     }
 
-    /// The first column of the first row, if there is one.
-    pub async fn value<'a, T>(self, place: impl Into<Place<'a>>) -> Result<Option<T>, JobError>
+    /// The first column of the first row, if any.
+    pub async fn value<'a, T>(self, place: impl Into<Executor<'a>>) -> Result<Option<T>, JobError>
     where
         (T,): Record,
     {
@@ -231,7 +231,7 @@ impl Statement {
     }
 
     /// The first column of every row.
-    pub async fn values<'a, T>(self, place: impl Into<Place<'a>>) -> Result<Vec<T>, JobError>
+    pub async fn values<'a, T>(self, place: impl Into<Executor<'a>>) -> Result<Vec<T>, JobError>
     where
         (T,): Record,
     {
@@ -244,7 +244,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn statements_that_go_as_one_keep_their_values() {
+    fn combined_statements_keep_their_values() {
         let insert = |table: &str| statement(format!("INSERT INTO {table} VALUES ($1, $2)")).bind(1_i64).bind("a");
         let last = statement("UPDATE jobs SET a = $10, b = '$' WHERE id = $1").bind(2_i64);
         let before = [("a", insert("x")), ("b", insert("y"))];

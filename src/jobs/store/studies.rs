@@ -1,37 +1,43 @@
-//! Studies: their points, claimed one by one and fenced like jobs, and the strands that run them.
+//! Studies: their points, claimed one by one and fenced like jobs, and the shards that run them. A shard is one delivery of a study;
+//! the tables call it `strand`.
 
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
-use super::claims::Pulse;
-use super::database::{Dialect, Tx};
+use super::claims::Heartbeat;
+use super::compression::{compressed, decompressed};
+use super::database::Store;
+use super::dialect::Dialect;
+use super::notifications::notify_ended;
+use super::pool::Tx;
+use super::results;
 use super::statement::statement;
-use super::{Store, claims, micros, results, stored};
-use crate::contract::table::PointError;
+use super::stored_time::{expiry, micros, stored};
+use crate::contract::answer::point::PointError;
 use crate::contract::{JobKind, PointEnd, PointStatus};
-use crate::jobs::job::{INTERNAL, TIME_LIMIT, WORKER_LOST};
-use crate::jobs::{Failure, JobError, Status};
+use crate::jobs::error::JobError;
+use crate::jobs::job::{Failure, INTERNAL, Status, TIME_LIMIT, WORKER_LOST};
 
-/// A strand and its study.
+/// A shard and its study.
 #[derive(Debug, Clone)]
-pub struct Strand {
+pub struct StudyShard {
     pub job: Uuid,
     pub delivery: i64,
     pub owner: String,
     pub request: String,
     pub keep_for_s: Option<f64>,
-    /// Most losses of a point that was running here when its process ended.
+    /// Largest number of losses of a point that this shard was running when its process ended.
     pub losses: u32,
 }
 
-/// A point in the hands of a strand.
+/// A point that a shard runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PointClaim {
     pub number: usize,
     claim: i64,
 }
 
-/// What a point left behind.
+/// The outcome of a point.
 #[derive(Debug, Clone)]
 pub struct PointResult {
     pub end: PointEnd,
@@ -39,15 +45,15 @@ pub struct PointResult {
     pub content_hash: Option<Vec<u8>>,
 }
 
-/// What a strand does next.
+/// The next action of a shard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Next {
     Point(PointClaim),
-    /// Nothing waits; others may still run.
+    /// No point waits; other shards may still run some.
     Nothing,
     /// The study has ended.
     Ended,
-    /// Someone wants it to end.
+    /// The study was cancelled.
     Cancelled,
 }
 
@@ -57,11 +63,11 @@ pub struct StoredPoint {
     pub number: usize,
     pub status: PointStatus,
     pub reused: bool,
-    /// As JSON.
+    /// Compressed JSON.
     pub answer: Option<Vec<u8>>,
 }
 
-/// Adds the points of a study and its strands.
+/// Inserts the points of a study and its shards.
 pub async fn insert(tx: &mut Tx, job: Uuid, points: usize, deliveries: &[i64]) -> Result<(), JobError> {
     let points = i64::try_from(points).unwrap_or(i64::MAX);
     let sql = "INSERT INTO studies (job, points) VALUES ($1, $2)";
@@ -69,11 +75,11 @@ pub async fn insert(tx: &mut Tx, job: Uuid, points: usize, deliveries: &[i64]) -
     let sql = "WITH RECURSIVE n (i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i + 1 < $2) \
                INSERT INTO points (job, number) SELECT $1, i FROM n";
     statement(sql).bind(job).bind(points).run(&mut *tx).await?;
-    add_strands(tx, job, deliveries).await
+    add_shards(tx, job, deliveries).await
 }
 
-/// Adds strands.
-pub async fn add_strands(tx: &mut Tx, job: Uuid, deliveries: &[i64]) -> Result<(), JobError> {
+/// Inserts shards.
+pub async fn add_shards(tx: &mut Tx, job: Uuid, deliveries: &[i64]) -> Result<(), JobError> {
     for delivery in deliveries {
         let sql = "INSERT INTO strands (delivery, job) VALUES ($1, $2)";
         statement(sql).bind(delivery).bind(job).run(&mut *tx).await?;
@@ -81,110 +87,101 @@ pub async fn add_strands(tx: &mut Tx, job: Uuid, deliveries: &[i64]) -> Result<(
     Ok(())
 }
 
-async fn remove_strands(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
+async fn remove_shards(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
     statement("DELETE FROM strands WHERE job = $1").bind(job).run(&mut *tx).await?;
     Ok(())
 }
 
 impl Store {
-    /// The study of a delivery; `None`: it has ended, or other strands have replaced this one.
-    pub async fn strand(&self, delivery: i64) -> Result<Option<Strand>, JobError> {
+    /// The shard of a delivery; `None`: its study has ended, or other shards have replaced it.
+    pub async fn study_shard(&self, delivery: i64) -> Result<Option<StudyShard>, JobError> {
         let sql = "SELECT jobs.id, jobs.owner, jobs.request, jobs.keep_for_s, \
                    (SELECT coalesce(max(lost) + 1, 0) FROM points WHERE strand = $1 AND status = 'running') \
                    FROM strands JOIN jobs ON jobs.id = strands.job \
                    WHERE strands.delivery = $1 AND jobs.status IN ('queued', 'running')";
-        // Read where it is written, as for single jobs.
+        // Through the writer, as for single jobs.
         let row: Option<(Uuid, String, String, Option<f64>, i64)> =
             statement(sql).bind(delivery).optional(&self.writer).await?;
         Ok(row.map(|(job, owner, request, keep_for_s, losses)| {
             let losses = u32::try_from(losses).unwrap_or(u32::MAX);
-            Strand { job, delivery, owner, request, keep_for_s, losses }
+            StudyShard { job, delivery, owner, request, keep_for_s, losses }
         }))
     }
 
-    /// Begins a strand: points that were running here were lost with their process, and wait again, or fail once that has happened
-    /// too often.
-    pub async fn begin_strand(&self, strand: &Strand, max_lost_runs: u32) -> Result<(), JobError> {
+    /// Starts a shard. Points that it was running were lost with their process: they are queued again, or fail after
+    /// `max_lost_runs` losses.
+    pub async fn start_shard(&self, shard: &StudyShard, max_lost_runs: u32) -> Result<(), JobError> {
         let mut tx = self.begin().await?;
         let sql = "UPDATE jobs SET status = 'running', started_at = coalesce(started_at, $2) \
                    WHERE id = $1 AND status IN ('queued', 'running')";
-        statement(sql).bind(strand.job).bind(stored(Timestamp::now())).run(&mut tx).await?;
+        statement(sql).bind(shard.job).bind(stored(Timestamp::now())).run(&mut tx).await?;
         let sql = format!("UPDATE strands SET heartbeat_at = {} WHERE delivery = $1", self.dialect().now());
-        statement(sql).bind(strand.delivery).run(&mut tx).await?;
-        lose_points(&mut tx, strand.job, strand.delivery, max_lost_runs).await?;
+        statement(sql).bind(shard.delivery).run(&mut tx).await?;
+        lose_points(&mut tx, shard.job, shard.delivery, max_lost_runs).await?;
         tx.commit().await
     }
 
-    /// Writes the end of a point, if there is one, and takes the next, in one transaction.
+    /// Writes the end of a point, if any, and claims the next point, in one transaction.
     pub async fn advance(
         &self,
-        strand: &Strand,
+        shard: &StudyShard,
         ended: Option<(PointClaim, &PointResult)>,
         keep_s: f64,
     ) -> Result<Next, JobError> {
         let mut tx = self.begin().await?;
         if let Some((point, result)) = ended {
-            write_end(&mut tx, strand.job, point, result).await?;
+            write_end(&mut tx, shard.job, point, result).await?;
         }
-        let next = next(&mut tx, strand, keep_s).await?;
+        let next = next(&mut tx, shard, keep_s).await?;
         tx.commit().await?;
         Ok(next)
     }
 
-    /// Ends the study of a strand that someone wants to end; nothing where another strand has done so, and the study may go on with
-    /// new ones.
-    pub async fn cancel_study(&self, strand: &Strand, keep_s: f64) -> Result<(), JobError> {
+    /// Cancels the study of a shard. It does nothing if another shard has done so: the study may have been resumed with new shards.
+    pub async fn cancel_study(&self, shard: &StudyShard, keep_s: f64) -> Result<(), JobError> {
         let mut tx = self.begin().await?;
         let sql = "SELECT EXISTS (SELECT 1 FROM strands WHERE delivery = $1)";
-        if statement(sql).bind(strand.delivery).value(&mut tx).await?.unwrap_or(false) {
-            cancel(&mut tx, strand.job, strand.keep_for_s.unwrap_or(keep_s)).await?;
+        if statement(sql).bind(shard.delivery).value(&mut tx).await?.unwrap_or(false) {
+            cancel(&mut tx, shard.job, shard.keep_for_s.unwrap_or(keep_s)).await?;
         }
         tx.commit().await
     }
 
-    /// Shows that a strand is alive.
-    pub async fn strand_beat(&self, strand: &Strand) -> Result<Pulse, JobError> {
+    /// Records that a shard is alive.
+    pub async fn shard_heartbeat(&self, shard: &StudyShard) -> Result<Heartbeat, JobError> {
         let sql = format!(
             "UPDATE strands SET heartbeat_at = {} WHERE delivery = $1 \
              RETURNING (SELECT cancel_requested_at IS NOT NULL FROM jobs WHERE id = strands.job)",
             self.dialect().now()
         );
-        let cancel_requested: Option<bool> = statement(sql).bind(strand.delivery).value(&self.writer).await?;
-        Ok(Pulse::of(cancel_requested))
+        let cancel_requested: Option<bool> = statement(sql).bind(shard.delivery).value(&self.writer).await?;
+        Ok(Heartbeat::of(cancel_requested))
     }
 
-    /// Lets a strand wait, or rest: silence is no longer a sign of its death.
-    pub async fn rest_strand(&self, delivery: i64) -> Result<(), JobError> {
+    /// Clears the heartbeat of a shard that stops running points, so that silence does not count as a loss.
+    pub async fn clear_shard_heartbeat(&self, delivery: i64) -> Result<(), JobError> {
         let sql = "UPDATE strands SET heartbeat_at = NULL WHERE delivery = $1 AND heartbeat_at IS NOT NULL";
         statement(sql).bind(delivery).run(&self.writer).await?;
         Ok(())
     }
 
-    /// Gives a point back that was not finished.
-    pub async fn give_back(&self, strand: &Strand, point: PointClaim) -> Result<(), JobError> {
+    /// Returns an unfinished point to the queue.
+    pub async fn give_back(&self, shard: &StudyShard, point: PointClaim) -> Result<(), JobError> {
         let sql =
             "UPDATE points SET status = 'queued' WHERE job = $1 AND number = $2 AND claim = $3 AND status = 'running'";
         let number = i64::try_from(point.number).unwrap_or(i64::MAX);
-        statement(sql).bind(strand.job).bind(number).bind(point.claim).run(&self.writer).await?;
+        statement(sql).bind(shard.job).bind(number).bind(point.claim).run(&self.writer).await?;
         Ok(())
     }
 
-    /// Whether other deliveries wait: such as go before studies, and any.
-    pub async fn others_wait(&self) -> Result<(bool, bool), JobError> {
-        let sql =
-            "SELECT count(*) FILTER (WHERE priority < $1) > 0, count(*) > 0 FROM river_job WHERE state = 'available'";
-        let row: (bool, bool) = statement(sql).bind(i64::from(super::PRIORITY_OF_STRANDS)).one(&self.writer).await?;
-        Ok(row)
-    }
-
-    /// How identical finished work of the same owner ended, a point or a simulation, by `point_hashes`.
-    pub async fn known(&self, owner: &str, hashes: &[Vec<u8>; 2]) -> Result<Option<PointEnd>, JobError> {
+    /// The end of identical finished work of the same owner, a point or a simulation, by `point_hashes`.
+    pub async fn known_end(&self, owner: &str, hashes: &[Vec<u8>; 2]) -> Result<Option<PointEnd>, JobError> {
         let parsed = |text: &[u8]| serde_json::from_slice(text).map_err(|error| JobError::Corrupt(error.to_string()));
         let sql = "SELECT points.answer FROM points JOIN jobs ON jobs.id = points.job \
                    WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
         let answer: Option<Vec<u8>> = statement(sql).bind(&hashes[0]).bind(owner).value(&self.readers).await?;
         if let Some(answer) = answer {
-            return Ok(Some(PointEnd::Succeeded(parsed(&results::decompressed(&answer)?)?)));
+            return Ok(Some(PointEnd::Succeeded(parsed(&decompressed(&answer)?)?)));
         }
         let sql = "SELECT results.metrics FROM jobs JOIN results ON results.id = jobs.result_id \
                    WHERE jobs.content_hash IN ($1, $2) AND jobs.status = 'succeeded' AND jobs.owner = $3 LIMIT 1";
@@ -218,7 +215,7 @@ impl Store {
     }
 }
 
-/// Points that were running in a strand whose process has ended wait again, or fail once that has happened too often.
+/// Queues the points again that a lost shard was running, or fails them after `max_lost_runs` losses.
 async fn lose_points(tx: &mut Tx, job: Uuid, delivery: i64, max_lost_runs: u32) -> Result<(), JobError> {
     let sql = "UPDATE points SET status = 'queued', lost = lost + 1 WHERE strand = $1 AND status = 'running' \
                RETURNING number, claim, lost";
@@ -237,9 +234,9 @@ async fn lose_points(tx: &mut Tx, job: Uuid, delivery: i64, max_lost_runs: u32) 
     Ok(())
 }
 
-/// Removes strands that have given no sign of life for so long, on a database that several processes share.
-pub async fn lose_strands(tx: &mut Tx, lost_after: SignedDuration, max_lost_runs: u32) -> Result<(), JobError> {
-    // The strands of a file end with its process, and are delivered again by the next.
+/// Removes shards that have sent no heartbeat for `lost_after`, on a database that several processes share.
+pub async fn remove_lost_shards(tx: &mut Tx, lost_after: SignedDuration, max_lost_runs: u32) -> Result<(), JobError> {
+    // The shards of a file end with its process, and the next process redelivers them.
     if tx.dialect() == Dialect::Sqlite {
         return Ok(());
     }
@@ -251,11 +248,11 @@ pub async fn lose_strands(tx: &mut Tx, lost_after: SignedDuration, max_lost_runs
     Ok(())
 }
 
-/// Writes the end of a point and counts it; nothing where the claim is lost.
+/// Writes the end of a point and counts it; does nothing if the claim is lost.
 async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResult) -> Result<(), JobError> {
     let (status, cause, answer) = match &result.end {
-        PointEnd::Succeeded(metrics) => ("succeeded", None, results::compressed(metrics)?),
-        PointEnd::Failed(error) => ("failed", Some(&error.cause), results::compressed(error)?),
+        PointEnd::Succeeded(metrics) => ("succeeded", None, compressed(metrics)?),
+        PointEnd::Failed(error) => ("failed", Some(&error.cause), compressed(error)?),
     };
     let sql = "UPDATE points SET status = $4, cause = $5, answer = $6, reused = $7, content_hash = $8 \
                WHERE job = $1 AND number = $2 AND claim = $3 AND status = 'running'";
@@ -281,25 +278,25 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
     Ok(())
 }
 
-async fn next(tx: &mut Tx, strand: &Strand, keep_s: f64) -> Result<Next, JobError> {
-    // An update, so that no other strand counts or takes points before this transaction ends.
-    statement("UPDATE studies SET ended = ended WHERE job = $1").bind(strand.job).run(&mut *tx).await?;
+async fn next(tx: &mut Tx, shard: &StudyShard, keep_s: f64) -> Result<Next, JobError> {
+    // An update, so that no other shard counts or claims points before this transaction ends.
+    statement("UPDATE studies SET ended = ended WHERE job = $1").bind(shard.job).run(&mut *tx).await?;
     let sql = "SELECT jobs.cancel_requested_at IS NOT NULL, studies.points, studies.ended, studies.succeeded \
                FROM jobs JOIN studies ON studies.job = jobs.id WHERE jobs.id = $1 AND jobs.status = 'running'";
-    let standing: Option<(bool, i64, i64, i64)> = statement(sql).bind(strand.job).optional(&mut *tx).await?;
-    let Some((cancel_requested, points, ended, succeeded)) = standing else { return Ok(Next::Ended) };
+    let counts: Option<(bool, i64, i64, i64)> = statement(sql).bind(shard.job).optional(&mut *tx).await?;
+    let Some((cancel_requested, points, ended, succeeded)) = counts else { return Ok(Next::Ended) };
     if ended == points {
-        end(tx, strand.job, succeeded > 0, strand.keep_for_s.unwrap_or(keep_s)).await?;
+        end(tx, shard.job, succeeded > 0, shard.keep_for_s.unwrap_or(keep_s)).await?;
         return Ok(Next::Ended);
     }
     if cancel_requested {
-        cancel(tx, strand.job, strand.keep_for_s.unwrap_or(keep_s)).await?;
+        cancel(tx, shard.job, shard.keep_for_s.unwrap_or(keep_s)).await?;
         return Ok(Next::Cancelled);
     }
     let sql = "UPDATE points SET status = 'running', claim = claim + 1, strand = $2 WHERE job = $1 \
                AND number = (SELECT min(number) FROM points WHERE job = $1 AND status = 'queued') \
                AND EXISTS (SELECT 1 FROM strands WHERE delivery = $2) RETURNING number, claim";
-    let claimed: Option<(i64, i64)> = statement(sql).bind(strand.job).bind(strand.delivery).optional(&mut *tx).await?;
+    let claimed: Option<(i64, i64)> = statement(sql).bind(shard.job).bind(shard.delivery).optional(&mut *tx).await?;
     Ok(match claimed {
         Some((number, claim)) => {
             Next::Point(PointClaim { number: usize::try_from(number).unwrap_or(usize::MAX), claim })
@@ -308,7 +305,7 @@ async fn next(tx: &mut Tx, strand: &Strand, keep_s: f64) -> Result<Next, JobErro
     })
 }
 
-/// Ends a study whose points have all ended.
+/// Ends a study after its last point.
 async fn end(tx: &mut Tx, job: Uuid, succeeded: bool, keep_s: f64) -> Result<(), JobError> {
     let (status, result, failure) = if succeeded {
         (Status::Succeeded, Some(results::insert_empty(tx).await?), None)
@@ -316,8 +313,10 @@ async fn end(tx: &mut Tx, job: Uuid, succeeded: bool, keep_s: f64) -> Result<(),
         let sql =
             "SELECT cause FROM points WHERE job = $1 AND cause IS NOT NULL ORDER BY cause = 'invalid', number LIMIT 1";
         let cause: Option<String> = statement(sql).bind(job).value(&mut *tx).await?;
-        let failure =
-            Failure::new(cause.as_deref().unwrap_or(INTERNAL), "no point of the study succeeded: its table tells why");
+        let failure = Failure::new(
+            cause.as_deref().unwrap_or(INTERNAL),
+            "no point of the study succeeded; its table lists the causes",
+        );
         (Status::Failed, None, Some(failure))
     };
     let now = Timestamp::now();
@@ -330,31 +329,31 @@ async fn end(tx: &mut Tx, job: Uuid, succeeded: bool, keep_s: f64) -> Result<(),
         .bind(failure.as_ref().map(|failure| &failure.cause))
         .bind(failure.as_ref().map(|failure| &failure.detail))
         .bind(stored(now))
-        .bind(stored(claims::expiry(now, keep_s)))
+        .bind(stored(expiry(now, keep_s)))
         .run(&mut *tx)
         .await?;
-    tx.tell_ended(job).await?;
-    remove_strands(tx, job).await?;
+    notify_ended(tx, job).await?;
+    remove_shards(tx, job).await?;
     tracing::info!(%job, status = status.name(), "a study has ended");
     Ok(())
 }
 
-/// Ends a study that someone wants to end: what has been computed stays, what runs waits.
+/// Cancels a study: finished points are kept, running points are queued again.
 pub async fn cancel(tx: &mut Tx, job: Uuid, keep_s: f64) -> Result<(), JobError> {
     let now = Timestamp::now();
     let sql = "UPDATE jobs SET status = 'cancelled', cancel_requested_at = coalesce(cancel_requested_at, $2), \
                finished_at = $2, expires_at = $3 WHERE id = $1 AND status IN ('queued', 'running')";
-    let expires = stored(claims::expiry(now, keep_s));
+    let expires = stored(expiry(now, keep_s));
     statement(sql).bind(job).bind(stored(now)).bind(expires).run(&mut *tx).await?;
     let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
     statement(sql).bind(job).run(&mut *tx).await?;
-    tx.tell_ended(job).await?;
-    remove_strands(tx, job).await
+    notify_ended(tx, job).await?;
+    remove_shards(tx, job).await
 }
 
-/// Whether a strand runs points of a study.
+/// Returns whether a shard is running points of a study.
 pub async fn is_under_way(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
-    // On a file there is no other process that could.
+    // A file has no other process.
     if tx.dialect() == Dialect::Sqlite {
         return Ok(false);
     }
@@ -362,7 +361,8 @@ pub async fn is_under_way(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
     Ok(statement(sql).bind(job).value(&mut *tx).await?.unwrap_or(false))
 }
 
-/// Lets a study go on that was cancelled, or that has points which failed by what may pass: they wait again. False: nothing is left to do.
+/// Resumes a study. Points that failed by a time limit, a lost worker or an internal error are queued again. Returns false if no
+/// point is left.
 pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
     let sql = "UPDATE points SET status = 'queued', cause = NULL, answer = NULL, lost = 0 \
                WHERE job = $1 AND status = 'failed' AND cause IN ($2, $3, $4)";
@@ -385,9 +385,10 @@ pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
     Ok(true)
 }
 
-/// Unfinished studies that lack strands, and how many: each has one for every place where runs may be, as long as points wait. Of
-/// one that has none left, points that were running wait again.
-pub async fn lacking(tx: &mut Tx, slots: usize, keep_s: f64) -> Result<Vec<(Uuid, usize)>, JobError> {
+/// Unfinished studies with too few shards, each with the number of missing ones.
+///
+/// A study has one shard for each slot as long as points wait. If it has none, its running points are queued again.
+pub async fn missing_shards(tx: &mut Tx, slots: usize, keep_s: f64) -> Result<Vec<(Uuid, usize)>, JobError> {
     let orphaned = tx.dialect().is_orphaned();
     let sql = format!(
         "SELECT jobs.id, \
@@ -398,23 +399,23 @@ pub async fn lacking(tx: &mut Tx, slots: usize, keep_s: f64) -> Result<Vec<(Uuid
          cancel_requested_at IS NOT NULL, keep_for_s FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running')"
     );
     let studies: Vec<(Uuid, i64, i64, bool, Option<f64>)> = statement(sql).all(&mut *tx).await?;
-    let mut lacking = Vec::new();
-    for (study, strands, waiting, cancel_requested, keep_for_s) in studies {
-        // Nobody is there to end it.
+    let mut missing = Vec::new();
+    for (study, shards, waiting, cancel_requested, keep_for_s) in studies {
+        // No shard runs that could end it.
         if cancel_requested && !is_under_way(tx, study).await? {
             cancel(tx, study, keep_for_s.unwrap_or(keep_s)).await?;
             continue;
         }
-        if strands == 0 {
+        if shards == 0 {
             let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
             statement(sql).bind(study).run(&mut *tx).await?;
-            remove_strands(tx, study).await?;
+            remove_shards(tx, study).await?;
         }
-        let [strands, waiting] = [strands, waiting].map(|count| usize::try_from(count).unwrap_or(0));
+        let [shards, waiting] = [shards, waiting].map(|count| usize::try_from(count).unwrap_or(0));
         let wanted = waiting.min(slots).max(1);
-        if strands < wanted {
-            lacking.push((study, wanted - strands));
+        if shards < wanted {
+            missing.push((study, wanted - shards));
         }
     }
-    Ok(lacking)
+    Ok(missing)
 }

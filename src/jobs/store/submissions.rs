@@ -1,13 +1,15 @@
-//! Submissions: our row, with the delivery that was made for it in the same transaction.
+//! Submissions: a row of `jobs` with the delivery that the same transaction creates.
 
 use std::collections::HashMap;
 
 use uuid::Uuid;
 
-use super::super::{JobError, JobRecord, NewJob, Status};
-use super::database::Tx;
+use super::pool::Tx;
 use super::statement::statement;
-use super::{stored, studies};
+use super::stored_time::{self, stored};
+use super::studies;
+use crate::jobs::error::JobError;
+use crate::jobs::job::{JobRecord, NewJob, Status};
 
 /// A finished result of identical work.
 #[derive(Debug, Clone, Copy)]
@@ -15,7 +17,7 @@ pub struct Reusable {
     pub result: Uuid,
 }
 
-/// Number of jobs that wait, by owner.
+/// Number of queued jobs by owner.
 pub async fn waiting(tx: &mut Tx) -> Result<HashMap<String, u64>, JobError> {
     let sql = "SELECT owner, count(*) FROM jobs WHERE status = 'queued' GROUP BY owner";
     let counts: Vec<(String, i64)> = statement(sql).all(&mut *tx).await?;
@@ -24,7 +26,7 @@ pub async fn waiting(tx: &mut Tx) -> Result<HashMap<String, u64>, JobError> {
 
 /// The result of identical finished work of the same owner.
 pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, JobError> {
-    // Whoever deletes that job waits until ours points to its result, too.
+    // A transaction that deletes that job waits until the new job refers to the result.
     let kept = tx.dialect().for_share();
     let sql = format!(
         "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 LIMIT 1{kept}"
@@ -33,35 +35,36 @@ pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, Job
     Ok(result.map(|result| Reusable { result }))
 }
 
-/// Adds a job that waits for its delivery.
+/// Inserts a queued job.
 pub async fn insert(tx: &mut Tx, job: &NewJob, delivery: i64) -> Result<JobRecord, JobError> {
     let record = job.record();
     insert_row(tx, job, &record, Some(delivery), None).await?;
     Ok(record)
 }
 
-/// Adds a job that has begun with its acceptance, as `Claim::with_acceptance` has it. It has no delivery; the answer is that of any other.
-pub async fn insert_begun(tx: &mut Tx, job: &NewJob) -> Result<JobRecord, JobError> {
+/// Inserts a job that started as it was accepted, with the claim of `Claim::at_acceptance` and no delivery. The returned record is
+/// that of a queued job, as for any other submission.
+pub async fn insert_started(tx: &mut Tx, job: &NewJob) -> Result<JobRecord, JobError> {
     let record = job.record();
     let running = JobRecord { status: Status::Running, started_at: Some(job.created_at), ..record.clone() };
     insert_row(tx, job, &running, None, None).await?;
     Ok(record)
 }
 
-/// Adds a study with its points and strands.
-pub async fn insert_study(tx: &mut Tx, job: &NewJob, points: usize, strands: &[i64]) -> Result<JobRecord, JobError> {
+/// Inserts a study with its points and shards.
+pub async fn insert_study(tx: &mut Tx, job: &NewJob, points: usize, shards: &[i64]) -> Result<JobRecord, JobError> {
     let record = job.record();
     insert_row(tx, job, &record, None, None).await?;
-    studies::insert(tx, job.id, points, strands).await?;
+    studies::insert(tx, job.id, points, shards).await?;
     Ok(record)
 }
 
-/// Until when a job is kept whose result is there already.
+/// Expiry of a job that is answered by an existing result.
 pub fn expiry(job: &NewJob, keep_s: f64) -> jiff::Timestamp {
-    super::claims::expiry(job.created_at, job.keep_for_s.unwrap_or(keep_s))
+    stored_time::expiry(job.created_at, job.keep_for_s.unwrap_or(keep_s))
 }
 
-/// Adds a job whose result is there already.
+/// Inserts a job that is answered by an existing result.
 pub async fn insert_answered(tx: &mut Tx, job: &NewJob, found: Reusable, keep_s: f64) -> Result<JobRecord, JobError> {
     let now = job.created_at;
     let record = JobRecord {

@@ -1,19 +1,20 @@
-//! Bearer tokens. Each is shown once, when it is made; only its digest is kept.
+//! Bearer tokens. A token is printed once, when it is created; only its digest is stored.
 
 use jiff::Timestamp;
 use sqlx::FromRow;
 use uuid::Uuid;
 
+use super::database::Store;
 use super::statement::statement;
-use super::{Store, stored, time};
-use crate::jobs::JobError;
+use super::stored_time::{stored, time};
+use crate::jobs::error::JobError;
 
-/// What is known of a token.
+/// A token without its secret.
 #[derive(Debug, Clone)]
 pub struct Token {
     pub id: Uuid,
     pub name: String,
-    /// Whose jobs it sees: tokens of one owner see the same.
+    /// Owner of the jobs that the token gives access to; several tokens can have one owner.
     pub owner: String,
     /// SHA-256 of the token.
     pub digest: Vec<u8>,
@@ -23,8 +24,8 @@ pub struct Token {
 }
 
 impl Token {
-    /// Whether it lets in at that time.
-    pub fn holds(&self, now: Timestamp) -> bool {
+    /// Returns whether the token is neither revoked nor expired at this time.
+    pub fn is_valid(&self, now: Timestamp) -> bool {
         self.revoked_at.is_none() && self.expires_at.is_none_or(|end| now < end)
     }
 }
@@ -57,7 +58,7 @@ impl TryFrom<Row> for Token {
 }
 
 impl Store {
-    /// All tokens that ever were, oldest first.
+    /// All tokens, revoked and expired ones included, oldest first.
     pub async fn tokens(&self) -> Result<Vec<Token>, JobError> {
         let sql =
             "SELECT id, name, owner, digest, created_at, expires_at, revoked_at FROM tokens ORDER BY created_at, id";
@@ -65,7 +66,7 @@ impl Store {
         rows.into_iter().map(Token::try_from).collect()
     }
 
-    /// Adds a token, unless its name is taken; whether it was added.
+    /// Inserts a token unless its name is taken; returns whether it was inserted.
     pub async fn add_token(&self, token: &Token) -> Result<bool, JobError> {
         let sql = "INSERT INTO tokens (id, name, owner, digest, created_at, expires_at) \
                    VALUES ($1, $2, $3, $4, $5, $6) ON CONFLICT (name) DO NOTHING";
@@ -81,7 +82,7 @@ impl Store {
         Ok(added == 1)
     }
 
-    /// Revokes the token of that name or id; `None`: there is none. One that was revoked before stays as it is.
+    /// Revokes the token with this name or id; `None`: not found. An earlier revocation keeps its time.
     pub async fn revoke_token(&self, which: &str) -> Result<Option<Token>, JobError> {
         let mut tx = self.begin().await?;
         let sql = "UPDATE tokens SET revoked_at = COALESCE(revoked_at, $3) WHERE name = $1 OR id = $2 \

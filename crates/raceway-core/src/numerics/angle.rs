@@ -2,8 +2,8 @@
 
 use super::exponential::ROUND;
 
-/// π/2 in three parts; the first two have 20 and more trailing zero bits, so that their products with a number of quarter turns up
-/// to 10⁶ are exact (Cody & Waite; parts of fdlibm's e_rem_pio2.c).
+/// π/2 in three parts (Cody & Waite; parts of fdlibm's e_rem_pio2.c). The first two have at least 20 trailing zero
+/// bits, so that their products with up to 10⁶ quarter turns are exact.
 const QUARTER: (f64, f64, f64) = (1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21);
 
 /// Minimax polynomials on |r| ≤ π/4 (fdlibm, k_sin.c and k_cos.c): sin r = r + r³ S(r²), cos r = 1 − r²/2 + r⁴ C(r²).
@@ -26,7 +26,7 @@ const C: [f64; 6] = [
 
 /// Sine and cosine of an angle [rad] below 10⁹, to about 2 units in the last place of 1; exactly odd and even.
 #[inline(always)]
-pub fn sin_cos(angle: f64) -> (f64, f64) {
+pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
     let shifted = angle * std::f64::consts::FRAC_2_PI + ROUND;
     let turns = shifted - ROUND;
     let r = ((angle - turns * QUARTER.0) - turns * QUARTER.1) - turns * QUARTER.2;

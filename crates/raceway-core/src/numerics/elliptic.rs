@@ -18,14 +18,16 @@ pub struct CompleteElliptic {
 /// Complete elliptic integral of the first kind `∫₀^{π/2} (1 − m sin²φ)^(−1/2) dφ`, 0 ≤ m < 1.
 ///
 /// NIST DLMF 19.8.5: π / (2 agm(1, √(1 − m))). Infinite at m = 1.
-pub fn complete_elliptic_first(m: f64) -> f64 {
+#[cfg(test)]
+fn complete_elliptic_first(m: f64) -> f64 {
     complete_elliptic(1.0 - m).first
 }
 
 /// Complete elliptic integral of the second kind `∫₀^{π/2} (1 − m sin²φ)^(1/2) dφ`, 0 ≤ m ≤ 1.
 ///
 /// NIST DLMF 19.8.6: 𝓕 · (1 − Σ 2^(n−1) c_n²).
-pub fn complete_elliptic_second(m: f64) -> f64 {
+#[cfg(test)]
+fn complete_elliptic_second(m: f64) -> f64 {
     if m == 1.0 { 1.0 } else { complete_elliptic(1.0 - m).second }
 }
 

@@ -25,7 +25,7 @@ const C12: f64 = 1.0 / 479_001_600.0;
 ///
 /// x = n ln 2 + r, |r| ≤ ln 2 / 2; e^r by its Taylor polynomial to r¹², whose next term is below 2e-16.
 #[inline(always)]
-pub fn exponential(x: f64) -> f64 {
+pub(crate) fn exponential(x: f64) -> f64 {
     let x = smaller(larger(x, -700.0), 700.0);
     let shifted = x * std::f64::consts::LOG2_E + ROUND;
     let n = shifted - ROUND;
@@ -61,7 +61,7 @@ const RISE: [f64; 11] = [
 /// x = n + f, |f| ≤ ½; 1 − 2^(−n) 2^(−f) = 2^(−n) (1 − 2^(−f)) + (1 − 2^(−n)), whose second part vanishes for small x.
 /// Step by step for all of them: while one waits for its last step, the processor does that of another.
 #[inline(always)]
-pub fn binary_saturations<const S: usize>(x: [f64; S]) -> ([f64; S], [f64; S]) {
+pub(crate) fn binary_saturations<const S: usize>(x: [f64; S]) -> ([f64; S], [f64; S]) {
     let z: [f64; S] = from_fn(|k| smaller(x[k], 1000.0));
     let shifted: [f64; S] = from_fn(|k| z[k] + ROUND);
     let f: [f64; S] = from_fn(|k| z[k] - (shifted[k] - ROUND));
@@ -79,9 +79,9 @@ pub fn binary_saturations<const S: usize>(x: [f64; S]) -> ([f64; S], [f64; S]) {
     (from_fn(|k| change[k] + (1.0 - power[k])), from_fn(|k| power[k] - change[k]))
 }
 
-/// The same of one x in single precision.
+/// Saturation at one x in single precision.
 #[inline(always)]
-pub fn binary_saturation_single(x: f32) -> (f32, f32) {
+pub(crate) fn binary_saturation_single(x: f32) -> (f32, f32) {
     // 2²³ + 2²²
     const ROUND: f32 = 12_582_912.0;
     const RISE: [f32; 7] = [
@@ -106,13 +106,13 @@ pub fn binary_saturation_single(x: f32) -> (f32, f32) {
 
 /// 1 − e^(−x), x ≥ 0.
 #[inline(always)]
-pub fn saturation(x: f64) -> f64 {
+pub(crate) fn saturation(x: f64) -> f64 {
     binary_saturations([x * std::f64::consts::LOG2_E]).0[0]
 }
 
 /// tanh x for x ≥ 0: 1 − e^(−2x) over 1 + e^(−2x).
 #[inline(always)]
-pub fn hyperbolic_tangent(x: f64) -> f64 {
+pub(crate) fn hyperbolic_tangent(x: f64) -> f64 {
     let rise = saturation(2.0 * x);
     rise / (2.0 - rise)
 }
@@ -124,7 +124,7 @@ const ROOT_OF_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 ///
 /// x = 2ᵏ (1 + f), √½ < 1 + f < √2, s = f/(2 + f): ln(1 + f) = f − f²/2 + s (f²/2 + R(s²)) (fdlibm, e_log.c).
 #[inline(always)]
-pub fn logarithm(x: f64) -> f64 {
+pub(crate) fn logarithm(x: f64) -> f64 {
     const R: [f64; 7] = [
         6.666_666_666_666_735e-1,
         3.999_999_999_940_942e-1,
@@ -147,22 +147,22 @@ pub fn logarithm(x: f64) -> f64 {
 
 /// ln(1 + x), x ≥ 0, to about 2 units in the last place.
 #[inline(always)]
-pub fn logarithm_of_one_plus(x: f64) -> f64 {
+pub(crate) fn logarithm_of_one_plus(x: f64) -> f64 {
     let sum = 1.0 + x;
-    // What rounding took from the sum, to first order.
+    // Rounding error of the sum, to first order.
     logarithm(sum) + (x - (sum - 1.0)) / sum
 }
 
 /// x^y of x ≥ 0 and a y whose power stays in the range of `exponential`; 0 at 0.
 #[inline(always)]
-pub fn power(x: f64, y: f64) -> f64 {
+pub(crate) fn power(x: f64, y: f64) -> f64 {
     let power = exponential(y * logarithm(x));
     if x > 0.0 { power } else { 0.0 }
 }
 
 /// arsinh x for x ≥ 0: ln(1 + x + x²/(1 + √(1 + x²))), which loses no digits near 0.
 #[inline(always)]
-pub fn inverse_hyperbolic_sine(x: f64) -> f64 {
+pub(crate) fn inverse_hyperbolic_sine(x: f64) -> f64 {
     let square = x * x;
     logarithm_of_one_plus(x + square / (1.0 + (1.0 + square).sqrt()))
 }

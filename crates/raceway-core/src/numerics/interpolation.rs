@@ -9,10 +9,10 @@ const POINTS: usize = 8;
 /// through the four samples on either side (Lagrange). Halfway between two samples, where it is worst, a tone comes out lower by
 /// 6·10⁻⁴ of itself at eight samples a period, by 2·10⁻⁵ at twelve.
 #[derive(Debug, Clone)]
-pub struct Interpolator<const N: usize> {
+pub(crate) struct Interpolator<const N: usize> {
     steps: usize,
     values: usize,
-    /// Of values 0 … `values` − 1 parts of a sample beyond one.
+    /// Weights of the values at 0 … `values` − 1 parts of the sample interval after a sample.
     weights: Vec<[f64; POINTS]>,
     /// The last frames, from the first one that a value still needs.
     frames: Vec<[f64; N]>,
@@ -24,21 +24,21 @@ pub struct Interpolator<const N: usize> {
 
 impl<const N: usize> Interpolator<N> {
     /// Frames that follow a value before it is known, and frames before the one that the first value belongs to.
-    pub const DELAY: usize = POINTS / 2;
+    pub(crate) const DELAY: usize = POINTS / 2;
 
-    pub fn new(steps: usize, values: usize) -> Self {
+    pub(crate) fn new(steps: usize, values: usize) -> Self {
         let weights = (0..values).map(|part| between(part as f64 / values as f64)).collect();
-        // As if it had begun a frame earlier, with a value that nobody sees.
+        // Starts as if a frame earlier, with a value that is not returned.
         Self { steps, values, weights, frames: Vec::new(), next: values, known: Vec::new() }
     }
 
     /// Takes `frame` as having stood still until now: the first value then belongs to the first frame pushed from here.
-    pub fn prime(&mut self, frame: &[f64; N]) {
+    pub(crate) fn prime(&mut self, frame: &[f64; N]) {
         self.frames = vec![*frame; POINTS / 2];
     }
 
     /// Takes frames; the values that they make known, by these instructions.
-    pub fn push(&mut self, frames: &[[f64; N]], instructions: InstructionSet) -> &[[f64; N]] {
+    pub(crate) fn push(&mut self, frames: &[[f64; N]], instructions: InstructionSet) -> &[[f64; N]] {
         self.frames.extend_from_slice(frames);
         self.known.clear();
         instructions.run(Between(self));
@@ -84,12 +84,12 @@ fn between(x: f64) -> [f64; POINTS] {
     through(POINTS, x + (POINTS / 2 - 1) as f64)
 }
 
-/// A motion known at even times, one after the other, and what lies between them.
+/// A motion sampled at even times, with interpolation between the samples.
 #[derive(Debug, Clone, Default)]
-pub struct Course {
+pub(crate) struct Course {
     /// Numbers of a sample.
     width: usize,
-    /// Of the first and of the last sample.
+    /// Time of the first and of the last sample.
     begin: f64,
     end: f64,
     samples: usize,
@@ -98,27 +98,27 @@ pub struct Course {
 }
 
 impl Course {
-    /// Samples that are kept for what lies between the last ones, and as many more at most.
+    /// Samples kept for interpolation; at most twice as many are stored.
     const KEPT: usize = 2 * POINTS;
 
-    /// Of samples with so many numbers.
-    pub fn new(width: usize) -> Self {
+    /// Creates a course whose samples have `width` numbers.
+    pub(crate) fn new(width: usize) -> Self {
         Self { width, ..Self::default() }
     }
 
     /// Forgets all samples.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.samples = 0;
         self.kept.clear();
     }
 
     /// The time of the last sample; `None` before the first.
-    pub fn end(&self) -> Option<f64> {
+    pub(crate) fn end(&self) -> Option<f64> {
         (self.samples > 0).then_some(self.end)
     }
 
-    /// The time up to which four samples follow a value; `None` before there are so many.
-    pub fn known(&self) -> Option<f64> {
+    /// The time up to which four samples follow a value; `None` before four samples exist.
+    pub(crate) fn known(&self) -> Option<f64> {
         let ahead = POINTS / 2 - 1;
         (self.samples > ahead).then(|| self.end - ahead as f64 * self.step())
     }
@@ -128,7 +128,7 @@ impl Course {
     }
 
     /// The next sample.
-    pub fn push(&mut self, time: f64, sample: impl Iterator<Item = f64>) {
+    pub(crate) fn push(&mut self, time: f64, sample: impl Iterator<Item = f64>) {
         if self.samples == 0 {
             self.begin = time;
         }
@@ -141,12 +141,12 @@ impl Course {
         debug_assert!(self.kept.len().is_multiple_of(self.width));
     }
 
-    /// Writes what lies between the samples at a time: the first `smooth` numbers by the polynomial through the eight samples around, four
-    /// on either side where there are so many, the others straight.
+    /// Writes the interpolated numbers at a time. The first `smooth` numbers follow the polynomial through the eight
+    /// nearest samples, four on either side where available. The others are linear between two samples.
     ///
     /// # Panics
     /// When there is no sample, or numbers are missing.
-    pub fn at(&self, time: f64, smooth: usize, values: &mut [f64]) {
+    pub(crate) fn at(&self, time: f64, smooth: usize, values: &mut [f64]) {
         let kept = self.kept.len() / self.width;
         let place = (kept - 1) as f64 - (self.end - time) / self.step().max(f64::MIN_POSITIVE);
         let left = (place.max(0.0) as usize).min(kept.saturating_sub(2));
@@ -251,7 +251,7 @@ mod tests {
         }
     }
 
-    /// What stood still before the first frame counts as its past.
+    /// The first frame also stands for the time before it.
     #[test]
     fn a_signal_without_a_past_begins_with_its_first_frame() {
         let (mut interpolator, mut found) = (Interpolator::new(2, 3), Vec::new());

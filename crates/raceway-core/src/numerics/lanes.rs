@@ -1,16 +1,16 @@
 //! One formula for one ball or for several side by side.
 //!
-//! A formula is written once, for one ball. Where many balls need it, it runs over columns of numbers, [`Lanes`], in a loop
-//! whose body has no branch and whose turns know nothing of each other. The compiler then lays the balls side by side in
-//! the registers of the processor: two, four or eight at once, by the instruction set that [`InstructionSet::run`] compiles
-//! for. Rust never contracts or reorders sums of floats, so that the bits are the same on all of them.
-//! In single precision, [`Singles`], a register holds twice as many; a loop with numbers of both precisions takes as many at once as the
-//! wider ones let it, so that conversions stand in loops of their own.
+//! A formula is written once, for one ball. Where many balls need it, it runs over columns of numbers, [`Lanes`], in a
+//! loop whose body has no branch and whose iterations are independent. The compiler then lays the balls side by side in
+//! the registers of the processor: two, four or eight at once, by the instruction set that [`InstructionSet::run`]
+//! compiles for. Rust never contracts or reorders sums of floats, so that the bits are the same on all of them. In
+//! single precision, [`Singles`], a register holds twice as many. A loop over both precisions is limited by the wider
+//! numbers, so that conversions stand in loops of their own.
 //!
-//! What such loops may contain: + − × ÷, √, comparisons that choose a value, own functions made of these (`exponential`,
-//! `angle`). A call into the platform's mathematics or an early return would bring the balls back one behind the other; so
-//! would constants read through a reference, which a store might change: a copy of them stands before the loop. `cargo
-//! bench --bench contact` shows whether balls are side by side.
+//! What such loops may contain: + − × ÷, √, comparisons that choose a value, own functions made of these
+//! (`exponential`, `angle`). A call into the platform's mathematics or an early return prevents vectorization. So do
+//! constants read through a reference, which a store might change; a copy of them stands before the loop. `cargo bench
+//! --bench contact` shows whether balls are side by side.
 
 use std::fmt;
 use std::ops::{Add, Div, Index, IndexMut, Mul, Neg, Sub};
@@ -24,10 +24,10 @@ pub const LANES: usize = 8;
 #[repr(align(64))]
 pub struct Lanes<const N: usize = LANES, T = f64>(pub [T; N]);
 
-/// The same in single precision, where seven digits serve.
-pub type Singles = Lanes<LANES, f32>;
+/// Lanes in single precision, where seven digits are enough.
+pub(crate) type Singles = Lanes<LANES, f32>;
 
-/// What formulas calculate with, in double or in single precision.
+/// Number type of the formulas: double or single precision.
 pub trait Real:
     Copy
     + Default
@@ -76,7 +76,7 @@ impl<const N: usize, T: Copy + Default> Lanes<N, T> {
         Self(lanes)
     }
 
-    /// Whether it holds for at least one.
+    /// Returns true where the condition holds for at least one lane.
     #[inline(always)]
     pub fn any(&self, holds: impl Fn(T) -> bool) -> bool {
         // No short cut: eight comparisons cost less than one branch that is hard to foresee.
@@ -174,8 +174,8 @@ impl<C: SideBySide, const COUNT: usize> SideBySide for [C; COUNT] {
     }
 }
 
-/// The same of every ball: what all have in common, laid out as what differs. A register takes it from memory together with an
-/// operation, where a single number would have to be spread over the balls before.
+/// One value copied into every lane, so that shared values have the layout of values per ball. A register takes it from
+/// memory together with an operation, where a single number would have to be spread over the balls before.
 pub fn alike<S: SideBySide<One: Copy> + Default>(one: S::One) -> S {
     let mut all = S::default();
     for lane in 0..LANES {
@@ -241,7 +241,7 @@ pub trait Task {
 }
 
 impl InstructionSet {
-    /// What every processor of the architecture has.
+    /// Instructions that every processor of the architecture has.
     pub const BASELINE: Self = Self(Kind::Baseline);
 
     /// Those that this processor has, the best one last.

@@ -1,14 +1,17 @@
 //! Mathematics that knows no bearing: special functions, spectra, statistics, integrators.
 //! Imports none of the other rooms.
 
-pub mod angle;
+pub(crate) mod angle;
+pub(crate) mod decimation;
 pub mod elliptic;
-pub mod exponential;
-pub mod interpolation;
+pub(crate) mod exponential;
+pub(crate) mod interpolation;
 pub mod lanes;
 pub mod ode;
 pub mod parallel;
-pub mod periodic;
+pub(crate) mod periodic;
 pub mod roots;
+pub mod rounding;
+mod special;
 pub mod spectrum;
 pub mod statistics;

@@ -1,15 +1,14 @@
 //! Periodic motions by shooting: the fixed point of the map that one period of a flow is, and its Floquet multipliers.
 //!
-//! A fixed point says nothing of its own stability: an orbit whose multipliers leave the unit circle is a solution that no
-//! motion stays near. So the multipliers belong to the answer.
+//! A fixed point does not show its own stability. An orbit with multipliers outside the unit circle is a solution from
+//! which neighbouring motions depart. The multipliers are therefore part of the result.
 
 use nalgebra::{DMatrix, DVector, Schur};
 
-/// How a search goes on.
+/// Settings of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Search<const N: usize> {
-    /// Size of each entry of the state: what its difference quotients step by a hundred-thousandth of, and what
-    /// errors are judged by.
+pub(crate) struct Search<const N: usize> {
+    /// Size of each entry of the state, the unit of its errors. Difference quotients step by 10⁻⁵ of it.
     pub sizes: [f64; N],
     /// Largest error of an entry over its size.
     pub tolerance: f64,
@@ -37,16 +36,16 @@ impl<const N: usize> PeriodicOrbit<N> {
     }
 }
 
-/// Why there is none.
+/// Reason why no periodic orbit was found.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum NoOrbit {
+pub(crate) enum NoOrbit {
     #[error(
         "no periodic motion was found: {error:.1e} of the motion's size is left after {iterations} steps of Newton's method"
     )]
     NotConverged { error: f64, iterations: usize },
     #[error("the periodic motion is not finite")]
     NotFinite,
-    #[error("the multipliers of the periodic motion were not found within {MOST_ROTATIONS} iterations")]
+    #[error("the multipliers of the periodic motion were not found within {MAX_ROTATIONS} iterations")]
     NoMultipliers,
 }
 
@@ -57,16 +56,20 @@ const RIGHT: f64 = 0.02;
 const DIFFERENCE: f64 = 1e-5;
 const FARTHEST: f64 = 1e4;
 /// Iterations of the QR method for all multipliers; it takes a few for each, and can go in circles for ever.
-const MOST_ROTATIONS: usize = 200;
+const MAX_ROTATIONS: usize = 200;
 
 impl<const N: usize> Search<N> {
     /// The periodic motion near a guess; `period` carries a state over one period.
-    pub fn find(&self, guess: [f64; N], period: impl Fn(&[f64; N]) -> [f64; N]) -> Result<PeriodicOrbit<N>, NoOrbit> {
+    pub(crate) fn find(
+        &self,
+        guess: [f64; N],
+        period: impl Fn(&[f64; N]) -> [f64; N],
+    ) -> Result<PeriodicOrbit<N>, NoOrbit> {
         self.search(guess, None, period)
     }
 
     /// The same motion on a slightly other flow, such as one with finer steps; its multipliers are still those of the other.
-    pub fn refine(
+    pub(crate) fn refine(
         &self,
         orbit: &PeriodicOrbit<N>,
         period: impl Fn(&[f64; N]) -> [f64; N],
@@ -75,7 +78,7 @@ impl<const N: usize> Search<N> {
     }
 
     /// With the multipliers of this flow.
-    pub fn measured(
+    pub(crate) fn measured(
         &self,
         orbit: PeriodicOrbit<N>,
         period: impl Fn(&[f64; N]) -> [f64; N],
@@ -95,7 +98,7 @@ impl<const N: usize> Search<N> {
         let mut image = period(&state);
         let mut periods = 1;
         let mut error = self.error(&state, &image)?;
-        // Whether the matrix has proved right where the state is now.
+        // True where the matrix has proved accurate at the present state.
         let mut right = matrix.is_some();
         for _ in 0..self.iterations {
             if error <= self.tolerance && right {
@@ -153,7 +156,7 @@ fn multipliers(monodromy: &DMatrix<f64>) -> Result<Vec<(f64, f64)>, NoOrbit> {
     if !monodromy.iter().all(|value| value.is_finite()) {
         return Err(NoOrbit::NotFinite);
     }
-    let schur = Schur::try_new(monodromy.clone(), f64::EPSILON, MOST_ROTATIONS).ok_or(NoOrbit::NoMultipliers)?;
+    let schur = Schur::try_new(monodromy.clone(), f64::EPSILON, MAX_ROTATIONS).ok_or(NoOrbit::NoMultipliers)?;
     let mut all: Vec<(f64, f64)> = schur.complex_eigenvalues().iter().map(|value| (value.re, value.im)).collect();
     all.sort_by(|a, b| b.0.hypot(b.1).total_cmp(&a.0.hypot(a.1)));
     Ok(all)
@@ -195,10 +198,10 @@ mod tests {
         }
     }
 
-    /// Duffing's q̈ + 0.1 q̇ + q + q³ = 0.2 cos 1.4 t: the small and the large orbit are stable, the one between is a saddle
-    /// and is told as such; the product of the multipliers is e^(−0.1 T) on each (Liouville).
+    /// Duffing's q̈ + 0.1 q̇ + q + q³ = 0.2 cos 1.4 t: the small and the large orbit are stable, and the one between is
+    /// reported as a saddle. The product of the multipliers is e^(−0.1 T) on each (Liouville).
     #[test]
-    fn all_three_orbits_of_duffing_are_found_and_the_saddle_is_told() {
+    fn all_three_orbits_of_duffing_are_found_and_the_saddle_is_unstable() {
         let equations = |t: f64, (q, v): &Motion<1>| [0.2 * (1.4 * t).cos() - 0.1 * v[0] - q[0] - q[0].powi(3)];
         let length = TAU / 1.4;
         // Amplitudes by harmonic balance, as guesses: (1 − ω² + ¾a²)² a² + (0.1 ω a)² = 0.04.
@@ -215,8 +218,8 @@ mod tests {
         assert!(radii.len() == 3 && radii[0] < 1.0 && radii[1] > 1.0 && radii[2] < 1.0, "{radii:?}");
     }
 
-    /// Mathieu's q̈ + 0.02 q̇ + (1 + ε cos 2t) q = 0 within the first tongue: rest is periodic and unstable by a multiplier
-    /// of about −e^((ε/4 − 0.01) π); without the swing it decays.
+    /// Mathieu's q̈ + 0.02 q̇ + (1 + ε cos 2t) q = 0 within the first tongue: rest is periodic and unstable, with a
+    /// multiplier of about −e^((ε/4 − 0.01) π). Without the parametric excitation it decays.
     #[test]
     fn rest_on_a_swinging_spring_is_unstable_within_the_tongue() {
         for (swing, unstable) in [(0.0, false), (0.2, true)] {
@@ -251,7 +254,7 @@ mod tests {
         assert_eq!(SEARCH.find([0.0; 2], |_| [f64::NAN; 2]), Err(NoOrbit::NotFinite));
     }
 
-    /// The QR method would look for eigenvalues of what is no number for ever.
+    /// The QR method would not end on entries that are not finite.
     #[test]
     fn a_flow_whose_slope_is_no_number_has_no_orbit() {
         let nothing = Search { sizes: [0.0; 2], ..SEARCH };

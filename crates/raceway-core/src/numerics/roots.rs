@@ -1,10 +1,9 @@
 //! The root of a function of one variable between two points.
 
-/// Where `f` changes sign between `low` and `high`, to the last few bits.
+/// Root of `f` between `low` and `high`, to the last few bits.
 ///
-/// Bisection with regula falsi in the Illinois form (Dowell & Jarratt 1971) between the halvings, so
-/// that it needs no derivative and never leaves the bracket. Where `f` does not change sign, the end
-/// with the smaller |f| is returned.
+/// Bisection with regula falsi in the Illinois form (Dowell & Jarratt 1971) between the halvings, so that it needs no
+/// derivative and never leaves the bracket. Returns the end with the smaller |f| if `f` does not change sign.
 pub fn bracketed_root(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let (mut a, mut b) = (low, high);
     let (mut fa, mut fb) = (f(a), f(b));
@@ -14,7 +13,7 @@ pub fn bracketed_root(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     for step in 0..400 {
         let bisect = 0.5 * (a + b);
         let secant = (a * fb - b * fa) / (fb - fa);
-        // Every third step halves the bracket, which bounds the work whatever the shape of f.
+        // Every third step halves the bracket, which bounds the work for any f.
         let inside = secant > a.min(b) && secant < a.max(b);
         let x = if step % 3 == 2 || !inside { bisect } else { secant };
         if x == a || x == b || (b - a).abs() <= f64::EPSILON * a.abs().max(b.abs()) {

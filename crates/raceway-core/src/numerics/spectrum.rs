@@ -1,11 +1,11 @@
-//! Amplitude and envelope spectra, band limits, and decimation of sampled signals.
+//! Amplitude and envelope spectra, and band limits, of sampled signals.
 
-use std::f64::consts::{PI, TAU};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
+use super::special::sinc;
 use super::statistics::mean;
 
 /// One-sided amplitude spectrum: entry `k` belongs to frequency `k · resolution`, and a sine of
@@ -27,7 +27,8 @@ impl Spectrum {
         let averages = self.averages + other.averages;
         let [own, others] = [self.averages, other.averages].map(|part| (part as f64 / averages as f64).sqrt());
         for (own_amplitude, amplitude) in self.amplitude.iter_mut().zip(&other.amplitude) {
-            *own_amplitude = (own * *own_amplitude).hypot(others * amplitude);
+            let (one, other) = (own * *own_amplitude, others * amplitude);
+            *own_amplitude = (one * one + other * other).sqrt();
         }
         self.averages = averages;
     }
@@ -37,17 +38,33 @@ impl Spectrum {
 ///
 /// n values give n/2 + 1 entries, rate/n apart; no values give none. A tone between two bins reads up to 1.4 dB low:
 /// see `interpolated_peak`.
-pub fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
+pub(crate) fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
     let n = signal.len();
     if n == 0 {
         return Spectrum { resolution: 0.0, amplitude: Vec::new(), window: "hann", averages: 1 };
     }
+    amplitudes(&bins_about_mean(signal), n, rate)
+}
+
+/// Fourier transform of a signal that is not empty, less its mean.
+fn bins_about_mean(signal: &[f64]) -> Vec<Complex64> {
     let mean = mean(signal);
-    let bins = forward(&mut signal.iter().map(|x| x - mean).collect::<Vec<_>>());
+    forward(&mut signal.iter().map(|x| x - mean).collect::<Vec<_>>())
+}
+
+/// Amplitude spectrum of `n` values from their transform.
+fn amplitudes(bins: &[Complex64], n: usize, rate: f64) -> Spectrum {
     // 2 over the sum of the window, n/2.
     let one_sided = 4.0 / n as f64;
     let magnitude = |bin: Complex64| bin.norm_sqr().sqrt();
-    let mut amplitude: Vec<f64> = (0..bins.len()).map(|k| one_sided * magnitude(hann(&bins, n, k))).collect();
+    let mut amplitude = vec![0.0; bins.len()];
+    // Between the ends each bin has its neighbours in the row.
+    for (amplitude, around) in amplitude.iter_mut().skip(1).zip(bins.windows(3)) {
+        *amplitude = one_sided * magnitude(0.5 * around[1] - 0.25 * (around[0] + around[2]));
+    }
+    for k in [0, bins.len() - 1] {
+        amplitude[k] = one_sided * magnitude(hann(bins, n, k));
+    }
     // The first entry and, for an even count, the last have no mirror image.
     amplitude[0] *= 0.5;
     if n.is_multiple_of(2) {
@@ -56,8 +73,8 @@ pub fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
     Spectrum { resolution: rate / n as f64, amplitude, window: "hann", averages: 1 }
 }
 
-/// Bin `k` of `n` real values under the window ½ − ½ cos(2πi/n), from their bins without it: the window is three lines, so
-/// that a bin and its two neighbours say all, and no cosine is computed a value.
+/// Bin `k` of `n` real values under the window ½ − ½ cos(2πi/n), from their bins without it. The window has three
+/// spectral lines, so that a bin and its two neighbours give the result without a cosine per value.
 fn hann(bins: &[Complex64], n: usize, k: usize) -> Complex64 {
     // Bins beyond the ends are mirror images of those within.
     let bin = |k: isize| {
@@ -70,19 +87,33 @@ fn hann(bins: &[Complex64], n: usize, k: usize) -> Complex64 {
 
 /// Amplitude spectrum of the envelope: the signal passes the band (from, to) [Hz], and the magnitude of its analytic
 /// signal, mean removed, is analysed. A carrier in the band with amplitude A (1 + m cos Ωt) reads A·m at Ω.
-pub fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectrum {
+#[cfg(test)]
+pub(crate) fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectrum {
     let n = signal.len();
     if n == 0 {
         return amplitude_spectrum(signal, rate);
     }
-    let mut bins = forward(&mut signal.to_vec());
-    let nyquist = n.is_multiple_of(2).then_some(n / 2);
-    for (k, bin) in bins.iter_mut().enumerate() {
-        let frequency = k as f64 * rate / n as f64;
-        if k == 0 || Some(k) == nyquist || frequency < band.0 || frequency > band.1 {
-            *bin = Complex64::ZERO;
-        }
+    envelope(forward(&mut signal.to_vec()), n, rate, band)
+}
+
+/// Both spectra of a signal from one transform: [`amplitude_spectrum`] and, to rounding, [`envelope_spectrum`].
+pub(crate) fn amplitude_and_envelope(signal: &[f64], rate: f64, band: (f64, f64)) -> (Spectrum, Spectrum) {
+    let n = signal.len();
+    if n == 0 {
+        return (amplitude_spectrum(signal, rate), amplitude_spectrum(signal, rate));
     }
+    let bins = bins_about_mean(signal);
+    (amplitudes(&bins, n, rate), envelope(bins, n, rate, band))
+}
+
+/// Amplitude spectrum of the envelope of `n` values in a band [Hz], from their transform.
+fn envelope(mut bins: Vec<Complex64>, n: usize, rate: f64, band: (f64, f64)) -> Spectrum {
+    // The mean and, for an even count, the last bin have no quarter turn.
+    let frequency = |k: usize| k as f64 * rate / n as f64;
+    let from = bins_below(bins.len(), |k| k == 0 || frequency(k) < band.0);
+    let to = bins_below(bins.len(), |k| frequency(k) <= band.1 && 2 * k != n);
+    bins[..from].fill(Complex64::ZERO);
+    bins[to..].fill(Complex64::ZERO);
     // The analytic signal is the passed signal plus i times the same a quarter turn later.
     let mut quarter_turn: Vec<Complex64> = bins.iter().map(|bin| Complex64::new(bin.im, -bin.re)).collect();
     let in_phase = inverse(&mut bins, n);
@@ -91,12 +122,22 @@ pub fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> Spectru
     amplitude_spectrum(&envelope, rate)
 }
 
+/// Number of bins up to the first for which `is_below` does not hold, `is_below` falling once with rising number.
+fn bins_below(bins: usize, is_below: impl Fn(usize) -> bool) -> usize {
+    let (mut below, mut beyond) = (0, bins);
+    while below < beyond {
+        let middle = below.midpoint(beyond);
+        if is_below(middle) { below = middle + 1 } else { beyond = middle }
+    }
+    below
+}
+
 /// The signal without its mean and without anything above `highest` [Hz]; same length, same rate.
 ///
-/// A brick wall in the frequency domain, which takes what it is given as periodic: where the ends of the signal did not meet, it would
-/// overshoot there by a tenth of the step between them. So the straight line through the ends, which has nothing to be cut, goes
-/// round the wall.
-pub fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
+/// An ideal filter in the frequency domain treats the signal as periodic. Where its ends differ, the result would
+/// overshoot by a tenth of that difference. The straight line through the ends, which lies within the band, is
+/// therefore subtracted first and added again.
+pub(crate) fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
     let (n, [Some(first), Some(last)]) = (signal.len(), [signal.first(), signal.last()]) else { return Vec::new() };
     let rise = if n > 1 { (last - first) / (n - 1) as f64 } else { 0.0 };
     let middle = 0.5 * (n - 1) as f64;
@@ -104,24 +145,21 @@ pub fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
     let mut bent: Vec<f64> = signal.iter().enumerate().map(|(i, value)| value - line(i)).collect();
     let mut bins = forward(&mut bent);
     bins[0] = Complex64::ZERO;
-    for (k, bin) in bins.iter_mut().enumerate() {
-        if k as f64 * rate / n as f64 > highest {
-            *bin = Complex64::ZERO;
-        }
-    }
-    let mut left = inverse(&mut bins, n);
+    let cut = bins_below(bins.len(), |k| k as f64 * rate / n as f64 <= highest);
+    bins[cut..].fill(Complex64::ZERO);
+    let mut left = inverse_unscaled(&mut bins, n);
     for (i, value) in left.iter_mut().enumerate() {
-        *value += line(i);
+        *value = *value / n as f64 + line(i);
     }
     left
 }
 
 /// Frequency [Hz] and amplitude of the tone whose strongest bin is `bin`, from that bin and its two neighbours.
 ///
-/// Exact for a lone tone under a Hann window: with δ the tone's distance from the bin in bins, the three entries are
-/// A·w(δ + 1), A·w(δ), A·w(δ − 1), w(x) = sin πx / (πx (1 − x²)), hence δ = 2 (a₊ − a₋)/(a₋ + 2a₀ + a₊). The first
-/// and last entries have no two neighbours and are returned as they stand, a bin outside the spectrum as amplitude 0.
-pub fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
+/// Exact for a single tone under a Hann window. With δ the tone's distance from the bin in bins, the entries are A·w(δ
+/// + 1), A·w(δ), A·w(δ − 1), w(x) = sin πx / (πx (1 − x²)). Hence δ = 2 (a₊ − a₋)/(a₋ + 2a₀ + a₊). The first and last
+/// entries have no two neighbours and are returned as they stand, a bin outside the spectrum as amplitude 0.
+pub(crate) fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
     let frequency = |bin: f64| bin * spectrum.resolution;
     let amplitude = &spectrum.amplitude;
     if bin == 0 || bin + 1 >= amplitude.len() {
@@ -132,156 +170,12 @@ pub fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
     if sum <= 0.0 {
         return (frequency(bin as f64), 0.0);
     }
-    // Half a bin is the furthest a tone can be from its strongest bin; noise may seem to say more.
+    // A tone is at most half a bin from its strongest bin; noise may give a larger offset.
     let offset = (2.0 * (after - before) / sum).clamp(-0.5, 0.5);
     (frequency(bin as f64 + offset), at / hann_main_lobe(offset))
 }
 
-/// Keeps every `factor`-th frame of several signals side by side, behind a low-pass filter.
-///
-/// The filter is a symmetric FIR (Kaiser window): the delay is constant and no phase is bent. Its edges are tied to
-/// the output rate f: up to 0.1953 f the gain is 1 within 1e-4, and what would fold into that band, from
-/// 0.8047 f, is down by more than 80 dB. From 409.6 kHz to 102.4 kHz, by a factor of 4, that is flat to 20 kHz and
-/// −80 dB from 82.4 kHz; between 20 and 51.2 kHz the gain falls to ½.
-///
-/// Time: only full filters are given out, so there is no transient, and the output frame `j` belongs to the input
-/// frame `delay() + j·factor`, counted from 0. Push `delay()` frames ahead of the first one wanted (or `prime`) and as
-/// many after the last.
-#[derive(Debug, Clone)]
-pub struct Decimator {
-    factor: usize,
-    channels: usize,
-    taps: Vec<f64>,
-    /// The last `taps.len()` frames, written twice so that they always lie in a row.
-    history: Vec<f64>,
-    /// Where the next frame is written; the oldest one stands there.
-    next: usize,
-    /// Frames to wait for until the next output.
-    wait: usize,
-    output: Vec<f64>,
-}
-
-impl Decimator {
-    /// Highest frequency passed unchanged, as a share of the output rate.
-    pub const PASS: f64 = 20.0 / 102.4;
-    /// Attenuation the filter is designed for [dB]: the promised 80 with a margin.
-    const ATTENUATION: f64 = 86.0;
-
-    /// For frames of `channels` signals. A factor of 0 or 1 passes every frame as it is.
-    pub fn new(factor: usize, channels: usize) -> Self {
-        let factor = factor.max(1);
-        let taps = low_pass(factor, Self::PASS, Self::ATTENUATION);
-        Self {
-            factor,
-            channels,
-            history: vec![0.0; 2 * taps.len() * channels],
-            next: 0,
-            wait: taps.len(),
-            output: vec![0.0; channels],
-            taps,
-        }
-    }
-
-    /// Input frames from the middle of the filter to its end: what the first output lies behind.
-    pub fn delay(&self) -> usize {
-        self.taps.len() / 2
-    }
-
-    /// Takes `frame` as having stood still until now: the output frame `j` then belongs to the `j·factor`-th frame
-    /// pushed from here.
-    pub fn prime(&mut self, frame: &[f64]) {
-        self.wait = self.taps.len();
-        for _ in 0..self.delay() {
-            self.push(frame);
-        }
-    }
-
-    /// Takes one frame; gives one out after every `factor`-th, once the filter is full.
-    ///
-    /// # Panics
-    /// When the frame does not have one value a channel.
-    pub fn push(&mut self, frame: &[f64]) -> Option<&[f64]> {
-        let length = self.taps.len();
-        for copy in [self.next, self.next + length] {
-            self.history[copy * self.channels..(copy + 1) * self.channels].copy_from_slice(frame);
-        }
-        self.next = (self.next + 1) % length;
-        self.wait -= 1;
-        if self.wait > 0 {
-            return None;
-        }
-        self.wait = self.factor;
-        let frames = &self.history[self.next * self.channels..];
-        if self.channels == 6 {
-            // A spindle in a plane: the same sums, in registers.
-            self.output.copy_from_slice(&weighed::<6>(&self.taps, frames));
-            return Some(&self.output);
-        }
-        self.output.fill(0.0);
-        if self.channels > 0 {
-            let frames = frames.chunks_exact(self.channels);
-            for (tap, frame) in self.taps.iter().zip(frames) {
-                for (sum, value) in self.output.iter_mut().zip(frame) {
-                    *sum += tap * value;
-                }
-            }
-        }
-        Some(&self.output)
-    }
-}
-
-/// Sum of frames of `N` values, each times its tap.
-fn weighed<const N: usize>(taps: &[f64], frames: &[f64]) -> [f64; N] {
-    let mut sums = [0.0; N];
-    let (frames, _) = frames.as_chunks::<N>();
-    for (tap, frame) in taps.iter().zip(frames) {
-        for (sum, value) in sums.iter_mut().zip(frame) {
-            *sum += tap * value;
-        }
-    }
-    sums
-}
-
-/// Symmetric low-pass of gain 1 that passes `pass` and stops 1 − `pass`, both as shares of the output rate.
-///
-/// Kaiser, in Oppenheim & Schafer, Discrete-Time Signal Processing, eqs. (7.75), (7.76): β = 0.1102 (A − 8.7) for
-/// A > 50 dB, length (A − 8) / (2.285 Δω) + 1.
-fn low_pass(factor: usize, pass: f64, attenuation: f64) -> Vec<f64> {
-    if factor == 1 {
-        return vec![1.0];
-    }
-    let transition = TAU * (1.0 - 2.0 * pass) / factor as f64;
-    let half = ((attenuation - 8.0) / (2.285 * transition) / 2.0).ceil() as i64;
-    let beta = 0.1102 * (attenuation - 8.7);
-    let mut taps: Vec<f64> = (-half..=half)
-        .map(|i| {
-            let x = i as f64 / half as f64;
-            let window = bessel_i0(beta * (1.0 - x * x).sqrt()) / bessel_i0(beta);
-            // The middle of the transition is half the output rate.
-            window * sinc(i as f64 / factor as f64)
-        })
-        .collect();
-    let gain: f64 = taps.iter().sum();
-    taps.iter_mut().for_each(|tap| *tap /= gain);
-    taps
-}
-
-/// Modified Bessel function of the first kind, order 0: Σ ((x/2)^k / k!)².
-fn bessel_i0(x: f64) -> f64 {
-    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
-    while term > 1e-17 * sum {
-        term *= (0.5 * x / k).powi(2);
-        sum += term;
-        k += 1.0;
-    }
-    sum
-}
-
-fn sinc(x: f64) -> f64 {
-    if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
-}
-
-/// What a bin reads of a tone of amplitude 1 that lies `offset` bins away, |offset| < 1.
+/// Reading of a bin for a tone of amplitude 1 that lies `offset` bins away, |offset| < 1.
 fn hann_main_lobe(offset: f64) -> f64 {
     sinc(offset) / (1.0 - offset * offset)
 }
@@ -295,7 +189,7 @@ const LENGTHS: usize = 8;
 
 /// A plan for signals of a length.
 fn planned<P>(length: usize, plan: impl FnOnce(&mut RealFftPlanner<f64>, usize) -> P) -> P {
-    // Plans are whole whatever became of those who asked for them.
+    // Plans stay valid after a panic in another thread.
     let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
     let (lengths, planner) = &mut *plans;
     if !lengths.contains(&length) {
@@ -317,6 +211,13 @@ fn forward(signal: &mut [f64]) -> Vec<Complex64> {
 
 /// The `n` values that `forward` takes to these bins; overwrites them.
 fn inverse(bins: &mut [Complex64], n: usize) -> Vec<f64> {
+    let mut signal = inverse_unscaled(bins, n);
+    signal.iter_mut().for_each(|x| *x /= n as f64);
+    signal
+}
+
+/// `n` times those values; overwrites the bins.
+fn inverse_unscaled(bins: &mut [Complex64], n: usize) -> Vec<f64> {
     // The entries without a mirror image are real; rounding may say otherwise.
     bins[0].im = 0.0;
     if n.is_multiple_of(2) {
@@ -325,12 +226,13 @@ fn inverse(bins: &mut [Complex64], n: usize) -> Vec<f64> {
     let transform = planned(n, RealFftPlanner::plan_fft_inverse);
     let mut signal = transform.make_output_vec();
     transform.process(bins, &mut signal).expect("buffers have the plan's lengths");
-    signal.iter_mut().for_each(|x| *x /= n as f64);
     signal
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use crate::numerics::statistics::rms;
 
@@ -438,73 +340,5 @@ mod tests {
                 assert!((rms(&everything) - rms(&signal)).abs() < 1e-9);
             }
         }
-    }
-
-    /// Gain of a decimator's filter at a frequency given as a share of the output rate.
-    fn gain(decimator: &Decimator, share: f64) -> f64 {
-        let middle = decimator.delay() as f64;
-        let phase = |i: usize| TAU * share * (i as f64 - middle) / decimator.factor as f64;
-        decimator.taps.iter().enumerate().map(|(i, tap)| tap * phase(i).cos()).sum()
-    }
-
-    #[test]
-    fn decimator_is_flat_in_its_band_and_stops_what_would_fold_into_it() {
-        for factor in [2, 3, 4, 8] {
-            let decimator = Decimator::new(factor, 1);
-            for step in 0..=1000 {
-                let share = step as f64 / 1000.0;
-                assert!(
-                    (gain(&decimator, share * Decimator::PASS) - 1.0).abs() < 1e-4,
-                    "factor {factor}, pass {share}"
-                );
-                let stopped = 1.0 - Decimator::PASS;
-                let above = stopped + share * (0.5 * factor as f64 - stopped);
-                assert!(
-                    gain(&decimator, above).abs() < 1e-4,
-                    "factor {factor}, stop at {above}: {}",
-                    gain(&decimator, above)
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn decimated_frames_belong_to_the_stated_input_frames() {
-        let mut decimator = Decimator::new(4, 2);
-        let (delay, rate) = (decimator.delay(), 4.0 * RATE);
-        let value = |i: usize| [(TAU * 2293.0 * i as f64 / rate).sin(), 3.0 + (TAU * 19_900.0 * i as f64 / rate).cos()];
-        let mut frames = 0;
-        for i in 0..4000 {
-            if let Some(frame) = decimator.push(&value(i)) {
-                let expected = value(delay + 4 * frames);
-                assert!((frame[0] - expected[0]).abs() < 1e-4 && (frame[1] - expected[1]).abs() < 4e-4);
-                assert_eq!(i, 2 * delay + 4 * frames, "every fourth input frame gives one out");
-                frames += 1;
-            }
-        }
-        assert_eq!(frames, (4000 - 2 * delay).div_ceil(4));
-    }
-
-    #[test]
-    fn primed_decimator_starts_at_the_first_frame() {
-        let mut decimator = Decimator::new(4, 1);
-        decimator.prime(&[2.0]);
-        let delay = decimator.delay();
-        for i in 0..200 {
-            if let Some(frame) = decimator.push(&[2.0]) {
-                assert!((frame[0] - 2.0).abs() < 1e-14);
-                assert!((i - delay).is_multiple_of(4));
-            } else {
-                assert!(i < delay || !(i - delay).is_multiple_of(4));
-            }
-        }
-    }
-
-    #[test]
-    fn factor_one_passes_every_frame() {
-        let mut decimator = Decimator::new(1, 2);
-        assert_eq!(decimator.delay(), 0);
-        assert_eq!(decimator.push(&[1.0, 2.0]), Some(&[1.0, 2.0][..]));
-        assert_eq!(decimator.push(&[3.0, 4.0]), Some(&[3.0, 4.0][..]));
     }
 }

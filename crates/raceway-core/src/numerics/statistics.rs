@@ -3,7 +3,7 @@
 use super::lanes::{LANES, Lanes, larger};
 
 /// Arithmetic mean; 0 of an empty slice.
-pub fn mean(signal: &[f64]) -> f64 {
+pub(crate) fn mean(signal: &[f64]) -> f64 {
     if signal.is_empty() { 0.0 } else { signal.iter().sum::<f64>() / signal.len() as f64 }
 }
 
@@ -42,11 +42,11 @@ pub struct CentralMoments {
 
 impl CentralMoments {
     /// Values seen.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.count as usize
     }
 
-    pub fn of(signal: &[f64]) -> Self {
+    pub(crate) fn of(signal: &[f64]) -> Self {
         // Eight sums side by side: one would wait for itself with each value.
         let mean = mean(signal);
         let [mut second, mut third, mut fourth, mut above, mut below] = [Lanes::<LANES>::default(); 5];
@@ -78,13 +78,13 @@ impl CentralMoments {
         }
     }
 
-    /// Of the same values, all larger by `offset`.
-    pub fn shifted(self, offset: f64) -> Self {
+    /// Moments of the same values plus `offset`.
+    pub(crate) fn shifted(self, offset: f64) -> Self {
         Self { mean: self.mean + offset, ..self }
     }
 
-    /// Of both samples together (Pébay 2008, SAND2008-6212, for moments per value).
-    pub fn joined(self, other: Self) -> Self {
+    /// Moments of both samples together (Pébay 2008, SAND2008-6212, for moments per value).
+    pub(crate) fn joined(self, other: Self) -> Self {
         if self.count == 0.0 || other.count == 0.0 {
             return if self.count == 0.0 { other } else { self };
         }
@@ -116,27 +116,27 @@ impl CentralMoments {
     }
 
     /// Largest distance from the mean.
-    pub fn peak(&self) -> f64 {
+    pub(crate) fn peak(&self) -> f64 {
         self.above.max(self.below)
     }
 
     /// peak / rms (√2 for a sine); `None` for a signal that stands still.
-    pub fn crest_factor(&self) -> Option<f64> {
+    pub(crate) fn crest_factor(&self) -> Option<f64> {
         let rms = self.rms();
         (rms > 0.0).then(|| self.peak() / rms)
     }
 
     /// Fourth central moment over squared variance (1.5 for a sine, 3 for Gaussian noise); `None` for a signal that
     /// stands still.
-    pub fn kurtosis(&self) -> Option<f64> {
+    pub(crate) fn kurtosis(&self) -> Option<f64> {
         let square = self.second * self.second;
         (square > 0.0).then(|| self.fourth / square)
     }
 }
 
-/// Mean squares about the common mean of so many contiguous batches of equal length; a rest at the end is left out. None of
-/// fewer values than batches.
-pub fn mean_squares(signal: &[f64], batches: usize) -> Vec<f64> {
+/// Mean squares about the common mean of `batches` contiguous batches of equal length; a remainder at the end is left
+/// out. Empty where there are fewer values than batches.
+pub(crate) fn mean_squares(signal: &[f64], batches: usize) -> Vec<f64> {
     if batches == 0 || signal.len() < batches {
         return Vec::new();
     }
@@ -152,7 +152,7 @@ pub fn mean_squares(signal: &[f64], batches: usize) -> Vec<f64> {
 /// whole, first order in that scatter.
 ///
 /// Holds when a batch is longer than the signal's memory. `None` with fewer than two batches, or of a signal that stands still.
-pub fn level_standard_error_db(mean_squares: &[f64]) -> Option<f64> {
+pub(crate) fn level_standard_error_db(mean_squares: &[f64]) -> Option<f64> {
     if mean_squares.len() < 2 {
         return None;
     }
@@ -162,9 +162,9 @@ pub fn level_standard_error_db(mean_squares: &[f64]) -> Option<f64> {
     (power > 0.0).then(|| 10.0 / std::f64::consts::LN_10 * standard_error / power)
 }
 
-/// What the level of another stretch as long may differ by, one standard deviation [dB]: the standard error by batch means, of the
-/// batches as they are, of pairs of them, and of halves, whichever is the largest, for what is slower than a batch shows in longer ones
-/// (blocking, Flyvbjerg & Petersen 1989). What is slower than the stretch itself cannot be told from it.
+/// Standard deviation of the level over intervals of this length [dB]: the largest standard error by batch means over
+/// single batches and blocks of two and five. Motion slower than a batch shows in longer blocks (blocking, Flyvbjerg &
+/// Petersen 1989). Motion slower than the whole interval does not show.
 ///
 /// `None` with fewer than `BLOCKED` batches, or of a signal that stands still.
 pub fn level_scatter_db(mean_squares: &[f64]) -> Option<f64> {
@@ -175,7 +175,7 @@ pub fn level_scatter_db(mean_squares: &[f64]) -> Option<f64> {
 
 /// Batches of a block.
 const BLOCKS: [usize; 3] = [1, 2, 5];
-/// Two of the longest.
+/// Two of the longest blocks.
 const BLOCKED: usize = 10;
 
 /// Slope of the straight line that fits the points (x, y) with least squares; `None` with fewer than two different x.

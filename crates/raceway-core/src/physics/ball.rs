@@ -5,7 +5,7 @@ use crate::numerics::lanes::side_by_side;
 
 /// Motion of a ball, vectors in its orbit frame.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct BallMotion<T = f64> {
+pub(crate) struct BallMotion<T = f64> {
     /// [rad]
     pub azimuth_angle: T,
     pub azimuth: Azimuth<T>,
@@ -24,7 +24,7 @@ side_by_side!(BallMotion { azimuth_angle, azimuth, axial, radius, orbit_speed, v
 
 /// Second derivatives of a ball's coordinates.
 #[derive(Debug, Clone, Copy)]
-pub struct BallAcceleration {
+pub(crate) struct BallAcceleration {
     /// ẍ [m/s²]
     pub axial: f64,
     /// r̈ [m/s²]
@@ -36,12 +36,12 @@ pub struct BallAcceleration {
 }
 
 impl BallMotion {
-    /// Equations (1)–(6): m (ẍ, r̈ − r θ̇², r θ̈ + 2 ṙ θ̇) = F, I (ω̇_x, ω̇_r − ω_t θ̇, ω̇_t + ω_r θ̇) = M, because
-    /// the components of ω belong to a frame that turns with θ̇ about x.
+    /// Equations (1)–(6): m (ẍ, r̈ − r θ̇², r θ̈ + 2 ṙ θ̇) = F and I (ω̇_x, ω̇_r − ω_t θ̇, ω̇_t + ω_r θ̇) = M. The
+    /// components of ω belong to a frame that turns with θ̇ about x.
     #[inline(always)]
-    pub fn acceleration(&self, force: Vector, moment: Vector, mass: f64, inertia: f64) -> BallAcceleration {
+    pub(crate) fn acceleration(&self, force: Vector, moment: Vector, mass: f64, inertia: f64) -> BallAcceleration {
         let orbit = self.orbit_speed;
-        // The same for all balls, so divided once.
+        // Constants of all balls, divided once.
         let (per_mass, per_inertia) = (1.0 / mass, 1.0 / inertia);
         BallAcceleration {
             axial: force[0] * per_mass,

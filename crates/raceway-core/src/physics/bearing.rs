@@ -2,12 +2,11 @@
 
 use std::f64::consts::PI;
 
-use super::InvalidParameter;
-use super::limits::Faults;
+use super::limits::{Faults, InvalidParameter};
 use super::material::Material;
 use crate::numerics::lanes::SideBySide;
 
-/// Inner and outer, always as a pair, so that one formula serves both.
+/// Inner and outer as a pair, so that one formula holds for both.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PerRaceway<T> {
     pub inner: T,
@@ -44,7 +43,7 @@ pub enum BearingKind {
     AngularContact,
 }
 
-/// How tight the balls sit: one determines the other.
+/// Clearance or contact angle; one determines the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fit {
     /// Diametral radial clearance `P_d` [m]; negative is a radial preload.
@@ -53,7 +52,7 @@ pub enum Fit {
     ContactAngle(f64),
 }
 
-/// What a catalogue says of a bearing without its cage, unchecked.
+/// Parameters of a bearing without its cage, unchecked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BearingParameters {
     pub kind: BearingKind,
@@ -94,7 +93,7 @@ pub struct Bearing {
 }
 
 /// Largest radial preload over ball diameter [-].
-const MOST_PRELOAD: f64 = 0.02;
+const MAX_PRELOAD: f64 = 0.02;
 
 impl BearingParameters {
     /// Distance `A = (f_i + f_e − 1) d` of the groove centres [m].
@@ -134,7 +133,7 @@ impl BearingParameters {
         );
     }
 
-    /// Clearance or contact angle; whether a clearance fits ball and grooves, only where these are good.
+    /// Checks clearance or contact angle; a clearance against ball and grooves only where these are valid.
     fn check_fit(&self, has_grooves: bool, faults: &mut Faults) {
         let clearance = match self.fit {
             Fit::ContactAngle(angle) => {
@@ -147,10 +146,10 @@ impl BearingParameters {
         if !faults.check(CLEARANCE, clearance) || !has_grooves {
             return;
         }
-        let least = -MOST_PRELOAD * self.ball_diameter;
+        let least = -MAX_PRELOAD * self.ball_diameter;
         if clearance < least {
             let reason = format!(
-                "{:.3} µm: must be at least {:.3} µm, a preload of {MOST_PRELOAD} ball diameters",
+                "{:.3} µm: must be at least {:.3} µm, a preload of {MAX_PRELOAD} ball diameters",
                 clearance * 1e6,
                 least * 1e6
             );
@@ -165,9 +164,6 @@ impl BearingParameters {
         }
     }
 }
-
-/// Largest number of balls accepted.
-pub const MAX_BALLS: usize = 64;
 
 impl Bearing {
     /// Checks the parameters and derives the geometry (`docs/explanation/model.md`, contact geometry).
@@ -249,7 +245,7 @@ impl Bearing {
     }
 
     /// Contact angle for curvatures, kinematics and rating [rad].
-    pub fn kinematic_contact_angle(&self) -> f64 {
+    pub(crate) fn kinematic_contact_angle(&self) -> f64 {
         match self.parameters.kind {
             BearingKind::AngularContact => self.free_contact_angle,
             BearingKind::Integrated | BearingKind::DeepGroove => 0.0,

@@ -1,4 +1,4 @@
-//! The crown cage: a rigid body with a pocket a ball.
+//! The crown cage: a rigid body with one pocket per ball.
 
 use super::contact::damping::DampingLaw;
 use super::frames::{Tilt, Vector, scale};
@@ -72,13 +72,14 @@ pub struct CageParameters {
 }
 
 impl CageParameters {
-    /// Whether both its sides are alike, so that nothing of it acts along X while it stays in the plane of its balls.
-    pub fn is_symmetric(&self) -> bool {
+    /// Returns true where both sides are alike, so that the cage has no axial force while it stays in the plane of its
+    /// balls.
+    pub(crate) fn is_symmetric(&self) -> bool {
         self.offset == 0.0 && self.seat == PocketSeat::Closed
     }
 
-    /// Notes what no cage has.
-    pub fn check(&self, faults: &mut Faults) {
+    /// Records values outside the limits.
+    pub(crate) fn check(&self, faults: &mut Faults) {
         self.material.check(
             [
                 "bearing.materials.cage.elastic_modulus",
@@ -114,7 +115,7 @@ impl CageParameters {
 
 /// Motion of the cage: centre of mass in the inertial frame, angular velocity in its tilted, not spinning frame.
 #[derive(Debug, Clone, Copy)]
-pub struct CageMotion {
+pub(crate) struct CageMotion {
     /// [m]
     pub centre: Vector,
     /// [m/s]
@@ -126,7 +127,7 @@ pub struct CageMotion {
 
 /// Accelerations of the cage.
 #[derive(Debug, Clone, Copy)]
-pub struct CageAcceleration {
+pub(crate) struct CageAcceleration {
     /// [m/s²], inertial frame
     pub linear: Vector,
     /// Rate of change of the angular velocity's components in the tilted frame [rad/s²].
@@ -138,7 +139,13 @@ impl CageParameters {
     /// a frame that tilts with it but does not spin. `force` [N] in the inertial frame, gravity left out;
     /// `moment` [N m] in the tilted frame.
     #[inline(always)]
-    pub fn acceleration(&self, motion: &CageMotion, force: Vector, moment: Vector, gravity: f64) -> CageAcceleration {
+    pub(crate) fn acceleration(
+        &self,
+        motion: &CageMotion,
+        force: Vector,
+        moment: Vector,
+        gravity: f64,
+    ) -> CageAcceleration {
         let (axial, transverse) = (self.axial_inertia, self.transverse_inertia);
         let CageAcceleration { linear, angular } = self.response(force, moment);
         let [spin, about_y, about_z] = motion.spin;
@@ -151,9 +158,9 @@ impl CageParameters {
         }
     }
 
-    /// What force and moment add to the accelerations.
+    /// Accelerations due to a force and a moment.
     #[inline(always)]
-    pub fn response(&self, force: Vector, moment: Vector) -> CageAcceleration {
+    pub(crate) fn response(&self, force: Vector, moment: Vector) -> CageAcceleration {
         let (per_axial, per_transverse) = (1.0 / self.axial_inertia, 1.0 / self.transverse_inertia);
         CageAcceleration {
             linear: scale(1.0 / self.mass, force),

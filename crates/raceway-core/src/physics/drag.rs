@@ -26,7 +26,7 @@ pub fn churning_coefficient(reynolds: f64) -> f64 {
 }
 
 /// Below it inertia adds less than a rounding to the drag.
-const LEAST_REYNOLDS: f64 = 1e-24;
+const MIN_REYNOLDS: f64 = 1e-24;
 
 /// Drag on the orbit and churning of the spin of one ball, made once a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ pub struct Drag {
 
 impl Drag {
     /// Prepares drag and churning of a ball in the mixture that the fill of the bearing gives.
-    pub fn new(bearing: &Bearing, lubricant: &Lubricant) -> Self {
+    pub(crate) fn new(bearing: &Bearing, lubricant: &Lubricant) -> Self {
         let d = bearing.parameters.ball_diameter;
         let radius = 0.5 * d;
         let density = lubricant.mixture_density();
@@ -71,7 +71,7 @@ impl Drag {
     pub fn force(&self, orbit_velocity: f64) -> f64 {
         let speed = orbit_velocity.abs();
         // One logarithm for both powers; far below any speed of a ball, where Stokes' law is exact to rounding.
-        let logarithm = logarithm(larger(self.reynolds_per_speed * speed, LEAST_REYNOLDS));
+        let logarithm = logarithm(larger(self.reynolds_per_speed * speed, MIN_REYNOLDS));
         let stokes = self.stokes_factor * (1.0 + 0.15 * exponential(0.687 * logarithm));
         let wake = self.force_at_unit_coefficient * 0.42 / (1.0 + 4.25e4 * exponential(-1.16 * logarithm));
         -(stokes + wake * speed) * orbit_velocity
@@ -81,7 +81,7 @@ impl Drag {
     ///
     /// M = −½ ρ_e C_n |ω| ω (d/2)⁵ with `churning_coefficient`.
     #[inline(always)]
-    pub fn churning_moment(&self, spin: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn churning_moment(&self, spin: [f64; 3]) -> [f64; 3] {
         let squared = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];
         let factor = -self.churning_factor(squared.sqrt());
         [factor * spin[0], factor * spin[1], factor * spin[2]]
@@ -89,7 +89,7 @@ impl Drag {
 
     /// Magnitude of the churning moment over that of the spin [N m s], spin a magnitude [rad/s].
     #[inline(always)]
-    pub fn churning_factor(&self, spin: f64) -> f64 {
+    pub(crate) fn churning_factor(&self, spin: f64) -> f64 {
         self.churning_linear + self.churning_root * spin.sqrt()
     }
 }

@@ -70,7 +70,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Azimuth<T> {
 }
 
 impl Azimuth {
-    /// Of an angle [rad].
+    /// Azimuth of an angle [rad].
     #[inline(always)]
     pub fn new(angle: f64) -> Self {
         let (sine, cosine) = sin_cos(angle);
@@ -104,7 +104,7 @@ pub struct Tilt {
 
 impl Tilt {
     /// No tilt.
-    pub const NONE: Self = Self { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
+    pub(crate) const NONE: Self = Self { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
 
     /// Tilts about Y and about the new Z [rad].
     #[inline(always)]
@@ -115,18 +115,18 @@ impl Tilt {
     }
 
     /// Cosine of the tilt about the new Z.
-    pub fn cosine_about_z(&self) -> f64 {
+    pub(crate) fn cosine_about_z(&self) -> f64 {
         self.columns[1][1]
     }
 
     /// Tangent of the tilt about the new Z.
-    pub fn tangent_about_z(&self) -> f64 {
+    pub(crate) fn tangent_about_z(&self) -> f64 {
         self.columns[0][1] / self.columns[1][1]
     }
 
     /// A vector of the inertial frame, in the tilted frame.
     #[inline(always)]
-    pub fn to_tilted(&self, v: Vector) -> Vector {
+    pub(crate) fn to_tilted(&self, v: Vector) -> Vector {
         [dot(self.columns[0], v), dot(self.columns[1], v), dot(self.columns[2], v)]
     }
 

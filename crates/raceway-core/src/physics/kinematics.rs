@@ -22,9 +22,9 @@ pub fn ideal_orbit_ratio(bearing: &Bearing) -> f64 {
     0.5 * (1.0 - bearing.gamma())
 }
 
-/// Ratio of the spin of ideally rolling balls about their own axes, seen from the orbit frame, to the spindle speed, −(D_m/2d)(1 − γ²)
-/// [-], negative because a ball turns against the spindle. Without a contact angle that axis is X.
-pub fn ideal_spin_ratio(bearing: &Bearing) -> f64 {
+/// Ratio of the ball spin in the orbit frame to the spindle speed for ideal rolling, −(D_m/2d)(1 − γ²) [-]. It is
+/// negative because a ball turns against the spindle. Without a contact angle that axis is X.
+pub(crate) fn ideal_spin_ratio(bearing: &Bearing) -> f64 {
     let p = &bearing.parameters;
     let gamma = bearing.gamma();
     -0.5 * p.pitch_diameter / p.ball_diameter * (1.0 - gamma * gamma)
@@ -37,7 +37,7 @@ pub fn ideal_frequencies(bearing: &Bearing, speed: f64) -> CharacteristicFrequen
 }
 
 /// Frequencies [Hz] from shaft, cage and ball speeds as they are, slip included.
-pub fn with_cage_speed(bearing: &Bearing, shaft: f64, cage: f64, ball_spin: f64) -> CharacteristicFrequencies {
+pub(crate) fn with_cage_speed(bearing: &Bearing, shaft: f64, cage: f64, ball_spin: f64) -> CharacteristicFrequencies {
     let balls = bearing.parameters.ball_count as f64;
     CharacteristicFrequencies {
         shaft,

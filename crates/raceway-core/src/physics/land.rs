@@ -7,7 +7,7 @@ use super::frames::Vector;
 use super::lubricant::Lubricant;
 
 /// Share of the clearance up to which the film law is used; beyond it the solids carry.
-const LARGEST_ECCENTRICITY: f64 = 0.95;
+const MAX_ECCENTRICITY: f64 = 0.95;
 /// Stiffness of the solid guiding land [N/m]; the film law holds the cage off it in regular running.
 const SOLID_STIFFNESS: f64 = 1e6;
 
@@ -37,13 +37,13 @@ impl Land {
     /// M = 2π η U R² L / (C √(1−ε²)); static film forces, no squeeze. Half-filled: cavitated.
     pub fn load(&self, centre: Vector, speed: f64) -> (Vector, f64) {
         let eccentricity = (centre[1] * centre[1] + centre[2] * centre[2]).sqrt();
-        let ratio = (eccentricity / self.clearance).min(LARGEST_ECCENTRICITY);
+        let ratio = (eccentricity / self.clearance).min(MAX_ECCENTRICITY);
         let free = 1.0 - ratio * ratio;
         let surface_speed = self.radius * speed;
         let scale = self.viscosity * surface_speed * self.width.powi(3) / (self.clearance * self.clearance);
         let radial = scale.abs() * ratio * ratio / (free * free);
         let tangential = 0.25 * scale * PI * ratio / free.powf(1.5);
-        let solid = SOLID_STIFFNESS * (eccentricity - LARGEST_ECCENTRICITY * self.clearance).max(0.0);
+        let solid = SOLID_STIFFNESS * (eccentricity - MAX_ECCENTRICITY * self.clearance).max(0.0);
         let moment = -TAU * self.viscosity * surface_speed * self.radius * self.radius * self.width
             / (self.clearance * free.sqrt());
         if eccentricity == 0.0 {

@@ -1,16 +1,17 @@
-//! The values that each parameter may take, and all that is wrong with those that were given.
+//! Limits of each parameter, and the faults of given values.
 
 use std::f64::consts::PI;
 
-use super::InvalidParameter;
-use super::bearing::MAX_BALLS;
-use super::operation::MAX_SPEED;
+/// Largest number of balls accepted.
+const MAX_BALLS: f64 = 64.0;
+/// Largest angular speed accepted [rad/s]: 500 000 r/min.
+const MAX_SPEED: f64 = 500_000.0 * PI / 30.0;
 
 /// The values that a parameter may take: `lowest ..= highest`, in SI. `exclusive`: the lowest itself is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Path in dots, as `InvalidParameter` has it. One that begins with a dot stands for all that end in it: the same quantity of
-    /// several materials or contacts.
+    /// Path in dots, as `InvalidParameter` has it. A path that begins with a dot matches every path that ends in it:
+    /// the same quantity of several materials or contacts.
     parameter: &'static str,
     pub lowest: f64,
     pub highest: f64,
@@ -25,18 +26,18 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
     Limits { parameter, lowest, highest, exclusive: true }
 }
 
-/// What no bearing has, or what this program cannot compute; what is nothing but positive has a lowest value far below all that is
-/// built, so that its reciprocal stays within reach. Some values must fit others, too; that is checked where they meet.
+/// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
+/// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
 const LIMITS: [Limits; 58] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
     within("bearing.inner_diameter", 1e-4, 10.0),
     within("bearing.width", 1e-4, 2.0),
-    within("bearing.ball_count", 2.0, MAX_BALLS as f64),
+    within("bearing.ball_count", 2.0, MAX_BALLS),
     above("bearing.inner_groove_curvature", 0.5, 1.0),
     above("bearing.outer_groove_curvature", 0.5, 1.0),
-    // A fiftieth of the largest ball; all that the widest grooves leave it.
+    // From a fiftieth of the largest ball to the clearance of the widest grooves.
     within("bearing.radial_clearance", -0.01, 0.5),
     within("bearing.contact_angle", 0.0, PI / 3.0),
     within(".elastic_modulus", 1e6, 2e12),
@@ -89,7 +90,7 @@ const LIMITS: [Limits; 58] = [
     within("gravity", -1000.0, 1000.0),
 ];
 
-/// The limits of a parameter; `None`: nothing is called so.
+/// The limits of a parameter; `None` for an unknown name.
 pub fn limits_of(parameter: &str) -> Option<&'static Limits> {
     let is_it = |limits: &&Limits| match limits.parameter.starts_with('.') {
         true => parameter.ends_with(limits.parameter),
@@ -98,13 +99,26 @@ pub fn limits_of(parameter: &str) -> Option<&'static Limits> {
     LIMITS.iter().find(is_it)
 }
 
-/// All that is wrong with the parameters of something that is to be built.
+/// An invalid parameter. `parameter` is its path in dots, in SI without unit suffix, such as `bearing.ball_diameter`;
+/// `contract` turns it into a JSON pointer and the user's unit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum InvalidParameter {
+    /// Outside `lowest ..= highest` (infinite: no limit; `exclusive`: the lowest itself is refused). SI.
+    #[error("{parameter} = {value} must lie in {lowest} … {highest}")]
+    OutOfRange { parameter: &'static str, value: f64, lowest: f64, highest: f64, exclusive: bool },
+    /// Each value is allowed by itself, but no bearing has all of them together.
+    #[error("{parameter}: {reason}")]
+    Inconsistent { parameter: &'static str, reason: String },
+}
+
+/// Faults of the parameters of an object to be built.
 #[derive(Debug, Default)]
-pub struct Faults(Vec<InvalidParameter>);
+pub(crate) struct Faults(Vec<InvalidParameter>);
 
 impl Faults {
-    /// Notes a value outside its limits, NaN included; says whether it is inside. A parameter without limits has no good value.
-    pub fn check(&mut self, parameter: &'static str, value: f64) -> bool {
+    /// Records a value outside its limits, NaN included; returns true where it is inside. A parameter without limits
+    /// has no valid value.
+    pub(crate) fn check(&mut self, parameter: &'static str, value: f64) -> bool {
         let (lowest, highest, exclusive) =
             limits_of(parameter).map_or((f64::NAN, f64::NAN, false), |l| (l.lowest, l.highest, l.exclusive));
         let is_inside = value <= highest && if exclusive { value > lowest } else { value >= lowest };
@@ -114,23 +128,23 @@ impl Faults {
         is_inside
     }
 
-    /// Notes that values, each allowed by itself, fit nothing together.
-    pub fn inconsistent(&mut self, parameter: &'static str, reason: String) {
+    /// Records values that are allowed individually but not together.
+    pub(crate) fn inconsistent(&mut self, parameter: &'static str, reason: String) {
         self.0.push(InvalidParameter::Inconsistent { parameter, reason });
     }
 
-    /// Notes what is wrong with a part.
-    pub fn part<T>(&mut self, part: Result<T, Vec<InvalidParameter>>) -> Option<T> {
+    /// Records the faults of a part.
+    pub(crate) fn part<T>(&mut self, part: Result<T, Vec<InvalidParameter>>) -> Option<T> {
         part.map_err(|mut faults| self.0.append(&mut faults)).ok()
     }
 
-    /// What is built where nothing is wrong.
-    pub fn or<T>(self, build: impl FnOnce() -> T) -> Result<T, Vec<InvalidParameter>> {
+    /// The result of `build` where there are no faults.
+    pub(crate) fn or<T>(self, build: impl FnOnce() -> T) -> Result<T, Vec<InvalidParameter>> {
         self.of(Some(()), |()| build())
     }
 
-    /// The same around a part that is there where nothing is wrong with it.
-    pub fn of<P, T>(self, part: Option<P>, build: impl FnOnce(P) -> T) -> Result<T, Vec<InvalidParameter>> {
+    /// The result of `build` from a part that has no faults.
+    pub(crate) fn of<P, T>(self, part: Option<P>, build: impl FnOnce(P) -> T) -> Result<T, Vec<InvalidParameter>> {
         match part {
             Some(part) if self.0.is_empty() => Ok(build(part)),
             _ => Err(self.0),

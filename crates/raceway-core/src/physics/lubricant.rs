@@ -1,4 +1,4 @@
-//! What lies between the surfaces.
+//! The lubricant at running temperature.
 
 use super::contact::traction::TractionLaw;
 use super::limits::Faults;
@@ -27,13 +27,18 @@ pub struct Lubricant {
 }
 
 /// Density of lubricants [kg/m³] and of air [kg/m³], viscosity of air [Pa s].
-pub const OIL_DENSITY: f64 = 900.0;
-pub const AIR_DENSITY: f64 = 1.2;
-pub const AIR_VISCOSITY: f64 = 1.8e-5;
+const OIL_DENSITY: f64 = 900.0;
+const AIR_DENSITY: f64 = 1.2;
+const AIR_VISCOSITY: f64 = 1.8e-5;
+
+/// Distance of the inlet meniscus from the contact, in the unit of the ball's diameter.
+pub fn default_inlet_distance(ball_diameter: f64) -> f64 {
+    0.25 * ball_diameter
+}
 
 impl Lubricant {
-    /// Notes values that no lubricant has.
-    pub fn check(&self, faults: &mut Faults) {
+    /// Records values outside the limits.
+    pub(crate) fn check(&self, faults: &mut Faults) {
         faults.check("lubricant.viscosity", self.viscosity);
         faults.check("lubricant.pressure_viscosity", self.pressure_viscosity);
         faults.check("lubricant.fill", self.fill);
@@ -45,16 +50,16 @@ impl Lubricant {
 
     /// Distance of the inlet meniscus from a contact of balls of that diameter [m].
     pub fn meniscus(&self, ball_diameter: f64) -> f64 {
-        self.inlet_distance.unwrap_or(0.25 * ball_diameter)
+        self.inlet_distance.unwrap_or_else(|| default_inlet_distance(ball_diameter))
     }
 
     /// Density of the lubricant–air mixture, ρ_e = X ρ_l + (1 − X) ρ_a [kg/m³].
-    pub fn mixture_density(&self) -> f64 {
+    pub(crate) fn mixture_density(&self) -> f64 {
         self.fill * OIL_DENSITY + (1.0 - self.fill) * AIR_DENSITY
     }
 
     /// Viscosity of the lubricant–air mixture, η_e = X η + (1 − X) η_a [Pa s].
-    pub fn mixture_viscosity(&self) -> f64 {
+    pub(crate) fn mixture_viscosity(&self) -> f64 {
         self.fill * self.viscosity + (1.0 - self.fill) * AIR_VISCOSITY
     }
 }

@@ -1,7 +1,6 @@
-//! How the bearing is driven and loaded.
+//! Speed, loads and misalignment of the bearing.
 
-use super::InvalidParameter;
-use super::limits::Faults;
+use super::limits::{Faults, InvalidParameter};
 
 /// Spindle speed over time: constant, or straight lines between points, constant outside them.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,10 +13,7 @@ pub struct SpeedProfile {
     first_angle: f64,
 }
 
-/// Largest angular speed accepted [rad/s]: 500 000 r/min.
-pub const MAX_SPEED: f64 = 500_000.0 * std::f64::consts::PI / 30.0;
-
-/// Points of a profile at most.
+/// Largest number of points of a profile.
 pub const MOST_POINTS: usize = 1000;
 /// Shortest time between two points of a profile [s].
 const SHORTEST_RAMP: f64 = 1e-9;
@@ -28,7 +24,7 @@ impl SpeedProfile {
         Self::new(vec![(0.0, speed)])
     }
 
-    /// No speed at all.
+    /// Speed 0.
     pub fn at_rest() -> Self {
         Self::of_points(vec![(0.0, 0.0)])
     }
@@ -52,7 +48,7 @@ impl SpeedProfile {
         faults.or(|| Self::of_points(points))
     }
 
-    /// Of points that are checked.
+    /// Profile of checked points.
     fn of_points(points: Vec<(f64, f64)>) -> Self {
         let mut angles = vec![0.0];
         for pair in points.windows(2) {
@@ -76,7 +72,7 @@ impl SpeedProfile {
         if let [(at, speed)] = self.points[..] {
             return (speed * (time - at), speed, 0.0);
         }
-        // At a kink it is the slope that led there; a run begins with the one that follows.
+        // At a kink the slope before it counts; a run begins with the slope after it.
         let next = self.points.partition_point(|&(at, _)| at < time || at <= 0.0);
         if next == 0 {
             let (at, speed) = self.points[0];
@@ -126,8 +122,8 @@ pub struct Operation {
 }
 
 impl Operation {
-    /// Notes loads and tilts beyond what any bearing of this program carries.
-    pub fn check(&self, faults: &mut Faults) {
+    /// Records loads and tilts outside the limits.
+    pub(crate) fn check(&self, faults: &mut Faults) {
         faults.check("operation.axial_load", self.load[0]);
         faults.check("operation.radial_load_y", self.load[1]);
         faults.check("operation.radial_load_z", self.load[2]);

@@ -3,6 +3,9 @@
 //!
 //! Vectors are in the cage frame (tilted with the cage, not spinning), X along the mouth.
 
+mod wedge;
+
+use self::wedge::{PocketHydrodynamics, Wedge};
 use super::bearing::Bearing;
 use super::cage::{CageParameters, PocketFilm, PocketSeat};
 use super::contact::damping::{DampingFactor, normal_load, normal_slopes};
@@ -15,13 +18,13 @@ use crate::numerics::lanes::{Lanes, SideBySide, larger, side_by_side, smaller};
 
 /// Damping of the default film [N s/m]: an assumption. Full squeeze of a disc would give about 45;
 /// the seat of a crown pocket covers part of a sphere and is rarely full.
-pub const WEDGE_DAMPING: f64 = 3.0;
+pub(crate) const WEDGE_DAMPING: f64 = 3.0;
 /// Force of the empirical film at the edge of the clearance [N].
 const EMPIRICAL_EDGE_FORCE: f64 = 11.0;
 /// Largest effective radius of ball and seat of the lubricant wedge [m].
-const LARGEST_RADIUS: f64 = 0.2;
+const MAX_RADIUS: f64 = 0.2;
 /// Displacement over which film damping sets in [m].
-pub const DAMPING_ONSET: f64 = 0.1e-6;
+pub(crate) const DAMPING_ONSET: f64 = 0.1e-6;
 /// Penetration over which film damping vanishes once the solids touch [m].
 const DAMPING_END: f64 = 1e-6;
 
@@ -45,15 +48,6 @@ pub struct Pocket {
     hydrodynamics: Option<PocketHydrodynamics>,
 }
 
-/// Constants of rolling friction and film shear between ball and pocket.
-#[derive(Debug, Clone, Copy)]
-struct PocketHydrodynamics {
-    /// Rolling friction on each surface over the rolling speed [N s/m].
-    rolling: f64,
-    /// Film shear over the sliding speed [N s/m].
-    shear: f64,
-}
-
 /// Which parts of the pocket force a model contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PocketTerms {
@@ -62,7 +56,7 @@ pub struct PocketTerms {
     pub hydrodynamics: bool,
 }
 
-/// What the pocket does to its ball; the cage feels the opposite at the contact point.
+/// Load of a pocket on its ball; the cage takes the opposite load at the contact point.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PocketLoad<T = f64> {
     /// Normal load, film and solid [N].
@@ -88,8 +82,8 @@ pub struct PocketMotion<T = f64> {
 }
 side_by_side!(PocketMotion { displacement, velocity, spin });
 
-/// Nearest point of the seat: how far the ball has left the pocket's centre towards it (`C_p` at touch) [m], how fast
-/// [m/s], and the unit vector of the force on the ball.
+/// Approach of the ball to the nearest point of the seat: distance from the pocket's centre (`C_p` at touch) [m], its
+/// rate [m/s], and the unit vector of the force on the ball.
 #[derive(Debug, Clone, Copy, Default)]
 struct Approach<T = f64> {
     distance: T,
@@ -98,12 +92,12 @@ struct Approach<T = f64> {
 }
 side_by_side!(Approach { distance, rate, normal });
 
-/// How the normal load answers to a ball that moves along the contact's normal: what a linearly implicit method needs of it.
+/// Slopes of the normal load by the ball's motion along the contact normal, for linearly implicit methods.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct PocketSlopes<T = f64> {
+pub(crate) struct PocketSlopes<T = f64> {
     /// Unit vector of the force on the ball.
     pub normal: Vector<T>,
-    /// By displacement [N/m] and by its rate [N s/m].
+    /// Slope by displacement [N/m] and by its rate [N s/m].
     pub stiffness: T,
     pub damping: T,
 }
@@ -111,7 +105,7 @@ side_by_side!(PocketSlopes { normal, stiffness, damping });
 
 impl Pocket {
     /// Constants at an operating spin of the balls [rad/s].
-    pub fn new(
+    pub(crate) fn new(
         bearing: &Bearing,
         cage: &CageParameters,
         lubricant: &Lubricant,
@@ -124,7 +118,7 @@ impl Pocket {
         let wedge = Wedge {
             viscosity: lubricant.viscosity,
             speed: ball_radius * ball_spin.abs(),
-            radius: relative_radius.min(LARGEST_RADIUS),
+            radius: relative_radius.min(MAX_RADIUS),
             clearance,
             half_width: cage.seat_half_width,
         };
@@ -167,7 +161,7 @@ impl Pocket {
         self.film_stiffness
     }
 
-    /// Whether a film damps the ball in its pocket.
+    /// Returns true where a film damps the ball in its pocket.
     pub fn film_is_damped(&self) -> bool {
         self.film_damping > 0.0
     }
@@ -194,17 +188,18 @@ impl Pocket {
 
     /// Forces and moments of the pockets on their balls.
     ///
-    /// Normal force: Q = Q_film + Q_solid, Q_film = K_c min(s, C_p) + c_f ṡ min(1, s/0.1 µm), its damping
-    /// falling to 0 over the first 1 µm of solid contact, Q_solid = K_n (s − C_p)^1.5 κ (1 + χ ṡ) with `conformity` κ, neither below 0.
-    /// Friction acts on the solid part only: on an undamped film force it would drive the cage unstable.
+    /// Normal force: Q = Q_film + Q_solid, neither part below 0. Film: Q_film = K_c min(s, C_p) + c_f ṡ min(1, s/0.1
+    /// µm); its damping falls to 0 over the first 1 µm of solid contact. Solid: Q_solid = K_n (s − C_p)^1.5 κ (1 + χ ṡ)
+    /// with `conformity` κ. Friction acts on the solid part only: on an undamped film force it would drive the cage
+    /// unstable.
     #[inline(always)]
     pub fn loads<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>, load: &mut PocketLoad<Lanes<N>>) {
         self.loads_at(motion, &self.approaches(motion), load);
     }
 
-    /// The same, and how the normal loads answer to the balls' own motion.
+    /// Forces and moments of the pockets on their balls, and the slopes of the normal loads.
     #[inline(always)]
-    pub fn loads_and_slopes<const N: usize>(
+    pub(crate) fn loads_and_slopes<const N: usize>(
         &self,
         motion: &PocketMotion<Lanes<N>>,
         load: &mut PocketLoad<Lanes<N>>,
@@ -220,7 +215,7 @@ impl Pocket {
 
     #[inline(always)]
     fn approaches<const N: usize>(&self, motion: &PocketMotion<Lanes<N>>) -> Approach<Lanes<N>> {
-        // A copy: what is stored in the loops cannot change it.
+        // A copy, so that the compiler knows that stores in the loops do not change it.
         let pocket = *self;
         let mut approach = Approach::<Lanes<N>>::default();
         match pocket.rim {
@@ -324,8 +319,8 @@ impl Pocket {
         solid
     }
 
-    /// Share of a penetration [m] that is taken by the contact Q(δ) in series with a bar of stiffness `bar` [N/m]: solves
-    /// Q(δ) = bar (penetration − δ) by Newton in √δ from above, where it converges monotonically.
+    /// Part of a penetration [m] that the contact takes in series with a bar of stiffness `bar` [N/m]. Solves Q(δ) =
+    /// bar (penetration − δ) by Newton's method in √δ from above, where it converges monotonically.
     #[inline(always)]
     fn contact_share(&self, bar: f64, penetration: f64) -> f64 {
         // A root of nothing would be divided by itself.
@@ -377,8 +372,8 @@ impl Pocket {
         }
     }
 
-    /// Adds dry friction P_S = μ Q_solid tanh(|u|/u₀), and of the film the rolling friction P_R over the rolling speed and
-    /// the shear over the sliding speed [N s/m].
+    /// Adds dry friction P_S = μ Q_solid tanh(|u|/u₀) and the film's rolling friction and shear. These are proportional
+    /// to rolling and sliding speed [N s/m].
     #[inline(always)]
     fn add_friction(
         &self,
@@ -392,7 +387,7 @@ impl Pocket {
         let centre = add(motion.velocity, scale(-along, normal));
         let rolling = cross(motion.spin, load.lever);
         let slip = add(centre, rolling);
-        let speed = larger(length(slip), LEAST_SLIP);
+        let speed = larger(length(slip), MIN_SLIP);
         let dry = self.friction * solid * hyperbolic_tangent(speed * (1.0 / self.friction_speed)) / speed;
         // The ball's surface carries the lubricant through; rolling friction acts against it.
         let force = add(scale(-film_rolling, rolling), scale(-(dry + film_shear), slip));
@@ -402,7 +397,7 @@ impl Pocket {
 }
 
 /// Stands in for a slip of 0 where its direction is asked for [m/s].
-const LEAST_SLIP: f64 = 1e-12;
+const MIN_SLIP: f64 = 1e-12;
 
 /// The displacement itself is the way to the nearest point of a cap.
 #[inline(always)]
@@ -432,49 +427,6 @@ fn conformity(s: f64) -> f64 {
 #[inline(always)]
 fn exponent(s: f64) -> f64 {
     1.5 + 0.5 * s * (1.0 / (1.0 + s) - (0.5 + 1.5 * s) / (1.0 + s * (0.5 + 0.75 * s)))
-}
-
-/// The lubricant wedge between ball and seat at half the clearance.
-struct Wedge {
-    viscosity: f64,
-    /// Surface speed of the ball in the pocket [m/s].
-    speed: f64,
-    /// Effective radius of ball and seat [m].
-    radius: f64,
-    clearance: f64,
-    half_width: f64,
-}
-
-impl Wedge {
-    fn gap(&self) -> f64 {
-        0.5 * self.clearance
-    }
-
-    /// Half width of the seat over the parabolic length of the gap, t = w_p / √(2 h₀ R_p) [-].
-    fn width_ratio(&self) -> f64 {
-        self.half_width / (2.0 * self.gap() * self.radius).sqrt()
-    }
-
-    /// Film stiffness K_c = W(t) / C_p [N/m], the isoviscous rigid load capacity of a sphere on a
-    /// seat of finite width: W = (2/π)(atan t − t/(1+t²)) · 6√2 π η U R_p √(R_p/h₀) / 5.
-    fn stiffness(&self) -> f64 {
-        use std::f64::consts::{FRAC_2_PI, PI, SQRT_2};
-        let t = self.width_ratio();
-        let truncation = FRAC_2_PI * (t.atan() - t / (1.0 + t * t));
-        let full =
-            6.0 * SQRT_2 * PI * self.viscosity * self.speed * self.radius * (self.radius / self.gap()).sqrt() / 5.0;
-        truncation * full / self.clearance
-    }
-
-    /// P_R = ½ C₀ P̄_R with C₀ = η U R_p / 5 (R_x = R_y, U the sum of surface speeds) and
-    /// P̄_R = max(0, 34.74 ln t − 27.6); film shear P̄_S η u R_p, P̄_S = max(0, 0.26 (34.74 ln t − 27.6) + 10.9).
-    fn hydrodynamics(&self) -> PocketHydrodynamics {
-        let base = 34.74 * self.width_ratio().ln() - 27.6;
-        PocketHydrodynamics {
-            rolling: 0.5 * self.viscosity * self.radius / 5.0 * base.max(0.0),
-            shear: self.viscosity * self.radius * (0.26 * base + 10.9).max(0.0),
-        }
-    }
 }
 
 #[cfg(test)]

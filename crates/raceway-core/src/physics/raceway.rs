@@ -4,28 +4,36 @@
 //! raceway's axis, `r` radially from that axis to the ball, `t` = a × r along the groove. `frames`
 //! and `model` bring motions into it and loads out of it.
 
+mod groove;
+mod motion;
+mod strip_sums;
+
 use std::array::from_fn;
 
+pub(crate) use self::groove::LARGEST_CONTACT;
+use self::groove::{Contact, Groove};
+pub(crate) use self::motion::ContactSlopes;
+pub use self::motion::{RacewayLoad, RelativeMotion};
+use self::strip_sums::{AT_ONCE, MirroredStrips, StripSums};
 use super::bearing::{Bearing, PerRaceway};
-use super::contact::damping::{DampingFactor, normal_load, normal_slopes};
+use super::contact::damping::DampingFactor;
 use super::contact::film::{Film, Inlet, ThinnestFilm};
 use super::contact::hertz::{HertzContact, raceway_contacts};
+use super::contact::strips::{Strip, Strips};
 use super::contact::traction::{
-    FourParameters, MAX_STRIPS, Strip, Strips, TINY, Traction, TractionContext, coulomb, eyring, rising, rolling,
-    rolling_at_rest, sticking,
+    FourParameters, Traction, TractionContext, coulomb, eyring, rising, rolling, rolling_at_rest, sticking,
 };
-use super::frames::Vector;
 use super::kinematics;
 use super::lubricant::Lubricant;
 use super::surface::SurfaceProfile;
-use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, larger, side_by_side, smaller};
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
 
 /// Which parts of the contact a model contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RacewayTerms {
     /// Strips the ellipse is cut into across the groove.
     pub strips: usize,
-    /// As many points of a Gauss rule (2, 4 or 6) in their place.
+    /// Points of a Gauss rule (2, 4 or 6) replace the strips.
     pub gauss: bool,
     /// Point on the deformed surface depends on its place across the groove.
     pub conformity: bool,
@@ -40,208 +48,9 @@ pub struct RacewayContact {
     groove: Groove,
     traction: Traction,
     strips: MirroredStrips,
-    /// As `strips`, each with the load of its image.
+    /// Strips that each carry the load of their mirror image as well.
     folded_strips: MirroredStrips,
     surface: SurfaceProfile,
-}
-
-/// Constants of one raceway, and what follows from them for one ball.
-#[derive(Debug, Clone, Copy)]
-struct Groove {
-    /// 1 for the outer raceway, −1 for the inner one: outwards or inwards from the circle of the groove's centres.
-    side: f64,
-    centre_radius: f64,
-    /// (f − ½) d: distance of ball and groove centre at touch [m].
-    touch_distance: f64,
-    ball_radius: f64,
-    hertz: HertzContact,
-    /// Semi-major axis over √δ: the contact's size follows from its elastic part.
-    semi_major_factor: f64,
-    damping: DampingFactor,
-    conformity: bool,
-    /// 1 where spin slips and has a moment, else 0.
-    spin: f64,
-    film: Film,
-    inlet: Inlet,
-    hydrodynamics: bool,
-}
-
-/// Motion of a ball relative to the raceway's centre, in the contact's frame.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct RelativeMotion<T = f64> {
-    /// Ball centre along the raceway's axis [m].
-    pub axial: T,
-    /// Distance of the ball centre from the raceway's axis [m].
-    pub radius: T,
-    /// Velocity of the ball centre less that of the raceway's centre [m/s].
-    pub velocity: Vector<T>,
-    /// Angular velocity of the ball [rad/s].
-    pub spin: Vector<T>,
-    /// Angular speed of the raceway about its axis [rad/s].
-    pub raceway_speed: T,
-    /// Angular speed at which the contact moves round the raceway's axis [rad/s].
-    pub orbit_speed: T,
-    /// Azimuth of the ball on the raceway itself [rad]; only a surface profile asks for it.
-    pub azimuth: T,
-}
-side_by_side!(RelativeMotion { axial, radius, velocity, spin, raceway_speed, orbit_speed, azimuth });
-
-/// What a raceway does to a ball; the raceway feels the opposite force.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct RacewayLoad<T = f64> {
-    /// [m]; not positive: no contact.
-    pub penetration: T,
-    /// [N]
-    pub normal: T,
-    /// Sine and cosine of the contact angle.
-    pub angle: (T, T),
-    /// Force on the ball [N].
-    pub force: Vector<T>,
-    /// Moment on the ball about its centre [N m].
-    pub moment: Vector<T>,
-    /// Slip speed of the raceway over the ball at the contact's centre, along the groove and across it [m/s].
-    pub slip: (T, T),
-    /// Traction over slip, Σ Q_k μ(u_k)/u_k of the strips [N s/m].
-    pub grip: T,
-}
-side_by_side!(RacewayLoad { penetration, normal, angle, force, moment, slip, grip });
-
-/// How a contact's loads answer to a ball that moves on: what a linearly implicit method needs of them. Rates of slip are
-/// answered by the traction as a whole, with the same grip along the groove and across it.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct ContactSlopes<T = f64> {
-    /// Unit vector from the ball towards the contact, axial and radial.
-    pub towards: (T, T),
-    /// Of the normal load, by penetration [N/m] and by its rate [N s/m].
-    pub stiffness: T,
-    pub damping: T,
-    /// Of the force across the groove, by displacement across it: the normal load turns with its direction [N/m].
-    pub turning: T,
-    /// Of traction, by slip [N s/m].
-    pub grip: T,
-}
-side_by_side!(ContactSlopes { towards, stiffness, damping, turning, grip });
-
-/// Strips of a contact: those on the side of positive η, which stand for their mirror images, too, and the middle one.
-#[derive(Debug, Clone, Copy)]
-struct MirroredStrips {
-    middle: Option<Strip>,
-    pairs: [Strip; MAX_STRIPS],
-    /// So many pairs are in use: fewer than `AT_ONCE`, or as many as it divides, the last ones without weight.
-    used: usize,
-}
-
-/// Pairs of strips that are computed at once: four leave no rest of the usual 9 and 17 strips.
-const AT_ONCE: usize = 4;
-
-impl MirroredStrips {
-    /// `weight`: 1, or 2 where a strip carries its image's load as well.
-    fn new(strips: &Strips, weight: f64) -> Self {
-        let all = strips.as_slice();
-        let (half, odd) = (all.len() / 2, all.len() % 2 == 1);
-        // Where no strip is left, one that carries nothing.
-        let blank = Strip { weight: 0.0, ..all[all.len() - 1] };
-        let pair = |k: usize| {
-            let strip = all[all.len() - half + k];
-            Strip { weight: weight * strip.weight, ..strip }
-        };
-        Self {
-            middle: odd.then(|| all[half]),
-            pairs: from_fn(|k| if k < half { pair(k) } else { blank }),
-            used: if odd || half >= AT_ONCE { half.next_multiple_of(AT_ONCE) } else { half },
-        }
-    }
-}
-
-/// A contact's geometry and slip, from which its strips and its loads follow. Slip of the raceway over the ball at height
-/// h along m (towards the contact) and place η along c (across the groove), both from the ball's centre: along the groove
-/// u_t = base + h · per_height + η · per_place, across it u_c = side − h · roll.
-#[derive(Debug, Clone, Copy, Default)]
-struct Contact<T = f64> {
-    penetration: T,
-    normal: T,
-    /// Unit vector from the ball towards the contact, axial and radial.
-    towards: (T, T),
-    semi_major: T,
-    semi_major_2: T,
-    /// Height of the deformed surface over the ball's centre, h(η) = √(R_d² − η²) + shift, and h(0).
-    shift: T,
-    apex: T,
-    base: T,
-    per_height: T,
-    per_place: T,
-    side: T,
-    roll: T,
-}
-side_by_side!(Contact {
-    penetration,
-    normal,
-    towards,
-    semi_major,
-    semi_major_2,
-    shift,
-    apex,
-    base,
-    per_height,
-    per_place,
-    side,
-    roll
-});
-
-/// Traction and its moments over the normal load, along the groove and across it.
-#[derive(Debug, Clone, Copy, Default)]
-struct StripSums<T = f64> {
-    along: T,
-    across: T,
-    along_moment: T,
-    across_moment: T,
-    spin_moment: T,
-    /// Traction over slip [s/m].
-    grip: T,
-}
-side_by_side!(StripSums { along, across, along_moment, across_moment, spin_moment, grip });
-
-/// Slip in `P` strips, along the groove also in their images; across it that is the same.
-struct StripSlip<const P: usize, const S: usize> {
-    place: [f64; P],
-    height: [f64; P],
-    along: [f64; S],
-    across: [f64; P],
-}
-
-impl<const P: usize, const S: usize> StripSlip<P, S> {
-    /// Squared slip, above 0 by next to nothing, so that a law may divide by it.
-    #[inline(always)]
-    fn squares(&self) -> [f64; S] {
-        let across: [f64; P] = from_fn(|k| self.across[k] * self.across[k] + TINY);
-        from_fn(|k| self.along[k] * self.along[k] + across[k % P])
-    }
-}
-
-impl StripSums {
-    /// Adds strips of which μ/|u| is known.
-    #[inline(always)]
-    fn add<const P: usize, const S: usize>(&mut self, slip: &StripSlip<P, S>, strips: &[Strip; P], factor: [f64; S]) {
-        for k in 0..P {
-            let weighted = strips[k].weight * factor[k];
-            let traction = weighted * slip.along[k];
-            let (mut both, mut difference, mut along) = (weighted, traction, traction);
-            if k + P < S {
-                let weighted = strips[k].weight * factor[k + P];
-                let traction = weighted * slip.along[k + P];
-                both += weighted;
-                difference -= traction;
-                along += traction;
-            }
-            let across = both * slip.across[k];
-            self.grip += both;
-            self.along += along;
-            self.along_moment += along * slip.height[k];
-            self.across += across;
-            self.across_moment += across * slip.height[k];
-            self.spin_moment += difference * slip.place[k];
-        }
-    }
 }
 
 /// Loads of balls side by side, to be compiled for each instruction set. Written where they are wanted: no copies.
@@ -261,7 +70,7 @@ impl<const PLANAR: bool> Task for Loads<'_, PLANAR> {
     }
 }
 
-/// The same of both raceways.
+/// Loads of balls side by side on both raceways.
 struct PairOfLoads<'a, const PLANAR: bool> {
     raceway: &'a PerRaceway<RacewayContact>,
     motion: &'a PerRaceway<RelativeMotion<Lanes>>,
@@ -280,16 +89,6 @@ impl<const PLANAR: bool> Task for PairOfLoads<'_, PLANAR> {
         raceway.inner.loads_of::<PLANAR, LANES>(&inner, &motion.inner, &mut load.inner);
         raceway.outer.loads_of::<PLANAR, LANES>(&outer, &motion.outer, &mut load.outer);
     }
-}
-
-/// Largest share of the ball's radius that a contact reaches across the groove. Hertz has lost its
-/// meaning long before; the share keeps extreme scenes finite.
-pub const LARGEST_CONTACT: f64 = 0.95;
-
-/// The direction across the groove, c = t × m, from m towards the contact; (t, m, c) is right-handed.
-#[inline(always)]
-fn across((towards_a, towards_r): (f64, f64)) -> (f64, f64) {
-    (-towards_r, towards_a)
 }
 
 impl RacewayContact {
@@ -340,8 +139,8 @@ impl RacewayContact {
         self
     }
 
-    /// Whether anything damps an impact.
-    pub fn is_damped(&self) -> bool {
+    /// Returns true where the contact damps an impact.
+    pub(crate) fn is_damped(&self) -> bool {
         self.groove.damping.chi > 0.0 || self.groove.damping.viscous > 0.0
     }
 
@@ -390,7 +189,7 @@ impl RacewayContact {
         instructions.run(PairOfLoads::<PLANAR> { raceway, motion, load });
     }
 
-    /// The same of one raceway.
+    /// Forces and moments of one raceway on balls side by side.
     pub fn loads<const PLANAR: bool>(
         &self,
         motion: &RelativeMotion<Lanes>,
@@ -402,7 +201,7 @@ impl RacewayContact {
 
     #[inline(always)]
     fn contacts<const PLANAR: bool, const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> Contact<Lanes<N>> {
-        // A copy: what is stored in the loop cannot change it.
+        // A copy, so that the compiler knows that stores in the loop do not change it.
         let groove = self.groove;
         let surface = self.surface.heights_and_slopes(&motion.azimuth);
         let mut contact = Contact::<Lanes<N>>::default();
@@ -440,7 +239,8 @@ impl RacewayContact {
         }
     }
 
-    /// Traction over load, summed over the strips. Where nothing spins about the normal, a strip and its image slip alike.
+    /// Traction over load, summed over the strips. Without spin about the normal, a strip and its mirror image have the
+    /// same slip.
     #[inline(always)]
     fn strip_sums<const PLANAR: bool, const N: usize>(
         &self,
@@ -588,7 +388,7 @@ impl RacewayContact {
 
     /// Writes how loads at a motion answer to the balls' own motion.
     #[inline(always)]
-    pub fn slopes<const PLANAR: bool>(
+    pub(crate) fn slopes<const PLANAR: bool>(
         &self,
         motion: &RelativeMotion<Lanes>,
         load: &RacewayLoad<Lanes>,
@@ -601,7 +401,7 @@ impl RacewayContact {
     }
 
     /// Meets the minimum film of a loaded contact at a mean rolling speed [m/s] and load [N].
-    pub fn meet_film(&self, rolling_speed: f64, load: f64, thinnest: &mut ThinnestFilm) {
+    pub(crate) fn meet_film(&self, rolling_speed: f64, load: f64, thinnest: &mut ThinnestFilm) {
         thinnest.meet(&self.groove.film, rolling_speed, load);
     }
 
@@ -611,9 +411,9 @@ impl RacewayContact {
         self.groove.rolling_speed(motion, towards)
     }
 
-    /// The same of several balls, whose contacts lie where `slopes` says.
+    /// Mean rolling speeds of several balls whose contacts lie in the directions of `slopes` [m/s].
     #[inline(always)]
-    pub fn rolling_speeds(
+    pub(crate) fn rolling_speeds(
         &self,
         motion: &RelativeMotion<Lanes>,
         slopes: &ContactSlopes<Lanes>,
@@ -626,176 +426,9 @@ impl RacewayContact {
     }
 }
 
-impl Groove {
-    /// Penetration [m] and unit vector from the ball towards the contact, in the meridian plane (axial, radial).
-    #[inline(always)]
-    fn penetration<const PLANAR: bool>(&self, axial: f64, radius: f64) -> (f64, (f64, f64)) {
-        let radial = radius - self.centre_radius;
-        // A groove is an arc: beyond its centre there is no surface to touch.
-        let ahead = self.side * radial;
-        if PLANAR {
-            (ahead - self.touch_distance, (0.0, self.side))
-        } else {
-            let distance = (axial * axial + radial * radial).sqrt();
-            // At the groove's centre there is no direction, and no contact.
-            let inverse = 1.0 / larger(distance, f64::MIN_POSITIVE);
-            let reach = if ahead > 0.0 { distance } else { ahead };
-            (reach - self.touch_distance, (axial * inverse, radial * inverse))
-        }
-    }
-
-    /// Elastic normal load at a penetration [N], and its slope [N/m]; both 0 without contact.
-    #[inline(always)]
-    fn elastic_load(&self, penetration: f64) -> (f64, f64) {
-        let root = larger(penetration, 0.0).sqrt();
-        (self.hertz.stiffness * root * root * root, 1.5 * self.hertz.stiffness * root)
-    }
-
-    /// Geometry, normal load and slip of a contact; without penetration its load is 0.
-    #[inline(always)]
-    fn contact<const PLANAR: bool>(&self, motion: &RelativeMotion, (height, slope): (f64, f64)) -> Contact {
-        let (mut penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
-        let (towards_a, towards_r) = towards;
-        let [va, vr, vt] = motion.velocity;
-        let mut rate = if PLANAR { towards_r * vr } else { towards_a * va + towards_r * vr };
-        let turning = motion.orbit_speed - motion.raceway_speed;
-        penetration += height;
-        rate += slope * turning;
-        let normal = normal_load(self.hertz.stiffness, penetration, rate, &self.damping);
-        // a² goes with δ: the roots of heights need not wait for that of a.
-        let (depth, largest) = (larger(penetration, 0.0), LARGEST_CONTACT * self.ball_radius);
-        let semi_major = smaller(self.semi_major_factor * depth.sqrt(), largest);
-        let semi_major_2 = smaller(self.semi_major_factor * self.semi_major_factor * depth, largest * largest);
-
-        let (across_a, across_r) = across(towards);
-        let [spin_a, spin_r, spin_t] = motion.spin;
-        let relative = motion.raceway_speed - spin_a;
-
-        let deformed = self.hertz.deformed_radius;
-        let edge = (self.ball_radius * self.ball_radius - semi_major_2).sqrt();
-        let shift = edge - (deformed * deformed - semi_major_2).sqrt();
-        Contact {
-            penetration,
-            normal,
-            towards,
-            semi_major,
-            semi_major_2,
-            shift,
-            apex: deformed + shift,
-            base: motion.raceway_speed * motion.radius - vt,
-            per_height: relative * towards_r + spin_r * towards_a,
-            per_place: if PLANAR { 0.0 } else { self.spin * (relative * across_r + spin_r * across_a) },
-            side: if PLANAR { 0.0 } else { -(va * across_a + vr * across_r) },
-            roll: if PLANAR { 0.0 } else { spin_t },
-        }
-    }
-
-    /// How the loads at a motion answer to the ball's own motion. What a surface profile adds to the rate is left out.
-    #[inline(always)]
-    fn slopes<const PLANAR: bool>(&self, motion: &RelativeMotion, load: &RacewayLoad) -> ContactSlopes {
-        let (penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
-        let [va, vr, _] = motion.velocity;
-        let rate = if PLANAR { towards.1 * vr } else { towards.0 * va + towards.1 * vr };
-        let (stiffness, damping) = normal_slopes(self.hertz.stiffness, load.penetration, rate, &self.damping);
-        let turning = if PLANAR { 0.0 } else { load.normal / (penetration + self.touch_distance) };
-        // A ball in the middle of its groove touches nothing.
-        let turning = if load.normal > 0.0 { turning } else { 0.0 };
-        ContactSlopes { towards, stiffness, damping, turning, grip: load.grip }
-    }
-
-    /// Slip in `P` strips, and in the images of the first `S − P`.
-    #[inline(always)]
-    fn slip<const P: usize, const S: usize>(&self, c: &Contact, strips: &[Strip; P]) -> StripSlip<P, S> {
-        let deformed_2 = self.hertz.deformed_radius * self.hertz.deformed_radius;
-        let place: [f64; P] = from_fn(|k| strips[k].position * c.semi_major);
-        let bent = if self.conformity { 1.0 } else { 0.0 };
-        let height: [f64; P] = from_fn(|k| {
-            let position_2 = bent * strips[k].position * strips[k].position;
-            // The middle, which has no image, needs no root.
-            let is_middle = P > 1 && S == 2 * P - 1 && k == P - 1;
-            if is_middle { c.apex } else { (deformed_2 - position_2 * c.semi_major_2).sqrt() + c.shift }
-        });
-        let mean: [f64; P] = from_fn(|k| c.base + height[k] * c.per_height);
-        let half: [f64; P] = from_fn(|k| place[k] * c.per_place);
-        StripSlip {
-            place,
-            height,
-            along: from_fn(|k| if k < P { mean[k] + half[k] } else { mean[k - P] - half[k - P] }),
-            across: from_fn(|k| c.side - height[k] * c.roll),
-        }
-    }
-
-    /// Load on the ball from the sums over its strips.
-    #[inline(always)]
-    fn sum_of_loads(&self, c: &Contact, sums: &StripSums) -> RacewayLoad {
-        let normal = c.normal;
-        let (towards_a, towards_r) = c.towards;
-        let (across_a, across_r) = across(c.towards);
-        let along = sums.along * normal;
-        let across = sums.across * normal;
-        let along_moment = sums.along_moment * normal;
-        let across_moment = sums.across_moment * normal;
-        let spin_moment = sums.spin_moment * normal * self.spin;
-        RacewayLoad {
-            penetration: c.penetration,
-            normal,
-            angle: (towards_a * 1.0_f64.copysign(towards_r), towards_r.abs()),
-            // The normal force points from the contact to the ball's centre; c and m are turned back to (a, r).
-            force: [across * across_a - normal * towards_a, across * across_r - normal * towards_r, along],
-            moment: [
-                spin_moment * towards_a - along_moment * across_a,
-                spin_moment * towards_r - along_moment * across_r,
-                across_moment,
-            ],
-            slip: (c.base + c.apex * c.per_height, c.side - c.apex * c.roll),
-            grip: sums.grip * normal,
-        }
-    }
-
-    /// Adds the forces of the inlet: F_R at the contact point against rolling on each surface, F_H through the ball's centre.
-    #[inline(always)]
-    fn add_inlet(&self, c: &Contact, motion: &RelativeMotion, load: &mut RacewayLoad) {
-        let rolling = self.rolling_velocity(motion, c.per_height, c.apex);
-        let semi_minor = c.semi_major / self.hertz.ellipse.ellipticity;
-        let hydro = self.inlet.forces(rolling, self.film.central(rolling, c.normal), semi_minor);
-        let (across_a, across_r) = across(c.towards);
-        let touching = if c.penetration > 0.0 { 1.0 } else { 0.0 };
-        load.force[2] += touching * (hydro.pressure - hydro.rolling);
-        load.moment[0] += touching * hydro.rolling * c.apex * across_a;
-        load.moment[1] += touching * hydro.rolling * c.apex * across_r;
-    }
-
-    /// Mean rolling speed at the centre of a contact that lies in a direction [m/s].
-    #[inline(always)]
-    fn rolling_speed(&self, motion: &RelativeMotion, (towards_a, towards_r): (f64, f64)) -> f64 {
-        let per_height = (motion.raceway_speed - motion.spin[0]) * towards_r + motion.spin[1] * towards_a;
-        self.rolling_velocity(motion, per_height, self.ball_radius)
-    }
-
-    /// Mean velocity of both surfaces along the groove, in the frame that moves with the contact [m/s].
-    #[inline(always)]
-    fn rolling_velocity(&self, motion: &RelativeMotion, per_height: f64, apex: f64) -> f64 {
-        // Raceway: (ω − θ̇)(r' + h m_r); the ball moves slower by the slip.
-        let raceway = (motion.raceway_speed - motion.orbit_speed) * (motion.radius + apex * self.side);
-        let slip = motion.raceway_speed * motion.radius - motion.velocity[2] + apex * per_height;
-        raceway - 0.5 * slip
-    }
-
-    /// What the traction law looks at besides slip, with the largest pressure p₀.
-    #[inline(always)]
-    fn context(&self, c: &Contact, motion: &RelativeMotion) -> TractionContext {
-        let rolling = self.rolling_velocity(motion, c.per_height, c.apex);
-        TractionContext {
-            rolling_speed: rolling.abs(),
-            pressure: self.hertz.max_pressure(self.elastic_load(c.penetration).0),
-            film_thickness: self.film.central(rolling, c.normal),
-        }
-    }
-}
-
 /// Rolling friction F_R [N] of a ball on the inner raceway under a load [N], rolling ideally at a spindle speed
 /// [rad/s], its inlet flooded.
-pub fn nominal_rolling_friction(bearing: &Bearing, lubricant: &Lubricant, load: f64, speed: f64) -> f64 {
+pub(crate) fn nominal_rolling_friction(bearing: &Bearing, lubricant: &Lubricant, load: f64, speed: f64) -> f64 {
     if load <= 0.0 {
         return 0.0;
     }

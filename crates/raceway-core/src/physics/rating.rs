@@ -3,7 +3,7 @@
 use super::bearing::Bearing;
 
 /// Largest groove curvature of inner and outer raceway for which the table of f_c is meant [-].
-pub const TABLE_CURVATURE: [f64; 2] = [0.52, 0.53];
+const TABLE_CURVATURE: [f64; 2] = [0.52, 0.53];
 
 /// f_c over γ, ISO 281:2007, table 2 (single-row radial and angular-contact ball bearings).
 const TABLE: [(f64, f64); 25] = [
@@ -40,8 +40,8 @@ const MATERIAL_FACTOR: f64 = 1.3;
 
 /// Basic dynamic radial load rating `C` [N] with f_c from the table: the reference.
 ///
-/// ISO 281:2007, eqs. (1), (2): C = 1.3 f_c (cos α)^0.7 Z^(2/3) d^1.8, d in mm; above 25.4 mm 3.647 d^1.4.
-/// It overrates grooves wider than `TABLE_CURVATURE`, see `table_applies`.
+/// ISO 281:2007, eqs. (1), (2): C = 1.3 f_c (cos α)^0.7 Z^(2/3) d^1.8, d in mm; above 25.4 mm 3.647 d^1.4. It
+/// overestimates C for grooves wider than `TABLE_CURVATURE`, see `table_applies`.
 pub fn dynamic_load_rating(bearing: &Bearing) -> f64 {
     rating(bearing, table_factor(bearing.gamma()))
 }
@@ -52,7 +52,7 @@ pub fn dynamic_load_rating_full_formula(bearing: &Bearing) -> f64 {
     rating(bearing, full_factor(bearing.gamma(), f.inner, f.outer))
 }
 
-/// True where the grooves are as tight, and γ as usual, as the table of f_c supposes.
+/// Returns true where groove curvatures and γ lie within the table of f_c.
 pub fn table_applies(bearing: &Bearing) -> bool {
     let (f, gamma) = (bearing.parameters.groove_curvature, bearing.gamma());
     f.inner <= TABLE_CURVATURE[0]
@@ -61,7 +61,7 @@ pub fn table_applies(bearing: &Bearing) -> bool {
 }
 
 /// f_c from the table, linear between its lines [N, mm]; outside, the formula behind it.
-pub fn table_factor(gamma: f64) -> f64 {
+fn table_factor(gamma: f64) -> f64 {
     TABLE.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&gamma)).map_or_else(
         || full_factor(gamma, TABLE_CURVATURE[0], TABLE_CURVATURE[0]),
         |pair| {
@@ -73,12 +73,11 @@ pub fn table_factor(gamma: f64) -> f64 {
 
 /// f_c of any pair of groove curvatures [N, mm].
 ///
-/// Lundberg & Palmgren 1947 (Harris & Kotzalas, ch. 11):
-/// f_c = 38.2 {1 + [1.04 ((1−γ)/(1+γ))^1.72 ((f_i/f_e)(2f_e−1)/(2f_i−1))^0.41]^(10/3)}^(−0.3)
-/// · γ^0.3 (1−γ)^1.39 (1+γ)^(−1/3) (2f_i/(2f_i−1))^0.41.
-/// Differs from the source: Harris has 39.9 before a reduction factor for the accuracy of the raceways; with
-/// f = 0.52 the whole table of ISO 281 is 38.2 times the rest to 0.2 %, which is 0.95 · 0.41 · 98.0665.
-pub fn full_factor(gamma: f64, inner_curvature: f64, outer_curvature: f64) -> f64 {
+/// Lundberg & Palmgren 1947 (Harris & Kotzalas, ch. 11): f_c = 38.2 {1 + [1.04 ((1−γ)/(1+γ))^1.72
+/// ((f_i/f_e)(2f_e−1)/(2f_i−1))^0.41]^(10/3)}^(−0.3) · γ^0.3 (1−γ)^1.39 (1+γ)^(−1/3) (2f_i/(2f_i−1))^0.41. Differs from
+/// the source: Harris has 39.9 before a reduction factor for the accuracy of the raceways. With f = 0.52 the whole
+/// table of ISO 281 is 38.2 times the rest to 0.2 %, and 38.2 is 0.95 · 0.41 · 98.0665.
+fn full_factor(gamma: f64, inner_curvature: f64, outer_curvature: f64) -> f64 {
     let (fi, fe) = (inner_curvature, outer_curvature);
     let conformity = ((fi / fe) * (2.0 * fe - 1.0) / (2.0 * fi - 1.0)).powf(0.41);
     let rings = 1.04 * ((1.0 - gamma) / (1.0 + gamma)).powf(1.72) * conformity;
@@ -111,8 +110,8 @@ mod tests {
         assert!(table_factor(0.005) < 29.1 && table_factor(0.45) < 48.4);
     }
 
-    /// Article's bearing: C 1786 N from the table; with its own grooves f_c about 51.3 and 1.53 kN, which rest
-    /// on a constant of 0.95 · 39.9 (1.5 %).
+    /// Article's bearing: C is 1786 N from the table. With its own grooves f_c is about 51.3 and C 1.53 kN, with a
+    /// constant of 0.95 · 39.9 (1.5 %).
     #[test]
     fn article_bearing_has_two_ratings() {
         let bearing = article_bearing();

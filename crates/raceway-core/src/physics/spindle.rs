@@ -4,7 +4,7 @@ use super::frames::Vector;
 use super::limits::Faults;
 use crate::numerics::angle::sin_cos;
 
-/// How the axial direction is held.
+/// Axial support of the spindle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AxialHold {
     Fixed,
@@ -33,8 +33,8 @@ pub struct Spindle {
 }
 
 impl Spindle {
-    /// Notes what no spindle has.
-    pub fn check(&self, faults: &mut Faults) {
+    /// Records values outside the limits.
+    pub(crate) fn check(&self, faults: &mut Faults) {
         faults.check("spindle.mass", self.mass);
         match self.unbalance {
             Unbalance::None => true,
@@ -46,8 +46,7 @@ impl Spindle {
         }
     }
 
-    /// Mass times eccentricity [kg m] at an operating speed [rad/s]; no grade can be turned into an
-    /// eccentricity at rest, so it is 0 there.
+    /// Mass times eccentricity [kg m] at an operating speed [rad/s]; 0 at rest, where a grade gives no eccentricity.
     pub fn unbalance_product(&self, operating_speed: f64) -> f64 {
         match self.unbalance {
             Unbalance::None => 0.0,

@@ -1,12 +1,11 @@
-//! The shape of a surface besides its ideal circle: a height over azimuth.
+//! Deviation of a surface from its ideal circle: a height over azimuth.
 //!
-//! This is the seam for waviness and local defects. Whatever is added here must be continuous with a
-//! continuous slope, for the integrators see the height through the penetration δ and the slope through its
-//! rate; a step would be an impact that no step size resolves.
+//! Waviness and local defects are added here. Profiles must be continuous with a continuous slope. The height enters
+//! the penetration δ and the slope its rate; a step in height would be an impact that no step size resolves.
 
 use crate::numerics::lanes::{Lanes, SideBySide};
 
-/// A height that is added to the penetration of a contact: positive where the surface stands out.
+/// Height that is added to the penetration of a contact [m], positive outwards.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum SurfaceProfile {
     /// The ideal circle.
@@ -37,7 +36,7 @@ impl SurfaceProfile {
 
     /// Heights and slopes at the azimuths of several balls.
     #[inline(always)]
-    pub fn heights_and_slopes<const N: usize>(&self, azimuth: &Lanes<N>) -> (Lanes<N>, Lanes<N>) {
+    pub(crate) fn heights_and_slopes<const N: usize>(&self, azimuth: &Lanes<N>) -> (Lanes<N>, Lanes<N>) {
         let mut of = <(Lanes<N>, Lanes<N>)>::default();
         if !matches!(self, Self::None) {
             for lane in 0..N {
@@ -47,8 +46,9 @@ impl SurfaceProfile {
         of
     }
 
-    /// True where the profile changes nothing, so that a model may leave it out.
-    pub fn is_ideal(&self) -> bool {
+    /// Returns true where the profile has no effect.
+    #[cfg(test)]
+    fn is_ideal(&self) -> bool {
         match *self {
             Self::None => true,
             Self::Constant(height) => height == 0.0,

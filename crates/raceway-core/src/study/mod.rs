@@ -6,5 +6,5 @@ mod optimum;
 mod trend;
 
 pub use grid::Grid;
-pub use optimum::{Evaluation, Optimum, Purpose, SCANNED, most_runs, optimum};
+pub use optimum::{Evaluation, Optimum, Purpose, most_runs, optimum};
 pub use trend::{Best, Goal, Trend, Uncertain, best, trend};

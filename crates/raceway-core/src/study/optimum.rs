@@ -1,8 +1,9 @@
 //! The best point of one range or two, by runs each of which may be wrong by an error, or fail.
 //!
-//! Three passes. A scan over a coarse grid finds the valleys: levels over a parameter have several. The best of these are followed
-//! down, by Brent's method on one axis and by that of Nelder and Mead on two. Then each axis is walked from the best point, both
-//! ways, to where a point is certainly worse: beyond both errors together. Between these ends nobody can tell points apart.
+//! Three passes. A scan over a coarse grid finds the valleys: levels over a parameter have several. The best of these
+//! are followed down, by Brent's method on one axis and by that of Nelder and Mead on two. Then each axis is walked
+//! from the best point, both ways, to where a point is certainly worse: beyond both errors together. Between these ends
+//! the errors do not separate the points.
 //!
 //! Ranges are unit intervals here. The order of the runs, and so the answer, depends on their values alone.
 
@@ -15,7 +16,7 @@ use argmin::solver::neldermead::NelderMead;
 use super::grid::Grid;
 use super::trend::{Goal, Uncertain};
 
-/// What a point was run for.
+/// Stage of the search for which a point was run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     Scan,
@@ -33,22 +34,23 @@ pub struct Evaluation {
     pub value: Option<Uncertain>,
 }
 
-/// What has been found.
+/// All runs of a search, the best point and its band.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Optimum {
     /// All runs in their order, those of the scan first.
     pub evaluations: Vec<Evaluation>,
     /// The best of them; `None` where all failed.
     pub best: Option<usize>,
-    /// Along each axis, from the best point with the other axis held: the nearest points on either side that are certainly worse,
-    /// the last ones before runs fail, or the end of the range. `None` where the error of the best value is not known.
+    /// Ends of the band along each axis, with the other axis held at the best point. An end is the nearest point that
+    /// is certainly worse, the last point before runs fail, or the end of the range. `None` where the error of the best
+    /// value is not known.
     pub band: Option<Vec<[f64; 2]>>,
-    /// Whether the band of an axis ends where runs fail.
+    /// True for an axis whose band ends where runs fail.
     pub edges: Option<Vec<bool>>,
 }
 
 impl Optimum {
-    /// Whether a run may be as good as the best one: it differs by no more than both errors together.
+    /// Returns true where a run differs from the best one by no more than the sum of both errors.
     pub fn may_be_as_good(&self, evaluation: &Evaluation, goal: Goal) -> bool {
         let best = self.best.and_then(|best| self.evaluations[best].value);
         matches!((best, evaluation.value), (Some(best), Some(value)) if may_be_as_good(best, value, goal))
@@ -56,31 +58,31 @@ impl Optimum {
 }
 
 /// Points of the scan along the axis, or along each of both.
-pub const SCANNED: [usize; 2] = [17, 9];
+const SCANNED: [usize; 2] = [17, 9];
 /// Valleys that are followed down.
 const VALLEYS: [usize; 2] = [3, 2];
 /// Steps of the search in a valley, and the least that Brent's method makes, as a share of the range.
-const MOST_STEPS: [u64; 2] = [12, 24];
-const LEAST_STEP: f64 = 5e-4;
+const MAX_STEPS: [u64; 2] = [12, 24];
+const MIN_STEP: f64 = 5e-4;
 /// Simplices whose values scatter by less than this share of the error are small enough.
 const SCATTER: f64 = 0.1;
 /// The first step from the best point along an axis, as a share of the range, and how often a gap between good and worse is halved.
 const FIRST_STEP: f64 = 0.01;
 const HALVINGS: u32 = 4;
-/// How often the band is walked anew from a better point that the walk has come upon.
-const MOST_WALKS: usize = 3;
+/// Largest number of walks; a walk that meets a better point starts again from there.
+const MAX_WALKS: usize = 3;
 
-/// Runs that a search makes at most, apart from Nelder and Mead's shrinking: what progress is measured by.
+/// Largest number of runs of a search without Nelder and Mead's shrinking, the base of the progress.
 pub fn most_runs(axes: usize) -> usize {
     let walk = 8 + HALVINGS as usize;
     match axes {
-        1 => SCANNED[0] + VALLEYS[0] * (MOST_STEPS[0] as usize + 1) + 2 * walk,
-        _ => SCANNED[1] * SCANNED[1] + VALLEYS[1] * (2 * MOST_STEPS[1] as usize + 3) + 4 * walk,
+        1 => SCANNED[0] + VALLEYS[0] * (MAX_STEPS[0] as usize + 1) + 2 * walk,
+        _ => SCANNED[1] * SCANNED[1] + VALLEYS[1] * (2 * MAX_STEPS[1] as usize + 3) + 4 * walk,
     }
 }
 
-/// What gives the value at a point, `None` where it fails; its own error ends the search.
-pub type Run<'a, E> = dyn FnMut(&[f64]) -> Result<Option<Uncertain>, E> + 'a;
+/// The run of a point: its value, or `None` where it fails. An error ends the search.
+pub(crate) type Run<'a, E> = dyn FnMut(&[f64]) -> Result<Option<Uncertain>, E> + 'a;
 
 /// Searches one or two axes.
 pub fn optimum<E>(axes: usize, goal: Goal, run: &mut Run<'_, E>) -> Result<Optimum, E> {
@@ -98,7 +100,7 @@ struct End {
     fails: bool,
 }
 
-/// What a point beside the best one is.
+/// A point next to the best one, compared with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Beside {
     Good,
@@ -182,9 +184,9 @@ impl<E> Course<'_, E> {
     /// Down a valley of one axis, between the neighbours of its lowest point.
     fn down_one(&mut self, at: f64, spacing: f64) -> Result<(), E> {
         let (from, to) = ((at - spacing).max(0.0), (at + spacing).min(1.0));
-        let solver = BrentOpt::new(from, to).set_tolerance(f64::EPSILON.sqrt(), LEAST_STEP);
+        let solver = BrentOpt::new(from, to).set_tolerance(f64::EPSILON.sqrt(), MIN_STEP);
         let problem = One(RefCell::new(self));
-        let _ = Executor::new(problem, solver).configure(|state| state.max_iters(MOST_STEPS[0])).timer(false).run();
+        let _ = Executor::new(problem, solver).configure(|state| state.max_iters(MAX_STEPS[0])).timer(false).run();
         self.unless_ended()
     }
 
@@ -200,7 +202,7 @@ impl<E> Course<'_, E> {
         let error = self.best().and_then(|best| self.evaluations[best].value).and_then(|value| value.1).unwrap_or(0.0);
         let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(SCATTER * error) else { return Ok(()) };
         let problem = Several(RefCell::new(self));
-        let _ = Executor::new(problem, solver).configure(|state| state.max_iters(MOST_STEPS[1])).timer(false).run();
+        let _ = Executor::new(problem, solver).configure(|state| state.max_iters(MAX_STEPS[1])).timer(false).run();
         self.unless_ended()
     }
 
@@ -220,7 +222,7 @@ impl<E> Course<'_, E> {
     /// The ends along each axis, from the best point; where the walk comes upon a better one, from that one again.
     fn band(&mut self) -> Result<Option<Vec<[End; 2]>>, E> {
         let mut band = None;
-        for _ in 0..MOST_WALKS {
+        for _ in 0..MAX_WALKS {
             let Some(best) = self.best() else { return Ok(None) };
             let Evaluation { at, value: Some(value @ (_, Some(_))), .. } = self.evaluations[best].clone() else {
                 return Ok(None);
@@ -288,7 +290,8 @@ impl<E> Course<'_, E> {
     }
 }
 
-/// Whether a value may be as good as the best one; without an error nobody can tell.
+/// Returns true where a value differs from the best one by no more than the sum of both errors; false where an error is
+/// unknown.
 fn may_be_as_good(best: Uncertain, value: Uncertain, goal: Goal) -> bool {
     match (best.1, value.1) {
         (Some(error), Some(its)) => goal.cost(value.0) - goal.cost(best.0) <= error + its,
@@ -296,7 +299,7 @@ fn may_be_as_good(best: Uncertain, value: Uncertain, goal: Goal) -> bool {
     }
 }
 
-/// What the optimiser asks on one axis.
+/// Cost function of one axis.
 struct One<'c, 'a, E>(RefCell<&'c mut Course<'a, E>>);
 
 impl<E> CostFunction for One<'_, '_, E> {
@@ -308,7 +311,7 @@ impl<E> CostFunction for One<'_, '_, E> {
     }
 }
 
-/// What the optimiser asks on several axes.
+/// Cost function of several axes.
 struct Several<'c, 'a, E>(RefCell<&'c mut Course<'a, E>>);
 
 impl<E> CostFunction for Several<'_, '_, E> {
@@ -377,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_that_fail_are_never_the_best_and_errors_nobody_knows_give_no_band() {
+    fn failed_runs_are_never_the_best_and_unknown_errors_give_no_band() {
         let found = searched(1, Goal::Least, |at| (at[0] > 0.5).then_some((at[0], None)));
         assert!(best(&found).at[0] > 0.5 && best(&found).at[0] < 0.51, "{:?}", best(&found));
         assert_eq!(found.band, None);
@@ -385,7 +388,7 @@ mod tests {
         assert_eq!((none.best, none.band), (None, None));
     }
 
-    /// Beyond the edge nobody knows what there is: it is no worse point.
+    /// Nothing is known beyond the edge, so it does not count as a worse point.
     #[test]
     fn a_band_ends_where_runs_fail() {
         let found = searched(1, Goal::Largest, |at| (at[0] < 0.7).then_some((at[0], Some(0.01))));

@@ -1,6 +1,6 @@
-//! What the values of a metric over a grid say, given what each may be wrong by.
+//! Best point and trend of a metric over a grid, given the error of each value.
 
-/// Which end of a metric is wished for.
+/// Direction of the optimum of a metric.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Goal {
     Least,
@@ -17,7 +17,7 @@ impl Goal {
     }
 }
 
-/// A value that may be wrong by an error; the error `None` where nobody knows it.
+/// A value with its error; `None` where the error is unknown.
 pub type Uncertain = (f64, Option<f64>);
 
 /// The best of several points.
@@ -25,8 +25,8 @@ pub type Uncertain = (f64, Option<f64>);
 pub struct Best {
     pub point: usize,
     pub value: f64,
-    /// Points, the best among them, that may be as good: their values differ from the best by no more than both errors together, or
-    /// by who knows how much, where their own error is unknown. `None` where that of the best is.
+    /// Points that may be as good as the best one, which is among them. Their values differ from the best by no more
+    /// than the sum of both errors, or their error is unknown. `None` where the error of the best is unknown.
     pub as_good: Option<Vec<usize>>,
 }
 
@@ -43,7 +43,7 @@ pub fn best(values: &[Option<Uncertain>], goal: Goal) -> Option<Best> {
     Some(Best { point, value, as_good })
 }
 
-/// How a metric changes over the points of one axis.
+/// Change of a metric over the points of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trend {
     /// Largest value less the least one.
@@ -55,10 +55,10 @@ pub struct Trend {
 }
 
 /// A trend counts as resolved where no point is wrong by more than this share of its span.
-pub const RESOLVED: f64 = 0.1;
+const RESOLVED: f64 = 0.1;
 
 impl Trend {
-    /// Whether the change is well beyond the errors of the points; `None` where these are unknown.
+    /// Returns true where the change is well beyond the errors of the points; `None` where these are unknown.
     pub fn is_resolved(&self) -> Option<bool> {
         self.error.map(|error| error < RESOLVED * self.span)
     }
@@ -76,7 +76,7 @@ pub fn trend(values: &[Option<Uncertain>]) -> Option<Trend> {
     Some(Trend { span: largest - least, error, monotony: rank_correlation(&known) })
 }
 
-/// Of the values with their order; ties share a rank. 0 where all are equal.
+/// Rank correlation of the values with their order; ties share a rank. 0 where all are equal.
 fn rank_correlation(values: &[Uncertain]) -> f64 {
     let mut sorted: Vec<f64> = values.iter().map(|value| value.0).collect();
     sorted.sort_by(f64::total_cmp);

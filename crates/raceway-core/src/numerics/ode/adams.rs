@@ -1,15 +1,16 @@
 //! Weights of Adams' formulas: the polynomial through the last rates, integrated once for a velocity and twice for a place.
 
-/// Latest node first, in units of the step h: v(h) = v(0) + h Σ velocity_i a_i, q(h) = q(0) + h v(0) + h² Σ place_i a_i.
+/// Latest node first, in units of the step h. Velocity: v(h) = v(0) + h Σ velocity_i a_i; place: q(h) = q(0) + h v(0) +
+/// h² Σ place_i a_i.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Weights<const N: usize> {
+pub(crate) struct Weights<const N: usize> {
     pub velocity: [f64; N],
     pub place: [f64; N],
 }
 
 /// For `known` ≤ N nodes at latest, latest − 1, …, in steps; the others weigh nothing. `latest` 0: Adams–Bashforth, 1:
 /// Adams–Moulton (Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I, III.1).
-pub fn weights<const N: usize>(latest: f64, known: usize) -> Weights<N> {
+pub(crate) fn weights<const N: usize>(latest: f64, known: usize) -> Weights<N> {
     let mut weights = Weights { velocity: [0.0; N], place: [0.0; N] };
     let node = |i: usize| latest - i as f64;
     for i in 0..known.min(N) {
@@ -34,7 +35,7 @@ pub fn weights<const N: usize>(latest: f64, known: usize) -> Weights<N> {
 }
 
 /// Of the `known` ≤ N last values, latest first, in the next one by the polynomial through them: (−1)ⁱ⁺¹ `known` over i.
-pub fn ahead<const N: usize>(known: usize) -> [f64; N] {
+pub(crate) fn ahead<const N: usize>(known: usize) -> [f64; N] {
     let mut binomial = -1.0;
     std::array::from_fn(|i| {
         binomial *= -(known.saturating_sub(i) as f64) / (i as f64 + 1.0);

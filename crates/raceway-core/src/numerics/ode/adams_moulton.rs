@@ -1,44 +1,45 @@
-//! The implicit method of Adams and Moulton with fixed steps for equations of motion M q̈ = f(t, q, q̇) in a plane
-//! that are not stiff; its order is the number of its nodes. The classical Runge–Kutta method starts it.
+//! The implicit method of Adams and Moulton with fixed steps for equations of motion M q̈ = f(t, q, q̇) in a plane. The
+//! equations must not be stiff. The order is the number of nodes. The classical Runge–Kutta method starts it.
 //!
-//! The new acceleration is predicted by the polynomial through the last ones, with it place and velocity (which makes them those of
-//! Adams and Bashforth), and one step of Newton's method solves the implicit equation: one evaluation a step. Velocities come from the polynomial through the accelerations integrated once, places from the same
-//! polynomial integrated twice: a place that took its velocity as just another rate would halve the longest stable step. The
-//! equations come with every step, so that they may be compiled into the caller's loop.
+//! The polynomial through the last accelerations predicts the new one, and with it place and velocity, as Adams and
+//! Bashforth do. One step of Newton's method solves the implicit equation with one evaluation a step. Velocities are
+//! the integral of that polynomial, places its double integral. Places integrated from velocities would halve the
+//! longest stable step. The equations come with every step, so that they may be compiled into the caller's loop.
 //!
-//! With 4 nodes stable up to ω h = 0.35 without damping and 1.8 with a tenth of the critical one, with 7 up to 1 and 1.7, where the
-//! slope is right.
+//! Limits of stability with an exact slope: with 4 nodes ω h = 0.35 without damping and 1.8 with a tenth of critical
+//! damping, with 7 nodes 1 and 1.7.
 
 use super::adams::{Weights, ahead, weights};
 
 /// Nodes that there is room for.
-const MOST_NODES: usize = 8;
+const MAX_NODES: usize = 8;
 
 /// Places and velocities.
-pub type Motion<const N: usize> = ([f64; N], [f64; N]);
+pub(crate) type Motion<const N: usize> = ([f64; N], [f64; N]);
 
 /// A symmetric matrix: yy, yz, zz.
-pub type Symmetric = [f64; 3];
+pub(crate) type Symmetric = [f64; 3];
 
-/// What the end of a step depends on of the acceleration there: share of the acceleration in the place and in the velocity.
+/// Shares of the acceleration at the end of a step in the place and in the velocity there [s², s].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Shares {
     pub place: f64,
     pub velocity: f64,
 }
 
-/// Equations about a motion whose acceleration is taken to be a: f − M a, and the slope of M a − f over a where places and
-/// velocities go along by their shares, M + (share of the place) ∂f/∂q + (share of the velocity) ∂f/∂q̇ with their signs turned.
+/// Defect f − M a of the equations for an assumed acceleration a, and the slope of M a − f over a. Places and
+/// velocities follow a by their shares, so that the slope is M − (share of the place) ∂f/∂q − (share of the velocity)
+/// ∂f/∂q̇.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Defect {
+pub(crate) struct Defect {
     pub force: [f64; 2],
     pub slope: Symmetric,
 }
 
 impl Defect {
-    /// Of two parts of the equations together.
+    /// Sum over two parts of the equations.
     #[inline(always)]
-    pub fn and(&self, other: &Self) -> Self {
+    pub(crate) fn and(&self, other: &Self) -> Self {
         let ([a, b], [c, d, e]) = (other.force, other.slope);
         Self {
             force: [self.force[0] + a, self.force[1] + b],
@@ -47,9 +48,9 @@ impl Defect {
     }
 }
 
-/// M q̈ = f(t, q, q̇). The slope may be rough: it only puts right what was predicted.
-pub trait EquationsOfMotion {
-    /// What acts at a time wherever the motion is then.
+/// M q̈ = f(t, q, q̇). The slope may be approximate, because it only corrects the prediction.
+pub(crate) trait EquationsOfMotion {
+    /// Excitation that depends on time alone.
     type Drive;
 
     fn drive(&self, time: f64) -> Self::Drive;
@@ -65,7 +66,7 @@ pub trait EquationsOfMotion {
 
 /// Change of the acceleration that takes the defect away.
 #[inline(always)]
-pub fn solve(Defect { force: [y, z], slope: [yy, yz, zz] }: &Defect) -> [f64; 2] {
+pub(crate) fn solve(Defect { force: [y, z], slope: [yy, yz, zz] }: &Defect) -> [f64; 2] {
     let per_determinant = 1.0 / (yy * zz - yz * yz);
     [(zz * y - yz * z) * per_determinant, (yy * z - yz * y) * per_determinant]
 }
@@ -74,22 +75,22 @@ pub fn solve(Defect { force: [y, z], slope: [yy, yz, zz] }: &Defect) -> [f64; 2]
 /// on. It stays in memory: in registers, from which it would have to move on with every step, it leaves no room for more.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Past {
-    accelerations: [[f64; 2]; 2 * MOST_NODES],
+    accelerations: [[f64; 2]; 2 * MAX_NODES],
     latest: usize,
 }
 
 impl Past {
     #[inline(always)]
     fn push(&mut self, acceleration: [f64; 2]) {
-        self.latest = self.latest.wrapping_sub(1) % MOST_NODES;
+        self.latest = self.latest.wrapping_sub(1) % MAX_NODES;
         self.accelerations[self.latest] = acceleration;
-        self.accelerations[self.latest + MOST_NODES] = acceleration;
+        self.accelerations[self.latest + MAX_NODES] = acceleration;
     }
 
     /// start + Σ weight · acceleration, the latest one last: it is what a step waits for.
     #[inline(always)]
     fn sum<const N: usize>(&self, start: [f64; 2], weights: &[f64; N]) -> [f64; 2] {
-        let known = &self.accelerations[self.latest % MOST_NODES..][..N];
+        let known = &self.accelerations[self.latest % MAX_NODES..][..N];
         let [mut y, mut z] = start;
         for (weight, known) in weights.iter().zip(known).rev() {
             (y, z) = (y + weight * known[0], z + weight * known[1]);
@@ -98,9 +99,9 @@ impl Past {
     }
 }
 
-/// A system on its way, by the formula of `N` nodes: the new one and the last N − 1.
+/// Integration by the formula of `N` nodes: the new one and the last N − 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AdamsMoulton<const N: usize> {
+pub(crate) struct AdamsMoulton<const N: usize> {
     start: f64,
     step: f64,
     steps: u64,
@@ -108,15 +109,15 @@ pub struct AdamsMoulton<const N: usize> {
     acceleration: [f64; 2],
     past: Past,
     known: usize,
-    /// Of accelerations in the next one, and in place and velocity with it [-, s², s].
+    /// Weights of the accelerations in the predicted acceleration, place and velocity [-, s², s].
     ahead: [f64; N],
     predict: Weights<N>,
     shares: Shares,
 }
 
 impl<const N: usize> AdamsMoulton<N> {
-    /// At the start of its way.
-    pub fn new(equations: &impl EquationsOfMotion, time: f64, motion: Motion<2>, step: f64) -> Self {
+    /// Starts at `(time, motion)`.
+    pub(crate) fn new(equations: &impl EquationsOfMotion, time: f64, motion: Motion<2>, step: f64) -> Self {
         let (predict, correct) = (weights::<N>(0.0, N), weights::<N>(1.0, N));
         let acceleration = equations.acceleration(&equations.drive(time), &motion);
         let mut past = Past::default();
@@ -138,39 +139,39 @@ impl<const N: usize> AdamsMoulton<N> {
         }
     }
 
-    pub fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         self.after(0)
     }
 
     /// Time after some more steps.
     #[inline(always)]
-    pub fn after(&self, steps: usize) -> f64 {
+    pub(crate) fn after(&self, steps: usize) -> f64 {
         self.start + (self.steps + steps as u64) as f64 * self.step
     }
 
-    pub fn motion(&self) -> &Motion<2> {
+    pub(crate) fn motion(&self) -> &Motion<2> {
         &self.motion
     }
 
-    pub fn acceleration(&self) -> &[f64; 2] {
+    pub(crate) fn acceleration(&self) -> &[f64; 2] {
         &self.acceleration
     }
 
     /// Evaluations of the equations so far.
-    pub fn evaluations(&self) -> u64 {
+    pub(crate) fn evaluations(&self) -> u64 {
         // One at the start, and three more in each step by Runge–Kutta.
         self.steps + 1 + 3 * self.steps.min(N as u64 - 1)
     }
 
-    /// Whether enough is known for `step`.
+    /// Returns true once enough nodes are known for `step`.
     #[inline(always)]
-    pub fn has_begun(&self) -> bool {
+    pub(crate) fn has_begun(&self) -> bool {
         self.known == N
     }
 
     /// One step, what drives the motion at its end given.
     #[inline(always)]
-    pub fn step<E: EquationsOfMotion>(&mut self, equations: &E, drive: &E::Drive) {
+    pub(crate) fn step<E: EquationsOfMotion>(&mut self, equations: &E, drive: &E::Drive) {
         let (h, shares, (q, v)) = (self.step, self.shares, self.motion);
         let q = self.past.sum([q[0] + h * v[0], q[1] + h * v[1]], &self.predict.place);
         let v = self.past.sum(v, &self.predict.velocity);
@@ -186,7 +187,7 @@ impl<const N: usize> AdamsMoulton<N> {
     }
 
     /// One step by Runge–Kutta, for want of a past.
-    pub fn begin(&mut self, equations: &impl EquationsOfMotion) {
+    pub(crate) fn begin(&mut self, equations: &impl EquationsOfMotion) {
         let acceleration = |time: f64, motion: &Motion<2>| equations.acceleration(&equations.drive(time), motion);
         self.motion = runge_kutta(self.time(), &self.motion, &self.acceleration, self.step, acceleration);
         self.steps += 1;
@@ -198,7 +199,7 @@ impl<const N: usize> AdamsMoulton<N> {
 
 /// One step on by the classical Runge–Kutta method, given the acceleration at its start; evaluates three more.
 #[inline(always)]
-pub fn runge_kutta<const N: usize>(
+pub(crate) fn runge_kutta<const N: usize>(
     time: f64,
     motion: &Motion<N>,
     acceleration: &[f64; N],
@@ -247,7 +248,7 @@ mod tests {
         }
     }
 
-    /// As the equations above, but exact where nothing is implicit.
+    /// The equations above, exact where nothing is implicit.
     fn exact(time: f64, (q, v): &Motion<2>) -> [f64; 2] {
         std::array::from_fn(|i| -q[i].sin() - 0.1 * v[i] + 0.5 * (1.7 * time + i as f64).cos())
     }

@@ -4,20 +4,12 @@
 //! unknowns; then block after block, `W = A⁻¹B`, and the border's Schur complement `D − Σ C W`
 //! (Å. Björck, *Numerical Methods in Matrix Computations*, §1.5). Linear in the number of blocks.
 
-use std::hint::black_box;
+mod group;
 
-use nalgebra::ComplexField;
-
+use self::group::{Group, add_dot, gather, invert, invert_group, product, scatter};
+pub use self::group::{Number, Singular};
 use super::structure::{Jacobian, Structure};
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, Task};
-
-/// The matrix has no inverse, or an entry that is not finite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Singular;
-
-/// Numbers that matrices are made of.
-pub trait Number: ComplexField<RealField = f64> + Copy {}
-impl<T: ComplexField<RealField = f64> + Copy> Number for T {}
 
 /// Which entries of a block, or of the border, stay after the elimination of positions.
 #[derive(Debug, Clone)]
@@ -43,62 +35,15 @@ impl Kept {
 const FEW: usize = 3;
 const MOST: usize = 6;
 
-/// Rows that are worked on for so many that stay.
+/// Number of rows computed for `stay` remaining rows.
 fn rows(stay: usize) -> usize {
     if stay <= FEW { FEW } else { MOST }
 }
 
-/// An entry of each block of a group, side by side: a group is worked on at once.
-#[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
-struct Group<T>([T; LANES]);
-
-impl<T: Number> Group<T> {
-    #[inline(always)]
-    fn zero() -> Self {
-        Self([T::zero(); LANES])
-    }
-
-    #[inline(always)]
-    fn of(entries: Lanes) -> Self {
-        Self(entries.0.map(T::from_real))
-    }
-
-    /// `self -= a · b`.
-    #[inline(always)]
-    fn subtract(&mut self, a: Self, b: Self) {
-        for lane in 0..LANES {
-            self.0[lane] -= a.0[lane] * b.0[lane];
-        }
-    }
-
-    /// `self += a · b`.
-    #[inline(always)]
-    fn add(&mut self, a: Self, b: Self) {
-        for lane in 0..LANES {
-            self.0[lane] += a.0[lane] * b.0[lane];
-        }
-    }
-
-    #[inline(always)]
-    fn scale(&mut self, factor: Self) {
-        for lane in 0..LANES {
-            self.0[lane] *= factor.0[lane];
-        }
-    }
-
-    #[inline(always)]
-    fn sum(self) -> T {
-        // Halves upon halves: eight additions in a row would each wait for the one before.
-        let [a, b, c, d, e, f, g, h] = self.0;
-        ((a + e) + (c + g)) + ((b + f) + (d + h))
-    }
-}
-
 /// The factors, with room for right-hand sides; allocates only on construction.
 ///
-/// Kept as the small matrices that a solution needs, since one factor serves many right-hand sides. With the rows `v` that
-/// stay and the positions `x = (r_x + v)/s` that go, `R` and `C` what border and block do to each other:
+/// Stored as the small matrices that a solution needs, because one factor is used for many right-hand sides. With the
+/// rows `v` that stay and the positions `x = (r_x + v)/s` that go, `R` and `C` what border and block do to each other:
 /// ```text
 /// border    b_v = S⁻¹ (r_v + G r_x + Σ F r_block)
 /// blocks    v   = E r_block + U b
@@ -201,7 +146,7 @@ impl<T: Number> ArrowheadFactors<T> {
         }
     }
 
-    /// The same with other instructions of the same processor.
+    /// The same factors, computed with another instruction set of this processor.
     pub fn with_instructions(mut self, instructions: InstructionSet) -> Self {
         self.instructions = instructions;
         self
@@ -368,36 +313,6 @@ impl<T: Number> ArrowheadFactors<T> {
     }
 }
 
-/// Entries of a group's blocks side by side; lanes without a block hold what is left there, which meets zeros.
-///
-/// Never inlined, as its counterpart: AVX-512 would scatter and gather, which takes longer than moves one by one.
-#[inline(never)]
-fn gather<T: Number>(blocks: &[T], block: usize, gathered: &mut [Group<T>]) {
-    for (lane, entries) in blocks.chunks_exact(block).take(LANES).enumerate() {
-        for (row, &entry) in gathered.iter_mut().zip(entries) {
-            row.0[lane] = entry;
-        }
-    }
-}
-
-/// Puts entries that stand side by side back into a group's blocks.
-#[inline(never)]
-fn scatter<T: Number>(gathered: &[Group<T>], block: usize, blocks: &mut [T]) {
-    for (lane, entries) in blocks.chunks_exact_mut(block).take(LANES).enumerate() {
-        for (row, entry) in gathered.iter().zip(entries) {
-            *entry = row.0[lane];
-        }
-    }
-}
-
-/// Adds Σ row · column in every lane.
-#[inline(always)]
-fn add_dot<T: Number>(sum: &mut Group<T>, row: &[Group<T>], column: &[Group<T>]) {
-    for (&a, &b) in row.iter().zip(column) {
-        sum.add(a, b);
-    }
-}
-
 /// Writes a row of −J over the kept entries, positions folded into their velocities.
 #[inline(always)]
 fn reduce<T: Number>(source: &[Lanes], kept: &Kept, inverse: T, target: &mut [Group<T>]) {
@@ -408,130 +323,6 @@ fn reduce<T: Number>(source: &[Lanes], kept: &Kept, inverse: T, target: &mut [Gr
     for &(position, velocity) in &kept.positions {
         target[velocity].subtract(Group([inverse; LANES]), Group::of(source[position]));
     }
-}
-
-/// Replaces the small matrices of a group by their inverses: elimination by Gauss and Jordan, each with its own exchanges of
-/// rows.
-#[inline(always)]
-fn invert_group<T: Number, const M: usize>(matrix: &mut [[Group<T>; M]; M]) -> Result<(), Singular> {
-    let mut inverse = [[Group::zero(); M]; M];
-    for (k, row) in inverse.iter_mut().enumerate() {
-        row[k] = Group([T::one(); LANES]);
-    }
-    for k in 0..M {
-        for row in k + 1..M {
-            let larger = exchanged(matrix[k][k], matrix[row][k]);
-            if larger.iter().any(|&larger| larger) {
-                for matrix in [&mut *matrix, &mut inverse] {
-                    let (upper, lower) = matrix.split_at_mut(row);
-                    exchange(&mut upper[k], &mut lower[0], larger);
-                }
-            }
-        }
-        let mut scale = matrix[k][k];
-        for pivot in &mut scale.0 {
-            let size = pivot.norm1();
-            if !(size > 0.0 && size.is_finite()) {
-                return Err(Singular);
-            }
-            *pivot = T::one() / *pivot;
-        }
-        for column in 0..M {
-            matrix[k][column].scale(scale);
-            inverse[k][column].scale(scale);
-        }
-        let (pivot, solved) = (matrix[k], inverse[k]);
-        for row in (0..M).filter(|&row| row != k) {
-            let weight = matrix[row][k];
-            for column in 0..M {
-                matrix[row][column].subtract(weight, pivot[column]);
-                inverse[row][column].subtract(weight, solved[column]);
-            }
-        }
-    }
-    *matrix = inverse;
-    Ok(())
-}
-
-/// The turn of a loop whose lanes are to be side by side, and not its turns: these the compiler would gather and scatter.
-#[inline(always)]
-fn alone(turn: usize) -> usize {
-    black_box(turn)
-}
-
-/// `product = weights · matrix`, the matrix row by row.
-#[inline(always)]
-fn product<T: Number, const M: usize>(weights: &[Group<T>; M], matrix: &[Group<T>], product: &mut [Group<T>]) {
-    let columns = product.len();
-    let mut rows = [matrix; M];
-    for k in 0..M {
-        rows[k] = &matrix[k * columns..(k + 1) * columns];
-    }
-    let weights = *weights;
-    for (column, value) in product.iter_mut().enumerate() {
-        let column = alone(column);
-        let mut sum = Group::zero();
-        for k in 0..M {
-            sum.add(weights[k], rows[k][column]);
-        }
-        *value = sum;
-    }
-}
-
-/// In which lanes the second is the larger pivot.
-#[inline(always)]
-fn exchanged<T: Number>(first: Group<T>, second: Group<T>) -> [bool; LANES] {
-    let mut larger = [false; LANES];
-    for (larger, (first, second)) in larger.iter_mut().zip(first.0.into_iter().zip(second.0)) {
-        *larger = second.norm1() > first.norm1();
-    }
-    larger
-}
-
-/// Exchanges two rows in some lanes.
-#[inline(always)]
-fn exchange<T: Number>(first: &mut [Group<T>], second: &mut [Group<T>], lanes: [bool; LANES]) {
-    for (a, b) in first.iter_mut().zip(second) {
-        for ((above, below), here) in a.0.iter_mut().zip(&mut b.0).zip(lanes) {
-            let (one, other) = (*above, *below);
-            *above = if here { other } else { one };
-            *below = if here { one } else { other };
-        }
-    }
-}
-
-/// Replaces a matrix that stands beside the identity, `(A | I)` row by row, by the identity beside its inverse: elimination by
-/// Gauss and Jordan.
-#[inline(always)]
-fn invert<T: Number>(matrix: &mut [T], n: usize) -> Result<(), Singular> {
-    let width = 2 * n;
-    for k in 0..n {
-        let size = |row: usize| matrix[row * width + k].norm1();
-        let (mut pivot, mut largest) = (k, size(k));
-        for row in k + 1..n {
-            if size(row) > largest {
-                (pivot, largest) = (row, size(row));
-            }
-        }
-        if !(largest > 0.0 && largest.is_finite()) {
-            return Err(Singular);
-        }
-        if pivot != k {
-            let (upper, lower) = matrix.split_at_mut(pivot * width);
-            upper[k * width..(k + 1) * width].swap_with_slice(&mut lower[..width]);
-        }
-        let (above, rest) = matrix.split_at_mut(k * width);
-        let (row, below) = rest.split_at_mut(width);
-        let scale = T::one() / row[k];
-        row.iter_mut().for_each(|value| *value *= scale);
-        for other in above.chunks_exact_mut(width).chain(below.chunks_exact_mut(width)) {
-            let weight = other[k];
-            for (value, &pivot) in other.iter_mut().zip(&*row) {
-                *value -= weight * pivot;
-            }
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -627,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn a_singular_matrix_is_told() {
+    fn a_singular_matrix_is_reported() {
         let jacobian = Jacobian::new(&Structure::dense(3));
         let mut factors = ArrowheadFactors::<f64>::new(jacobian.structure());
         assert_eq!(factors.factor(&jacobian, 0.0), Err(Singular));

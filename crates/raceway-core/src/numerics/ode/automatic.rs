@@ -1,35 +1,39 @@
-//! The choice between an explicit and a stiff method, by what they cost, looked at again and again.
+//! The choice between an explicit and a stiff method by their cost, repeated along the run.
 //!
-//! Dormand–Prince starts. Its last two stages sit at the same time, so that the quotient of their slopes' and their
-//! states' differences shows the fastest rate |λ| (Hairer & Wanner, *Solving Ordinary Differential Equations II*, §IV.2). Where
-//! its steps are no longer small against 1/|λ|, a fast mode may be what they are spent on, and Gear's method is tried:
-//! the one that needs fewer evaluations a time goes on. Gear's method reads |λ| off its Jacobian, so that it sees when
-//! stability would hold the other one less. No clock is read: the same run chooses alike everywhere.
+//! Dormand–Prince starts. Its last two stages have the same time. The quotient of the differences of their slopes and
+//! of their states is an estimate of the fastest rate |λ| (Hairer & Wanner, *Solving Ordinary Differential Equations
+//! II*, §IV.2). Where its steps are no longer small against 1/|λ|, a fast mode may limit them, and Gear's method is
+//! tried. The method that needs fewer evaluations per time is kept. Gear's method reads |λ| off its Jacobian, so that
+//! it sees when stability would hold the other one less. No clock is read: the same run chooses alike everywhere.
 
 use super::dormand_prince::DormandPrince;
 use super::gear::Gear;
+use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
 use super::stability::DORMAND_PRINCE as STABLE;
-use super::{Choice, IntegrationError, Integrator, OdeSystem, Statistics, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
-/// h·|λ| of Dormand–Prince from which Gear's method is worth a trial; and where stability holds the step.
+/// h·|λ| of Dormand–Prince above which Gear's method is tried, and above which stability limits the step.
 const WORTH_A_TRIAL: f64 = 0.3;
 const HELD: f64 = 2.8;
-/// Looks at h·|λ| that find a trial worth while before one is made, and looks in a row against it that forget them.
+/// Number of samples of h·|λ| in favour of a trial before it is made, and of consecutive samples against it that reset
+/// the count.
 const LOOKS: u32 = 4;
 const FREE_LOOKS: u32 = 6;
 const STEPS_PER_LOOK: u64 = 4;
 /// Evaluations of a step of Dormand–Prince.
 const STAGES: f64 = 6.0;
-/// Cost of one of Gear's evaluations in explicit ones: linear algebra (2.7: between 1.7 with the oldest instructions, whose
-/// evaluations are slow, and 3.2 with the newest), and the smaller steps that it would need to err as little at the same
-/// tolerance (1.3). One number for all, so that the same run chooses alike everywhere.
+/// Cost of one of Gear's evaluations in explicit ones: 2.7 for linear algebra times 1.3 for the smaller steps that give
+/// the same error at the same tolerance. The first factor lies between 1.7 with the oldest instructions, whose
+/// evaluations are slow, and 3.2 with the newest. One number for all, so that the same run makes the same choice on
+/// every machine.
 const STIFF_EVALUATION: f64 = 3.5;
 /// Steps over which a cost is measured, after those that a method needs to get going; doubled with every change of mind.
 const EXPLICIT_WINDOW: u64 = 100;
 const STIFF_WINDOW: u64 = 400;
 const EXPLICIT_WARM_UP: u64 = 20;
 const STIFF_WARM_UP: u64 = 100;
-const MOST_DOUBLINGS: u32 = 6;
+const MAX_DOUBLINGS: u32 = 6;
 /// The fastest rate seen fades by this factor a window.
 const FADING: f64 = 0.7;
 /// A change must promise this gain.
@@ -41,8 +45,8 @@ enum Active<'a, S: OdeSystem + ?Sized> {
     Stiff(Box<Gear<'a, S>>),
 }
 
-/// Either method, and what is known of both.
-pub struct Automatic<'a, S: OdeSystem + ?Sized> {
+/// Either method, with the measured cost of both.
+pub(crate) struct Automatic<'a, S: OdeSystem + ?Sized> {
     system: &'a S,
     tolerances: Tolerances,
     active: Active<'a, S>,
@@ -65,7 +69,7 @@ pub struct Automatic<'a, S: OdeSystem + ?Sized> {
 
 impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
     /// Starts at `(time, state)` with the explicit method.
-    pub fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
+    pub(crate) fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
         let explicit = DormandPrince::new(system, time, state, tolerances.clone(), None);
         Self {
             system,
@@ -90,7 +94,7 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
         }
     }
 
-    /// What the explicit method would cost now.
+    /// Cost of the explicit method now [evaluations per time].
     fn explicit_cost(&self) -> Option<f64> {
         if self.held { Some(STAGES * self.fastest / STABLE) } else { self.explicit_cost }
     }
@@ -121,7 +125,7 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
                 let Some(cost) = self.measure(work, STIFF_WARM_UP, STIFF_WINDOW) else { return };
                 let Active::Stiff(method) = &self.active else { return };
                 let cost = STIFF_EVALUATION * cost;
-                // What was fast a moment ago will be again: balls come back to the load.
+                // A rate that was fast will be fast again, because balls return to the loaded zone.
                 self.fastest = method.fastest_rate().max(FADING * self.fastest);
                 self.stiff_cost = Some(cost);
                 if self.explicit_cost().is_some_and(|explicit| cost > GAIN * explicit) {
@@ -153,7 +157,7 @@ impl<'a, S: OdeSystem + ?Sized> Automatic<'a, S> {
             }
             return None;
         };
-        if work.steps < mark.steps + (window << self.changes.min(MOST_DOUBLINGS)) {
+        if work.steps < mark.steps + (window << self.changes.min(MAX_DOUBLINGS)) {
             return None;
         }
         self.mark = Some(work);
@@ -236,8 +240,9 @@ impl<S: OdeSystem + ?Sized> Integrator for Automatic<'_, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::ode::Method;
-    use crate::numerics::ode::structure::{Jacobian, dense_differences};
+    use crate::numerics::ode::method::Method;
+    use crate::numerics::ode::structure::Jacobian;
+    use crate::numerics::ode::system::dense_differences;
 
     /// y' = −rate (y − cos t) − sin t beside an oscillator of frequency 1; the rate may change at t = 20.
     struct Follower {

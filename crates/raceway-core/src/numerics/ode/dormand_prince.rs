@@ -3,10 +3,13 @@
 //! Coefficients: J. R. Dormand & P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19–26, table 2;
 //! dense output of order 4: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.6.
 
+use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
+use super::method::Method;
 use super::stability::{self, Stability};
 use super::step_size::{StepSizeControl, Try, error_norm, initial_step, is_impossible, stays_broken, worst_component};
 use super::structure::{Jacobian, displacements};
-use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
 const C: [f64; 5] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0];
 const A: [[f64; 6]; 6] = [
@@ -124,7 +127,7 @@ impl<'a, S: OdeSystem + ?Sized> DormandPrince<'a, S> {
     }
 
     /// Fastest rate |λ| that the last step has seen: its last two stages sit at the same time.
-    pub fn fastest_rate(&self) -> f64 {
+    pub(crate) fn fastest_rate(&self) -> f64 {
         let step = self.time - self.previous_time;
         let (mut slopes, mut states) = (0.0, 0.0);
         for i in 0..self.state.len() {

@@ -10,6 +10,7 @@
 //! are walked by Dormand–Prince at the same tolerance.
 
 mod diagonal;
+mod linear_part;
 mod past;
 mod renewal;
 #[cfg(test)]
@@ -17,24 +18,18 @@ mod tests;
 mod weights;
 
 use self::diagonal::Diagonal;
-use self::past::{LEAST_KEPT, MOST_KEPT, Past};
-use self::renewal::Renewal;
+pub use self::linear_part::LinearPart;
+use self::linear_part::Renewal;
+use self::past::{MAX_KEPT, MIN_KEPT, Past};
 use self::weights::Weights;
 use super::dormand_prince::DormandPrince;
+use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
+use super::method::Method;
 use super::stability::{self, Stability};
 use super::step_size::{error_norm, is_impossible, stays_broken, worst_component};
 use super::structure::{Jacobian, Structure};
-use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
-
-/// What is integrated exactly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LinearPart {
-    /// Positions from velocities, all that is linear with constant coefficients in a bearing. The article names the two methods
-    /// it combines but no matrix; this one leaves every contact force in `f`. Without pairs: the classical method.
-    Kinematic,
-    /// Each block of the Jacobian on its diagonal, and the corner, renewed as they change.
-    Blocks,
-}
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
 /// Error of the corrector over corrector minus predictor (W. E. Milne), at `H = 0`; less where `H` dominates.
 const MILNE: f64 = 19.0 / 270.0;
@@ -58,7 +53,7 @@ pub struct FineAbm<'a, S: OdeSystem + ?Sized> {
     structure: Structure,
     part: LinearPart,
     linear: Diagonal,
-    /// Of the lengths met since the linear part was renewed.
+    /// Weights of the step lengths used since the linear part was renewed.
     weights: Vec<Weights>,
     /// Newest point of the grid.
     grid_time: f64,
@@ -86,7 +81,7 @@ pub struct FineAbm<'a, S: OdeSystem + ?Sized> {
     wait: u64,
     /// The next step is to be twice as long.
     double: bool,
-    /// The last `h |∂f/∂y|` that was told.
+    /// The last measured `h |∂f/∂y|`.
     rate_of_rest: f64,
     /// Work apart from that of the present walker.
     statistics: Statistics,
@@ -189,7 +184,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
             return Ok(());
         }
         if self.step == 0.0 {
-            // Its first step told the scale. From here the grid begins.
+            // Its first step sets the scale. The grid begins here.
             self.step = 0.5 * (time - self.previous_time);
             self.past.kept = 0;
         }
@@ -224,7 +219,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         self.system.derivative(end, &self.predicted, &mut self.trial_rest);
         self.statistics.rhs_evaluations += 1;
         self.linear.add_product(-1.0, &self.predicted, &mut self.trial_rest, &self.structure);
-        // What the predictor did not foresee: the fourth difference.
+        // The fourth difference, which the predictor leaves out.
         let [one, two, three] = &mut self.differences;
         for i in 0..one.len() {
             one[i] = self.trial_rest[i] - (self.past.rests[0][i] + one[i] + two[i] + three[i]);
@@ -249,7 +244,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
         self.renewal.age += 1;
         self.wait = self.wait.saturating_sub(1);
         if error >= TELLING {
-            // How far f moved, over how far the state moved between prediction and correction.
+            // Change of f over change of the state between prediction and correction.
             for (moved, at_end) in self.trial_rest.iter_mut().zip(&self.past.rests[0]) {
                 *moved = at_end - *moved;
             }
@@ -262,7 +257,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
 
     /// Doubles the step where that is accurate and stable; only before the next one: until then the last may be interpolated.
     fn plan_doubling(&mut self, error: f64) {
-        let accurate = error < DOUBLING_ERROR && self.past.kept == MOST_KEPT && self.wait == 0;
+        let accurate = error < DOUBLING_ERROR && self.past.kept == MAX_KEPT && self.wait == 0;
         self.double = !self.fixed && accurate && (error < TELLING || self.rate_of_rest < DOUBLING_RATE);
     }
 
@@ -283,7 +278,7 @@ impl<'a, S: OdeSystem + ?Sized> FineAbm<'a, S> {
 
 impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
     fn step(&mut self, limit: f64) -> Result<(), IntegrationError> {
-        let arrived = self.past.kept >= LEAST_KEPT && self.time() == self.grid_time;
+        let arrived = self.past.kept >= MIN_KEPT && self.time() == self.grid_time;
         if self.walker.is_some() && arrived {
             self.dismiss_walker();
         }
@@ -343,14 +338,14 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
         let step = self.grid_time - self.previous_time;
         let x = (time - self.previous_time) / step;
         let rest = 1.0 - x;
-        // What the value a step before adds to Hermite's cubic.
+        // Quartic term that the value a step before adds to Hermite's cubic.
         let quartic = 0.25 * (x * rest).powi(2);
         let (end, start, before) =
             (x * x * (1.0 + 2.0 * rest) - 5.0 * quartic, rest * rest * (1.0 + 2.0 * x) + 4.0 * quartic, quartic);
         let (end_rate, start_rate) = (step * (2.0 * quartic - x * x * rest), step * (x * rest * rest + 4.0 * quartic));
         // The same from five states: that of a component so stiff that its rates say nothing about the step.
-        let weights: [f64; LEAST_KEPT] = std::array::from_fn(|k| {
-            let others = (0..LEAST_KEPT).filter(|&j| j != k);
+        let weights: [f64; MIN_KEPT] = std::array::from_fn(|k| {
+            let others = (0..MIN_KEPT).filter(|&j| j != k);
             others.map(|j| (x - 1.0 + j as f64) / (j as f64 - k as f64)).product()
         });
         for (i, value) in state.iter_mut().enumerate() {
@@ -386,7 +381,7 @@ impl<S: OdeSystem + ?Sized> Integrator for FineAbm<'_, S> {
         Choice { method: Method::FineAbm, reason: None }
     }
 
-    /// Of what it does not integrate exactly.
+    /// Stability of the part that is not integrated exactly.
     fn stability(&mut self) -> Option<Stability> {
         let steps = self.walker.is_none() && self.step > 0.0;
         steps.then(|| Stability { rate: self.rate_of_rest / self.step, limit: stability::FINE_ABM })

@@ -1,33 +1,32 @@
 //! Gear's method: backward differentiation of variable step and order 1–5, predictor and corrector.
 //!
-//! Variable coefficients on modified divided differences with a fixed leading coefficient (K. R. Jackson &
-//! R. Sacks-Davis, ACM Trans. Math. Softw. 6 (1980) 295–318; K. E. Brenan, S. L. Campbell & L. R. Petzold, *Numerical Solution
-//! of Initial-Value Problems in Differential-Algebraic Equations*, §5.2): step and order may change at every step, as they
-//! must where balls enter and leave the loaded zone. The corrector is solved by Newton's iteration on factors of `c·I − J`
-//! that are kept as long as they serve.
+//! Variable coefficients on modified divided differences with a fixed leading coefficient (K. R. Jackson & R.
+//! Sacks-Davis, ACM Trans. Math. Softw. 6 (1980) 295–318; K. E. Brenan, S. L. Campbell & L. R. Petzold, *Numerical
+//! Solution of Initial-Value Problems in Differential-Algebraic Equations*, §5.2): step and order may change at every
+//! step, as they must where balls enter and leave the loaded zone. The corrector is solved by Newton's iteration on
+//! factors of `c·I − J` that are kept while the iteration converges fast.
 
 mod coefficients;
 mod corrector;
+mod newton;
 mod order;
 #[cfg(test)]
 mod tests;
 
-use self::coefficients::Coefficients;
+use self::coefficients::{Coefficients, DIFFERENCES};
 use self::corrector::{Corrector, Failure, norm};
+use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
+use super::method::Method;
 use super::step_size::{Try, initial_step, is_impossible, largest};
-use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 use crate::numerics::lanes::{InstructionSet, Task};
 
-/// Highest order with a useful sector of stability.
-pub const MOST_ORDER: usize = 5;
-/// Differences kept: the state, as many as the order, and two to judge the next higher order.
-const DIFFERENCES: usize = MOST_ORDER + 3;
-
-/// A step may err by this share of the tolerance: errors add up along the way, and the end should be near what was asked.
+/// Allowed error of a step over the tolerance, because errors add up over the steps.
 const SHARE: f64 = 0.25;
 
 /// The method with its workspace; allocates only on construction.
-pub struct Gear<'a, S: OdeSystem + ?Sized> {
+pub(crate) struct Gear<'a, S: OdeSystem + ?Sized> {
     system: &'a S,
     tolerances: Tolerances,
     instructions: InstructionSet,
@@ -38,9 +37,9 @@ pub struct Gear<'a, S: OdeSystem + ?Sized> {
     step: f64,
     /// Modified divided differences at `time`: the first is the state.
     differences: Vec<Vec<f64>>,
-    /// So many of them are backed by steps.
+    /// Number of differences that rest on steps.
     known: usize,
-    /// Sizes of the last steps, the latest first.
+    /// Sizes of the last steps, latest first.
     steps: [f64; DIFFERENCES],
     /// Order of the last step.
     last_order: usize,
@@ -52,14 +51,14 @@ pub struct Gear<'a, S: OdeSystem + ?Sized> {
     predicted: Vec<f64>,
     predicted_rate: Vec<f64>,
     trial: Vec<f64>,
-    /// 1 over what each entry may err by in a step.
+    /// 1 over the allowed error of each entry in a step.
     weights: Vec<f64>,
     statistics: Statistics,
 }
 
 impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     /// Starts at `(time, state)` with order 1.
-    pub fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
+    pub(crate) fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
         let n = system.dimension();
         let vector = || vec![0.0; n];
         let structure = system.structure();
@@ -74,7 +73,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
             previous_time: time,
             step: f64::INFINITY,
             differences,
-            // Nothing yet: the first step begins by looking around.
+            // No history: the first step evaluates the rate and its change.
             known: 0,
             steps: [0.0; DIFFERENCES],
             last_order: 1,
@@ -178,7 +177,7 @@ impl<'a, S: OdeSystem + ?Sized> Gear<'a, S> {
     }
 
     /// Fastest rate |λ| of the last Jacobian.
-    pub fn fastest_rate(&self) -> f64 {
+    pub(crate) fn fastest_rate(&self) -> f64 {
         self.corrector.jacobian.fastest_rate(&self.weights)
     }
 

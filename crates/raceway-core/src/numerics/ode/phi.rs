@@ -5,24 +5,24 @@
 //! added to I at the small argument it would lose as many digits as I is larger.
 
 /// φ₁, φ₂, φ₃, φ₄ of one matrix, each laid out as that matrix.
-pub type Phi = [Vec<f64>; 4];
+pub(crate) type Phi = [Vec<f64>; 4];
 
 /// Largest 1-norm at which the series is used: 13 terms of φ₄ then leave 4!/17! · 2⁻¹³ ≈ 1e-17.
-const LARGEST_NORM: f64 = 0.5;
+const MAX_NORM: f64 = 0.5;
 const TERMS: usize = 13;
 /// Beyond 2^this a matrix has no business in a step.
-const MOST_DOUBLINGS: i32 = 60;
+const MAX_DOUBLINGS: i32 = 60;
 /// 1/k!
 const INVERSE_FACTORIAL: [f64; 5] = [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0];
 
 /// φ₁…φ₄ of an n × n matrix, row by row or column by column; entries that are not finite give NaN.
-pub fn phi(matrix: &[f64], n: usize) -> Phi {
+pub(crate) fn phi(matrix: &[f64], n: usize) -> Phi {
     let scales = balance(matrix, n);
     let scaled = |row: usize, column: usize| matrix[row * n + column] * scales[column] / scales[row];
     let mut balanced: Vec<f64> = (0..n * n).map(|i| scaled(i / n, i % n)).collect();
     let norm = norm(&balanced, n);
-    let doublings = if norm.is_finite() { (norm / LARGEST_NORM).log2().ceil().max(0.0) as i32 } else { MOST_DOUBLINGS };
-    let doublings = doublings.min(MOST_DOUBLINGS);
+    let doublings = if norm.is_finite() { (norm / MAX_NORM).log2().ceil().max(0.0) as i32 } else { MAX_DOUBLINGS };
+    let doublings = doublings.min(MAX_DOUBLINGS);
     balanced.iter_mut().for_each(|x| *x *= 0.5_f64.powi(doublings));
     let mut functions = series(&balanced, n);
     double(&mut functions, &balanced, n, doublings);
@@ -36,7 +36,7 @@ pub fn phi(matrix: &[f64], n: usize) -> Phi {
 
 /// From φ₁…φ₄ of a matrix those of 2ᴺ times the matrix:
 /// φₖ(2Z) = 2⁻ᵏ (φₖ + (e^Z − I) φₖ + Σⱼ φⱼ/(k−j)!), e^{2Z} − I = 2 (e^Z − I) + (e^Z − I)².
-pub fn double(functions: &mut Phi, matrix: &[f64], n: usize, doublings: i32) {
+pub(crate) fn double(functions: &mut Phi, matrix: &[f64], n: usize, doublings: i32) {
     let mut product = vec![0.0; n * n];
     let mut increment = vec![0.0; n * n];
     multiply(matrix, &functions[0], n, &mut increment);
@@ -127,7 +127,7 @@ fn multiply(a: &[f64], b: &[f64], n: usize, product: &mut [f64]) {
     }
 }
 
-/// The same for lengths known when compiling: those of balls, and of cage and spindle.
+/// Variant for sizes known at compile time: balls, and cage with spindle.
 fn multiply_lines<const N: usize>(a: &[f64], b: &[f64], product: &mut [f64]) {
     let (a, b, product) = (a.as_chunks::<N>().0, b.as_chunks::<N>().0, product.as_chunks_mut::<N>().0);
     for (line, target) in a.iter().zip(product) {

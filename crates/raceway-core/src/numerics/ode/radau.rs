@@ -1,11 +1,12 @@
 //! Radau IIA of order 5 with three stages: implicit, L-stable, the reference for all else.
 //!
 //! E. Hairer & G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., §IV.5 (the method) and §IV.8
-//! (transformed Newton iteration, error estimate, step control). The stages are the values of a polynomial of
-//! degree 3, the collocation polynomial, whose slope is the right-hand side at three points of the step; everything
-//! here is said in terms of it.
+//! (transformed Newton iteration, error estimate, step control). The stages are the values of a polynomial of degree 3,
+//! the collocation polynomial, whose slope is the right-hand side at three points of the step; All quantities here are
+//! those of this polynomial.
 
 mod coefficients;
+mod convergence;
 mod newton;
 #[cfg(test)]
 mod tests;
@@ -13,39 +14,42 @@ mod tests;
 use nalgebra::Complex;
 
 use self::coefficients::{SLOPE_AT_START, basis};
-use self::newton::Convergence;
+use self::convergence::Convergence;
 use super::arrowhead::ArrowheadFactors;
+use super::integrator::{Choice, IntegrationError, Integrator, Statistics};
+use super::method::Method;
 use super::step_size::{Try, error_norm, initial_step, is_impossible, stays_broken, worst_component};
 use super::structure::Jacobian;
-use super::{Choice, IntegrationError, Integrator, Method, OdeSystem, Statistics, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
 /// Iterations of Newton's method in a step.
-const MOST_ITERATIONS: u32 = 10;
+const MAX_ITERATIONS: u32 = 10;
 /// Part of the asked tolerance that may be left to Newton's iteration.
 const NEWTON_PART: f64 = 0.03;
 /// An iteration that contracts better than this needs no new Jacobian.
 const FAST_CONTRACTION: f64 = 0.01;
 /// Contraction with a new Jacobian, in proportion to the step, up to which the step may grow.
 const SLOWEST_CONTRACTION: f64 = 0.4;
-/// Steps that one Jacobian serves at most: a stale one that is too stiff hides what it should show.
-const MOST_STEPS: u32 = 30;
+/// Largest number of steps with one Jacobian. An outdated Jacobian that is too stiff hides poor convergence.
+const MAX_STEPS: u32 = 30;
 /// Growth of the step below which the factors are kept instead.
-const LEAST_GROWTH: f64 = 1.2;
-const LARGEST_GROWTH: f64 = 8.0;
-const LARGEST_CUT: f64 = 0.2;
+const MIN_GROWTH: f64 = 1.2;
+const MAX_GROWTH: f64 = 8.0;
+const MAX_CUT: f64 = 0.2;
 const SAFETY: f64 = 0.9;
 /// Order of the error estimate, plus one.
 const ESTIMATE: f64 = 4.0;
 
-/// How many times the asked tolerance r the estimate of a step may be. The estimate is of order h⁴, the error at the
-/// end of order h⁵: with 0.3 r^⅘ in place of r it is proportional to what was asked. (§IV.8 takes 0.1 r^⅔, after which
+/// Allowed error estimate of a step over the requested tolerance r [-]. The estimate is of order h⁴ and the error at
+/// the end of order h⁵. With 0.3 r^⅘ in place of r the error is proportional to r. (§IV.8 takes 0.1 r^⅔, after which
 /// the error falls more slowly than r.)
 fn slack(tolerances: &Tolerances) -> f64 {
     let relative = tolerances.relative.iter().copied().fold(0.0, f64::max);
     if relative > 0.0 { 0.3 * relative.powf(-0.2) } else { 1.0 }
 }
 
-/// What became of a try.
+/// Outcome of a try.
 enum Outcome {
     /// Error norm at most 1; the iterations it took.
     Passed { error: f64, iterations: u32 },
@@ -65,7 +69,7 @@ struct Accepted {
 }
 
 /// The method with its workspace; allocates only on construction and for a first step.
-pub struct Radau<'a, S: OdeSystem + ?Sized> {
+pub(crate) struct Radau<'a, S: OdeSystem + ?Sized> {
     system: &'a S,
     /// Those of the embedded estimate.
     tolerances: Tolerances,
@@ -79,7 +83,7 @@ pub struct Radau<'a, S: OdeSystem + ?Sized> {
     previous_state: Vec<f64>,
     /// Collocation polynomial of the last step: stages less the state at its start.
     stages: [Vec<f64>; 3],
-    /// The same of the step tried, its transform T⁻¹ · stages, and the rates there.
+    /// Stages of the step tried, their transform T⁻¹ · stages, and the rates at the stages.
     trial_stages: [Vec<f64>; 3],
     transformed: [Vec<f64>; 3],
     rates: [Vec<f64>; 3],
@@ -96,7 +100,7 @@ pub struct Radau<'a, S: OdeSystem + ?Sized> {
     factored_step: f64,
     /// The Jacobian was evaluated at `(time, state)`.
     jacobian_is_fresh: bool,
-    /// It served the last step well enough to serve the next.
+    /// The Jacobian converged fast in the last step and is kept for the next.
     jacobian_serves: bool,
     /// Steps since it was evaluated.
     jacobian_age: u32,
@@ -113,7 +117,7 @@ pub struct Radau<'a, S: OdeSystem + ?Sized> {
 
 impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
     /// Starts at `(time, state)`.
-    pub fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
+    pub(crate) fn new(system: &'a S, time: f64, state: &[f64], tolerances: Tolerances) -> Self {
         let structure = system.structure();
         let vector = || vec![0.0; state.len()];
         let vectors = || std::array::from_fn(|_| vector());
@@ -162,8 +166,8 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         self.starting = false;
     }
 
-    /// Error norm of the stages found: by how much the polynomial's slope at the start misses the right-hand side,
-    /// filtered by the real factors so that stiff components do not count for more than they err (IV.8.19).
+    /// Error norm of the stages: the defect of the polynomial's slope at the start, filtered by the real factors
+    /// (IV.8.19). Without the filter stiff components would count for more than their error.
     fn estimate(&mut self, step: f64) -> f64 {
         self.error.copy_from_slice(&self.rate);
         self.filtered_defect(step)
@@ -215,17 +219,17 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
 
     /// Factor on the step after an error norm: the more iterations, the more carefully.
     fn factor(error: f64, iterations: u32) -> f64 {
-        let most = f64::from(2 * MOST_ITERATIONS);
+        let most = f64::from(2 * MAX_ITERATIONS);
         let safety = SAFETY * (most + 1.0) / (most + f64::from(iterations));
-        (safety * error.powf(-1.0 / ESTIMATE)).clamp(LARGEST_CUT, LARGEST_GROWTH)
+        (safety * error.powf(-1.0 / ESTIMATE)).clamp(MAX_CUT, MAX_GROWTH)
     }
 
     /// The step that follows an accepted one: by its error, and at most by how the error has moved (Gustafsson)
     /// and by how far Newton's iteration is good for.
     fn following(&self, step: f64, error: f64, iterations: u32) -> f64 {
-        let by_trend = self.accepted.map_or(LARGEST_GROWTH, |last| {
+        let by_trend = self.accepted.map_or(MAX_GROWTH, |last| {
             let trend = (last.error / (error * error)).powf(1.0 / ESTIMATE);
-            (SAFETY * step / last.step * trend).max(LARGEST_CUT)
+            (SAFETY * step / last.step * trend).max(MAX_CUT)
         });
         let contraction = if self.jacobian_is_fresh { self.convergence.contraction } else { 0.0 };
         let by_newton = SLOWEST_CONTRACTION / contraction;
@@ -247,7 +251,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         self.continues = true;
         self.jacobian_is_fresh = false;
         self.jacobian_age += 1;
-        self.jacobian_serves = self.convergence.contraction <= FAST_CONTRACTION && self.jacobian_age < MOST_STEPS;
+        self.jacobian_serves = self.convergence.contraction <= FAST_CONTRACTION && self.jacobian_age < MAX_STEPS;
     }
 
     /// Accepts a step and chooses the next.
@@ -257,7 +261,7 @@ impl<'a, S: OdeSystem + ?Sized> Radau<'a, S> {
         self.accept(tried);
         self.accepted = Some(Accepted { step, error: error.max(1e-2) });
         let next = if doubtful { next.min(step) } else { next };
-        let keeps_factors = !tried.cut && self.jacobian_serves && (1.0..LEAST_GROWTH).contains(&(next / step));
+        let keeps_factors = !tried.cut && self.jacobian_serves && (1.0..MIN_GROWTH).contains(&(next / step));
         self.step = if keeps_factors { step } else { tried.followed_by(next, self.step) };
     }
 

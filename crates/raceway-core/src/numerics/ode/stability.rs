@@ -1,16 +1,16 @@
-//! Whether a step of fixed size lies beyond the limit of stability. Such a run may stay bounded, where what is fast saturates,
-//! and be wrong all the same.
+//! Detection of fixed steps beyond the limit of stability. Such a run may stay bounded, because fast modes saturate,
+//! and still be wrong.
 
 /// Longest step of Dormand–Prince times the rate of a mode that decays.
-pub const DORMAND_PRINCE: f64 = 3.3;
-/// Longest step of the predictor and corrector of `fine_abm` times the rate of what it does not integrate exactly.
-pub const FINE_ABM: f64 = 1.28;
+pub(crate) const DORMAND_PRINCE: f64 = 3.3;
+/// Longest step of the predictor and corrector of `fine_abm` times the rate of the part that is not integrated exactly.
+pub(crate) const FINE_ABM: f64 = 1.28;
 
-/// Steps between two looks.
+/// Steps between two samples of the rate.
 pub const STEPS_PER_LOOK: u64 = 128;
-/// Share of the looks beyond the limit from which a run counts as unstable: impacts show rates of their own.
+/// Share of samples beyond the limit from which a run counts as unstable; single impacts exceed the limit, too.
 const SHARE: f64 = 0.03;
-/// Share of the looks at or above the rate that is named.
+/// Share of the exceeding samples below the reported rate.
 const NAMED_SHARE: f64 = 0.5;
 
 /// The fastest rate that a step has seen, and its limit.
@@ -27,7 +27,7 @@ pub struct Stability {
 pub struct StabilityWatch {
     step: f64,
     looks: u64,
-    /// What was seen beyond the limit.
+    /// Samples beyond the limit.
     beyond: Vec<Stability>,
 }
 
@@ -37,7 +37,7 @@ impl StabilityWatch {
         Self { step, looks: 0, beyond: Vec::new() }
     }
 
-    /// Takes down what a step has seen.
+    /// Records the sample of a step.
     pub fn look(&mut self, seen: Stability) {
         self.looks += 1;
         let reach = self.step * seen.rate;
@@ -46,7 +46,7 @@ impl StabilityWatch {
         }
     }
 
-    /// In plain words, where the step lay beyond the limit in more than a few per cent of the looks.
+    /// Warning where the step lay beyond the limit in more than a few per cent of the samples.
     pub fn warning(&self) -> Option<String> {
         let share = self.beyond.len() as f64 / self.looks.max(1) as f64;
         if share <= SHARE {

@@ -1,10 +1,11 @@
 //! Accept or reject a step, and the size of the first and of the next.
 
-use super::{OdeSystem, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
 /// Weighted root mean square of `error`: at most 1 when each component errs within its tolerance.
 /// NaN where an entry is NaN.
-pub fn error_norm(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> f64 {
+pub(crate) fn error_norm(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> f64 {
     let sum: f64 = (0..error.len())
         .map(|i| {
             let size = before[i].abs().max(after[i].abs());
@@ -14,13 +15,13 @@ pub fn error_norm(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tol
     (sum / error.len().max(1) as f64).sqrt()
 }
 
-/// Size of a first step of a method of `order`, at most `span` (time to the first stop), from the sizes of state,
-/// `rate` and change of rate against their tolerances; evaluates the system once.
+/// Size of the first step of a method of `order`, at most `span` (time to the first stop). It follows from state,
+/// `rate` and change of rate relative to their tolerances, with one evaluation.
 ///
-/// The idea is that of Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.4, without its
-/// constants that have a unit: with slope `d₁` and change of slope `d₂`, `τ = d₁/d₂` is the time in which the motion
-/// changes, `d₁/τᵖ` stands for derivative p + 1, and the step makes `h^{p+1} d₁/τᵖ = 0.01`.
-pub fn initial_step(
+/// The method is that of Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.4, without its
+/// constants that have a unit. With slope `d₁` and change of slope `d₂`, `τ = d₁/d₂` is the time in which the motion
+/// changes. `d₁/τᵖ` approximates derivative p + 1, and the step satisfies `h^{p+1} d₁/τᵖ = 0.01`.
+pub(crate) fn initial_step(
     system: &(impl OdeSystem + ?Sized),
     time: f64,
     state: &[f64],
@@ -31,8 +32,8 @@ pub fn initial_step(
 ) -> f64 {
     let norm = |entries: &[f64]| error_norm(entries, state, state, tolerances);
     let slope = norm(rate);
-    // A hundredth of the time in which the state changes by itself; a state below its tolerance counts as that.
-    // Where nothing moves yet only the span is known.
+    // A hundredth of the time in which the state changes by itself; a state below its tolerance counts as that. Before
+    // any motion only the span is known.
     let guess = if slope > 0.0 { (0.01 * norm(state).max(1.0) / slope).min(span) } else { 1e-3 * span };
     let moved: Vec<f64> = state.iter().zip(rate).map(|(y, slope)| y + guess * slope).collect();
     let mut change = vec![0.0; state.len()];
@@ -53,19 +54,19 @@ pub fn initial_step(
 }
 
 /// The component that errs most against its tolerance, for error messages.
-pub fn worst_component(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> usize {
+pub(crate) fn worst_component(error: &[f64], before: &[f64], after: &[f64], tolerances: &Tolerances) -> usize {
     largest(error.len(), |i| (error[i] / tolerances.allowed(i, before[i].abs().max(after[i].abs()))).abs())
 }
 
 /// Which of `count` sizes is the largest; NaN is larger than all.
-pub fn largest(count: usize, size: impl Fn(usize) -> f64) -> usize {
+pub(crate) fn largest(count: usize, size: impl Fn(usize) -> f64) -> usize {
     let size = |i: usize| Some(size(i)).filter(|size| !size.is_nan()).unwrap_or(f64::INFINITY);
     (0..count).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
 }
 
 /// A step to try.
 #[derive(Debug, Clone, Copy)]
-pub struct Try {
+pub(crate) struct Try {
     pub step: f64,
     pub end: f64,
     /// The limit chose its size, so that it says little about the next one.
@@ -74,36 +75,36 @@ pub struct Try {
 
 impl Try {
     /// `step` from `time`, to `limit` at the latest. A last step that would leave a sliver is stretched to the limit.
-    pub fn new(time: f64, step: f64, limit: f64) -> Self {
+    pub(crate) fn new(time: f64, step: f64, limit: f64) -> Self {
         let remaining = limit - time;
         let cut = step * 1.000_001 >= remaining;
         if cut { Self { step: remaining, end: limit, cut } } else { Self { step, end: time + step, cut } }
     }
 
     /// The step that follows: `next` as the error of this one has it, where `asked` was to be tried.
-    pub fn followed_by(&self, next: f64, asked: f64) -> f64 {
+    pub(crate) fn followed_by(&self, next: f64, asked: f64) -> f64 {
         if self.cut { next.max(asked) } else { next }
     }
 }
 
 /// Rejections in a row after which a step counts as impossible.
-const MOST_REJECTIONS: u32 = 60;
+const MAX_REJECTIONS: u32 = 60;
 
-/// No shorter step is worth a try, either: there were too many, or the next is nothing but rounding of the time.
-pub fn is_impossible(rejections: u32, time: f64, next: f64) -> bool {
-    rejections >= MOST_REJECTIONS || next <= 4.0 * f64::EPSILON * time.abs()
+/// Returns true where no shorter step can succeed: too many rejections, or a step at the rounding of the time.
+pub(crate) fn is_impossible(rejections: u32, time: f64, next: f64) -> bool {
+    rejections >= MAX_REJECTIONS || next <= 4.0 * f64::EPSILON * time.abs()
 }
 
-/// Whether rates that are not finite will stay so, however short the step.
-pub fn stays_broken(rejections: u32) -> bool {
-    rejections >= MOST_REJECTIONS / 2
+/// Returns true where rates that are not finite stay so for any shorter step.
+pub(crate) fn stays_broken(rejections: u32) -> bool {
+    rejections >= MAX_REJECTIONS / 2
 }
 
 /// Proportional–integral step-size control after Gustafsson, constants of Hairer, Nørsett & Wanner,
 /// *Solving Ordinary Differential Equations I*, §IV.2 (DOPRI5). The integral part keeps the step
 /// from oscillating where stability, not accuracy, limits it.
 #[derive(Debug, Clone)]
-pub struct StepSizeControl {
+pub(crate) struct StepSizeControl {
     /// 1 / (order of the error estimate + 1)
     exponent: f64,
     previous_error: f64,
@@ -112,26 +113,26 @@ pub struct StepSizeControl {
 
 const SAFETY: f64 = 0.9;
 const INTEGRAL: f64 = 0.04;
-const LEAST_FACTOR: f64 = 0.2;
-const LARGEST_FACTOR: f64 = 10.0;
+const MIN_FACTOR: f64 = 0.2;
+const MAX_FACTOR: f64 = 10.0;
 
 impl StepSizeControl {
     /// `order`: order of the error estimate.
-    pub fn new(order: u32) -> Self {
+    pub(crate) fn new(order: u32) -> Self {
         Self { exponent: 1.0 / f64::from(order + 1), previous_error: 1e-4, just_rejected: false }
     }
 
     /// Factor on the step after an error norm ≤ 1. A step that follows a rejection does not grow.
-    pub fn accepted(&mut self, error: f64) -> f64 {
+    pub(crate) fn accepted(&mut self, error: f64) -> f64 {
         let error = error.max(1e-10);
         let factor = SAFETY * error.powf(0.75 * INTEGRAL - self.exponent) * self.previous_error.powf(INTEGRAL);
         self.previous_error = error.max(1e-4);
-        let most = if std::mem::take(&mut self.just_rejected) { 1.0 } else { LARGEST_FACTOR };
-        factor.clamp(LEAST_FACTOR, most)
+        let most = if std::mem::take(&mut self.just_rejected) { 1.0 } else { MAX_FACTOR };
+        factor.clamp(MIN_FACTOR, most)
     }
 
     /// Factor on the step after an error norm above 1 (NaN included).
-    pub fn rejected(&mut self, error: f64) -> f64 {
+    pub(crate) fn rejected(&mut self, error: f64) -> f64 {
         self.just_rejected = true;
         let factor = SAFETY * error.powf(-self.exponent);
         if factor.is_finite() { factor.clamp(0.1, 0.9) } else { 0.1 }

@@ -11,10 +11,10 @@
 
 use std::ops::Range;
 
-use super::{OdeSystem, Tolerances};
+use super::tolerances::Tolerances;
 use crate::numerics::lanes::{LANES, Lanes};
 
-/// How the entries of a state depend on each other.
+/// Dependence between the entries of a state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Structure {
     /// Number of blocks, and entries of each; the blocks come first in the state.
@@ -62,12 +62,12 @@ impl Part {
 
     /// Row by row, of the blocks from `group · LANES` on; zeros beyond the last one.
     #[inline(always)]
-    pub fn group(&self, group: usize) -> &[Lanes] {
+    pub(crate) fn group(&self, group: usize) -> &[Lanes] {
         &self.groups[self.places(group)]
     }
 
     #[inline(always)]
-    pub fn group_mut(&mut self, group: usize) -> &mut [Lanes] {
+    pub(crate) fn group_mut(&mut self, group: usize) -> &mut [Lanes] {
         let places = self.places(group);
         &mut self.groups[places]
     }
@@ -78,7 +78,7 @@ impl Part {
     }
 
     /// The entry of a block in a row and a column.
-    pub fn entry_mut(&mut self, block: usize, row: usize, column: usize) -> &mut f64 {
+    pub(crate) fn entry_mut(&mut self, block: usize, row: usize, column: usize) -> &mut f64 {
         let columns = self.columns;
         &mut self.group_mut(block / LANES)[row * columns + column][block % LANES]
     }
@@ -154,7 +154,7 @@ impl Jacobian {
 
     /// Magnitude of the fastest eigenvalue, by power iteration in weighted entries; the growth is averaged, because a
     /// pair of complex modes makes it beat.
-    pub fn fastest_rate(&self, weights: &[f64]) -> f64 {
+    pub(crate) fn fastest_rate(&self, weights: &[f64]) -> f64 {
         const ITERATIONS: u32 = 24;
         const AVERAGED: u32 = 12;
         let n = self.structure.dimension();
@@ -195,7 +195,7 @@ fn accumulate(matrix: &[f64], vector: &[f64], sum: &mut [f64]) {
 
 /// Displacements for difference quotients: half the digits of an entry, but enough that a step's change of the
 /// state by `step · rate` is resolved (A. C. Hindmarsh et al., CVODE).
-pub fn displacements(state: &[f64], rate: &[f64], tolerances: &Tolerances, step: f64, displacement: &mut [f64]) {
+pub(crate) fn displacements(state: &[f64], rate: &[f64], tolerances: &Tolerances, step: f64, displacement: &mut [f64]) {
     let n = state.len() as f64;
     let weight = |i: usize| tolerances.allowed(i, state[i]);
     let norm = (0..state.len()).map(|i| (rate[i] / weight(i)).powi(2)).sum::<f64>() / n.max(1.0);
@@ -204,28 +204,4 @@ pub fn displacements(state: &[f64], rate: &[f64], tolerances: &Tolerances, step:
     for (i, d) in displacement.iter_mut().enumerate() {
         *d = (f64::EPSILON.sqrt() * state[i].abs()).max(floor * weight(i));
     }
-}
-
-/// Fills a Jacobian that is all corner by difference quotients; returns the evaluations it took.
-pub fn dense_differences(
-    system: &(impl OdeSystem + ?Sized),
-    time: f64,
-    state: &[f64],
-    rate: &[f64],
-    displacement: &[f64],
-    jacobian: &mut Jacobian,
-) -> u64 {
-    let n = state.len();
-    let (mut moved, mut moved_rate) = (state.to_vec(), vec![0.0; n]);
-    for column in 0..n {
-        moved[column] = state[column] + displacement[column];
-        // What was really added, after rounding.
-        let added = moved[column] - state[column];
-        system.derivative(time, &moved, &mut moved_rate);
-        moved[column] = state[column];
-        for row in 0..n {
-            jacobian.corner[row * n + column] = (moved_rate[row] - rate[row]) / added;
-        }
-    }
-    n as u64
 }

@@ -1,10 +1,13 @@
 //! Problems that several methods are tested on.
 
+use super::integrator::IntegrationError;
+use super::method::Method;
 use super::structure::Structure;
-use super::{IntegrationError, Method, OdeSystem, Tolerances};
+use super::system::OdeSystem;
+use super::tolerances::Tolerances;
 
 /// Two bodies: a nonlinear problem with an exact period.
-pub struct Kepler;
+pub(crate) struct Kepler;
 impl OdeSystem for Kepler {
     fn dimension(&self) -> usize {
         4

@@ -7,7 +7,7 @@ use crate::physics::limits::Faults;
 /// Laws for the damping of an elastic contact `Q = K δ^1.5 (1 + χ δ̇)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DampingLaw {
-    /// χ solved so that an impact at `at_speed` [m/s] really returns with `restitution` times its speed.
+    /// χ solved so that an impact at `at_speed` [m/s] returns exactly with `restitution` times its speed.
     Restitution {
         restitution: f64,
         at_speed: f64,
@@ -48,8 +48,8 @@ impl DampingLaw {
         DampingFactor { chi, viscous }
     }
 
-    /// Notes what no contact has; `path` names restitution, speed and coefficient in the faults.
-    pub fn check(&self, path: [&'static str; 3], faults: &mut Faults) {
+    /// Records values outside the limits; `path` names restitution, speed and coefficient in the faults.
+    pub(crate) fn check(&self, path: [&'static str; 3], faults: &mut Faults) {
         match *self {
             Self::Restitution { restitution, at_speed }
             | Self::HuntCrossley { restitution, at_speed }
@@ -74,7 +74,7 @@ pub struct DampingFactor {
 }
 
 /// Penetration over which a viscous damper fades in, so that the load does not jump at contact [m].
-pub const VISCOUS_RAMP: f64 = 0.1e-6;
+const VISCOUS_RAMP: f64 = 0.1e-6;
 
 /// Normal load `Q = K δ^1.5 (1 + χ δ̇) + c · ramp(δ/0.1 µm) · δ̇` [N] at penetration δ [m] and its rate [m/s];
 /// 0 without penetration and never negative, for surfaces do not pull at each other.
@@ -91,7 +91,7 @@ pub fn normal_load(stiffness: f64, penetration: f64, rate: f64, damping: &Dampin
 /// How `normal_load` grows with the penetration [N/m] and with its rate [N s/m], neither below 0; the ramp of a viscous damper
 /// is taken as it stands. Both 0 where there is no load.
 #[inline(always)]
-pub fn normal_slopes(stiffness: f64, penetration: f64, rate: f64, damping: &DampingFactor) -> (f64, f64) {
+pub(crate) fn normal_slopes(stiffness: f64, penetration: f64, rate: f64, damping: &DampingFactor) -> (f64, f64) {
     let depth = larger(penetration, 0.0);
     let root = depth.sqrt();
     let elastic = stiffness * depth * root;
@@ -105,15 +105,15 @@ pub fn normal_slopes(stiffness: f64, penetration: f64, rate: f64, damping: &Damp
 
 /// Share of a viscous damper that acts at a depth [m], not negative.
 #[inline(always)]
-pub fn viscous_ramp<T: Real>(depth: T) -> T {
+pub(crate) fn viscous_ramp<T: Real>(depth: T) -> T {
     let s = smaller(depth * T::of(1.0 / VISCOUS_RAMP), T::of(1.0));
     s * s * (T::of(3.0) - (s + s))
 }
 
 /// `c = χ v₀` with which an impact at v₀ on Q = K δ^1.5 (1 + χ δ̇) returns with e v₀ [-], 0 < e ≤ 1.
 ///
-/// First integral of m v dv/dδ = −Q from (0, v₀) to (0, −e v₀): c (1 + e) = ln[(1 + c)/(1 − e c)]; the
-/// root besides c = 0 lies in (0, 1/e). Independent of mass, stiffness and exponent of δ.
+/// First integral of m v dv/dδ = −Q from (0, v₀) to (0, −e v₀): c (1 + e) = ln[(1 + c)/(1 − e c)]. The root besides c =
+/// 0 lies in (0, 1/e). Independent of mass, stiffness and exponent of δ.
 pub fn impact_damping(restitution: f64) -> f64 {
     let e = restitution;
     if e >= 1.0 {

@@ -49,9 +49,9 @@ impl HertzContact {
 
 /// The contacts of a ball with both raceways.
 ///
-/// Curvatures of a ball in a groove of radius `f d`, γ with the angle of the kinematics: inner
-/// ρ_x = (2/d)(1 + γ/(1 − γ)), outer ρ_x = (2/d)(1 − γ/(1 + γ)), ρ_y = (2/d)(1 − 1/(2f)).
-/// Harris & Kotzalas, Essential Concepts of Bearing Technology, ch. 2, curvature of ball bearings.
+/// Curvatures of a ball in a groove of radius `f d`, γ with the contact angle of the kinematics. Inner ρ_x = (2/d)(1 +
+/// γ/(1 − γ)), outer ρ_x = (2/d)(1 − γ/(1 + γ)), ρ_y = (2/d)(1 − 1/(2f)). Harris & Kotzalas, Essential Concepts of
+/// Bearing Technology, ch. 2, curvature of ball bearings.
 pub fn raceway_contacts(bearing: &Bearing) -> PerRaceway<HertzContact> {
     let p = &bearing.parameters;
     let (d, gamma) = (p.ball_diameter, bearing.gamma());
@@ -149,18 +149,19 @@ pub fn max_pressure(ellipse: &ContactEllipse, effective_modulus: f64, load: f64)
     1.5 / (PI * a * b) * load.max(0.0).cbrt()
 }
 
-/// Stiffness `K` in `Q = K δ^(3/2)` [N/m^1.5] of two spheres of effective radius R [m], 1/R = 1/R₁ + 1/R₂
-/// (negative for a concave one), and contact modulus E* [Pa].
+/// Stiffness `K` in `Q = K δ^(3/2)` [N/m^1.5] of two spheres of effective radius R [m] and contact modulus E* [Pa]. 1/R
+/// = 1/R₁ + 1/R₂, a concave radius negative.
 ///
 /// Johnson, Contact Mechanics, eq. (4.23): K = 4/3 E* √R.
-pub fn sphere_stiffness(contact_modulus: f64, radius: f64) -> f64 {
+pub(crate) fn sphere_stiffness(contact_modulus: f64, radius: f64) -> f64 {
     4.0 / 3.0 * contact_modulus * radius.sqrt()
 }
 
 /// Stiffness of two contacts of factors K₁ and K₂ in series [N/m^1.5], (K₁^(−2/3) + K₂^(−2/3))^(−3/2).
 ///
 /// Harris & Kotzalas, ch. 7: a ball squeezed between inner and outer raceway by the same load.
-pub fn series_stiffness(first: f64, second: f64) -> f64 {
+#[cfg(test)]
+pub(crate) fn series_stiffness(first: f64, second: f64) -> f64 {
     let compliance = first.powf(-2.0 / 3.0) + second.powf(-2.0 / 3.0);
     compliance.powf(-1.5)
 }

@@ -3,4 +3,5 @@
 pub mod damping;
 pub mod film;
 pub mod hertz;
+pub mod strips;
 pub mod traction;

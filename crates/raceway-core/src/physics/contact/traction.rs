@@ -22,8 +22,8 @@ pub enum TractionLaw {
 }
 
 impl TractionLaw {
-    /// Notes coefficients that no contact has.
-    pub fn check(&self, faults: &mut Faults) {
+    /// Records coefficients outside the limits.
+    pub(crate) fn check(&self, faults: &mut Faults) {
         match *self {
             Self::FourParameter { at_rest, maximum, at_slip, limit } => {
                 let coefficients = [
@@ -73,7 +73,7 @@ pub struct FourParameters {
 /// With x = C u_m both conditions become A = (μ_max − μ_∞) e^x (1 − x). A law whose maximum is its limit
 /// reaches that only at infinity: it comes within a thousandth of A at u_m instead. A law whose maximum
 /// is its value at rest falls from there as e^(−u/u_m).
-pub fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f64) -> FourParameters {
+pub(crate) fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f64) -> FourParameters {
     let (a, d) = (at_rest - limit, limit);
     let rise = (maximum - limit).max(1e-3 * a.abs());
     if a > 0.0 && rise <= a * (1.0 + 1e-9) {
@@ -89,7 +89,7 @@ pub fn four_parameters(at_rest: f64, maximum: f64, at_slip: f64, limit: f64) -> 
     FourParameters { a, b: x * rise * x.exp() / at_slip, c: x / at_slip, d }
 }
 
-/// What a traction law may depend on besides slip.
+/// Inputs of a traction law besides slip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TractionContext<T = f64> {
     /// Mean rolling speed ū, a magnitude [m/s].
@@ -101,7 +101,7 @@ pub struct TractionContext<T = f64> {
 }
 side_by_side!(TractionContext { rolling_speed, pressure, film_thickness });
 
-/// A traction law made ready for the time step.
+/// A traction law prepared for the time step.
 ///
 /// The force on a surface is `load · traction_over_speed(u², …) · slip vector`: no division, no branch on
 /// rest and no jump there.
@@ -145,15 +145,15 @@ pub struct Coulomb {
 }
 
 /// Slip speed u_r over which a law that does not vanish at rest turns its direction [m/s].
-pub const DIRECTION_SPEED: f64 = 1e-3;
+const DIRECTION_SPEED: f64 = 1e-3;
 /// Smallest rolling speed to which slip is related by the slide/roll law [m/s].
-pub const LEAST_ROLLING_SPEED: f64 = 0.1;
+const MIN_ROLLING_SPEED: f64 = 0.1;
 /// Viscosity at which a liquid counts as a glass, the usual definition of the glass transition [Pa s].
-pub const GLASS_VISCOSITY: f64 = 1e12;
+const GLASS_VISCOSITY: f64 = 1e12;
 /// A film thinner than a molecule is none [m].
-const LEAST_FILM: f64 = 1e-9;
+const MIN_FILM: f64 = 1e-9;
 /// Stands in for a slip of 0, or its square, where a quotient with a limit is formed.
-pub const TINY: f64 = 1e-150;
+pub(crate) const TINY: f64 = 1e-150;
 
 impl Traction {
     /// Prepares a law for a lubricant of viscosity η₀ [Pa s] and pressure–viscosity coefficient α_p [1/Pa].
@@ -181,7 +181,7 @@ impl Traction {
     }
 
     /// True where `coefficient` reads rolling speed, pressure or film thickness.
-    pub fn needs_context(&self) -> bool {
+    pub(crate) fn needs_context(&self) -> bool {
         match self {
             Self::RisingFromZero(_) | Self::StickingAtRest(_) | Self::Coulomb(_) => false,
             Self::SlideRollFromZero(_) | Self::SlideRollAtRest(_) | Self::Eyring(_) => true,
@@ -189,7 +189,6 @@ impl Traction {
     }
 
     /// μ(|u|)/|u| [s/m] from the square of the slip speed [m²/s²]; finite at rest.
-    #[inline(always)]
     pub fn traction_over_speed(&self, slip_squared: f64, context: &TractionContext) -> f64 {
         match self {
             Self::RisingFromZero(law) => rising(law, [slip_squared + TINY])[0],
@@ -202,8 +201,8 @@ impl Traction {
     }
 
     /// Traction coefficient μ(u) with the sign of the slip speed [-].
-    #[inline]
-    pub fn coefficient(&self, slip_speed: f64, context: &TractionContext) -> f64 {
+    #[cfg(test)]
+    fn coefficient(&self, slip_speed: f64, context: &TractionContext) -> f64 {
         self.traction_over_speed(slip_speed * slip_speed, context) * slip_speed
     }
 }
@@ -211,7 +210,7 @@ impl Traction {
 /// μ/s of the four-parameter law with A = −D, from s² > 0, at several places: D (1 − e^(−C s))/s + B e^(−C s), which keeps its
 /// digits down to s = 0.
 #[inline(always)]
-pub fn rising<const S: usize>(law: &FourParameters, squares: [f64; S]) -> [f64; S] {
+pub(crate) fn rising<const S: usize>(law: &FourParameters, squares: [f64; S]) -> [f64; S] {
     let s: [f64; S] = from_fn(|k| squares[k].sqrt());
     let per_s: [f64; S] = from_fn(|k| 1.0 / s[k]);
     let binary = law.c * std::f64::consts::LOG2_E;
@@ -222,32 +221,32 @@ pub fn rising<const S: usize>(law: &FourParameters, squares: [f64; S]) -> [f64; 
 
 /// μ/√(u² + u_r²) of the four-parameter law that does not vanish at rest, s its argument.
 #[inline(always)]
-pub fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
+pub(crate) fn sticking(law: &FourParameters, s: f64, slip_squared: f64) -> f64 {
     let mu = (law.a + law.b * s) * exponential(-law.c * s) + law.d;
     mu / (slip_squared + DIRECTION_SPEED * DIRECTION_SPEED).sqrt()
 }
 
 /// μ/|u| of `rising` over the slide/roll ratio.
 #[inline(always)]
-pub fn rolling(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
-    let per_rolling = 1.0 / larger(context.rolling_speed, LEAST_ROLLING_SPEED);
+pub(crate) fn rolling(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
+    let per_rolling = 1.0 / larger(context.rolling_speed, MIN_ROLLING_SPEED);
     per_rolling * rising(law, [per_rolling * per_rolling * slip_squared + TINY])[0]
 }
 
 /// μ/|u| of `sticking` over the slide/roll ratio.
 #[inline(always)]
-pub fn rolling_at_rest(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
-    let per_rolling = 1.0 / larger(context.rolling_speed, LEAST_ROLLING_SPEED);
+pub(crate) fn rolling_at_rest(law: &FourParameters, slip_squared: f64, context: &TractionContext) -> f64 {
+    let per_rolling = 1.0 / larger(context.rolling_speed, MIN_ROLLING_SPEED);
     sticking(law, per_rolling * slip_squared.sqrt(), slip_squared)
 }
 
 /// μ/|u| of the law of Eyring. 1 GPa makes oil so stiff that τ would turn within 1e-10 m/s: no steeper than Λ/u_r.
 #[inline(always)]
-pub fn eyring(law: &Eyring, slip_squared: f64, context: &TractionContext) -> f64 {
+pub(crate) fn eyring(law: &Eyring, slip_squared: f64, context: &TractionContext) -> f64 {
     let slip = larger(slip_squared.sqrt(), TINY);
     let pressure = larger(context.pressure, 1.0);
     let viscosity = law.viscosity * exponential(smaller(law.pressure_viscosity * pressure, law.largest_exponent));
-    let rate = viscosity / (larger(context.film_thickness, LEAST_FILM) * law.stress);
+    let rate = viscosity / (larger(context.film_thickness, MIN_FILM) * law.stress);
     let coefficient = smaller((law.stress / pressure) * inverse_hyperbolic_sine(rate * slip), law.limit);
     let (softness, softest) = (slip / coefficient, DIRECTION_SPEED / law.limit);
     1.0 / (softness * softness + softest * softest).sqrt()
@@ -260,116 +259,10 @@ pub fn coulomb(law: &Coulomb, slip_squared: f64) -> f64 {
     law.coefficient * hyperbolic_tangent(slip * law.per_regularisation) / slip
 }
 
-/// A strip of the ellipse of contact, parallel to rolling.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Strip {
-    /// Where the strip's load acts, t = η/a in −1 … 1 [-].
-    pub position: f64,
-    /// Share of the normal load [-].
-    pub weight: f64,
-    /// Mean pressure over the largest pressure p₀ [-].
-    pub pressure: f64,
-}
-
-/// Largest number of strips.
-pub const MAX_STRIPS: usize = 33;
-/// Number of strips where nothing else is asked.
-pub const DEFAULT_STRIPS: usize = 9;
-
-/// Places t > 0 and weights of ∫ ¾ (1 − t²) g(t) dt over −1 … 1 (Gauss–Jacobi), for 2, 4 and 6 points; the places are the inner
-/// ones of Lobatto's rule with two points more (Abramowitz & Stegun, table 25.6), whose weights are here times ¾ (1 − t²).
-const GAUSS: [&[(f64, f64)]; 3] = [
-    &[(0.447_213_595_499_958, 0.5)],
-    &[(0.285_231_516_480_645, 0.382_287_565_553_229), (0.765_055_323_929_465, 0.117_712_434_446_770)],
-    &[
-        (0.209_299_217_902_479, 0.295_792_918_221_050),
-        (0.591_700_181_433_142, 0.166_269_399_016_888),
-        (0.871_740_148_509_607, 0.037_937_682_762_061),
-    ],
-];
-
-/// The ellipse of contact in strips of equal width over t = η/a, made once a scene.
-///
-/// The semi-ellipsoid of pressure, integrated along rolling, leaves ¾ (1 − t²) of the load per unit of t;
-/// weights and positions integrate that exactly, so that traction which is linear within each strip is exact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strips {
-    count: usize,
-    strips: [Strip; MAX_STRIPS],
-}
-
-impl Strips {
-    /// `count` strips, at least 1 and at most `MAX_STRIPS`.
-    pub fn new(count: usize) -> Self {
-        let count = count.clamp(1, MAX_STRIPS);
-        let mut strips = [Strip::default(); MAX_STRIPS];
-        // Half of the strips from the middle outwards, mirrored, so that symmetry holds to the bit.
-        for (i, slot) in strips[..count].iter_mut().enumerate() {
-            let mirrored = 2 * i + 1 < count;
-            let i = if mirrored { count - 1 - i } else { i };
-            let edge = |i: usize| (2 * i) as f64 / count as f64 - 1.0;
-            let mut strip = strip_between(edge(i), edge(i + 1));
-            if 2 * i + 1 == count {
-                strip.position = 0.0;
-            } else if mirrored {
-                strip.position = -strip.position;
-            }
-            *slot = strip;
-        }
-        Self { count, strips }
-    }
-
-    /// The Gauss rule of the load with `2 × pairs` points (one to three pairs): exact for polynomials of t up to degree
-    /// 4 `pairs` − 1, where as many strips are for straight lines. A law that bends sharply wants strips.
-    pub fn gauss(pairs: usize) -> Self {
-        let nodes = GAUSS[pairs.clamp(1, GAUSS.len()) - 1];
-        let count = 2 * nodes.len();
-        let mut strips = [Strip::default(); MAX_STRIPS];
-        for (i, &(position, weight)) in nodes.iter().enumerate() {
-            // The mean pressure of a chord of the ellipse.
-            let pressure = std::f64::consts::FRAC_PI_4 * (1.0 - position * position).sqrt();
-            let strip = Strip { position, weight, pressure };
-            strips[nodes.len() + i] = strip;
-            strips[nodes.len() - 1 - i] = Strip { position: -position, ..strip };
-        }
-        Self { count, strips }
-    }
-
-    /// The strips from t = −1 to t = 1.
-    #[inline]
-    pub fn as_slice(&self) -> &[Strip] {
-        &self.strips[..self.count]
-    }
-}
-
-impl Default for Strips {
-    fn default() -> Self {
-        Self::new(DEFAULT_STRIPS)
-    }
-}
-
-/// Share of the normal load at t' < t, ½ + ¾ (t − t³/3) [-].
-pub fn load_share_below(t: f64) -> f64 {
-    0.5 + 0.75 * (t - t * t * t / 3.0)
-}
-
-/// The strip from t = `low` to t = `high`.
-fn strip_between(low: f64, high: f64) -> Strip {
-    let weight = load_share_below(high) - load_share_below(low);
-    let first_moment = |t: f64| 0.75 * t * t * (0.5 - 0.25 * t * t);
-    // Area under √(1 − t²), as a share of the half circle.
-    let area_below = |t: f64| (t * (1.0 - t * t).max(0.0).sqrt() + t.asin()) / std::f64::consts::PI;
-    Strip {
-        position: (first_moment(high) - first_moment(low)) / weight,
-        weight,
-        // The mean pressure of the whole ellipse is ⅔ p₀.
-        pressure: 2.0 / 3.0 * weight / (area_below(high) - area_below(low)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::contact::strips::{Strips, load_share_below};
 
     const CONTEXT: TractionContext = TractionContext { rolling_speed: 14.0, pressure: 1.5e9, film_thickness: 0.5e-6 };
     const ARTICLE_LAW: TractionLaw =
@@ -394,20 +287,6 @@ mod tests {
         let FourParameters { a, b, c, d } = four_parameters(0.0, 0.05, 1.0, 0.036);
         for (value, expected) in [(a, -0.036), (b, 0.101_781), (c, 1.547_272), (d, 0.036)] {
             assert!((value - expected).abs() < 1e-6, "{value} against {expected}");
-        }
-    }
-
-    /// ∫ ¾ (1 − t²) t^n dt is 3/((n + 1)(n + 3)) for even n; the points give it up to twice their number less one, and not beyond.
-    #[test]
-    fn gauss_points_are_exact_for_polynomials() {
-        for pairs in 1..=3 {
-            let points = Strips::gauss(pairs);
-            assert_eq!(points.as_slice().len(), 2 * pairs);
-            for n in 0..=4 * pairs {
-                let sum: f64 = points.as_slice().iter().map(|p| p.weight * p.position.powi(n as i32)).sum();
-                let exact = if n % 2 == 0 { 3.0 / ((n + 1) * (n + 3)) as f64 } else { 0.0 };
-                assert_eq!((sum - exact).abs() < 1e-14, n < 4 * pairs, "{pairs} {n}: {sum} {exact}");
-            }
         }
     }
 
@@ -486,25 +365,6 @@ mod tests {
         assert_eq!(dry.coefficient(1.0, &tight), 0.0);
     }
 
-    /// Weights sum to 1, positions mirror to the bit, pressures average to ⅔ p₀ of the whole ellipse.
-    #[test]
-    fn strips_share_the_whole_load() {
-        for count in 1..=MAX_STRIPS {
-            let strips = Strips::new(count);
-            let slice = strips.as_slice();
-            assert_eq!(slice.len(), count);
-            assert!((slice.iter().map(|s| s.weight).sum::<f64>() - 1.0).abs() < 1e-14);
-            for (left, right) in slice.iter().zip(slice.iter().rev()) {
-                assert_eq!((left.position, left.weight), (-right.position, right.weight));
-            }
-            assert!(slice.windows(2).all(|pair| pair[0].position < pair[1].position));
-            let areas: f64 = slice.iter().map(|s| s.weight / s.pressure).sum();
-            assert!((areas - 1.5).abs() < 1e-13);
-        }
-        assert_eq!(Strips::new(0).as_slice().len(), 1);
-        assert_eq!(Strips::new(1000).as_slice().len(), MAX_STRIPS);
-    }
-
     /// Pure slip gives μ Q with any number of strips, to rounding.
     #[test]
     fn pure_slip_gives_coulomb() {
@@ -535,8 +395,8 @@ mod tests {
         }
     }
 
-    /// Pure conformity: the lines of no slip at ±t₀ part the load in halves, ¾(t₀ − t₀³/3) = ¼, t₀ = 0.3473 (four
-    /// figures); strips find it within half their width.
+    /// Pure conformity: the lines of no slip at ±t₀ divide the load in halves, ¾(t₀ − t₀³/3) = ¼, t₀ = 0.3473 (four
+    /// figures). Strips find t₀ within half their width.
     #[test]
     fn conformity_slips_nowhere_at_its_two_lines() {
         let exact = bracketed_root(|t| load_share_below(t) - 0.75, 0.0, 1.0);

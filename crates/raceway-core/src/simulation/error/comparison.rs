@@ -2,11 +2,10 @@
 
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{CentralMoments, mean, rms};
-use crate::physics::bearing::PerRaceway;
 use crate::simulation::error::codes::Quantity;
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::error::thresholds::DETAIL_SHARE;
-use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::record::Quantities;
 use crate::simulation::recording::record::Recording;
@@ -113,11 +112,10 @@ pub(crate) fn judged(recording: &Recording) -> Vec<Channel> {
 
 /// Accelerations of a recording, and what was recorded again of all of it or of its first window.
 pub(crate) fn twice(first: &Recording, again: &Recording) -> Vec<(Channel, Twice)> {
-    let offset = ((again.start - first.start) * RATE).round().max(0.0) as usize;
     let both = |channel: Channel| {
         let (first, again) = (first.of(channel)?, again.of(channel)?);
         let Some(repeated) = again.values() else { return Some((channel, Twice::of_windows(first, again))) };
-        let stretch = first.excerpts.first()?.get(offset..offset + repeated.len())?;
+        let stretch = first.excerpts.first()?.get(..repeated.len())?;
         Some((channel, Twice::of_values(stretch, repeated, first.in_band().moments.rms())))
     };
     // What is faint in one of them may be the noise of the other.

@@ -24,8 +24,6 @@ const SAMPLES: usize = 50;
 const ROUNDING: f64 = 1e-9;
 /// Growth by this many e-folds over the stretch counts as diverging; less may be a neutral drift of the azimuths.
 const FOLDS: f64 = 2.0;
-/// Time for which an undecided disturbance is followed, in first stretches [-].
-const UNDECIDED: f64 = 4.0;
 /// Loosest relative tolerance at which two motions are followed: whether they part is a matter of the scene, and must not
 /// drown in the errors of the steps.
 const PAIR_TOLERANCE: f64 = 1e-4;
@@ -195,9 +193,7 @@ pub(crate) fn divergence_rate(
         let growth = late_mean(&logarithms) - DISTURBANCE.ln();
         let parted = DivergenceEstimate { rate: late_slope(&times, &logarithms), over: end - begin, growth };
         let might_grow = parted.rate * (last - begin) > FOLDS;
-        // A disturbance that neither grows nor has decayed yet is followed a little longer.
-        let is_undecided = parted.growth >= 0.0 && end - begin < UNDECIDED * stretch;
-        if end >= last || !(might_grow || is_undecided) || parted.motion() == Some(MotionKind::Diverging) {
+        if end >= last || !might_grow || parted.motion() == Some(MotionKind::Diverging) {
             return Ok(parted);
         }
         end = (begin + 2.0 * (end - begin)).min(last);

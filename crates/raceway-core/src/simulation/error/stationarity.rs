@@ -43,9 +43,10 @@ pub fn scatter(recording: &Recording) -> LevelErrors {
 pub fn is_stationary(recording: &Recording, outputs: &Outputs, tolerance_db: f64) -> bool {
     let levels = scatter(recording);
     let is_steady = |channel: &Channel| levels.of(*channel).is_some_and(|scatter| scatter < STATIONARY_SCATTER_DB);
+    let levels_only = !(outputs.contacts || outputs.cage);
     let quantities = halves_deviation(&recording.parts);
     let halves = Deviation { levels: LevelErrors::each(|_| Some(0.0)), quantities };
-    heard(recording).iter().all(is_steady) && halves.within(outputs, tolerance_db)
+    heard(recording).iter().all(is_steady) && (levels_only || halves.within(outputs, tolerance_db))
 }
 
 /// Changes of the levels [dB] that rise or fall throughout the recorded time, where no later window shows an oscillation.

@@ -15,8 +15,6 @@ pub const MIN_WINDOW_SETTLE_S: f64 = 2e-3;
 pub const WINDOW_PASSAGES: f64 = 3.0;
 /// Turns of the cage in a window that shows whether neighbouring trajectories diverge [-]; *drawn*.
 pub const DIVERGENCE_CAGE_TURNS: f64 = 1.0;
-/// Decay of a difference before a repetition that starts from the run's own state is compared with it [e-folds].
-pub const LEAD_EFOLDS: f64 = 3.0;
 
 /// Largest scatter of a stationary level along the recorded time, one standard deviation [dB]; *drawn*. Periodic motion has less.
 pub const STATIONARY_SCATTER_DB: f64 = 0.1;

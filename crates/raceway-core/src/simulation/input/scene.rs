@@ -4,10 +4,12 @@ use crate::physics::InvalidParameter;
 use crate::physics::bearing::{Bearing, BearingParameters};
 use crate::physics::cage::CageParameters;
 use crate::physics::contact::damping::DampingLaw;
+use crate::physics::defaults::{GRAVITY, RACEWAY_DAMPING};
 use crate::physics::limits::Faults;
 use crate::physics::lubricant::Lubricant;
-use crate::physics::operation::Operation;
-use crate::physics::spindle::{AxialHold, Spindle};
+use crate::physics::operation::{Operation, SpeedProfile};
+use crate::physics::presets::{self, BearingPreset};
+use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
 
 /// Choice of the request for one term of the equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -138,6 +140,27 @@ impl Scene {
             raceway_damping: p.raceway_damping,
             terms: p.terms,
             gravity: p.gravity,
+        })
+    }
+
+    /// A preset bearing at a constant angular speed [rad/s] under a load along X, Y, Z [N], with default cage, lubricant and damping.
+    ///
+    /// The spindle is balanced. It is free along X where the load has an axial part.
+    pub fn of_preset(preset: &BearingPreset, speed: f64, load: [f64; 3]) -> Result<Self, Vec<InvalidParameter>> {
+        let BearingPreset { dimensions, defaults, .. } = preset;
+        Self::new(SceneParameters {
+            bearing: defaults.parameters(dimensions),
+            cage: defaults.cage.parameters(defaults.lubricant),
+            spindle: Spindle {
+                mass: defaults.spindle_mass,
+                unbalance: Unbalance::None,
+                axial: if load[0] == 0.0 { AxialHold::Fixed } else { AxialHold::Free },
+            },
+            operation: Operation { speed: SpeedProfile::constant(speed)?, load, misalignment: [0.0; 2] },
+            lubricant: presets::lubricant_of(defaults.lubricant).lubricant,
+            raceway_damping: RACEWAY_DAMPING,
+            terms: Terms::default(),
+            gravity: GRAVITY,
         })
     }
 

@@ -17,6 +17,11 @@ pub struct Outputs {
 }
 
 impl Outputs {
+    /// Levels and lines of the spindle's vibration, no signals.
+    pub fn vibration() -> Self {
+        Self { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() }
+    }
+
     /// Returns whether an output depends on the vibration levels of the spindle.
     pub(crate) fn include_levels(&self) -> bool {
         self.vibration || self.spectra.iter().any(|channel| matches!(channel, Channel::Spindle(..)))
@@ -49,6 +54,21 @@ pub struct RunSettings {
 }
 
 impl RunSettings {
+    /// A run by automatic choice of model and method at the default tolerances; times in seconds.
+    pub fn new(settle: f64, duration: f64, outputs: Outputs) -> Self {
+        Self {
+            method: Method::Auto,
+            rung: None,
+            relative_tolerance: 1e-5,
+            tightened: None,
+            model_tolerance_db: 0.05,
+            fixed_step: None,
+            settle,
+            duration,
+            outputs,
+        }
+    }
+
     /// The tightest relative tolerance that the run may choose [-].
     pub(crate) fn tightest(&self) -> f64 {
         self.tightened.unwrap_or(self.relative_tolerance)

@@ -1,7 +1,7 @@
 //! Step lengths of the reduced models: whole fractions and multiples of the interval between kept values.
 
+use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Interpolator;
-use crate::numerics::spectrum::Decimator;
 use crate::simulation::recording::sampling::{RATE, SPINDLE_IN_PLANE};
 
 /// Largest number of steps per recorded value: with more, the full dynamics are no slower.

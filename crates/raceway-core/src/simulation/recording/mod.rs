@@ -1,8 +1,13 @@
 //! The recording of a motion: sampled signals, their windows and spectra, extremes, data of plots. Knows no model and no error.
 
-pub(crate) mod load_course;
-pub mod plot_data;
-pub mod record;
 pub mod sampling;
+
 pub mod spectra;
+
 pub mod windows;
+
+pub(crate) mod load_course;
+
+pub mod record;
+
+pub mod plot_data;

@@ -5,7 +5,6 @@ use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::load_course::BallLoadCourse;
-use crate::simulation::recording::sampling::{ACCELERATIONS, PART, RATE};
 use crate::simulation::recording::windows::{Signal, Whirl};
 
 /// Extremes of the contacts of all balls on one raceway [SI].
@@ -104,18 +103,6 @@ impl Recording {
     pub fn orbit_radius(&self) -> Option<f64> {
         let rms = |axis| Some(self.of(Channel::CageDisplacement(axis))?.all().rms());
         Some(rms(Axis::Y)?.hypot(rms(Axis::Z)?))
-    }
-
-    /// Parts from a later time on [s], which is a multiple of a part after the start.
-    pub(crate) fn parts_from(&self, start: f64) -> &[Quantities] {
-        let first = ((start - self.start) * RATE / PART as f64).round().max(0.0) as usize;
-        self.parts.get(first..).unwrap_or_default()
-    }
-
-    /// Values of the spindle's accelerations that are kept from the start on without a gap.
-    pub(crate) fn first_excerpt(&self) -> usize {
-        let lengths = ACCELERATIONS.iter().filter_map(|channel| self.of(*channel)?.excerpts.first().map(Vec::len));
-        lengths.min().unwrap_or(0)
     }
 
     /// Variance of a signal before any filter.

@@ -1,6 +1,6 @@
 //! Spectra of one recorded channel.
 
-use crate::numerics::spectrum::{Spectrum, amplitude_spectrum, envelope_spectrum};
+use crate::numerics::spectrum::{Spectrum, amplitude_and_envelope};
 use crate::simulation::input::channel::Channel;
 use crate::simulation::recording::sampling::{ENVELOPE_BAND, RATE};
 
@@ -16,11 +16,8 @@ impl ChannelSpectra {
     /// Spectra of a signal [SI].
     pub fn of(channel: Channel, signal: &[f64]) -> Self {
         let signal: Vec<f64> = signal.iter().map(|value| channel.scale() * value).collect();
-        Self {
-            channel,
-            amplitude: amplitude_spectrum(&signal, RATE),
-            envelope: envelope_spectrum(&signal, RATE, ENVELOPE_BAND),
-        }
+        let (amplitude, envelope) = amplitude_and_envelope(&signal, RATE, ENVELOPE_BAND);
+        Self { channel, amplitude, envelope }
     }
 
     /// Averages these spectra with those of a further window.

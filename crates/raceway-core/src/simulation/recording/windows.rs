@@ -2,8 +2,10 @@
 //! So the memory of a run does not grow with its duration, except for requested series. A run of one window keeps its values and
 //! computes moments and spectra on request.
 
+use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
+use crate::numerics::lanes::{LANES, Lanes, larger};
 use crate::numerics::spectrum::band_limited;
 use crate::numerics::statistics::{self, CentralMoments};
 use crate::simulation::input::channel::{Axis, Channel, Motion};
@@ -74,7 +76,7 @@ impl InBand {
         // The band limit removes the mean, and windows differ in their means.
         Self {
             moments: CentralMoments::of(in_band).shifted(statistics::mean(signal)),
-            largest: signal.iter().fold(0.0, |most, value| f64::max(most, value.abs())),
+            largest: largest_magnitude(signal),
             mean_squares: statistics::mean_squares(in_band, BATCHES),
         }
     }
@@ -96,9 +98,13 @@ pub struct Signal {
     series: Option<Vec<f64>>,
     /// First values of each window, for accelerations; all values in a run of one window.
     pub excerpts: Vec<Vec<f64>>,
+    /// Moments at all recorded frequencies; of several windows only where `counts_all`.
     all: OnceLock<CentralMoments>,
+    counts_all: bool,
     in_band: OnceLock<InBand>,
     spectra: OnceLock<ChannelSpectra>,
+    /// Whether levels or metrics need the statistics in the band.
+    counts_in_band: bool,
     asked_for_spectra: bool,
     /// Values of the first of several windows, where plots need them.
     first: Option<Vec<f64>>,
@@ -114,8 +120,11 @@ impl Signal {
             series: whole.then(|| Vec::with_capacity(values)),
             excerpts: Vec::new(),
             all: OnceLock::new(),
+            counts_all: true,
             in_band: OnceLock::new(),
             spectra: OnceLock::new(),
+            counts_in_band: ACCELERATIONS.contains(&channel)
+                || (outputs.vibration && matches!(channel, Channel::Spindle(..))),
             asked_for_spectra: outputs.spectra.contains(&channel),
             first: (windows.count > 1 && outputs.keep_signals()).then(Vec::new),
         }
@@ -156,9 +165,10 @@ impl Signal {
             self.excerpts.push(std::mem::take(&mut self.window));
             return;
         }
-        let moments = CentralMoments::of(&self.window);
-        join(&mut self.all, moments, |all, window| *all = all.joined(window));
-        if matches!(self.channel, Channel::Spindle(..)) {
+        if self.counts_all {
+            join(&mut self.all, CentralMoments::of(&self.window), |all, window| *all = all.joined(window));
+        }
+        if self.counts_in_band {
             join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
         }
         if self.asked_for_spectra {
@@ -173,6 +183,18 @@ impl Signal {
         }
         self.window.clear();
     }
+}
+
+/// Largest magnitude of a signal, eight values side by side.
+fn largest_magnitude(signal: &[f64]) -> f64 {
+    let mut largest = Lanes::<LANES>::default();
+    let (eights, rest) = signal.as_chunks::<LANES>();
+    for values in eights {
+        for lane in 0..LANES {
+            largest[lane] = larger(values[lane].abs(), largest[lane]);
+        }
+    }
+    rest.iter().map(|value| value.abs()).chain(largest.0).fold(0.0, f64::max)
 }
 
 /// Adds the statistics of a window to those of the windows before.
@@ -195,9 +217,21 @@ pub struct Whirl {
 impl Whirl {
     pub fn of(y: &[f64], z: &[f64]) -> Self {
         let (mean_y, mean_z) = (statistics::mean(y), statistics::mean(z));
-        let centred = || y.iter().zip(z).map(|(y, z)| (y - mean_y, z - mean_z));
-        let turned = |((y0, z0), (y1, z1)): ((f64, f64), (f64, f64))| (y0 * z1 - z0 * y1).atan2(y0 * y1 + z0 * z1);
-        Self { angle: centred().zip(centred().skip(1)).map(turned).sum(), steps: y.len().saturating_sub(1) }
+        // The mean itself has no azimuth.
+        let mut centred = y.iter().zip(z).map(|(y, z)| (y - mean_y, z - mean_z)).filter(|point| *point != (0.0, 0.0));
+        let steps = y.len().saturating_sub(1);
+        let Some(first) = centred.next() else { return Self { angle: 0.0, steps } };
+        let (mut last, mut turns) = (first, 0_i64);
+        // An azimuth jumps by 2π where the point passes +Y or −Y on the side of −Y: a turn for each such passage, no arc tangent.
+        for point in centred {
+            let ((y0, z0), (y1, z1)) = (last, point);
+            let across = y0 * z1 - z0 * y1;
+            turns += i64::from(z0 >= 0.0 && z1 < 0.0 && across > 0.0);
+            turns -= i64::from(z0 < 0.0 && z1 >= 0.0 && across < 0.0);
+            last = point;
+        }
+        let azimuth = |(y, z): (f64, f64)| z.atan2(y);
+        Self { angle: azimuth(last) - azimuth(first) + TAU * turns as f64, steps }
     }
 
     fn joined(self, other: Self) -> Self {
@@ -235,6 +269,14 @@ impl Recorder {
             signals: channels.into_iter().map(|channel| Signal::new(channel, outputs, values)).collect(),
             whirl: None,
         }
+    }
+
+    /// A recorder of signals behind a low-pass filter, whose total variance the observer knows: it computes no moments at all recorded
+    /// frequencies over several windows.
+    pub(crate) fn behind_filter(channels: impl IntoIterator<Item = Channel>, outputs: &Outputs, values: usize) -> Self {
+        let mut recorder = Self::new(channels, outputs, values);
+        recorder.signals.iter_mut().for_each(|signal| signal.counts_all = false);
+        recorder
     }
 
     /// rms of the spindle's accelerations in y and z over the current window [m/s²]; `None` while it is empty.
@@ -388,5 +430,24 @@ mod tests {
         assert!((whirl.rate() / 300.0 - 1.0).abs() < 0.05);
         assert!((whirl.joined(whirl).rate() / whirl.rate() - 1.0).abs() < 1e-12);
         assert_eq!(Whirl::of(&y[..1], &z[..1]).rate(), 0.0);
+    }
+
+    /// The sum of the angles between successive points, each within half a turn, on an irregular path either way.
+    #[test]
+    fn whirl_is_the_sum_of_the_angles_between_points() {
+        for direction in [1.0, -1.0] {
+            let angle = |k: i32| direction * (0.02 * f64::from(k) + 2.0 * (0.13 * f64::from(k)).sin());
+            let radius = |k: i32| 1.0 + 0.9 * (0.37 * f64::from(k)).cos();
+            let (y, z): (Vec<f64>, Vec<f64>) =
+                (0..3000).map(|k| (radius(k) * angle(k).cos(), radius(k) * angle(k).sin())).unzip();
+            let (mean_y, mean_z) = (statistics::mean(&y), statistics::mean(&z));
+            let points: Vec<(f64, f64)> = y.iter().zip(&z).map(|(y, z)| (y - mean_y, z - mean_z)).collect();
+            let between = |pair: &[(f64, f64)]| {
+                let ((y0, z0), (y1, z1)) = (pair[0], pair[1]);
+                (y0 * z1 - z0 * y1).atan2(y0 * y1 + z0 * z1)
+            };
+            let sum: f64 = points.windows(2).map(between).sum();
+            assert!((Whirl::of(&y, &z).angle - sum).abs() < 1e-9, "{sum}");
+        }
     }
 }

@@ -115,3 +115,8 @@ fn dynamics(scene: &Scene, settings: &RunSettings, level: ModelLevel) -> Result<
     let tolerances = [Some(settings.relative_tolerance), settings.tightened];
     Ok(in_steps.into_iter().chain(tolerances.into_iter().flatten().map(controlled)).collect())
 }
+
+/// Model levels of the candidates, the leanest first.
+pub fn model_levels(scene: &Scene, settings: &RunSettings) -> Result<Vec<ModelLevel>, UnsupportedChoice> {
+    Plan::of(scene, settings).map(|plan| plan.levels())
+}

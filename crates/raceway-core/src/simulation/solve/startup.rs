@@ -173,8 +173,6 @@ pub struct InitialState {
     pub time: f64,
     /// What only the start has set going has been taken away.
     pub is_damped: bool,
-    /// The longest steps that do not blow up on the way [s]; `None`: all do.
-    pub step: Option<f64>,
     pub state: Vec<f64>,
     /// What led to it.
     pub work: Statistics,
@@ -183,8 +181,7 @@ pub struct InitialState {
 impl InitialState {
     /// In equilibrium, at no time.
     pub fn at_rest(model: &Model) -> Result<Self, SimulationError> {
-        let step = fixed_step::lengths(model).next();
-        Ok(Self { time: 0.0, is_damped: false, step, state: start_state(model)?, work: Statistics::default() })
+        Ok(Self { time: 0.0, is_damped: false, state: start_state(model)?, work: Statistics::default() })
     }
 
     /// After what attempts share, so that they and their repetitions have no more before them than the last of settling. In long steps,
@@ -200,19 +197,19 @@ impl InitialState {
         let model = damped.as_ref().unwrap_or(model);
         let span = Span { start: 0.0, end: time, checkpoint: time, share: (0.0, 1.0) };
         (control.live)(&Live::of(Phase::Settling));
-        let in_steps = fixed_step::lengths(model).map(|step| (fixed_step::by(step), Some(step)));
-        for (stepping, step) in in_steps.chain([(STARTUP_TOLERANCE, None)]) {
+        let in_steps = fixed_step::lengths(model).map(fixed_step::by);
+        for stepping in in_steps.chain([STARTUP_TOLERANCE]) {
             match integrate(model, &start.state, &stepping, &span, control, |_| ()) {
                 Ok(settled) => {
                     let is_damped = damping.is_some();
-                    return Ok(Self { time, is_damped, step, state: settled.checkpoint, work: settled.statistics });
+                    return Ok(Self { time, is_damped, state: settled.checkpoint, work: settled.statistics });
                 }
                 Err(stopped @ SimulationError::Stopped { .. }) => return Err(stopped),
                 Err(_) => {}
             }
         }
         // Every attempt settles by itself.
-        Ok(Self { step: None, ..start })
+        Ok(start)
     }
 }
 

@@ -2,15 +2,14 @@
 
 use std::rc::Rc;
 
-use crate::numerics::ode::{Method, Statistics};
+use crate::numerics::ode::Method;
 use crate::simulation::error::codes::{ErrorBasis, Gap, Refinement};
 use crate::simulation::error::comparison::{Deviation, level_errors, quantity_errors, twice};
 use crate::simulation::error::lyapunov::{self, DivergenceEstimate, MotionKind, Pairs};
 use crate::simulation::error::stationarity::{is_stationary, scattering_level};
 use crate::simulation::error::thresholds::{
-    BALL_DRIFT, CAGE_SPEED_CHANGE, DIVERGENCE_CAGE_TURNS, IN_PLANE_SINE, INERTIA_OVER_PRELOAD, LEAD_EFOLDS,
-    LEAVING_PLANE_PER_S, LEAVING_WINDOW_S, LONG_WINDOW_S, MIN_DECAY_EFOLDS, MIN_WINDOW_SETTLE_S, OUT_OF_PLANE_SINE,
-    WINDOW_PASSAGES,
+    BALL_DRIFT, CAGE_SPEED_CHANGE, DIVERGENCE_CAGE_TURNS, IN_PLANE_SINE, INERTIA_OVER_PRELOAD, LEAVING_PLANE_PER_S,
+    LEAVING_WINDOW_S, LONG_WINDOW_S, MIN_DECAY_EFOLDS, MIN_WINDOW_SETTLE_S, OUT_OF_PLANE_SINE, WINDOW_PASSAGES,
 };
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::control::{Control, Live, Phase};
@@ -23,10 +22,10 @@ use crate::simulation::model::integrate::Stepping;
 use crate::simulation::model::radially_condensed::{self, RadiallyCondensed};
 use crate::simulation::model::system::Model;
 use crate::simulation::recording::record::{Quantities, Recording};
-use crate::simulation::recording::sampling::{ACCELERATIONS, PART, RATE, REPEATED, kept_values};
+use crate::simulation::recording::sampling::{ACCELERATIONS, RATE, REPEATED, kept_values};
 use crate::simulation::recording::windows::Windows;
 use crate::simulation::solve::attempt::{
-    Attempt, Dynamics, MIN_EVALUATIONS, Problem, record, run, run_from, window_settings, without_signals,
+    Attempt, Dynamics, MIN_EVALUATIONS, Problem, record, run, window_settings, without_signals,
 };
 use crate::simulation::solve::eligibility::{ball_passage, tilt_risk, window_time};
 use crate::simulation::solve::fixed_step;
@@ -71,8 +70,6 @@ pub(crate) struct Verification {
     pub failure: Option<SimulationError>,
     /// Only a part [s] could be repeated, and why.
     pub part: Option<(f64, SimulationError)>,
-    /// Work of the verification.
-    pub work: Statistics,
 }
 
 impl Verification {
@@ -156,11 +153,20 @@ fn by_richer_model(
             let finer = or_failure(control.part((0.5, 0.75), |_| finer(settings)))?.ok().flatten();
             let of = |finer: &Recording| Deviation::of_recordings(&attempt.recording, finer, 0.0);
             course = finer.as_ref().map(|finer| of(finer).of_asked(&settings.outputs));
-        } else if let Some(by_steps) = attempt.step_deviation {
-            deviation = deviation.larger(&by_steps);
-        } else if let Some(finer) = or_failure(finer(&short))?.ok().flatten() {
-            let by_steps = Deviation::of_recordings(&own, &finer, 0.0).of_asked(&settings.outputs);
-            deviation = deviation.larger(&by_steps);
+        } else {
+            if let Some(by_steps) = attempt.step_deviation {
+                deviation = deviation.larger(&by_steps);
+            } else if let Some(finer) = or_failure(finer(&short))?.ok().flatten() {
+                let by_steps = Deviation::of_recordings(&own, &finer, 0.0).of_asked(&settings.outputs);
+                deviation = deviation.larger(&by_steps);
+            }
+            // The same once the run has settled, over a turn of the cage.
+            let settled = RunSettings { duration: settled_window(scene, settings), ..settings.clone() };
+            if let Some(finer) = or_failure(control.part((0.5, 0.75), |_| finer(&settled)))?.ok().flatten() {
+                let unseen = (1.0 - settled.duration / settings.duration).max(0.0).sqrt();
+                let signals = twice(&attempt.recording, &finer);
+                deviation.levels = deviation.levels.larger(level_errors(&signals, |twice| twice.error_db(unseen)));
+            }
         }
     }
     let turns = scene.operating_speed() != 0.0;
@@ -305,7 +311,7 @@ fn divergence(
         let spacing = Windows::of(kept_values(duration)).length;
         Ok(lyapunov::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE))
     };
-    let window = (window_time(scene, settings)).max(divergence_window(scene)).min(settings.duration);
+    let window = settled_window(scene, settings);
     if whole || window >= settings.duration {
         return over(settings.duration);
     }
@@ -316,10 +322,11 @@ fn divergence(
     }
 }
 
-/// Time in which neighbouring trajectories show whether they diverge [s].
-fn divergence_window(scene: &Scene) -> f64 {
+/// Window of the recorded time that shows the error of steps, and whether neighbouring trajectories diverge [s]: a turn of the cage.
+fn settled_window(scene: &Scene, settings: &RunSettings) -> f64 {
     let passages = scene.bearing.parameters.ball_count as f64 * DIVERGENCE_CAGE_TURNS;
-    REPEATED.max(WINDOW_PASSAGES.max(passages) * ball_passage(scene))
+    let turn = WINDOW_PASSAGES.max(passages) * ball_passage(scene);
+    window_time(scene, settings).max(REPEATED).max(turn).min(settings.duration)
 }
 
 /// What happens in a run that its window of verification does not cover.
@@ -411,7 +418,7 @@ fn by_refinement(
         ..settings.clone()
     };
     let most = MOST_EVALUATIONS * attempt.work.rhs_evaluations.max(MIN_EVALUATIONS);
-    let window = divergence_start(scene, settings);
+    let window = refined_window(scene, settings);
     let estimated = lyapunov::divergence_rate(
         &dynamics.model,
         &own,
@@ -437,19 +444,18 @@ fn by_refinement(
     }
     let steady = scene.operation.speed.is_constant()
         && is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
-    let repetition = Repetition::of(&own, dynamics, attempt, divergence.filter(|_| steady && decays), scene);
-    let window = if steady && decays { repetition } else { Repetition::whole(&own) };
-    let mut repeated = or_failure(window.run(&own, dynamics, attempt, most, control))?;
-    let mut window = window;
+    // The whole time where the motion is neither periodic nor stationary.
+    let is_windowed = steady && !verification.is_chaotic();
+    let mut window = if is_windowed { refined_window(scene, settings) } else { settings.duration };
+    let mut repeated = or_failure(repeat(window, &own, dynamics, most, control))?;
     if let Err(why) = &repeated
-        && window.duration > REPEATED
+        && window > REPEATED
     {
         // A part is better than nothing.
-        let part = Repetition { duration: REPEATED, ..Repetition::whole(&own) };
-        match or_failure(part.run(&own, dynamics, attempt, most, control))? {
+        match or_failure(repeat(REPEATED, &own, dynamics, most, control))? {
             Ok(recording) => {
                 verification.part = Some((REPEATED, why.clone()));
-                (repeated, window) = (Ok(recording), part);
+                (repeated, window) = (Ok(recording), REPEATED);
                 failure = None;
             }
             Err(_) => failure = Some(why.clone()),
@@ -459,108 +465,60 @@ fn by_refinement(
     }
     (control.progress)(1.0);
     verification.failure = failure.filter(|_| verification.part.is_none());
-    verification.is_whole = window.duration >= settings.duration;
+    verification.is_whole = window >= settings.duration;
     let Ok(Some(again)) = repeated else { return Ok(verification) };
     let signals = twice(&attempt.recording, &again);
-    let unseen = (1.0 - window.duration / settings.duration).max(0.0).sqrt();
+    let unseen = (1.0 - window / settings.duration).max(0.0).sqrt();
     verification.noise = signals.iter().map(|(_, twice)| twice.noise()).fold(0.0, f64::max);
     verification.deviation = Some(Deviation {
         levels: level_errors(&signals, |twice| twice.error_db(unseen)),
-        quantities: Some(quantity_errors(attempt.recording.parts_from(again.start), &again.parts)),
+        quantities: Some(quantity_errors(&attempt.recording.parts, &again.parts)),
     });
-    verification.basis = ErrorBasis::Repetition {
-        refinement: window.refinement(&own),
-        window: window.duration,
-        recorded: settings.duration,
-    };
+    verification.basis = ErrorBasis::Repetition { refinement: refinement(&own), window, recorded: settings.duration };
     Ok(verification)
 }
 
-/// Time over which two neighbouring trajectories are followed at first [s].
-fn divergence_start(scene: &Scene, settings: &RunSettings) -> f64 {
+/// Window of a repetition, and time over which neighbouring trajectories are followed at first [s].
+fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
     let passages = WINDOW_PASSAGES * ball_passage(scene);
     settings.duration.min(if passages.is_finite() { passages.max(REPEATED) } else { REPEATED })
 }
 
-/// A repetition of a run, or of a part of it.
-#[derive(Debug, Clone, Copy)]
-struct Repetition {
-    /// Time from the start of the recorded time to that of the repetition, which starts from the run's own state [s]; `None`: from the
-    /// initial state.
-    lead: Option<f64>,
-    /// [s]
-    duration: f64,
+/// How a repetition is refined.
+fn refinement(settings: &RunSettings) -> Refinement {
+    match settings.fixed_step {
+        Some(_) if settings.method == Method::SemiImplicit => Refinement::Step(QUARTER_STEP),
+        Some(_) => Refinement::Step(HALF_STEP),
+        None => {
+            let tolerance = (TIGHTER * settings.relative_tolerance).max(TIGHTEST);
+            Refinement::Tolerance(tolerance, lyapunov::judging(settings.method))
+        }
+    }
 }
 
-impl Repetition {
-    /// All of the recorded time, from the initial state.
-    fn whole(settings: &RunSettings) -> Self {
-        Self { lead: None, duration: settings.duration }
+/// Repeats a run from its initial state over a window [s]; `None`: too short to compare.
+fn repeat(
+    window: f64,
+    settings: &RunSettings,
+    dynamics: &Dynamics,
+    most_evaluations: u64,
+    control: &Control<'_>,
+) -> Result<Option<Recording>, SimulationError> {
+    if kept_values(window) < MIN_VALUES {
+        return Ok(None);
     }
-
-    /// A window that starts from the run's own state, as soon as a difference has decayed; else from the initial state.
-    fn of(
-        settings: &RunSettings,
-        dynamics: &Dynamics,
-        attempt: &Attempt,
-        divergence: Option<DivergenceEstimate>,
-        scene: &Scene,
-    ) -> Self {
-        let duration = divergence_start(scene, settings);
-        let rate = divergence.map_or(0.0, |divergence| -divergence.rate);
-        let part = PART as f64 / RATE;
-        let lead = (LEAD_EFOLDS / rate.max(f64::MIN_POSITIVE) / part).ceil().max(1.0) * part;
-        let from_start = settings.settle - dynamics.start.time;
-        let first = attempt.recording.first_excerpt();
-        let is_recorded = kept_values(lead) + kept_values(duration) <= first && lead + duration <= settings.duration;
-        let lead = Some(lead).filter(|lead| rate > 0.0 && *lead < from_start && is_recorded);
-        Self { lead, duration }
-    }
-
-    fn refinement(&self, settings: &RunSettings) -> Refinement {
-        match settings.fixed_step {
-            Some(_) if settings.method == Method::SemiImplicit => Refinement::Step(QUARTER_STEP),
-            Some(_) => Refinement::Step(HALF_STEP),
-            None => {
-                let tolerance = (TIGHTER * settings.relative_tolerance).max(TIGHTEST);
-                Refinement::Tolerance(tolerance, lyapunov::judging(settings.method))
-            }
-        }
-    }
-
-    /// `None`: too short to compare.
-    fn run(
-        &self,
-        settings: &RunSettings,
-        dynamics: &Dynamics,
-        attempt: &Attempt,
-        most_evaluations: u64,
-        control: &Control<'_>,
-    ) -> Result<Option<Recording>, SimulationError> {
-        if kept_values(self.duration) < MIN_VALUES {
-            return Ok(None);
-        }
-        let refinement = self.refinement(settings);
-        let again = RunSettings {
-            duration: self.duration,
-            settle: settings.settle + self.lead.unwrap_or(0.0),
-            // Sampled as often as its own steps require: peaks lie between the samples of longer ones.
-            fixed_step: settings.fixed_step.zip(refinement.step()).map(|(step, share)| share * step),
-            outputs: without_signals(&settings.outputs),
-            ..settings.clone()
-        };
-        let stepping = Stepping {
-            method: lyapunov::judging(settings.method),
-            relative_tolerance: (TIGHTER * settings.relative_tolerance).max(TIGHTEST),
-            fixed_step: again.fixed_step,
-            most_evaluations: Some(most_evaluations),
-        };
-        let own = attempt.trajectory.as_ref().filter(|_| self.lead.is_some()).map(|trajectory| InitialState {
-            time: settings.settle,
-            state: trajectory.checkpoint.clone(),
-            ..dynamics.start.clone()
-        });
-        let start = own.as_ref().unwrap_or(&dynamics.start);
-        Ok(Some(run_from(dynamics, start, &again, &stepping, control)?.recording))
-    }
+    let again = RunSettings {
+        duration: window,
+        // Sampled as often as its own steps require: peaks lie between the samples of longer ones.
+        fixed_step: settings.fixed_step.zip(refinement(settings).step()).map(|(step, share)| share * step),
+        outputs: without_signals(&settings.outputs),
+        ..settings.clone()
+    };
+    let stepping = Stepping {
+        method: lyapunov::judging(settings.method),
+        relative_tolerance: (TIGHTER * settings.relative_tolerance).max(TIGHTEST),
+        fixed_step: again.fixed_step,
+        most_evaluations: Some(most_evaluations),
+    };
+    Ok(Some(run(dynamics, &again, &stepping, control)?.recording))
 }

@@ -1,9 +1,9 @@
-//! What is known at the points of the uniform grid.
+//! States and rates at the points of the uniform grid.
 
 /// Values kept: after doubling, every other one of them still makes a cubic and an interpolation.
-pub(super) const MOST_KEPT: usize = 9;
+pub(super) const MAX_KEPT: usize = 9;
 /// Values that a step and the halving of its grid need.
-pub(super) const LEAST_KEPT: usize = 5;
+pub(super) const MIN_KEPT: usize = 5;
 /// Values midway between the newest and the next, and between the next two, from the five newest.
 const MIDWAY: [[f64; 5]; 2] = [
     [35.0 / 128.0, 140.0 / 128.0, -70.0 / 128.0, 28.0 / 128.0, -5.0 / 128.0],
@@ -19,7 +19,7 @@ pub(super) struct Past {
 
 impl Past {
     pub(super) fn new(dimension: usize) -> Self {
-        let vectors = || vec![vec![0.0; dimension]; MOST_KEPT];
+        let vectors = || vec![vec![0.0; dimension]; MAX_KEPT];
         Self { states: vectors(), rests: vectors(), kept: 0 }
     }
 
@@ -32,18 +32,18 @@ impl Past {
     pub(super) fn advance(&mut self) -> (&mut [f64], &mut [f64]) {
         self.states.rotate_right(1);
         self.rests.rotate_right(1);
-        self.kept = (self.kept + 1).min(MOST_KEPT);
+        self.kept = (self.kept + 1).min(MAX_KEPT);
         (&mut self.states[0], &mut self.rests[0])
     }
 
     /// Every other point makes a grid of twice the step.
     pub(super) fn double_step(&mut self) {
         for values in [&mut self.states, &mut self.rests] {
-            for i in 1..=MOST_KEPT / 2 {
+            for i in 1..=MAX_KEPT / 2 {
                 values.swap(i, 2 * i);
             }
         }
-        self.kept = MOST_KEPT.div_ceil(2);
+        self.kept = MAX_KEPT.div_ceil(2);
     }
 
     /// A grid of half the step; the missing values are interpolated between the five newest.
@@ -61,6 +61,6 @@ impl Past {
             values.swap(1, 5);
             values.swap(3, 6);
         }
-        self.kept = LEAST_KEPT;
+        self.kept = MIN_KEPT;
     }
 }

@@ -1,32 +1,14 @@
-//! The linear part and its weights, taken anew as they go out of date.
+//! Renewal of the linear part and its weights.
 
+use super::FineAbm;
 use super::diagonal::Diagonal;
+use super::linear_part::{LinearPart, MAX_PATIENCE, MIN_PATIENCE, Renewal};
 use super::weights::Weights;
-use super::{FineAbm, LinearPart};
-use crate::numerics::ode::OdeSystem;
 use crate::numerics::ode::structure::displacements;
+use crate::numerics::ode::system::OdeSystem;
 
 /// `h |∂f/∂y|` at which the linear part counts as outdated.
 const OUTDATED: f64 = 0.5;
-/// Steps before a linear part is renewed again; doubled each time that it is outdated at once, up to the most.
-const LEAST_PATIENCE: u64 = 4;
-const MOST_PATIENCE: u64 = 256;
-
-/// How long the linear part has served.
-pub(super) struct Renewal {
-    /// It has been taken since the start.
-    taken: bool,
-    /// Steps since then, and before it is renewed again.
-    pub(super) age: u64,
-    patience: u64,
-}
-
-impl Renewal {
-    pub(super) fn new() -> Self {
-        Self { taken: false, age: 0, patience: LEAST_PATIENCE }
-    }
-}
-
 impl<S: OdeSystem + ?Sized> FineAbm<'_, S> {
     /// Weights of the present step, computed where they are not at hand.
     pub(super) fn prepare_weights(&mut self) -> usize {
@@ -71,8 +53,8 @@ impl<S: OdeSystem + ?Sized> FineAbm<'_, S> {
         let outdated = self.part == LinearPart::Blocks && self.rate_of_rest > OUTDATED;
         let Renewal { age, patience, .. } = &mut self.renewal;
         if *age == 1 {
-            // Renewed in vain: what is fast lies outside the blocks.
-            *patience = if outdated { (2 * *patience).min(MOST_PATIENCE) } else { LEAST_PATIENCE };
+            // The renewal did not help: the fast modes lie outside the blocks.
+            *patience = if outdated { (2 * *patience).min(MAX_PATIENCE) } else { MIN_PATIENCE };
         }
         if outdated && *age >= *patience {
             self.renew_linear_part();

@@ -44,7 +44,7 @@ fn observed_order_is_four() {
 fn without_a_linear_part_it_is_the_classical_pair() {
     let mut method = method(&Logistic, &[0.1], 1e-12, Some(0.1), LinearPart::Kinematic);
     let rates = |method: &FineAbm<'_, Logistic>| -> [f64; 4] { std::array::from_fn(|k| method.past.rests[k][0]) };
-    while method.past.kept < LEAST_KEPT {
+    while method.past.kept < MIN_KEPT {
         method.step(10.0).unwrap();
     }
     for _ in 0..10 {
@@ -179,7 +179,7 @@ fn a_quartic_survives_halving() {
         state[0] = quartic(-(k as f64));
     }
     method.halve_step();
-    for k in 0..LEAST_KEPT {
+    for k in 0..MIN_KEPT {
         assert!((method.past.states[k][0] - quartic(-0.5 * k as f64)).abs() < 1e-12);
     }
     assert_eq!(method.step, 0.5);
@@ -260,7 +260,7 @@ fn stiff_components_are_right_within_steps_too() {
     assert!(worst < 1e-4, "{worst:e}");
 }
 
-/// y' = −2 y, half of which the linear part holds: what is seen is the other half.
+/// y' = −2 y, half of which is in the linear part: the measured rate is the other half.
 struct Halved;
 impl OdeSystem for Halved {
     fn dimension(&self) -> usize {

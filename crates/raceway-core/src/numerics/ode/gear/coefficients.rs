@@ -1,6 +1,9 @@
 //! Coefficients of backward differentiation over steps of any sizes, with a fixed leading coefficient.
 
-use super::DIFFERENCES;
+/// Highest order with a useful sector of stability.
+pub(super) const MAX_ORDER: usize = 5;
+/// Differences kept: the state, as many as the order, and two to judge the next higher order.
+pub(super) const DIFFERENCES: usize = MAX_ORDER + 3;
 
 /// Coefficients of one step of a given size and order.
 pub(super) struct Coefficients {

@@ -1,25 +1,20 @@
-//! The corrector: Newton's iteration on factors of `c·I − J` that are kept as long as they serve.
+//! The matrix of the corrector, factors of `c·I − J` kept over several steps, and norms.
 
-use super::Gear;
-use super::coefficients::Coefficients;
 use crate::numerics::ode::arrowhead::ArrowheadFactors;
-use crate::numerics::ode::step_size::Try;
+use crate::numerics::ode::integrator::Statistics;
 use crate::numerics::ode::structure::{Jacobian, Structure, displacements};
-use crate::numerics::ode::{OdeSystem, Statistics, Tolerances};
+use crate::numerics::ode::system::OdeSystem;
+use crate::numerics::ode::tolerances::Tolerances;
 
-/// Corrector iterations a step.
-const MOST_ITERATIONS: u32 = 4;
-/// Error that the corrector may leave, as a share of that of a step.
-const CORRECTOR_ERROR: f64 = 0.05;
-/// A factor made for another leading coefficient serves while that is off by less than this share.
+/// Relative difference of leading coefficients up to which factors are reused.
 const COEFFICIENT_DRIFT: f64 = 0.3;
 /// Steps after which a factor, with its Jacobian when that has cost as much as a new one, is made anew.
 const FACTOR_AGE: u32 = 20;
 
-/// Newton's iteration: its matrix and how well that does.
+/// Matrix of Newton's iteration and its convergence.
 pub(super) struct Corrector {
     pub(super) jacobian: Jacobian,
-    factors: ArrowheadFactors<f64>,
+    pub(super) factors: ArrowheadFactors<f64>,
     /// Leading coefficient that the factors were made for; `None` before the first.
     pub(super) factored_for: Option<f64>,
     /// Steps since the factors were made.
@@ -28,11 +23,11 @@ pub(super) struct Corrector {
     pub(super) current: bool,
     /// Evaluations that the Jacobian took, and iterations beyond one a step since.
     jacobian_cost: u64,
-    excess: u64,
-    contraction: f64,
+    pub(super) excess: u64,
+    pub(super) contraction: f64,
     /// Corrector less predictor.
     pub(super) correction: Vec<f64>,
-    increment: Vec<f64>,
+    pub(super) increment: Vec<f64>,
     pub(super) rate: Vec<f64>,
     displacement: Vec<f64>,
 }
@@ -43,70 +38,6 @@ pub(super) enum Failure {
     Corrector,
     /// The right-hand side or its Jacobian is not finite.
     NotFinite,
-}
-
-impl<S: OdeSystem + ?Sized> Gear<'_, S> {
-    /// Solves for the correction at the end of a step, from the predictor on.
-    #[inline(always)]
-    pub(super) fn correct(&mut self, tried: &Try, c: &Coefficients) -> Result<(), Failure> {
-        let (corrector, end) = (&mut self.corrector, tried.end);
-        corrector.correction.fill(0.0);
-        self.trial.copy_from_slice(&self.predicted);
-        let mut last = 0.0;
-        for iteration in 0..MOST_ITERATIONS {
-            self.system.derivative(end, &self.trial, &mut corrector.rate);
-            self.statistics.rhs_evaluations += 1;
-            if iteration == 0 {
-                if !corrector.rate.iter().all(|x| x.is_finite()) {
-                    return Err(Failure::NotFinite);
-                }
-                corrector.prepare(
-                    self.system,
-                    (end, &self.predicted),
-                    &self.tolerances,
-                    (tried.step, c.leading),
-                    &mut self.statistics,
-                )?;
-            } else {
-                corrector.excess += 1;
-            }
-            let known = corrector.rate.iter().zip(&self.predicted_rate).zip(&corrector.correction);
-            for (increment, ((rate, predicted), correction)) in corrector.increment.iter_mut().zip(known) {
-                *increment = rate - predicted - c.leading * correction;
-            }
-            corrector.factors.solve(&mut corrector.increment);
-            // Between the limits of a slow and of a stiff component, for factors of another coefficient.
-            let mend = 2.0 / (1.0 + c.leading / corrector.factored_for.unwrap_or(c.leading));
-            for (correction, increment) in corrector.correction.iter_mut().zip(&mut corrector.increment) {
-                *increment *= mend;
-                *correction += *increment;
-            }
-            for ((trial, predicted), correction) in
-                self.trial.iter_mut().zip(&self.predicted).zip(&corrector.correction)
-            {
-                *trial = predicted + correction;
-            }
-            let size = norm(&self.weights, &corrector.increment);
-            if iteration > 0 {
-                corrector.contraction = (0.3 * corrector.contraction).max(size / last);
-            }
-            if size * corrector.contraction.min(1.0) * c.step_error <= CORRECTOR_ERROR {
-                return Ok(());
-            }
-            let rounding = 16.0 * f64::EPSILON * norm(&self.weights, &self.trial);
-            if size <= rounding {
-                return Ok(());
-            }
-            if !size.is_finite() {
-                return Err(Failure::NotFinite);
-            }
-            if iteration > 0 && size > 2.0 * last {
-                break;
-            }
-            last = size;
-        }
-        Err(Failure::Corrector)
-    }
 }
 
 impl Corrector {
@@ -128,9 +59,9 @@ impl Corrector {
         }
     }
 
-    /// Sees to it that factors fit for the leading coefficient exist.
+    /// Makes factors that fit the leading coefficient where there are none.
     #[inline(always)]
-    fn prepare<S: OdeSystem + ?Sized>(
+    pub(super) fn prepare<S: OdeSystem + ?Sized>(
         &mut self,
         system: &S,
         (time, state): (f64, &[f64]),

@@ -1,17 +1,17 @@
 //! Order and size of the next step.
 
-use super::coefficients::Coefficients;
+use super::Gear;
+use super::coefficients::{Coefficients, MAX_ORDER};
 use super::corrector::norm_of_sum;
-use super::{Gear, MOST_ORDER};
-use crate::numerics::ode::OdeSystem;
+use crate::numerics::ode::system::OdeSystem;
 
-/// The error of the next step is aimed at this share of what it may be: at the same, the next lower and the next higher order.
-/// High orders are favoured: their steps cost the same, and err less than they are estimated to.
+/// Target error of the next step over the allowed error, at the same, the next lower and the next higher order. High
+/// orders are favoured: their steps cost the same, and err less than they are estimated to.
 const AIM: [f64; 3] = [1.0 / 4.0, 1.0 / 4.0, 1.0 / 2.0];
 /// A step must gain this much to grow, so that differences and factors are not upset for little.
-const LEAST_GAIN: f64 = 1.2;
-const LARGEST_GAIN: f64 = 4.0;
-/// Error-test failures of one step after which its past is distrusted.
+const MIN_GAIN: f64 = 1.2;
+const MAX_GAIN: f64 = 4.0;
+/// Failed error tests of one step after which its history is discarded.
 const DISTRUST: u32 = 3;
 
 impl<S: OdeSystem + ?Sized> Gear<'_, S> {
@@ -21,7 +21,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
         let k = self.order;
         let same = gain(error, k, AIM[0]);
         let lower = self.gain_lower(c);
-        if self.starting && k < MOST_ORDER && same > 1.0 && same > lower {
+        if self.starting && k < MAX_ORDER && same > 1.0 && same > lower {
             return (k + 1, 2.0 * step);
         }
         let failing = 1.5 * error > 1.0;
@@ -33,7 +33,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
         if lower > best {
             (best, order) = (lower, k - 1);
         }
-        if k < MOST_ORDER && self.known > k + 1 {
+        if k < MAX_ORDER && self.known > k + 1 {
             let scale = c.scale[k + 1];
             let correction = &self.corrector.correction;
             let higher = norm_of_sum(&self.weights, correction, (-scale, &self.differences[k + 1]));
@@ -42,8 +42,8 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
                 (best, order) = (higher, k + 1);
             }
         }
-        if best >= LEAST_GAIN {
-            (order, step * best.min(LARGEST_GAIN))
+        if best >= MIN_GAIN {
+            (order, step * best.min(MAX_GAIN))
         } else if failing || order < k {
             (order, step * best.clamp(0.5, 0.9))
         } else {
@@ -51,7 +51,7 @@ impl<S: OdeSystem + ?Sized> Gear<'_, S> {
         }
     }
 
-    /// What to do after a try whose error was too large.
+    /// Reduces step and order after a try whose error was too large.
     #[inline(always)]
     pub(super) fn after_rejection(&mut self, step: f64, error: f64, failures: u32, c: &Coefficients) {
         self.starting = false;

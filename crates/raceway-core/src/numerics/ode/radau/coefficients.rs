@@ -5,7 +5,7 @@ use nalgebra::Complex;
 
 /// √6
 const ROOT: f64 = 2.449_489_742_783_178;
-/// Where in the step the stages lie.
+/// Places of the stages as shares of the step.
 pub(super) const C: [f64; 3] = [(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0];
 /// Eigenvalues of A⁻¹, the roots of μ³ − 9μ² + 36μ − 60: one real, one of the conjugate pair.
 pub(super) const REAL: f64 = 3.637_834_252_744_496;

@@ -1,31 +1,20 @@
-//! Newton's iteration for the stages: the simplified one, on factors that are kept as long as they serve (Hairer & Wanner II,
+//! Simplified Newton iteration for the stages, on factors that are kept while it converges fast (Hairer & Wanner II,
 //! §IV.8).
 
 use nalgebra::Complex;
 
 use super::coefficients::{C, PAIR, REAL, T, T_INVERSE, basis, transform};
-use super::{ESTIMATE, MOST_ITERATIONS, Outcome, Radau};
-use crate::numerics::ode::OdeSystem;
+use super::convergence::Convergence;
+use super::{ESTIMATE, MAX_ITERATIONS, Outcome, Radau};
 use crate::numerics::ode::arrowhead::Singular;
 use crate::numerics::ode::structure::displacements;
+use crate::numerics::ode::system::OdeSystem;
 
-/// Part by which a step may differ from that of the factors: no more than rounding of times makes.
+/// Relative difference between a step and that of the factors: no more than the rounding of times.
 const SAME_STEP: f64 = 1e-6;
-/// Left to go after a first increment, over the increment, at least: the last step may have gone better than this one.
-const LEAST_REMAINDER: f64 = 1e-3;
-
-/// How well Newton's iteration goes.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Convergence {
-    /// Ratio of successive increments; 0 where one was enough.
-    pub(super) contraction: f64,
-    /// What is left to go, over the last increment.
-    pub(super) remainder: f64,
-}
-
-impl Convergence {
-    pub(super) const UNKNOWN: Self = Self { contraction: 0.0, remainder: 1.0 };
-}
+/// Least assumed remainder after a first increment, over the increment; the last step may have converged better than
+/// this one.
+const MIN_REMAINDER: f64 = 1e-3;
 
 impl<S: OdeSystem + ?Sized> Radau<'_, S> {
     /// Makes Jacobian and factors fit for a step, as far as they are not.
@@ -50,7 +39,7 @@ impl<S: OdeSystem + ?Sized> Radau<'_, S> {
         Ok(())
     }
 
-    /// Stages to begin with: the last polynomial goes on.
+    /// Initial stages by extrapolation of the last polynomial.
     pub(super) fn predict(&mut self, step: f64) {
         let last = self.time - self.previous_time;
         let weights = C.map(|c| basis(1.0 + c * step / last));
@@ -125,9 +114,9 @@ impl<S: OdeSystem + ?Sized> Radau<'_, S> {
     pub(super) fn newton(&mut self, step: f64) -> Result<u32, Outcome> {
         // Nothing is known before the second increment; the last step went about as well.
         self.convergence.contraction = 0.0;
-        self.convergence.remainder = self.convergence.remainder.max(LEAST_REMAINDER).powf(0.8);
+        self.convergence.remainder = self.convergence.remainder.max(MIN_REMAINDER).powf(0.8);
         let (mut last, mut last_ratio): (Option<f64>, Option<f64>) = (None, None);
-        for iteration in 1..=MOST_ITERATIONS {
+        for iteration in 1..=MAX_ITERATIONS {
             let increment = self.iterate(step);
             if !increment.is_finite() {
                 return Err(Outcome::Broken);
@@ -149,7 +138,7 @@ impl<S: OdeSystem + ?Sized> Radau<'_, S> {
                 return Ok(iteration);
             }
             if last.is_some() {
-                let iterations = MOST_ITERATIONS - iteration;
+                let iterations = MAX_ITERATIONS - iteration;
                 let expected = left * self.convergence.contraction.powi(iterations as i32);
                 if expected >= 1.0 {
                     let exponent = -1.0 / (ESTIMATE + f64::from(iterations));

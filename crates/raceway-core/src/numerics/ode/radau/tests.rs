@@ -2,7 +2,7 @@ use super::coefficients::*;
 use super::*;
 use crate::numerics::ode::structure::Structure;
 
-/// The constants are what they are said to be: A⁻¹ differentiates polynomials that vanish at 0.
+/// The constants have their defining property: A⁻¹ differentiates polynomials that vanish at 0.
 #[test]
 fn the_transformation_diagonalizes() {
     let difference = 1e-6;
@@ -117,9 +117,10 @@ impl OdeSystem for Scalar {
     }
 }
 
-/// y' = −√y ends at y = 0: a rate that is no number cuts the step, and where no step is short enough is told.
+/// y' = −√y ends at y = 0: a rate that is not a number shortens the step, and the integrator reports the time where no
+/// step is short enough.
 #[test]
-fn a_rate_that_is_not_finite_is_avoided_or_told() {
+fn a_rate_that_is_not_finite_is_avoided_or_reported() {
     let root = Scalar(|y| -y.sqrt());
     let before = run(&root, &[1.0], 1.999, 1e-8).unwrap();
     assert!((before.state()[0] - 0.000_5f64.powi(2)).abs() < 1e-8, "{:?}", before.state());

@@ -2,10 +2,10 @@
 
 use super::moments::{CageMoments, Moments};
 use super::snapshot::{Contact, Peaks, RunningExtremes, Snapshot, SnapshotWatch};
+use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
 use crate::numerics::ode::Integrator;
 use crate::numerics::ode::Method;
-use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, length};
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
@@ -112,7 +112,7 @@ impl<'m> Observer<'m> {
             pick: vec![0.0; channels.len()],
             history: Course::new(spindle.len() + channels.len() + FIRST_BALL_VALUES),
             between: vec![0.0; spindle.len() + channels.len() + FIRST_BALL_VALUES],
-            filtered: recorder(&spindle),
+            filtered: Recorder::behind_filter(spindle.iter().copied(), &settings.outputs, values),
             spindle,
             picked: recorder(&channels),
             channels,

@@ -25,6 +25,8 @@ mod stepping;
 
 mod step_length;
 
+mod films;
+
 mod observer;
 
 mod run;

@@ -1,20 +1,21 @@
 //! The observer of the radially condensed model, which records every step.
 
+use super::border::Border;
 use super::equations::RadiallyCondensed;
 use super::evaluation::{BallLoads, total};
+use super::films::Films;
 use super::stepping::{Observe, Stepper};
+use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
-use crate::numerics::spectrum::Decimator;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
-use crate::physics::raceway::{RacewayContact, RelativeMotion};
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::step_ratio::StepRatio;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::record::ContactExtremes;
-use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::record::{Quantities, Recording};
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, picked_channels};
 use crate::simulation::recording::windows::Recorder;
 
@@ -23,6 +24,8 @@ const SIGNALS: usize = SPINDLE_IN_PLANE.len();
 
 /// Number of frames that are processed together.
 const FRAMES: usize = 64;
+/// Number of parts of the recorded time whose extremes and means are recorded.
+const PARTS: u64 = 20;
 
 /// Steps of the recorded time.
 #[derive(Debug, Clone, Copy)]
@@ -73,11 +76,17 @@ pub(super) struct Observer<'a> {
     /// Largest distance of a ball from the middle of its pocket, along the orbit [m].
     largest_pocket_offset: Lanes,
     extremes: Option<Extremes>,
+    /// Extremes and means of the current part, which ends before this step, and those of the parts before.
+    part: Extremes,
+    means: PartMeans,
+    part_end: u64,
+    parts: Vec<Quantities>,
     loads: Option<BallLoadRecorder>,
-    thinnest: Option<PerRaceway<ThinnestFilm>>,
+    films: Option<Films>,
 }
 
-/// Largest values so far, by group of balls.
+/// Largest values of a part of the recorded time, by group of balls.
+#[derive(Clone)]
 struct Extremes {
     load: Vec<PerRaceway<Singles>>,
     slip: PerRaceway<Singles>,
@@ -91,7 +100,60 @@ fn grow(largest: &mut Singles, seen: impl Fn(usize) -> f32) {
     }
 }
 
+/// Means of a part of the recorded time.
+#[derive(Clone, Copy, Default)]
+struct PartMeans {
+    steps: f64,
+    shaft: f64,
+    /// Velocity of the cage along the arc.
+    cage: f64,
+    /// Place of the cage, relative to the place at the start of the part, and its squares.
+    origin: [f64; 2],
+    place: [f64; 2],
+    squares: [f64; 2],
+}
+
+impl PartMeans {
+    #[inline(always)]
+    fn add(&mut self, shaft: f64, border: &Border) {
+        if self.steps == 0.0 {
+            self.origin = border.cage;
+        }
+        self.steps += 1.0;
+        self.shaft += shaft;
+        self.cage += border.cage_velocity[2];
+        for axis in 0..2 {
+            let off = border.cage[axis] - self.origin[axis];
+            self.place[axis] += off;
+            self.squares[axis] += off * off;
+        }
+    }
+
+    /// Rms distance of the cage from its mean place [m].
+    fn orbit_radius(&self) -> f64 {
+        let variance =
+            |axis: usize| (self.squares[axis] - self.place[axis] * self.place[axis] / self.steps) / self.steps;
+        (variance(0) + variance(1)).max(0.0).sqrt()
+    }
+}
+
 impl Extremes {
+    fn new(groups: usize) -> Self {
+        Self { load: vec![PerRaceway::default(); groups], slip: PerRaceway::default(), pocket: Singles::default() }
+    }
+
+    /// Takes the extremes of a part, and empties them.
+    fn absorb(&mut self, part: &mut Self) {
+        for (load, part) in self.load.iter_mut().zip(&part.load) {
+            grow(&mut load.inner, |lane| part.inner[lane]);
+            grow(&mut load.outer, |lane| part.outer[lane]);
+        }
+        grow(&mut self.slip.inner, |lane| part.slip.inner[lane]);
+        grow(&mut self.slip.outer, |lane| part.slip.outer[lane]);
+        grow(&mut self.pocket, |lane| part.pocket[lane]);
+        *part = Self::new(part.load.len());
+    }
+
     #[inline(always)]
     fn observe(&mut self, group: usize, seen: &BallLoads) {
         let (load, slip) = (&seen.load, &seen.slip);
@@ -108,11 +170,7 @@ impl<'a> Observer<'a> {
     pub(super) fn new(model: &'a RadiallyCondensed, outputs: &Outputs, schedule: Schedule, primed: bool) -> Self {
         let channels = picked_channels(outputs, model.mechanism().layout.cage);
         let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), outputs, schedule.values);
-        let extremes = Extremes {
-            load: vec![PerRaceway::default(); model.groups()],
-            slip: PerRaceway::default(),
-            pocket: Singles::default(),
-        };
+        let extremes = Extremes::new(model.groups());
         Self {
             model,
             schedule,
@@ -121,7 +179,7 @@ impl<'a> Observer<'a> {
             frames: Vec::with_capacity(FRAMES),
             waiting_from: 0,
             primed,
-            filtered: recorder(&SPINDLE_IN_PLANE),
+            filtered: Recorder::behind_filter(SPINDLE_IN_PLANE, outputs, schedule.values),
             picked: recorder(&channels),
             pick: [vec![0.0; channels.len()], vec![0.0; channels.len()]],
             between: Vec::with_capacity(channels.len()),
@@ -136,13 +194,14 @@ impl<'a> Observer<'a> {
             spin: Lanes::default(),
             kept: 0.0,
             largest_pocket_offset: Lanes::default(),
+            part_end: schedule.first + part_steps(&schedule),
+            part: extremes.clone(),
+            means: PartMeans::default(),
+            parts: Vec::with_capacity(PARTS as usize + 1),
             extremes: (outputs.contacts || outputs.cage).then_some(extremes),
             loads: (outputs.contacts && outputs.keep_signals())
                 .then(|| BallLoadRecorder::new(schedule.values, model.mechanism().steady_orbit_speed())),
-            thinnest: model
-                .needs()
-                .film_thickness
-                .then_some(PerRaceway { inner: ThinnestFilm::NONE, outer: ThinnestFilm::NONE }),
+            films: model.needs().film_thickness.then(Films::new),
         }
     }
 
@@ -236,9 +295,32 @@ impl<'a> Observer<'a> {
             });
         }
         self.kept += 1.0;
-        if let Some(thinnest) = &mut self.thinnest {
-            meet_films(model, stepper, speed, thinnest);
+        if let Some(films) = &mut self.films {
+            films.record(m, stepper.balls(), stepper.ball_loads(), speed);
         }
+    }
+
+    /// Records the extremes and means of the current part.
+    #[inline(never)]
+    fn end_part(&mut self) {
+        let Some(extremes) = &mut self.extremes else { return };
+        if self.means.steps == 0.0 {
+            return;
+        }
+        let most = |seen: &Singles| f64::from(seen.0.into_iter().fold(0.0, f32::max));
+        let m = self.model.mechanism();
+        let loads = self.part.load.iter().map(|load| most(&load.inner).max(most(&load.outer)));
+        let PartMeans { steps, shaft, cage, .. } = self.means;
+        self.parts.push(Quantities {
+            max_load: loads.fold(0.0, f64::max),
+            cage_speed: (m.orbit_ratio * shaft / steps + cage / steps / m.pitch_radius).abs(),
+            out_of_plane: 0.0,
+            max_pocket_load: most(&self.part.pocket),
+            max_slip: PerRaceway { inner: most(&self.part.slip.inner), outer: most(&self.part.slip.outer) },
+            orbit_radius: self.means.orbit_radius(),
+        });
+        extremes.absorb(&mut self.part);
+        self.means = PartMeans::default();
     }
 
     /// rms of the spindle's accelerations in y and z so far [m/s²]; `None` before the first recorded value.
@@ -249,6 +331,7 @@ impl<'a> Observer<'a> {
     /// The recording; `start`: time of the first recorded value [s].
     pub(super) fn finish(mut self, start: f64) -> Recording {
         self.keep_frames();
+        self.end_part();
         if self.schedule.ratio.is_long() && !self.channels.is_empty() {
             // The last value may be at the time of the last step.
             self.picked.push(&self.pick[0]);
@@ -278,7 +361,7 @@ impl<'a> Observer<'a> {
             shaft_speed: shaft.abs(),
             cage_speed: (m.orbit_ratio * shaft + cage).abs(),
             ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
-            parts: Vec::new(),
+            parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),
             largest_pocket_offset: m.layout.cage.then(|| self.largest_pocket_offset.0.into_iter().fold(0.0, f64::max)),
         }
@@ -302,8 +385,8 @@ impl<'a> Observer<'a> {
             }
         };
         PerRaceway {
-            inner: one(&|load| load.inner, &extremes.slip.inner, self.thinnest.map(|films| films.inner)),
-            outer: one(&|load| load.outer, &extremes.slip.outer, self.thinnest.map(|films| films.outer)),
+            inner: one(&|load| load.inner, &extremes.slip.inner, self.films.as_ref().map(|films| films.thinnest.inner)),
+            outer: one(&|load| load.outer, &extremes.slip.outer, self.films.as_ref().map(|films| films.thinnest.outer)),
         }
     }
 }
@@ -320,8 +403,14 @@ impl Observe for Observer<'_> {
         if now == schedule.first {
             self.begin(&frame(stepper));
         }
-        if let (true, Some(extremes)) = (counts, &mut self.extremes) {
-            stepper.ball_loads().iter().enumerate().for_each(|(group, seen)| extremes.observe(group, seen));
+        if let (true, true) = (counts, self.extremes.is_some()) {
+            if now >= self.part_end {
+                self.end_part();
+                self.part_end = now + part_steps(&schedule);
+            }
+            let part = &mut self.part;
+            stepper.ball_loads().iter().enumerate().for_each(|(group, seen)| part.observe(group, seen));
+            self.means.add(self.model.speed_at(stepper.time()), stepper.border());
         }
         if !self.primed || now >= schedule.first {
             if self.frames.is_empty() {
@@ -337,6 +426,11 @@ impl Observe for Observer<'_> {
             self.keep(stepper);
         }
     }
+}
+
+/// Steps of a part of the recorded time.
+fn part_steps(schedule: &Schedule) -> u64 {
+    (schedule.last - schedule.first + 1).div_ceil(PARTS)
 }
 
 /// The spindle's signals at a step, in the order of the stepper: values that were just stored in pairs can be loaded in pairs at once.
@@ -369,32 +463,5 @@ fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, spe
                 BallContact::Pocket => seen.pocket[lane],
             })
         }
-    }
-}
-
-/// Records the film thickness of all contacts under load.
-fn meet_films(model: &RadiallyCondensed, stepper: &Stepper<'_>, speed: f64, thinnest: &mut PerRaceway<ThinnestFilm>) {
-    let m = model.mechanism();
-    for ball in 0..m.layout.balls {
-        let (balls, lane) = (&stepper.balls()[ball / LANES], ball % LANES);
-        let seen = &stepper.ball_loads()[ball / LANES];
-        let orbit = m.orbit_ratio * speed + f64::from(balls.arc_velocity[lane]) / m.pitch_radius;
-        let meet = |contact: &RacewayContact, raceway_speed: f64, normal: f64, thinnest: &mut ThinnestFilm| {
-            if normal <= 0.0 {
-                return;
-            }
-            let motion = RelativeMotion {
-                axial: 0.0,
-                radius: m.pitch_radius,
-                velocity: [0.0, 0.0, m.pitch_radius * orbit],
-                spin: [m.spin_ratio * speed + f64::from(balls.spin[lane]), 0.0, 0.0],
-                raceway_speed,
-                orbit_speed: orbit,
-                azimuth: 0.0,
-            };
-            contact.meet_film(contact.rolling_speed(&motion), normal, thinnest);
-        };
-        meet(&m.raceway.inner, speed, seen.load.inner[lane].into(), &mut thinnest.inner);
-        meet(&m.raceway.outer, 0.0, seen.load.outer[lane].into(), &mut thinnest.outer);
     }
 }

@@ -4,7 +4,8 @@
 use super::contact::Contact;
 use crate::numerics::exponential::binary_saturation_single;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Singles, alike, larger, side_by_side, smaller};
-use crate::physics::contact::traction::{DEFAULT_STRIPS, FourParameters, Strips};
+use crate::physics::contact::strips::{DEFAULT_STRIPS, Strips};
+use crate::physics::contact::traction::FourParameters;
 use crate::physics::raceway::{LARGEST_CONTACT, RacewayContact, RacewayLoad, RacewayTerms, RelativeMotion};
 use crate::simulation::model::condensed_contact::chebyshev;
 

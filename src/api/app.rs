@@ -1,0 +1,36 @@
+//! State shared by the handlers.
+
+use std::sync::Arc;
+
+use axum::http::HeaderValue;
+
+use super::concurrency::Concurrency;
+use super::credentials::Tokens;
+use super::rate_limit::RateLimits;
+use crate::jobs::Jobs;
+
+/// State shared by the handlers.
+#[derive(Clone)]
+pub struct App {
+    pub jobs: Jobs,
+    pub access: Arc<Access>,
+    pub concurrency: Concurrency,
+}
+
+impl App {
+    pub fn new(jobs: Jobs, access: Access) -> Self {
+        Self { jobs, access: Arc::new(access), concurrency: Concurrency::default() }
+    }
+}
+
+/// Rules of access.
+#[derive(Debug, Default)]
+pub struct Access {
+    /// Tokens from the environment, in addition to those of the database.
+    pub tokens: Tokens,
+    /// Whether the service listens on loopback only. Without tokens the `Host` must then be an address or localhost.
+    pub is_local: bool,
+    pub rates: RateLimits,
+    /// Origins of other web pages that may use the API.
+    pub origins: Vec<HeaderValue>,
+}

@@ -1,0 +1,218 @@
+//! Limits of simultaneous requests, streams and bodies. A request beyond a limit is refused at once with `Retry-After`: if it waited, it
+//! would be answered too late, and would occupy resources meanwhile.
+
+use std::convert::Infallible;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
+
+use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::{FromRequestParts, Request, State};
+use axum::http::request::Parts;
+use axum::middleware::Next;
+use axum::response::Response;
+use hyper::body::{Frame, SizeHint};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+
+use super::error::ApiError;
+use super::public_paths::is_public;
+use crate::jobs::JobError;
+
+/// Largest number of requests in work. Requests whose body is still arriving, or that wait for a job, are not counted.
+const MAX_REQUESTS: usize = 512;
+
+/// Largest number of event streams and of requests that wait for a job. Each occupies a connection, so it is less than their number.
+const MAX_FOLLOWERS: usize = 256;
+
+/// Longest time that a request is in work. It is exceeded only if the database does not answer.
+const WORK_TIMEOUT: Duration = Duration::from_secs(60);
+
+/// Largest number of time series being sent: some have a hundred megabytes, and a slow client reads slowly.
+const MAX_SERIES: usize = 8;
+
+/// Largest total size of request bodies in memory [B].
+const MAX_BODY_BYTES: usize = 64 << 20;
+
+/// Size that one permit for a body stands for [B].
+const BODY_UNIT: usize = 1024;
+
+/// The free permits of each limit.
+#[derive(Debug, Clone)]
+pub struct Concurrency {
+    requests: Arc<Semaphore>,
+    followers: Arc<Semaphore>,
+    series: Arc<Semaphore>,
+    bodies: Arc<Semaphore>,
+}
+
+impl Default for Concurrency {
+    fn default() -> Self {
+        let permits = |count| Arc::new(Semaphore::new(count));
+        Self {
+            requests: permits(MAX_REQUESTS),
+            followers: permits(MAX_FOLLOWERS),
+            series: permits(MAX_SERIES),
+            bodies: permits(MAX_BODY_BYTES / BODY_UNIT),
+        }
+    }
+}
+
+impl Concurrency {
+    /// A permit for an event stream or a request that waits for a job.
+    pub fn follow(&self) -> Option<OwnedSemaphorePermit> {
+        Arc::clone(&self.followers).try_acquire_owned().ok()
+    }
+
+    /// A permit for a time series, held until the series is sent.
+    pub fn series(&self) -> Result<OwnedSemaphorePermit, ApiError> {
+        Arc::clone(&self.series).try_acquire_owned().map_err(|_| ApiError::Overloaded)
+    }
+
+    /// A permit for `bytes` of a body, held as long as the body.
+    pub fn body_bytes(&self, bytes: usize) -> Result<OwnedSemaphorePermit, ApiError> {
+        let units = u32::try_from(bytes.div_ceil(BODY_UNIT)).unwrap_or(u32::MAX);
+        Arc::clone(&self.bodies).try_acquire_many_owned(units).map_err(|_| ApiError::Overloaded)
+    }
+}
+
+/// A response that holds a permit until it is sent.
+pub fn hold_until_sent(permit: OwnedSemaphorePermit, response: Response) -> Response {
+    response.map(|body| Body::new(PermitBody { body, _permit: permit }))
+}
+
+struct PermitBody {
+    body: Body,
+    _permit: OwnedSemaphorePermit,
+}
+
+impl HttpBody for PermitBody {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        Pin::new(&mut self.body).poll_frame(context)
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}
+
+/// The permit of a request in work. It is released while the request waits for its client or for a job.
+#[derive(Debug, Clone)]
+pub struct RequestPermit {
+    concurrency: Concurrency,
+    held: Arc<Mutex<Option<HeldPermit>>>,
+}
+
+#[derive(Debug)]
+struct HeldPermit {
+    since: Instant,
+    _permit: OwnedSemaphorePermit,
+}
+
+impl RequestPermit {
+    fn new(concurrency: Concurrency) -> Self {
+        Self { concurrency, held: Arc::default() }
+    }
+
+    /// Takes the permit; an error if none is free.
+    pub fn acquire(&self) -> Result<(), ApiError> {
+        let permit = Arc::clone(&self.concurrency.requests).try_acquire_owned().map_err(|_| ApiError::Overloaded)?;
+        self.set(Some(HeldPermit { since: Instant::now(), _permit: permit }));
+        Ok(())
+    }
+
+    /// Returns the permit.
+    pub fn release(&self) {
+        self.set(None);
+    }
+
+    fn set(&self, permit: Option<HeldPermit>) {
+        *self.held() = permit;
+    }
+
+    fn held(&self) -> MutexGuard<'_, Option<HeldPermit>> {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Ends when the permit has been held for too long.
+    async fn expired(&self) {
+        loop {
+            let held_for = self.held().as_ref().map_or(Duration::ZERO, |held| held.since.elapsed());
+            match WORK_TIMEOUT.checked_sub(held_for) {
+                None | Some(Duration::ZERO) => return,
+                Some(left) => tokio::time::sleep(left).await,
+            }
+        }
+    }
+
+    pub fn concurrency(&self) -> &Concurrency {
+        &self.concurrency
+    }
+}
+
+impl<S: Sync> FromRequestParts<S> for RequestPermit {
+    type Rejection = Infallible;
+
+    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Infallible> {
+        Ok(parts.extensions.get::<Self>().cloned().unwrap_or_else(|| Self::new(Concurrency::default())))
+    }
+}
+
+/// Layer that gives each request a permit or refuses it.
+pub async fn limit(
+    State(concurrency): State<Concurrency>,
+    mut request: Request,
+    next: Next,
+) -> Result<Response, ApiError> {
+    let permit = RequestPermit::new(concurrency);
+    if !is_unlimited(request.uri().path()) {
+        permit.acquire()?;
+    }
+    request.extensions_mut().insert(permit.clone());
+    let answered = tokio::select! {
+        response = next.run(request) => Ok(response),
+        () = permit.expired() => Err(JobError::NotWritable.into()),
+    };
+    // Handlers may still hold copies of the permit.
+    permit.release();
+    answered
+}
+
+/// Returns whether a path is exempt: the metrics for operators, and public paths, which cost very little.
+fn is_unlimited(path: &str) -> bool {
+    path == "/metrics" || is_public(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn requests_beyond_the_limits_are_refused_and_released_permits_can_be_reused() {
+        let concurrency = Concurrency::default();
+        let permits: Vec<RequestPermit> = (0..MAX_REQUESTS).map(|_| RequestPermit::new(concurrency.clone())).collect();
+        assert!(permits.iter().all(|permit| permit.acquire().is_ok()));
+        let late = RequestPermit::new(concurrency.clone());
+        assert!(matches!(late.acquire(), Err(ApiError::Overloaded)));
+        permits[0].release();
+        assert!(late.acquire().is_ok());
+
+        let followers: Vec<_> = std::iter::repeat_with(|| concurrency.follow()).take_while(Option::is_some).collect();
+        assert_eq!(followers.len(), MAX_FOLLOWERS);
+
+        let body = concurrency.body_bytes(MAX_BODY_BYTES - 1).ok();
+        assert!(body.is_some() && matches!(concurrency.body_bytes(1), Err(ApiError::Overloaded)));
+        drop(body);
+        assert!(concurrency.body_bytes(1).is_ok());
+    }
+}

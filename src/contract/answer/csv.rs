@@ -1,0 +1,77 @@
+//! Spectra, series and tables as CSV, and series as NumPy array files.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use super::signals::{SeriesAnswer, SpectrumAnswer};
+use super::table::TableAnswer;
+
+/// A study as CSV: axes, status, error, text fields of the metrics, then every number of the metrics, each under its pointer.
+pub fn table_csv(table: &TableAnswer) -> String {
+    let heads = ["status", "error"].into_iter().chain(table.text_columns());
+    let columns = table.columns();
+    let axes = || table.axes.iter().map(|axis| &axis.axis);
+    let heads = axes().map(|axis| quoted(axis)).chain(heads.map(quoted)).chain(columns.iter().map(|head| quoted(head)));
+    let mut lines = vec![heads.collect::<Vec<_>>().join(",")];
+    for row in &table.rows {
+        let values = axes().map(|axis| row.point.get(axis).map_or(String::new(), cell));
+        let status = serde_json::to_value(row.status).map_or(String::new(), |status| cell(&status));
+        let error = row.error.as_ref().map_or(String::new(), |error| quoted(&error.detail));
+        let metric =
+            |column| row.metrics.as_ref().and_then(|metrics| metrics.pointer(column)).map_or(String::new(), cell);
+        let texts = table.text_columns().into_iter().map(metric);
+        let cells = values.chain([status, error]).chain(texts).chain(columns.iter().map(|column| metric(column)));
+        lines.push(cells.collect::<Vec<_>>().join(","));
+    }
+    lines.push(String::new());
+    lines.join("\n")
+}
+
+/// A table cell: text as it is, numbers as in JSON.
+fn cell(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), quoted)
+}
+
+/// The text, in quotation marks where it contains commas, line ends or quotation marks.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
+/// Two columns, the second headed by channel and unit.
+fn csv(first: &str, (channel, unit): (&str, &str), columns: [&[f64]; 2]) -> String {
+    let mut text = String::with_capacity(32 * columns[0].len());
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{first},{}", quoted(&format!("{channel} [{unit}]")));
+    for (a, b) in columns[0].iter().zip(columns[1]) {
+        let _ = writeln!(text, "{a},{b}");
+    }
+    text
+}
+
+/// A spectrum as CSV.
+pub fn spectrum_csv(spectrum: &SpectrumAnswer) -> String {
+    csv("frequency_hz", (&spectrum.channel, &spectrum.unit), [&spectrum.frequency_hz, &spectrum.amplitude])
+}
+
+/// A series as a NumPy array file, version 1.0: records of `time_s` and `value`.
+pub fn series_npy(series: &SeriesAnswer) -> Vec<u8> {
+    let count = series.time_s.len().min(series.value.len());
+    let head =
+        format!("{{'descr': [('time_s', '<f8'), ('value', '<f8')], 'fortran_order': False, 'shape': ({count},), }}");
+    // Magic number, version and length take ten bytes; the header ends in a line feed, at a multiple of 64 bytes.
+    let padded = (10 + head.len() + 1).next_multiple_of(64) - 10;
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((padded as u16).to_le_bytes());
+    bytes.extend(format!("{head:<0$}\n", padded - 1).into_bytes());
+    for (time, value) in series.time_s.iter().zip(&series.value) {
+        bytes.extend(time.to_le_bytes());
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes
+}
+
+/// A series as CSV.
+pub fn series_csv(series: &SeriesAnswer) -> String {
+    csv("time_s", (&series.channel, &series.unit), [&series.time_s, &series.value])
+}

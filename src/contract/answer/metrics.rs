@@ -1,0 +1,274 @@
+//! Summary metrics of a finished run as JSON. Metrics that were not requested are absent.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::messages::{self, MessageAnswer};
+use super::report::{AccuracyAnswer, FrequenciesAnswer, LeftOutAnswer, SolverAnswer};
+use raceway_core::simulation::input::channel::Channel;
+use raceway_core::simulation::input::settings::Outputs;
+use raceway_core::simulation::result::lines::Line;
+use raceway_core::simulation::result::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
+use raceway_core::simulation::result::run_result::RunResult;
+
+/// Summary of a finished simulation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Metrics {
+    /// Statistics by channel (metrics `vibration`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub channels: Option<BTreeMap<String, ChannelAnswer>>,
+    /// Loads, pressures and slip of the balls' contacts (metrics `contacts`; for the pockets `cage`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub contacts: Option<ContactsAnswer>,
+    /// Mean speeds (metrics `cage`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub kinematics: Option<KinematicsAnswer>,
+    /// Orbit of the cage centre (metrics `cage`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub cage: Option<CageAnswer>,
+    /// Frequencies at the simulated speeds of cage and balls, which are those of the spectral lines. `POST /v1/scenes/resolve` returns those
+    /// of ideal rolling.
+    pub frequencies_hz: FrequenciesAnswer,
+    /// Strongest lines of each requested amplitude spectrum (`outputs.spectra`), at most 20 for each channel, strongest first, in the
+    /// channel's unit (metrics `vibration`). Empty without spectra, and where no line exceeds the noise floor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub lines: Option<Vec<LineAnswer>>,
+    /// The solver that ran, and its work.
+    pub solver: SolverAnswer,
+    /// Estimated errors of the result.
+    pub accuracy: AccuracyAnswer,
+    /// Messages about the result: warnings first, then how the result was made. See `MessageCode`.
+    pub messages: Vec<MessageAnswer>,
+    /// Terms that are not in the equations, with the reason.
+    pub left_out: Vec<LeftOutAnswer>,
+}
+
+/// Statistics of a channel over the recorded time, mean removed, 0–20 kHz, in the channel's unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ChannelAnswer {
+    /// Unit of `rms` and `peak`.
+    #[schema(example = "m/s²")]
+    pub unit: String,
+    /// Root mean square, in `unit`.
+    #[schema(minimum = 0)]
+    pub rms: f64,
+    /// Largest magnitude, in `unit`.
+    #[schema(minimum = 0)]
+    pub peak: f64,
+    /// Crest factor, peak / rms [-]; absent without motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub crest_factor: Option<f64>,
+    /// Kurtosis, fourth moment divided by squared variance [-]; absent without motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub kurtosis: Option<f64>,
+    /// Level, 20 lg(rms / 9.81e-3 m/s²) [dB]; accelerations only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub level_db: Option<f64>,
+    /// Estimated error of the level [dB]; absent where it is unknown, and where the level of another axis is more than 60 dB higher.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub level_error_db: Option<f64>,
+    /// Standard deviation of the level between time windows of the length `duration_s` [dB]; reduce it by a longer `duration_s`. Estimated
+    /// from parts of a tenth, a fifth and a half of the recorded time. From 0.1 dB on, and for less than 2 s, at least the difference to one
+    /// later window. For less than 10 ms, and on a reduced model level up to 0.5 s, the rms difference to ten later windows. Absent at
+    /// changing speed, almost without motion, and where the level of another axis is more than 60 dB higher.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub level_scatter_db: Option<f64>,
+    /// Share of the power above 20 kHz [-].
+    #[schema(minimum = 0, maximum = 1)]
+    pub above_band: f64,
+}
+
+/// Contacts of the balls.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ContactsAnswer {
+    /// On the inner raceway (`contacts`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub inner: Option<RacewayAnswer>,
+    /// On the outer raceway (`contacts`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub outer: Option<RacewayAnswer>,
+    /// In the cage's pockets (`cage`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub pocket: Option<PocketAnswer>,
+}
+
+/// Contacts on one raceway: extremes over all balls and the recorded time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RacewayAnswer {
+    /// Largest normal load of a ball [N].
+    #[schema(minimum = 0)]
+    pub max_load_n: f64,
+    /// Largest pressure in a contact [MPa].
+    #[schema(minimum = 0)]
+    pub max_pressure_mpa: f64,
+    /// Smallest contact angle under load [°]; absent without contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub min_contact_angle_deg: Option<f64>,
+    /// Largest contact angle under load [°]; absent without contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub max_contact_angle_deg: Option<f64>,
+    /// Largest slip speed at the centre of a contact [m/s].
+    #[schema(minimum = 0)]
+    pub max_slip_m_s: f64,
+    /// Smallest minimum film thickness [µm]; absent without a film.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub min_film_thickness_um: Option<f64>,
+    /// Largest load of each ball [N], ball 1 first.
+    pub max_load_per_ball_n: Vec<f64>,
+}
+
+/// Contacts of the balls with the cage's pockets.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PocketAnswer {
+    /// Largest load of a ball on the cage, film included [N].
+    #[schema(minimum = 0)]
+    pub max_load_n: f64,
+}
+
+/// Mean speeds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct KinematicsAnswer {
+    /// Speed of the cage about the bearing's axis [Hz].
+    pub cage_speed_hz: f64,
+    /// 1 − cage speed / ideal cage speed [-]; absent at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub cage_slip: Option<f64>,
+    /// Spin of the balls about their own axes [Hz].
+    pub ball_spin_hz: f64,
+}
+
+/// Motion of the cage centre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CageAnswer {
+    /// Rms distance of the cage centre from its mean position [µm].
+    #[schema(minimum = 0)]
+    pub orbit_radius_um: f64,
+    /// Orbit rate divided by cage speed [-]; absent at rest. Its error is not estimated, and is large for small orbits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub whirl_ratio: Option<f64>,
+}
+
+/// A line of a spectrum.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LineAnswer {
+    /// The channel whose spectrum has the line.
+    pub channel: String,
+    /// Frequency of the line [Hz].
+    #[schema(minimum = 0)]
+    pub frequency_hz: f64,
+    /// Amplitude in the channel's unit; a sine of amplitude 1 gives 1.
+    #[schema(minimum = 0)]
+    pub amplitude: f64,
+    /// Nearest simple combination of the bearing's frequencies; empty where none is near.
+    #[schema(example = "2·BPFO")]
+    pub label: String,
+    /// Frequency of the line minus that of the label [Hz].
+    pub deviation_hz: f64,
+}
+
+impl Metrics {
+    pub fn of(result: &RunResult, outputs: &Outputs) -> Self {
+        let summary = &result.summary;
+        let level = |channel: &Channel| {
+            (summary.accuracy.level_errors.of(*channel), summary.accuracy.level_scatter.of(*channel))
+        };
+        let channels = summary
+            .channels
+            .iter()
+            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, level(channel))));
+        let lines = summary.lines.iter().map(|(channel, line)| line_answer(channel.to_string(), line));
+        Self {
+            channels: outputs.vibration.then(|| channels.collect()),
+            contacts: contacts(summary),
+            kinematics: summary.cage.as_ref().map(kinematics),
+            cage: summary
+                .cage
+                .as_ref()
+                .map(|cage| CageAnswer { orbit_radius_um: cage.orbit_radius, whirl_ratio: cage.whirl_ratio }),
+            frequencies_hz: summary.frequencies.into(),
+            lines: outputs.vibration.then(|| lines.collect()),
+            solver: SolverAnswer::of(&summary.solver, &summary.accuracy),
+            accuracy: AccuracyAnswer::of(&summary.accuracy, outputs),
+            messages: messages::of_result(&summary.accuracy.warnings, &summary.solver),
+            left_out: result.left_out.iter().map(LeftOutAnswer::from).collect(),
+        }
+    }
+}
+
+fn channel_answer(
+    unit: &str,
+    metrics: &ChannelMetrics,
+    (level_error_db, level_scatter_db): (Option<f64>, Option<f64>),
+) -> ChannelAnswer {
+    ChannelAnswer {
+        unit: unit.to_owned(),
+        rms: metrics.rms,
+        peak: metrics.peak,
+        crest_factor: metrics.crest_factor,
+        kurtosis: metrics.kurtosis,
+        level_db: metrics.level_db,
+        level_error_db,
+        level_scatter_db,
+        above_band: metrics.above_band,
+    }
+}
+
+fn line_answer(channel: String, line: &Line) -> LineAnswer {
+    LineAnswer {
+        channel,
+        frequency_hz: line.frequency,
+        amplitude: line.amplitude,
+        label: line.label.clone(),
+        deviation_hz: line.deviation,
+    }
+}
+
+fn contacts(summary: &Summary) -> Option<ContactsAnswer> {
+    if summary.contacts.is_none() && summary.cage.is_none() {
+        return None;
+    }
+    let raceways = summary.contacts.as_ref().map(|contacts| &contacts.raceway);
+    Some(ContactsAnswer {
+        inner: raceways.map(|raceway| (&raceway.inner).into()),
+        outer: raceways.map(|raceway| (&raceway.outer).into()),
+        pocket: summary.cage.as_ref().map(|cage| PocketAnswer { max_load_n: cage.max_pocket_load }),
+    })
+}
+
+fn kinematics(cage: &CageMetrics) -> KinematicsAnswer {
+    KinematicsAnswer { cage_speed_hz: cage.speed, cage_slip: cage.slip, ball_spin_hz: cage.ball_spin }
+}
+
+impl From<&RacewayContactMetrics> for RacewayAnswer {
+    fn from(m: &RacewayContactMetrics) -> Self {
+        Self {
+            max_load_n: m.max_load,
+            max_pressure_mpa: m.max_pressure,
+            min_contact_angle_deg: m.contact_angle.map(|range| range.0),
+            max_contact_angle_deg: m.contact_angle.map(|range| range.1),
+            max_slip_m_s: m.max_slip,
+            min_film_thickness_um: m.min_film_thickness,
+            max_load_per_ball_n: m.max_load_per_ball.clone(),
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Results as JSON: of a request before it runs, of a simulation, a study, an optimum job and an accuracy job. Knows jobs; runs none but
+//! the search for an optimum, by a function that it is given.
+
+pub mod messages;
+pub mod metrics;
+pub mod report;
+pub mod signals;
+pub mod views;
+
+pub mod optimum;
+pub mod table;
+pub mod work_precision;
+
+pub mod point;
+pub mod uncertainty;
+
+pub mod failure;
+
+pub mod resolve;
+pub mod unit_warnings;
+
+pub mod csv;
+pub mod headings;
+pub mod scene_heading;

@@ -1,0 +1,33 @@
+//! Metrics with their estimated errors.
+
+use raceway_core::study::Uncertain;
+use serde_json::Value;
+
+/// A metric and its estimated error; `None` where the metrics do not contain it. The error is derived from that of the level along the
+/// same axis (vibration), of the largest load, of the largest slip, or of the cage speed.
+pub fn uncertain(metrics: &Value, pointer: &str) -> Option<Uncertain> {
+    let value = metrics.pointer(pointer)?.as_f64()?;
+    let accuracy = |field: &str| metrics.pointer(&format!("/accuracy/{field}")).and_then(Value::as_f64);
+    let name = pointer.rsplit('/').next().unwrap_or_default();
+    // Of the acceleration along the same axis, or the largest of all where that axis has none.
+    let of_level = || {
+        let axis = pointer.strip_prefix("/channels/spindle.").and_then(|rest| rest.split('.').next())?;
+        metrics.pointer(&format!("/channels/spindle.{axis}.acceleration/level_error_db"))?.as_f64()
+    };
+    let level_error = || of_level().or_else(|| accuracy("level_error_db"));
+    let error = match name {
+        "level_db" => level_error(),
+        "rms" => level_error().map(|db| value * (10_f64.powf(db / 20.0) - 1.0)),
+        "max_load_n" if pointer.contains("pocket") => accuracy("max_pocket_load_error").map(|share| share * value),
+        "max_load_n" => accuracy("max_load_error").map(|share| share * value),
+        // Pressure grows with the cube root of the load.
+        "max_pressure_mpa" => accuracy("max_load_error").map(|share| share * value / 3.0),
+        "orbit_radius_um" => accuracy("orbit_radius_error").map(|share| share * value),
+        "max_slip_m_s" => accuracy("max_slip_error").map(|share| share * value),
+        "cage_speed_hz" => accuracy("cage_speed_error").map(|share| share * value),
+        // 1 − cage speed / ideal cage speed.
+        "cage_slip" => accuracy("cage_speed_error").map(|share| share * (1.0 - value).abs()),
+        _ => None,
+    };
+    Some((value, error))
+}

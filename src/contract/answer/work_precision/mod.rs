@@ -1,0 +1,10 @@
+//! Results of accuracy jobs: error against run time.
+
+pub mod result;
+
+pub mod recommended;
+
+pub mod point;
+pub mod reference;
+
+pub mod machine;

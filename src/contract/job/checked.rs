@@ -1,0 +1,101 @@
+//! A checked job of any kind.
+
+use raceway_core::simulation::input::scene::Scene;
+use serde_json::Value;
+
+use super::comparison::Comparison;
+use super::kind::JobKind;
+use super::search::Search;
+use super::simulation::{Simulation, Submission};
+use super::study::Study;
+use crate::contract::json::problem::Refusal;
+
+/// A checked job.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Job {
+    Simulation(Simulation),
+    Study(Study),
+    Optimum(Search),
+    Accuracy(Comparison),
+}
+
+impl Job {
+    /// Checks a request, whose field `kind` decides the kind of the job.
+    pub fn of(request: Value) -> Result<Self, Refusal> {
+        match JobKind::of(&request)? {
+            JobKind::Simulation => Simulation::of(request).map(Self::Simulation),
+            JobKind::Study => Study::of(request).map(Self::Study),
+            JobKind::Optimum => Search::of(request).map(Self::Optimum),
+            JobKind::Accuracy => Comparison::of(request).map(Self::Accuracy),
+        }
+    }
+
+    pub fn kind(&self) -> JobKind {
+        match self {
+            Self::Simulation(_) => JobKind::Simulation,
+            Self::Study(_) => JobKind::Study,
+            Self::Optimum(_) => JobKind::Optimum,
+            Self::Accuracy(_) => JobKind::Accuracy,
+        }
+    }
+
+    /// The simulation itself, or what all runs of the job share.
+    pub fn base(&self) -> &Simulation {
+        match self {
+            Self::Simulation(simulation) => simulation,
+            Self::Study(study) => &study.base,
+            Self::Optimum(search) => &search.base,
+            Self::Accuracy(comparison) => &comparison.base,
+        }
+    }
+
+    pub fn submission(&self) -> &Submission {
+        &self.base().submission
+    }
+
+    pub fn scene(&self) -> &Scene {
+        self.base().scene()
+    }
+
+    /// The scene with all defaults, as in a request.
+    pub fn scene_json(&self) -> Value {
+        self.base().scene_json()
+    }
+
+    /// The study, if the job is one.
+    pub fn into_study(self) -> Option<Study> {
+        match self {
+            Self::Study(study) => Some(study),
+            _ => None,
+        }
+    }
+
+    /// Number of simulations of a study, and the approximate largest number of an optimum job; `None` for other kinds.
+    pub fn simulations(&self) -> Option<usize> {
+        match self {
+            Self::Study(study) => Some(study.points),
+            Self::Optimum(search) => Some(search.most_runs()),
+            Self::Simulation(_) | Self::Accuracy(_) => None,
+        }
+    }
+
+    /// Everything that determines the result, as text: equal for equal work, whichever fields were left to their default.
+    pub fn canonical(&self) -> String {
+        match self {
+            Self::Simulation(simulation) => simulation.canonical(),
+            Self::Study(study) => study.canonical().to_string(),
+            Self::Optimum(search) => search.canonical().to_string(),
+            Self::Accuracy(comparison) => comparison.complete().to_string(),
+        }
+    }
+
+    /// The job with all defaults, without axes, metric and goal, and without the fields that concern only the service.
+    pub fn complete(&self) -> Value {
+        if let Self::Accuracy(comparison) = self {
+            return comparison.complete();
+        }
+        let mut job = self.base().complete();
+        job["kind"] = self.kind().name().into();
+        job
+    }
+}

@@ -1,0 +1,82 @@
+//! A job as it is sent, before it is checked.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::axis::{AxisInput, StrictAxis};
+use super::kind::JobKindName;
+use super::outputs::OutputsInput;
+use super::solver::{MethodName, SolverInput};
+use crate::contract::json::limits::MAX_REPETITIONS;
+use crate::contract::json::shapes::{object, optional_object, whole_number};
+use crate::contract::scene::scene_input::SceneInput;
+
+/// A job: one simulation, a study of many, the optimum of a metric over one or two ranges, or the error of several methods against
+/// their run time. `kind` decides which fields it takes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JobInput {
+    /// What the job computes.
+    #[schema(value_type = JobKindName)]
+    pub kind: String,
+    /// Bearing, operation and everything else that is simulated.
+    #[serde(deserialize_with = "object")]
+    pub scene: SceneInput,
+    /// Integrator, tolerances and model. Default: chosen for the scene.
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub solver: Option<SolverInput>,
+    /// The varied fields. Several axes of a study span a grid of at most 10 000 points. An optimum job takes one or two ranges, each with
+    /// `from` and `to`.
+    #[schema(nullable = false, value_type = Option<Vec<AxisInput>>, min_items = 1, max_items = 4)]
+    pub axes: Option<Vec<StrictAxis>>,
+    /// JSON pointer to the metric that is minimized or maximized.
+    #[schema(nullable = false, max_length = 200, example = "/channels/spindle.y.acceleration/level_db")]
+    pub metric: Option<String>,
+    /// Which extreme of the metric is searched for. Default `minimum`.
+    #[schema(nullable = false)]
+    pub goal: Option<GoalName>,
+    /// Recorded time, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for
+    /// `accuracy`. With `outputs.series` at most 23.4 s; with more than 14 series at most 327.6 s divided by their number.
+    #[schema(nullable = false, example = 0.1)]
+    pub duration_s: Option<f64>,
+    /// Time simulated before recording begins [s]. Default: 3 cage turns, at least 0.02 and at most 1. At constant speed also until the free
+    /// vibration of the spindle on its contacts has decayed to a fiftieth, at most 5. 0.02 for `accuracy`.
+    #[schema(nullable = false, example = 0.02)]
+    pub settle_s: Option<f64>,
+    /// Methods to compare. Default: all.
+    #[schema(nullable = false, value_type = Option<Vec<MethodName>>, min_items = 1, max_items = 5)]
+    pub methods: Option<Vec<String>>,
+    /// Relative tolerances of each method, each from 1e-12 to 1e-2. Default: 1e-3 to 1e-7.
+    #[schema(nullable = false, min_items = 1, max_items = 12, example = json!([1e-3, 1e-4, 1e-5, 1e-6, 1e-7]))]
+    pub relative_tolerances: Option<Vec<f64>>,
+    /// Timed runs of each method at each tolerance. Default 1.
+    #[serde(default, deserialize_with = "whole_number::<_, 1, { MAX_REPETITIONS }>")]
+    #[schema(nullable = false, example = 5)]
+    pub repetitions: Option<u32>,
+    /// Metrics, spectra and time series of the result.
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub outputs: Option<OutputsInput>,
+    /// Labels to find the job by: at most 16, each at most 200 characters.
+    #[schema(nullable = false, max_items = 16, example = json!(["line 3"]))]
+    pub labels: Option<Vec<String>>,
+    /// Priority from 1 (first) to 4 (last). Default 2.
+    #[serde(default, deserialize_with = "whole_number::<_, 1, 4>")]
+    #[schema(nullable = false, example = 2)]
+    pub priority: Option<u32>,
+    /// Whether the result of an identical finished job may be returned. Default true; never for `accuracy`.
+    #[schema(nullable = false)]
+    pub reuse: Option<bool>,
+    /// Time that the job and its result are kept after its end [s]. Default: set by the service.
+    #[schema(nullable = false)]
+    pub keep_for_s: Option<f64>,
+}
+
+/// Which extreme of the metric is searched for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GoalName {
+    Minimum,
+    Maximum,
+}

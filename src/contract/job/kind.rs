@@ -1,0 +1,100 @@
+//! Kinds of jobs, and the fields that only some kinds take.
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::problem::{FieldError, listed};
+use serde_json::Value;
+
+/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one or two ranges with the best value of a metric. `accuracy`: error against run time, for several methods and tolerances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum JobKindName {
+    Simulation,
+    Study,
+    Optimum,
+    Accuracy,
+}
+
+/// Kinds of jobs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JobKind {
+    Simulation,
+    Study,
+    Optimum,
+    Accuracy,
+}
+
+impl From<JobKindName> for JobKind {
+    fn from(kind: JobKindName) -> Self {
+        match kind {
+            JobKindName::Simulation => Self::Simulation,
+            JobKindName::Study => Self::Study,
+            JobKindName::Optimum => Self::Optimum,
+            JobKindName::Accuracy => Self::Accuracy,
+        }
+    }
+}
+
+/// Fields of a job that only some kinds take.
+pub const FIELDS_OF_SOME_KINDS: [&str; 6] = ["axes", "metric", "goal", "methods", "relative_tolerances", "repetitions"];
+
+impl JobKind {
+    pub const ALL: [Self; 4] = [Self::Simulation, Self::Study, Self::Optimum, Self::Accuracy];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Simulation => "simulation",
+            Self::Study => "study",
+            Self::Optimum => "optimum",
+            Self::Accuracy => "accuracy",
+        }
+    }
+
+    /// Those of `FIELDS_OF_SOME_KINDS` that this kind takes.
+    pub fn takes(self) -> &'static [&'static str] {
+        match self {
+            Self::Simulation => &[],
+            Self::Study => &["axes"],
+            Self::Optimum => &["axes", "metric", "goal"],
+            Self::Accuracy => &["methods", "relative_tolerances", "repetitions"],
+        }
+    }
+
+    /// The kind of a request.
+    pub fn of(request: &Value) -> Result<Self, FieldError> {
+        let refuse = |detail: String| Err(FieldError::new("/kind", detail));
+        let Some(fields) = request.as_object() else {
+            let batch = "; several jobs are a batch, `{\"jobs\": […]}`";
+            let detail = format!("must be an object{}", if request.is_array() { batch } else { "" });
+            return Err(FieldError::new("", detail));
+        };
+        let known = listed(Self::ALL.map(Self::name));
+        match fields.get("kind") {
+            None => refuse(format!("required, but missing; kinds are {known}")),
+            Some(Value::String(name)) => match Self::ALL.iter().find(|kind| kind.name() == name) {
+                Some(kind) => Ok(*kind),
+                None => {
+                    let name: String = name.chars().take(100).collect();
+                    refuse(format!("unknown kind `{name}`; kinds are {known}"))
+                }
+            },
+            Some(_) => refuse(format!("must be a string; kinds are {known}")),
+        }
+    }
+
+    /// Refuses fields that only jobs of other kinds take.
+    pub fn refuse_fields_of_other_kinds(self, request: &Value, defaults: &mut Defaults) {
+        for field in FIELDS_OF_SOME_KINDS {
+            if self.takes().contains(&field) || request.get(field).is_none() {
+                continue;
+            }
+            let takers = Self::ALL.iter().filter(|kind| kind.takes().contains(&field));
+            let takers: Vec<String> = takers.map(|kind| format!("`{}`", kind.name())).collect();
+            let kinds = if takers.len() == 1 { "kind" } else { "kinds" };
+            let detail = format!("goes with the {kinds} {}, not with `{}`", takers.join(" and "), self.name());
+            defaults.refuse(format!("/{field}"), detail);
+        }
+    }
+}

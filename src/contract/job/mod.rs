@@ -1,0 +1,27 @@
+//! Jobs: requests as they are sent, and as they are checked. Knows scenes and their JSON; knows no result.
+
+pub mod parse;
+
+pub mod checked;
+
+pub mod comparison;
+pub mod search;
+pub mod study;
+
+mod many_runs;
+mod range;
+mod varied;
+
+pub mod simulation;
+mod variation;
+
+pub mod input;
+pub mod kind;
+
+pub mod axis;
+pub mod outputs;
+pub mod solver;
+mod times;
+
+pub mod cost;
+pub mod schema;

@@ -1,0 +1,126 @@
+//! Requested results of a run.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::contract::json::defaults::Defaults;
+use raceway_core::physics::spindle::AxialHold;
+use raceway_core::simulation::input::channel::{Axis, BallContact, Channel};
+use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
+use raceway_core::simulation::input::settings::Outputs;
+
+/// Requested results. Results that are not requested are neither computed nor stored.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutputsInput {
+    /// Parts of the metrics. Default: all three.
+    #[schema(nullable = false, max_items = 3)]
+    pub metrics: Option<Vec<MetricsPart>>,
+    /// Channels whose amplitude and envelope spectra are kept. Default: accelerations of the spindle in y and z.
+    #[schema(nullable = false, max_items = 64, example = json!(["spindle.y.acceleration"]))]
+    pub spectra: Option<Vec<String>>,
+    /// Channels whose complete time series are kept. Default: none.
+    #[schema(nullable = false, max_items = 64, example = json!(["cage.y.displacement"]))]
+    pub series: Option<Vec<String>>,
+}
+
+/// `vibration`: channels and spectral lines. `contacts`: loads, pressure and slip of the raceway contacts. `cage`:
+/// kinematics, orbit of the cage and pocket loads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MetricsPart {
+    Vibration,
+    Contacts,
+    Cage,
+}
+
+impl MetricsPart {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vibration => "vibration",
+            Self::Contacts => "contacts",
+            Self::Cage => "cage",
+        }
+    }
+}
+
+/// Channels whose spectra are kept by default.
+pub const USUAL_SPECTRA: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
+const MAX_CHANNELS: usize = 64;
+const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
+
+impl OutputsInput {
+    /// The outputs of a run. Channels are checked against the scene; without a scene only their number is checked.
+    pub fn resolve(&mut self, defaults: &mut Defaults, scene: Option<&Scene>) -> Outputs {
+        let outputs = self.resolve_metrics(defaults);
+        let usual = USUAL_SPECTRA.map(str::to_owned).to_vec();
+        let spectra = defaults.fill("/outputs/spectra", &mut self.spectra, usual);
+        let series = defaults.fill("/outputs/series", &mut self.series, Vec::new());
+        Outputs {
+            spectra: channels(defaults, "/outputs/spectra", &spectra, scene),
+            series: channels(defaults, "/outputs/series", &series, scene),
+            ..outputs
+        }
+    }
+
+    /// The outputs of a run that keeps metrics only.
+    pub fn resolve_metrics(&mut self, defaults: &mut Defaults) -> Outputs {
+        let metrics = defaults.fill("/outputs/metrics", &mut self.metrics, ALL.to_vec());
+        for (index, part) in metrics.iter().enumerate() {
+            if metrics[..index].contains(part) {
+                defaults.refuse(format!("/outputs/metrics/{index}"), "given more than once");
+            }
+        }
+        Outputs {
+            vibration: metrics.contains(&MetricsPart::Vibration),
+            contacts: metrics.contains(&MetricsPart::Contacts),
+            cage: metrics.contains(&MetricsPart::Cage),
+            spectra: Vec::new(),
+            series: Vec::new(),
+        }
+    }
+}
+
+fn channels(defaults: &mut Defaults, pointer: &str, names: &[String], scene: Option<&Scene>) -> Vec<Channel> {
+    if names.len() > MAX_CHANNELS {
+        defaults.refuse(pointer, format!("{} channels: at most {MAX_CHANNELS}", names.len()));
+        return Vec::new();
+    }
+    let Some(scene) = scene else { return Vec::new() };
+    let mut seen = BTreeSet::new();
+    let mut channels = Vec::new();
+    for (index, name) in names.iter().enumerate() {
+        match channel(name, scene) {
+            Ok(channel) if seen.insert(channel) => channels.push(channel),
+            Ok(_) => defaults.refuse(format!("{pointer}/{index}"), format!("`{name}` is given more than once")),
+            Err(detail) => defaults.refuse(format!("{pointer}/{index}"), detail),
+        }
+    }
+    channels
+}
+
+/// The channel of that name in this scene, or the reason why there is none.
+pub fn channel(name: &str, scene: &Scene) -> Result<Channel, String> {
+    let balls = scene.bearing.parameters.ball_count;
+    let channel = Channel::parse(name, balls).ok_or_else(|| {
+        let name: String = name.chars().take(100).collect();
+        format!(
+            "unknown channel `{name}`; channels are spindle.{{x|y|z}}.{{displacement|velocity|acceleration}}, \
+             cage.{{x|y|z}}.displacement, cage.speed, ball.N.spin and ball.N.{{inner|outer|pocket}}.load with N = 1…{balls}"
+        )
+    })?;
+    let off = |term| scene.terms.get(term) == TermChoice::Off;
+    match channel {
+        Channel::Spindle(Axis::X, _) if scene.spindle.axial != AxialHold::Free || off(Term::Axial) => {
+            Err(format!("`{name}` exists only where the spindle's axial direction is free (/scene/spindle/axial)"))
+        }
+        Channel::CageDisplacement(_) | Channel::CageSpeed | Channel::BallLoad(_, BallContact::Pocket)
+            if off(Term::Cage) =>
+        {
+            Err(format!("`{name}` exists only with a cage (/scene/terms/cage is off)"))
+        }
+        _ => Ok(channel),
+    }
+}

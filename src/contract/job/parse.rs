@@ -1,0 +1,127 @@
+//! Requests as bytes to checked jobs.
+
+use serde::Deserialize;
+use serde_json::value::RawValue;
+use serde_json::{Value, json};
+
+use super::checked::Job;
+use super::kind::JobKind;
+use crate::contract::json::problem::{FieldError, Refusal};
+use crate::contract::json::shapes::ObjectOnly;
+use crate::contract::json::strict;
+
+/// Largest number of jobs in a batch.
+const MAX_JOBS: usize = 1000;
+
+/// Reads a job.
+pub fn parse_job(body: &[u8]) -> Result<Job, Refusal> {
+    Job::of(strict::read(body)?)
+}
+
+/// Reads `{ "jobs": … }`. Each job is accepted or refused on its own, with pointers from its own root.
+pub fn parse_batch(body: &[u8]) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Batch<'a> {
+        #[serde(borrow)]
+        jobs: Vec<&'a RawValue>,
+    }
+    let jobs = match serde_json::from_slice::<ObjectOnly<Batch<'_>>>(body) {
+        Ok(batch) => batch.0.jobs,
+        // Read again strictly, for an error with a pointer.
+        Err(error) => {
+            const EXPECTED: &str = "must be an object `{\"jobs\": […]}`";
+            let detail = match strict::read(body)? {
+                Value::Object(_) => {
+                    let detail = error.to_string();
+                    format!("{EXPECTED}: {}", detail.split(" at line").next().unwrap_or_default())
+                }
+                Value::Array(_) => format!("an array: {EXPECTED}, with this array as its field `jobs`"),
+                _ => EXPECTED.to_owned(),
+            };
+            return Err(FieldError::new("", detail).into());
+        }
+    };
+    if jobs.is_empty() || jobs.len() > MAX_JOBS {
+        let detail = format!("{} jobs: must be from 1 to {MAX_JOBS}", jobs.len());
+        return Err(FieldError::new("/jobs", detail).into());
+    }
+    Ok(jobs.into_iter().map(|job| parse_job(job.get().as_bytes())).collect())
+}
+
+/// Reads a job, or `{ "scene": … }` for a simulation of it.
+pub fn parse_scene_request(body: &[u8]) -> Result<Job, Refusal> {
+    let request = strict::read(body)?;
+    if is_scene(&request) {
+        let detail = "a scene alone: must be an object `{\"scene\": …}`, with this as its field `scene`";
+        return Err(FieldError::new("", detail).into());
+    }
+    simulation_by_default(request)
+}
+
+/// Reads a job, `{ "scene": … }` for a simulation of it, or the scene alone.
+pub fn parse_job_or_scene(body: &[u8]) -> Result<Job, Refusal> {
+    job_or_scene(strict::read(body)?, simulation_by_default)
+}
+
+/// Reads an accuracy job, `{ "scene": … }` for one, or the scene alone. `repetitions` applies where the request does not give them.
+pub fn parse_accuracy_request(body: &[u8], repetitions: Option<u32>) -> Result<Job, Refusal> {
+    job_or_scene(strict::read(body)?, |mut request| {
+        if let (Value::Object(fields), Some(repetitions)) = (&mut request, repetitions) {
+            fields.entry("repetitions").or_insert_with(|| repetitions.into());
+        }
+        of_kind(JobKind::Accuracy, request)
+    })
+}
+
+/// Reads a study, with or without its kind.
+pub fn parse_study_request(body: &[u8]) -> Result<Job, Refusal> {
+    of_kind(JobKind::Study, strict::read(body)?)
+}
+
+/// Reads an optimum job, with or without its kind.
+pub fn parse_optimum_request(body: &[u8]) -> Result<Job, Refusal> {
+    of_kind(JobKind::Optimum, strict::read(body)?)
+}
+
+/// Checks a job of one kind, which the request may omit.
+fn of_kind(expected: JobKind, request: Value) -> Result<Job, Refusal> {
+    let request = with_kind(expected, request);
+    match JobKind::of(&request)? {
+        kind if kind == expected => Job::of(request),
+        kind => Err(FieldError::new("/kind", format!("must be `{}`, not `{}`", expected.name(), kind.name())).into()),
+    }
+}
+
+/// Checks a job, a simulation where it gives no kind.
+fn simulation_by_default(request: Value) -> Result<Job, Refusal> {
+    Job::of(with_kind(JobKind::Simulation, request))
+}
+
+fn with_kind(default: JobKind, mut request: Value) -> Value {
+    if let Value::Object(fields) = &mut request {
+        fields.entry("kind").or_insert_with(|| default.name().into());
+    }
+    request
+}
+
+/// Checks a request by `job`, a scene alone as `{ "scene": … }`. Pointers of errors start at the root of the request in both cases.
+fn job_or_scene(request: Value, job: impl FnOnce(Value) -> Result<Job, Refusal>) -> Result<Job, Refusal> {
+    if is_scene(&request) {
+        return job(json!({ "scene": request })).map_err(|refusal| refusal.map_errors(without_scene));
+    }
+    job(request)
+}
+
+/// Whether the request is a scene alone.
+fn is_scene(request: &Value) -> bool {
+    let has = |field: &str| request.get(field).is_some();
+    !has("kind") && !has("scene") && (has("bearing") || has("operation"))
+}
+
+fn without_scene(error: FieldError) -> FieldError {
+    match error.pointer.strip_prefix("/scene") {
+        Some(rest) => FieldError::new(rest, error.detail),
+        None => error,
+    }
+}

@@ -1,0 +1,189 @@
+//! Limits, defaults and kinds in the schemas of requests. Limits are those of validation, defaults those of a job without the field.
+
+use serde_json::{Value, json};
+use utoipa::openapi::schema::{Discriminator, Object, ObjectBuilder, OneOfBuilder, Schema, Type};
+use utoipa::openapi::{Ref, RefOr};
+
+use super::checked::Job;
+use super::kind::{FIELDS_OF_SOME_KINDS, JobKind};
+use crate::contract::json::limits;
+use crate::contract::json::schema::{Schemas, change, set_defaults, set_limits};
+
+/// Name of the schema of a job of any kind.
+const JOB: &str = "JobInput";
+
+/// A kind of job in the OpenAPI document.
+pub struct Kind {
+    pub kind: JobKind,
+    /// Name of its schema.
+    pub name: &'static str,
+    description: &'static str,
+    /// Fields of `FIELDS_OF_SOME_KINDS` that it requires.
+    requires: &'static [&'static str],
+    /// Objects of which it takes fewer fields than a simulation.
+    reduced: &'static [&'static Reduced],
+    /// Fields whose default is the same for all jobs, and that may be sent with this value. Other defaults follow from other fields, or
+    /// exclude them; descriptions state these.
+    defaults: &'static [&'static str],
+}
+
+/// An object of a job without some of its fields.
+struct Reduced {
+    field: &'static str,
+    /// Name of the schema of the complete object, and of the reduced one.
+    of: &'static str,
+    name: &'static str,
+    without: &'static [&'static str],
+}
+
+const METRICS_ALONE: Reduced =
+    Reduced { field: "outputs", of: "OutputsInput", name: "MetricsOutputsInput", without: &["spectra", "series"] };
+const MODEL_ALONE: Reduced = Reduced {
+    field: "solver",
+    of: "SolverInput",
+    name: "ModelInput",
+    without: &["method", "relative_tolerance", "fixed_step_us"],
+};
+
+pub const KINDS: [Kind; 4] = [
+    Kind {
+        kind: JobKind::Simulation,
+        name: "SimulationJob",
+        description: "One run.",
+        requires: &[],
+        reduced: &[],
+        defaults: &[
+            "/scene/gravity_m_s2",
+            "/scene/operation/radial_load_y_n",
+            "/scene/operation/radial_load_z_n",
+            "/scene/operation/axial_load_n",
+            "/scene/operation/misalignment_mrad/y",
+            "/scene/operation/misalignment_mrad/z",
+            "/scene/bearing/cage/seat",
+            "/scene/bearing/cage/rim_angle_deg",
+            "/scene/bearing/cage/friction",
+            "/scene/bearing/cage/friction_speed_m_s",
+            "/scene/lubricant/kind",
+            "/scene/damping/raceway/law",
+            "/scene/terms/*",
+            "/solver/method",
+            "/solver/model_tolerance_db",
+            "/outputs/metrics",
+            "/outputs/spectra",
+            "/outputs/series",
+            "/priority",
+            "/reuse",
+        ],
+    },
+    Kind {
+        kind: JobKind::Study,
+        name: "StudyJob",
+        description: "A run for each point of a grid.",
+        requires: &["axes"],
+        reduced: &[&METRICS_ALONE],
+        defaults: &["/priority", "/reuse"],
+    },
+    Kind {
+        kind: JobKind::Optimum,
+        name: "OptimumJob",
+        description: "The point of one or two ranges with the best value of a metric.",
+        requires: &["axes", "metric"],
+        reduced: &[&METRICS_ALONE],
+        defaults: &["/goal", "/priority", "/reuse"],
+    },
+    Kind {
+        kind: JobKind::Accuracy,
+        name: "AccuracyJob",
+        description: "Error against run time, for several methods and tolerances.",
+        requires: &[],
+        reduced: &[&METRICS_ALONE, &MODEL_ALONE],
+        defaults: &[
+            "/methods",
+            "/relative_tolerances",
+            "/repetitions",
+            "/settle_s",
+            "/duration_s",
+            "/solver/model_tolerance_db",
+            "/priority",
+        ],
+    },
+];
+
+/// Adds to the schema of a job the limits of its fields, its kinds, and their defaults.
+pub fn complete(schemas: &mut Schemas) {
+    for (pointer, limits) in limits::all() {
+        let path: Vec<&str> = pointer.split('/').skip(1).collect();
+        change(schemas, JOB, &path, &|number| set_limits(number, &limits));
+    }
+    for reduced in [METRICS_ALONE, MODEL_ALONE] {
+        if let Some(RefOr::T(Schema::Object(whole))) = schemas.get(reduced.of) {
+            let mut rest = whole.clone();
+            rest.properties.retain(|field, _| !reduced.without.contains(&field.as_str()));
+            schemas.insert(reduced.name.to_owned(), RefOr::T(rest.into()));
+        }
+    }
+    let Some(RefOr::T(Schema::Object(every))) = schemas.remove(JOB) else { return };
+    schemas.extend(KINDS.iter().map(|kind| (kind.name.to_owned(), RefOr::T(kind.part_of(&every).into()))));
+    schemas.insert(JOB.to_owned(), RefOr::T(any_kind(every.description)));
+    for kind in &KINDS {
+        let usual = kind.with_defaults();
+        for pointer in kind.defaults {
+            let Some((holder, field)) = pointer.rsplit_once('/') else { continue };
+            let path: Vec<&str> = holder.split('/').skip(1).collect();
+            change(schemas, kind.name, &path, &|object| set_defaults(object, field, usual.pointer(holder)));
+        }
+    }
+}
+
+fn any_kind(description: Option<String>) -> Schema {
+    let place = |kind: &Kind| Ref::from_schema_name(kind.name);
+    let mapping = KINDS.iter().map(|kind| (kind.kind.name(), place(kind).ref_location));
+    let any =
+        OneOfBuilder::new().description(description).discriminator(Some(Discriminator::with_mapping("kind", mapping)));
+    KINDS.iter().fold(any, |any, kind| any.item(place(kind))).into()
+}
+
+impl Kind {
+    /// The schema of this kind, from that of all fields of all kinds.
+    fn part_of(&self, every: &Object) -> Object {
+        let mut job = every.clone();
+        job.description = Some(self.description.to_owned());
+        job.properties.retain(|field, _| {
+            let field = &field.as_str();
+            !FIELDS_OF_SOME_KINDS.contains(field) || self.kind.takes().contains(field)
+        });
+        job.required.extend(self.requires.iter().map(|&field| field.to_owned()));
+        let name = ObjectBuilder::new().schema_type(Type::String).enum_values(Some([self.kind.name()]));
+        job.properties.insert("kind".to_owned(), name.description(Some("What the job computes.")).into());
+        for reduced in self.reduced {
+            if let Some(RefOr::Ref(part)) = job.properties.get_mut(reduced.field) {
+                part.ref_location = Ref::from_schema_name(reduced.name).ref_location;
+            }
+        }
+        job
+    }
+
+    /// A job of this kind with all defaults.
+    fn with_defaults(&self) -> Value {
+        let mut request = json!({
+            "kind": self.kind.name(),
+            "scene": { "bearing": "article-integrated", "operation": { "speed_rpm": 50000 } },
+        });
+        if self.kind.takes().contains(&"axes") {
+            request["axes"] = json!([{ "path": "/spindle/mass_kg", "from": 0.02, "to": 0.2 }]);
+        }
+        match self.kind {
+            JobKind::Study => request["axes"][0]["count"] = json!(2),
+            JobKind::Optimum => request["metric"] = json!("/channels/spindle.y.acceleration/level_db"),
+            JobKind::Simulation | JobKind::Accuracy => {}
+        }
+        let Ok(job) = Job::of(request) else { return Value::Null };
+        let mut complete = job.complete();
+        complete["priority"] = job.submission().priority.into();
+        complete["reuse"] = job.submission().reuse.into();
+        if let Job::Optimum(search) = &job {
+            complete["goal"] = search.canonical()["goal"].take();
+        }
+        complete
+    }
+}

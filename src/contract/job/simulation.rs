@@ -1,0 +1,245 @@
+//! One simulation, checked. Jobs of every kind have one: the run itself, or what all their runs share.
+
+use raceway_core::simulation::input::model_level::ModelLevel;
+use raceway_core::simulation::input::scene::Scene;
+use raceway_core::simulation::input::settings::RunSettings;
+use raceway_core::simulation::model::terms::{ActiveTerms, UnsupportedChoice};
+use raceway_core::simulation::solve::eligibility::active_terms;
+use raceway_core::simulation::solve::plan::model_levels;
+use serde_json::{Value, json};
+
+use super::input::JobInput;
+use super::kind::JobKind;
+use super::outputs::{OutputsInput, USUAL_SPECTRA};
+use super::solver::{Solver, SolverInput};
+use super::times;
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::given_fields::given_fields;
+use crate::contract::json::limits;
+use crate::contract::json::problem::{FieldError, Refusal};
+use crate::contract::json::typed::typed_with_errors;
+use crate::contract::scene::scene_input::ResolvedScene;
+
+/// A checked simulation: scene, settings and model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulation {
+    pub submission: Submission,
+    pub resolved: ResolvedScene,
+    /// For an accuracy job: times, outputs and model level. Method and tolerance are those of its plan.
+    pub settings: RunSettings,
+    /// Model levels that are tried, the cheapest first.
+    pub model_levels: Vec<ModelLevel>,
+    /// Terms of the equations on the last of these levels.
+    pub terms: ActiveTerms,
+    /// Solver and outputs with all defaults, as in a request.
+    pub solver: SolverInput,
+    pub outputs: OutputsInput,
+}
+
+/// A request as it was sent, and how the service treats it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Submission {
+    pub request: Value,
+    pub labels: Vec<String>,
+    /// 1 (first) to 4 (last).
+    pub priority: u8,
+    /// Whether the result of an identical finished job may be returned.
+    pub reuse: bool,
+    /// Time that the job is kept after its end [s].
+    pub keep_for_s: Option<f64>,
+}
+
+impl Simulation {
+    /// The simulation of a request of this kind.
+    pub fn of(request: Value) -> Result<Self, Refusal> {
+        let mut draft = Draft::of(JobKind::Simulation, request)?;
+        let settings = draft.settings();
+        draft.simulation(settings, model_levels)
+    }
+
+    pub fn scene(&self) -> &Scene {
+        &self.resolved.scene
+    }
+
+    /// The scene with all defaults, as in a request.
+    pub fn scene_json(&self) -> Value {
+        given_fields(&self.resolved.input)
+    }
+
+    /// The simulation with all defaults, without the fields that concern only the service.
+    pub fn complete(&self) -> Value {
+        json!({
+            "kind": JobKind::Simulation.name(),
+            "scene": self.scene_json(),
+            "solver": given_fields(&self.solver),
+            "outputs": given_fields(&self.outputs),
+            "settle_s": self.settings.settle,
+            "duration_s": self.settings.duration,
+        })
+    }
+
+    /// Everything that determines the result, as text: equal for equal work, whichever fields were left to their default.
+    pub fn canonical(&self) -> String {
+        self.complete().to_string()
+    }
+
+    /// Canonical text of the same simulation with the usual spectra; its metrics are the same.
+    pub fn canonical_with_usual_spectra(&self) -> String {
+        let mut simulation = self.complete();
+        simulation["outputs"]["spectra"] = json!(USUAL_SPECTRA);
+        simulation.to_string()
+    }
+}
+
+/// A request while it is checked.
+pub struct Draft {
+    kind: JobKind,
+    pub request: Value,
+    pub input: JobInput,
+    pub defaults: Defaults,
+    /// Fields that could not be read.
+    unread: Vec<FieldError>,
+    resolved: Option<ResolvedScene>,
+    scene_errors: Vec<FieldError>,
+}
+
+impl Draft {
+    /// Reads a request of this kind and checks its scene.
+    pub fn of(kind: JobKind, request: Value) -> Result<Self, Refusal> {
+        let (input, unread) = typed_with_errors::<JobInput>(&request);
+        let unread: Vec<FieldError> = unread.into_iter().map(limits::with_range).collect();
+        let Some(input) = input else { return Err(Refusal::Invalid { errors: unread }) };
+        let (resolved, scene_errors) = if unread.iter().any(|error| error.concerns("/scene")) {
+            (None, input.scene.clone().errors_without(&unread))
+        } else {
+            match input.scene.clone().resolve() {
+                Ok(resolved) => (Some(resolved), Vec::new()),
+                Err(errors) => (None, errors),
+            }
+        };
+        let mut defaults = Defaults::default();
+        kind.refuse_fields_of_other_kinds(&request, &mut defaults);
+        Ok(Self { kind, request, input, defaults, unread, resolved, scene_errors })
+    }
+
+    fn scene(&self) -> Option<&Scene> {
+        self.resolved.as_ref().map(|resolved| &resolved.scene)
+    }
+
+    /// The scene with all defaults, as in a request; `None` where it has errors.
+    pub fn scene_json(&self) -> Option<Value> {
+        self.resolved.as_ref().map(|resolved| given_fields(&resolved.input))
+    }
+
+    /// Settings of a run.
+    pub fn settings(&mut self) -> RunSettings {
+        let scene = self.resolved.as_ref().map(|resolved| &resolved.scene);
+        let (input, defaults) = (&mut self.input, &mut self.defaults);
+        let solver = input.solver.get_or_insert_default().resolve(defaults);
+        let outputs = input.outputs.get_or_insert_default().resolve(defaults, scene);
+        let settle = times::settle(&mut input.settle_s, times::default_settle(scene), defaults);
+        let default_duration = times::default_duration(scene, settle);
+        let duration = times::duration(&mut input.duration_s, default_duration, &outputs, defaults);
+        let Solver { method, rung, mut relative_tolerance, mut tightened, model_tolerance_db, fixed_step } = solver;
+        if !outputs.series.is_empty() {
+            // No verification covers every value of a series.
+            relative_tolerance = tightened.take().unwrap_or(relative_tolerance);
+        }
+        RunSettings {
+            method,
+            rung,
+            relative_tolerance,
+            tightened,
+            model_tolerance_db,
+            fixed_step,
+            settle,
+            duration,
+            outputs,
+        }
+    }
+
+    /// The checked simulation, or all errors of the request. `levels` returns the model levels to try.
+    pub fn simulation(
+        mut self,
+        settings: RunSettings,
+        levels: impl Fn(&Scene, &RunSettings) -> Result<Vec<ModelLevel>, UnsupportedChoice>,
+    ) -> Result<Simulation, Refusal> {
+        let labels = self.input.labels.take().unwrap_or_default();
+        check_labels(&labels, &mut self.defaults);
+        let priority = self.defaults.fill("/priority", &mut self.input.priority, 2);
+        self.defaults.check("/priority", f64::from(priority));
+        if let Some(keep) = self.input.keep_for_s {
+            self.defaults.check("/keep_for_s", keep);
+        }
+        // A missing term may be one of the fields that could not be read.
+        let model = self.scene().filter(|_| self.unread.is_empty()).map(|scene| model(scene, &settings, levels));
+        let model = match model {
+            Some(Err(error)) if !self.defaults.errors.iter().any(|known| known.pointer == error.pointer) => {
+                self.defaults.errors.push(error);
+                None
+            }
+            model => model.and_then(Result::ok),
+        };
+        let mut errors = self.scene_errors;
+        errors.append(&mut self.defaults.errors);
+        errors.retain(|error| !self.unread.iter().any(|unread| unread.concerns(&error.pointer)));
+        errors.splice(0..0, self.unread);
+        let (Some(mut resolved), Some((terms, model_levels)), true) = (self.resolved, model, errors.is_empty()) else {
+            return Err(Refusal::Invalid { errors });
+        };
+        resolved.defaults.append(&mut self.defaults.filled);
+        let submission = Submission {
+            request: self.request,
+            labels,
+            priority: u8::try_from(priority).unwrap_or(2),
+            reuse: self.kind != JobKind::Accuracy && self.input.reuse.unwrap_or(true),
+            keep_for_s: self.input.keep_for_s,
+        };
+        Ok(Simulation {
+            submission,
+            resolved,
+            settings,
+            model_levels,
+            terms,
+            solver: self.input.solver.unwrap_or_default(),
+            outputs: self.input.outputs.unwrap_or_default(),
+        })
+    }
+}
+
+/// Terms of the equations, and the model levels that are tried.
+fn model(
+    scene: &Scene,
+    settings: &RunSettings,
+    levels: impl Fn(&Scene, &RunSettings) -> Result<Vec<ModelLevel>, UnsupportedChoice>,
+) -> Result<(ActiveTerms, Vec<ModelLevel>), FieldError> {
+    let needs = active_terms(scene, &settings.outputs, settings.rung);
+    Ok((needs.map_err(unmet)?, levels(scene, settings).map_err(unmet)?))
+}
+
+/// The field whose value the scene or the outputs exclude.
+fn unmet(unmet: UnsupportedChoice) -> FieldError {
+    let pointer = match &unmet {
+        UnsupportedChoice::ModelLevel { .. } => "/solver/rung".to_owned(),
+        UnsupportedChoice::Term { term, .. } => format!("/scene/terms/{}", term.name()),
+    };
+    FieldError::new(pointer, unmet.to_string())
+}
+
+/// Largest number of labels, and longest label [characters].
+const MAX_LABELS: usize = 16;
+const MAX_LABEL: usize = 200;
+
+fn check_labels(labels: &[String], defaults: &mut Defaults) {
+    if labels.len() > MAX_LABELS {
+        defaults.refuse("/labels", format!("{} labels: at most {MAX_LABELS}", labels.len()));
+    }
+    for (index, label) in labels.iter().enumerate() {
+        let length = label.chars().count();
+        if length > MAX_LABEL {
+            defaults.refuse(format!("/labels/{index}"), format!("{length} characters: at most {MAX_LABEL}"));
+        } else if label.chars().any(char::is_control) {
+            defaults.refuse(format!("/labels/{index}"), "control characters are not allowed in a label");
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Settling time and recorded time of a run.
+
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::limits::DURATION;
+use crate::contract::json::numbers;
+use raceway_core::physics::kinematics::{CharacteristicFrequencies, ideal_frequencies};
+use raceway_core::simulation::input::scene::Scene;
+use raceway_core::simulation::input::settings::Outputs;
+use raceway_core::simulation::recording::sampling::RATE;
+use raceway_core::simulation::solve::startup::{settling_time, turning_time};
+
+/// Longest default recorded time at constant speed [s].
+const MAX_DEFAULT: f64 = 1.0;
+/// Longest default recorded time of a speed profile [s].
+const MAX_PROFILE: f64 = 10.0;
+/// Longest recorded time with `SERIES_AT_MAX` series [s]: they take 1 GiB, at four doubles for each sample (value, time and copies).
+const MAX_SERIES: f64 = 23.4;
+const SERIES_AT_MAX: usize = 14;
+const _: () = assert!(MAX_SERIES * RATE * (SERIES_AT_MAX * 4 * 8) as f64 <= 1_073_741_824.0);
+
+/// Default settling time [s]: 3 cage turns, at least 0.02 s, and until the free vibration of the spindle has decayed.
+pub fn default_settle(scene: Option<&Scene>) -> f64 {
+    let turns = scene.map_or(0.02, |scene| numbers::significant(turning_time(scene), 6));
+    let decayed = scene.and_then(settling_time).map_or(0.0, |time| numbers::significant(time, 3));
+    turns.max(decayed)
+}
+
+/// Default recorded time after the settling time [s]: 20 ball passes, at least 0.1 s, and up to the last point of a speed profile.
+pub fn default_duration(scene: Option<&Scene>, settle: f64) -> f64 {
+    let passes = default_time(0.1, 20.0, scene.map(frequencies).map(|f| f.ball_pass_outer));
+    let changing = scene.map(|scene| &scene.operation.speed).filter(|speed| !speed.is_constant());
+    let profile = changing.map_or(0.0, |speed| speed.end() - settle).min(MAX_PROFILE);
+    passes.max(numbers::significant(profile, 6))
+}
+
+/// Settling time [s].
+pub fn settle(field: &mut Option<f64>, default: f64, defaults: &mut Defaults) -> f64 {
+    let settle = defaults.fill("/settle_s", field, default);
+    defaults.check("/settle_s", settle);
+    settle
+}
+
+/// Recorded time [s].
+pub fn duration(field: &mut Option<f64>, default: f64, outputs: &Outputs, defaults: &mut Defaults) -> f64 {
+    let duration = defaults.fill("/duration_s", field, default);
+    let longest = max_duration(outputs.series.len());
+    if !(DURATION.lowest..=longest).contains(&duration) {
+        let mut detail = numbers::out_of_range(duration, DURATION.lowest, longest, false, DURATION.unit);
+        if duration > longest && longest < DURATION.highest {
+            detail += ": /outputs/series would take more than 1 GiB";
+        }
+        defaults.refuse("/duration_s", detail);
+    }
+    duration
+}
+
+/// Longest recorded time with this number of series [s], in whole milliseconds as messages show it.
+fn max_duration(series: usize) -> f64 {
+    if series == 0 {
+        return DURATION.highest;
+    }
+    let longest = MAX_SERIES * SERIES_AT_MAX as f64 / series.max(SERIES_AT_MAX) as f64;
+    // A rounding error must not remove a millisecond.
+    (longest * 1e3 + 1e-6).floor() / 1e3
+}
+
+/// Duration of `periods` periods of a frequency [s], at least `least` and at most a second; `least` at rest.
+fn default_time(least: f64, periods: f64, frequency: Option<f64>) -> f64 {
+    match frequency {
+        Some(frequency) if frequency > 0.0 => numbers::significant((periods / frequency).clamp(least, MAX_DEFAULT), 6),
+        _ => least,
+    }
+}
+
+fn frequencies(scene: &Scene) -> CharacteristicFrequencies {
+    ideal_frequencies(&scene.bearing, scene.operating_speed())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_series_limit_the_recorded_time() {
+        assert_eq!((max_duration(0), max_duration(1), max_duration(14)), (1000.0, 23.4, 23.4));
+        assert_eq!((max_duration(15), max_duration(28)), (21.84, 11.7));
+    }
+}

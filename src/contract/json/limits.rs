@@ -1,0 +1,99 @@
+//! The limits of each field, in the user's units: those of a scene are defined in `physics`, those of a job here.
+
+use raceway_core::physics::limits::limits_of;
+
+use super::problem::FieldError;
+use super::{numbers, parameters};
+
+/// Largest number of timed runs of each method at each tolerance of an accuracy job.
+pub const MAX_REPETITIONS: u32 = 9;
+
+/// The limits of a field.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FieldLimits {
+    /// From the root of a job.
+    pointer: &'static str,
+    pub lowest: f64,
+    pub highest: f64,
+    /// Whether the lowest value itself is refused.
+    pub exclusive: bool,
+    pub unit: &'static str,
+}
+
+const fn from(pointer: &'static str, lowest: f64, highest: f64, unit: &'static str) -> FieldLimits {
+    FieldLimits { pointer, lowest, highest, exclusive: false, unit }
+}
+
+/// Tightest and loosest relative tolerance.
+const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
+
+/// Recorded time of a job without series.
+pub const DURATION: FieldLimits = from("/duration_s", 1e-6, 1000.0, "s");
+
+/// Limits of fields of the job.
+const OF_A_JOB: [FieldLimits; 9] = [
+    DURATION,
+    from("/settle_s", 0.0, 1000.0, "s"),
+    from("/priority", 1.0, 4.0, ""),
+    from("/keep_for_s", 1.0, 315_360_000.0, "s"),
+    from("/repetitions", 1.0, MAX_REPETITIONS as f64, ""),
+    from("/relative_tolerances", TOLERANCES.0, TOLERANCES.1, ""),
+    from("/solver/relative_tolerance", TOLERANCES.0, TOLERANCES.1, ""),
+    from("/solver/model_tolerance_db", 0.0, 20.0, "dB"),
+    from("/solver/fixed_step_us", 1e-3, 1e3, "µs"),
+];
+
+/// The limits of a field of a job, or of an item of a list by those of the list; `None` for fields of the scene and fields without limits.
+pub fn of_field(pointer: &str) -> Option<&'static FieldLimits> {
+    let is_it = |rest: &str| rest.is_empty() || rest.starts_with('/');
+    OF_A_JOB.iter().find(|limits| pointer.strip_prefix(limits.pointer).is_some_and(is_it))
+}
+
+/// Every field that has limits, by its pointer from the root of a job, without indices of lists.
+pub fn all() -> impl Iterator<Item = (String, FieldLimits)> {
+    let of_scene = parameters::fields().filter_map(|(parameter, pointer, unit)| {
+        let limits = limits_of(parameter)?;
+        // Without the rounding error of the conversion.
+        let in_user_unit = |value| numbers::significant(unit.to_user(value), 9);
+        let (lowest, highest, exclusive) =
+            (in_user_unit(limits.lowest), in_user_unit(limits.highest), limits.exclusive);
+        Some((format!("/scene{pointer}"), FieldLimits { pointer, lowest, highest, exclusive, unit: unit.name }))
+    });
+    OF_A_JOB.iter().map(|limits| (limits.pointer.to_owned(), *limits)).chain(of_scene)
+}
+
+/// The error; where a number was expected, with the unit and the range of the field.
+pub fn with_range(error: FieldError) -> FieldError {
+    if !error.detail.contains("expected a number") {
+        return error;
+    }
+    match all().find(|(pointer, _)| *pointer == error.pointer) {
+        Some((_, FieldLimits { lowest, highest, exclusive, unit, .. })) => {
+            let range = numbers::range(lowest, highest, exclusive, unit);
+            FieldError { detail: format!("{}, {range}", error.detail), ..error }
+        }
+        None => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_parameter_of_physics_has_limits() {
+        let without: Vec<_> =
+            parameters::fields().filter(|field| limits_of(field.0).is_none()).map(|field| field.0).collect();
+        // A choice has no range.
+        assert_eq!(without, ["spindle.axial"]);
+        // A limit as it is shown is allowed, to the last bit, when it is sent back in the user's unit.
+        for (parameter, pointer, unit) in parameters::fields() {
+            let Some(limits) = limits_of(parameter) else { continue };
+            let shown =
+                [limits.lowest, limits.highest].map(|limit| unit.to_si(numbers::significant(unit.to_user(limit), 9)));
+            let inside = shown.map(|limit| (limits.lowest..=limits.highest).contains(&limit));
+            assert_eq!(inside, [true, true], "{pointer}: {shown:?}");
+        }
+        assert!(of_field("/relative_tolerances/3").is_some() && of_field("/duration_series").is_none());
+    }
+}

@@ -1,0 +1,105 @@
+//! The parameters that physics names in its errors, each with its JSON field and unit.
+
+use raceway_core::physics::InvalidParameter;
+
+use super::numbers::out_of_range;
+use super::problem::FieldError;
+use super::units::*;
+
+/// Each parameter of physics with its field under `/scene` and the field's unit.
+const FIELDS: [(&str, &str, Unit); 72] = [
+    ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
+    ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
+    ("bearing.width", "/bearing/width_mm", MM),
+    ("bearing.ball_count", "/bearing/ball_count", NUMBER),
+    ("bearing.ball_diameter", "/bearing/ball_diameter_mm", MM),
+    ("bearing.pitch_diameter", "/bearing/pitch_diameter_mm", MM),
+    ("bearing.inner_groove_curvature", "/bearing/inner_groove_curvature", NUMBER),
+    ("bearing.outer_groove_curvature", "/bearing/outer_groove_curvature", NUMBER),
+    ("bearing.radial_clearance", "/bearing/radial_clearance_um", UM),
+    ("bearing.contact_angle", "/bearing/contact_angle_deg", DEG),
+    ("bearing.materials.ball.elastic_modulus", "/bearing/materials/ball/elastic_modulus_gpa", GPA),
+    ("bearing.materials.ball.poisson_ratio", "/bearing/materials/ball/poisson_ratio", NUMBER),
+    ("bearing.materials.ball.density", "/bearing/materials/ball/density_kg_m3", KG_M3),
+    ("bearing.materials.inner_raceway.elastic_modulus", "/bearing/materials/inner_raceway/elastic_modulus_gpa", GPA),
+    ("bearing.materials.inner_raceway.poisson_ratio", "/bearing/materials/inner_raceway/poisson_ratio", NUMBER),
+    ("bearing.materials.inner_raceway.density", "/bearing/materials/inner_raceway/density_kg_m3", KG_M3),
+    ("bearing.materials.outer_raceway.elastic_modulus", "/bearing/materials/outer_raceway/elastic_modulus_gpa", GPA),
+    ("bearing.materials.outer_raceway.poisson_ratio", "/bearing/materials/outer_raceway/poisson_ratio", NUMBER),
+    ("bearing.materials.outer_raceway.density", "/bearing/materials/outer_raceway/density_kg_m3", KG_M3),
+    ("bearing.materials.cage.elastic_modulus", "/bearing/materials/cage/elastic_modulus_gpa", GPA),
+    ("bearing.materials.cage.poisson_ratio", "/bearing/materials/cage/poisson_ratio", NUMBER),
+    ("bearing.materials.cage.density", "/bearing/materials/cage/density_kg_m3", KG_M3),
+    ("bearing.cage.mass", "/bearing/cage/mass_g", G),
+    ("bearing.cage.axial_inertia", "/bearing/cage/axial_inertia_kg_m2", KG_M2),
+    ("bearing.cage.transverse_inertia", "/bearing/cage/transverse_inertia_kg_m2", KG_M2),
+    ("bearing.cage.offset", "/bearing/cage/offset_mm", MM),
+    ("bearing.cage.pocket_clearance", "/bearing/cage/pocket_clearance_mm", MM),
+    ("bearing.cage.rim_angle", "/bearing/cage/rim_angle_deg", DEG),
+    ("bearing.cage.seat_half_width", "/bearing/cage/seat_half_width_mm", MM),
+    ("bearing.cage.friction", "/bearing/cage/friction", NUMBER),
+    ("bearing.cage.friction_speed", "/bearing/cage/friction_speed_m_s", M_S),
+    ("bearing.cage.bar_stiffness", "/bearing/cage/bar_stiffness_n_per_m", N_PER_M),
+    ("bearing.cage.land.clearance", "/bearing/cage/land/clearance_mm", MM),
+    ("bearing.cage.land.diameter", "/bearing/cage/land/diameter_mm", MM),
+    ("bearing.cage.land.width", "/bearing/cage/land/width_mm", MM),
+    ("bearing.cage.film.stiffness", "/bearing/cage/film/stiffness_n_per_m", N_PER_M),
+    ("bearing.cage.film.damping", "/bearing/cage/film/damping_n_s_per_m", N_S_PER_M),
+    ("spindle.mass", "/spindle/mass_kg", KG),
+    ("spindle.unbalance", "/spindle/unbalance_g_mm", G_MM),
+    ("spindle.balance_grade", "/spindle/balance_grade", MM_S),
+    ("spindle.axial", "/spindle/axial", NUMBER),
+    ("spindle.axial.offset", "/spindle/axial/offset_um", UM),
+    ("lubricant.viscosity", "/lubricant/viscosity_pa_s", PA_S),
+    ("lubricant.pressure_viscosity", "/lubricant/pressure_viscosity_per_pa", PER_PA),
+    ("lubricant.fill", "/lubricant/fill", NUMBER),
+    ("lubricant.inlet_distance", "/lubricant/inlet_distance_mm", MM),
+    ("lubricant.traction.at_rest", "/lubricant/traction/at_rest", NUMBER),
+    ("lubricant.traction.maximum", "/lubricant/traction/maximum", NUMBER),
+    ("lubricant.traction.at_slip", "/lubricant/traction/at_slip_m_s", M_S),
+    ("lubricant.traction.limit", "/lubricant/traction/limit", NUMBER),
+    ("lubricant.traction.a", "/lubricant/traction/a", NUMBER),
+    ("lubricant.traction.b", "/lubricant/traction/b", NUMBER),
+    ("lubricant.traction.c", "/lubricant/traction/c", NUMBER),
+    ("lubricant.traction.d", "/lubricant/traction/d", NUMBER),
+    ("lubricant.traction.stress", "/lubricant/traction/stress_pa", PA),
+    ("lubricant.traction.coefficient", "/lubricant/traction/coefficient", NUMBER),
+    ("lubricant.traction.regularisation", "/lubricant/traction/regularisation_m_s", M_S),
+    ("damping.raceway.restitution", "/damping/raceway/restitution", NUMBER),
+    ("damping.raceway.at_speed", "/damping/raceway/at_speed_m_s", M_S),
+    ("damping.raceway.viscous", "/damping/raceway/viscous_n_s_per_m", N_S_PER_M),
+    ("damping.pocket.restitution", "/damping/pocket/restitution", NUMBER),
+    ("damping.pocket.at_speed", "/damping/pocket/at_speed_m_s", M_S),
+    ("damping.pocket.viscous", "/damping/pocket/viscous_n_s_per_m", N_S_PER_M),
+    ("operation.axial_load", "/operation/axial_load_n", N),
+    ("operation.radial_load_y", "/operation/radial_load_y_n", N),
+    ("operation.radial_load_z", "/operation/radial_load_z_n", N),
+    ("operation.misalignment.y", "/operation/misalignment_mrad/y", MRAD),
+    ("operation.misalignment.z", "/operation/misalignment_mrad/z", MRAD),
+    ("operation.speed", "/operation/speed_rpm", RPM),
+    ("operation.speed", "/operation/speed_rpm/rpm", RPM),
+    ("operation.speed.at", "/operation/speed_rpm/at_s", S),
+    ("gravity", "/gravity_m_s2", M_S2),
+];
+
+/// Parameter, field under `/scene` and the field's unit. Where a parameter has several fields, its errors point to the first;
+/// indices of lists are omitted.
+pub fn fields() -> impl Iterator<Item = (&'static str, &'static str, Unit)> {
+    FIELDS.iter().copied()
+}
+
+/// The error of a parameter that physics refuses, at its JSON field and in the user's unit.
+pub fn field_error(error: &InvalidParameter) -> FieldError {
+    let parameter = match error {
+        InvalidParameter::OutOfRange { parameter, .. } | InvalidParameter::Inconsistent { parameter, .. } => *parameter,
+    };
+    let (pointer, unit) =
+        FIELDS.iter().find(|field| field.0 == parameter).map_or(("", NUMBER), |field| (field.1, field.2));
+    let detail = match error {
+        InvalidParameter::OutOfRange { value, lowest, highest, exclusive, .. } => {
+            out_of_range(unit.to_user(*value), unit.to_user(*lowest), unit.to_user(*highest), *exclusive, unit.name)
+        }
+        InvalidParameter::Inconsistent { reason, .. } => reason.clone(),
+    };
+    FieldError::new(format!("/scene{pointer}"), detail)
+}

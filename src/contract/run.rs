@@ -1,0 +1,156 @@
+//! Runs a checked job.
+
+use raceway_core::simulation::input::control::Control;
+use raceway_core::simulation::input::scene::Scene;
+use raceway_core::simulation::recording::spectra::ChannelSpectra;
+use raceway_core::simulation::result::run_result::RunResult;
+use raceway_core::simulation::solve::run::simulate;
+use raceway_core::simulation::work_precision;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::answer::failure::{INTERNAL, NUMERICAL_BLOWUP, RunFailure};
+use super::answer::metrics::Metrics;
+use super::answer::optimum::OptimumAnswer;
+use super::answer::point::PointEnd;
+use super::answer::signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
+use super::answer::views::ViewsAnswer;
+use super::answer::work_precision::result::WorkPrecisionAnswer;
+use super::job::checked::Job;
+use super::job::parse::parse_job_or_scene;
+use super::job::simulation::Simulation;
+use super::json::problem::Refusal;
+
+/// The result of a job, by its kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    Simulation(Box<Simulated>),
+    Accuracy(Box<WorkPrecisionAnswer>),
+    Optimum(Box<OptimumAnswer>),
+}
+
+/// The result of a simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulated {
+    pub metrics: Metrics,
+    /// Amplitude and envelope spectrum of each requested channel.
+    pub spectra: Vec<SpectrumAnswer>,
+    pub series: Vec<SeriesAnswer>,
+    /// Data of the plots.
+    pub views: ViewsAnswer,
+}
+
+impl Outcome {
+    /// The result of a simulation; an internal failure for results of other kinds.
+    pub fn into_simulated(self) -> Result<Simulated, RunFailure> {
+        match self {
+            Self::Simulation(simulated) => Ok(*simulated),
+            Self::Accuracy(_) | Self::Optimum(_) => Err(internal("the result is not that of a simulation")),
+        }
+    }
+}
+
+/// Runs a job. Every number of the result is finite.
+pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
+    match job {
+        Job::Simulation(simulation) => Ok(Outcome::Simulation(Box::new(execute_simulation(simulation, control)?))),
+        Job::Study(_) => Err(internal("a study is run point by point")),
+        Job::Optimum(search) => {
+            // The progress of the search is counted in runs, not in the progress of each run.
+            let of_run = Control::until(control.stop);
+            let simulate = |simulation: Simulation| execute_simulation(&simulation, &of_run);
+            let answer = OptimumAnswer::of(search, &|point| execute_point(point, &simulate), control)?;
+            check_finite("optimum", &answer)?;
+            Ok(Outcome::Optimum(Box::new(answer)))
+        }
+        Job::Accuracy(comparison) => {
+            let base = &comparison.base;
+            let study = work_precision::study(base.scene(), &base.settings, &comparison.plan, control)?;
+            let answer = WorkPrecisionAnswer::of(comparison, &study);
+            check_finite("accuracy", &answer)?;
+            Ok(Outcome::Accuracy(Box::new(answer)))
+        }
+    }
+}
+
+/// Runs a simulation. Every number of the result is finite.
+pub fn execute_simulation(simulation: &Simulation, control: &Control<'_>) -> Result<Simulated, RunFailure> {
+    let result = simulate(simulation.scene(), &simulation.settings, control)?;
+    let simulated = simulated(simulation, &result);
+    match not_finite(&simulated) {
+        None => Ok(simulated),
+        Some(part) => Err(blowup(&part)),
+    }
+}
+
+/// Runs one point of a study or a search by `simulate`; `None`: the run was cancelled.
+pub fn execute_point(
+    point: Result<Simulation, Refusal>,
+    simulate: &dyn Fn(Simulation) -> Result<Simulated, RunFailure>,
+) -> Option<PointEnd> {
+    match point.map(simulate) {
+        Err(refusal) => Some(PointEnd::Failed(refusal.into())),
+        Ok(Ok(simulated)) => Some(PointEnd::of(&simulated.metrics)),
+        Ok(Err(RunFailure::Cancelled)) => None,
+        Ok(Err(failure)) => Some(PointEnd::Failed(failure.into())),
+    }
+}
+
+fn internal(detail: &str) -> RunFailure {
+    RunFailure::Failed { cause: INTERNAL, detail: detail.to_owned() }
+}
+
+fn blowup(part: &str) -> RunFailure {
+    RunFailure::Failed { cause: NUMERICAL_BLOWUP, detail: format!("{part} is not finite") }
+}
+
+fn simulated(simulation: &Simulation, result: &RunResult) -> Simulated {
+    let solver = &result.summary.solver;
+    let of_channel = |of: &ChannelSpectra| {
+        [(SpectrumKind::Amplitude, &of.amplitude), (SpectrumKind::Envelope, &of.envelope)]
+            .map(|(kind, spectrum)| SpectrumAnswer::of(of.channel, kind, spectrum, solver))
+    };
+    Simulated {
+        metrics: Metrics::of(result, &simulation.settings.outputs),
+        spectra: result.spectra.iter().flat_map(of_channel).collect(),
+        series: result.series.iter().map(SeriesAnswer::of).collect(),
+        views: ViewsAnswer::of(&result.plot_data),
+    }
+}
+
+fn check_finite(kind: &str, answer: &impl Serialize) -> Result<(), RunFailure> {
+    null_of(answer).map_or(Ok(()), |pointer| Err(blowup(&format!("{kind} {pointer}"))))
+}
+
+/// The first part of the result that is not finite.
+fn not_finite(outcome: &Simulated) -> Option<String> {
+    let spectrum = || outcome.spectra.iter().find(|spectrum| !spectrum.is_finite()).map(|s| &s.channel);
+    let series = || outcome.series.iter().find(|series| !series.is_finite()).map(|s| &s.channel);
+    null_of(&outcome.metrics)
+        .map(|pointer| format!("metric {pointer}"))
+        .or_else(|| spectrum().map(|channel| format!("the spectrum of {channel}")))
+        .or_else(|| series().map(|channel| format!("the series of {channel}")))
+}
+
+/// Pointer to the first number that is not finite. JSON has no infinities: serde_json writes them as null, and no other field of a
+/// result is null.
+fn null_of(answer: &impl Serialize) -> Option<String> {
+    null_in(&serde_json::to_value(answer).unwrap_or_default(), "")
+}
+
+/// Pointer to the first null.
+fn null_in(value: &Value, pointer: &str) -> Option<String> {
+    match value {
+        Value::Null => Some(pointer.to_owned()),
+        Value::Array(items) => {
+            items.iter().enumerate().find_map(|(index, item)| null_in(item, &format!("{pointer}/{index}")))
+        }
+        Value::Object(fields) => fields.iter().find_map(|(key, field)| null_in(field, &format!("{pointer}/{key}"))),
+        _ => None,
+    }
+}
+
+/// Builds a scene from JSON: a scene, `{ "scene": … }`, or a whole job.
+pub fn scene_from_json(text: &str) -> Result<Scene, Refusal> {
+    parse_job_or_scene(text.as_bytes()).map(|job| job.scene().clone())
+}

@@ -1,0 +1,18 @@
+//! Scenes: what is simulated, in the user's units, with defaults and presets. Each input type converts itself to the parameters of
+//! `physics`. Knows no job and no result.
+
+pub mod scene_input;
+
+pub mod bearing;
+pub mod cage;
+pub mod damping;
+pub mod lubricant;
+pub mod material;
+pub mod operation;
+pub mod spindle;
+pub mod terms;
+
+pub mod presets;
+
+mod bearing_base;
+mod preset_names;

@@ -1,0 +1,103 @@
+//! A scene as it is sent, and as it is checked.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::problem::FieldError;
+use crate::contract::json::shapes::{NameOr, object, optional_object};
+use crate::contract::scene::bearing::{BearingChoice, BearingInput};
+use crate::contract::scene::bearing_base::{ChosenBearing, choose};
+use crate::contract::scene::damping::DampingInput;
+use crate::contract::scene::lubricant::{self, LubricantChoice, LubricantInput};
+use crate::contract::scene::operation::OperationInput;
+use crate::contract::scene::spindle::SpindleInput;
+use crate::contract::scene::terms::TermsInput;
+use raceway_core::physics::bearing::PerRaceway;
+use raceway_core::physics::defaults::GRAVITY;
+use raceway_core::simulation::input::scene::{Scene, SceneParameters};
+
+/// The simulated system: bearing, spindle, lubricant and operation. Only `bearing` and `operation.speed_rpm` are required.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(example = json!({"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}))]
+pub struct SceneInput {
+    /// A preset name, a bearing, or a preset with changes.
+    #[schema(value_type = BearingChoice)]
+    pub bearing: NameOr<String, BearingInput>,
+    /// Speed, loads and misalignment.
+    #[serde(deserialize_with = "object")]
+    pub operation: OperationInput,
+    /// The spindle. Default: rigid and balanced.
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub spindle: Option<SpindleInput>,
+    /// A preset name or a lubricant. Default: that of the bearing's preset, else `grease`.
+    #[schema(nullable = false, value_type = Option<LubricantChoice>)]
+    pub lubricant: Option<NameOr<String, LubricantInput>>,
+    /// Damping of the contacts.
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub damping: Option<DampingInput>,
+    /// Terms of the equations that are switched on or off.
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub terms: Option<TermsInput>,
+    /// Acceleration of gravity along +Y [m/s²]. Default 9.81.
+    #[schema(nullable = false, example = 9.81)]
+    pub gravity_m_s2: Option<f64>,
+}
+
+/// A checked scene: with all defaults in the user's units, and in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResolvedScene {
+    pub input: SceneInput,
+    /// Pointers, from the root of a job, to the fields that got their default.
+    pub defaults: Vec<String>,
+    pub scene: Scene,
+}
+
+impl SceneInput {
+    /// Fills in all defaults and checks the scene.
+    pub fn resolve(self) -> Result<ResolvedScene, Vec<FieldError>> {
+        self.resolve_in(Defaults::default())
+    }
+
+    /// Errors of the fields other than those that could not be read, which are missing here. Each field is checked only by itself: errors
+    /// of the whole would not apply to the requested scene.
+    pub fn errors_without(self, unread: &[FieldError]) -> Vec<FieldError> {
+        self.resolve_in(Defaults::without(unread)).err().unwrap_or_default()
+    }
+
+    fn resolve_in(mut self, mut defaults: Defaults) -> Result<ResolvedScene, Vec<FieldError>> {
+        let parameters = self.parameters(&mut defaults);
+        let scene = defaults.built(Scene::new(parameters));
+        let defaults = defaults.into_result()?;
+        let unbuildable = || vec![FieldError::new("/scene", "cannot be built")];
+        Ok(ResolvedScene { input: self, defaults, scene: scene.ok_or_else(unbuildable)? })
+    }
+
+    /// The scene in SI. After an error a substitute replaces the wrong value.
+    fn parameters(&mut self, defaults: &mut Defaults) -> SceneParameters {
+        let operation = self.operation.resolve(defaults);
+        let terms = self.terms.get_or_insert_default().resolve(defaults);
+        let gravity = defaults.fill("/scene/gravity_m_s2", &mut self.gravity_m_s2, GRAVITY);
+        let damping = self.damping.get_or_insert_default().resolve(defaults);
+        let ChosenBearing { mut own, base } = choose(self.bearing.clone(), defaults);
+
+        let base_materials = base.bearing.materials.clone().unwrap_or_default();
+        let materials = own.materials.get_or_insert_default().resolve(defaults, &base_materials);
+        let raceways = PerRaceway { inner: materials.inner_raceway, outer: materials.outer_raceway };
+        let bearing = own.resolve(defaults, &base.bearing, materials.ball, raceways);
+        let ball_diameter_mm = own.ball_diameter_mm.unwrap_or_default();
+        let lubricant = lubricant::resolve(&mut self.lubricant, defaults, base.lubricant, ball_diameter_mm);
+        let base_cage = base.bearing.cage.clone().unwrap_or_default();
+        let cage = own.cage.get_or_insert_default();
+        let cage = cage.resolve(defaults, &base_cage, materials.cage, lubricant.kind, damping.pocket);
+        let axial_load = self.operation.axial_load_n.unwrap_or_default();
+        let spindle = self.spindle.get_or_insert_default().resolve(defaults, base.spindle_mass_kg, axial_load);
+        self.bearing = NameOr::Object(own);
+        let raceway_damping = damping.raceway;
+        SceneParameters { bearing, cage, spindle, operation, lubricant, raceway_damping, terms, gravity }
+    }
+}

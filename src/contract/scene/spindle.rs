@@ -1,0 +1,71 @@
+//! The spindle.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::units::{G_MM, MM_S, UM};
+use raceway_core::physics::spindle::{AxialHold, Spindle, Unbalance};
+
+/// A rigid spindle.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpindleInput {
+    /// Mass [kg]. Default: that of the bearing's preset, else of a solid steel shaft with the diameter of the bore and 7 times its length.
+    #[schema(nullable = false, example = 0.05)]
+    pub mass_kg: Option<f64>,
+    /// Mass times eccentricity [g·mm]. Either this or `balance_grade`. Default 0.
+    #[schema(nullable = false)]
+    pub unbalance_g_mm: Option<f64>,
+    /// Balance quality grade G of ISO 21940: eccentricity times operating speed [mm/s].
+    #[schema(nullable = false, example = 6.3)]
+    pub balance_grade: Option<f64>,
+    /// Axial support. Default: `free` with an axial load, else `fixed`.
+    #[schema(nullable = false)]
+    pub axial: Option<AxialInput>,
+}
+
+/// `fixed`, `free` (the spindle moves along X and takes the axial load), or fixed at an offset.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AxialInput {
+    Fixed,
+    Free,
+    /// Fixed at this displacement along X [µm].
+    OffsetUm(f64),
+}
+
+impl SpindleInput {
+    pub fn resolve(&mut self, defaults: &mut Defaults, default_mass: f64, axial_load: f64) -> Spindle {
+        let mass = defaults.fill("/scene/spindle/mass_kg", &mut self.mass_kg, default_mass);
+        let usual = if axial_load == 0.0 { AxialInput::Fixed } else { AxialInput::Free };
+        let axial = defaults.fill("/scene/spindle/axial", &mut self.axial, usual);
+        Spindle { mass, unbalance: self.unbalance(defaults), axial: axial.in_physics() }
+    }
+
+    fn unbalance(&mut self, defaults: &mut Defaults) -> Unbalance {
+        match self.balance_grade {
+            Some(_) if self.unbalance_g_mm.is_some() => {
+                defaults
+                    .refuse("/scene/spindle/balance_grade", "give either unbalance_g_mm or balance_grade, not both");
+                Unbalance::None
+            }
+            Some(0.0) => Unbalance::None,
+            Some(grade) => Unbalance::Grade(MM_S.to_si(grade)),
+            None => match defaults.fill("/scene/spindle/unbalance_g_mm", &mut self.unbalance_g_mm, 0.0) {
+                0.0 => Unbalance::None,
+                product => Unbalance::Product(G_MM.to_si(product)),
+            },
+        }
+    }
+}
+
+impl AxialInput {
+    fn in_physics(self) -> AxialHold {
+        match self {
+            Self::Fixed => AxialHold::Fixed,
+            Self::Free => AxialHold::Free,
+            Self::OffsetUm(offset) => AxialHold::Offset(UM.to_si(offset)),
+        }
+    }
+}

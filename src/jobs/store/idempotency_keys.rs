@@ -1,0 +1,92 @@
+//! Idempotency keys and the jobs they created.
+
+use jiff::{SignedDuration, Timestamp};
+use sqlx::FromRow;
+use uuid::Uuid;
+
+use super::database::Store;
+use super::pool::Tx;
+use super::statement::statement;
+use super::stored_time::{stored, time};
+use crate::jobs::error::JobError;
+use crate::jobs::job::{IdempotencyKey, JobRecord, NewJob, Status};
+
+/// Shortest time for which a key is kept after its first use.
+const MIN_RETENTION: SignedDuration = SignedDuration::from_hours(24);
+
+/// The job that a key created, with the fields of the first answer.
+#[derive(Debug, FromRow)]
+pub struct FirstUse {
+    fingerprint: Vec<u8>,
+    job: Uuid,
+    created_at: i64,
+    reused: bool,
+    expires_at: Option<i64>,
+}
+
+impl FirstUse {
+    /// The first answer, for the same body sent again.
+    pub fn first_answer(&self, again: &NewJob, key: &IdempotencyKey) -> Result<JobRecord, JobError> {
+        if self.fingerprint != key.fingerprint {
+            return Err(JobError::KeyReused);
+        }
+        let created_at = time(self.created_at)?;
+        let first = JobRecord { id: self.job, created_at, ..again.record() };
+        if !self.reused {
+            return Ok(first);
+        }
+        Ok(JobRecord {
+            status: Status::Succeeded,
+            started_at: Some(created_at),
+            finished_at: Some(created_at),
+            expires_at: self.expires_at.map(time).transpose()?,
+            progress: 1.0,
+            reused: true,
+            ..first
+        })
+    }
+}
+
+/// The first use of a key; `None`: the key is new.
+pub async fn first_use(tx: &mut Tx, owner: &str, key: &IdempotencyKey) -> Result<Option<FirstUse>, JobError> {
+    let sql =
+        "SELECT fingerprint, job, created_at, reused, expires_at FROM idempotency_keys WHERE owner = $1 AND key = $2";
+    statement(sql).bind(owner).bind(&key.key).optional(&mut *tx).await
+}
+
+/// Records the job that a key creates.
+pub async fn record(
+    tx: &mut Tx,
+    job: &NewJob,
+    key: &IdempotencyKey,
+    expires: Option<Timestamp>,
+) -> Result<(), JobError> {
+    let sql = "INSERT INTO idempotency_keys (owner, key, fingerprint, job, created_at, reused, expires_at) \
+               VALUES ($1, $2, $3, $4, $5, $6, $7)";
+    statement(sql)
+        .bind(&job.owner)
+        .bind(&key.key)
+        .bind(&key.fingerprint)
+        .bind(job.id)
+        .bind(stored(job.created_at))
+        .bind(expires.is_some())
+        .bind(expires.map(stored))
+        .run(&mut *tx)
+        .await?;
+    Ok(())
+}
+
+impl Store {
+    /// Deletes keys older than the retention whose job is deleted.
+    pub async fn forget_keys(&self) -> Result<(), JobError> {
+        let before = Timestamp::now().saturating_sub(MIN_RETENTION).unwrap_or(Timestamp::MIN);
+        let old = "SELECT EXISTS (SELECT 1 FROM idempotency_keys WHERE created_at < $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = job))";
+        let any: bool = statement(old).bind(stored(before)).value(&self.readers).await?.unwrap_or(false);
+        if any {
+            let sql =
+                "DELETE FROM idempotency_keys WHERE created_at < $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = job)";
+            statement(sql).bind(stored(before)).run(&self.writer).await?;
+        }
+        Ok(())
+    }
+}

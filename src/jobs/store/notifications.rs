@@ -1,0 +1,30 @@
+//! Notifications between processes that share a PostgreSQL server. On SQLite there is one process, and nothing is sent.
+
+use uuid::Uuid;
+
+use super::dialect::Dialect;
+use super::pool::Tx;
+use super::statement::statement;
+use crate::jobs::error::JobError;
+
+/// Channel of jobs that have ended; the payload is the job's id.
+pub const ENDED: &str = "raceway_ended";
+/// Channel of jobs whose cancellation was requested; the payload is the job's id.
+pub const CANCELLED: &str = "raceway_cancelled";
+
+/// Notifies all processes, once the transaction is committed, that a job has ended.
+pub async fn notify_ended(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
+    notify(tx, ENDED, job).await
+}
+
+/// Notifies all processes, once the transaction is committed, that the cancellation of a job was requested.
+pub async fn notify_cancelled(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
+    notify(tx, CANCELLED, job).await
+}
+
+async fn notify(tx: &mut Tx, channel: &str, job: Uuid) -> Result<(), JobError> {
+    if tx.dialect() == Dialect::Postgres {
+        statement("SELECT pg_notify($1, $2)").bind(channel).bind(job.to_string()).run(tx).await?;
+    }
+    Ok(())
+}

@@ -1,0 +1,205 @@
+//! One shard of a study: it runs point after point until none waits, the study ends, or other deliveries have waited long enough.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use raceway_core::simulation::input::control::Control;
+use tokio::sync::oneshot;
+
+use super::error::JobError;
+use super::job::{INTERNAL, Status, TIME_LIMIT, point_hashes};
+use super::queue::{DeliveryOutcome, WorkItem};
+use super::running::{Run, StopReason};
+use super::store::studies::{Next, PointClaim, PointResult, StudyShard};
+use super::worker::{BROKE_OFF, Worker, apply_heartbeat, time_limit_detail};
+use crate::contract::answer::point::PointError;
+use crate::contract::{self, Job, PointEnd, Refusal, Simulation, Study, execute_point};
+
+/// Time for which a shard keeps its slot while other studies wait.
+const TIME_SLICE: Duration = Duration::from_secs(1);
+
+/// The outcome of a point's run.
+enum PointOutcome {
+    Ended(PointResult),
+    /// The run had to stop.
+    Stopped,
+}
+
+impl Worker {
+    /// Runs points of the shard that a delivery stands for.
+    pub(super) async fn work_shard(&self, item: &WorkItem) -> DeliveryOutcome {
+        self.try_shard(item).await.unwrap_or_else(DeliveryOutcome::Retry)
+    }
+
+    async fn try_shard(&self, item: &WorkItem) -> Result<DeliveryOutcome, JobError> {
+        let Some(shard) = self.store.study_shard(item.delivery).await? else { return Ok(DeliveryOutcome::Done) };
+        let outcome = self.points(item, &shard).await;
+        // If this cannot be written, a sweep replaces the shard after a while.
+        if let Err(error) = self.store.clear_shard_heartbeat(shard.delivery).await {
+            tracing::warn!(%error, "the heartbeat of a shard could not be cleared");
+        }
+        outcome
+    }
+
+    async fn points(&self, item: &WorkItem, shard: &StudyShard) -> Result<DeliveryOutcome, JobError> {
+        let Some(_slot) = self.slots(shard.losses, false, item.stopping()).await else {
+            return Ok(DeliveryOutcome::HandedBack);
+        };
+        let request = shard.request.clone();
+        // Parsing a large request takes some time.
+        let job = tokio::task::spawn_blocking(move || contract::parse_job(request.as_bytes()).ok());
+        let Some(study) = job.await.ok().flatten().and_then(Job::into_study) else {
+            return Err(JobError::Corrupt(format!("the request of study {}", shard.job)));
+        };
+        self.store.start_shard(shard, self.settings.max_lost_runs).await?;
+        let guard = self.running.join(shard.job);
+        let begin = Instant::now();
+        let mut ended: Option<(PointClaim, PointResult)> = None;
+        loop {
+            let next = self.advance(shard, ended.as_ref(), item).await?;
+            let point = match next {
+                Some(Next::Point(point)) => {
+                    self.store.metrics.claimed();
+                    point
+                }
+                Some(Next::Nothing) => return Ok(DeliveryOutcome::Done),
+                Some(Next::Ended | Next::Cancelled) => {
+                    self.running.ended(shard.job);
+                    return Ok(DeliveryOutcome::Done);
+                }
+                // The process stops while the database refuses writes: the point is computed again.
+                None => return Ok(DeliveryOutcome::HandedBack),
+            };
+            match self.point(shard, &study, point, &guard.run, item).await? {
+                PointOutcome::Ended(result) => ended = Some((point, result)),
+                PointOutcome::Stopped if guard.run.stopped() == Some(StopReason::Cancelled) => {
+                    // By the stop flag and not by the record: a full disk may have refused to record the request.
+                    self.store.cancel_study(shard, self.settings.keep_s).await?;
+                    self.running.ended(shard.job);
+                    return Ok(DeliveryOutcome::Done);
+                }
+                // Other shards have replaced this one, or one that shares its run and stopped both.
+                PointOutcome::Stopped if guard.run.stopped() == Some(StopReason::ClaimLost) => {
+                    self.store.give_back(shard, point).await?;
+                    return Ok(DeliveryOutcome::Later);
+                }
+                PointOutcome::Stopped => {
+                    self.store.give_back(shard, point).await?;
+                    return Ok(DeliveryOutcome::HandedBack);
+                }
+            }
+            if let Some(end) = &ended
+                && self.yields(begin).await
+            {
+                let mut next = self.advance(shard, Some(end), item).await?;
+                if let Some(Next::Point(point)) = next {
+                    self.store.give_back(shard, point).await?;
+                    next = None;
+                }
+                if matches!(next, Some(Next::Ended | Next::Cancelled)) {
+                    self.running.ended(shard.job);
+                }
+                return Ok(if next.is_some() { DeliveryOutcome::Done } else { DeliveryOutcome::Later });
+            }
+        }
+    }
+
+    /// Returns whether deliveries of higher priority wait, or others of the same priority after the time slice.
+    async fn yields(&self, begin: Instant) -> bool {
+        // A failed query must not lose the computed point.
+        let (before, any) = self.store.others_wait().await.unwrap_or_default();
+        before || any && begin.elapsed() > TIME_SLICE
+    }
+
+    /// Writes an end and claims the next point, and retries while the database refuses; `None` when the process stops.
+    async fn advance(
+        &self,
+        shard: &StudyShard,
+        ended: Option<&(PointClaim, PointResult)>,
+        item: &WorkItem,
+    ) -> Result<Option<Next>, JobError> {
+        let mut pause = Duration::from_millis(100);
+        loop {
+            let ended = ended.map(|(point, result)| (*point, result));
+            match self.store.note(self.store.advance(shard, ended, self.settings.keep_s).await) {
+                Ok(next) => return Ok(Some(next)),
+                Err(error) => tracing::error!(%error, job = %shard.job, "a point could not be written; retrying"),
+            }
+            tokio::select! {
+                () = tokio::time::sleep(pause) => {}
+                () = item.stopping().cancelled() => return Ok(None),
+            }
+            pause = (2 * pause).min(Duration::from_secs(5));
+        }
+    }
+
+    async fn point(
+        &self,
+        shard: &StudyShard,
+        study: &Study,
+        point: PointClaim,
+        run: &Arc<Run>,
+        item: &WorkItem,
+    ) -> Result<PointOutcome, JobError> {
+        let simulation = study.point(point.number);
+        let hashes = simulation.as_ref().ok().map(point_hashes);
+        if study.reuses()
+            && let Some(hashes) = &hashes
+            && let Some(end) = self.store.known_end(&shard.owner, hashes).await?
+        {
+            return Ok(PointOutcome::Ended(PointResult { end, reused: true, content_hash: Some(hashes[0].clone()) }));
+        }
+        let hash = hashes.map(|[hash, _]| hash);
+        let mut solved = self.point_thread(simulation, Arc::clone(run));
+        let between = self.heartbeat_interval();
+        let mut heartbeats = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
+        let end = loop {
+            tokio::select! {
+                end = &mut solved => break end,
+                _ = heartbeats.tick() => apply_heartbeat(self.store.shard_heartbeat(shard).await, run),
+                () = item.stopping().cancelled(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
+            }
+        };
+        Ok(match end {
+            Ok(Some(end)) => {
+                self.store.metrics.ended(match &end {
+                    PointEnd::Succeeded(_) => Status::Succeeded,
+                    PointEnd::Failed(_) => Status::Failed,
+                });
+                PointOutcome::Ended(PointResult { end, reused: false, content_hash: hash })
+            }
+            Ok(None) => PointOutcome::Stopped,
+            // The log has the message of the panic.
+            Err(_) => {
+                let error = PointError { cause: INTERNAL.to_owned(), detail: BROKE_OFF.to_owned(), errors: Vec::new() };
+                PointOutcome::Ended(PointResult { end: PointEnd::Failed(error), reused: false, content_hash: None })
+            }
+        })
+    }
+
+    /// Simulates a point on a thread of its own; `None`: the run had to stop.
+    fn point_thread(&self, point: Result<Simulation, Refusal>, run: Arc<Run>) -> oneshot::Receiver<Option<PointEnd>> {
+        let (simulator, limit) = (Arc::clone(&self.simulator), self.settings.time_limit);
+        let service_metrics = Arc::clone(&self.store.metrics);
+        self.threads.run(move || {
+            let begin = Instant::now();
+            let over = || begin.elapsed() > limit;
+            let stop = || over() || run.stopped().is_some();
+            let simulate = |simulation: Simulation| {
+                simulator(&Job::Simulation(simulation), &Control::until(&stop))?.into_simulated()
+            };
+            let end = execute_point(point, &simulate);
+            if let Some(PointEnd::Succeeded(metrics)) = &end {
+                service_metrics.succeeded(begin.elapsed(), metrics["solver"]["real_time_factor"].as_f64());
+            }
+            if end.is_none() && run.stopped().is_none() && over() {
+                return Some(PointEnd::Failed(PointError {
+                    cause: TIME_LIMIT.to_owned(),
+                    detail: time_limit_detail(limit),
+                    errors: Vec::new(),
+                }));
+            }
+            end
+        })
+    }
+}
