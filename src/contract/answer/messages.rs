@@ -70,6 +70,8 @@ pub enum MessageCode {
 
 /// Time constants above this are not worth waiting for [s].
 const LONG_WAIT_S: f64 = 60.0;
+/// Time constants above this are not stated in digits [s].
+const ENDLESS_DECAY_S: f64 = 1000.0;
 
 /// The messages of a result: warnings first, then how it was made.
 pub fn of_result(warnings: &[Warning], solver: &SolverReport) -> Vec<MessageAnswer> {
@@ -232,10 +234,13 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             } else {
                 format!("Hold the first speed for {required:.2} s before anything is recorded.")
             };
+            let decay = match *time_constant > ENDLESS_DECAY_S {
+                true => format!("more than {ENDLESS_DECAY_S} s"),
+                false => format!("{} s", significant(*time_constant, 3)),
+            };
             let text = format!(
-                "The recorded time may contain the initial transient: free vibration of the spindle decays with a time constant of {} s, and \
-                 settle_s is {settle:?}. {remedy}",
-                significant(*time_constant, 3)
+                "The recorded time may contain the initial transient: free vibration of the spindle decays with a time constant of {decay}, and \
+                 settle_s is {settle:?}. {remedy}"
             );
             let values = [("time_constant_s", *time_constant), ("required_settle_s", *required)];
             (MessageCode::StartTransient, text, numbers(&values))
