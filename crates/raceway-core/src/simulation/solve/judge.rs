@@ -234,7 +234,7 @@ fn sample(
         report.warnings = large_errors(&report, Uncertainty::ShortSample, &problem.settings.outputs);
         return Verdict::Accept(report);
     }
-    let refined = (progress.refinements + 2 < MOST_REFINEMENTS).then(|| half_step(candidate, step));
+    let refined = (progress.refinements + 1 < MOST_REFINEMENTS).then(|| half_step(candidate, step));
     reject(Cause::SamplesDiffer, refined)
 }
 

@@ -18,6 +18,13 @@ pub struct Candidate {
     pub reference: Reference,
 }
 
+impl Candidate {
+    /// Whether its reference is the attempt before it.
+    pub(crate) fn is_compared_with_previous(&self) -> bool {
+        matches!(self.reference, Reference::LooserRun | Reference::IndependentSample)
+    }
+}
+
 /// Integration steps of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CandidateSteps {

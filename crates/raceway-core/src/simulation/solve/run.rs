@@ -26,11 +26,12 @@ const RUN_SHARE: f64 = 0.6;
 /// Largest ratio of a candidate's evaluations to those of the last attempt [-]: for a tighter tolerance, and for the whole run at a much tighter
 /// one.
 const TIGHTER_EVALUATIONS: u64 = 5;
-const LOOSER_EVALUATIONS: u64 = 50;
+const REPETITION_EVALUATIONS: u64 = 50;
 
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from wall times.
 ///
-/// The first candidate of the plan whose verification holds becomes the result. A rejection may insert a refined candidate.
+/// The first accepted attempt is the result. A rejection may insert a refined candidate. If no candidate is accepted, the last attempt
+/// with a report is the result, with the errors that it states.
 pub fn simulate(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
     let begin = Instant::now();
     let furthest = Cell::new(0.0);
@@ -52,7 +53,7 @@ pub fn simulate(scene: &Scene, settings: &RunSettings, control: &Control<'_>) ->
         let attempt = match or_failure(attempt)? {
             Ok(attempt) => Rc::new(attempt),
             Err(failure) => {
-                if plan.is_empty() && search.fallback.is_none() && !may_halve(&candidate, settings) {
+                if plan.is_empty() && search.kept.is_none() && !may_halve(&candidate, settings) {
                     return Err(failure);
                 }
                 search.fail(&candidate, failure, &mut plan, settings);
@@ -64,9 +65,10 @@ pub fn simulate(scene: &Scene, settings: &RunSettings, control: &Control<'_>) ->
         let progress =
             Progress { refinements: search.refinements, is_last: plan.is_empty(), previous: search.previous.as_ref() };
         match judge(&candidate, &attempt, &verification, &problem, &progress) {
-            Verdict::Accept(report) => search.fallback = Some((candidate, attempt, report)),
+            Verdict::Accept(report) => search.kept = Some(Kept { candidate, attempt, report, rejection: None }),
             Verdict::AcceptPrevious(report) => {
-                search.fallback = search.previous.take().map(|(attempt, _)| (candidate, attempt, report));
+                // The repetition has verified the attempt before it.
+                search.kept = search.kept.take().map(|kept| Kept { report, ..kept });
             }
             Verdict::Reject { cause, refined, report } => {
                 search.reject(candidate, attempt, verification, (cause, report), refined, &mut plan);
@@ -75,10 +77,14 @@ pub fn simulate(scene: &Scene, settings: &RunSettings, control: &Control<'_>) ->
         }
         break;
     }
-    let Some((candidate, attempt, report)) = search.fallback else {
+    let Some(Kept { candidate, attempt, report, rejection }) = search.kept else {
         return Err(search.last_failure.unwrap_or(SimulationError::NoEquilibrium("no candidate".into())));
     };
-    let solved = Solved { candidate, attempt, report, rejections: search.rejections, not_eligible: plan.not_eligible };
+    let mut rejections = search.rejections;
+    if let Some(rejection) = rejection {
+        rejections.remove(rejection);
+    }
+    let solved = Solved { candidate, attempt, report, rejections, not_eligible: plan.not_eligible };
     let result = assemble(&problem, solved, begin, control)?;
     (control.progress)(1.0);
     Ok(result)
@@ -91,9 +97,18 @@ struct Search {
     /// The last attempt, the reference of a sample or of a tighter run.
     previous: Option<(Rc<Attempt>, Verification)>,
     refinements: usize,
-    /// The result, or the best attempt so far while candidates are left.
-    fallback: Option<(Candidate, Rc<Attempt>, AccuracyReport)>,
+    /// The result, or the last attempt with a report while candidates are left.
+    kept: Option<Kept>,
     last_failure: Option<SimulationError>,
+}
+
+/// An attempt that is the result unless a later candidate replaces it.
+struct Kept {
+    candidate: Candidate,
+    attempt: Rc<Attempt>,
+    report: AccuracyReport,
+    /// Index of its rejection, which is dropped if it becomes the result.
+    rejection: Option<usize>,
 }
 
 impl Search {
@@ -101,11 +116,10 @@ impl Search {
     fn most_evaluations(&self, candidate: &Candidate) -> Option<u64> {
         let CandidateSteps::Controlled(..) = candidate.stepping else { return None };
         let times = match candidate.reference {
-            Reference::LooserRun => LOOSER_EVALUATIONS,
+            Reference::LooserRun => REPETITION_EVALUATIONS,
             _ => TIGHTER_EVALUATIONS,
         };
-        let (_, attempt, _) = self.fallback.as_ref()?;
-        Some(times * attempt.work.rhs_evaluations.max(MIN_EVALUATIONS))
+        Some(times * self.kept.as_ref()?.attempt.work.rhs_evaluations.max(MIN_EVALUATIONS))
     }
 
     /// Records a candidate that failed. Fixed steps that diverge are halved.
@@ -135,21 +149,16 @@ impl Search {
     ) {
         self.rejections.push(rejection(&candidate, cause));
         self.refinements = if refined.is_some() { self.refinements + 1 } else { 0 };
-        let is_compared =
-            |refined: &Candidate| matches!(refined.reference, Reference::LooserRun | Reference::IndependentSample);
-        if refined.as_ref().is_some_and(|refined| refined.reference == Reference::LooserRun) {
+        if refined.is_some_and(|refined| refined.reference == Reference::LooserRun) {
             // After refinement against the noise of the steps, no looser tolerance is tried again.
             plan.clear();
         }
-        match (refined.as_ref().is_some_and(is_compared), report) {
-            (true, report) => {
-                if let Some(report) = report {
-                    self.fallback = Some((candidate, attempt.clone(), report));
-                }
-                self.previous = Some((attempt, verification));
-            }
-            (false, Some(report)) => self.fallback = Some((candidate, attempt, report)),
-            (false, None) => {}
+        if let Some(report) = report {
+            let rejection = Some(self.rejections.len() - 1);
+            self.kept = Some(Kept { candidate, attempt: Rc::clone(&attempt), report, rejection });
+        }
+        if refined.is_some_and(|refined| refined.is_compared_with_previous()) {
+            self.previous = Some((attempt, verification));
         }
         if let Some(refined) = refined {
             plan.insert(refined);
