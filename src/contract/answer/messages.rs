@@ -27,7 +27,7 @@ pub struct MessageAnswer {
     pub text: String,
     /// The numbers and names of the text, by name with unit.
     #[serde(flatten)]
-    #[schema(additional_properties, value_type = BTreeMap<String, Object>)]
+    #[schema(additional_properties, value_type = BTreeMap<String, Value>)]
     pub values: BTreeMap<String, Value>,
 }
 
