@@ -12,7 +12,7 @@ use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::Stepping;
 use crate::simulation::recording::record::Recording;
-use crate::simulation::recording::sampling::{REPEATED, kept_values};
+use crate::simulation::recording::sampling::{PART, RATE, REPEATED, kept_values};
 use crate::simulation::solve::attempt::{Attempt, Dynamics, MIN_EVALUATIONS, Problem, run, without_signals};
 use crate::simulation::solve::eligibility::ball_passage;
 use crate::simulation::solve::verification::{MIN_VALUES, TIGHTEST, Verification, along_the_run, or_failure};
@@ -108,7 +108,10 @@ pub(crate) fn by_refinement(
 /// Window of a repetition, and initial time over which neighbouring trajectories are followed [s].
 fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
     let passages = WINDOW_PASSAGES * ball_passage(scene);
-    settings.duration.min(if passages.is_finite() { passages.max(REPEATED) } else { REPEATED })
+    let window = if passages.is_finite() { passages.max(REPEATED) } else { REPEATED };
+    // Whole parts: the means of a part that is cut short are not those of the run.
+    let part = PART as f64 / RATE;
+    settings.duration.min((window / part).ceil() * part)
 }
 
 /// Refinement of a repetition.
