@@ -373,8 +373,7 @@ fn ineligible(reason: Ineligible) -> &'static str {
 
 /// Deviations of a verification, as a list.
 fn deviation(levels: &LevelErrors, quantities: Option<&QuantityErrors>) -> String {
-    let Some(level) = levels.worst() else { return "an unknown amount".into() };
-    let mut all = vec![format!("{level:.4} dB of a level")];
+    let mut all: Vec<String> = levels.worst().iter().map(|level| format!("{level:.4} dB of a level")).collect();
     if let Some(errors) = quantities {
         let shares = [
             ("the largest load", errors.max_load),
@@ -386,7 +385,7 @@ fn deviation(levels: &LevelErrors, quantities: Option<&QuantityErrors>) -> Strin
         let named = |(name, share): (&str, f64)| format!("{} % of {name}", significant(100.0 * share, 3));
         all.extend(shares.into_iter().filter(|(_, share)| *share > 0.0).map(named));
     }
-    all.join(", ")
+    if all.is_empty() { "an unknown amount".into() } else { all.join(", ") }
 }
 
 fn exceeded(beyond: &[Quantity]) -> String {

@@ -31,7 +31,8 @@ pub(crate) fn verify(
             ..Verification::default()
         }),
         (Reference::LooserRun, Some((before, verified))) => {
-            let tolerance = attempt.tolerance.unwrap_or(TIGHTEST);
+            // The run itself is the tighter one; the errors are its deviation from the looser run.
+            let tolerance = before.tolerance.unwrap_or(TIGHTEST);
             let recorded = problem.settings.duration;
             let refinement = Refinement::Tolerance(tolerance, problem.settings.method);
             Ok(Verification {
