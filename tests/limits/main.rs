@@ -14,6 +14,7 @@ mod jacobian;
 mod ladder;
 mod mirror_symmetry;
 mod momentum;
+mod neighbours;
 mod other_integrator;
 mod passage_frequencies;
 mod plane_motion;

@@ -19,7 +19,11 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<&'static str>
         Some("the spindle is held off its centre along X")
     } else if scene.operation.misalignment != [0.0; 2] {
         Some("the spindle is misaligned")
-    } else if scene.cage.film == PocketFilm::Empirical11 && scene.terms.get(Term::Cage) != TermChoice::Off {
+    } else if scene.terms.get(Term::Cage) == TermChoice::Off {
+        Some("without a cage balls touch each other, and this model has no contact between balls")
+    } else if scene.operation.start_perturbation().is_some() {
+        Some("operation.initial_perturbation moves balls along their radius, where this model keeps them in equilibrium")
+    } else if scene.cage.film == PocketFilm::Empirical11 {
         Some("the pocket film empirical-11 is stiff and undamped, so that fixed steps are unstable")
     } else if term_on(Term::CageTilt) {
         Some("terms.cage_tilt is on")
