@@ -22,7 +22,10 @@ const TIME: f64 = 1.7e-4;
 /// The article's bearing without cage and with as many balls as fit: 14, with gaps of 2.893 − 2.778 mm = 115 µm between them.
 fn crowded(change: Value) -> Value {
     changed(
-        changed(article(), json!({ "bearing": { "ball_count": 14 }, "terms": { "cage": "off", "drag": "off", "churning": "off" } })),
+        changed(
+            article(),
+            json!({ "bearing": { "ball_count": 14 }, "terms": { "cage": "off", "drag": "off", "churning": "off" } }),
+        ),
         change,
     )
 }
@@ -206,7 +209,8 @@ const CONTROL: Control<'static> = Control::until(&|| false);
 
 fn ran(json: &Value, settle: f64, duration: f64) -> Result<RunResult, SimulationError> {
     let mut outputs = nothing_asked();
-    outputs.series = vec![Axis::Y, Axis::Z].into_iter().map(|axis| Channel::Spindle(axis, Motion::Displacement)).collect();
+    outputs.series =
+        vec![Axis::Y, Axis::Z].into_iter().map(|axis| Channel::Spindle(axis, Motion::Displacement)).collect();
     simulate(&scene(json), &RunSettings::new(settle, duration, outputs), &CONTROL)
 }
 

@@ -27,7 +27,10 @@ impl From<SimulationError> for RunFailure {
             SimulationError::Integration { source: IntegrationError::Stopped { .. }, .. } => return Self::Cancelled,
             SimulationError::Integration { source: IntegrationError::NotFinite { .. }, .. } => NUMERICAL_BLOWUP,
             SimulationError::SpindleLeft { .. } => SPINDLE_LEFT_BEARING,
-            SimulationError::Integration { source: IntegrationError::StepTooSmall { .. }, .. }
+            SimulationError::Integration {
+                source: IntegrationError::StepTooSmall { .. } | IntegrationError::Impact { .. },
+                ..
+            }
             | SimulationError::EvaluationLimit { .. }
             | SimulationError::NoEquilibrium(_)
             | SimulationError::NotApplicable { .. }

@@ -91,12 +91,8 @@ impl NeighbourContact {
         let solid = normal_load(self.stiffness, penetration, rate, &self.damping);
         let share = larger(1.0 - larger(penetration, 0.0) * (1.0 / DAMPING_END), 0.0);
         let film = larger(self.squeeze * share * rate / (larger(-penetration, 0.0) + DAMPING_END), 0.0);
-        let mut load = NeighbourLoad {
-            penetration,
-            normal: solid + film,
-            force: scale(solid + film, normal),
-            moment: [0.0; 3],
-        };
+        let mut load =
+            NeighbourLoad { penetration, normal: solid + film, force: scale(solid + film, normal), moment: [0.0; 3] };
         if self.friction * solid > 0.0 {
             // Both balls touch halfway between their centres, so that their angular momentum is kept.
             let lever = scale(-0.5 * distance, normal);

@@ -23,7 +23,12 @@ pub struct Departure {
 impl fmt::Display for Departure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { direction, displacement, limit } = self;
-        write!(f, "it is displaced {direction} by {:.3} mm, and beyond {:.3} mm no ball can hold it", 1e3 * displacement, 1e3 * limit)
+        write!(
+            f,
+            "it is displaced {direction} by {:.3} mm, and beyond {:.3} mm no ball can hold it",
+            1e3 * displacement,
+            1e3 * limit
+        )
     }
 }
 
@@ -51,7 +56,9 @@ pub enum SimulationError {
     )]
     TooManyEvaluations { time: f64, end: f64, step: f64, evaluations: f64 },
     /// No ball can hold the spindle any more.
-    #[error("the spindle left the bearing at t = {time:.6} s: {departure}. A cage, more balls or a smaller load hold it")]
+    #[error(
+        "the spindle left the bearing at t = {time:.6} s: {departure}. A cage, more balls or a smaller load hold it"
+    )]
     SpindleLeft { time: f64, departure: Departure },
     /// `Control::stop` returned true.
     #[error("stopped at t = {time:.9} s")]
@@ -76,9 +83,9 @@ impl SimulationError {
     pub(crate) fn integration(source: IntegrationError, layout: &Layout) -> Self {
         let component = match source {
             IntegrationError::Stopped { time } => return Self::Stopped { time },
-            IntegrationError::StepTooSmall { component, .. } | IntegrationError::NotFinite { component, .. } => {
-                component
-            }
+            IntegrationError::StepTooSmall { component, .. }
+            | IntegrationError::NotFinite { component, .. }
+            | IntegrationError::Impact { component, .. } => component,
         };
         Self::Integration { entry: layout.name(component), source }
     }

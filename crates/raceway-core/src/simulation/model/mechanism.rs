@@ -14,8 +14,8 @@ use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::AxialHold;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
-use crate::simulation::model::failure::Departure;
 use crate::simulation::model::fading_damping::FadingDamping;
+use crate::simulation::model::failure::Departure;
 use crate::simulation::model::state::Layout;
 use crate::simulation::model::terms::ActiveTerms;
 

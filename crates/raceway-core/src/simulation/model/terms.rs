@@ -84,9 +84,8 @@ impl ActiveTerms {
         });
         let hydrodynamics = decision.hydrodynamics();
         let film = decision.pocket_film(cage);
-        let friction = decision.keep(Term::PocketFriction, true, || {
-            (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into())
-        });
+        let friction = decision
+            .keep(Term::PocketFriction, true, || (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into()));
         let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then(|| "nothing fills the bearing".into());
         let is_steep = saturation_slip(&scene.lubricant.traction) < decision.slip_variation();
         let needs = Self {
@@ -325,7 +324,9 @@ impl Decision<'_> {
             if film == PocketFilm::None {
                 Some("bearing.cage.film is none".into())
             } else {
-                dry.then(|| if cage { "a wedge needs a viscosity above 0" } else { "a film needs a viscosity above 0" }.into())
+                dry.then(|| {
+                    if cage { "a wedge needs a viscosity above 0" } else { "a film needs a viscosity above 0" }.into()
+                })
             }
         })
     }

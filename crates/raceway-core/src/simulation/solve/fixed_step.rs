@@ -26,11 +26,9 @@ pub fn is_free(settings: &RunSettings) -> bool {
     settings.method == Method::Auto && settings.fixed_step.is_none() && settings.tightened.is_some()
 }
 
-/// True if fixed steps can be tried. Undamped contacts keep vibrating, and long steps would damp this vibration. Balls that collide need short
-/// steps, and the method of fixed steps has no contact between balls.
+/// True if fixed steps can be tried. Undamped contacts keep vibrating, and long steps would damp this vibration.
 pub fn is_eligible(model: &Model, settings: &RunSettings) -> bool {
-    let m = model.mechanism();
-    is_free(settings) && m.raceway.inner.is_damped() && m.neighbours.is_none()
+    is_free(settings) && model.mechanism().raceway.inner.is_damped()
 }
 
 /// The first step that is tried [s].
@@ -38,10 +36,9 @@ pub fn first_step(model: &Model) -> f64 {
     if model.mechanism().layout.axial_spindle { AXIAL_STEP } else { STEP }
 }
 
-/// Steps for a start-up phase, the longest first; none where balls touch each other.
+/// Steps for a start-up phase, the longest first.
 pub(crate) fn lengths(model: &Model) -> impl Iterator<Item = f64> {
-    let first = model.mechanism().neighbours.is_none().then(|| first_step(model));
-    std::iter::successors(first, |step| Some(HALVED * step)).take_while(|step| *step >= SHORTEST)
+    std::iter::successors(Some(first_step(model)), |step| Some(HALVED * step)).take_while(|step| *step >= SHORTEST)
 }
 
 /// Next step after a step whose error exceeds the allowed one by a factor `excess` [s].

@@ -114,7 +114,11 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
         }
         if let Some(contact) = &self.mechanism.neighbours {
-            self.add_neighbours(contact, (y, dy), border.shaft, watch);
+            self.add_neighbours(contact, (y, dy), border.shaft, |ball, load| {
+                if let Some(watch) = watch.as_deref_mut() {
+                    watch.neighbour(ball, load);
+                }
+            });
         }
         layout.set_cage(dy, &self.cage_rates(&border, &sum));
         layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle));

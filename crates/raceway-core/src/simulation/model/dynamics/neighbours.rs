@@ -4,7 +4,6 @@
 use super::border::Shaft;
 use super::equations::Dynamics;
 use super::forces::Wrench;
-use super::watch::Watch;
 use crate::numerics::ode::structure::Jacobian;
 use crate::physics::ball::BallMotion;
 use crate::physics::frames::{add, subtract};
@@ -30,14 +29,15 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         self.one().motion(self.mechanism().start.angle[ball], &self.layout().ball(y, ball), shaft)
     }
 
-    /// Adds the contacts of neighbouring balls to the rates of all balls. A pair of balls has one contact.
+    /// Adds the contacts of neighbouring balls to the rates of all balls, and passes the load of each ball's next one to `seen`. A pair of
+    /// balls has one contact.
     #[inline(always)]
     pub(super) fn add_neighbours(
         &self,
         contact: &NeighbourContact,
         (y, dy): (&[f64], &mut [f64]),
         shaft: Shaft,
-        mut watch: Option<&mut (dyn Watch + '_)>,
+        mut seen: impl FnMut(usize, &NeighbourLoad),
     ) {
         let (one, layout) = (*self.one(), self.layout());
         let last = layout.balls - 1;
@@ -56,9 +56,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     layout.set_ball(dy, index, &rates);
                 }
             }
-            if let Some(watch) = watch.as_deref_mut() {
-                watch.neighbour(index, &load);
-            }
+            seen(index, &load);
             ball = next;
         }
     }

@@ -19,8 +19,7 @@ impl<const PLANAR: bool> OdeSystem for Dynamics<PLANAR> {
     }
 
     fn own_method<'a>(&'a self, time: f64, state: &[f64], step: f64) -> Option<Box<dyn Integrator + 'a>> {
-        let is_complete = self.mechanism().neighbours.is_none();
-        is_complete.then(|| Box::new(SemiImplicit::new(self, time, state, step)) as Box<dyn Integrator + 'a>)
+        Some(Box::new(SemiImplicit::new(self, time, state, step)))
     }
 
     fn jacobian(&self, time: f64, state: &[f64], _rate: &[f64], _displacement: &[f64], jacobian: &mut Jacobian) -> u64 {

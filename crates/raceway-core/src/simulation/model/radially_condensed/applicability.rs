@@ -22,7 +22,9 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<&'static str>
     } else if scene.terms.get(Term::Cage) == TermChoice::Off {
         Some("without a cage balls touch each other, and this model has no contact between balls")
     } else if scene.operation.start_perturbation().is_some() {
-        Some("operation.initial_perturbation moves balls along their radius, where this model keeps them in equilibrium")
+        Some(
+            "operation.initial_perturbation moves balls along their radius, where this model keeps them in equilibrium",
+        )
     } else if scene.cage.film == PocketFilm::Empirical11 {
         Some("the pocket film empirical-11 is stiff and undamped, so that fixed steps are unstable")
     } else if term_on(Term::CageTilt) {
