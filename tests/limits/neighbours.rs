@@ -33,14 +33,15 @@ fn crowded(change: Value) -> Value {
 /// A disturbed state in which four pairs of balls touch, one of them across the end of the numbering.
 fn touching(model: &Model, seed: u64) -> Vec<f64> {
     let layout = model.mechanism().layout;
-    let spacing = 13e-3 * (std::f64::consts::PI / layout.balls as f64).sin() - 2.778e-3;
+    let m = model.mechanism();
     let mut state = disturbed(model, seed);
     for (ball, penetration) in [(1, 0.5e-6), (4, 1.5e-6), (8, 0.2e-6), (layout.balls - 1, 0.9e-6)] {
         let next = (ball + 1) % layout.balls;
         let other = layout.ball(&state, next);
         let mut moved = layout.ball(&state, ball);
-        moved.arc = other.arc + 1.0128 * (spacing + penetration);
         (moved.axial, moved.radial) = (other.axial, other.radial);
+        let apart = 2.0 * ((m.ball_radius - 0.5 * penetration) / (m.pitch_radius + moved.radial)).asin();
+        moved.arc = other.arc + m.pitch_radius * (std::f64::consts::TAU / layout.balls as f64 - apart);
         layout.set_ball(&mut state, ball, &moved);
     }
     state
