@@ -69,7 +69,7 @@ pub(crate) fn assemble(
     }
     let solver = SolverReport {
         method: attempt.method,
-        choice: attempt.trajectory.as_ref().and_then(|trajectory| trajectory.choice.reason.clone()),
+        choice: attempt.trajectory.as_ref().and_then(|trajectory| trajectory.choice.reason),
         level: candidate.level,
         rejections,
         not_eligible,

@@ -7,7 +7,7 @@ use crate::simulation::error::codes::{Cause, ErrorBasis, Gap, Uncertainty, Warni
 use crate::simulation::error::comparison::Deviation;
 use crate::simulation::error::errors::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::error::stationarity::{of_heard, sampling_errors, scatter};
+use crate::simulation::error::stationarity::{of_moving, sampling_errors, scatter};
 use crate::simulation::error::thresholds::{
     HIDDEN_SHARE, INDEPENDENT_NOISE, MAX_GROWTH_PER_STEP, SAMPLE_EFOLDS, SAMPLE_SIGMAS, STALLED_DB, STALLED_SHARE,
     STATED_SHARE, UNRESOLVED_DB, WARNED_ERROR_DB,
@@ -299,7 +299,7 @@ fn looser_run(
     let settings = problem.settings;
     let mut deviation = verification.deviation.unwrap_or(Deviation::UNKNOWN);
     // A level that is silent at the tighter tolerance was the noise of the looser steps.
-    deviation.levels = of_heard(&deviation.levels, &attempt.recording);
+    deviation.levels = of_moving(&deviation.levels, &attempt.recording);
     let change = deviation.levels.worst();
     let before = progress.previous.and_then(|(_, before)| before.deviation).map(|deviation| deviation.levels);
     let stalled = match (change, before.and_then(|before| before.worst())) {
@@ -346,7 +346,7 @@ fn dynamics_report(attempt: &Attempt, verification: &Verification, settings: &Ru
         report = AccuracyReport::new(deviation, basis, verification.divergence);
         cause = Uncertainty::ShortSample;
     }
-    let unstable = attempt.trajectory.as_ref().and_then(|trajectory| trajectory.unstable.clone());
+    let unstable = attempt.trajectory.as_ref().and_then(|trajectory| trajectory.unstable);
     let failed = unstable.map(Warning::UnstableStep).or_else(|| match not_verified(verification, settings) {
         Some(Cause::NotVerified(failure)) => Some(Warning::NotVerified(failure)),
         _ => None,
