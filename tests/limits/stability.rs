@@ -152,16 +152,14 @@ fn an_unstable_runge_kutta_run_stays_bounded_and_is_detected() {
     println!("article: {wrong:.1} instead of {right:.1} dB: {warning:?}");
     assert!(wrong > right + 10.0, "{wrong} {right}");
     assert_eq!(none, None);
-    assert!(
-        warning.is_some_and(|words| words.contains("beyond the limit of stability") && words.contains("1.000e-6 s"))
-    );
+    assert!(warning.is_some_and(|unstable| unstable.step == 1e-6));
 
     let loaded = at_400_newton();
     let (wrong, warning) = runge_kutta_4(&loaded, &short(), 0.4e-6);
     let right = level_of(&simulate(&scene(&loaded), &short(), &patient()).unwrap());
     println!("400 N: {wrong:.1} instead of {right:.1} dB: {warning:?}");
     assert!(wrong > right + 10.0, "{wrong} {right}");
-    assert!(warning.is_some_and(|words| words.contains("4.000e-7 s")));
+    assert!(warning.is_some_and(|unstable| unstable.step == 4e-7));
 }
 
 /// Fixed steps of the program: level error and warning.

@@ -14,6 +14,7 @@ use raceway_core::simulation::error::codes::{
 };
 use raceway_core::simulation::error::errors::{LevelErrors, QuantityErrors};
 use raceway_core::simulation::input::model_level::ModelLevel;
+use raceway_core::simulation::model::failure::SimulationError;
 use raceway_core::simulation::result::metrics::SolverReport;
 
 /// What a user should know about a result or a scene.
@@ -322,6 +323,7 @@ fn of_rejection(rejection: &Rejection) -> MessageAnswer {
 
 fn cause_text(cause: &Cause) -> String {
     match cause {
+        Cause::Failed(SimulationError::NotApplicable { reason, .. }) => reason.to_string(),
         Cause::Failed(failure) => format!("it failed, {failure}"),
         Cause::Deviation { levels, quantities, beyond } => {
             format!("the verification deviates by {}{}", deviation(levels, quantities.as_ref()), exceeded(beyond))
