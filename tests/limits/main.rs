@@ -9,6 +9,7 @@ mod contact_points;
 mod dissipation;
 mod energy;
 mod extremes;
+mod initial_perturbation;
 mod instructions;
 mod jacobian;
 mod ladder;

@@ -9,7 +9,7 @@ use utoipa::ToSchema;
 
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::FieldError;
-use crate::contract::json::shapes::{ObjectOnly, optional_object};
+use crate::contract::json::shapes::{ObjectOnly, optional_object, whole_number};
 use crate::contract::json::{
     parameters,
     units::{MM_S, MRAD, RPM},
@@ -50,7 +50,8 @@ pub struct InitialPerturbationInput {
     #[schema(example = 0.1)]
     pub speed_mm_s: f64,
     /// Seed of the directions: the same seed gives the same directions on every machine. Default 0.
-    #[schema(nullable = false)]
+    #[serde(default, deserialize_with = "whole_number::<_, 0, { u32::MAX }>")]
+    #[schema(nullable = false, minimum = 0, maximum = 4_294_967_295_u32, example = 1)]
     pub seed: Option<u32>,
 }
 

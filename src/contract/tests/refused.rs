@@ -111,7 +111,7 @@ fn impossible_scenes_are_refused() {
         (
             operation(r#""speed_rpm":1,"initial_perturbation":{"speed_mm_s":1,"seed":-1}"#),
             "/scene/operation/initial_perturbation/seed",
-            "",
+            "-1: must be a whole number from 0 to 4294967295",
         ),
         (scene(r#""spindle":{"mass_kg":-1}"#), "/scene/spindle/mass_kg", "-1 kg"),
         (scene(r#""spindle":{"mass_kg":0}"#), "/scene/spindle/mass_kg", "0 kg: must be from 1e-9 to 1000000 kg"),
