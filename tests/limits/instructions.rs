@@ -24,6 +24,7 @@ fn scenes() -> Vec<(Value, ModelLevel)> {
         (everything(), ModelLevel::Full),
         (everything_with(json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } })), ModelLevel::Full),
         (changed(article(), json!({ "lubricant": "dry", "bearing": { "ball_count": 8 } })), ModelLevel::Full),
+        (everything_with(json!({ "bearing": { "ball_count": 14 }, "terms": { "cage": "off" } })), ModelLevel::Full),
         (everything_with(json!({ "terms": { "drag": "on", "churning": "on" } })), ModelLevel::Full),
         (traction(json!({ "law": "four_parameter", "at_rest": 0.02 })), ModelLevel::Full),
         (traction(json!({ "law": "eyring" })), ModelLevel::Full),
@@ -66,7 +67,6 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
         with(json!({ "lubricant": { "traction": { "law": "four_parameter", "at_slip_m_s": 0.01 } } })),
         with(json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 50.0 } } })),
         with(json!({ "lubricant": { "kind": "oil" }, "terms": { "hydrodynamics": "on" } })),
-        with(json!({ "terms": { "cage": "off" } })),
     ];
     let settings = RunSettings {
         method: Method::Auto,
