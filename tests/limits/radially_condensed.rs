@@ -123,12 +123,13 @@ fn long_steps_preserve_levels() {
 /// A method of order 3: the deviation between steps h and h/2 falls by a factor of 8 for half of h.
 ///
 /// Measured on spindle and azimuths from 12 to 3 µs, over the second half of the run: by at least 7 for the spindle, by 3 for the
-/// ball paths, which are 0.1 µm apart. The scene has no cage and no clearance, because opening contacts hide the order. So does
+/// ball paths, which are 0.1 µm apart. The scene has no clearance and a cage that floats free, because opening contacts hide the order. So does
 /// the first half of the run, in which balls reach their slip and the error has order 1.
 #[test]
 fn steps_are_of_third_order() {
-    let text = r#"{ "bearing": { "preset": "article-integrated", "radial_clearance_um": -4 },
-        "terms": { "cage": "off" }, "operation": { "speed_rpm": 50000, "radial_load_y_n": 300 },
+    let text = r#"{ "bearing": { "preset": "article-integrated", "radial_clearance_um": -4,
+            "cage": { "pocket_clearance_mm": 1, "film": "none" } },
+        "gravity_m_s2": 0, "operation": { "speed_rpm": 50000, "radial_load_y_n": 300 },
         "spindle": { "balance_grade": 40 } }"#;
     let model = model(&scene_from_json(text).unwrap());
     const PLACES: u32 = 100;

@@ -113,6 +113,8 @@ pub enum IntegrationError {
     StepTooSmall { time: f64, step: f64, component: usize },
     #[error("state component {component} is no longer finite at t = {time:.9} s (step {step:.3e} s)")]
     NotFinite { time: f64, step: f64, component: usize },
+    #[error("an impact at t = {time:.9} s is too short for fixed steps of {step:.3e} s")]
+    Impact { time: f64, step: f64, component: usize },
     #[error("stopped by the caller at t = {time:.9} s")]
     Stopped { time: f64 },
 }

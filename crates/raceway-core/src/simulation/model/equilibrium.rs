@@ -5,11 +5,12 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
+use crate::physics::operation::InitialPerturbation;
 use crate::physics::raceway::RacewayContact;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::state::{BallState, SpindleState};
+use crate::simulation::model::state::{BallState, CageState, Layout, SpindleState};
 use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
 
@@ -39,7 +40,8 @@ pub struct StaticLoads {
     pub max_pressure: f64,
 }
 
-/// Equilibrium of spindle and balls under load, gravity and centrifugal force; cage centred, ideal orbit and rolling.
+/// Equilibrium of spindle and balls under load, gravity and centrifugal force; cage centred, ideal orbit and rolling. An initial
+/// perturbation adds a velocity to each ball and to the cage; planar states omit its part along X.
 pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
     let mechanism = model.mechanism();
     let layout = mechanism.layout;
@@ -49,7 +51,22 @@ pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
         layout.set_ball(&mut state, ball, &BallState { axial, radial, ..BallState::default() });
     }
     layout.set_spindle(&mut state, &SpindleState { position: rest.spindle, velocity: [0.0; 3] });
+    if let Some(perturbation) = mechanism.perturbation {
+        perturb(&layout, &mut state, perturbation);
+    }
     Ok(state)
+}
+
+/// Sets the velocities of an initial perturbation: balls along the axis, the radius and the orbit, the cage along X, Y, Z.
+fn perturb(layout: &Layout, state: &mut [f64], perturbation: InitialPerturbation) {
+    let mut velocities = perturbation.velocities();
+    for (ball, [axial_velocity, radial_velocity, arc_velocity]) in (0..layout.balls).zip(velocities.by_ref()) {
+        let moved = BallState { axial_velocity, radial_velocity, arc_velocity, ..layout.ball(state, ball) };
+        layout.set_ball(state, ball, &moved);
+    }
+    for velocity in velocities.take(1) {
+        layout.set_cage(state, &CageState { velocity, ..CageState::default() });
+    }
 }
 
 /// Equilibrium of a scene's raceways at rest under its applied loads and the weight of the spindle. The weights of the balls are small beside them.

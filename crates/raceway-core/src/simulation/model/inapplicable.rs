@@ -14,8 +14,12 @@ pub enum Inapplicable {
     SpindleOffCentre,
     #[error("the spindle is misaligned")]
     Misaligned,
-    #[error("without a cage nothing keeps the balls apart")]
+    #[error("without a cage balls touch each other, and this model has no contact between balls")]
     NoCage,
+    #[error(
+        "operation.initial_perturbation moves balls along their radius, where this model keeps them in equilibrium"
+    )]
+    InitialPerturbation,
     #[error("rolling friction and pressure forces of the film act on the spindle")]
     Hydrodynamics,
     #[error("raceways with a viscous damper have no condensed law")]

@@ -12,6 +12,8 @@ use crate::simulation::model::system::Model;
 const MIN_EVALUATIONS_FOR_PROJECTION: u64 = 2_000_000;
 /// Steps between two polls of `Control`.
 pub(crate) const STEPS_PER_LOOK: u64 = 256;
+/// Bisections of the step in which the spindle leaves the bearing.
+const BISECTIONS: usize = 40;
 /// Evaluations between two polls of `Control`: a step of an implicit method takes many.
 const EVALUATIONS_PER_POLL: u64 = 6 * STEPS_PER_LOOK;
 
@@ -96,6 +98,9 @@ pub(crate) fn integrate(
             if integrator.previous_time() < span.checkpoint && span.checkpoint <= integrator.time() {
                 integrator.interpolate(span.checkpoint, &mut checkpoint);
             }
+            if stepping.fixed_step.is_none() || integrator.statistics().steps.is_multiple_of(STEPS_PER_LOOK) {
+                check_departure(model, integrator.as_ref())?;
+            }
             after_step(integrator.as_ref());
             if let Some(watch) = &mut watch
                 && integrator.statistics().steps.is_multiple_of(stability::STEPS_PER_LOOK)
@@ -129,6 +134,27 @@ pub(crate) fn integrate(
         end: integrator.state().to_vec(),
         unstable: watch.and_then(|watch| watch.unstable()),
     })
+}
+
+/// Refuses a state in which no ball can hold the spindle any more.
+///
+/// Steps of error control grow as soon as nothing holds the spindle, so that each of them is checked. The limit is passed within the
+/// last step; the error states the time by bisection.
+fn check_departure(model: &Model, integrator: &dyn Integrator) -> Result<(), SimulationError> {
+    let m = model.mechanism();
+    let of = |state: &[f64]| m.departure(m.layout.spindle(state).position);
+    let Some(mut departure) = of(integrator.state()) else { return Ok(()) };
+    let (mut before, mut time) = (integrator.previous_time(), integrator.time());
+    let mut state = vec![0.0; m.layout.dimension()];
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (before + time);
+        integrator.interpolate(middle, &mut state);
+        match of(&state) {
+            Some(earlier) => (time, departure) = (middle, earlier),
+            None => before = middle,
+        }
+    }
+    Err(SimulationError::SpindleLeft { time, departure })
 }
 
 /// Aborts a run whose projected number of evaluations is too large. The projection counts evaluations instead of time, so that the same

@@ -85,13 +85,8 @@ impl ActiveTerms {
         });
         let hydrodynamics = decision.hydrodynamics();
         let film = decision.pocket_film(cage);
-        let friction = decision.keep(Term::PocketFriction, true, || {
-            if !cage {
-                Some("there is no cage".into())
-            } else {
-                (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into())
-            }
-        });
+        let friction = decision
+            .keep(Term::PocketFriction, true, || (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into()));
         let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then(|| "nothing fills the bearing".into());
         let is_steep = saturation_slip(&scene.lubricant.traction) < decision.slip_variation();
         let needs = Self {
@@ -324,14 +319,16 @@ impl Decision<'_> {
 
     fn pocket_film(&mut self, cage: bool) -> bool {
         let film = self.scene.cage.film;
-        let dry = self.scene.lubricant.viscosity == 0.0 && film == PocketFilm::Wedge;
+        // Between balls lubricant is squeezed out, whichever film the pockets would have.
+        let needs_viscosity = film == PocketFilm::Wedge || !cage;
+        let dry = self.scene.lubricant.viscosity == 0.0 && needs_viscosity;
         self.keep(Term::PocketFilm, true, || {
-            if !cage {
-                Some("there is no cage".into())
-            } else if film == PocketFilm::None {
+            if film == PocketFilm::None {
                 Some("bearing.cage.film is none".into())
             } else {
-                dry.then(|| "a wedge needs a viscosity above 0".into())
+                dry.then(|| {
+                    if cage { "a wedge needs a viscosity above 0" } else { "a film needs a viscosity above 0" }.into()
+                })
             }
         })
     }

@@ -20,7 +20,11 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
         Some(Inapplicable::SpindleOffCentre)
     } else if scene.operation.misalignment != [0.0; 2] {
         Some(Inapplicable::Misaligned)
-    } else if scene.cage.film == PocketFilm::Empirical11 && scene.terms.get(Term::Cage) != TermChoice::Off {
+    } else if scene.terms.get(Term::Cage) == TermChoice::Off {
+        Some(Inapplicable::NoCage)
+    } else if scene.operation.start_perturbation().is_some() {
+        Some(Inapplicable::InitialPerturbation)
+    } else if scene.cage.film == PocketFilm::Empirical11 {
         Some(Inapplicable::StiffPocketFilm)
     } else if term_on(Term::CageTilt) {
         Some(Inapplicable::TermOn(Term::CageTilt))

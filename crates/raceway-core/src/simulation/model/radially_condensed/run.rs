@@ -95,6 +95,10 @@ impl RadiallyCondensed {
             }
             stepper.advance(STEPS_PER_POLL.min(all - stepper.steps()), &mut observer);
             finite(&stepper)?;
+            let [y, z] = stepper.border().spindle;
+            if let Some(departure) = self.mechanism().departure([0.0, y, z]) {
+                return Err(SimulationError::SpindleLeft { time: stepper.time(), departure });
+            }
             (control.progress)(stepper.steps() as f64 / all as f64);
             let phase = if stepper.steps() < first { Phase::Settling } else { Phase::Recording };
             (control.live)(&Live { phase, accelerations: &|| observer.accelerations() });

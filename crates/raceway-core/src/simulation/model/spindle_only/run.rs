@@ -86,6 +86,10 @@ pub fn simulate(
             let source = IntegrationError::NotFinite { time, step, component };
             return Err(SimulationError::Integration { source, entry: "the spindle".into() });
         }
+        let [y, z] = method.motion().0;
+        if let Some(departure) = mechanism.departure([0.0, y, z]) {
+            return Err(SimulationError::SpindleLeft { time, departure });
+        }
         if from % (16 * STEPS_PER_BLOCK) == 0 {
             if (control.stop)() {
                 return Err(SimulationError::Stopped { time });
