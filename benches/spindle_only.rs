@@ -223,7 +223,7 @@ fn parts() {
         clock.push(cpu_time());
         let spectra = metrics::spectra(&recording, &settings);
         clock.push(cpu_time());
-        std::hint::black_box(metrics::lines(&scene, &spectra, &metrics::frequencies(&scene, &recording)));
+        std::hint::black_box(metrics::lines(&scene, &recording, &spectra, &metrics::frequencies(&scene, &recording)));
         clock.push(cpu_time());
         for (times, ends) in times.iter_mut().zip(clock.windows(2)) {
             times.push(ends[1] - ends[0]);

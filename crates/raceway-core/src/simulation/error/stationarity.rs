@@ -83,10 +83,17 @@ pub fn halves_deviation(parts: &[Quantities]) -> Option<QuantityErrors> {
             max_pocket_load: most(|part| part.max_pocket_load),
             max_slip: PerRaceway { inner: most(|part| part.max_slip.inner), outer: most(|part| part.max_slip.outer) },
             orbit_radius: mean(|part| part.orbit_radius),
+            cage_slip: mean_of_known(parts, |part| part.cage_slip),
         }
     };
     let (first, second) = parts.split_at(parts.len() / 2);
     (!first.is_empty()).then(|| quantity_errors(&[of_all(first)], &[of_all(second)]))
+}
+
+/// Mean over the parts that have a number; `None` where none has.
+fn mean_of_known(parts: &[Quantities], of: fn(&Quantities) -> Option<f64>) -> Option<f64> {
+    let known: Vec<f64> = parts.iter().filter_map(of).collect();
+    (!known.is_empty()).then(|| mean(&known))
 }
 
 /// Rms deviation of the levels of equal parts of a later record, each as long as the recorded time, from its level [dB].

@@ -99,7 +99,7 @@ impl<'a> Comparison<'a> {
         let levels = levels(reference);
         let judged = judged(&levels);
         let mut lines: Vec<(Channel, Line)> = Vec::new();
-        for (channel, line) in metrics::lines(scene, &spectra, &frequencies) {
+        for (channel, line) in metrics::lines(scene, &reference.recording, &spectra, &frequencies) {
             if judged.contains(&channel) && lines.iter().filter(|(other, _)| *other == channel).count() < LINES {
                 lines.push((channel, line));
             }
