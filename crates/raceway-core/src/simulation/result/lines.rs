@@ -195,11 +195,10 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
         carry(inner, [shaft.times(n), cage]);
     }
     carry(cage, [shaft, outer]);
-    for whirl in [term(CAGE_WHIRL, sources.cage_whirl, 1.6), term(SPINDLE_WHIRL, sources.spindle_whirl, 1.7)] {
-        if usable(&whirl) {
-            found.push([whirl.times(1), shaft, cage]);
-        }
-    }
+    // A whirling cage drives the spindle round at its own rate, so it has precedence.
+    let whirls = [term(CAGE_WHIRL, sources.cage_whirl, 1.6), term(SPINDLE_WHIRL, sources.spindle_whirl, 1.6)];
+    let near = |whirl: &Term| usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
+    found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
     found
 }
 
@@ -335,6 +334,8 @@ mod tests {
         let whirling = LineSources { frequencies, cage_whirl: 13.7 * cage, spindle_whirl: 900.0 };
         assert_eq!(label(1962.0, &whirling, 10.0).0, "cage whirl");
         assert_eq!(label(901.0, &whirling, 10.0).0, "spindle whirl");
+        let driven = LineSources { spindle_whirl: 1962.0, ..whirling };
+        assert_eq!(label(1962.0, &driven, 10.0).0, "cage whirl");
         let together = LineSources { cage_whirl: 17.0 * cage, ..whirling };
         assert_eq!(label(17.0 * cage, &together, 10.0).0, "BPFO", "the ball passage makes this orbit");
     }
