@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use raceway::numerics::ode::Method;
+use raceway::numerics::ode::{Method, OdeSystem};
 use raceway::numerics::roots::bracketed_root;
 use raceway::physics::frames::{Azimuth, Vector, add, scale, subtract};
 use raceway::physics::kinematics::ideal_orbit_ratio;
