@@ -1,10 +1,12 @@
 //! Codes with numbers that a run reports about itself. The text of each code is defined outside this crate.
 
 use crate::numerics::ode::Method;
+use crate::numerics::ode::stability::UnstableStep;
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::inapplicable::Inapplicable;
 
 /// A number whose error is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,6 +117,8 @@ pub struct Rejection {
     pub method: Option<Method>,
     /// [s]; `None`: error control, or the model's own step.
     pub step: Option<f64>,
+    /// Relative tolerance of error control [-].
+    pub tolerance: Option<f64>,
     pub cause: Cause,
 }
 
@@ -153,7 +157,7 @@ pub enum Warning {
     /// The window of verification does not cover the run: no error is stated.
     ErrorUnknown(Gap),
     /// The fixed step lies beyond the limit of stability.
-    UnstableStep(String),
+    UnstableStep(UnstableStep),
     /// Free vibration of the start decays with this time constant [s]; `settle` [s] is too short, `required` [s] is enough.
     StartTransient { time_constant: f64, settle: f64, required: f64, constant_speed: bool },
     /// The cage may still vibrate along its axis; a settling time [s] that is enough.
@@ -195,5 +199,5 @@ pub struct NotEligible {
 pub enum NotEligibleReason {
     Known(Ineligible),
     /// The level cannot represent the scene or its outputs.
-    CannotRepresent(String),
+    CannotRepresent(Inapplicable),
 }

@@ -19,6 +19,8 @@ pub struct AccuracyReport {
     pub basis: ErrorBasis,
     /// Kind of motion; `None`: the run is too short to show it.
     pub motion: Option<MotionKind>,
+    /// The motion is chaotic at constant speed: levels are means over a sample of it.
+    pub is_chaotic: bool,
     /// Rate at which neighbouring trajectories diverge [1/s]; negative: they converge.
     pub divergence_rate: f64,
     pub warnings: Vec<Warning>,
@@ -31,6 +33,7 @@ impl AccuracyReport {
             quantity_errors: deviation.quantities,
             basis,
             motion: divergence.and_then(|divergence| divergence.motion()),
+            is_chaotic: divergence.is_some_and(|divergence| divergence.is_chaotic()),
             divergence_rate: divergence.map_or(0.0, |divergence| divergence.rate),
             ..Self::default()
         }
@@ -39,10 +42,6 @@ impl AccuracyReport {
     /// Largest level error [dB]; `None` if no level error is known.
     pub fn level_error_db(&self) -> Option<f64> {
         self.level_errors.worst()
-    }
-
-    pub(crate) fn is_chaotic(&self) -> bool {
-        self.motion == Some(MotionKind::Diverging)
     }
 
     pub(crate) fn deviation(&self) -> Deviation {
@@ -59,7 +58,7 @@ impl AccuracyReport {
     /// The requested numbers whose errors require a warning.
     pub(crate) fn large_errors(&self, outputs: &Outputs) -> Vec<QuantityError> {
         // The level of a short chaotic sample shows by itself that single numbers are uncertain.
-        let quantities = self.quantity_errors.filter(|_| !self.is_chaotic() || !outputs.include_levels());
+        let quantities = self.quantity_errors.filter(|_| !self.is_chaotic || !outputs.include_levels());
         let level = self.level_error_db().filter(|_| outputs.include_levels());
         let share = |error: fn(&QuantityErrors) -> f64, shown: bool| quantities.as_ref().filter(|_| shown).map(error);
         let all = [

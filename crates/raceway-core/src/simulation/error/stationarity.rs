@@ -46,7 +46,7 @@ pub fn is_stationary(recording: &Recording, outputs: &Outputs, tolerance_db: f64
     let levels_only = !(outputs.contacts || outputs.cage);
     let quantities = halves_deviation(&recording.parts);
     let halves = Deviation { levels: LevelErrors::each(|_| Some(0.0)), quantities };
-    heard(recording).iter().all(is_steady) && (levels_only || halves.within(outputs, tolerance_db))
+    moving_channels(recording).iter().all(is_steady) && (levels_only || halves.within(outputs, tolerance_db))
 }
 
 /// Changes of the levels [dB] that rise or fall throughout the recorded time, if no later window shows an oscillation.
@@ -57,7 +57,7 @@ pub fn trends(recording: &Recording, later: Option<&LevelErrors>) -> Vec<(Channe
         let deviation = later.and_then(|later| later.of(channel));
         deviation.is_none_or(|deviation| deviation > OSCILLATION_SHARE * change.abs()).then_some((channel, change))
     };
-    heard(recording).into_iter().filter_map(of).collect()
+    moving_channels(recording).into_iter().filter_map(of).collect()
 }
 
 /// The channel whose level scatters so much that no window represents the rest, and its scatter [dB].
@@ -110,9 +110,9 @@ pub fn deviation_of_parts(recorded: &Recording, later: &Recording) -> LevelError
 }
 
 /// Errors of the levels that are not silent.
-pub fn of_heard(errors: &LevelErrors, recording: &Recording) -> LevelErrors {
-    let heard = heard(recording);
-    LevelErrors::each(|channel| errors.of(channel).filter(|_| heard.contains(&channel)))
+pub fn of_moving(errors: &LevelErrors, recording: &Recording) -> LevelErrors {
+    let moving = moving_channels(recording);
+    LevelErrors::each(|channel| errors.of(channel).filter(|_| moving.contains(&channel)))
 }
 
 /// Change of a level along equal parts of a run [dB]; `None` if it is not a trend.
@@ -134,15 +134,15 @@ fn has_batches(signal: &Signal) -> bool {
 }
 
 /// The compared accelerations that are not silent.
-fn heard(recording: &Recording) -> Vec<Channel> {
-    let is_heard = |channel: &Channel| recording.of(*channel).is_some_and(|of| of.in_band().moments.rms() > SILENCE);
-    judged(recording).into_iter().filter(is_heard).collect()
+fn moving_channels(recording: &Recording) -> Vec<Channel> {
+    let moves = |channel: &Channel| recording.of(*channel).is_some_and(|of| of.in_band().moments.rms() > SILENCE);
+    judged(recording).into_iter().filter(moves).collect()
 }
 
 fn of_batches(recording: &Recording, error: impl Fn(&[f64]) -> Option<f64>) -> LevelErrors {
-    let heard = heard(recording);
+    let moving = moving_channels(recording);
     LevelErrors::each(|channel| {
-        let signal = recording.of(channel).filter(|_| heard.contains(&channel))?;
+        let signal = recording.of(channel).filter(|_| moving.contains(&channel))?;
         error(&in_parts(&signal.in_band().mean_squares, BATCHES))
     })
 }

@@ -1,4 +1,5 @@
-//! Every threshold of error estimation and acceptance, in one table: meaning, unit, and the command that measured it.
+//! Thresholds of error estimation and acceptance that several files use, in one table: meaning, unit, and the command that measured each. A
+//! threshold of one file stands in that file.
 //!
 //! Commands: *drawn* = `cargo bench --bench calibration -- drawn`, *settling* = `cargo bench --bench calibration -- settling`,
 //! *steps* = `cargo bench --bench fixed_steps`, *limits* = `cargo test --release --test limits`.

@@ -26,10 +26,10 @@ pub struct Equilibrium {
     pub angles: Vec<PerRaceway<(f64, f64)>>,
 }
 
-/// Equilibrium of the raceways under the applied loads alone: no gravity, no centrifugal load, first ball under +Y.
+/// Equilibrium of the raceways at rest under the applied loads and the weight of the spindle: first ball under +Y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaticLoads {
-    /// Displacement from the centred position along the radial load, clearance included [m].
+    /// Displacement from the centred position along the radial force, clearance included [m].
     pub radial_displacement: f64,
     /// Displacement along the axial load [m]; 0 where the axial direction is held.
     pub axial_displacement: f64,
@@ -54,10 +54,10 @@ pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
     Ok(state)
 }
 
-/// Equilibrium of a scene's raceways under its applied loads alone.
+/// Equilibrium of a scene's raceways at rest under its applied loads and the weight of the spindle. The weights of the balls are small beside them.
 pub fn static_loads(scene: &Scene, needs: &ActiveTerms) -> Result<StaticLoads, SimulationError> {
     let mut mechanism = Mechanism::new(scene, needs);
-    mechanism.gravity = 0.0;
+    mechanism.load[1] += mechanism.spindle_mass * std::mem::take(&mut mechanism.gravity);
     let rest = equilibrium(&mechanism, 0.0)?;
     let pressure = |contact: &RacewayContact, load: f64| contact.hertz().max_pressure(load);
     let max_pressure = rest

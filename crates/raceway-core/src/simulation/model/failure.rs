@@ -1,6 +1,8 @@
 //! Errors of a run.
 
 use crate::numerics::ode::IntegrationError;
+use crate::numerics::ode::stability::UnstableStep;
+use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::state::Layout;
 use crate::simulation::model::terms::UnsupportedChoice;
 
@@ -15,7 +17,7 @@ pub enum SimulationError {
     UnsupportedChoice(#[from] UnsupportedChoice),
     /// A reduced model cannot represent the scene, or not this motion of it.
     #[error("rung {rung} is not applicable: {reason}")]
-    NotApplicable { rung: &'static str, reason: String },
+    NotApplicable { rung: &'static str, reason: Inapplicable },
     #[error("no static equilibrium was found to start from: {0}")]
     NoEquilibrium(String),
     #[error("{source} ({entry})")]
@@ -40,7 +42,7 @@ pub enum SimulationError {
 
 impl SimulationError {
     /// This error with a known cause.
-    pub(crate) fn because(self, cause: Option<String>) -> Self {
+    pub(crate) fn because(self, cause: Option<UnstableStep>) -> Self {
         match (self, cause) {
             (Self::Integration { source, entry }, Some(cause)) => {
                 Self::Integration { source, entry: format!("{entry}; {cause}") }

@@ -1,6 +1,6 @@
 //! Integration of the dynamics from one time to another by one method.
 
-use crate::numerics::ode::stability::{self, StabilityWatch};
+use crate::numerics::ode::stability::{self, StabilityWatch, UnstableStep};
 use crate::numerics::ode::{Choice, Integrator, Method, Statistics};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
@@ -58,7 +58,7 @@ pub(crate) struct Integrated {
     /// State at the end.
     pub end: Vec<f64>,
     /// Warning where a fixed step lies beyond the limit of stability.
-    pub unstable: Option<String>,
+    pub unstable: Option<UnstableStep>,
 }
 
 /// Times at which steps end exactly: kinks of the speed between two times, and the later one [s].
@@ -91,7 +91,7 @@ pub(crate) fn integrate(
         while integrator.time() < stop {
             if let Err(source) = integrator.step(stop) {
                 let error = SimulationError::integration(source, &layout);
-                return Err(error.because(watch.as_ref().and_then(StabilityWatch::warning)));
+                return Err(error.because(watch.as_ref().and_then(StabilityWatch::unstable)));
             }
             if integrator.previous_time() < span.checkpoint && span.checkpoint <= integrator.time() {
                 integrator.interpolate(span.checkpoint, &mut checkpoint);
@@ -127,7 +127,7 @@ pub(crate) fn integrate(
         choice: integrator.choice(),
         checkpoint,
         end: integrator.state().to_vec(),
-        unstable: watch.and_then(|watch| watch.warning()),
+        unstable: watch.and_then(|watch| watch.unstable()),
     })
 }
 

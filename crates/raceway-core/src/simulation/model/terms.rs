@@ -12,6 +12,7 @@ use crate::physics::spindle::{AxialHold, Unbalance};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::inapplicable::Inapplicable;
 
 /// Justification of an omitted term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +59,7 @@ pub struct ActiveTerms {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnsupportedChoice {
     #[error("rung {rung} cannot represent this scene or its outputs: {reason}", rung = .rung.name())]
-    ModelLevel { rung: ModelLevel, reason: String },
+    ModelLevel { rung: ModelLevel, reason: Inapplicable },
     #[error("term {term} cannot be {choice}: {reason}", term = .term.name())]
     Term { term: Term, choice: &'static str, reason: &'static str },
 }
@@ -209,11 +210,11 @@ impl Decision<'_> {
     ) -> Result<ModelLevel, UnsupportedChoice> {
         let scene = self.scene;
         let out_of_plane = if axial_spindle {
-            Some("the spindle moves along X")
+            Some(Inapplicable::SpindleMovesAlongX)
         } else if matches!(scene.spindle.axial, AxialHold::Offset(offset) if offset != 0.0) {
-            Some("the spindle is held off its centre along X")
+            Some(Inapplicable::SpindleOffCentre)
         } else if scene.operation.misalignment != [0.0; 2] {
-            Some("the spindle is misaligned")
+            Some(Inapplicable::Misaligned)
         } else {
             None
         };
@@ -222,10 +223,11 @@ impl Decision<'_> {
         let planar = ModelLevel::Planar;
         match (asked, out_of_plane) {
             (Some(ModelLevel::Planar), Some(reason)) => {
-                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason: reason.into() });
+                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason });
             }
             (Some(ModelLevel::Planar), None) if choice == TermChoice::On => {
-                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason: "terms.cage_tilt is on".into() });
+                let reason = Inapplicable::TermOn(Term::CageTilt);
+                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason });
             }
             (_, Some(_)) if choice == TermChoice::Off => {
                 let reason = "the scene moves along X; only a planar scene can do without";

@@ -1,5 +1,6 @@
 //! Summary metrics of a run, in the units of results.
 
+use crate::numerics::ode::{ChoiceReason, Statistics};
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
@@ -78,13 +79,13 @@ pub struct CageMetrics {
 pub struct SolverReport {
     pub method: &'static str,
     /// Why `auto` runs this method.
-    pub choice: Option<String>,
+    pub choice: Option<ChoiceReason>,
     pub level: ModelLevel,
     /// Candidates that did not become the result, in the order in which they were tried.
     pub rejections: Vec<Rejection>,
     /// Model levels that were no candidates.
     pub not_eligible: Vec<NotEligible>,
-    pub statistics: crate::numerics::ode::Statistics,
+    pub statistics: Statistics,
     /// [s]
     pub wall_time: f64,
     /// [s]

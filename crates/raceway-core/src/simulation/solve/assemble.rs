@@ -60,7 +60,7 @@ pub(crate) fn assemble(
     let terms = active_terms(scene, &settings.outputs, level)?;
     // The periodic model has no initial transient. Neither chaos nor a damped start keeps it.
     let is_damped = attempt.trajectory.is_some() && problem.dynamics(control)?.start.is_damped;
-    let keeps_start = candidate.level != ModelLevel::Periodic && !report.is_chaotic() && !is_damped;
+    let keeps_start = candidate.level != ModelLevel::Periodic && !report.is_chaotic && !is_damped;
     report.warnings.extend(startup::warnings(scene, &terms, settings.settle, keeps_start));
     let mut left_out = terms.left_out.clone();
     let bound = report.level_error_db().map(|error| (error, "dB"));
@@ -69,7 +69,7 @@ pub(crate) fn assemble(
     }
     let solver = SolverReport {
         method: attempt.method,
-        choice: attempt.trajectory.as_ref().and_then(|trajectory| trajectory.choice.reason.clone()),
+        choice: attempt.trajectory.as_ref().and_then(|trajectory| trajectory.choice.reason),
         level: candidate.level,
         rejections,
         not_eligible,
@@ -164,7 +164,7 @@ fn with_scatter(
     if report.level_error_db().is_none() {
         return report;
     }
-    let trends = if report.is_chaotic() { Vec::new() } else { trends(recording, windows.later.as_ref()) };
+    let trends = if report.is_chaotic { Vec::new() } else { trends(recording, windows.later.as_ref()) };
     let of_trend = LevelErrors::each(|channel| Some(trends.iter().find(|(of, _)| *of == channel)?.1.abs()));
     let notable =
         LevelErrors::each(|channel| windows.scatter.of(channel).filter(|scatter| *scatter > NOTABLE_CHANGE_DB));

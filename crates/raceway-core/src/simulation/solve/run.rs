@@ -179,10 +179,10 @@ fn may_halve(candidate: &Candidate, settings: &RunSettings) -> bool {
 }
 
 fn rejection(candidate: &Candidate, cause: Cause) -> Rejection {
-    let (method, step) = match candidate.stepping {
-        CandidateSteps::Own(step) => (None, step),
-        CandidateSteps::Fixed(method, step) => (Some(method), Some(step)),
-        CandidateSteps::Controlled(method, _) => (Some(method), None),
+    let (method, step, tolerance) = match candidate.stepping {
+        CandidateSteps::Own(step) => (None, step, None),
+        CandidateSteps::Fixed(method, step) => (Some(method), Some(step), None),
+        CandidateSteps::Controlled(method, tolerance) => (Some(method), None, Some(tolerance)),
     };
-    Rejection { level: candidate.level, method, step, cause }
+    Rejection { level: candidate.level, method, step, tolerance, cause }
 }

@@ -24,7 +24,7 @@ use super::equations::Dynamics;
 use super::forces::Reaction;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
-use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
+use crate::numerics::ode::{Choice, ChoiceReason, IntegrationError, Integrator, Method, Statistics};
 use crate::physics::frames::Vector;
 use crate::simulation::model::state::{BallState, CageState, SpindleState};
 use crate::simulation::model::step_loads::PackedStepLoads;
@@ -426,8 +426,6 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
     }
 
     fn choice(&self) -> Choice {
-        let reason =
-            format!("steps of {:.2} µs, implicit in the stiff terms: tried before error control", 1e6 * self.step);
-        Choice { method: Method::SemiImplicit, reason: Some(reason) }
+        Choice { method: Method::SemiImplicit, reason: Some(ChoiceReason::TriedFirst { step: self.step }) }
     }
 }

@@ -12,6 +12,7 @@ use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, kept_values};
@@ -41,7 +42,7 @@ pub fn simulate(
     let ratio = StepRatio::of(settings.fixed_step.unwrap_or(MAX_STEP.min(MAX_PHASE / frequency)));
     let step = ratio.step();
     if ratio.steps > MAX_STEPS_PER_VALUE {
-        let reason = format!("the spindle on its contacts is too fast: it needs steps of {step:.1e} s");
+        let reason = Inapplicable::FastSpindle { step };
         return Err(SimulationError::NotApplicable { rung: "spindle_only", reason });
     }
     let values = kept_values(settings.duration);
