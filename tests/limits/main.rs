@@ -30,3 +30,4 @@ mod stability;
 mod static_distribution;
 mod steps_of_fixed_length;
 mod surface_profile;
+mod wrong_answers;

@@ -12,10 +12,12 @@ use raceway_core::simulation::error::codes::{
     Cause, ErrorBasis, Gap, Ineligible, NotEligible, NotEligibleReason, Quantity, QuantityError, Refinement, Rejection,
     Uncertainty, Warning,
 };
+use raceway_core::simulation::error::comparison::SILENCE;
 use raceway_core::simulation::error::errors::{LevelErrors, QuantityErrors};
+use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::input::model_level::ModelLevel;
 use raceway_core::simulation::model::failure::SimulationError;
-use raceway_core::simulation::result::metrics::SolverReport;
+use raceway_core::simulation::result::metrics::{SolverReport, level_db};
 
 /// What a user should know about a result or a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -44,7 +46,12 @@ pub enum Severity {
 ///
 /// `uncertain`: Errors of numbers are large. Increase the time or tighten the tolerance that the text names.
 ///
+/// `not-resolved`: Refinement still changes a level by more than 1 dB. The level has no error, is marked `resolved: false`, and is never the best of
+/// a study. The text names what may resolve it.
+///
 /// `not-stationary`: A level rises or falls throughout the recorded time. Increase `settle_s`, or `duration_s` if the level oscillates.
+///
+/// `stationarity-not-checked`: A level below −20 dB, or below numerical noise, was not checked for changes along the recorded time.
 ///
 /// `short-chaotic-sample`: A chaotic motion was recorded for too short a time. Increase `duration_s`.
 ///
@@ -77,7 +84,9 @@ pub enum Severity {
 #[serde(rename_all = "kebab-case")]
 pub enum MessageCode {
     Uncertain,
+    NotResolved,
     NotStationary,
+    StationarityNotChecked,
     ShortChaoticSample,
     RecordTooShort,
     NotVerified,
@@ -138,6 +147,10 @@ pub fn check(solver: &SolverReport, basis: &ErrorBasis) -> String {
             )
         }
         _ if solver.level.is_reduced() => format!("The model level {} was not verified.", solver.level.name()),
+        _ if solver.tilt_window.is_some() => {
+            let window = time(solver.tilt_window.unwrap_or(0.0));
+            format!("The model level planar was compared with full over {window}.")
+        }
         _ if solver.level == ModelLevel::Planar => {
             "The planar dynamics are complete for this scene; left_out names the absent motion.".into()
         }
@@ -197,6 +210,17 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             let values = errors.iter().map(|error| (field(error.quantity), json!(significant(error.error, 3))));
             (MessageCode::Uncertain, text, values.collect())
         }
+        Warning::NotResolved { change_db, is_selected } => {
+            let remedy = match is_selected {
+                true => "Leave method, step and tolerance to the program, or tighten them.",
+                false => "Select `solver.method` and a tighter `relative_tolerance`, or increase duration_s.",
+            };
+            let text = format!(
+                "A level is not resolved: refinement still changes it by {change_db:.1} dB, so that it has no error and its spectrum no \
+                 lines. {remedy}"
+            );
+            (MessageCode::NotResolved, text, numbers(&[("change_db", *change_db)]))
+        }
         Warning::NotStationary { channel, change_db } => {
             let text = format!(
                 "Level not stationary: {channel} changed by {change_db:+.1} dB during the recorded time. Increase settle_s, or \
@@ -205,6 +229,19 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             let values =
                 vec![("channel", json!(channel.to_string())), ("change_db", json!(significant(*change_db, 3)))];
             (MessageCode::NotStationary, text, values)
+        }
+        Warning::StationarityNotChecked { channels } => {
+            let level = |(channel, rms): &(Channel, f64)| {
+                let noise = if *rms <= SILENCE { ", numerical noise" } else { "" };
+                format!("{channel} ({} dB{noise})", signed(level_db(*rms).unwrap_or(f64::NEG_INFINITY)))
+            };
+            let levels: Vec<String> = channels.iter().map(level).collect();
+            let names: Vec<String> = channels.iter().map(|(channel, _)| channel.to_string()).collect();
+            let text = format!(
+                "Levels below −20 dB were not checked for changes along the recorded time: {}.",
+                levels.join(", ")
+            );
+            (MessageCode::StationarityNotChecked, text, vec![("channels", json!(names))])
         }
         Warning::ShortChaoticSample { growth_time, required } => {
             let text = format!(
@@ -299,8 +336,7 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             (MessageCode::TiltTransient, text, numbers(&[("required_settle_s", *required)]))
         }
     };
-    // The scatter of the recorded time alone is no reason to doubt a number.
-    let severity = if code == MessageCode::LaterWindowFailed { Severity::Info } else { Severity::Warning };
+    let severity = if warning.is_remark() { Severity::Info } else { Severity::Warning };
     message(code, severity, text, values)
 }
 
@@ -473,6 +509,11 @@ fn time(seconds: f64) -> String {
     } else {
         format!("{} s", significant(seconds, 4))
     }
+}
+
+/// A number with one decimal and a minus sign.
+fn signed(value: f64) -> String {
+    format!("{value:.1}").replace('-', "−")
 }
 
 fn numbers<'a>(values: &[(&'a str, f64)]) -> Vec<(&'a str, Value)> {

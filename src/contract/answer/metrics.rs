@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 
 use super::messages::{self, MessageAnswer};
 use super::report::{AccuracyAnswer, FrequenciesAnswer, LeftOutAnswer, SolverAnswer};
+use raceway_core::simulation::error::report::AccuracyReport;
 use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::input::settings::Outputs;
 use raceway_core::simulation::result::lines::Line;
@@ -33,7 +34,7 @@ pub struct Metrics {
     #[schema(nullable = false)]
     pub cage: Option<CageAnswer>,
     /// Frequencies at the simulated speeds of cage and balls, which are those of the spectral lines. `POST /v1/scenes/resolve` returns those
-    /// of ideal rolling.
+    /// of rolling at the free and at the loaded contact angles.
     pub frequencies_hz: FrequenciesAnswer,
     /// Strongest lines of each requested amplitude spectrum (`outputs.spectra`), at most 20 for each channel, strongest first, in the
     /// channel's unit (metrics `vibration`). Empty without spectra, and where no line exceeds the noise floor.
@@ -78,6 +79,11 @@ pub struct ChannelAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub level_error_db: Option<f64>,
+    /// `false`: refinement still changes the level by more than 1 dB, so that neither the level nor its spectrum can be used; see the message
+    /// `not-resolved`. Absent otherwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = false)]
+    pub resolved: Option<bool>,
     /// Standard deviation of the level between time windows of the length `duration_s` [dB]; reduce it by a longer `duration_s`. Estimated
     /// from parts of a tenth, a fifth and a half of the recorded time. From 0.1 dB on, and for less than 2 s, at least the difference to one
     /// later window. For less than 10 ms, and on a reduced model level up to 0.5 s, the rms difference to ten later windows. Absent at
@@ -148,10 +154,18 @@ pub struct PocketAnswer {
 pub struct KinematicsAnswer {
     /// Speed of the cage about the bearing's axis [Hz].
     pub cage_speed_hz: f64,
-    /// 1 − cage speed / ideal cage speed [-]; absent at rest.
+    /// 1 − cage speed / speed of rolling at the loaded contact angles [-]. Positive: the cage lags, as it does when balls skid. Small
+    /// negative values are no skidding: conformity and spin in the contacts raise the cage speed. The speed of rolling is the mean over
+    /// time and the balls that touch both raceways, weighted by their outer load, at their simulated angles and spin axes. Absent at rest,
+    /// and where on average fewer than a tenth of the balls carry load.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cage_slip: Option<f64>,
+    /// 1 − cage speed / speed of rolling at the free contact angle [-]; absent at rest. It contains the change of the contact angle under
+    /// load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub cage_slip_free_angle: Option<f64>,
     /// Spin of the balls about their own axes [Hz].
     pub ball_spin_hz: f64,
 }
@@ -179,7 +193,8 @@ pub struct LineAnswer {
     /// Amplitude in the channel's unit; a sine of amplitude 1 gives 1.
     #[schema(minimum = 0)]
     pub amplitude: f64,
-    /// Nearest simple combination of the bearing's frequencies; empty where none is near.
+    /// Nearest simple combination of the bearing's frequencies, or `cage whirl` or `spindle whirl` at the rate of whirl; empty where none
+    /// is near.
     #[schema(example = "2·BPFO")]
     pub label: String,
     /// Frequency of the line minus that of the label [Hz].
@@ -189,13 +204,10 @@ pub struct LineAnswer {
 impl Metrics {
     pub fn of(result: &RunResult, outputs: &Outputs) -> Self {
         let summary = &result.summary;
-        let level = |channel: &Channel| {
-            (summary.accuracy.level_errors.of(*channel), summary.accuracy.level_scatter.of(*channel))
-        };
         let channels = summary
             .channels
             .iter()
-            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, level(channel))));
+            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, &summary.accuracy, *channel)));
         let lines = summary.lines.iter().map(|(channel, line)| line_answer(channel.to_string(), line));
         Self {
             channels: outputs.vibration.then(|| channels.collect()),
@@ -208,18 +220,15 @@ impl Metrics {
             frequencies_hz: summary.frequencies.into(),
             lines: outputs.vibration.then(|| lines.collect()),
             solver: SolverAnswer::of(&summary.solver, &summary.accuracy),
-            accuracy: AccuracyAnswer::of(&summary.accuracy, outputs),
+            accuracy: AccuracyAnswer::of(&summary.accuracy, outputs)
+                .with_slip_of(summary.cage.as_ref().and_then(|cage| cage.slip)),
             messages: messages::of_result(&summary.accuracy.warnings, &summary.solver),
             left_out: result.left_out.iter().map(LeftOutAnswer::from).collect(),
         }
     }
 }
 
-fn channel_answer(
-    unit: &str,
-    metrics: &ChannelMetrics,
-    (level_error_db, level_scatter_db): (Option<f64>, Option<f64>),
-) -> ChannelAnswer {
+fn channel_answer(unit: &str, metrics: &ChannelMetrics, accuracy: &AccuracyReport, channel: Channel) -> ChannelAnswer {
     ChannelAnswer {
         unit: unit.to_owned(),
         rms: metrics.rms,
@@ -227,8 +236,9 @@ fn channel_answer(
         crest_factor: metrics.crest_factor,
         kurtosis: metrics.kurtosis,
         level_db: metrics.level_db,
-        level_error_db,
-        level_scatter_db,
+        level_error_db: accuracy.level_errors.of(channel),
+        resolved: accuracy.unresolved.of(channel).map(|_| false),
+        level_scatter_db: accuracy.level_scatter.of(channel),
         above_band: metrics.above_band,
     }
 }
@@ -256,7 +266,12 @@ fn contacts(summary: &Summary) -> Option<ContactsAnswer> {
 }
 
 fn kinematics(cage: &CageMetrics) -> KinematicsAnswer {
-    KinematicsAnswer { cage_speed_hz: cage.speed, cage_slip: cage.slip, ball_spin_hz: cage.ball_spin }
+    KinematicsAnswer {
+        cage_speed_hz: cage.speed,
+        cage_slip: cage.slip,
+        cage_slip_free_angle: cage.slip_free_angle,
+        ball_spin_hz: cage.ball_spin,
+    }
 }
 
 impl From<&RacewayContactMetrics> for RacewayAnswer {

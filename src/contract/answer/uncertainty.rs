@@ -3,15 +3,30 @@
 use raceway_core::study::Uncertain;
 use serde_json::Value;
 
+/// True for a metric of either sign whose best value is 0. The smallest magnitude is its minimum.
+pub fn is_best_at_zero(pointer: &str) -> bool {
+    pointer.rsplit('/').next() == Some("cage_slip")
+}
+
 /// A metric and its estimated error; `None` where the metrics do not contain it. The error is derived from that of the level along the
-/// same axis (vibration), of the largest load, of the largest slip, or of the cage speed.
+/// same axis (vibration), of the largest load, of the largest slip, of the cage's speed, or of its slip. A level that is not
+/// resolved counts as absent.
 pub fn uncertain(metrics: &Value, pointer: &str) -> Option<Uncertain> {
     let value = metrics.pointer(pointer)?.as_f64()?;
     let accuracy = |field: &str| metrics.pointer(&format!("/accuracy/{field}")).and_then(Value::as_f64);
+    // A level that is not resolved is no value.
+    let is_resolved = |axis: &str| {
+        metrics.pointer(&format!("/channels/spindle.{axis}.acceleration/resolved")).and_then(Value::as_bool)
+            != Some(false)
+    };
     let name = pointer.rsplit('/').next().unwrap_or_default();
     // Of the acceleration along the same axis, or the largest of all where that axis has none.
+    let axis = pointer.strip_prefix("/channels/spindle.").and_then(|rest| rest.split('.').next());
+    if axis.is_some_and(|axis| !is_resolved(axis)) {
+        return None;
+    }
     let of_level = || {
-        let axis = pointer.strip_prefix("/channels/spindle.").and_then(|rest| rest.split('.').next())?;
+        let axis = axis?;
         metrics.pointer(&format!("/channels/spindle.{axis}.acceleration/level_error_db"))?.as_f64()
     };
     let level_error = || of_level().or_else(|| accuracy("level_error_db"));
@@ -25,8 +40,9 @@ pub fn uncertain(metrics: &Value, pointer: &str) -> Option<Uncertain> {
         "orbit_radius_um" => accuracy("orbit_radius_error").map(|share| share * value),
         "max_slip_m_s" => accuracy("max_slip_error").map(|share| share * value),
         "cage_speed_hz" => accuracy("cage_speed_error").map(|share| share * value),
-        // 1 − cage speed / ideal cage speed.
-        "cage_slip" => accuracy("cage_speed_error").map(|share| share * (1.0 - value).abs()),
+        "cage_slip" => accuracy("cage_slip_error"),
+        // 1 − cage speed / a speed without error.
+        "cage_slip_free_angle" => accuracy("cage_speed_error").map(|share| share * (1.0 - value).abs()),
         _ => None,
     };
     Some((value, error))

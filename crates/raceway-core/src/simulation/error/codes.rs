@@ -140,8 +140,13 @@ pub enum Uncertainty {
 pub enum Warning {
     /// Errors of numbers are large.
     Uncertain { cause: Uncertainty, errors: Vec<QuantityError> },
+    /// Refinement still changes a level [dB], so that its error is unknown. `is_selected`: the request selected the method, the step or the
+    /// tolerance.
+    NotResolved { change_db: f64, is_selected: bool },
     /// A level rises or falls throughout the recorded time [dB].
     NotStationary { channel: Channel, change_db: f64 },
+    /// Levels are so low that their changes along the recorded time do not count: rms of their channels [m/s²].
+    StationarityNotChecked { channels: Vec<(Channel, f64)> },
     /// A chaotic motion: time in which disturbances grow e-fold, and recorded time that is required [s].
     ShortChaoticSample { growth_time: f64, required: f64 },
     /// The recorded time [s] is shorter than an error estimate needs [s].
@@ -164,6 +169,13 @@ pub enum Warning {
     CageTransient { settle: f64, required: f64 },
     /// Cage and balls may still begin to tilt; a settling time [s] that is enough.
     TiltTransient { settle: f64, required: f64 },
+}
+
+impl Warning {
+    /// True if it is no reason to doubt a number.
+    pub fn is_remark(&self) -> bool {
+        matches!(self, Self::LaterWindowFailed(_) | Self::StationarityNotChecked { .. })
+    }
 }
 
 /// Reason why no reduced model, or no model leaner than the condensed one, is a candidate.

@@ -5,10 +5,10 @@ use std::rc::Rc;
 use crate::numerics::ode::Method;
 use crate::simulation::error::codes::{Cause, ErrorBasis, Gap, Uncertainty, Warning};
 use crate::simulation::error::comparison::Deviation;
-use crate::simulation::error::errors::LevelErrors;
+use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::error::lyapunov::MotionKind;
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::error::stationarity::{of_moving, sampling_errors, scatter};
+use crate::simulation::error::stationarity::{of_moving, sampling_errors, sampling_errors_of_quantities, scatter};
 use crate::simulation::error::thresholds::{
     HIDDEN_SHARE, INDEPENDENT_NOISE, MAX_GROWTH_PER_STEP, SAMPLE_EFOLDS, SAMPLE_SIGMAS, STALLED_DB, STALLED_SHARE,
     STATED_SHARE, UNRESOLVED_DB, WARNED_ERROR_DB,
@@ -74,7 +74,7 @@ fn reject(cause: Cause, refined: Option<Candidate>) -> Verdict {
     Verdict::Reject { cause, refined, report: None }
 }
 
-fn deviates(deviation: &Deviation, outputs: &Outputs, allowed_db: f64) -> Cause {
+pub(crate) fn deviates(deviation: &Deviation, outputs: &Outputs, allowed_db: f64) -> Cause {
     let asked = deviation.of_asked(outputs);
     let beyond = asked.beyond(outputs, allowed_db);
     Cause::Deviation { levels: asked.levels, quantities: asked.quantities, beyond }
@@ -230,8 +230,9 @@ fn sample(
     let are_equal = deviation.levels.zip(&of_both, ratio).worst().is_some_and(|ratio| ratio <= 1.0);
     if are_equal {
         let levels = scatter.larger(deviation.levels);
+        let quantities = with_sampling(deviation.quantities, &attempt.recording);
         let mut report =
-            AccuracyReport::new(Deviation { levels, ..deviation }, verification.basis, verification.divergence);
+            AccuracyReport::new(Deviation { levels, quantities }, verification.basis, verification.divergence);
         report.warnings = large_errors(&report, Uncertainty::ShortSample, &problem.settings.outputs);
         return Verdict::Accept(report);
     }
@@ -303,8 +304,11 @@ fn looser_run(
     deviation.levels = of_moving(&deviation.levels, &attempt.recording);
     let change = deviation.levels.worst();
     let before = progress.previous.and_then(|(_, before)| before.deviation).map(|deviation| deviation.levels);
+    // The first looser run and its own repetition show the same error of that run. Only the next refinement shows if the change shrinks.
     let stalled = match (change, before.and_then(|before| before.worst())) {
-        (Some(change), Some(before)) => change > STALLED_SHARE * before && change < STALLED_DB,
+        (Some(change), Some(before)) if progress.refinements > 1 => {
+            change > STALLED_SHARE * before && change < STALLED_DB
+        }
         _ => false,
     };
     if stalled {
@@ -341,6 +345,7 @@ fn dynamics_report(attempt: &Attempt, verification: &Verification, settings: &Ru
             _ => 1.0,
         };
         deviation.levels = sampling_errors(&attempt.recording).larger(deviation.levels.map(|error| share * error));
+        deviation.quantities = with_sampling(deviation.quantities, &attempt.recording);
         if let ErrorBasis::Repetition { refinement, .. } = verification.basis {
             basis = ErrorBasis::BatchMeans { refinement };
         }
@@ -368,6 +373,12 @@ fn dynamics_report(attempt: &Attempt, verification: &Verification, settings: &Ru
         report.basis = ErrorBasis::Silence;
     }
     report
+}
+
+/// Errors of single numbers of chaotic motion, at least their sampling errors. Two samples may agree by chance.
+fn with_sampling(errors: Option<QuantityErrors>, recording: &Recording) -> Option<QuantityErrors> {
+    let sampling = sampling_errors_of_quantities(&recording.parts);
+    errors.map(|errors| sampling.map_or(errors, |sampling| errors.larger(&sampling)))
 }
 
 /// Warning of a chaotic motion whose recorded time is too short to be a sample of its statistics.
