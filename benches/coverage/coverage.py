@@ -3,10 +3,11 @@
 
 Usage (python3 benches/coverage/coverage.py MODE …):
 
-  run --binary BINARY --rows FILE --references FILE [--seed 1] [--from 0] [--count 100] [--limit 60] [--report]
+  run --binary BINARY --rows FILE --references FILE [--seed 1] [--from 0] [--count 100] [--only 3,17] [--cheapest-first]
       Runs the jobs of the seed from index --from on, computes the references that are missing, and appends to both files
-      (JSON lines). A later call resumes. --cheapest-first takes them in the order of their estimates, so that an early report
-      judges cheap scenes more often. --only 3,17 runs these indices. For another binary, only what is new is computed: its rows, rarely a reference.
+      (JSON lines). A later call resumes. For another binary only its rows are computed, and rarely a reference.
+      --only takes these indices instead. --cheapest-first takes jobs in the order of their estimates, so that an early report
+      judges cheap scenes more often, and those whose estimate is too low. --report prints the report at the end.
   report --rows FILE --references FILE [--label TEXT]
       Prints the tables of one binary, by default that of the last row.
   job --seed S --index N
@@ -29,7 +30,8 @@ Definitions:
                  share in `accuracy`. A number without it counts as unstated.
   Reference      The model level `full` with `model_tolerance_db` 0, by the first of `gear` at 1e-8, `dormand_prince` at 1e-7
                  and `radau` at 1e-9 that is not the method of the run and that finishes within half of what is left of the
-                 limit. Its tolerance is at most that of the run. A second one follows where the first one does not confirm every number.
+                 limit. Its tolerance is at most that of the run. A second one follows where the first one does not confirm
+                 every number.
                  A long startup is simulated by fixed steps in every run on `full`; its errors are therefore not covered.
   Chaotic motion Where the reference diverges, no single trajectory is right. The reference is then the mean over four
                  windows: the same recorded time by the same method at four tolerances, whose rounding makes them independent
@@ -58,6 +60,7 @@ import hashlib
 import json
 import math
 import os
+import signal
 import statistics
 import subprocess
 import sys
@@ -121,8 +124,8 @@ def simulate(runner, binary, job, limit):
     solver, compared = metrics["solver"], compare.extract(metrics)
     return times | {
         "solve_s": solver["wall_time_s"], "simulated_s": solver["simulated_time_s"], "rung": solver["rung"],
-        "method": solver["method"], "tolerance": solver.get("relative_tolerance"), "motion": compared["motion"], "digest": result_digest(metrics),
-        "warnings": compare.warnings(compared, ()), "numbers": numbers(metrics),
+        "method": solver["method"], "tolerance": solver.get("relative_tolerance"), "motion": compared["motion"],
+        "digest": result_digest(metrics), "warnings": compare.warnings(compared, ()), "numbers": numbers(metrics),
     }
 
 
@@ -144,7 +147,8 @@ def service(binary):
 
 def resolve(url, job):
     """Estimated and largest time [s], or `status` and `failure` of a refused job."""
-    request = urllib.request.Request(url + "/v1/scenes/resolve", json.dumps(job).encode(), {"Content-Type": "application/json"})
+    head = {"Content-Type": "application/json"}
+    request = urllib.request.Request(url + "/v1/scenes/resolve", json.dumps(job).encode(), head)
     try:
         with urllib.request.urlopen(request, timeout=120) as answer:
             cost = json.load(answer)["cost"]
@@ -188,7 +192,7 @@ class References:
         return line
 
     def of_method(self, job, row, method, runner, binary, budget):
-        """The reference by one method, at least as tight as the run; `None` where it is missing. Takes its time from the budget."""
+        """The reference by one method, at least as tight as the run, or `None`. Takes its time from the budget."""
         scene, runs = row["scene"], []
         tighter = min(1.0, (row["tolerance"] or 1.0) / REFERENCES[method][0])
         for tolerance in (float(f"{tighter * tolerance:.3g}") for tolerance in REFERENCES[method]):
@@ -224,7 +228,7 @@ class References:
 
 
 def merged(runs):
-    """One reference of one run, or of the runs of a chaotic scene: {"by", "motion", "samples", "numbers": {name: [value, own]}}."""
+    """One reference of one run, or of the runs of a chaotic scene; `numbers` holds [value, own error] by name."""
     first = runs[0]
     head = {"by": f"{first['method']} {first['relative_tolerance']:g}", "motion": first["motion"], "samples": len(runs),
             "simulated_s": first["simulated_s"]}
@@ -235,7 +239,10 @@ def merged(runs):
         values = [run["numbers"][name][0] for run in runs if name in run["numbers"]]
         if len(values) < len(runs):
             continue
-        mean = 10.0 * math.log10(statistics.fmean(10 ** (0.1 * value) for value in values)) if is_level(name) else statistics.fmean(values)
+        if is_level(name):
+            mean = 10.0 * math.log10(statistics.fmean(10 ** (0.1 * value) for value in values))
+        else:
+            mean = statistics.fmean(values)
         found[name] = [mean, statistics.stdev(values) / math.sqrt(len(values))]
     return head | {"numbers": found}
 
@@ -283,7 +290,7 @@ def judge(row, references):
     for name, (value, error) in row["numbers"].items():
         entry = {"name": name, "kind": KINDS[name], "value": value, "stated": error, "is_warned": bool(row["warnings"])}
         judged.append(entry)
-        candidates = [reference["numbers"][name] + [reference["by"]] for reference in references if name in reference["numbers"]]
+        candidates = [(*reference["numbers"].get(name, (None, None)), reference["by"]) for reference in references]
         candidates = [item for item in candidates if item[1] is not None]
         if error is None:
             entry["verdict"] = "unstated"
@@ -331,7 +338,8 @@ def run(options):
             job = scenes.job(options.seed, index)
             row = known.get(identity(job)["key"])
             if not row or is_worth_more(row, options.limit):
-                row = {"seed": options.seed, "index": index, **identity(job), "binary": label, "date": compare.now()} | resolve(url, job)
+                row = {"seed": options.seed, "index": index, **identity(job), "binary": label, "date": compare.now()}
+                row |= resolve(url, job)
             waiting.append((index, job, row))
         if options.cheapest_first:
             waiting.sort(key=lambda item: item[2].get("estimate_s") or 0.0)
@@ -385,9 +393,10 @@ def report(options):
     print(f"{len(rows)} jobs drawn: {len(entries)} answered, " + ", ".join(
         f"{sum(row.get('status') == status for row in rows)} {status}" for status in ("refused", "failed", "too dear")) + ".")
     without = [entry for entry in entries if not entry["references"]]
-    dear = [entry for entry in without if any(line["status"] == "too dear" for line in references.failures(entry["row"]["scene"]))]
+    dear = sum(any(line["status"] == "too dear" for line in references.failures(entry["row"]["scene"])) for entry in without)
     chaotic = sum(any(reference["samples"] > 1 for reference in entry["references"]) for entry in entries)
-    print(f"{len(without)} answers without a reference, {len(dear)} of them because it is too dear; {chaotic} references of chaotic motion.")
+    print(f"{len(without)} answers without a reference, {dear} of them because it is too dear; "
+          f"{chaotic} references of chaotic motion.")
     if others:
         same = sum(entry["row"]["digest"] in others.get(entry["row"]["key"], ()) for entry in entries)
         print(f"{same} results have the bits of another binary's.")
@@ -404,6 +413,19 @@ def report(options):
 JUDGED = ("stated", "thrice", "minute", "miss")
 
 
+def line(*cells):
+    print("| " + " | ".join(str(cell) for cell in cells) + " |")
+
+
+def heading(*cells):
+    line(*cells)
+    print("|" + "---|" * len(cells))
+
+
+def name_of(row):
+    return f"{row['seed']}/{row['index']}"
+
+
 def tables(judged):
     print("All results:\n")
     table(judged)
@@ -412,19 +434,18 @@ def tables(judged):
 
 
 def table(judged):
-    print("| kind | numbers | with a warning | unstated | no reference | disputed | judged | within stated | within 3 times | minute | "
-          "misses | sharpness |")
-    print("|---|---|---|---|---|---|---|---|---|---|---|---|")
+    heading("kind", "numbers", "with a warning", "unstated", "no reference", "disputed", "judged", "within stated",
+            "within 3 times", "minute", "misses", "sharpness")
     for kind in (*dict.fromkeys(KINDS.values()), "all"):
         chosen = [entry for entry in judged if kind in (entry["kind"], "all")]
-        count = {name: sum(entry["verdict"] == name for entry in chosen) for name in ("unstated", "unknown", "disputed", *JUDGED)}
+        given = [entry["verdict"] for entry in chosen]
+        count = {name: given.count(name) for name in ("unstated", "unknown", "disputed", *JUDGED)}
         total = sum(count[name] for name in JUDGED)
         within = (count["stated"], count["stated"] + count["thrice"])
         shares = [f"{100 * share / total:.1f} %" if total else "–" for share in within]
-        cells = [kind, len(chosen), sum(entry["is_warned"] for entry in chosen), count["unstated"], count["unknown"],
-                 count["disputed"], total, *shares, count["minute"], count["miss"],
-                 "–" if kind == "all" else compare.shown(sharpness(chosen), 2)]
-        print("| " + " | ".join(str(cell) for cell in cells) + " |")
+        line(kind, len(chosen), sum(entry["is_warned"] for entry in chosen), count["unstated"], count["unknown"],
+             count["disputed"], total, *shares, count["minute"], count["miss"],
+             "–" if kind == "all" else compare.shown(sharpness(chosen), 2))
     print()
 
 
@@ -440,14 +461,14 @@ def list_verdict(entries, verdict, title):
     if not found:
         return
     print(f"{title}:\n")
-    print("| seed/index | number | value | reference | off | stated | off/stated | own error | reference by | run by | motion of run, reference | warning |")
-    print("|---|---|---|---|---|---|---|---|---|---|---|---|")
+    heading("seed/index", "number", "value", "reference", "off", "stated", "off/stated", "own error", "reference by", "run by",
+            "motion of run, reference", "warning")
     for entry, judged in found:
         row = entry["row"]
         ratio = judged["off"] / judged["stated"] if judged["stated"] else math.inf
-        print(f"| {row['seed']}/{row['index']} | {judged['name']} | {judged['value']:.6g} | {judged['reference']:.6g} | {judged['off']:.3g} | "
-              f"{judged['stated']:.3g} | {ratio:.1f} | {judged['own']:.2g} | {judged['by']} | {compare.by(row)} | "
-              f"{row['motion']}, {entry['references'][0]['motion']} | {codes(row)} |")
+        line(name_of(row), judged["name"], f"{judged['value']:.6g}", f"{judged['reference']:.6g}", f"{judged['off']:.3g}",
+             f"{judged['stated']:.3g}", f"{ratio:.1f}", f"{judged['own']:.2g}", judged["by"], compare.by(row),
+             f"{row['motion']}, {entry['references'][0]['motion']}", codes(row))
     print()
 
 
@@ -457,14 +478,14 @@ def codes(row):
 
 
 def list_jobs(rows, without, references):
-    listed = [f"{row['seed']}/{row['index']} {row['status']}: {row['failure'][:160]}" for row in rows if "status" in row]
+    listed = [f"{name_of(row)} {row['status']}: {' '.join(row['failure'].split())[:200]}" for row in rows if "status" in row]
     for entry in without:
         row = entry["row"]
-        failures = [f"{line['method']}: {line['status']}, {line['failure'][:80]}" for line in references.failures(row["scene"])]
-        listed.append(f"{row['seed']}/{row['index']} no reference: {'; '.join(failures) or 'not computed, or the limit is spent'}")
+        causes = [f"{run['method']}: {run['status']}, {run['failure'][:80]}" for run in references.failures(row["scene"])]
+        listed.append(f"{name_of(row)} no reference: {'; '.join(causes) or 'not computed, or the limit is spent'}")
     if listed:
         print("Jobs without a judgement:\n")
-        print("\n".join(f"- {line}" for line in listed) + "\n")
+        print("\n".join(f"- {text}" for text in listed) + "\n")
 
 
 def list_times(entries):
@@ -472,7 +493,7 @@ def list_times(entries):
     for entry in entries:
         times = {round(item["simulated_s"], 9) for item in (entry["row"], *entry["references"])}
         if len(times) > 1:
-            print(f"- {entry['row']['seed']}/{entry['row']['index']}: simulated times differ: {sorted(times)} s")
+            print(f"- {name_of(entry['row'])}: simulated times differ: {sorted(times)} s")
 
 
 def estimates(rows):
@@ -485,14 +506,15 @@ def estimates(rows):
     if not found:
         return
     exceptions = [item for item in found if not 1 / ESTIMATE_FACTOR <= item[0] <= ESTIMATE_FACTOR]
-    print(f"Estimated processor times: {len(found) - len(exceptions)} of {len(found)} within a factor of {ESTIMATE_FACTOR:g} "
-          f"({100 * (1 - len(exceptions) / len(found)):.1f} %); median real over estimated {compare.median([item[0] for item in found]):.2f}.\n")
+    within, ratio = len(found) - len(exceptions), compare.median([item[0] for item in found])
+    print(f"Estimated processor times: {within} of {len(found)} within a factor of {ESTIMATE_FACTOR:g} "
+          f"({100 * within / len(found):.1f} %); median real over estimated {ratio:.2f}.\n")
     if exceptions:
-        print("| seed/index | estimated [s] | real [s] | real/estimated | largest stated [s] | run by |\n|---|---|---|---|---|---|")
+        heading("seed/index", "estimated [s]", "real [s]", "real/estimated", "largest stated [s]", "run by")
         for ratio, row in sorted(exceptions, key=lambda item: item[0]):
             sign = "> " if row.get("status") == "too dear" else ""
-            print(f"| {row['seed']}/{row['index']} | {row['estimate_s']:.3g} | {sign}{ratio * row['estimate_s']:.3g} | {sign}{ratio:.2g} | "
-                  f"{row['most_s']:.3g} | {compare.by(row)} |")
+            line(name_of(row), f"{row['estimate_s']:.3g}", f"{sign}{ratio * row['estimate_s']:.3g}", f"{sign}{ratio:.2g}",
+                 f"{row['most_s']:.3g}", compare.by(row))
 
 
 # ---- modes job, keep and check -------------------------------------------------------------------------------------
@@ -516,38 +538,38 @@ def keep(options):
         if identity(job)["key"] != row["key"]:
             continue
         found = stored.of(job, row, runner, options.binary, options.limit, both=True)
-        judged = judge(row, found)
-        if len(found) < 2 or sum("off" in entry for entry in judged) < 3 or any(entry["verdict"] in ("miss", "disputed") for entry in judged):
+        given = [entry["verdict"] for entry in judge(row, found)]
+        if len(found) < 2 or sum(given.count(name) for name in JUDGED) < 3 or "miss" in given or "disputed" in given:
             continue
-        lines = [{key: line[key] for key in ("scene", "physics", "method", "relative_tolerance", "motion", "simulated_s", "numbers")}
-                 for (scene, *_), line in stored.found.items() if scene == row["scene"] and "failure" not in line]
-        kept.append({"seed": row["seed"], "index": row["index"], "job": job, "references": lines})
+        fields = ("scene", "physics", "method", "relative_tolerance", "motion", "simulated_s", "numbers")
+        runs = [{key: run[key] for key in fields} for (scene, *_), run in stored.found.items()
+                if scene == row["scene"] and "failure" not in run]
+        kept.append({"seed": row["seed"], "index": row["index"], "job": job, "references": runs})
     with open(options.output, "w", encoding="utf-8") as file:
-        file.writelines(json.dumps(line) + "\n" for line in kept)
+        file.writelines(json.dumps(scene) + "\n" for scene in kept)
     print(f"{len(kept)} scenes")
 
 
 def check(options):
     runner = compare.Runner(600.0, options.core)
     missed, judged = [], []
-    for line in compare.read_lines(options.kept)[:options.first]:
-        row = identity(line["job"]) | simulate(runner, options.binary, line["job"], options.limit)
-        name = f"{line['seed']}/{line['index']}"
+    for kept in compare.read_lines(options.kept)[:options.first]:
+        row = identity(kept["job"]) | simulate(runner, options.binary, kept["job"], options.limit)
+        name = name_of(kept)
         if "failure" in row:
             missed.append(f"{name}: {row['failure']}")
             continue
-        # The stored lines belong to the scene, whatever name their equations had.
-        references = References([stored | {"scene": row["scene"]} for stored in line["references"]], line["references"][0]["physics"])
-        found = judge(row, references.of(line["job"], row))
+        references = References(kept["references"], kept["references"][0]["physics"])
+        found = judge(row, references.of(kept["job"], row))
         judged += found
         if not any(entry["verdict"] in JUDGED for entry in found):
             missed.append(f"{name}: no number is judged")
-        missed += [f"{name} {entry['name']}: {entry['value']:.6g}, reference {entry['reference']:.6g}, stated {entry['stated']:.2g}"
-                   for entry in found if entry["verdict"] == "miss"]
+        missed += [f"{name} {entry['name']}: {entry['value']:.6g}, reference {entry['reference']:.6g}, "
+                   f"stated {entry['stated']:.2g}" for entry in found if entry["verdict"] == "miss"]
         print(f"{name}: {compare.by(row)}, {row['cpu_s']:.1f} s; {verdicts(found)}", flush=True)
     print()
     table(judged)
-    print("\n".join(f"MISS {line}" for line in missed) or "no miss")
+    print("\n".join(f"MISS {text}" for text in missed) or "no miss")
     sys.exit(1 if missed else 0)
 
 
@@ -588,6 +610,8 @@ def main():
     added.add_argument("--first", type=int, default=12)
     added.add_argument("--kept", default=KEPT)
     options = parser.parse_args()
+    # A stop also stops the service that resolves scenes.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     if options.nice:
         os.nice(options.nice)
     options.function(options)
