@@ -2,7 +2,7 @@
 //! verification included, and level error.
 //!
 //! `cargo bench --bench fixed_steps` runs the scenes of `benches/scenes/mod.rs`, then four of them with an axial load of 12 N and
-//! nothing left out by judgement. The reference is `gear` at 1e-6 with all terms over the same time. Times are medians of
+//! nothing omitted. The reference is `gear` at 1e-6 with all terms over the same time. Times are medians of
 //! `RUNS` runs of 0.02 + 0.1 s on one core, both ways in turn.
 //!
 //! Bearings with rattling cages follow, once each, over 0.05 + 0.5 s, beside error control at 1e-3 and 1e-5. Their motion is
@@ -48,7 +48,7 @@ fn main() {
         json["operation"]["axial_load_n"] = 12.into();
         json["terms"] = json!({ "drag": "on", "churning": "on", "conformity": "on", "spin": "on" });
         let scene = scene_from_json(&json.to_string()).expect("an axial load moves a spindle that is free");
-        line(&format!("{:?}, 12 N axial, nothing left out by judgement", scenes::SCENES[number]), &scene);
+        line(&format!("{:?}, 12 N axial, nothing omitted", scenes::SCENES[number]), &scene);
     }
     factors.sort_by(f64::total_cmp);
     println!(

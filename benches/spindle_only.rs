@@ -13,6 +13,7 @@ use std::fmt::Write as _;
 
 use raceway::contract::scene_from_json;
 use raceway::numerics::ode::Method;
+use raceway::simulation::error::report::AccuracyReport;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
 use raceway::simulation::input::model_level::ModelLevel;
@@ -223,7 +224,12 @@ fn parts() {
         clock.push(cpu_time());
         let spectra = metrics::spectra(&recording, &settings);
         clock.push(cpu_time());
-        std::hint::black_box(metrics::lines(&scene, &spectra, &metrics::frequencies(&scene, &recording)));
+        std::hint::black_box(metrics::lines(
+            &scene,
+            &spectra,
+            &metrics::frequencies(&scene, &recording),
+            &AccuracyReport::default(),
+        ));
         clock.push(cpu_time());
         for (times, ends) in times.iter_mut().zip(clock.windows(2)) {
             times.push(ends[1] - ends[0]);

@@ -11,7 +11,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from service import ROOT, Service, check  # noqa: E402
 
 TIME_LIMIT_S = 5
-CAUSES = {"did-not-converge", "numerical-blowup", "time-limit"}
+CAUSES = {"did-not-converge", "numerical-blowup", "spindle-left-bearing", "time-limit"}
 
 
 def merged(base, changes):

@@ -578,7 +578,7 @@ def shown(value, digits=4):
 
 def report(compared, labels, missing, notes):
     print(f"old: {labels[0]}, new: {labels[1]}; {machine()}; {now()}\n")
-    summary(compared)
+    summary(compared, notes)
     list_differences(compared, notes)
     for side, name in enumerate(("old", "new")):
         list_misses(compared, side, f"{name} ({labels[side]})")
@@ -587,20 +587,20 @@ def report(compared, labels, missing, notes):
     list_remarks(compared, missing)
 
 
-def summary(compared):
+def summary(compared, notes):
     print("| group | metrics | jobs | levels within the sum of stated errors | unstated old, new | misses old, new (above "
           f"{INAUDIBLE_DB:g} dB) | disputed old, new | warned old, new | median wall time old, new [ms] | new/old | "
           "CPU time new/old | largest ratio |")
     print("|---|---|---|---|---|---|---|---|---|---|---|---|")
     groups = list(dict.fromkeys((entry["group"], entry["metrics"]) for entry in compared))
     for group in groups:
-        print_summary(" | ".join(group), [entry for entry in compared if (entry["group"], entry["metrics"]) == group])
+        print_summary(notes, " | ".join(group), [entry for entry in compared if (entry["group"], entry["metrics"]) == group])
     if len(groups) > 1:
-        print_summary("all | both", compared)
+        print_summary(notes, "all | both", compared)
     print()
 
 
-def print_summary(title, entries):
+def print_summary(notes, title, entries):
     pairs = [pair for entry in entries for pair in entry["difference"].values()]
     stated = [pair for pair in pairs if pair[1] is not None]
     within = sum(abs(apart) <= errors for apart, errors in stated)
@@ -611,7 +611,7 @@ def print_summary(title, entries):
 
     misses = [[judged for judged in side if judged["verdict"] == "miss"] for side in verdicts]
     misses = ", ".join(f"{len(side)} ({sum(judged['off_db'] > INAUDIBLE_DB for judged in side)})" for side in misses)
-    warned = ", ".join(str(sum(bool(entry["rows"][side].get("warning") or warnings(entry["rows"][side], ())) for entry in entries))
+    warned = ", ".join(str(sum(bool(entry["rows"][side].get("warning") or warnings(entry["rows"][side], notes)) for entry in entries))
                        for side in (0, 1))
     times = [(entry["rows"][0]["wall_s"], entry["rows"][1]["wall_s"], entry["name"]) for entry in entries
              if all(row.get("wall_s") is not None and "failure" not in row for row in entry["rows"])]

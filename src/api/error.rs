@@ -51,6 +51,7 @@ impl Problem {
         let title = match failure.cause.as_str() {
             "did-not-converge" => "The simulation did not converge",
             "numerical-blowup" => "The simulation diverged",
+            "spindle-left-bearing" => "The spindle left the bearing",
             "time-limit" => "The run took too long",
             "memory-limit" => "The run needed too much memory",
             "no-metric" => "No run has the requested metric",

@@ -76,7 +76,7 @@ pub struct JobAnswer {
     /// Time of the first request to cancel.
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub cancel_requested_at: Option<Timestamp>,
-    /// Cause of a failed job. Its `type` ends in `did-not-converge`, `numerical-blowup`, `time-limit`,
+    /// Cause of a failed job. Its `type` ends in `did-not-converge`, `numerical-blowup`, `spindle-left-bearing`, `time-limit`,
     /// `memory-limit`, `worker-lost` or `internal`.
     #[schema(required = true)]
     pub error: Option<Problem>,

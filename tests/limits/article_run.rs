@@ -71,12 +71,7 @@ pub fn transients(accuracy: &AccuracyReport) -> Vec<&Warning> {
 
 /// All other warnings.
 pub fn doubts(accuracy: &AccuracyReport) -> Vec<&Warning> {
-    accuracy.warnings.iter().filter(|warning| !is_transient(warning) && !is_information(warning)).collect()
-}
-
-/// Scatter of the recorded time alone, where no later window was recorded.
-fn is_information(warning: &Warning) -> bool {
-    matches!(warning, Warning::LaterWindowFailed(_))
+    accuracy.warnings.iter().filter(|warning| !is_transient(warning) && !warning.is_remark()).collect()
 }
 
 fn is_transient(warning: &Warning) -> bool {

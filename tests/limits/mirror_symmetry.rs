@@ -50,7 +50,7 @@ pub fn mirrored(model: &Model, y: &[f64]) -> Vec<f64> {
 }
 
 /// Mirror image of a scene.
-fn mirrored_scene(mut json: Value) -> Value {
+pub fn mirrored_scene(mut json: Value) -> Value {
     let negate = |value: &mut Value| {
         if let Some(number) = value.as_f64() {
             *value = json!(-number);

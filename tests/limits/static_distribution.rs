@@ -13,7 +13,7 @@ fn at_rest(json: &Value) -> StaticLoads {
 }
 
 fn clearance(um: f64) -> Value {
-    changed(article(), json!({ "bearing": { "radial_clearance_um": um } }))
+    changed(article(), json!({ "bearing": { "radial_clearance_um": um }, "gravity_m_s2": 0 }))
 }
 
 /// The raceways carry the applied load: Σ Q cos φ = F, with φ the direction from the displaced spindle to the ball. To the share

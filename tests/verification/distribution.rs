@@ -58,7 +58,8 @@ fn stribeck() {
     let sum: f64 = (0..7).map(|ball| (TAU * f64::from(ball) / 7.0).cos().max(0.0).powf(2.5)).sum();
     let seven = scene(&json!({
         "bearing": { "preset": "article-integrated", "radial_clearance_um": 0 },
-        "operation": { "speed_rpm": 0, "radial_load_y_n": 2 }
+        "operation": { "speed_rpm": 0, "radial_load_y_n": 2 },
+        "gravity_m_s2": 0
     }));
     check_computed("stribeck-7", &[7.0 / sum], &[share_of_the_largest(&seven)]);
 }
@@ -109,7 +110,8 @@ fn bearing_209() {
             "outer_groove_curvature": 0.52, "radial_clearance_um": 15,
             "materials": { "ball": steel, "inner_raceway": steel, "outer_raceway": steel }
         },
-        "operation": { "speed_rpm": 1800, "radial_load_y_n": 8900 }
+        "operation": { "speed_rpm": 1800, "radial_load_y_n": 8900 },
+        "gravity_m_s2": 0
     }));
     let StaticLoads { ball_loads: loads, radial_displacement, .. } = at_rest(&scene);
     let (sunk, classical) = classical(&scene);

@@ -71,7 +71,8 @@ export function summary(metrics) {
       { class: 'figures' },
       [
         ...['x', 'y', 'z'].map((axis) => of(axis) !== undefined && figure(`Level ${axis}`, level(of(axis)), LEVEL_UNIT, within(axis))),
-        contacts?.inner && figure('Largest ball load', number(contacts.inner.max_load_n), 'N'),
+        contacts?.inner &&
+          figure('Largest ball load', number(Math.max(contacts.inner.max_load_n, contacts.outer.max_load_n)), 'N'),
         contacts?.inner &&
           figure('Largest pressure', number(Math.max(contacts.inner.max_pressure_mpa, contacts.outer.max_pressure_mpa)), 'MPa'),
         kinematics?.cage_slip !== undefined && figure('Cage slip', number(kinematics.cage_slip * 100, 2), '%'),

@@ -173,11 +173,12 @@ export class SceneForm {
   }
 
   #edited(spec, input) {
-    const text = input.value.trim().replace(',', '.').replace('−', '-');
     const isNumber = input.tagName === 'INPUT';
+    const text = isNumber ? plainNumber(input.value) : input.value.trim();
     this.#unreadable.delete(spec.pointer);
     if (isNumber && text !== '' && !Number.isFinite(Number(text))) {
-      this.#unreadable.set(spec.pointer, 'This is not a number.');
+      const digits = /^\d{1,3}(,\d{3})+$/.test(text) ? `: a comma may separate thousands. Write ${text.replaceAll(',', '')} or ${text.replace(',', '.')}` : '';
+      this.#unreadable.set(spec.pointer, `This is not a number${digits}.`);
       this.onChange(this.job);
       return;
     }
@@ -220,4 +221,10 @@ export function symbol(text) {
 }
 
 /** Whether the text of a field already has the value: `500.` and `500` are equal. */
-const same = (text, value) => (text.trim() === '' ? value === undefined : Number(text.replace(',', '.')) === value);
+const same = (text, value) => (text.trim() === '' ? value === undefined : Number(plainNumber(text)) === value);
+
+/** A typed number with a point, without spaces between groups of digits. A comma that may separate thousands stays. */
+function plainNumber(text) {
+  const plain = text.trim().replaceAll(/(?<=\d)\s(?=\d{3})/g, '').replace('−', '-');
+  return /^\d{1,3}(,\d{3})+$/.test(plain) ? plain : plain.replace(',', '.');
+}

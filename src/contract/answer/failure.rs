@@ -17,6 +17,7 @@ pub enum RunFailure {
 /// Causes of failures.
 pub const DID_NOT_CONVERGE: &str = "did-not-converge";
 pub const NUMERICAL_BLOWUP: &str = "numerical-blowup";
+pub const SPINDLE_LEFT_BEARING: &str = "spindle-left-bearing";
 pub const INTERNAL: &str = "internal";
 
 impl From<SimulationError> for RunFailure {
@@ -25,7 +26,11 @@ impl From<SimulationError> for RunFailure {
             SimulationError::Stopped { .. } => return Self::Cancelled,
             SimulationError::Integration { source: IntegrationError::Stopped { .. }, .. } => return Self::Cancelled,
             SimulationError::Integration { source: IntegrationError::NotFinite { .. }, .. } => NUMERICAL_BLOWUP,
-            SimulationError::Integration { source: IntegrationError::StepTooSmall { .. }, .. }
+            SimulationError::SpindleLeft { .. } => SPINDLE_LEFT_BEARING,
+            SimulationError::Integration {
+                source: IntegrationError::StepTooSmall { .. } | IntegrationError::Impact { .. },
+                ..
+            }
             | SimulationError::EvaluationLimit { .. }
             | SimulationError::NoEquilibrium(_)
             | SimulationError::NotApplicable { .. }

@@ -7,14 +7,17 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use crate::contract::json::numbers::significant;
-use raceway_core::numerics::ode::Method;
+use raceway_core::numerics::ode::{ChoiceReason, Method};
 use raceway_core::simulation::error::codes::{
     Cause, ErrorBasis, Gap, Ineligible, NotEligible, NotEligibleReason, Quantity, QuantityError, Refinement, Rejection,
     Uncertainty, Warning,
 };
+use raceway_core::simulation::error::comparison::SILENCE;
 use raceway_core::simulation::error::errors::{LevelErrors, QuantityErrors};
+use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::input::model_level::ModelLevel;
-use raceway_core::simulation::result::metrics::SolverReport;
+use raceway_core::simulation::model::failure::SimulationError;
+use raceway_core::simulation::result::metrics::{SolverReport, level_db};
 
 /// What a user should know about a result or a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -43,7 +46,12 @@ pub enum Severity {
 ///
 /// `uncertain`: Errors of numbers are large. Increase the time or tighten the tolerance that the text names.
 ///
+/// `not-resolved`: Refinement still changes a level by more than 1 dB. The level has no error, is marked `resolved: false`, and is never the best of
+/// a study. The text names what may resolve it.
+///
 /// `not-stationary`: A level rises or falls throughout the recorded time. Increase `settle_s`, or `duration_s` if the level oscillates.
+///
+/// `stationarity-not-checked`: A level below −20 dB, or below numerical noise, was not checked for changes along the recorded time.
 ///
 /// `short-chaotic-sample`: A chaotic motion was recorded for too short a time. Increase `duration_s`.
 ///
@@ -76,7 +84,9 @@ pub enum Severity {
 #[serde(rename_all = "kebab-case")]
 pub enum MessageCode {
     Uncertain,
+    NotResolved,
     NotStationary,
+    StationarityNotChecked,
     ShortChaoticSample,
     RecordTooShort,
     NotVerified,
@@ -102,7 +112,7 @@ const LONGEST_SHOWN_S: f64 = 1000.0;
 /// The messages of a result: warnings first, then how it was made.
 pub fn of_result(warnings: &[Warning], solver: &SolverReport) -> Vec<MessageAnswer> {
     let chosen = solver.choice.iter().map(|reason| {
-        let text = format!("Integrator {}: {reason}.", solver.method);
+        let text = format!("Integrator {}: {}.", solver.method, choice_text(reason));
         message(MessageCode::MethodChosen, Severity::Info, text, [("method", json!(solver.method))])
     });
     let warnings = warnings.iter().map(of_warning);
@@ -116,9 +126,12 @@ pub fn of_not_eligible(not_eligible: &NotEligible) -> MessageAnswer {
     let levels: Vec<&str> = not_eligible.levels.iter().map(|level| level.name()).collect();
     let reason = match &not_eligible.reason {
         NotEligibleReason::Known(reason) => ineligible(*reason).to_owned(),
-        NotEligibleReason::CannotRepresent(reason) => reason.clone(),
+        NotEligibleReason::CannotRepresent(reason) => reason.to_string(),
     };
-    let text = format!("Model level {} was not tried: {reason}.", levels.join(", "));
+    let text = match &levels[..] {
+        [level] => format!("Model level {level} was not tried: {reason}."),
+        _ => format!("Model levels {} were not tried: {reason}.", levels.join(", ")),
+    };
     message(MessageCode::ModelNotEligible, Severity::Info, text, [("rungs", json!(levels))])
 }
 
@@ -134,6 +147,10 @@ pub fn check(solver: &SolverReport, basis: &ErrorBasis) -> String {
             )
         }
         _ if solver.level.is_reduced() => format!("The model level {} was not verified.", solver.level.name()),
+        _ if solver.tilt_window.is_some() => {
+            let window = time(solver.tilt_window.unwrap_or(0.0));
+            format!("The model level planar was compared with full over {window}.")
+        }
         _ if solver.level == ModelLevel::Planar => {
             "The planar dynamics are complete for this scene; left_out names the absent motion.".into()
         }
@@ -193,6 +210,17 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             let values = errors.iter().map(|error| (field(error.quantity), json!(significant(error.error, 3))));
             (MessageCode::Uncertain, text, values.collect())
         }
+        Warning::NotResolved { change_db, is_selected } => {
+            let remedy = match is_selected {
+                true => "Leave method, step and tolerance to the program, or tighten them.",
+                false => "Select `solver.method` and a tighter `relative_tolerance`, or increase duration_s.",
+            };
+            let text = format!(
+                "A level is not resolved: refinement still changes it by {change_db:.1} dB, so that it has no error and its spectrum no \
+                 lines. {remedy}"
+            );
+            (MessageCode::NotResolved, text, numbers(&[("change_db", *change_db)]))
+        }
         Warning::NotStationary { channel, change_db } => {
             let text = format!(
                 "Level not stationary: {channel} changed by {change_db:+.1} dB during the recorded time. Increase settle_s, or \
@@ -202,9 +230,22 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
                 vec![("channel", json!(channel.to_string())), ("change_db", json!(significant(*change_db, 3)))];
             (MessageCode::NotStationary, text, values)
         }
+        Warning::StationarityNotChecked { channels } => {
+            let level = |(channel, rms): &(Channel, f64)| {
+                let noise = if *rms <= SILENCE { ", numerical noise" } else { "" };
+                format!("{channel} ({} dB{noise})", signed(level_db(*rms).unwrap_or(f64::NEG_INFINITY)))
+            };
+            let levels: Vec<String> = channels.iter().map(level).collect();
+            let names: Vec<String> = channels.iter().map(|(channel, _)| channel.to_string()).collect();
+            let text = format!(
+                "Levels below −20 dB were not checked for changes along the recorded time: {}.",
+                levels.join(", ")
+            );
+            (MessageCode::StationarityNotChecked, text, vec![("channels", json!(names))])
+        }
         Warning::ShortChaoticSample { growth_time, required } => {
             let text = format!(
-                "The motion is chaotic, and disturbances take {growth_time:.3} s to grow e-fold: the recorded time is too short to be a \
+                "The motion is chaotic, and disturbances grow by a factor of e in {growth_time:.3} s: the recorded time is too short to be a \
                  sample of it. Set duration_s to {required:.2} or more."
             );
             let values = [("growth_time_s", *growth_time), ("required_duration_s", *required)];
@@ -251,7 +292,15 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
                 format!("No error is stated, because the verification does not cover the run: {}.", gap_text(gap));
             (MessageCode::ErrorUnknown, text, vec![])
         }
-        Warning::UnstableStep(text) => (MessageCode::UnstableStep, sentence(text), vec![]),
+        Warning::UnstableStep(unstable) => {
+            let largest = unstable.largest_stable();
+            let text = format!(
+                "Levels can be wrong although the motion stays bounded: {unstable}. Set fixed_step_us to {} or less.",
+                significant(1e6 * largest, 2)
+            );
+            let values = [("step_s", unstable.step), ("largest_stable_step_s", largest)];
+            (MessageCode::UnstableStep, text, numbers(&values))
+        }
         Warning::StartTransient { time_constant, settle, required, constant_speed } => {
             let remedy = if *required > LONG_WAIT_S {
                 "A larger load or more damping shortens it.".to_owned()
@@ -287,27 +336,30 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             (MessageCode::TiltTransient, text, numbers(&[("required_settle_s", *required)]))
         }
     };
-    // The scatter of the recorded time alone is no reason to doubt a number.
-    let severity = if code == MessageCode::LaterWindowFailed { Severity::Info } else { Severity::Warning };
+    let severity = if warning.is_remark() { Severity::Info } else { Severity::Warning };
     message(code, severity, text, values)
 }
 
 fn of_rejection(rejection: &Rejection) -> MessageAnswer {
-    let stepping = match (rejection.method, rejection.step) {
-        (Some(_), Some(step)) => format!(" in steps of {} µs", significant(1e6 * step, 3)),
-        (Some(method), None) => format!(" under error control ({})", method.name()),
-        (None, _) => String::new(),
+    let stepping = match (rejection.method, rejection.step, rejection.tolerance) {
+        (_, Some(step), _) => format!(" in steps of {} µs", significant(1e6 * step, 3)),
+        (Some(method), _, Some(tolerance)) => {
+            format!(" at a relative tolerance of {tolerance:.0e} ({})", method.name())
+        }
+        _ => String::new(),
     };
     let text =
         format!("Model level {}{stepping} was rejected: {}.", rejection.level.name(), cause_text(&rejection.cause));
     let mut values = vec![("rung", json!(rejection.level.name()))];
     values.extend(rejection.step.map(|step| ("step_s", json!(step))));
+    values.extend(rejection.tolerance.map(|tolerance| ("relative_tolerance", json!(tolerance))));
     values.extend(rejection.method.map(|method| ("method", json!(method.name()))));
     message(MessageCode::CandidateRejected, Severity::Info, text, values)
 }
 
 fn cause_text(cause: &Cause) -> String {
     match cause {
+        Cause::Failed(SimulationError::NotApplicable { reason, .. }) => reason.to_string(),
         Cause::Failed(failure) => format!("it failed, {failure}"),
         Cause::Deviation { levels, quantities, beyond } => {
             format!("the verification deviates by {}{}", deviation(levels, quantities.as_ref()), exceeded(beyond))
@@ -367,6 +419,34 @@ fn ineligible(reason: Ineligible) -> &'static str {
         }
         Ineligible::HeavyCage => {
             "a crown cage so heavy, or so far off its balls, may tilt them, which its planar verification does not show"
+        }
+    }
+}
+
+/// Why an integrator runs its method.
+pub fn choice_text(reason: &ChoiceReason) -> String {
+    let changed = |changes: &u32| match changes {
+        0 | 1 => String::new(),
+        _ => format!("; the method changed {changes} times"),
+    };
+    match reason {
+        ChoiceReason::ExplicitIsCheaper { explicit, stiff, rate, changes } => format!(
+            "cheaper at this tolerance: {explicit:.1e} evaluations for a second of motion, for which gear takes {stiff:.1e}, made comparable; \
+             fastest rate |λ| = {rate:.1e} 1/s{}",
+            changed(changes)
+        ),
+        ChoiceReason::NotStiff { rate, changes } => format!(
+            "not stiff: explicit steps are short against the fastest rate seen, |λ| = {rate:.1e} 1/s{}",
+            changed(changes)
+        ),
+        ChoiceReason::Stiff { rate, limit, step, changes } => format!(
+            "stiff: the fastest rate |λ| = {rate:.1e} 1/s would hold explicit steps to {limit:.1e} s; gear's are {step:.1e} s in the mean, \
+             h·|λ| = {:.1}, and cheaper{}",
+            step * rate,
+            changed(changes)
+        ),
+        ChoiceReason::TriedFirst { step } => {
+            format!("steps of {:.2} µs, implicit in the stiff terms: tried before error control", 1e6 * step)
         }
     }
 }
@@ -431,13 +511,13 @@ fn time(seconds: f64) -> String {
     }
 }
 
-fn numbers<'a>(values: &[(&'a str, f64)]) -> Vec<(&'a str, Value)> {
-    values.iter().map(|(name, value)| (*name, json!(significant(*value, 3)))).collect()
+/// A number with one decimal and a minus sign.
+fn signed(value: f64) -> String {
+    format!("{value:.1}").replace('-', "−")
 }
 
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).chain(['.']).collect())
+fn numbers<'a>(values: &[(&'a str, f64)]) -> Vec<(&'a str, Value)> {
+    values.iter().map(|(name, value)| (*name, json!(significant(*value, 3)))).collect()
 }
 
 fn message<'a>(

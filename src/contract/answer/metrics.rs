@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 
 use super::messages::{self, MessageAnswer};
 use super::report::{AccuracyAnswer, FrequenciesAnswer, LeftOutAnswer, SolverAnswer};
+use raceway_core::simulation::error::report::AccuracyReport;
 use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::input::settings::Outputs;
 use raceway_core::simulation::result::lines::Line;
@@ -78,6 +79,11 @@ pub struct ChannelAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub level_error_db: Option<f64>,
+    /// `false`: refinement still changes the level by more than 1 dB, so that neither the level nor its spectrum can be used; see the message
+    /// `not-resolved`. Absent otherwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = false)]
+    pub resolved: Option<bool>,
     /// Standard deviation of the level between time windows of the length `duration_s` [dB]; reduce it by a longer `duration_s`. Estimated
     /// from parts of a tenth, a fifth and a half of the recorded time. From 0.1 dB on, and for less than 2 s, at least the difference to one
     /// later window. For less than 10 ms, and on a reduced model level up to 0.5 s, the rms difference to ten later windows. Absent at
@@ -189,13 +195,10 @@ pub struct LineAnswer {
 impl Metrics {
     pub fn of(result: &RunResult, outputs: &Outputs) -> Self {
         let summary = &result.summary;
-        let level = |channel: &Channel| {
-            (summary.accuracy.level_errors.of(*channel), summary.accuracy.level_scatter.of(*channel))
-        };
         let channels = summary
             .channels
             .iter()
-            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, level(channel))));
+            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, &summary.accuracy, *channel)));
         let lines = summary.lines.iter().map(|(channel, line)| line_answer(channel.to_string(), line));
         Self {
             channels: outputs.vibration.then(|| channels.collect()),
@@ -215,11 +218,7 @@ impl Metrics {
     }
 }
 
-fn channel_answer(
-    unit: &str,
-    metrics: &ChannelMetrics,
-    (level_error_db, level_scatter_db): (Option<f64>, Option<f64>),
-) -> ChannelAnswer {
+fn channel_answer(unit: &str, metrics: &ChannelMetrics, accuracy: &AccuracyReport, channel: Channel) -> ChannelAnswer {
     ChannelAnswer {
         unit: unit.to_owned(),
         rms: metrics.rms,
@@ -227,8 +226,9 @@ fn channel_answer(
         crest_factor: metrics.crest_factor,
         kurtosis: metrics.kurtosis,
         level_db: metrics.level_db,
-        level_error_db,
-        level_scatter_db,
+        level_error_db: accuracy.level_errors.of(channel),
+        resolved: accuracy.unresolved.of(channel).map(|_| false),
+        level_scatter_db: accuracy.level_scatter.of(channel),
         above_band: metrics.above_band,
     }
 }

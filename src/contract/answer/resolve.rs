@@ -106,16 +106,16 @@ pub struct DerivedAnswer {
     pub radial_clearance_um: f64,
     /// Characteristic frequencies of ideal rolling at the operating speed.
     pub frequencies_hz: FrequenciesAnswer,
-    /// Static equilibrium under the applied loads alone; absent where there is none.
+    /// Static equilibrium under the applied loads and the weight of the spindle; absent where there is none.
     #[serde(rename = "static", skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub at_rest: Option<StaticAnswer>,
 }
 
-/// Static equilibrium under the applied loads alone, without weights and centrifugal loads, with the first ball under +Y.
+/// Static equilibrium under the applied loads and the weight of the spindle, without centrifugal loads, with the first ball under +Y.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StaticAnswer {
-    /// Displacement from the centred position along the radial load, clearance included [µm].
+    /// Displacement from the centred position along the radial force, clearance included [µm].
     pub radial_displacement_um: f64,
     /// Displacement along the axial load [µm].
     pub axial_displacement_um: f64,

@@ -103,7 +103,7 @@ pub struct TrendAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub error: Option<f64>,
-    /// Whether the estimated error of each point is at most a tenth of the span; absent where the errors are unknown.
+    /// Whether the estimated error of each point is less than a tenth of the span; absent where the errors are unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub resolved: Option<bool>,

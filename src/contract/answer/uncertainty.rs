@@ -4,14 +4,23 @@ use raceway_core::study::Uncertain;
 use serde_json::Value;
 
 /// A metric and its estimated error; `None` where the metrics do not contain it. The error is derived from that of the level along the
-/// same axis (vibration), of the largest load, of the largest slip, or of the cage speed.
+/// same axis (vibration), of the largest load, of the largest slip, or of the cage speed. A level that is not resolved counts as absent.
 pub fn uncertain(metrics: &Value, pointer: &str) -> Option<Uncertain> {
     let value = metrics.pointer(pointer)?.as_f64()?;
     let accuracy = |field: &str| metrics.pointer(&format!("/accuracy/{field}")).and_then(Value::as_f64);
+    // A level that is not resolved is no value.
+    let is_resolved = |axis: &str| {
+        metrics.pointer(&format!("/channels/spindle.{axis}.acceleration/resolved")).and_then(Value::as_bool)
+            != Some(false)
+    };
     let name = pointer.rsplit('/').next().unwrap_or_default();
     // Of the acceleration along the same axis, or the largest of all where that axis has none.
+    let axis = pointer.strip_prefix("/channels/spindle.").and_then(|rest| rest.split('.').next());
+    if axis.is_some_and(|axis| !is_resolved(axis)) {
+        return None;
+    }
     let of_level = || {
-        let axis = pointer.strip_prefix("/channels/spindle.").and_then(|rest| rest.split('.').next())?;
+        let axis = axis?;
         metrics.pointer(&format!("/channels/spindle.{axis}.acceleration/level_error_db"))?.as_f64()
     };
     let level_error = || of_level().or_else(|| accuracy("level_error_db"));

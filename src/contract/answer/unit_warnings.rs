@@ -4,6 +4,7 @@ use crate::contract::job::simulation::Simulation;
 use crate::contract::json::numbers::{short, significant};
 use crate::contract::json::problem::FieldError;
 use crate::contract::json::units::{MM, RPM, UM};
+use raceway_core::physics::contact::hertz::raceway_contacts;
 use raceway_core::physics::contact::traction::TractionLaw;
 use raceway_core::physics::defaults::{CrownCage, shaft_mass};
 use raceway_core::physics::spindle::Unbalance;
@@ -24,6 +25,8 @@ const MAX_MASS_RATIO: f64 = 500.0;
 const MAX_ECCENTRICITY: f64 = 1e-3;
 /// Largest misalignment between the rings of a ball bearing [rad].
 const MAX_TILT: f64 = 0.01;
+/// Load of the most loaded ball over the mean load of all balls, for a radial force (Stribeck) [-].
+const STRIBECK: f64 = 5.0;
 /// Load divided by the spindle's weight below which the load hardly matters [-].
 const MIN_LOAD_RATIO: f64 = 0.1;
 /// Elastic modulus of soft plastics [Pa].
@@ -106,14 +109,23 @@ fn of_operation(scene: &Scene, at_rest: Option<&StaticLoads>, warn: Warn<'_>) {
         format!("{} mrad: ball bearings tolerate about 3 mrad; is the angle in mrad?", short(1e3 * tilt))
     });
     let pressure = at_rest.map_or(0.0, |loads| loads.max_pressure);
-    warn(pressure > STATIC_PRESSURE_LIMIT && tilt <= MAX_TILT, &format!("operation/{largest}"), &|| {
+    let weight = scene.spindle.mass * scene.gravity.abs();
+    let balls = scene.bearing.parameters.ball_count as f64;
+    // The field that causes the pressure: the largest force, or a preload that loads a ball more than this force does.
+    let (cause, question) = if STRIBECK * load.abs().max(weight) / balls <= preload(scene) {
+        ("bearing/radial_clearance_um".to_owned(), "Is the clearance in µm?")
+    } else if weight > load.abs() {
+        ("spindle/mass_kg".to_owned(), "Is the mass in kg?")
+    } else {
+        (format!("operation/{largest}"), "Is the load in N, and are the dimensions in mm?")
+    };
+    warn(pressure > STATIC_PRESSURE_LIMIT && tilt <= MAX_TILT, &cause, &|| {
         format!(
-            "the static contact pressure of the most loaded ball is {:.0} MPa. Above {:.0} MPa the raceway deforms permanently, and the model is elastic. Is the load in N, and are the dimensions in mm?",
+            "the static contact pressure of the most loaded ball is {:.0} MPa. Above {:.0} MPa the raceway deforms permanently, and the model is elastic. {question}",
             pressure / 1e6,
             STATIC_PRESSURE_LIMIT / 1e6
         )
     });
-    let weight = scene.spindle.mass * scene.gravity.abs();
     let is_held = load != 0.0 || weight > 0.0 || scene.bearing.radial_clearance < 0.0;
     warn(!is_held, "operation", &|| {
         "no load, no weight and no preload: nothing holds the spindle, and levels have little meaning".to_owned()
@@ -129,6 +141,13 @@ fn of_operation(scene: &Scene, at_rest: Option<&StaticLoads>, warn: Warn<'_>) {
     warn(speed > MAX_SPEED_FACTOR, "operation/speed_rpm", &|| {
         format!("speed times pitch diameter is {speed:.2e} r/min·mm: bearings reach at most {MAX_SPEED_FACTOR:.0e}")
     });
+}
+
+/// Load that the radial preload puts on one ball [N]: half of the interference on each raceway in series.
+fn preload(scene: &Scene) -> f64 {
+    let stiffness = raceway_contacts(&scene.bearing).map(|contact| contact.stiffness);
+    let compliance = stiffness.inner.powf(-2.0 / 3.0) + stiffness.outer.powf(-2.0 / 3.0);
+    (0.5 * (-scene.bearing.radial_clearance).max(0.0) / compliance).powf(1.5)
 }
 
 fn of_bearing(scene: &Scene, warn: Warn<'_>) {
@@ -256,6 +275,31 @@ mod tests {
         assert!(warned(scene(0.01)).is_empty());
         for d in [0.009, -0.01] {
             assert_eq!(warned(scene(d)), ["/scene/lubricant/traction"], "{d}");
+        }
+    }
+
+    /// A pressure by preload points at the clearance, one by weight at the mass, one by a load at the load.
+    #[test]
+    fn a_pressure_warning_points_at_its_cause() {
+        let tight = json!({
+            "outer_diameter_mm": 80, "inner_diameter_mm": 50, "width_mm": 16, "ball_count": 14, "ball_diameter_mm": 8.73,
+            "pitch_diameter_mm": 65, "inner_groove_curvature": 0.625, "outer_groove_curvature": 0.625, "radial_clearance_um": -174.6
+        });
+        for (field, scene) in [
+            (
+                "bearing/radial_clearance_um",
+                json!({ "bearing": tight, "operation": { "speed_rpm": 120 }, "spindle": { "mass_kg": 0.92 } }),
+            ),
+            (
+                "spindle/mass_kg",
+                json!({ "bearing": "6210", "operation": { "speed_rpm": 3000 }, "spindle": { "mass_kg": 2600 } }),
+            ),
+            (
+                "operation/radial_load_y_n",
+                json!({ "bearing": "6210", "operation": { "speed_rpm": 3000, "radial_load_y_n": 2600.0 * 9.81 } }),
+            ),
+        ] {
+            assert_eq!(warned(scene.clone()), [format!("/scene/{field}")], "{scene}");
         }
     }
 

@@ -22,8 +22,8 @@ pub struct SolverInput {
     /// reports the accepted one in `solver.method` and `solver.relative_tolerance`; fixed steps have no tolerance.
     #[schema(nullable = false, example = 0.00001)]
     pub relative_tolerance: Option<f64>,
-    /// Largest accepted change of a level by terms that are omitted by judgement [dB]; 0: terms are omitted only by identities and
-    /// conventions. Default 0.05.
+    /// Largest accepted error of a level by the model [dB]: by terms that a model level omits. The stated level error, model and integration
+    /// together, may take half of it. 0: terms are omitted only by identities and conventions. Default 0.05.
     #[schema(nullable = false, example = 0.05)]
     pub model_tolerance_db: Option<f64>,
     /// Model level. Default: the cheapest level that contains the requested outputs and that is confirmed within `model_tolerance_db` by a

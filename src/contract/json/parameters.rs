@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 72] = [
+const FIELDS: [(&str, &str, Unit); 73] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -76,6 +76,7 @@ const FIELDS: [(&str, &str, Unit); 72] = [
     ("operation.radial_load_z", "/operation/radial_load_z_n", N),
     ("operation.misalignment.y", "/operation/misalignment_mrad/y", MRAD),
     ("operation.misalignment.z", "/operation/misalignment_mrad/z", MRAD),
+    ("operation.initial_perturbation.speed", "/operation/initial_perturbation/speed_mm_s", MM_S),
     ("operation.speed", "/operation/speed_rpm", RPM),
     ("operation.speed", "/operation/speed_rpm/rpm", RPM),
     ("operation.speed.at", "/operation/speed_rpm/at_s", S),

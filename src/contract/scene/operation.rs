@@ -9,14 +9,14 @@ use utoipa::ToSchema;
 
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::FieldError;
-use crate::contract::json::shapes::{ObjectOnly, optional_object};
+use crate::contract::json::shapes::{ObjectOnly, optional_object, whole_number};
 use crate::contract::json::{
     parameters,
-    units::{MRAD, RPM},
+    units::{MM_S, MRAD, RPM},
 };
-use raceway_core::physics::operation::{MOST_POINTS, Operation, SpeedProfile};
+use raceway_core::physics::operation::{InitialPerturbation, MOST_POINTS, Operation, SpeedProfile};
 
-/// Speed, loads and misalignment.
+/// Speed, loads, misalignment and initial perturbation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OperationInput {
@@ -35,6 +35,24 @@ pub struct OperationInput {
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub misalignment_mrad: Option<MisalignmentInput>,
+    /// Initial velocity of every ball and of the cage, for studies of stability. Default: none, the run starts from equilibrium.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub initial_perturbation: Option<InitialPerturbationInput>,
+}
+
+/// Initial velocities in random directions. A motion that is unstable then grows from this push, not from rounding errors. Only the model
+/// levels `full` and `planar` have it; `planar` omits its part along the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InitialPerturbationInput {
+    /// Magnitude of the velocity of each ball and of the cage, relative to ideal rolling [mm/s].
+    #[schema(example = 0.1)]
+    pub speed_mm_s: f64,
+    /// Seed of the directions: the same seed gives the same directions on every machine. Default 0.
+    #[serde(default, deserialize_with = "whole_number::<_, 0, { u32::MAX }>")]
+    #[schema(nullable = false, minimum = 0, maximum = 4_294_967_295_u32, example = 1)]
+    pub seed: Option<u32>,
 }
 
 /// A constant speed from −500 000 to 500 000 r/min, or a profile of points with linear interpolation. A negative speed reverses the direction.
@@ -85,7 +103,12 @@ impl OperationInput {
             MRAD.to_si(take("misalignment_mrad/z", &mut tilt.z)),
         ];
         let speed = self.speed_rpm.resolve(defaults).unwrap_or_else(SpeedProfile::at_rest);
-        Operation { speed, load, misalignment }
+        let perturbation = self.initial_perturbation.as_mut().map(|given| {
+            let pointer = "/scene/operation/initial_perturbation/seed";
+            let seed = defaults.fill(pointer, &mut given.seed, 0);
+            InitialPerturbation { speed: MM_S.to_si(given.speed_mm_s), seed: u64::from(seed) }
+        });
+        Operation { speed, load, misalignment, perturbation }
     }
 }
 

@@ -98,6 +98,21 @@ fn impossible_scenes_are_refused() {
         (operation(r#""speed_rpm":[[0,1]]"#), "/scene/operation/speed_rpm/0", "expected an object"),
         (operation(r#""speed_rpm":1,"radial_load_y_n":1e8"#), "/scene/operation/radial_load_y_n", "100000000 N"),
         (operation(r#""speed_rpm":1,"misalignment_mrad":{"y":21}"#), "/scene/operation/misalignment_mrad/y", "21 mrad"),
+        (
+            operation(r#""speed_rpm":1,"initial_perturbation":{"speed_mm_s":-1}"#),
+            "/scene/operation/initial_perturbation/speed_mm_s",
+            "-1 mm/s: must be from 0 to 10000 mm/s",
+        ),
+        (
+            operation(r#""speed_rpm":1,"initial_perturbation":{"seed":1}"#),
+            "/scene/operation/initial_perturbation/speed_mm_s",
+            "required",
+        ),
+        (
+            operation(r#""speed_rpm":1,"initial_perturbation":{"speed_mm_s":1,"seed":-1}"#),
+            "/scene/operation/initial_perturbation/seed",
+            "-1: must be a whole number from 0 to 4294967295",
+        ),
         (scene(r#""spindle":{"mass_kg":-1}"#), "/scene/spindle/mass_kg", "-1 kg"),
         (scene(r#""spindle":{"mass_kg":0}"#), "/scene/spindle/mass_kg", "0 kg: must be from 1e-9 to 1000000 kg"),
         (scene(r#""spindle":{"unbalance_g_mm":1,"balance_grade":6.3}"#), "/scene/spindle/balance_grade", "not both"),
@@ -172,6 +187,24 @@ fn impossible_jobs_are_refused() {
             "without a fixed step",
         ),
         (scene(r#""terms":{"cage_tilt":"off"}},"solver":{"rung":"full""#), "/solver/rung", "terms.cage_tilt is off"),
+        (
+            scene(r#""terms":{"cage":"off"}},"solver":{"rung":"radially_condensed""#),
+            "/solver/rung",
+            "without a cage balls touch each other",
+        ),
+        (
+            scene(
+                r#""terms":{"cage":"off"}},"outputs":{"metrics":["vibration"]},"solver":{"rung":"spindle_only""#,
+            ),
+            "/solver/rung",
+            "without a cage",
+        ),
+        (
+            r#"{"kind":"simulation","scene":{"bearing":"article-integrated","operation":{"speed_rpm":1,"initial_perturbation":{"speed_mm_s":1}}},"solver":{"rung":"radially_condensed"}}"#
+                .into(),
+            "/solver/rung",
+            "initial_perturbation",
+        ),
         (
             scene(r#""spindle":{"axial":{"offset_um":5}},"terms":{"cage_tilt":"off"}"#),
             "/scene/terms/cage_tilt",

@@ -10,6 +10,7 @@ pub mod lanes;
 pub mod ode;
 pub mod parallel;
 pub(crate) mod periodic;
+pub(crate) mod random;
 pub mod roots;
 pub mod rounding;
 mod special;

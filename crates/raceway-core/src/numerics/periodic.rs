@@ -38,7 +38,7 @@ impl<const N: usize> PeriodicOrbit<N> {
 
 /// Reason why no periodic orbit was found.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub(crate) enum NoOrbit {
+pub enum NoOrbit {
     #[error(
         "no periodic motion was found: {error:.1e} of the motion's size is left after {iterations} steps of Newton's method"
     )]

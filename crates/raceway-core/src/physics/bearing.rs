@@ -92,6 +92,13 @@ pub struct Bearing {
     pub ball_inertia: f64,
 }
 
+/// Largest displacements of the spindle in the plane and along the axis [m].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpindlePlay {
+    pub radial: f64,
+    pub axial: f64,
+}
+
 /// Largest radial preload over ball diameter [-].
 const MAX_PRELOAD: f64 = 0.02;
 
@@ -235,6 +242,14 @@ impl Bearing {
             ball_inertia: 0.1 * ball_mass * d * d,
             parameters,
         }
+    }
+
+    /// Largest displacement of the spindle from the centre of the outer ring at which a ball may still hold it [m]. In the plane: d + P_d/2, at
+    /// which the bottoms of both raceways touch. Along the axis: A + d/2, at which even balls that are pressed into
+    /// both raceways by half their radius are passed.
+    pub fn largest_displacement(&self) -> SpindlePlay {
+        let d = self.parameters.ball_diameter;
+        SpindlePlay { radial: d + 0.5 * self.radial_clearance, axial: self.groove_centre_distance + 0.5 * d }
     }
 
     /// `γ = d cos α / D_m` with the angle that the kinematics use: the free contact angle of an

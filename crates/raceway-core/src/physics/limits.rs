@@ -28,7 +28,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 58] = [
+const LIMITS: [Limits; 59] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -69,6 +69,7 @@ const LIMITS: [Limits; 58] = [
     within("operation.radial_load_z", -1e7, 1e7),
     within("operation.misalignment.y", -0.02, 0.02),
     within("operation.misalignment.z", -0.02, 0.02),
+    within("operation.initial_perturbation.speed", 0.0, 10.0),
     within("lubricant.viscosity", 0.0, 100.0),
     within("lubricant.pressure_viscosity", 0.0, 1e-6),
     within("lubricant.fill", 0.0, 1.0),

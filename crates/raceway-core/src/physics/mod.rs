@@ -13,6 +13,7 @@ pub mod land;
 pub mod limits;
 pub mod lubricant;
 pub mod material;
+pub mod neighbour;
 pub mod operation;
 pub mod pocket;
 pub mod presets;

@@ -1,6 +1,10 @@
 //! Speed, loads and misalignment of the bearing.
 
+use std::f64::consts::TAU;
+
+use super::frames::{Azimuth, Vector, scale};
 use super::limits::{Faults, InvalidParameter};
+use crate::numerics::random::SplitMix64;
 
 /// Spindle speed over time: constant, or straight lines between points, constant outside them.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,7 +115,30 @@ impl SpeedProfile {
     }
 }
 
-/// Speed, loads and misalignment.
+/// Initial velocities of balls and cage in random directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InitialPerturbation {
+    /// Magnitude of each velocity [m/s].
+    pub speed: f64,
+    /// Seed of the directions.
+    pub seed: u64,
+}
+
+impl InitialPerturbation {
+    /// Velocities of as many bodies as are taken [m/s], one after the other; each direction is equally likely.
+    pub(crate) fn velocities(&self) -> impl Iterator<Item = Vector> {
+        let (speed, mut random) = (self.speed, SplitMix64::new(self.seed));
+        std::iter::repeat_with(move || {
+            // A slice of a sphere has an area in proportion to its thickness.
+            let along = 2.0 * random.uniform() - 1.0;
+            let Azimuth { cosine, sine } = Azimuth::new(TAU * random.uniform());
+            let across = (1.0 - along * along).sqrt();
+            scale(speed, [along, across * cosine, across * sine])
+        })
+    }
+}
+
+/// Speed, loads, misalignment and initial perturbation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operation {
     pub speed: SpeedProfile,
@@ -119,6 +146,8 @@ pub struct Operation {
     pub load: [f64; 3],
     /// Imposed tilt of the spindle about Y and about Z [rad].
     pub misalignment: [f64; 2],
+    /// `None`, or with a speed of 0: a run starts from equilibrium.
+    pub perturbation: Option<InitialPerturbation>,
 }
 
 impl Operation {
@@ -129,12 +158,21 @@ impl Operation {
         faults.check("operation.radial_load_z", self.load[2]);
         faults.check("operation.misalignment.y", self.misalignment[0]);
         faults.check("operation.misalignment.z", self.misalignment[1]);
+        if let Some(perturbation) = self.perturbation {
+            faults.check("operation.initial_perturbation.speed", perturbation.speed);
+        }
+    }
+
+    /// Perturbation of the start; `None` where it is 0.
+    pub(crate) fn start_perturbation(&self) -> Option<InitialPerturbation> {
+        self.perturbation.filter(|perturbation| perturbation.speed != 0.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::frames::dot;
 
     /// The angle is the integral of the speed: 0 → 10 rad/s within 2 s turns 10 rad, then 10 rad/s.
     #[test]
@@ -144,6 +182,19 @@ mod tests {
         assert_eq!(ramp.at(2.0), (2.5, 5.0, 5.0));
         assert_eq!(ramp.at(4.0), (20.0, 10.0, 0.0));
         assert_eq!(ramp.kinks().collect::<Vec<_>>(), [1.0, 3.0]);
+    }
+
+    /// The mean of many velocities vanishes and each component has a third of the square: all directions are equally likely.
+    #[test]
+    fn velocities_have_one_magnitude_and_any_direction() {
+        let all: Vec<Vector> = InitialPerturbation { speed: 2.0, seed: 7 }.velocities().take(30_000).collect();
+        assert!(all.iter().all(|v| (dot(*v, *v) - 4.0).abs() < 1e-12));
+        for axis in 0..3 {
+            let mean = |of: fn(f64) -> f64| all.iter().map(|v| of(v[axis])).sum::<f64>() / all.len() as f64;
+            assert!(mean(|x| x).abs() < 0.03 && (mean(|x| x * x) - 4.0 / 3.0).abs() < 0.03);
+        }
+        let other = InitialPerturbation { speed: 2.0, seed: 8 }.velocities().next();
+        assert_ne!(Some(all[0]), other);
     }
 
     #[test]

@@ -26,7 +26,7 @@ const MAX_RADIUS: f64 = 0.2;
 /// Displacement over which film damping sets in [m].
 pub(crate) const DAMPING_ONSET: f64 = 0.1e-6;
 /// Penetration over which film damping vanishes once the solids touch [m].
-const DAMPING_END: f64 = 1e-6;
+pub(super) const DAMPING_END: f64 = 1e-6;
 
 /// Constants of the pockets of one cage; all pockets are alike.
 #[derive(Debug, Clone, Copy)]
@@ -397,7 +397,7 @@ impl Pocket {
 }
 
 /// Stands in for a slip of 0 where its direction is asked for [m/s].
-const MIN_SLIP: f64 = 1e-12;
+pub(super) const MIN_SLIP: f64 = 1e-12;
 
 /// The displacement itself is the way to the nearest point of a cap.
 #[inline(always)]

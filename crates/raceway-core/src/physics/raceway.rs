@@ -33,7 +33,7 @@ use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
 pub struct RacewayTerms {
     /// Strips the ellipse is cut into across the groove.
     pub strips: usize,
-    /// Points of a Gauss rule (2, 4 or 6) replace the strips.
+    /// Points of a Gauss rule replace the strips.
     pub gauss: bool,
     /// Point on the deformed surface depends on its place across the groove.
     pub conformity: bool,

@@ -5,6 +5,8 @@ use raceway_core::simulation::work_precision::{Measured, Point, TrajectoryError}
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use crate::contract::answer::messages::choice_text;
+
 /// One method at one tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(untagged)]
@@ -196,7 +198,7 @@ fn measured_answer(point: &Point, measured: &Measured) -> MeasuredAnswer {
         processor_time_s: median(&processor_times),
         wall_time_range_s: vec![least, most],
         ran: choice.method.name().to_owned(),
-        ran_because: choice.reason.clone(),
+        ran_because: choice.reason.as_ref().map(choice_text),
         trajectory_error: trajectory(|error| error.rms),
         largest_error: trajectory(|error| error.largest),
         end_error: trajectory(|error| error.end),

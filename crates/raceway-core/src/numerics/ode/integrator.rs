@@ -38,8 +38,21 @@ pub trait Integrator {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     pub method: Method,
-    /// Why; `None` where nothing was chosen.
-    pub reason: Option<String>,
+    /// `None` where nothing was chosen.
+    pub reason: Option<ChoiceReason>,
+}
+
+/// Why an integrator runs a method. Rates and evaluations per unit of time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ChoiceReason {
+    /// Explicit steps need fewer evaluations at this tolerance than `gear`, made comparable by the cost of its algebra.
+    ExplicitIsCheaper { explicit: f64, stiff: f64, rate: f64, changes: u32 },
+    /// Explicit steps are short against the fastest rate.
+    NotStiff { rate: f64, changes: u32 },
+    /// The rate would limit explicit steps to `limit`; the mean step of `gear` is `step`.
+    Stiff { rate: f64, limit: f64, step: f64, changes: u32 },
+    /// Fixed steps, implicit in the stiff terms, are tried before error control.
+    TriedFirst { step: f64 },
 }
 
 /// Work done by an integrator.
@@ -100,6 +113,8 @@ pub enum IntegrationError {
     StepTooSmall { time: f64, step: f64, component: usize },
     #[error("state component {component} is no longer finite at t = {time:.9} s (step {step:.3e} s)")]
     NotFinite { time: f64, step: f64, component: usize },
+    #[error("an impact at t = {time:.9} s is too short for fixed steps of {step:.3e} s")]
+    Impact { time: f64, step: f64, component: usize },
     #[error("stopped by the caller at t = {time:.9} s")]
     Stopped { time: f64 },
 }

@@ -23,7 +23,7 @@ mod start;
 #[cfg(test)]
 mod test_problems;
 
-pub use integrator::{Choice, IntegrationError, Integrator, Statistics};
+pub use integrator::{Choice, ChoiceReason, IntegrationError, Integrator, Statistics};
 pub use method::Method;
 pub use system::{OdeSystem, dense_differences};
 pub use tolerances::Tolerances;

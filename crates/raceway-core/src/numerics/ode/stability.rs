@@ -22,6 +22,32 @@ pub struct Stability {
     pub limit: f64,
 }
 
+/// A fixed step beyond the limit of stability.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "the fixed step lies beyond the limit of stability: h = {step:.3e} s, fastest rate |λ| = {rate:.1e} 1/s, h·|λ| = {:.1} where at most {limit} \
+     is stable, in {:.0} % of the steps looked at; the largest stable step is {:.1e} s",
+    step * seen.rate,
+    100.0 * share,
+    self.largest_stable(),
+    rate = seen.rate,
+    limit = seen.limit
+)]
+pub struct UnstableStep {
+    pub step: f64,
+    /// Typical rate among the samples beyond the limit, and its limit.
+    pub seen: Stability,
+    /// Share of the samples beyond the limit [-].
+    pub share: f64,
+}
+
+impl UnstableStep {
+    /// Largest stable step.
+    pub fn largest_stable(&self) -> f64 {
+        self.seen.limit / self.seen.rate
+    }
+}
+
 /// Watches a run of fixed steps.
 #[derive(Debug, Clone)]
 pub struct StabilityWatch {
@@ -46,24 +72,16 @@ impl StabilityWatch {
         }
     }
 
-    /// Warning where the step lay beyond the limit in more than a few per cent of the samples.
-    pub fn warning(&self) -> Option<String> {
+    /// The unstable step, where it lay beyond the limit in more than a few per cent of the samples.
+    pub fn unstable(&self) -> Option<UnstableStep> {
         let share = self.beyond.len() as f64 / self.looks.max(1) as f64;
         if share <= SHARE {
             return None;
         }
         let mut seen = self.beyond.clone();
         seen.sort_by(|a, b| a.rate.total_cmp(&b.rate));
-        let Stability { rate, limit } = *seen.get((seen.len() as f64 * NAMED_SHARE) as usize)?;
-        Some(format!(
-            "the fixed step lies beyond the limit of stability, so that levels can be wrong although the motion stays bounded: \
-             h = {:.3e} s, fastest rate |λ| = {rate:.1e} 1/s, h·|λ| = {:.1} where at most {limit} is stable, in {:.0} % of the steps looked at; \
-             the largest stable step is {:.1e} s",
-            self.step,
-            self.step * rate,
-            100.0 * share,
-            limit / rate
-        ))
+        let seen = *seen.get((seen.len() as f64 * NAMED_SHARE) as usize)?;
+        Some(UnstableStep { step: self.step, seen, share })
     }
 }
 
@@ -78,13 +96,13 @@ mod tests {
             for k in 0..100 {
                 watch.look(Stability { rate: if k < fast { 5e6 } else { 1e6 }, limit: DORMAND_PRINCE });
             }
-            watch.warning()
+            watch.unstable()
         };
         assert_eq!(watched(2), None);
-        let words = watched(10).unwrap();
-        for part in ["1.000e-6 s", "5.0e6", "5.0 where at most 3.3", "10 %", "6.6e-7 s"] {
-            assert!(words.contains(part), "{part}: {words}");
-        }
-        assert_eq!(StabilityWatch::new(1e-6).warning(), None);
+        let unstable = watched(10).unwrap();
+        let seen = Stability { rate: 5e6, limit: DORMAND_PRINCE };
+        assert_eq!(unstable, UnstableStep { step: 1e-6, seen, share: 0.1 });
+        assert!((unstable.largest_stable() - 6.6e-7).abs() < 1e-12);
+        assert_eq!(StabilityWatch::new(1e-6).unstable(), None);
     }
 }

@@ -1,10 +1,12 @@
 //! Codes with numbers that a run reports about itself. The text of each code is defined outside this crate.
 
 use crate::numerics::ode::Method;
+use crate::numerics::ode::stability::UnstableStep;
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::inapplicable::Inapplicable;
 
 /// A number whose error is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,6 +117,8 @@ pub struct Rejection {
     pub method: Option<Method>,
     /// [s]; `None`: error control, or the model's own step.
     pub step: Option<f64>,
+    /// Relative tolerance of error control [-].
+    pub tolerance: Option<f64>,
     pub cause: Cause,
 }
 
@@ -136,8 +140,13 @@ pub enum Uncertainty {
 pub enum Warning {
     /// Errors of numbers are large.
     Uncertain { cause: Uncertainty, errors: Vec<QuantityError> },
+    /// Refinement still changes a level [dB], so that its error is unknown. `is_selected`: the request selected the method, the step or the
+    /// tolerance.
+    NotResolved { change_db: f64, is_selected: bool },
     /// A level rises or falls throughout the recorded time [dB].
     NotStationary { channel: Channel, change_db: f64 },
+    /// Levels are so low that their changes along the recorded time do not count: rms of their channels [m/s²].
+    StationarityNotChecked { channels: Vec<(Channel, f64)> },
     /// A chaotic motion: time in which disturbances grow e-fold, and recorded time that is required [s].
     ShortChaoticSample { growth_time: f64, required: f64 },
     /// The recorded time [s] is shorter than an error estimate needs [s].
@@ -153,13 +162,20 @@ pub enum Warning {
     /// The window of verification does not cover the run: no error is stated.
     ErrorUnknown(Gap),
     /// The fixed step lies beyond the limit of stability.
-    UnstableStep(String),
+    UnstableStep(UnstableStep),
     /// Free vibration of the start decays with this time constant [s]; `settle` [s] is too short, `required` [s] is enough.
     StartTransient { time_constant: f64, settle: f64, required: f64, constant_speed: bool },
     /// The cage may still vibrate along its axis; a settling time [s] that is enough.
     CageTransient { settle: f64, required: f64 },
     /// Cage and balls may still begin to tilt; a settling time [s] that is enough.
     TiltTransient { settle: f64, required: f64 },
+}
+
+impl Warning {
+    /// True if it is no reason to doubt a number.
+    pub fn is_remark(&self) -> bool {
+        matches!(self, Self::LaterWindowFailed(_) | Self::StationarityNotChecked { .. })
+    }
 }
 
 /// Reason why no reduced model, or no model leaner than the condensed one, is a candidate.
@@ -195,5 +211,5 @@ pub struct NotEligible {
 pub enum NotEligibleReason {
     Known(Ineligible),
     /// The level cannot represent the scene or its outputs.
-    CannotRepresent(String),
+    CannotRepresent(Inapplicable),
 }

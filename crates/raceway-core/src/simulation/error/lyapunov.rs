@@ -55,6 +55,8 @@ pub struct DivergenceEstimate {
     pub over: f64,
     /// Mean size of the disturbance in the later half over its initial size [e-folds].
     pub growth: f64,
+    /// The speed is constant. Only then are parts of the run samples of one motion.
+    pub is_at_constant_speed: bool,
 }
 
 impl DivergenceEstimate {
@@ -63,6 +65,11 @@ impl DivergenceEstimate {
         let diverging = self.rate * self.over > FOLDS;
         let kind = if diverging { MotionKind::Diverging } else { MotionKind::Decaying };
         (self.over >= LEAST_STRETCH).then_some(kind)
+    }
+
+    /// True if the motion is chaotic at constant speed, so that its statistics are the answer and not its course.
+    pub fn is_chaotic(&self) -> bool {
+        self.is_at_constant_speed && self.motion() == Some(MotionKind::Diverging)
     }
 
     /// True if trajectories may diverge over a longer time [s], although they have not yet diverged.
@@ -109,12 +116,14 @@ pub(crate) fn of_signals(
             let growth = largest - disturbance.ln();
             // The trajectories are independent, whatever the course of growth was.
             let over = values as f64 / rate;
-            DivergenceEstimate { rate: late.max((FOLDS + growth).max(FOLDS) / over), over, growth }
+            let rate = late.max((FOLDS + growth).max(FOLDS) / over);
+            DivergenceEstimate { rate, over, growth, is_at_constant_speed: true }
         }
         _ => DivergenceEstimate {
             rate: late,
             over: values as f64 / rate,
             growth: late_mean(&logarithms) - disturbance.ln(),
+            is_at_constant_speed: true,
         },
     }
 }
@@ -122,6 +131,9 @@ pub(crate) fn of_signals(
 /// Growth rate of a small disturbance of the state at `begin` [s] over `stretch` [s]. It is the slope of a straight line through the later half of
 /// the logarithms of the distance. The time is extended up to the end of the recorded time while the rate would allow growth that has not yet
 /// appeared. Slow chaos appears late. A drift is not chaos, and never grows much in the later half.
+///
+/// Where the speed changes, trajectories may part at one speed and join again at another. The whole run is followed then, and the mean growth in
+/// its later half decides.
 pub(crate) fn divergence_rate(
     model: &Model,
     settings: &RunSettings,
@@ -145,7 +157,10 @@ pub(crate) fn divergence_rate(
     if model.mechanism().speed.kinks().any(|kink| kink == begin) {
         integrator.restart();
     }
-    let (last, spacing) = ((settings.settle + settings.duration).max(begin + stretch), stretch / SAMPLES as f64);
+    let is_at_constant_speed = model.mechanism().speed.is_constant();
+    let last = (settings.settle + settings.duration).max(begin + stretch);
+    let stretch = if is_at_constant_speed { stretch } else { last - begin };
+    let spacing = stretch / SAMPLES as f64;
     let (mut times, mut logarithms) = (Vec::new(), Vec::new());
     let mut state = start.clone();
     let [mut straight, mut disturbed] = [(); 2].map(|()| vec![0.0; n]);
@@ -168,7 +183,7 @@ pub(crate) fn divergence_rate(
                     pair.take(1, &state, &mut disturbed);
                     let squares: f64 = (0..n).map(|i| ((disturbed[i] - straight[i]) / sizes[i]).powi(2)).sum();
                     let distance = (squares / n as f64).sqrt();
-                    if distance > SATURATED {
+                    if distance > SATURATED && is_at_constant_speed {
                         // The larger of the mean rate and the latest rate counts.
                         let mean = (distance / DISTURBANCE).ln() / (time - begin);
                         let growth = (distance / DISTURBANCE).ln();
@@ -176,11 +191,13 @@ pub(crate) fn divergence_rate(
                             rate: late_slope(&times, &logarithms).max(mean),
                             over: time.max(begin + stretch) - begin,
                             growth,
+                            is_at_constant_speed,
                         });
                     }
                     if distance == 0.0 {
                         let rate = late_slope(&times, &logarithms);
-                        return Ok(DivergenceEstimate { rate, over: stretch, growth: f64::MIN });
+                        let growth = f64::MIN;
+                        return Ok(DivergenceEstimate { rate, over: stretch, growth, is_at_constant_speed });
                     }
                     times.push(time);
                     logarithms.push(distance.ln());
@@ -191,7 +208,9 @@ pub(crate) fn divergence_rate(
             }
         }
         let growth = late_mean(&logarithms) - DISTURBANCE.ln();
-        let parted = DivergenceEstimate { rate: late_slope(&times, &logarithms), over: end - begin, growth };
+        let over = end - begin;
+        let rate = if is_at_constant_speed { late_slope(&times, &logarithms) } else { growth / over };
+        let parted = DivergenceEstimate { rate, over, growth, is_at_constant_speed };
         let might_grow = parted.rate * (last - begin) > FOLDS;
         if end >= last || !might_grow || parted.motion() == Some(MotionKind::Diverging) {
             return Ok(parted);

@@ -1,6 +1,6 @@
 //! Accuracy of a result: its errors, the basis of their estimate, and warnings to the user.
 
-use crate::simulation::error::codes::{ErrorBasis, Quantity, QuantityError, Warning};
+use crate::simulation::error::codes::{ErrorBasis, Quantity, QuantityError, Uncertainty, Warning};
 use crate::simulation::error::comparison::Deviation;
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::error::lyapunov::{DivergenceEstimate, MotionKind};
@@ -14,11 +14,15 @@ pub struct AccuracyReport {
     pub level_errors: LevelErrors,
     /// Estimated errors of single numbers; `None`: unknown.
     pub quantity_errors: Option<QuantityErrors>,
+    /// Changes under refinement of the levels that are not resolved [dB]. These levels have no error.
+    pub unresolved: LevelErrors,
     /// Standard deviation of a level between windows as long as the recorded time [dB].
     pub level_scatter: LevelErrors,
     pub basis: ErrorBasis,
     /// Kind of motion; `None`: the run is too short to show it.
     pub motion: Option<MotionKind>,
+    /// The motion is chaotic at constant speed: levels are means over a sample of it.
+    pub is_chaotic: bool,
     /// Rate at which neighbouring trajectories diverge [1/s]; negative: they converge.
     pub divergence_rate: f64,
     pub warnings: Vec<Warning>,
@@ -31,6 +35,7 @@ impl AccuracyReport {
             quantity_errors: deviation.quantities,
             basis,
             motion: divergence.and_then(|divergence| divergence.motion()),
+            is_chaotic: divergence.is_some_and(|divergence| divergence.is_chaotic()),
             divergence_rate: divergence.map_or(0.0, |divergence| divergence.rate),
             ..Self::default()
         }
@@ -41,12 +46,37 @@ impl AccuracyReport {
         self.level_errors.worst()
     }
 
-    pub(crate) fn is_chaotic(&self) -> bool {
-        self.motion == Some(MotionKind::Diverging)
-    }
-
     pub(crate) fn deviation(&self) -> Deviation {
         Deviation { levels: self.level_errors, quantities: self.quantity_errors }
+    }
+
+    /// This report without errors of levels that refinement changes by more than `WARNED_ERROR_DB`. Such a repetition is another answer and
+    /// bounds nothing. Samples of a sensitive motion are no refinement: they scatter as its windows do.
+    pub(crate) fn with_unresolved(mut self, is_selected: bool) -> Self {
+        let is_sensitive =
+            |warning: &Warning| matches!(warning, Warning::Uncertain { cause: Uncertainty::Sensitive, .. });
+        let is_refined = matches!(self.basis, ErrorBasis::Repetition { .. });
+        if !is_refined || self.is_chaotic || self.warnings.iter().any(is_sensitive) {
+            return self;
+        }
+        let changes = self.level_errors;
+        let is_large = |channel| changes.of(channel).filter(|change| *change > WARNED_ERROR_DB);
+        self.unresolved = LevelErrors::each(is_large);
+        let Some(change_db) = self.unresolved.worst() else { return self };
+        self.level_errors = LevelErrors::each(|channel| changes.of(channel).filter(|_| is_large(channel).is_none()));
+        self.drop_uncertain_level();
+        self.warnings.insert(0, Warning::NotResolved { change_db, is_selected });
+        self
+    }
+
+    /// Drops the level from the warning of large errors.
+    pub(crate) fn drop_uncertain_level(&mut self) {
+        for warning in &mut self.warnings {
+            if let Warning::Uncertain { errors, .. } = warning {
+                errors.retain(|error| error.quantity != Quantity::Level);
+            }
+        }
+        self.warnings.retain(|warning| !matches!(warning, Warning::Uncertain { errors, .. } if errors.is_empty()));
     }
 
     /// The largest stated error over its allowed value [-]; `None` if one is unknown. The level of silence has no error.
@@ -59,7 +89,7 @@ impl AccuracyReport {
     /// The requested numbers whose errors require a warning.
     pub(crate) fn large_errors(&self, outputs: &Outputs) -> Vec<QuantityError> {
         // The level of a short chaotic sample shows by itself that single numbers are uncertain.
-        let quantities = self.quantity_errors.filter(|_| !self.is_chaotic() || !outputs.include_levels());
+        let quantities = self.quantity_errors.filter(|_| !self.is_chaotic || !outputs.include_levels());
         let level = self.level_error_db().filter(|_| outputs.include_levels());
         let share = |error: fn(&QuantityErrors) -> f64, shown: bool| quantities.as_ref().filter(|_| shown).map(error);
         let all = [

@@ -7,7 +7,7 @@ use crate::simulation::error::comparison::{
 };
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::error::thresholds::{
-    NOTABLE_CHANGE_DB, OSCILLATION_SHARE, STATIONARY_SCATTER_DB, TREND_RESIDUAL, WINDOW_SCATTER_DB,
+    NOTABLE_CHANGE_DB, OSCILLATION_SHARE, QUIET, STATIONARY_SCATTER_DB, TREND_RESIDUAL, WINDOW_SCATTER_DB,
 };
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::settings::Outputs;
@@ -46,7 +46,7 @@ pub fn is_stationary(recording: &Recording, outputs: &Outputs, tolerance_db: f64
     let levels_only = !(outputs.contacts || outputs.cage);
     let quantities = halves_deviation(&recording.parts);
     let halves = Deviation { levels: LevelErrors::each(|_| Some(0.0)), quantities };
-    heard(recording).iter().all(is_steady) && (levels_only || halves.within(outputs, tolerance_db))
+    moving_channels(recording).iter().all(is_steady) && (levels_only || halves.within(outputs, tolerance_db))
 }
 
 /// Changes of the levels [dB] that rise or fall throughout the recorded time, if no later window shows an oscillation.
@@ -57,7 +57,19 @@ pub fn trends(recording: &Recording, later: Option<&LevelErrors>) -> Vec<(Channe
         let deviation = later.and_then(|later| later.of(channel));
         deviation.is_none_or(|deviation| deviation > OSCILLATION_SHARE * change.abs()).then_some((channel, change))
     };
-    heard(recording).into_iter().filter_map(of).collect()
+    moving_channels(recording).into_iter().filter(|channel| !is_quiet(recording, *channel)).filter_map(of).collect()
+}
+
+/// Compared channels whose levels are so low that their changes along the recorded time do not count, each with its rms [m/s²].
+pub fn quiet_channels(recording: &Recording) -> Vec<(Channel, f64)> {
+    let quiet = judged(recording).into_iter().filter(|channel| is_quiet(recording, *channel));
+    let with_rms = |channel| Some((channel, recording.of(channel)?.in_band().moments.rms()));
+    quiet.filter_map(with_rms).filter(|(_, rms)| *rms > 0.0).collect()
+}
+
+/// True if the level of a channel lies below −20 dB.
+pub fn is_quiet(recording: &Recording, channel: Channel) -> bool {
+    recording.of(channel).is_some_and(|signal| signal.in_band().moments.rms() < QUIET)
 }
 
 /// The channel whose level scatters so much that no window represents the rest, and its scatter [dB].
@@ -69,6 +81,32 @@ pub fn scattering_level(recording: &Recording) -> Option<(Channel, f64)> {
     };
     let all = judged(recording).into_iter().filter_map(scatter);
     all.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|(_, scatter)| *scatter > WINDOW_SCATTER_DB)
+}
+
+/// Sampling errors of single numbers of chaotic motion, by batches: the scatter of the batches' maxima, and standard errors of means. `None`: the run
+/// has fewer than two batches.
+pub fn sampling_errors_of_quantities(parts: &[Quantities]) -> Option<QuantityErrors> {
+    let batches: Vec<&[Quantities]> = parts.chunks(parts.len().div_ceil(BATCHES).max(1)).collect();
+    let scatter = |values: &[f64]| CentralMoments::of(values).rms();
+    let of_peaks = |of: &dyn Fn(&Quantities) -> f64| {
+        let most = |batch: &&[Quantities]| batch.iter().map(of).fold(0.0, f64::max);
+        let maxima: Vec<f64> = batches.iter().map(most).collect();
+        let largest = maxima.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        scatter(&maxima) / largest
+    };
+    let of_mean = |of: &dyn Fn(&Quantities) -> f64| {
+        let means: Vec<f64> =
+            batches.iter().map(|batch| batch.iter().map(of).sum::<f64>() / batch.len() as f64).collect();
+        let degrees = (means.len() as f64 - 1.0).max(1.0);
+        scatter(&means) / degrees.sqrt() / mean(&means).abs().max(f64::MIN_POSITIVE)
+    };
+    (batches.len() > 1).then(|| QuantityErrors {
+        max_load: of_peaks(&|part| part.max_load),
+        cage_speed: of_mean(&|part| part.cage_speed),
+        max_pocket_load: of_peaks(&|part| part.max_pocket_load),
+        max_slip: of_peaks(&|part| part.max_slip.inner).max(of_peaks(&|part| part.max_slip.outer)),
+        orbit_radius: of_mean(&|part| part.orbit_radius),
+    })
 }
 
 /// Deviation of the second half of a run from the first; `None`: the run has fewer than two parts.
@@ -103,9 +141,9 @@ pub fn deviation_of_parts(recorded: &Recording, later: &Recording) -> LevelError
 }
 
 /// Errors of the levels that are not silent.
-pub fn of_heard(errors: &LevelErrors, recording: &Recording) -> LevelErrors {
-    let heard = heard(recording);
-    LevelErrors::each(|channel| errors.of(channel).filter(|_| heard.contains(&channel)))
+pub fn of_moving(errors: &LevelErrors, recording: &Recording) -> LevelErrors {
+    let moving = moving_channels(recording);
+    LevelErrors::each(|channel| errors.of(channel).filter(|_| moving.contains(&channel)))
 }
 
 /// Change of a level along equal parts of a run [dB]; `None` if it is not a trend.
@@ -127,15 +165,15 @@ fn has_batches(signal: &Signal) -> bool {
 }
 
 /// The compared accelerations that are not silent.
-fn heard(recording: &Recording) -> Vec<Channel> {
-    let is_heard = |channel: &Channel| recording.of(*channel).is_some_and(|of| of.in_band().moments.rms() > SILENCE);
-    judged(recording).into_iter().filter(is_heard).collect()
+fn moving_channels(recording: &Recording) -> Vec<Channel> {
+    let moves = |channel: &Channel| recording.of(*channel).is_some_and(|of| of.in_band().moments.rms() > SILENCE);
+    judged(recording).into_iter().filter(moves).collect()
 }
 
 fn of_batches(recording: &Recording, error: impl Fn(&[f64]) -> Option<f64>) -> LevelErrors {
-    let heard = heard(recording);
+    let moving = moving_channels(recording);
     LevelErrors::each(|channel| {
-        let signal = recording.of(channel).filter(|_| heard.contains(&channel))?;
+        let signal = recording.of(channel).filter(|_| moving.contains(&channel))?;
         error(&in_parts(&signal.in_band().mean_squares, BATCHES))
     })
 }

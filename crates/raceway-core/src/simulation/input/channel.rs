@@ -33,6 +33,14 @@ pub enum Channel {
 }
 
 impl Channel {
+    /// The acceleration of the spindle along the same axis; `None` for channels of other bodies.
+    pub fn acceleration(&self) -> Option<Self> {
+        match self {
+            Self::Spindle(axis, _) => Some(Self::Spindle(*axis, Motion::Acceleration)),
+            _ => None,
+        }
+    }
+
     /// The channel of that name in a bearing of `ball_count` balls, or `None`.
     pub fn parse(name: &str, ball_count: usize) -> Option<Self> {
         let mut parts = name.split('.');

@@ -156,7 +156,12 @@ impl Scene {
                 unbalance: Unbalance::None,
                 axial: if load[0] == 0.0 { AxialHold::Fixed } else { AxialHold::Free },
             },
-            operation: Operation { speed: SpeedProfile::constant(speed)?, load, misalignment: [0.0; 2] },
+            operation: Operation {
+                speed: SpeedProfile::constant(speed)?,
+                load,
+                misalignment: [0.0; 2],
+                perturbation: None,
+            },
             lubricant: presets::lubricant_of(defaults.lubricant).lubricant,
             raceway_damping: RACEWAY_DAMPING,
             terms: Terms::default(),

@@ -5,11 +5,12 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
+use crate::physics::operation::InitialPerturbation;
 use crate::physics::raceway::RacewayContact;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::state::{BallState, SpindleState};
+use crate::simulation::model::state::{BallState, CageState, Layout, SpindleState};
 use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
 
@@ -24,10 +25,10 @@ pub struct Equilibrium {
     pub loads: Vec<PerRaceway<f64>>,
 }
 
-/// Equilibrium of the raceways under the applied loads alone: no gravity, no centrifugal load, first ball under +Y.
+/// Equilibrium of the raceways at rest under the applied loads and the weight of the spindle: first ball under +Y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaticLoads {
-    /// Displacement from the centred position along the radial load, clearance included [m].
+    /// Displacement from the centred position along the radial force, clearance included [m].
     pub radial_displacement: f64,
     /// Displacement along the axial load [m]; 0 where the axial direction is held.
     pub axial_displacement: f64,
@@ -39,7 +40,8 @@ pub struct StaticLoads {
     pub max_pressure: f64,
 }
 
-/// Equilibrium of spindle and balls under load, gravity and centrifugal force; cage centred, ideal orbit and rolling.
+/// Equilibrium of spindle and balls under load, gravity and centrifugal force; cage centred, ideal orbit and rolling. An initial
+/// perturbation adds a velocity to each ball and to the cage; planar states omit its part along X.
 pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
     let mechanism = model.mechanism();
     let layout = mechanism.layout;
@@ -49,13 +51,28 @@ pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
         layout.set_ball(&mut state, ball, &BallState { axial, radial, ..BallState::default() });
     }
     layout.set_spindle(&mut state, &SpindleState { position: rest.spindle, velocity: [0.0; 3] });
+    if let Some(perturbation) = mechanism.perturbation {
+        perturb(&layout, &mut state, perturbation);
+    }
     Ok(state)
 }
 
-/// Equilibrium of a scene's raceways under its applied loads alone.
+/// Sets the velocities of an initial perturbation: balls along the axis, the radius and the orbit, the cage along X, Y, Z.
+fn perturb(layout: &Layout, state: &mut [f64], perturbation: InitialPerturbation) {
+    let mut velocities = perturbation.velocities();
+    for (ball, [axial_velocity, radial_velocity, arc_velocity]) in (0..layout.balls).zip(velocities.by_ref()) {
+        let moved = BallState { axial_velocity, radial_velocity, arc_velocity, ..layout.ball(state, ball) };
+        layout.set_ball(state, ball, &moved);
+    }
+    for velocity in velocities.take(1) {
+        layout.set_cage(state, &CageState { velocity, ..CageState::default() });
+    }
+}
+
+/// Equilibrium of a scene's raceways at rest under its applied loads and the weight of the spindle. The weights of the balls are small beside them.
 pub fn static_loads(scene: &Scene, needs: &ActiveTerms) -> Result<StaticLoads, SimulationError> {
     let mut mechanism = Mechanism::new(scene, needs);
-    mechanism.gravity = 0.0;
+    mechanism.load[1] += mechanism.spindle_mass * std::mem::take(&mut mechanism.gravity);
     let rest = equilibrium(&mechanism, 0.0)?;
     let pressure = |contact: &RacewayContact, load: f64| contact.hertz().max_pressure(load);
     let max_pressure = rest

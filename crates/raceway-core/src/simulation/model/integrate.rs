@@ -1,6 +1,6 @@
 //! Integration of the dynamics from one time to another by one method.
 
-use crate::numerics::ode::stability::{self, StabilityWatch};
+use crate::numerics::ode::stability::{self, StabilityWatch, UnstableStep};
 use crate::numerics::ode::{Choice, Integrator, Method, Statistics};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
@@ -12,6 +12,8 @@ use crate::simulation::model::system::Model;
 const MIN_EVALUATIONS_FOR_PROJECTION: u64 = 2_000_000;
 /// Steps between two polls of `Control`.
 pub(crate) const STEPS_PER_LOOK: u64 = 256;
+/// Bisections of the step in which the spindle leaves the bearing.
+const BISECTIONS: usize = 40;
 /// Evaluations between two polls of `Control`: a step of an implicit method takes many.
 const EVALUATIONS_PER_POLL: u64 = 6 * STEPS_PER_LOOK;
 
@@ -58,7 +60,7 @@ pub(crate) struct Integrated {
     /// State at the end.
     pub end: Vec<f64>,
     /// Warning where a fixed step lies beyond the limit of stability.
-    pub unstable: Option<String>,
+    pub unstable: Option<UnstableStep>,
 }
 
 /// Times at which steps end exactly: kinks of the speed between two times, and the later one [s].
@@ -91,10 +93,13 @@ pub(crate) fn integrate(
         while integrator.time() < stop {
             if let Err(source) = integrator.step(stop) {
                 let error = SimulationError::integration(source, &layout);
-                return Err(error.because(watch.as_ref().and_then(StabilityWatch::warning)));
+                return Err(error.because(watch.as_ref().and_then(StabilityWatch::unstable)));
             }
             if integrator.previous_time() < span.checkpoint && span.checkpoint <= integrator.time() {
                 integrator.interpolate(span.checkpoint, &mut checkpoint);
+            }
+            if stepping.fixed_step.is_none() || integrator.statistics().steps.is_multiple_of(STEPS_PER_LOOK) {
+                check_departure(model, integrator.as_ref())?;
             }
             after_step(integrator.as_ref());
             if let Some(watch) = &mut watch
@@ -127,8 +132,29 @@ pub(crate) fn integrate(
         choice: integrator.choice(),
         checkpoint,
         end: integrator.state().to_vec(),
-        unstable: watch.and_then(|watch| watch.warning()),
+        unstable: watch.and_then(|watch| watch.unstable()),
     })
+}
+
+/// Refuses a state in which no ball can hold the spindle any more.
+///
+/// Steps of error control grow as soon as nothing holds the spindle, so that each of them is checked. The limit is passed within the
+/// last step; the error states the time by bisection.
+fn check_departure(model: &Model, integrator: &dyn Integrator) -> Result<(), SimulationError> {
+    let m = model.mechanism();
+    let of = |state: &[f64]| m.departure(m.layout.spindle(state).position);
+    let Some(mut departure) = of(integrator.state()) else { return Ok(()) };
+    let (mut before, mut time) = (integrator.previous_time(), integrator.time());
+    let mut state = vec![0.0; m.layout.dimension()];
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (before + time);
+        integrator.interpolate(middle, &mut state);
+        match of(&state) {
+            Some(earlier) => (time, departure) = (middle, earlier),
+            None => before = middle,
+        }
+    }
+    Err(SimulationError::SpindleLeft { time, departure })
 }
 
 /// Aborts a run whose projected number of evaluations is too large. The projection counts evaluations instead of time, so that the same

@@ -1,19 +1,21 @@
 //! Constants of bodies and contacts during a run.
 
 use crate::numerics::lanes::LANES;
-use crate::physics::bearing::PerRaceway;
+use crate::physics::bearing::{PerRaceway, SpindlePlay};
 use crate::physics::cage::CageParameters;
 use crate::physics::drag::Drag;
 use crate::physics::frames::{Azimuth, Vector};
 use crate::physics::kinematics;
 use crate::physics::land::Land;
-use crate::physics::operation::SpeedProfile;
+use crate::physics::neighbour::NeighbourContact;
+use crate::physics::operation::{InitialPerturbation, SpeedProfile};
 use crate::physics::pocket::Pocket;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::AxialHold;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::fading_damping::FadingDamping;
+use crate::simulation::model::failure::Departure;
 use crate::simulation::model::state::Layout;
 use crate::simulation::model::terms::ActiveTerms;
 
@@ -35,11 +37,15 @@ pub struct Mechanism {
     pub ball_radius: f64,
     pub raceway: PerRaceway<RacewayContact>,
     pub pocket: Pocket,
+    /// Contact of neighbouring balls; `None`: a cage keeps them apart.
+    pub neighbours: Option<NeighbourContact>,
     pub cage: CageParameters,
     pub land: Option<Land>,
     pub drag: Option<Drag>,
     pub churning: Option<Drag>,
     pub spindle_mass: f64,
+    /// Largest displacement at which a ball may hold the spindle [m].
+    pub(crate) play: SpindlePlay,
     /// Axial displacement at which the spindle is held [m].
     pub axial_offset: f64,
     /// Imposed tilt of the spindle about Y and Z [rad].
@@ -50,6 +56,8 @@ pub struct Mechanism {
     pub unbalance: f64,
     /// Acceleration of gravity along +Y [m/s²].
     pub gravity: f64,
+    /// Initial velocities of balls and cage; `None`: they start in equilibrium.
+    pub(crate) perturbation: Option<InitialPerturbation>,
     /// Damping of the start-up phase, which is no part of the scene.
     pub(crate) damping: Option<FadingDamping>,
 }
@@ -83,6 +91,18 @@ impl Mechanism {
     /// Returns whether contact angles differ from 0: the spindle moves along X, is offset there, or is tilted.
     pub(crate) fn has_axial_motion_or_tilt(&self) -> bool {
         self.layout.axial_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
+    }
+
+    /// How far the spindle is from the centre of the outer ring where no ball can hold it any more; `None`: a ball may hold it.
+    pub(crate) fn departure(&self, [x, y, z]: Vector) -> Option<Departure> {
+        let (radial, axial) = ((y * y + z * z).sqrt(), (x + self.axial_offset).abs());
+        if radial > self.play.radial {
+            Some(Departure { direction: "radially", displacement: radial, limit: self.play.radial })
+        } else if axial > self.play.axial {
+            Some(Departure { direction: "axially", displacement: axial, limit: self.play.axial })
+        } else {
+            None
+        }
     }
 
     /// Orbit speed of ideally rolling balls at constant shaft speed [rad/s]; `None` where the speed changes.
@@ -120,11 +140,14 @@ impl Mechanism {
                 relative_spin_ratio * operating_speed,
                 needs.pocket,
             ),
+            neighbours: (!needs.cage)
+                .then(|| NeighbourContact::new(bearing, &scene.cage, &scene.lubricant, needs.pocket)),
             cage: scene.cage,
             land: scene.cage.land.filter(|_| needs.land).map(|land| Land::new(&land, &scene.lubricant)),
             drag: needs.drag.then_some(drag),
             churning: needs.churning.then_some(drag),
             spindle_mass: scene.spindle.mass,
+            play: bearing.largest_displacement(),
             axial_offset: match scene.spindle.axial {
                 AxialHold::Offset(offset) => offset,
                 AxialHold::Fixed | AxialHold::Free => 0.0,
@@ -133,6 +156,7 @@ impl Mechanism {
             load: scene.operation.load,
             unbalance: if needs.unbalance { scene.spindle.unbalance_product(operating_speed) } else { 0.0 },
             gravity: if needs.gravity { scene.gravity } else { 0.0 },
+            perturbation: scene.operation.start_perturbation(),
             damping: None,
         }
     }

@@ -11,6 +11,8 @@ pub(crate) mod fading_damping;
 
 pub mod failure;
 
+pub mod inapplicable;
+
 pub mod dynamics;
 
 pub(crate) mod step_loads;

@@ -1,7 +1,7 @@
 //! Names for the entries of `y`. No bare index into a state exists outside this file.
 //!
-//! Balls come first, one block each, then the cage, then the spindle (balls couple only to cage and
-//! spindle, so a Jacobian is bordered block-diagonal). All entries are deviations from ideal rolling, so that a
+//! Balls come first, one block each, then the cage, then the spindle (balls couple to cage and spindle, so a Jacobian is
+//! bordered block-diagonal; contacts of neighbouring balls, where there is no cage, stand outside its blocks). All entries are deviations from ideal rolling, so that a
 //! tolerance means the same early and late in a run. Inside SI; arcs are angles times the pitch radius.
 
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, side_by_side};

@@ -37,11 +37,20 @@ impl Model {
 
     /// The model with additional damping that fades.
     pub(crate) fn damped(&self, damping: FadingDamping) -> Self {
-        let mechanism = Mechanism { damping: Some(damping), ..self.mechanism().clone() };
+        self.of(Mechanism { damping: Some(damping), ..self.mechanism().clone() })
+    }
+
+    /// The same equations with other constants.
+    fn of(&self, mechanism: Mechanism) -> Self {
         match self {
             Self::Full(_) => Self::Full(Full::new(mechanism)),
             Self::Planar(_) => Self::Planar(Planar::new(mechanism)),
         }
+    }
+
+    /// The model without contacts between balls, to tell their effect.
+    pub fn without_neighbours(&self) -> Self {
+        self.of(Mechanism { neighbours: None, ..self.mechanism().clone() })
     }
 
     /// Writes `dy/dt` as `OdeSystem::derivative` does, and passes each load to `watch`.

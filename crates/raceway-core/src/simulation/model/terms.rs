@@ -12,6 +12,7 @@ use crate::physics::spindle::{AxialHold, Unbalance};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::inapplicable::Inapplicable;
 
 /// Justification of an omitted term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +59,7 @@ pub struct ActiveTerms {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnsupportedChoice {
     #[error("rung {rung} cannot represent this scene or its outputs: {reason}", rung = .rung.name())]
-    ModelLevel { rung: ModelLevel, reason: String },
+    ModelLevel { rung: ModelLevel, reason: Inapplicable },
     #[error("term {term} cannot be {choice}: {reason}", term = .term.name())]
     Term { term: Term, choice: &'static str, reason: &'static str },
 }
@@ -84,13 +85,8 @@ impl ActiveTerms {
         });
         let hydrodynamics = decision.hydrodynamics();
         let film = decision.pocket_film(cage);
-        let friction = decision.keep(Term::PocketFriction, true, || {
-            if !cage {
-                Some("there is no cage".into())
-            } else {
-                (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into())
-            }
-        });
+        let friction = decision
+            .keep(Term::PocketFriction, true, || (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into()));
         let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then(|| "nothing fills the bearing".into());
         let is_steep = saturation_slip(&scene.lubricant.traction) < decision.slip_variation();
         let needs = Self {
@@ -209,11 +205,11 @@ impl Decision<'_> {
     ) -> Result<ModelLevel, UnsupportedChoice> {
         let scene = self.scene;
         let out_of_plane = if axial_spindle {
-            Some("the spindle moves along X")
+            Some(Inapplicable::SpindleMovesAlongX)
         } else if matches!(scene.spindle.axial, AxialHold::Offset(offset) if offset != 0.0) {
-            Some("the spindle is held off its centre along X")
+            Some(Inapplicable::SpindleOffCentre)
         } else if scene.operation.misalignment != [0.0; 2] {
-            Some("the spindle is misaligned")
+            Some(Inapplicable::Misaligned)
         } else {
             None
         };
@@ -222,10 +218,11 @@ impl Decision<'_> {
         let planar = ModelLevel::Planar;
         match (asked, out_of_plane) {
             (Some(ModelLevel::Planar), Some(reason)) => {
-                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason: reason.into() });
+                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason });
             }
             (Some(ModelLevel::Planar), None) if choice == TermChoice::On => {
-                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason: "terms.cage_tilt is on".into() });
+                let reason = Inapplicable::TermOn(Term::CageTilt);
+                return Err(UnsupportedChoice::ModelLevel { rung: planar, reason });
             }
             (_, Some(_)) if choice == TermChoice::Off => {
                 let reason = "the scene moves along X; only a planar scene can do without";
@@ -322,14 +319,16 @@ impl Decision<'_> {
 
     fn pocket_film(&mut self, cage: bool) -> bool {
         let film = self.scene.cage.film;
-        let dry = self.scene.lubricant.viscosity == 0.0 && film == PocketFilm::Wedge;
+        // Between balls lubricant is squeezed out, whichever film the pockets would have.
+        let needs_viscosity = film == PocketFilm::Wedge || !cage;
+        let dry = self.scene.lubricant.viscosity == 0.0 && needs_viscosity;
         self.keep(Term::PocketFilm, true, || {
-            if !cage {
-                Some("there is no cage".into())
-            } else if film == PocketFilm::None {
+            if film == PocketFilm::None {
                 Some("bearing.cage.film is none".into())
             } else {
-                dry.then(|| "a wedge needs a viscosity above 0".into())
+                dry.then(|| {
+                    if cage { "a wedge needs a viscosity above 0" } else { "a film needs a viscosity above 0" }.into()
+                })
             }
         })
     }

@@ -1,5 +1,9 @@
 //! Summary metrics of a run, in the units of results.
 
+use std::f64::consts::SQRT_2;
+
+use crate::numerics::ode::{ChoiceReason, Statistics};
+use crate::numerics::spectrum::Spectrum;
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
@@ -77,13 +81,15 @@ pub struct CageMetrics {
 pub struct SolverReport {
     pub method: &'static str,
     /// Why `auto` runs this method.
-    pub choice: Option<String>,
+    pub choice: Option<ChoiceReason>,
     pub level: ModelLevel,
     /// Candidates that did not become the result, in the order in which they were tried.
+    /// Window of a comparison with the full dynamics [s], where the request omits the tilt of balls and cage.
+    pub tilt_window: Option<f64>,
     pub rejections: Vec<Rejection>,
     /// Model levels that were no candidates.
     pub not_eligible: Vec<NotEligible>,
-    pub statistics: crate::numerics::ode::Statistics,
+    pub statistics: Statistics,
     /// [s]
     pub wall_time: f64,
     /// [s]
@@ -212,21 +218,39 @@ pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpec
     settings.outputs.spectra.iter().filter_map(one).collect()
 }
 
-/// Lines of all spectra, without labels where the speed varies.
+/// Lines of all spectra. A line has no label where the speed varies, and where it is weaker than the noise that the error of the level allows. A
+/// spectrum whose level is not resolved has no lines.
 pub fn lines(
     scene: &Scene,
     spectra: &[ChannelSpectra],
     frequencies: &CharacteristicFrequencies,
+    accuracy: &AccuracyReport,
 ) -> Vec<(Channel, Line)> {
-    let named = scene.operation.speed.is_constant();
+    let is_constant = scene.operation.speed.is_constant();
     let frequencies = &marked(scene, frequencies);
-    let name = |line: Line| if named { line } else { Line { label: String::new(), deviation: 0.0, ..line } };
-    spectra
-        .iter()
-        .flat_map(|spectra| {
-            find_lines(&spectra.amplitude, frequencies, BAND).into_iter().map(move |line| (spectra.channel, name(line)))
-        })
-        .collect()
+    let of_channel = |spectra: &ChannelSpectra| {
+        let acceleration = spectra.channel.acceleration();
+        if acceleration.is_some_and(|of| accuracy.unresolved.of(of).is_some()) {
+            return Vec::new();
+        }
+        let error_db = acceleration.and_then(|of| accuracy.level_errors.of(of)).unwrap_or(0.0);
+        let noise = allowed_noise(&spectra.amplitude, error_db);
+        let name = |line: Line| match is_constant && line.amplitude > SQRT_2 * noise {
+            true => line,
+            false => Line { label: String::new(), deviation: 0.0, ..line },
+        };
+        let lines = find_lines(&spectra.amplitude, frequencies, BAND);
+        lines.into_iter().map(|line| (spectra.channel, name(line))).collect::<Vec<_>>()
+    };
+    spectra.iter().flat_map(of_channel).collect()
+}
+
+/// Root mean square of the noise that a spectrum may contain beside its signal, if its level is off by `error_db`.
+fn allowed_noise(spectrum: &Spectrum, error_db: f64) -> f64 {
+    // The Hann window spreads the power of a line over one and a half bins.
+    let in_band = spectrum.amplitude.iter().take((BAND / spectrum.resolution) as usize);
+    let power = 0.5 * in_band.map(|amplitude| amplitude * amplitude).sum::<f64>() / 1.5;
+    power.sqrt() * (10_f64.powf(error_db / 20.0) - 1.0)
 }
 
 /// Frequencies that can appear in a spectrum, others 0. Only an unbalance marks the rotation of the inner ring, and nothing marks that of a

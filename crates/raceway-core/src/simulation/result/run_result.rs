@@ -53,7 +53,11 @@ impl RunResult {
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
             cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
             frequencies,
-            lines: if outputs.vibration { metrics::lines(scene, &spectra, &frequencies) } else { Vec::new() },
+            lines: if outputs.vibration {
+                metrics::lines(scene, &spectra, &frequencies, &accuracy)
+            } else {
+                Vec::new()
+            },
             solver,
             accuracy,
         };

@@ -7,8 +7,10 @@ use crate::simulation::error::codes::{NotEligible, Rejection, Uncertainty, Warni
 use crate::simulation::error::comparison::Deviation;
 use crate::simulation::error::errors::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::error::stationarity::{self, WindowScatter, deviation_of_parts, halves_deviation, trends};
-use crate::simulation::error::thresholds::{LONG_RECORD_S, NOTABLE_CHANGE_DB, STATIONARY_SCATTER_DB};
+use crate::simulation::error::stationarity::{
+    self, WindowScatter, deviation_of_parts, halves_deviation, is_quiet, quiet_channels, trends,
+};
+use crate::simulation::error::thresholds::{LONG_RECORD_S, NOTABLE_CHANGE_DB, STATIONARY_SCATTER_DB, WARNED_ERROR_DB};
 use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::{Outputs, RunSettings};
@@ -26,6 +28,7 @@ use crate::simulation::solve::judge::large_errors;
 use crate::simulation::solve::plan::Candidate;
 use crate::simulation::solve::startup::{self, InitialState};
 use crate::simulation::solve::verification::or_failure;
+use crate::simulation::solve::verify_planar::with_omitted_tilt;
 
 /// Recorded time of a reduced model up to which one later window per batch is recorded [s]. These windows cost little.
 const MANY_WINDOWS_S: f64 = 0.5;
@@ -52,15 +55,18 @@ pub(crate) fn assemble(
     let Problem { scene, settings, .. } = *problem;
     let Solved { candidate, attempt, mut report, rejections, not_eligible } = solved;
     attempt.recording.evaluate(&settings.outputs);
+    report = report.with_unresolved(settings.tightened.is_none());
     if scene.operation.speed.is_constant() {
         let windows = window_scatter(problem, &candidate, &attempt, &control.without_live())?;
         report = with_scatter(report, &attempt.recording, windows, &settings.outputs);
+        report = with_quiet_levels(report, &attempt.recording);
     }
     let level = Some(candidate.level).filter(|level| level.is_reduced() || settings.rung.is_some());
     let terms = active_terms(scene, &settings.outputs, level)?;
+    let (mut report, tilt_window) = with_omitted_tilt(report, &terms, problem, &control.without_live())?;
     // The periodic model has no initial transient. Neither chaos nor a damped start keeps it.
     let is_damped = attempt.trajectory.is_some() && problem.dynamics(control)?.start.is_damped;
-    let keeps_start = candidate.level != ModelLevel::Periodic && !report.is_chaotic() && !is_damped;
+    let keeps_start = candidate.level != ModelLevel::Periodic && !report.is_chaotic && !is_damped;
     report.warnings.extend(startup::warnings(scene, &terms, settings.settle, keeps_start));
     let mut left_out = terms.left_out.clone();
     let bound = report.level_error_db().map(|error| (error, "dB"));
@@ -69,8 +75,9 @@ pub(crate) fn assemble(
     }
     let solver = SolverReport {
         method: attempt.method,
-        choice: attempt.trajectory.as_ref().and_then(|trajectory| trajectory.choice.reason.clone()),
+        choice: attempt.trajectory.as_ref().and_then(|trajectory| trajectory.choice.reason),
         level: candidate.level,
+        tilt_window,
         rejections,
         not_eligible,
         statistics: attempt.work,
@@ -153,6 +160,17 @@ fn later_window(
     Ok(run_from(dynamics, &start, &later, &stepping, control)?.recording)
 }
 
+/// The report with a remark on very low levels in place of warnings of their large errors.
+fn with_quiet_levels(mut report: AccuracyReport, recording: &Recording) -> AccuracyReport {
+    let channels = quiet_channels(recording);
+    let others = LevelErrors::each(|channel| report.level_errors.of(channel).filter(|_| !is_quiet(recording, channel)));
+    if others.worst().is_none_or(|error| error <= WARNED_ERROR_DB) {
+        report.drop_uncertain_level();
+    }
+    report.warnings.extend((!channels.is_empty()).then_some(Warning::StationarityNotChecked { channels }));
+    report
+}
+
 /// Adds the scatter between windows to the report. A level error is at least a notable scatter, and a trend along the recorded time.
 fn with_scatter(
     report: AccuracyReport,
@@ -164,10 +182,11 @@ fn with_scatter(
     if report.level_error_db().is_none() {
         return report;
     }
-    let trends = if report.is_chaotic() { Vec::new() } else { trends(recording, windows.later.as_ref()) };
+    let trends = if report.is_chaotic { Vec::new() } else { trends(recording, windows.later.as_ref()) };
     let of_trend = LevelErrors::each(|channel| Some(trends.iter().find(|(of, _)| *of == channel)?.1.abs()));
-    let notable =
-        LevelErrors::each(|channel| windows.scatter.of(channel).filter(|scatter| *scatter > NOTABLE_CHANGE_DB));
+    let notable = LevelErrors::each(|channel| {
+        windows.scatter.of(channel).filter(|scatter| *scatter > NOTABLE_CHANGE_DB && !is_quiet(recording, channel))
+    });
     let is_uneven = notable.worst().is_some();
     report.level_errors = report.level_errors.raised_to(of_trend).raised_to(notable);
     if let (true, Some(errors), Some(halves)) = (is_uneven, report.quantity_errors, halves_deviation(&recording.parts))

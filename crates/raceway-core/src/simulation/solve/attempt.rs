@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 
+use crate::numerics::ode::stability::UnstableStep;
 use crate::numerics::ode::{Choice, Integrator, Method, Statistics};
 use crate::simulation::error::comparison::Deviation;
 use crate::simulation::error::thresholds::MIN_WINDOW_S;
@@ -66,7 +67,7 @@ pub(crate) struct Trajectory {
     pub checkpoint: Vec<f64>,
     pub end: Vec<f64>,
     pub choice: Choice,
-    pub unstable: Option<String>,
+    pub unstable: Option<UnstableStep>,
 }
 
 impl<'a> Problem<'a> {

@@ -12,6 +12,7 @@ use crate::simulation::error::thresholds::{
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::radially_condensed;
 use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut, UnsupportedChoice};
 use crate::simulation::model::{periodic, spindle_only};
@@ -38,17 +39,20 @@ impl Eligibility {
         if let Some(reason) = no_reduced_model(scene, settings, &dynamics) {
             not_eligible.push(known(ModelLevel::REDUCED.to_vec(), reason));
         } else {
-            let lean = tilt_risk(scene);
-            if let Some(reason) = lean {
+            let tilt = tilt_risk(scene);
+            if let Some(reason) = tilt {
                 not_eligible.push(known(vec![ModelLevel::Periodic, ModelLevel::SpindleOnly], reason));
             }
             for level in ModelLevel::REDUCED {
                 match cannot_represent(level, scene, &dynamics, &settings.outputs) {
                     Some(reason) => {
                         let reason = NotEligibleReason::CannotRepresent(reason);
-                        not_eligible.push(NotEligible { levels: vec![level], reason });
+                        match not_eligible.iter_mut().find(|other: &&mut NotEligible| other.reason == reason) {
+                            Some(other) => other.levels.push(level),
+                            None => not_eligible.push(NotEligible { levels: vec![level], reason }),
+                        }
                     }
-                    None if level == ModelLevel::RadiallyCondensed || lean.is_none() => levels.push(level),
+                    None if level == ModelLevel::RadiallyCondensed || tilt.is_none() => levels.push(level),
                     None => {}
                 }
             }
@@ -68,7 +72,7 @@ pub fn active_terms(
         if level == Some(ModelLevel::Full) && scene.terms.get(Term::CageTilt) == TermChoice::Off {
             return Err(UnsupportedChoice::ModelLevel {
                 rung: ModelLevel::Full,
-                reason: "terms.cage_tilt is off".into(),
+                reason: Inapplicable::TermOff(Term::CageTilt),
             });
         }
         return ActiveTerms::of(scene, outputs, level);
@@ -114,9 +118,9 @@ pub fn allowed_deviation(level: ModelLevel, model_tolerance_db: f64) -> f64 {
 }
 
 /// Reason why a reduced model cannot represent a scene or its outputs; `None` if it can.
-fn cannot_represent(level: ModelLevel, scene: &Scene, terms: &ActiveTerms, outputs: &Outputs) -> Option<String> {
+fn cannot_represent(level: ModelLevel, scene: &Scene, terms: &ActiveTerms, outputs: &Outputs) -> Option<Inapplicable> {
     // The leaner models are verified by the condensed one.
-    let condensed = || radially_condensed::inapplicability(scene, outputs).map(str::to_owned);
+    let condensed = || radially_condensed::inapplicability(scene, outputs);
     match level {
         ModelLevel::Full | ModelLevel::Planar => None,
         ModelLevel::RadiallyCondensed => condensed(),

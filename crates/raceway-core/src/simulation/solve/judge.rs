@@ -5,9 +5,10 @@ use std::rc::Rc;
 use crate::numerics::ode::Method;
 use crate::simulation::error::codes::{Cause, ErrorBasis, Gap, Uncertainty, Warning};
 use crate::simulation::error::comparison::Deviation;
-use crate::simulation::error::errors::LevelErrors;
+use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
+use crate::simulation::error::lyapunov::MotionKind;
 use crate::simulation::error::report::AccuracyReport;
-use crate::simulation::error::stationarity::{of_heard, sampling_errors, scatter};
+use crate::simulation::error::stationarity::{of_moving, sampling_errors, sampling_errors_of_quantities, scatter};
 use crate::simulation::error::thresholds::{
     HIDDEN_SHARE, INDEPENDENT_NOISE, MAX_GROWTH_PER_STEP, SAMPLE_EFOLDS, SAMPLE_SIGMAS, STALLED_DB, STALLED_SHARE,
     STATED_SHARE, UNRESOLVED_DB, WARNED_ERROR_DB,
@@ -73,7 +74,7 @@ fn reject(cause: Cause, refined: Option<Candidate>) -> Verdict {
     Verdict::Reject { cause, refined, report: None }
 }
 
-fn deviates(deviation: &Deviation, outputs: &Outputs, allowed_db: f64) -> Cause {
+pub(crate) fn deviates(deviation: &Deviation, outputs: &Outputs, allowed_db: f64) -> Cause {
     let asked = deviation.of_asked(outputs);
     let beyond = asked.beyond(outputs, allowed_db);
     Cause::Deviation { levels: asked.levels, quantities: asked.quantities, beyond }
@@ -132,7 +133,7 @@ fn reduced_report(
     };
     let basis = if known.is_some() { verification.basis } else { ErrorBasis::None };
     let mut report = AccuracyReport::new(deviation, basis, verification.divergence);
-    if report.is_chaotic() {
+    if report.is_chaotic {
         report.quantity_errors = None;
         if report.level_error_db().is_some() {
             report.level_errors = report.level_errors.larger(sampling_errors(&attempt.recording));
@@ -229,8 +230,9 @@ fn sample(
     let are_equal = deviation.levels.zip(&of_both, ratio).worst().is_some_and(|ratio| ratio <= 1.0);
     if are_equal {
         let levels = scatter.larger(deviation.levels);
+        let quantities = with_sampling(deviation.quantities, &attempt.recording);
         let mut report =
-            AccuracyReport::new(Deviation { levels, ..deviation }, verification.basis, verification.divergence);
+            AccuracyReport::new(Deviation { levels, quantities }, verification.basis, verification.divergence);
         report.warnings = large_errors(&report, Uncertainty::ShortSample, &problem.settings.outputs);
         return Verdict::Accept(report);
     }
@@ -255,7 +257,7 @@ fn controlled(
         worst.is_some_and(|error| error > UNRESOLVED_DB || verification.noise > INDEPENDENT_NOISE)
     });
     if let (CandidateSteps::Controlled(_, tolerance), true, false) =
-        (candidate.stepping, unresolved && outputs.include_levels(), report.is_chaotic())
+        (candidate.stepping, unresolved && outputs.include_levels(), report.motion == Some(MotionKind::Diverging))
         && let Some(refined) = much_tighter(candidate, tolerance)
     {
         let cause = deviates(&report.deviation(), outputs, allowed_db);
@@ -266,13 +268,13 @@ fn controlled(
         return Verdict::Accept(report);
     }
     // With axial motion or tilt, the step noise of a loose tolerance may look like chaos.
-    let is_believed = !problem.has_axial_motion_or_tilt() || !report.is_chaotic();
+    let is_believed = !problem.has_axial_motion_or_tilt() || !report.is_chaotic;
     if is_believed {
         if let Some(report) = sufficient(&report, verification, &attempt.recording, outputs, allowed_db) {
             return Verdict::Accept(report);
         }
         let small_sample_error = report.level_error_db().is_some_and(|error| error <= WARNED_ERROR_DB);
-        if report.is_chaotic() && small_sample_error || report.excess(outputs, allowed_db).is_some_and(|e| e <= 1.0) {
+        if report.is_chaotic && small_sample_error || report.excess(outputs, allowed_db).is_some_and(|e| e <= 1.0) {
             return Verdict::Accept(report);
         }
     }
@@ -299,11 +301,14 @@ fn looser_run(
     let settings = problem.settings;
     let mut deviation = verification.deviation.unwrap_or(Deviation::UNKNOWN);
     // A level that is silent at the tighter tolerance was the noise of the looser steps.
-    deviation.levels = of_heard(&deviation.levels, &attempt.recording);
+    deviation.levels = of_moving(&deviation.levels, &attempt.recording);
     let change = deviation.levels.worst();
     let before = progress.previous.and_then(|(_, before)| before.deviation).map(|deviation| deviation.levels);
+    // The first looser run and its own repetition show the same error of that run. Only the next refinement shows if the change shrinks.
     let stalled = match (change, before.and_then(|before| before.worst())) {
-        (Some(change), Some(before)) => change > STALLED_SHARE * before && change < STALLED_DB,
+        (Some(change), Some(before)) if progress.refinements > 1 => {
+            change > STALLED_SHARE * before && change < STALLED_DB
+        }
         _ => false,
     };
     if stalled {
@@ -331,7 +336,7 @@ fn dynamics_report(attempt: &Attempt, verification: &Verification, settings: &Ru
     let mut basis = verification.basis;
     let mut report = AccuracyReport::new(deviation, basis, verification.divergence);
     let mut cause = Uncertainty::Steps;
-    if report.is_chaotic() {
+    if report.is_chaotic {
         // The repetition is another sample of the same motion. Its scatter is larger over a part of the time than over the whole time.
         let share = match verification.basis {
             ErrorBasis::Repetition { window, recorded, .. } if settings.fixed_step.is_none() => {
@@ -340,13 +345,14 @@ fn dynamics_report(attempt: &Attempt, verification: &Verification, settings: &Ru
             _ => 1.0,
         };
         deviation.levels = sampling_errors(&attempt.recording).larger(deviation.levels.map(|error| share * error));
+        deviation.quantities = with_sampling(deviation.quantities, &attempt.recording);
         if let ErrorBasis::Repetition { refinement, .. } = verification.basis {
             basis = ErrorBasis::BatchMeans { refinement };
         }
         report = AccuracyReport::new(deviation, basis, verification.divergence);
         cause = Uncertainty::ShortSample;
     }
-    let unstable = attempt.trajectory.as_ref().and_then(|trajectory| trajectory.unstable.clone());
+    let unstable = attempt.trajectory.as_ref().and_then(|trajectory| trajectory.unstable);
     let failed = unstable.map(Warning::UnstableStep).or_else(|| match not_verified(verification, settings) {
         Some(Cause::NotVerified(failure)) => Some(Warning::NotVerified(failure)),
         _ => None,
@@ -369,10 +375,16 @@ fn dynamics_report(attempt: &Attempt, verification: &Verification, settings: &Ru
     report
 }
 
+/// Errors of single numbers of chaotic motion, at least their sampling errors. Two samples may agree by chance.
+fn with_sampling(errors: Option<QuantityErrors>, recording: &Recording) -> Option<QuantityErrors> {
+    let sampling = sampling_errors_of_quantities(&recording.parts);
+    errors.map(|errors| sampling.map_or(errors, |sampling| errors.larger(&sampling)))
+}
+
 /// Warning of a chaotic motion whose recorded time is too short to be a sample of its statistics.
 fn short_chaos(report: &AccuracyReport, settings: &RunSettings) -> Option<Warning> {
     let rate = report.divergence_rate;
-    (report.is_chaotic() && rate * settings.duration < SAMPLE_EFOLDS)
+    (report.is_chaotic && rate * settings.duration < SAMPLE_EFOLDS)
         .then(|| Warning::ShortChaoticSample { growth_time: 1.0 / rate, required: SAMPLE_EFOLDS / rate })
 }
 
@@ -414,7 +426,7 @@ fn sufficient(
     }
     // Finer steps give another course with the same levels: both are equally valid samples.
     let ratio = report.level_errors.zip(&scatter, |error, scatter| error / scatter.max(allowed_db));
-    let is_sample = verification.is_whole && verification.noise > INDEPENDENT_NOISE && !report.is_chaotic();
+    let is_sample = verification.is_whole && verification.noise > INDEPENDENT_NOISE && !report.is_chaotic;
     let only_uncertain = report.warnings.iter().all(|warning| matches!(warning, Warning::Uncertain { .. }));
     (is_sample && only_uncertain && ratio.worst()? <= 1.0)
         .then(|| AccuracyReport { warnings: large_errors(report, Uncertainty::Sensitive, outputs), ..report.clone() })

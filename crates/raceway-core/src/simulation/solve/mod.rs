@@ -16,7 +16,9 @@ pub mod verify;
 
 pub mod verification;
 pub mod verify_dynamics;
-pub mod verify_reduced;
+pub mod verify_planar;
+
+pub(crate) mod verify_reduced;
 
 pub mod judge;
 

@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::rc::Rc;
 use std::time::Instant;
 
+use crate::numerics::ode::IntegrationError;
 use crate::simulation::error::codes::{Cause, Rejection};
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::control::Control;
@@ -122,10 +123,13 @@ impl Search {
         Some(times * self.kept.as_ref()?.attempt.work.rhs_evaluations.max(MIN_EVALUATIONS))
     }
 
-    /// Records a candidate that failed. Fixed steps that diverge are halved.
+    /// Records a candidate that failed. Fixed steps that diverge are halved; those that meet a collision of balls are not, because no
+    /// fixed step resolves it.
     fn fail(&mut self, candidate: &Candidate, failure: SimulationError, plan: &mut Plan, settings: &RunSettings) {
+        let is_impact = matches!(failure, SimulationError::Integration { source: IntegrationError::Impact { .. }, .. });
         if let CandidateSteps::Fixed(method, step) = candidate.stepping
             && may_halve(candidate, settings)
+            && !is_impact
         {
             let stepping = CandidateSteps::Fixed(method, fixed_step::HALVED * step);
             plan.insert(Candidate { stepping, ..*candidate });
@@ -179,10 +183,10 @@ fn may_halve(candidate: &Candidate, settings: &RunSettings) -> bool {
 }
 
 fn rejection(candidate: &Candidate, cause: Cause) -> Rejection {
-    let (method, step) = match candidate.stepping {
-        CandidateSteps::Own(step) => (None, step),
-        CandidateSteps::Fixed(method, step) => (Some(method), Some(step)),
-        CandidateSteps::Controlled(method, _) => (Some(method), None),
+    let (method, step, tolerance) = match candidate.stepping {
+        CandidateSteps::Own(step) => (None, step, None),
+        CandidateSteps::Fixed(method, step) => (Some(method), Some(step), None),
+        CandidateSteps::Controlled(method, tolerance) => (Some(method), None, Some(tolerance)),
     };
-    Rejection { level: candidate.level, method, step, cause }
+    Rejection { level: candidate.level, method, step, tolerance, cause }
 }

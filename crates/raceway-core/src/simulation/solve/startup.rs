@@ -138,12 +138,13 @@ pub struct StartupPhase {
 impl StartupPhase {
     const NOTHING: Self = Self { time: 0.0, damping: None };
 
-    /// Start-up phase of a run. Attempts share nothing if the initial transient has not decayed, or if the attractor may not be unique. The
+    /// Start-up phase of a run. Attempts share nothing if the initial transient has not decayed, if the attractor may not be unique, or if the start is perturbed. The
     /// recorded motion then belongs to one start, and each attempt has to begin from that start.
     pub fn of(scene: &Scene, model: &Model, settings: &RunSettings) -> Self {
         let (settle, turning) = (settings.settle, turning_time(scene));
         let mechanism = model.mechanism();
-        if !mechanism.speed.is_constant() || !mechanism.raceway.inner.is_damped() || settings.fixed_step.is_some() {
+        let is_forgotten = mechanism.raceway.inner.is_damped() && mechanism.perturbation.is_none();
+        if !mechanism.speed.is_constant() || !is_forgotten || settings.fixed_step.is_some() {
             return Self::NOTHING;
         }
         let time = settle - turning.min(settle * (1.0 - AXIAL_SHARED));

@@ -2,7 +2,7 @@
 
 use crate::simulation::error::codes::{ErrorBasis, Gap};
 use crate::simulation::error::comparison::Deviation;
-use crate::simulation::error::lyapunov::{DivergenceEstimate, MotionKind};
+use crate::simulation::error::lyapunov::DivergenceEstimate;
 use crate::simulation::error::stationarity::halves_deviation;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::recording::record::Recording;
@@ -34,12 +34,8 @@ pub(crate) struct Verification {
 }
 
 impl Verification {
-    pub fn motion(&self) -> Option<MotionKind> {
-        self.divergence.and_then(|divergence| divergence.motion())
-    }
-
     pub fn is_chaotic(&self) -> bool {
-        self.motion() == Some(MotionKind::Diverging)
+        self.divergence.is_some_and(|divergence| divergence.is_chaotic())
     }
 }
 

@@ -171,7 +171,7 @@ fn compare_window(
 }
 
 /// Window of the dynamics. Fixed steps are used if no step is selected and the integration does not diverge; otherwise error control.
-fn dynamics_window(
+pub(crate) fn dynamics_window(
     dynamics: &Dynamics,
     short: &RunSettings,
     settings: &RunSettings,

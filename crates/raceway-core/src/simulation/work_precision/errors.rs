@@ -3,6 +3,7 @@
 use super::course::{Course, Finished};
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
 use crate::simulation::error::comparison::FAINT;
+use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::recording::sampling::ACCELERATIONS;
@@ -99,7 +100,7 @@ impl<'a> Comparison<'a> {
         let levels = levels(reference);
         let judged = judged(&levels);
         let mut lines: Vec<(Channel, Line)> = Vec::new();
-        for (channel, line) in metrics::lines(scene, &spectra, &frequencies) {
+        for (channel, line) in metrics::lines(scene, &spectra, &frequencies, &AccuracyReport::default()) {
             if judged.contains(&channel) && lines.iter().filter(|(other, _)| *other == channel).count() < LINES {
                 lines.push((channel, line));
             }

@@ -290,6 +290,6 @@ fn stability_is_that_of_what_the_linear_part_leaves() {
                 looks += 1;
             }
         }
-        assert_eq!(watch.warning().is_some(), beyond, "{step}: {watch:?}");
+        assert_eq!(watch.unstable().is_some(), beyond, "{step}: {watch:?}");
     }
 }

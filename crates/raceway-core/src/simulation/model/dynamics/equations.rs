@@ -77,6 +77,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         self.instructions
     }
 
+    pub(super) fn one(&self) -> &OneBall {
+        &self.one
+    }
+
+    /// Layout of the state, with the level known to the compiler.
+    #[inline(always)]
+    pub(super) fn layout(&self) -> Layout {
+        Layout { planar: PLANAR, ..self.mechanism.layout }
+    }
+
     pub fn mechanism(&self) -> &Mechanism {
         &self.mechanism
     }
@@ -102,6 +112,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             self.balls(first, &state, &border, &mut balls, watch.as_deref_mut(), None);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
+        }
+        if let Some(contact) = &self.mechanism.neighbours {
+            self.add_neighbours(contact, (y, dy), border.shaft, |ball, load| {
+                if let Some(watch) = watch.as_deref_mut() {
+                    watch.neighbour(ball, load);
+                }
+            });
         }
         layout.set_cage(dy, &self.cage_rates(&border, &sum));
         layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle));

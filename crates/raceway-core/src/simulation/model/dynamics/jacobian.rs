@@ -1,6 +1,6 @@
 //! ∂(rates)/∂(state) of a bearing by difference quotients, all balls displaced at once.
 //!
-//! Balls act on each other only through cage and spindle. So one evaluation gives the effect of one entry of *every* ball: on the
+//! Balls act on each other through cage and spindle, and without a cage on their neighbours (`neighbours`). So one evaluation gives the effect of one entry of *every* ball: on the
 //! ball itself and, through the reaction of each ball, on cage and spindle. An entry of the spindle changes only the inner
 //! contacts, one of the cage only the pockets, and only those are evaluated.
 
@@ -129,6 +129,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             }
         }
 
+        if let Some(contact) = &self.mechanism().neighbours {
+            self.add_neighbour_blocks(contact, state, at_rest.shaft, jacobian);
+        }
         let before = self.border_rates(&at_rest, &sum);
         let corner = jacobian.corner_mut();
         for (column, displaced) in displaced.iter().enumerate() {

@@ -7,6 +7,7 @@ mod contact_frame;
 mod equations;
 mod forces;
 mod jacobian;
+mod neighbours;
 mod ode_system;
 mod one_ball;
 mod semi_implicit;

@@ -12,7 +12,7 @@
 //! orbit, and motion along the orbit with the other spins. The cage is solved entry by entry. Terms outside A are explicit, which
 //! costs stability and not order. The spindle, hundreds of times as heavy, is predicted by Adams–Bashforth and corrected by
 //! Adams–Moulton under the loads after the balls' corrections. Long steps damp contact resonances far above the band of interest, as in
-//! a radially condensed ball.
+//! a radially condensed ball. They do not resolve a collision of balls, at which the method ends.
 
 mod correction;
 
@@ -24,7 +24,7 @@ use super::equations::Dynamics;
 use super::forces::Reaction;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
-use crate::numerics::ode::{Choice, IntegrationError, Integrator, Method, Statistics};
+use crate::numerics::ode::{Choice, ChoiceReason, IntegrationError, Integrator, Method, Statistics};
 use crate::physics::frames::Vector;
 use crate::simulation::model::state::{BallState, CageState, SpindleState};
 use crate::simulation::model::step_loads::PackedStepLoads;
@@ -104,6 +104,11 @@ pub(super) struct SemiImplicit<'m, const PLANAR: bool> {
     slopes: Slopes<Lanes>,
     corrected: Corrected,
     work: Statistics,
+    /// Predicted states, and their rates caused by neighbouring balls, where there is no cage.
+    predicted: Vec<f64>,
+    neighbour_rates: Vec<f64>,
+    /// A ball that touches the next one.
+    touching: Option<usize>,
     /// The newest node as a state, on request.
     flat: OnceCell<Vec<f64>>,
     /// Work space for the next such state.
@@ -143,6 +148,9 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             slopes,
             corrected,
             work,
+            predicted: vec![0.0; layout.dimension()],
+            neighbour_rates: vec![0.0; layout.dimension()],
+            touching: None,
             flat,
             room,
             step_loads,
@@ -214,6 +222,21 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let cage = formula.predicted_cage(&now.cage, &before.cage, &past_cage, share);
         let border = dynamics.border(cage, new.spindle, self.time);
 
+        let neighbours = dynamics.mechanism().neighbours.as_ref();
+        if let Some(contact) = neighbours {
+            for group in 0..now.balls.len() {
+                let (_, predicted) = formula.predicted_balls(&now.balls[group], &before.balls[group], share);
+                layout.set_side_by_side::<PLANAR>(&mut self.predicted, group * LANES, &predicted);
+            }
+            self.neighbour_rates.fill(0.0);
+            let (states, touching) = ((&self.predicted[..], &mut self.neighbour_rates[..]), &mut self.touching);
+            dynamics.add_neighbours(contact, states, border.shaft, |ball, load| {
+                if load.penetration > 0.0 {
+                    *touching = Some(ball);
+                }
+            });
+        }
+
         // Balls.
         let mut sum = Reaction::default();
         let mut stiff = Stiff::default();
@@ -222,6 +245,12 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             let first = group * LANES;
             let (past, predicted) = formula.predicted_balls(&now.balls[group], &before.balls[group], share);
             dynamics.balls(first, &predicted, &border, balls, None, Some(slopes));
+            if neighbours.is_some() {
+                let caused = layout.side_by_side::<PLANAR>(&self.neighbour_rates, first);
+                for lane in 0..LANES {
+                    balls.rates.put(lane, balls.rates.at(lane).combined(1.0, &caused.at(lane), 1.0));
+                }
+            }
             dynamics.correct(&past, &predicted, balls, slopes, share, corrected);
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
             corrected.loads.put_into(&mut self.step_loads, group);
@@ -350,6 +379,10 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
             self.advance(limit);
             self.work.accept(self.step, false);
         }
+        if let Some(ball) = self.touching {
+            let component = ball * self.dynamics.mechanism().layout.ball_size();
+            return Err(IntegrationError::Impact { time: self.time, step: self.step, component });
+        }
         let Node { acceleration, cage, .. } = &*self.nodes[0];
         let moves = acceleration.iter().chain(&cage.velocity).chain([&cage.arc_velocity]).all(|x| x.is_finite());
         if !moves {
@@ -426,8 +459,6 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
     }
 
     fn choice(&self) -> Choice {
-        let reason =
-            format!("steps of {:.2} µs, implicit in the stiff terms: tried before error control", 1e6 * self.step);
-        Choice { method: Method::SemiImplicit, reason: Some(reason) }
+        Choice { method: Method::SemiImplicit, reason: Some(ChoiceReason::TriedFirst { step: self.step }) }
     }
 }

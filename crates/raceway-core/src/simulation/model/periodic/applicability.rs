@@ -2,19 +2,20 @@
 
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::spindle_only;
 use crate::simulation::model::terms::ActiveTerms;
 
 /// Reason why a scene has no motion that repeats with every ball, or cannot show its outputs; `None`: it may have one.
-pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<String> {
+pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<Inapplicable> {
     let reason = if !scene.operation.speed.is_constant() {
-        "the speed changes"
+        Inapplicable::SpeedChanges
     } else if scene.operating_speed() == 0.0 {
-        "nothing turns"
+        Inapplicable::AtRest
     } else if needs.unbalance {
-        "unbalance turns with the spindle and not with the balls"
+        Inapplicable::Unbalance
     } else {
         return spindle_only::inapplicability(scene, needs, outputs);
     };
-    Some(reason.into())
+    Some(reason)
 }

@@ -11,6 +11,7 @@ use crate::numerics::statistics::{peak, rms};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::spindle_only::equations::SpindleOnly;
 use crate::simulation::model::spindle_only::{scene_model, statistics};
 use crate::simulation::recording::sampling::SPINDLE_IN_PLANE;
@@ -97,28 +98,17 @@ pub fn passage(scene: &Scene, settings: &RunSettings) -> Result<Passage, Simulat
     steady(&model)
 }
 
-fn grows(orbit: &PeriodicOrbit<4>) -> String {
-    format!(
-        "its motion does not repeat with the balls: a disturbance grows by a factor of {:.3} in one passage",
-        orbit.radius()
-    )
-}
-
 pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
     let (rest, frequency) = model.rest();
     if frequency == 0.0 {
-        return Err(SimulationError::NotApplicable {
-            rung: "periodic",
-            reason: "nothing holds the spindle: where it rests it touches no ball".into(),
-        });
+        return Err(not_applicable(Inapplicable::NothingHolds));
     }
     let speed = model.speed(0.0).0;
     let length = std::f64::consts::TAU / (model.balls() as f64 * (model.orbit_ratio() * speed).abs());
     let longest = MAX_STEP.min(MAX_PHASE / frequency);
     let coarse = ((length / longest).ceil() as usize).max(16);
     if coarse > MAX_STEPS_A_PASSAGE {
-        let reason = format!("a ball passes every {length:.1e} s, which takes {coarse} steps of {longest:.1e} s");
-        return Err(SimulationError::NotApplicable { rung: "periodic", reason });
+        return Err(not_applicable(Inapplicable::LongPassage { passage: length, steps: coarse, step: longest }));
     }
     let set = InstructionSet::best();
     let shot = |state: &[f64; 4], steps: usize, signals: Option<&mut Signals>| {
@@ -135,18 +125,18 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
         Search { sizes: [place, place, place * frequency, place * frequency], tolerance: 1e-5, iterations: 12 };
     let mut state = [rest[0], rest[1], 0.0, 0.0];
     let mut periods = 0;
-    let mut refusal = String::new();
+    let mut refusal = None;
     for passages in PASSAGES {
         state = (periods..passages).fold(state, |state, _| shoot(&state));
         periods = passages.max(periods);
         let mut orbit = match search.find(state, shoot) {
             Ok(orbit) if orbit.radius() < LARGEST_RADIUS => orbit,
             Ok(orbit) => {
-                refusal = grows(&orbit);
+                refusal = Some(Inapplicable::UnstableOrbit { growth: orbit.radius() });
                 continue;
             }
             Err(error) => {
-                refusal = error.to_string();
+                refusal = Some(Inapplicable::NoPeriodicOrbit(error));
                 continue;
             }
         };
@@ -167,21 +157,20 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
             }
         }
         if change.is_nan() || change > MAX_LEVEL_CHANGE {
-            refusal =
-                format!("the motion that repeats with the balls depends on the steps: its levels by {change:.1e}");
+            refusal = Some(Inapplicable::UnresolvedOrbit { change });
             continue;
         }
         // Stability is measured again, because coarse steps may find a stable orbit where none exists.
         let orbit = match search.measured(orbit, |state| shot(state, steps, None)) {
             Ok(orbit) => orbit,
             Err(error) => {
-                refusal = error.to_string();
+                refusal = Some(Inapplicable::NoPeriodicOrbit(error));
                 continue;
             }
         };
         evaluations += (1 + orbit.state.len() as u64) * (steps as u64 + START_EVALUATIONS);
         if orbit.radius() >= LARGEST_RADIUS {
-            refusal = grows(&orbit);
+            refusal = Some(Inapplicable::UnstableOrbit { growth: orbit.radius() });
             continue;
         }
         // Several orbits may be stable. Only the one that a run from rest approaches is the answer.
@@ -194,14 +183,18 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
             periods += 1;
         }
         if away(&state) {
-            refusal = "a run from rest settles on another motion than the one that repeats with the balls".into();
+            refusal = Some(Inapplicable::OtherOrbit);
             break;
         }
         evaluations += periods as u64 * (coarse as u64 + START_EVALUATIONS);
         let statistics = statistics(evaluations, evaluations, length / steps as f64);
         return Ok(Passage { length, orbit, statistics, signals });
     }
-    Err(SimulationError::NotApplicable { rung: "periodic", reason: refusal })
+    Err(not_applicable(refusal.unwrap_or(Inapplicable::OtherOrbit)))
+}
+
+fn not_applicable(reason: Inapplicable) -> SimulationError {
+    SimulationError::NotApplicable { rung: "periodic", reason }
 }
 
 impl Passage {

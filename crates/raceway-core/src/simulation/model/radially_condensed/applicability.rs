@@ -5,30 +5,35 @@ use crate::physics::spindle::AxialHold;
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::inapplicable::Inapplicable;
 
 /// Reason why the radially condensed model cannot represent a scene and its outputs; `None`: it can.
-pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<&'static str> {
+pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable> {
     let term_on = |term| scene.terms.get(term) == TermChoice::On;
     let along_x =
         |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
     if scene.operation.load[0] != 0.0 {
-        Some("an axial load acts")
+        Some(Inapplicable::AxialLoad)
     } else if scene.spindle.axial == AxialHold::Free {
-        Some("the spindle moves along X")
+        Some(Inapplicable::SpindleMovesAlongX)
     } else if matches!(scene.spindle.axial, AxialHold::Offset(offset) if offset != 0.0) {
-        Some("the spindle is held off its centre along X")
+        Some(Inapplicable::SpindleOffCentre)
     } else if scene.operation.misalignment != [0.0; 2] {
-        Some("the spindle is misaligned")
-    } else if scene.cage.film == PocketFilm::Empirical11 && scene.terms.get(Term::Cage) != TermChoice::Off {
-        Some("the pocket film empirical-11 is stiff and undamped, so that fixed steps are unstable")
+        Some(Inapplicable::Misaligned)
+    } else if scene.terms.get(Term::Cage) == TermChoice::Off {
+        Some(Inapplicable::NoCage)
+    } else if scene.operation.start_perturbation().is_some() {
+        Some(Inapplicable::InitialPerturbation)
+    } else if scene.cage.film == PocketFilm::Empirical11 {
+        Some(Inapplicable::StiffPocketFilm)
     } else if term_on(Term::CageTilt) {
-        Some("terms.cage_tilt is on")
+        Some(Inapplicable::TermOn(Term::CageTilt))
     } else if term_on(Term::Axial) {
-        Some("terms.axial is on")
+        Some(Inapplicable::TermOn(Term::Axial))
     } else if term_on(Term::BallRadialDynamics) {
-        Some("terms.ball_radial_dynamics is on")
+        Some(Inapplicable::TermOn(Term::BallRadialDynamics))
     } else if outputs.spectra.iter().chain(&outputs.series).any(along_x) {
-        Some("an output asks for motion along X")
+        Some(Inapplicable::ChannelAlongX)
     } else {
         None
     }

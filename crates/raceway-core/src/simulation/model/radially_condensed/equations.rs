@@ -108,7 +108,7 @@ impl RadiallyCondensed {
     /// The model of a scene, or the reason why it is not applicable.
     pub fn new(scene: &Scene, outputs: &Outputs) -> Result<Self, SimulationError> {
         if let Some(reason) = inapplicability(scene, outputs) {
-            return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason: reason.into() });
+            return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason });
         }
         let needs = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;
         let m = Mechanism::new(scene, &needs);

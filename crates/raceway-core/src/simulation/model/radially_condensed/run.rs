@@ -11,6 +11,7 @@ use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::kept_values;
@@ -51,7 +52,7 @@ fn run(
     let mut ratio = model.step_ratio_for(settings);
     loop {
         if ratio.steps > MAX_STEPS_PER_VALUE {
-            let reason = format!("spindle, cage or traction are too fast: they need steps of {:.1e} s", ratio.step());
+            let reason = Inapplicable::FastMotion { step: ratio.step() };
             return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason });
         }
         match model.run(settings, ratio, control) {
@@ -94,6 +95,10 @@ impl RadiallyCondensed {
             }
             stepper.advance(STEPS_PER_POLL.min(all - stepper.steps()), &mut observer);
             finite(&stepper)?;
+            let [y, z] = stepper.border().spindle;
+            if let Some(departure) = self.mechanism().departure([0.0, y, z]) {
+                return Err(SimulationError::SpindleLeft { time: stepper.time(), departure });
+            }
             (control.progress)(stepper.steps() as f64 / all as f64);
             let phase = if stepper.steps() < first { Phase::Settling } else { Phase::Recording };
             (control.live)(&Live { phase, accelerations: &|| observer.accelerations() });

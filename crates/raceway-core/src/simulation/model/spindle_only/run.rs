@@ -12,6 +12,7 @@ use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, kept_values};
@@ -41,7 +42,7 @@ pub fn simulate(
     let ratio = StepRatio::of(settings.fixed_step.unwrap_or(MAX_STEP.min(MAX_PHASE / frequency)));
     let step = ratio.step();
     if ratio.steps > MAX_STEPS_PER_VALUE {
-        let reason = format!("the spindle on its contacts is too fast: it needs steps of {step:.1e} s");
+        let reason = Inapplicable::FastSpindle { step };
         return Err(SimulationError::NotApplicable { rung: "spindle_only", reason });
     }
     let values = kept_values(settings.duration);
@@ -84,6 +85,10 @@ pub fn simulate(
         if let Some(component) = not_finite(method.motion()) {
             let source = IntegrationError::NotFinite { time, step, component };
             return Err(SimulationError::Integration { source, entry: "the spindle".into() });
+        }
+        let [y, z] = method.motion().0;
+        if let Some(departure) = mechanism.departure([0.0, y, z]) {
+            return Err(SimulationError::SpindleLeft { time, departure });
         }
         if from % (16 * STEPS_PER_BLOCK) == 0 {
             if (control.stop)() {

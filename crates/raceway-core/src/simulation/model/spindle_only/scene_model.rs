@@ -5,6 +5,7 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::terms::ActiveTerms;
 
@@ -13,7 +14,7 @@ pub(crate) fn scene_model(
     scene: &Scene,
     settings: &RunSettings,
     rung: &'static str,
-    inapplicability: fn(&Scene, &ActiveTerms, &Outputs) -> Option<String>,
+    inapplicability: fn(&Scene, &ActiveTerms, &Outputs) -> Option<Inapplicable>,
 ) -> Result<(SpindleOnly, Mechanism), SimulationError> {
     let needs = ActiveTerms::of(scene, &settings.outputs, Some(ModelLevel::Full))?;
     if let Some(reason) = inapplicability(scene, &needs, &settings.outputs) {

@@ -22,6 +22,7 @@ fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {
             speed: SpeedProfile::constant(speed).unwrap(),
             load: [0.0, 200.0, 0.0],
             misalignment: [0.0; 2],
+            perturbation: None,
         },
         lubricant: Lubricant { kind, ..article_lubricant() },
         raceway_damping: DampingLaw::Restitution { restitution: 0.85, at_speed: 0.1 },

@@ -1,0 +1,63 @@
+//! Reasons why a reduced model does not apply.
+
+use crate::numerics::periodic::NoOrbit;
+use crate::simulation::input::scene::Term;
+
+/// Reason why a reduced model cannot represent a scene, its outputs or its motion.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Inapplicable {
+    #[error("an axial load acts")]
+    AxialLoad,
+    #[error("the spindle moves along X")]
+    SpindleMovesAlongX,
+    #[error("the spindle is held off its centre along X")]
+    SpindleOffCentre,
+    #[error("the spindle is misaligned")]
+    Misaligned,
+    #[error("without a cage balls touch each other, and this model has no contact between balls")]
+    NoCage,
+    #[error(
+        "operation.initial_perturbation moves balls along their radius, where this model keeps them in equilibrium"
+    )]
+    InitialPerturbation,
+    #[error("rolling friction and pressure forces of the film act on the spindle")]
+    Hydrodynamics,
+    #[error("raceways with a viscous damper have no condensed law")]
+    ViscousDamper,
+    #[error("the pocket film empirical-11 is stiff and undamped, so that fixed steps are unstable")]
+    StiffPocketFilm,
+    #[error("terms.{} is on", .0.name())]
+    TermOn(Term),
+    #[error("terms.{} is off", .0.name())]
+    TermOff(Term),
+    #[error("contacts are asked for (`outputs.metrics` without \"contacts\" does not)")]
+    ContactsRequested,
+    #[error("the cage's motion is asked for (`outputs.metrics` without \"cage\" does not)")]
+    CageRequested,
+    #[error("a channel besides y and z of the spindle is asked for")]
+    OtherChannels,
+    #[error("an output asks for motion along X")]
+    ChannelAlongX,
+    #[error("the speed changes")]
+    SpeedChanges,
+    #[error("nothing turns")]
+    AtRest,
+    #[error("unbalance turns with the spindle and not with the balls")]
+    Unbalance,
+    #[error("nothing holds the spindle: where it rests it touches no ball")]
+    NothingHolds,
+    #[error("the spindle on its contacts is too fast: it needs steps of {step:.1e} s")]
+    FastSpindle { step: f64 },
+    #[error("spindle, cage or traction are too fast: they need steps of {step:.1e} s")]
+    FastMotion { step: f64 },
+    #[error("a ball passes every {passage:.1e} s, which takes {steps} steps of {step:.1e} s")]
+    LongPassage { passage: f64, steps: usize, step: f64 },
+    #[error(transparent)]
+    NoPeriodicOrbit(NoOrbit),
+    #[error("its motion does not repeat with the balls: a disturbance grows by a factor of {growth:.3} in one passage")]
+    UnstableOrbit { growth: f64 },
+    #[error("the motion that repeats with the balls depends on the steps: its levels by {change:.1e}")]
+    UnresolvedOrbit { change: f64 },
+    #[error("a run from rest settles on another motion than the one that repeats with the balls")]
+    OtherOrbit,
+}
