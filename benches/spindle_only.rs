@@ -226,6 +226,7 @@ fn parts() {
         clock.push(cpu_time());
         std::hint::black_box(metrics::lines(
             &scene,
+            &recording,
             &spectra,
             &metrics::frequencies(&scene, &recording),
             &AccuracyReport::default(),

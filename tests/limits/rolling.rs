@@ -1,10 +1,10 @@
 //! Loaded balls roll, and drive cage and unloaded balls at the speed of rolling.
 
-use raceway::contract::{Outcome, execute, parse_job};
+use raceway::contract::{Metrics, Outcome, execute, parse_job};
 use raceway::physics::kinematics::ideal_frequencies;
 use raceway::simulation::input::control::Control;
 use raceway::simulation::model::equilibrium::start_state;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::article_run::balanced;
 use crate::scenes::{advance, article, changed, model};
@@ -19,6 +19,59 @@ fn cage_and_balls_turn_at_the_speeds_of_ideal_rolling() {
     assert!((summary.frequencies.ball_spin / 1860.8 - 1.0).abs() < 0.01);
     let contacts = &summary.contacts.as_ref().unwrap().raceway;
     assert!(contacts.inner.max_slip < 0.27 && contacts.outer.max_slip < 0.27);
+}
+
+/// Metrics of a 6205 at 3000 r/min without gravity.
+fn metrics_of_6205(operation: &Value, solver: &Value) -> Metrics {
+    let mut job = json!({ "kind": "simulation", "duration_s": 0.05, "outputs": { "metrics": ["cage"], "spectra": [] },
+        "solver": solver, "scene": { "bearing": "6205", "operation": operation, "gravity_m_s2": 0 } });
+    job["scene"]["operation"]["speed_rpm"] = json!(3000);
+    let job = parse_job(job.to_string().as_bytes()).unwrap();
+    let Ok(Outcome::Simulation(simulated)) = execute(&job, &Control::until(&|| false)) else { panic!("it runs") };
+    simulated.metrics
+}
+
+/// An axial load raises the contact angle and with it the cage speed, which is no slip. The rest is conformity and spin.
+#[test]
+fn slip_against_the_loaded_contact_angle_is_small() {
+    for (load, slip, free_angle) in [(50, -0.00025, -0.0056), (200, -0.00085, -0.0079), (3000, -0.0041, -0.0212)] {
+        let operation = json!({ "radial_load_y_n": 20, "axial_load_n": load });
+        let metrics = metrics_of_6205(&operation, &json!({}));
+        let found = metrics.kinematics.unwrap();
+        let (ours, old) = (found.cage_slip.unwrap(), found.cage_slip_free_angle.unwrap());
+        assert!((ours - slip).abs() < 1.5e-4, "{load} N: {ours} for {slip}");
+        assert!((old - free_angle).abs() < 1e-4, "{load} N: {old} for {free_angle}");
+        assert!(metrics.accuracy.cage_slip_error.unwrap() < 1e-5);
+    }
+}
+
+/// In the plane the angle is zero on every model level, and the slip is the same.
+#[test]
+fn model_levels_agree_on_the_slip() {
+    let of = |rung: &str| {
+        let metrics = metrics_of_6205(&json!({ "radial_load_y_n": 500 }), &json!({ "rung": rung }));
+        assert_eq!(metrics.solver.rung, rung);
+        metrics.kinematics.unwrap().cage_slip.unwrap()
+    };
+    let full = of("full");
+    for rung in ["planar", "radially_condensed"] {
+        let slip = of(rung);
+        assert!((slip - full).abs() < 1e-5, "{rung}: {slip}, full: {full}");
+    }
+}
+
+/// At high speed and without load the balls touch the outer raceway alone. Nothing drives them, so no slip is stated.
+#[test]
+fn balls_without_load_have_no_slip() {
+    let job = json!({ "kind": "simulation", "settle_s": 0.01, "duration_s": 0.01,
+        "outputs": { "metrics": ["cage"], "spectra": [] },
+        "scene": { "bearing": "6205", "operation": { "speed_rpm": 20_000 }, "gravity_m_s2": 0 } });
+    let job = parse_job(job.to_string().as_bytes()).unwrap();
+    let Ok(Outcome::Simulation(simulated)) = execute(&job, &Control::until(&|| false)) else { panic!("it runs") };
+    let found = simulated.metrics.kinematics.unwrap();
+    assert_eq!((found.cage_slip, simulated.metrics.accuracy.cage_slip_error), (None, None));
+    assert!(found.cage_slip_free_angle.is_some());
+    assert_eq!(raceway::contract::resolve_answer(&job).derived.frequencies_loaded_hz, None);
 }
 
 /// A ball outside the load zone continues to orbit and spin near the speeds of rolling. Its centrifugal force presses it against

@@ -22,7 +22,7 @@ pub fn scene(json: &Value) -> Scene {
     scene_from_json(&json.to_string()).unwrap_or_else(|refusal| panic!("{refusal:?}\n{json:#}"))
 }
 
-fn needs(scene: &Scene) -> ActiveTerms {
+pub fn needs(scene: &Scene) -> ActiveTerms {
     let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
     ActiveTerms::of(scene, &outputs, None).unwrap()
 }
@@ -125,7 +125,8 @@ fn bearing_209() {
 }
 
 /// The 218 angular-contact bearing of Jones and Harris under an axial load of 17 800 N.
-fn bearing_218() -> Scene {
+/// Bearing 218 under thrust at 10 000 r/min.
+pub fn bearing_218() -> Scene {
     let steel = json!({ "elastic_modulus_gpa": 206.9, "poisson_ratio": 0.3, "density_kg_m3": 7830 });
     scene(&json!({
         "bearing": {

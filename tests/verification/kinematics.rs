@@ -9,10 +9,11 @@ use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::control::Control;
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
+use raceway::simulation::model::loaded_frequencies::loaded_frequencies;
 use raceway::simulation::solve::run::simulate;
 use serde_json::{Value, json};
 
-use crate::distribution::scene;
+use crate::distribution::{needs, scene};
 use crate::table::check;
 
 const INCH: f64 = 25.4;
@@ -40,6 +41,20 @@ fn case_western() {
     check("orders-6205", &orders(&scene(&json!({ "bearing": drive_end() })).bearing));
     let fan_end = scene(&json!({ "bearing": bearing(8, 0.2656 * INCH, 1.122 * INCH) })).bearing;
     check("orders-6203", &orders(&fan_end)[..3]);
+}
+
+/// FTF and BPFO [Hz] of a 6205 at 3000 r/min and the loaded contact angles: each for inner and outer control.
+#[test]
+fn loaded_angles() {
+    for (case, load) in [("loaded-50", 50), ("loaded-200", 200), ("loaded-1000", 1000), ("loaded-3000", 3000)] {
+        let scene = scene(&json!({
+            "bearing": "6205", "operation": { "speed_rpm": 3000, "radial_load_y_n": 20, "axial_load_n": load },
+            "gravity_m_s2": 0
+        }));
+        let found = loaded_frequencies(&scene, &needs(&scene)).unwrap().unwrap();
+        let (inner, outer) = (found.inner_control, found.outer_control);
+        check(case, &[inner.cage, outer.cage, inner.ball_pass_outer, outer.ball_pass_outer]);
+    }
 }
 
 /// Strongest line along Z and mean cage speed of a run, both over the shaft frequency.

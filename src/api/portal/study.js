@@ -23,7 +23,7 @@ const METRICS = [
   ['/contacts/inner/min_film_thickness_um', 'Smallest film thickness, inner', 'µm'],
   ['/contacts/pocket/max_load_n', 'Largest pocket load', 'N', (m, value) => m.accuracy?.max_pocket_load_error * value],
   ['/kinematics/cage_speed_hz', 'Cage speed', 'Hz', (m, value) => m.accuracy?.cage_speed_error * value],
-  ['/kinematics/cage_slip', 'Cage slip', '', (m, value) => m.accuracy?.cage_speed_error * Math.abs(1 - value)],
+  ['/kinematics/cage_slip', 'Cage slip', '', (m) => m.accuracy?.cage_slip_error],
   ['/cage/orbit_radius_um', 'Cage orbit radius', 'µm', (m, value) => m.accuracy?.orbit_radius_error * value],
 ];
 

@@ -34,7 +34,7 @@ pub struct Metrics {
     #[schema(nullable = false)]
     pub cage: Option<CageAnswer>,
     /// Frequencies at the simulated speeds of cage and balls, which are those of the spectral lines. `POST /v1/scenes/resolve` returns those
-    /// of ideal rolling.
+    /// of rolling at the free and at the loaded contact angles.
     pub frequencies_hz: FrequenciesAnswer,
     /// Strongest lines of each requested amplitude spectrum (`outputs.spectra`), at most 20 for each channel, strongest first, in the
     /// channel's unit (metrics `vibration`). Empty without spectra, and where no line exceeds the noise floor.
@@ -154,10 +154,18 @@ pub struct PocketAnswer {
 pub struct KinematicsAnswer {
     /// Speed of the cage about the bearing's axis [Hz].
     pub cage_speed_hz: f64,
-    /// 1 − cage speed / ideal cage speed [-]; absent at rest.
+    /// 1 − cage speed / speed of rolling at the loaded contact angles [-]. Positive: the cage lags, as it does when balls skid. Small
+    /// negative values are no skidding: conformity and spin in the contacts raise the cage speed. The speed of rolling is the mean over
+    /// time and the balls that touch both raceways, weighted by their outer load, at their simulated angles and spin axes. Absent at rest,
+    /// and where on average fewer than a tenth of the balls carry load.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cage_slip: Option<f64>,
+    /// 1 − cage speed / speed of rolling at the free contact angle [-]; absent at rest. It contains the change of the contact angle under
+    /// load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub cage_slip_free_angle: Option<f64>,
     /// Spin of the balls about their own axes [Hz].
     pub ball_spin_hz: f64,
 }
@@ -185,7 +193,8 @@ pub struct LineAnswer {
     /// Amplitude in the channel's unit; a sine of amplitude 1 gives 1.
     #[schema(minimum = 0)]
     pub amplitude: f64,
-    /// Nearest simple combination of the bearing's frequencies; empty where none is near.
+    /// Nearest simple combination of the bearing's frequencies, or `cage whirl` or `spindle whirl` at the rate of whirl; empty where none
+    /// is near.
     #[schema(example = "2·BPFO")]
     pub label: String,
     /// Frequency of the line minus that of the label [Hz].
@@ -211,7 +220,8 @@ impl Metrics {
             frequencies_hz: summary.frequencies.into(),
             lines: outputs.vibration.then(|| lines.collect()),
             solver: SolverAnswer::of(&summary.solver, &summary.accuracy),
-            accuracy: AccuracyAnswer::of(&summary.accuracy, outputs),
+            accuracy: AccuracyAnswer::of(&summary.accuracy, outputs)
+                .with_slip_of(summary.cage.as_ref().and_then(|cage| cage.slip)),
             messages: messages::of_result(&summary.accuracy.warnings, &summary.solver),
             left_out: result.left_out.iter().map(LeftOutAnswer::from).collect(),
         }
@@ -256,7 +266,12 @@ fn contacts(summary: &Summary) -> Option<ContactsAnswer> {
 }
 
 fn kinematics(cage: &CageMetrics) -> KinematicsAnswer {
-    KinematicsAnswer { cage_speed_hz: cage.speed, cage_slip: cage.slip, ball_spin_hz: cage.ball_spin }
+    KinematicsAnswer {
+        cage_speed_hz: cage.speed,
+        cage_slip: cage.slip,
+        cage_slip_free_angle: cage.slip_free_angle,
+        ball_spin_hz: cage.ball_spin,
+    }
 }
 
 impl From<&RacewayContactMetrics> for RacewayAnswer {

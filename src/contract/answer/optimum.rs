@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 
 use super::failure::RunFailure;
 use super::point::{PointEnd, PointError};
-use super::uncertainty::uncertain;
+use super::uncertainty::{is_best_at_zero, uncertain};
 use crate::contract::job::input::GoalName;
 use crate::contract::job::search::Search;
 use crate::contract::job::simulation::Simulation;
@@ -120,6 +120,8 @@ impl OptimumAnswer {
         control: &Control<'_>,
     ) -> Result<Self, RunFailure> {
         let metric = &search.objective.metric;
+        let of_magnitude = is_best_at_zero(metric);
+        let mut values: Vec<Option<Uncertain>> = Vec::new();
         let mut errors: Vec<Option<PointError>> = Vec::new();
         let mut metrics: Vec<Option<Value>> = Vec::new();
         let mut run = |at: &[f64]| -> Result<Option<Uncertain>, RunFailure> {
@@ -134,10 +136,11 @@ impl OptimumAnswer {
                     None => (None, None, Some(no_metric(metric))),
                 },
             };
+            values.push(value);
             errors.push(error);
             metrics.push(found);
             (control.progress)(errors.len() as f64 / search.most_runs().max(errors.len()) as f64);
-            Ok(value)
+            Ok(value.map(|(value, error)| (if of_magnitude { value.abs() } else { value }, error)))
         };
         let found = study::optimum(search.objective.axes.len(), search.objective.goal, &mut run)?;
         let Some(best) = found.best else {
@@ -148,7 +151,8 @@ impl OptimumAnswer {
                 detail: format!("none of {} runs has the metric {metric}{why}", found.evaluations.len()),
             });
         };
-        Ok(answer(search, &found, best, &errors, metrics.swap_remove(best).unwrap_or_default()))
+        let runs: Vec<_> = values.into_iter().zip(errors).collect();
+        Ok(answer(search, &found, best, &runs, metrics.swap_remove(best).unwrap_or_default()))
     }
 }
 
@@ -160,7 +164,7 @@ fn answer(
     search: &Search,
     found: &study::Optimum,
     best: usize,
-    errors: &[Option<PointError>],
+    ends: &[(Option<Uncertain>, Option<PointError>)],
     metrics: Value,
 ) -> OptimumAnswer {
     let values_at = |axis: usize, share: f64| search.objective.axes[axis].1.at(share);
@@ -178,19 +182,19 @@ fn answer(
     let at_edge = |axis: &usize| found.edges.as_ref().is_some_and(|edges| edges[*axis]);
     let at_end = |axis: &usize| [0.0, 1.0].contains(&found.evaluations[best].at[*axis]) || at_edge(axis);
     let at_end: Vec<usize> = (0..search.objective.axes.len()).filter(at_end).collect();
-    let row = |(run, error): (&study::Evaluation, &Option<PointError>)| RunAnswer {
+    let row = |(run, (value, error)): (&study::Evaluation, &(Option<Uncertain>, Option<PointError>))| RunAnswer {
         point: search.point(&run.at),
         purpose: run.purpose.into(),
-        value: run.value.map(|value| value.0),
-        error: run.value.and_then(|value| value.1),
+        value: value.map(|value| value.0),
+        error: value.and_then(|value| value.1),
         failure: error.clone(),
     };
     let rivals = found
         .evaluations
         .iter()
-        .zip(errors)
+        .zip(ends)
         .filter(|(run, _)| found.may_be_as_good(run, search.objective.goal) && !is_in_band(run));
-    let value = found.evaluations[best].value.unwrap_or((f64::NAN, None));
+    let value = ends[best].0.unwrap_or((f64::NAN, None));
     OptimumAnswer {
         metric: search.objective.metric.clone(),
         goal: search.goal_name(),
@@ -207,8 +211,8 @@ fn answer(
         at_end_of_range: at_end.into_iter().map(|axis| search.objective.axes[axis].0.name.clone()).collect(),
         rivals: rivals.map(row).collect(),
         runs: found.evaluations.len() as u64,
-        failed: errors.iter().flatten().count() as u64,
-        evaluations: found.evaluations.iter().zip(errors).map(row).collect(),
+        failed: ends.iter().filter(|(_, error)| error.is_some()).count() as u64,
+        evaluations: found.evaluations.iter().zip(ends).map(row).collect(),
         metrics,
     }
 }

@@ -90,6 +90,10 @@ pub struct AccuracyAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub cage_speed_error: Option<f64>,
+    /// Error of `cage_slip` [-]; with the metrics `cage`, absent where `cage_slip` is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub cage_slip_error: Option<f64>,
     /// Relative error of the largest pocket load [-]; with the metrics `cage`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
@@ -199,6 +203,7 @@ impl AccuracyAnswer {
             level_error_db: report.level_error_db(),
             max_load_error: share(|errors| errors.max_load),
             cage_speed_error: share(|errors| errors.cage_speed),
+            cage_slip_error: share(|errors| errors.cage_slip),
             max_pocket_load_error: share(|errors| errors.max_pocket_load).filter(|_| outputs.cage),
             orbit_radius_error: share(|errors| errors.orbit_radius).filter(|_| outputs.cage),
             max_slip_error: share(|errors| errors.max_slip).filter(|_| outputs.contacts),
@@ -206,6 +211,11 @@ impl AccuracyAnswer {
             motion: report.motion.map(MotionName::from),
             divergence_rate_per_s: report.motion.map(|_| report.divergence_rate),
         }
+    }
+
+    /// The errors of a run with this slip of the cage.
+    pub(super) fn with_slip_of(self, cage_slip: Option<f64>) -> Self {
+        Self { cage_slip_error: self.cage_slip_error.filter(|_| cage_slip.is_some()), ..self }
     }
 }
 

@@ -22,6 +22,7 @@ use raceway_core::physics::kinematics::ideal_frequencies;
 use raceway_core::physics::rating::{dynamic_load_rating, dynamic_load_rating_full_formula};
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::model::equilibrium::{StaticLoads, static_loads};
+use raceway_core::simulation::model::loaded_frequencies::{LoadedFrequencies, loaded_frequencies};
 use raceway_core::simulation::solve::eligibility::active_terms;
 use raceway_core::simulation::solve::plan::Plan;
 
@@ -104,8 +105,18 @@ pub struct DerivedAnswer {
     pub free_contact_angle_deg: f64,
     /// Diametral radial clearance [µm]; negative: a radial preload.
     pub radial_clearance_um: f64,
-    /// Characteristic frequencies of ideal rolling at the operating speed.
+    /// Characteristic frequencies of ideal rolling at the operating speed and the free contact angle.
     pub frequencies_hz: FrequenciesAnswer,
+    /// Characteristic frequencies of rolling at the operating speed and the contact angles of the equilibrium under loads, weights and
+    /// centrifugal forces, in which a run at this speed starts. Outer control: no ball turns about the normal of its outer contact. Absent
+    /// where fewer than a tenth of the balls carry load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub frequencies_loaded_hz: Option<FrequenciesAnswer>,
+    /// The same for inner control, the other limit of the balls' spin axes. The frequencies of rolling lie between both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub frequencies_loaded_inner_control_hz: Option<FrequenciesAnswer>,
     /// Static equilibrium under the applied loads and the weight of the spindle; absent where there is none.
     #[serde(rename = "static", skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -155,7 +166,7 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
         messages: if plan.is_none() { messages_of(base) } else { Vec::new() },
         left_out: left_out(base),
         cost: cost::estimate(job),
-        derived: derived(base.scene(), at_rest.as_ref()),
+        derived: derived(base.scene(), at_rest.as_ref(), loaded_frequencies(base.scene(), &base.terms).ok().flatten()),
         warnings: unit_warnings::warnings(base, at_rest.as_ref()),
     }
 }
@@ -184,7 +195,7 @@ fn outputs(job: &Job) -> Value {
     outputs
 }
 
-fn derived(scene: &Scene, at_rest: Option<&StaticLoads>) -> DerivedAnswer {
+fn derived(scene: &Scene, at_rest: Option<&StaticLoads>, loaded: Option<LoadedFrequencies>) -> DerivedAnswer {
     let bearing: &Bearing = &scene.bearing;
     let stiffness = raceway_contacts(bearing).map(|contact| contact.stiffness);
     let rating = dynamic_load_rating(bearing);
@@ -197,6 +208,8 @@ fn derived(scene: &Scene, at_rest: Option<&StaticLoads>) -> DerivedAnswer {
         free_contact_angle_deg: DEG.to_user(bearing.free_contact_angle),
         radial_clearance_um: UM.to_user(bearing.radial_clearance),
         frequencies_hz: ideal_frequencies(bearing, scene.operating_speed()).into(),
+        frequencies_loaded_hz: loaded.map(|loaded| loaded.outer_control.into()),
+        frequencies_loaded_inner_control_hz: loaded.map(|loaded| loaded.inner_control.into()),
         at_rest: at_rest.and_then(static_answer),
     }
 }

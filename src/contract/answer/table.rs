@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use super::point::{PointEnd, PointError, PointStatus};
-use super::uncertainty::uncertain;
+use super::uncertainty::{is_best_at_zero, uncertain};
 use crate::contract::job::axis::AxisValue;
 use crate::contract::job::study::Study;
 use crate::contract::json::problem::escape;
@@ -272,7 +272,7 @@ fn with_best(rows: &[Row]) -> Vec<(String, Best)> {
             let name = pointer.rsplit('/').next().unwrap_or_default();
             let best = match name {
                 "min_film_thickness_um" => Best::Largest,
-                "cage_slip" => Best::NearestZero,
+                _ if is_best_at_zero(&pointer) => Best::NearestZero,
                 name if LEAST.contains(&name) => Best::Least,
                 _ => return,
             };

@@ -3,8 +3,14 @@
 use raceway_core::study::Uncertain;
 use serde_json::Value;
 
+/// True for a metric of either sign whose best value is 0. The smallest magnitude is its minimum.
+pub fn is_best_at_zero(pointer: &str) -> bool {
+    pointer.rsplit('/').next() == Some("cage_slip")
+}
+
 /// A metric and its estimated error; `None` where the metrics do not contain it. The error is derived from that of the level along the
-/// same axis (vibration), of the largest load, of the largest slip, or of the cage speed. A level that is not resolved counts as absent.
+/// same axis (vibration), of the largest load, of the largest slip, of the cage's speed, or of its slip. A level that is not
+/// resolved counts as absent.
 pub fn uncertain(metrics: &Value, pointer: &str) -> Option<Uncertain> {
     let value = metrics.pointer(pointer)?.as_f64()?;
     let accuracy = |field: &str| metrics.pointer(&format!("/accuracy/{field}")).and_then(Value::as_f64);
@@ -34,8 +40,9 @@ pub fn uncertain(metrics: &Value, pointer: &str) -> Option<Uncertain> {
         "orbit_radius_um" => accuracy("orbit_radius_error").map(|share| share * value),
         "max_slip_m_s" => accuracy("max_slip_error").map(|share| share * value),
         "cage_speed_hz" => accuracy("cage_speed_error").map(|share| share * value),
-        // 1 − cage speed / ideal cage speed.
-        "cage_slip" => accuracy("cage_speed_error").map(|share| share * (1.0 - value).abs()),
+        "cage_slip" => accuracy("cage_slip_error"),
+        // 1 − cage speed / a speed without error.
+        "cage_slip_free_angle" => accuracy("cage_speed_error").map(|share| share * (1.0 - value).abs()),
         _ => None,
     };
     Some((value, error))

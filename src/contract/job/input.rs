@@ -33,7 +33,7 @@ pub struct JobInput {
     /// JSON pointer to the metric that is minimized or maximized.
     #[schema(nullable = false, max_length = 200, example = "/channels/spindle.y.acceleration/level_db")]
     pub metric: Option<String>,
-    /// Which extreme of the metric is searched for. Default `minimum`.
+    /// Which extreme of the metric is searched for; of `cage_slip`, which of its magnitude. Default `minimum`.
     #[schema(nullable = false)]
     pub goal: Option<GoalName>,
     /// Recorded time, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for

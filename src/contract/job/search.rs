@@ -216,7 +216,7 @@ fn part_of(metric: &str) -> Option<MetricsPart> {
         }
         ["contacts", "inner" | "outer", name] if OF_RACEWAY.contains(&name) => Some(MetricsPart::Contacts),
         ["contacts", "pocket", "max_load_n"]
-        | ["kinematics", "cage_speed_hz" | "cage_slip" | "ball_spin_hz"]
+        | ["kinematics", "cage_speed_hz" | "cage_slip" | "cage_slip_free_angle" | "ball_spin_hz"]
         | ["cage", "orbit_radius_um" | "whirl_ratio"] => Some(MetricsPart::Cage),
         _ => None,
     }

@@ -209,7 +209,7 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
             "channels": { "spindle.y.acceleration": { "level_db": level, "peak": level } },
             "kinematics": { "cage_slip": level - 60.1 },
             "solver": { "rung": "full" },
-            "accuracy": { "level_error_db": error, "cage_speed_error": 0.01 }
+            "accuracy": { "level_error_db": error, "cage_slip_error": 0.0098 }
         });
         Row::queued(&study, point).ended(PointEnd::Succeeded(metrics))
     };
@@ -239,7 +239,7 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
     let trend = &table.trends[level];
     assert_eq!((trend.span, trend.resolved), (3.0, Some(true)));
     let columns = [
-        "/accuracy/cage_speed_error",
+        "/accuracy/cage_slip_error",
         "/accuracy/level_error_db",
         level,
         "/channels/spindle.y.acceleration/peak",
@@ -248,8 +248,8 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
     assert_eq!(table.columns(), columns);
     let csv = crate::contract::answer::csv::table_csv(&table);
     assert_eq!(csv.lines().count(), 5);
-    assert!(csv.starts_with("/spindle/mass_kg,status,error,/solver/rung,/accuracy/cage_speed_error,"), "{csv}");
-    assert!(csv.lines().nth(2).unwrap().starts_with("0.05,succeeded,,full,0.01,0.1,60.0,60.0,-0.1"), "{csv}");
+    assert!(csv.starts_with("/spindle/mass_kg,status,error,/solver/rung,/accuracy/cage_slip_error,"), "{csv}");
+    assert!(csv.lines().nth(2).unwrap().starts_with("0.05,succeeded,,full,0.0098,0.1,60.0,60.0,-0.1"), "{csv}");
     assert!(csv.lines().nth(4).unwrap().starts_with("0.2,failed,the run was cancelled,,,,"), "{csv}");
 }
 

@@ -104,6 +104,12 @@ impl SpeedProfile {
         self.points.iter().fold(0.0, |most, point| most.max(point.1.abs()))
     }
 
+    /// True if the speed has both signs, so that its mean says nothing about rolling.
+    pub fn reverses(&self) -> bool {
+        let has = |sign: f64| self.points.iter().any(|point| sign * point.1 > 0.0);
+        has(1.0) && has(-1.0)
+    }
+
     /// True when the speed never changes.
     pub fn is_constant(&self) -> bool {
         self.points.iter().all(|point| point.1 == self.points[0].1)

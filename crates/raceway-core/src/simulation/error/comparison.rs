@@ -209,6 +209,7 @@ impl Deviation {
             max_slip: of(outputs.contacts, errors.max_slip),
             max_pocket_load: of(outputs.cage, errors.max_pocket_load),
             orbit_radius: of(outputs.cage, errors.orbit_radius),
+            cage_slip: of(outputs.cage, errors.cage_slip),
             ..errors
         });
         Self { quantities, ..*self }
@@ -240,6 +241,7 @@ fn sampled_errors(a: &Recording, b: &Recording) -> QuantityErrors {
         max_pocket_load: of(|errors| errors.max_pocket_load),
         max_slip: of(|errors| errors.max_slip),
         orbit_radius: of(|errors| errors.orbit_radius),
+        cage_slip: whole.cage_slip.max(parts.cage_slip),
     }
 }
 
@@ -252,6 +254,7 @@ pub(crate) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErr
     let differences = |of: &dyn Fn(&Quantities) -> f64, least: f64| -> Vec<f64> {
         a.iter().zip(b).map(|(a, b)| relative(of(a), of(b), least)).collect()
     };
+    let slips: Vec<f64> = a.iter().zip(b).filter_map(|(a, b)| Some(a.cage_slip? - b.cage_slip?)).collect();
     let of_peaks = |of: &dyn Fn(&Quantities) -> f64, least: f64| {
         let largest = |parts: &[Quantities]| parts.iter().map(of).fold(0.0, f64::max);
         rms_about_zero(&differences(of, least)).max(relative(largest(a), largest(b), least).abs())
@@ -263,6 +266,7 @@ pub(crate) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErr
         max_slip: of_peaks(&|part| part.max_slip.inner, LEAST_SLIP)
             .max(of_peaks(&|part| part.max_slip.outer, LEAST_SLIP)),
         orbit_radius: rms_about_zero(&differences(&|part| part.orbit_radius, LEAST_ORBIT)),
+        cage_slip: mean_or_luck(&slips),
     }
 }
 

@@ -53,6 +53,8 @@ pub struct QuantityErrors {
     pub max_slip: f64,
     /// Error of the orbit of the cage centre about its mean position.
     pub orbit_radius: f64,
+    /// Error of the slip of the cage itself, which is a share already.
+    pub cage_slip: f64,
 }
 
 impl QuantityErrors {
@@ -64,6 +66,7 @@ impl QuantityErrors {
             max_pocket_load: self.max_pocket_load.max(other.max_pocket_load),
             max_slip: self.max_slip.max(other.max_slip),
             orbit_radius: self.orbit_radius.max(other.orbit_radius),
+            cage_slip: self.cage_slip.max(other.cage_slip),
         }
     }
 }

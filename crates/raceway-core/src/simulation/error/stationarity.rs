@@ -100,12 +100,18 @@ pub fn sampling_errors_of_quantities(parts: &[Quantities]) -> Option<QuantityErr
         let degrees = (means.len() as f64 - 1.0).max(1.0);
         scatter(&means) / degrees.sqrt() / mean(&means).abs().max(f64::MIN_POSITIVE)
     };
+    let of_slip = || {
+        let slips: Vec<f64> = parts.iter().filter_map(|part| part.cage_slip).collect();
+        let means: Vec<f64> = slips.chunks(slips.len().div_ceil(BATCHES).max(1)).map(mean).collect();
+        if means.len() > 1 { scatter(&means) / (means.len() as f64 - 1.0).sqrt() } else { 0.0 }
+    };
     (batches.len() > 1).then(|| QuantityErrors {
         max_load: of_peaks(&|part| part.max_load),
         cage_speed: of_mean(&|part| part.cage_speed),
         max_pocket_load: of_peaks(&|part| part.max_pocket_load),
         max_slip: of_peaks(&|part| part.max_slip.inner).max(of_peaks(&|part| part.max_slip.outer)),
         orbit_radius: of_mean(&|part| part.orbit_radius),
+        cage_slip: of_slip(),
     })
 }
 
@@ -121,10 +127,17 @@ pub fn halves_deviation(parts: &[Quantities]) -> Option<QuantityErrors> {
             max_pocket_load: most(|part| part.max_pocket_load),
             max_slip: PerRaceway { inner: most(|part| part.max_slip.inner), outer: most(|part| part.max_slip.outer) },
             orbit_radius: mean(|part| part.orbit_radius),
+            cage_slip: mean_of_known(parts, |part| part.cage_slip),
         }
     };
     let (first, second) = parts.split_at(parts.len() / 2);
     (!first.is_empty()).then(|| quantity_errors(&[of_all(first)], &[of_all(second)]))
+}
+
+/// Mean over the parts that have a number; `None` where none has.
+fn mean_of_known(parts: &[Quantities], of: fn(&Quantities) -> Option<f64>) -> Option<f64> {
+    let known: Vec<f64> = parts.iter().filter_map(of).collect();
+    (!known.is_empty()).then(|| mean(&known))
 }
 
 /// Rms deviation of the levels of equal parts of a later record, each as long as the recorded time, from its level [dB].

@@ -23,6 +23,8 @@ pub struct Equilibrium {
     pub balls: Vec<(f64, f64)>,
     /// Normal load of each ball on each raceway [N].
     pub loads: Vec<PerRaceway<f64>>,
+    /// Sine and cosine of the contact angles of each ball, positive where the outer contact lies towards +X.
+    pub angles: Vec<PerRaceway<(f64, f64)>>,
 }
 
 /// Equilibrium of the raceways at rest under the applied loads and the weight of the spindle: first ball under +Y.
@@ -144,6 +146,8 @@ struct Touch {
     /// Unit vectors in the orbit frame: towards the contact, and across it.
     towards: Vector,
     across: Vector,
+    /// Sine and cosine of the contact angle.
+    angle: (f64, f64),
 }
 
 impl<'a> Search<'a> {
@@ -187,6 +191,7 @@ impl<'a> Search<'a> {
             energy: 0.4 * load * penetration.max(0.0),
             towards: add(scale(a, axis), scale(r, radial)),
             across: subtract(scale(r, axis), scale(a, radial)),
+            angle: (a * 1.0_f64.copysign(r), r.abs()),
         }
     }
 
@@ -325,7 +330,14 @@ impl<'a> Search<'a> {
     }
 
     fn result(&self) -> Equilibrium {
-        let loads = (0..self.azimuths.len()).map(|ball| self.touches(&self.place, ball).map(|touch| touch.load));
+        let touches = |ball| self.touches(&self.place, ball);
+        let (loads, angles) = (0..self.azimuths.len())
+            .map(touches)
+            .map(|PerRaceway { inner, outer }| {
+                let load = PerRaceway { inner: inner.load, outer: outer.load };
+                (load, PerRaceway { inner: inner.angle, outer: outer.angle })
+            })
+            .unzip();
         Equilibrium {
             spindle: {
                 let mut spindle = self.spindle(&self.place);
@@ -333,7 +345,8 @@ impl<'a> Search<'a> {
                 spindle
             },
             balls: (0..self.azimuths.len()).map(|ball| (self.place[2 * ball], self.place[2 * ball + 1])).collect(),
-            loads: loads.collect(),
+            loads,
+            angles,
         }
     }
 }

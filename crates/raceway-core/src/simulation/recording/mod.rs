@@ -8,6 +8,8 @@ pub mod windows;
 
 pub(crate) mod load_course;
 
+pub(crate) mod loaded_rolling;
+
 pub mod record;
 
 pub mod plot_data;

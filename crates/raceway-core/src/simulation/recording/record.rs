@@ -2,7 +2,7 @@
 
 use crate::numerics::parallel::both;
 use crate::physics::bearing::PerRaceway;
-use crate::simulation::input::channel::{Axis, Channel};
+use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::windows::{Signal, Whirl};
@@ -35,6 +35,15 @@ pub struct Quantities {
     pub max_slip: PerRaceway<f64>,
     /// Rms distance of the cage's centre from its mean position [m].
     pub orbit_radius: f64,
+    /// 1 − cage speed / speed of rolling at the loaded contact angles [-]; `None` where too few balls carry load, and where it was not
+    /// requested.
+    pub cage_slip: Option<f64>,
+}
+
+/// Slip of a cage [-] from mean speeds of cage and shaft, magnitudes in the same unit, and the orbit ratio of rolling; `None` at rest.
+pub fn cage_slip(cage_speed: f64, shaft_speed: f64, orbit_ratio: f64) -> Option<f64> {
+    let ideal = shaft_speed * orbit_ratio;
+    (ideal > 0.0).then(|| 1.0 - cage_speed / ideal)
 }
 
 /// The recording of a run [SI].
@@ -45,6 +54,8 @@ pub struct Recording {
     pub signals: Vec<Signal>,
     /// Whirl of the cage's centre, where the run has several windows.
     pub whirl: Option<Whirl>,
+    /// Whirl of the spindle's centre, likewise.
+    pub spindle_whirl: Option<Whirl>,
     /// Variance of each spindle signal before the low-pass filter, where it passed one.
     pub total_variance: Vec<(Channel, f64)>,
     pub contacts: PerRaceway<ContactExtremes>,
@@ -56,6 +67,9 @@ pub struct Recording {
     pub shaft_speed: f64,
     /// Magnitude of the mean cage speed over the recorded time [rad/s].
     pub cage_speed: f64,
+    /// Orbit speed of balls that roll at their loaded contact angles over the shaft speed, mean of the balls with load [-]; `None` where too
+    /// few balls carry load, and where it was not requested.
+    pub loaded_orbit_ratio: Option<f64>,
     /// Mean spin of a ball about its own axis in the orbit frame [rad/s].
     pub ball_spin: f64,
     /// Scalar results of consecutive parts of the recorded time.
@@ -95,8 +109,16 @@ impl Recording {
 
     /// Whirl of the cage's centre; `None` where it was not observed.
     pub fn whirl(&self) -> Option<Whirl> {
-        let place = |axis| self.signal(Channel::CageDisplacement(axis));
-        self.whirl.or_else(|| Some(Whirl::of(place(Axis::Y)?, place(Axis::Z)?)))
+        self.whirl.or_else(|| self.whirl_of(Channel::CageDisplacement))
+    }
+
+    /// Whirl of the spindle's centre; `None` where it was not observed.
+    pub fn spindle_whirl(&self) -> Option<Whirl> {
+        self.spindle_whirl.or_else(|| self.whirl_of(|axis| Channel::Spindle(axis, Motion::Displacement)))
+    }
+
+    fn whirl_of(&self, place: fn(Axis) -> Channel) -> Option<Whirl> {
+        Some(Whirl::of(self.signal(place(Axis::Y))?, self.signal(place(Axis::Z))?))
     }
 
     /// Rms distance of the cage's centre from its mean position [m]; `None` where it was not observed.
@@ -112,6 +134,12 @@ impl Recording {
         before.map_or_else(unfiltered, |(_, variance)| *variance)
     }
 
+    /// Slip of the cage against rolling at the loaded contact angles [-]; `None` at rest, where too few balls carry load, and where it was not
+    /// requested.
+    pub fn cage_slip(&self) -> Option<f64> {
+        cage_slip(self.cage_speed, self.shaft_speed, self.loaded_orbit_ratio?)
+    }
+
     /// Scalar results over the whole recorded time.
     pub fn quantities(&self) -> Quantities {
         let loads = self.contacts.inner.max_load.iter().chain(&self.contacts.outer.max_load);
@@ -122,6 +150,7 @@ impl Recording {
             max_pocket_load: self.max_pocket_load,
             max_slip: self.contacts.map(|contact| contact.max_slip),
             orbit_radius: self.orbit_radius().unwrap_or_default(),
+            cage_slip: self.cage_slip(),
         }
     }
 }

@@ -255,7 +255,7 @@ pub(crate) struct Recorder {
     /// Number of finished windows.
     done: usize,
     signals: Vec<Signal>,
-    /// Whirl of the cage's centre over several windows.
+    /// Whirl of the body whose displacement is recorded, over several windows.
     whirl: Option<Whirl>,
 }
 
@@ -330,8 +330,10 @@ impl Recorder {
     fn reduce(&mut self) {
         if self.windows.count > 1 {
             let window = |channel: Channel| self.signals.iter().find(|s| s.channel == channel).map(|s| &s.window);
-            let orbit = [Axis::Y, Axis::Z].map(Channel::CageDisplacement).map(window);
-            if let [Some(y), Some(z)] = orbit {
+            let orbit = |place: fn(Axis) -> Channel| window(place(Axis::Y)).zip(window(place(Axis::Z)));
+            let spindle = |axis| Channel::Spindle(axis, Motion::Displacement);
+            // A recorder holds the channels of cage and balls, or those of the spindle.
+            if let Some((y, z)) = orbit(Channel::CageDisplacement).or_else(|| orbit(spindle)) {
                 self.whirl = Some(self.whirl.unwrap_or_default().joined(Whirl::of(y, z)));
             }
         }
@@ -341,7 +343,7 @@ impl Recorder {
         self.done += 1;
     }
 
-    /// The signals, and the whirl of the cage's centre over several windows.
+    /// The signals, and the whirl of cage or spindle over several windows.
     pub(crate) fn finish(mut self) -> (Vec<Signal>, Option<Whirl>) {
         if self.done < self.windows.count {
             self.reduce();

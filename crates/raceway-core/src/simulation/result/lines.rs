@@ -46,14 +46,29 @@ const DEVIATION_COST: f64 = 3.0;
 const SHAFT_SIDEBANDS: i32 = 4;
 const OUTER_SIDEBANDS: i32 = 2;
 const CAGE_SIDEBANDS: i32 = 3;
+/// Labels of whirl.
+const CAGE_WHIRL: &str = "cage whirl";
+const SPINDLE_WHIRL: &str = "spindle whirl";
 /// Highest order of a harmonic.
 const HIGHEST_ORDER: f64 = 1000.0;
 /// Highest order of a harmonic of the cage alone. Higher ones coincide with the ball passage and its sidebands, and would fit any line.
 const HIGHEST_CAGE_ORDER: f64 = 20.0;
 
+/// Frequencies [Hz] that name the lines of a spectrum; 0 for one that cannot appear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LineSources {
+    /// At the simulated speeds of cage and balls.
+    pub frequencies: CharacteristicFrequencies,
+    /// Mean rate at which the centre of the cage orbits its mean position.
+    pub cage_whirl: f64,
+    /// Mean rate at which the centre of the spindle orbits its mean position.
+    pub spindle_whirl: f64,
+}
+
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
-/// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.05 %.
-pub(crate) fn find_lines(spectrum: &Spectrum, frequencies: &CharacteristicFrequencies, highest: f64) -> Vec<Line> {
+/// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.05 %, or
+/// the whirl of cage or spindle within this distance.
+pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources, highest: f64) -> Vec<Line> {
     let amplitude = &spectrum.amplitude;
     // The bins at 0 and 1 hold slow drift, and the last ones have no neighbours.
     let end = amplitude.len().saturating_sub(LOBE);
@@ -70,7 +85,7 @@ pub(crate) fn find_lines(spectrum: &Spectrum, frequencies: &CharacteristicFreque
         .take(2 * MAX_LINES)
         .map(|bin| {
             let (frequency, amplitude) = interpolated_peak(spectrum, bin);
-            let (label, deviation) = label(frequency, frequencies, spectrum.resolution);
+            let (label, deviation) = label(frequency, sources, spectrum.resolution);
             Line { frequency, amplitude, label, deviation }
         })
         .collect();
@@ -119,10 +134,10 @@ impl Term {
 }
 
 /// The simplest combination near a frequency and the deviation from it; an empty label and 0 without one.
-fn label(frequency: f64, frequencies: &CharacteristicFrequencies, resolution: f64) -> (String, f64) {
+fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64) {
     let tolerance = TOLERANCE_BINS * resolution + TOLERANCE_SHARE * frequency;
     let mut best: Option<(f64, [Term; 3], f64)> = None;
-    for combination in combinations(frequency, frequencies, tolerance) {
+    for combination in combinations(frequency, sources, tolerance) {
         let deviation = frequency - combination.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
         let cost: f64 = combination.iter().map(Term::cost).sum();
         let terms = combination.iter().filter(|term| term.order != 0).count();
@@ -143,9 +158,11 @@ fn label(frequency: f64, frequencies: &CharacteristicFrequencies, resolution: f6
 /// Combinations with a physical cause that come near the frequency:
 /// - harmonics of the shaft and of the ball passage of the outer raceway, with sidebands of both and of the cage;
 /// - the ball passage of the inner raceway with sidebands of the shaft, which carries the raceway;
-/// - the strikes of a ball with sidebands of the cage, which carries the ball.
-fn combinations(frequency: f64, all: &CharacteristicFrequencies, tolerance: f64) -> Vec<[Term; 3]> {
+/// - the strikes of a ball with sidebands of the cage, which carries the ball;
+/// - the whirl of cage and spindle, whose rates follow from their motion and not from the bearing's frequencies.
+fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[Term; 3]> {
     let term = |name, frequency, weight| Term { name, frequency, weight, order: 0 };
+    let all = &sources.frequencies;
     let shaft = term("f_r", all.shaft, 1.0);
     let cage = term("FTF", all.cage, 1.6);
     let outer = term("BPFO", all.ball_pass_outer, 1.0);
@@ -178,6 +195,10 @@ fn combinations(frequency: f64, all: &CharacteristicFrequencies, tolerance: f64)
         carry(inner, [shaft.times(n), cage]);
     }
     carry(cage, [shaft, outer]);
+    // A whirling cage drives the spindle round at its own rate, so it has precedence.
+    let whirls = [term(CAGE_WHIRL, sources.cage_whirl, 1.6), term(SPINDLE_WHIRL, sources.spindle_whirl, 1.6)];
+    let near = |whirl: &Term| usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
+    found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
     found
 }
 
@@ -221,8 +242,12 @@ mod tests {
         }
     }
 
+    fn without_whirl(frequencies: CharacteristicFrequencies) -> LineSources {
+        LineSources { frequencies, cage_whirl: 0.0, spindle_whirl: 0.0 }
+    }
+
     fn labelled(frequency: f64) -> String {
-        label(frequency, &seven_balls(), 10.0).0
+        label(frequency, &without_whirl(seven_balls()), 10.0).0
     }
 
     /// Tones (frequency, amplitude) over 0.1 s in Gaussian-like noise of the given rms.
@@ -285,14 +310,34 @@ mod tests {
             ball_pass_inner: 8.0 * shaft - passage,
             ball_spin: 0.0,
         };
-        assert_eq!(label(1230.6387, &frequencies, 9.0).0, "8·BPFO");
-        assert_eq!(label(1230.85, &frequencies, 9.0).0, "5·BPFI");
+        assert_eq!(label(1230.6387, &without_whirl(frequencies), 9.0).0, "8·BPFO");
+        assert_eq!(label(1230.85, &without_whirl(frequencies), 9.0).0, "5·BPFI");
     }
 
     #[test]
     fn frequency_near_no_combination_has_no_label() {
-        let (label, deviation) = label(2400.0, &seven_balls(), 10.0);
+        let (label, deviation) = label(2400.0, &without_whirl(seven_balls()), 10.0);
         assert_eq!((label.as_str(), deviation), ("", 0.0));
+    }
+
+    /// A hybrid bearing at 20 000 r/min: the cage whirls at 13.70 times its speed.
+    #[test]
+    fn whirl_gives_a_label_where_no_simpler_combination_does() {
+        let (shaft, cage) = (333.333, 143.2);
+        let frequencies = CharacteristicFrequencies {
+            shaft,
+            cage,
+            ball_pass_outer: 17.0 * cage,
+            ball_pass_inner: 17.0 * (shaft - cage),
+            ball_spin: 0.0,
+        };
+        let whirling = LineSources { frequencies, cage_whirl: 13.7 * cage, spindle_whirl: 900.0 };
+        assert_eq!(label(1962.0, &whirling, 10.0).0, "cage whirl");
+        assert_eq!(label(901.0, &whirling, 10.0).0, "spindle whirl");
+        let driven = LineSources { spindle_whirl: 1962.0, ..whirling };
+        assert_eq!(label(1962.0, &driven, 10.0).0, "cage whirl");
+        let together = LineSources { cage_whirl: 17.0 * cage, ..whirling };
+        assert_eq!(label(17.0 * cage, &together, 10.0).0, "BPFO", "the ball passage makes this orbit");
     }
 
     #[test]
@@ -311,8 +356,8 @@ mod tests {
             ball_pass_inner: 1415.6,
             ball_spin: 0.0,
         };
-        assert_eq!(label(3199.9, &of_twelve, 25.0).0, "");
-        assert_eq!(label(164.07, &of_twelve, 2.0).0, "2·FTF");
+        assert_eq!(label(3199.9, &without_whirl(of_twelve), 25.0).0, "");
+        assert_eq!(label(164.07, &without_whirl(of_twelve), 2.0).0, "2·FTF");
     }
 
     #[test]
@@ -325,8 +370,8 @@ mod tests {
             ball_pass_inner: 162.0,
             ball_spin: 70.0,
         };
-        assert_eq!(label(108.0, &slow, 10.0).0, "BPFO");
-        assert_eq!(label(120.0, &slow, 10.0).0, "");
+        assert_eq!(label(108.0, &without_whirl(slow), 10.0).0, "BPFO");
+        assert_eq!(label(120.0, &without_whirl(slow), 10.0).0, "");
         let standing = CharacteristicFrequencies {
             shaft: 0.0,
             cage: 0.0,
@@ -334,13 +379,14 @@ mod tests {
             ball_pass_inner: 0.0,
             ball_spin: 0.0,
         };
-        assert_eq!(label(120.0, &standing, 10.0), (String::new(), 0.0));
+        assert_eq!(label(120.0, &without_whirl(standing), 10.0), (String::new(), 0.0));
     }
 
     #[test]
     fn two_tones_off_bin_in_noise_are_the_two_strongest_lines() {
         let bpfo = seven_balls().ball_pass_outer;
-        let lines = find_lines(&spectrum_of(&[(bpfo, 2.0), (2.0 * bpfo, 0.5)], 0.05), &seven_balls(), 20_000.0);
+        let lines =
+            find_lines(&spectrum_of(&[(bpfo, 2.0), (2.0 * bpfo, 0.5)], 0.05), &without_whirl(seven_balls()), 20_000.0);
         assert_eq!(lines[0].label, "BPFO");
         assert_eq!(lines[1].label, "2·BPFO");
         assert!((lines[0].amplitude / 2.0 - 1.0).abs() < 0.01 && (lines[1].amplitude / 0.5 - 1.0).abs() < 0.02);
@@ -352,14 +398,14 @@ mod tests {
 
     #[test]
     fn leakage_of_a_pure_tone_makes_no_second_line() {
-        let lines = find_lines(&spectrum_of(&[(2293.44, 1.0)], 0.0), &seven_balls(), 20_000.0);
+        let lines = find_lines(&spectrum_of(&[(2293.44, 1.0)], 0.0), &without_whirl(seven_balls()), 20_000.0);
         assert_eq!(lines.len(), 1);
     }
 
     #[test]
     fn lines_above_the_highest_frequency_are_not_listed() {
         let spectrum = spectrum_of(&[(2293.44, 1.0), (25_000.0, 5.0)], 0.0);
-        let lines = find_lines(&spectrum, &seven_balls(), 20_000.0);
+        let lines = find_lines(&spectrum, &without_whirl(seven_balls()), 20_000.0);
         assert!(lines.iter().all(|line| line.frequency < 20_000.0));
         assert_eq!(lines[0].label, "BPFO");
     }
@@ -367,14 +413,14 @@ mod tests {
     #[test]
     fn many_tones_give_at_most_twenty_lines() {
         let tones: Vec<(f64, f64)> = (1..50).map(|i| (397.0 * f64::from(i), 1.0 / f64::from(i))).collect();
-        assert_eq!(find_lines(&spectrum_of(&tones, 0.0), &seven_balls(), 20_000.0).len(), MAX_LINES);
+        assert_eq!(find_lines(&spectrum_of(&tones, 0.0), &without_whirl(seven_balls()), 20_000.0).len(), MAX_LINES);
     }
 
     #[test]
     fn silent_and_short_spectra_have_no_lines() {
         for entries in [0, 1, 2, 3, 5, 100] {
             let spectrum = Spectrum { resolution: 10.0, amplitude: vec![0.0; entries], window: "hann", averages: 1 };
-            assert!(find_lines(&spectrum, &seven_balls(), 20_000.0).is_empty());
+            assert!(find_lines(&spectrum, &without_whirl(seven_balls()), 20_000.0).is_empty());
         }
     }
 }

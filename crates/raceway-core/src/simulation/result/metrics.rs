@@ -14,13 +14,12 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
-use crate::simulation::recording::record::ContactExtremes;
-use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::record::{ContactExtremes, Recording, cage_slip};
 use crate::simulation::recording::sampling::BAND;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::spectra::ChannelSpectra;
-use crate::simulation::recording::windows::InBand;
-use crate::simulation::result::lines::{Line, find_lines};
+use crate::simulation::recording::windows::{InBand, Whirl};
+use crate::simulation::result::lines::{Line, LineSources, find_lines};
 use crate::simulation::result::series::Series;
 
 /// Statistics of one channel over the kept time, mean removed, 0–20 kHz, in the channel's unit.
@@ -64,8 +63,10 @@ pub struct ContactMetrics {
 pub struct CageMetrics {
     /// Mean speed [Hz].
     pub speed: f64,
-    /// 1 − speed/FTF; absent at rest.
+    /// 1 − speed / FTF at the loaded contact angles; absent at rest and where too few balls carry load.
     pub slip: Option<f64>,
+    /// 1 − speed / FTF at the free contact angle; absent at rest.
+    pub slip_free_angle: Option<f64>,
     /// Mean spin of the balls about their own axes [Hz].
     pub ball_spin: f64,
     /// Rms distance of the cage centre from its mean position [µm].
@@ -186,16 +187,18 @@ pub fn contacts(mechanism: &Mechanism, recording: &Recording) -> ContactMetrics 
 /// Metrics of the cage; `None` where the model has none.
 pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
     let orbit_radius = recording.orbit_radius()?;
-    let ideal = recording.shaft_speed * kinematics::ideal_orbit_ratio(&scene.bearing);
+    let free_angle = kinematics::ideal_orbit_ratio(&scene.bearing);
     let turns = |speed: f64| speed / std::f64::consts::TAU;
+    let has_ideal = !scene.operation.speed.reverses();
     Some(CageMetrics {
         speed: turns(recording.cage_speed),
-        slip: (ideal > 0.0).then(|| 1.0 - recording.cage_speed / ideal),
+        slip: recording.cage_slip().filter(|_| has_ideal),
+        slip_free_angle: cage_slip(recording.cage_speed, recording.shaft_speed, free_angle).filter(|_| has_ideal),
         ball_spin: turns(recording.ball_spin),
         orbit_radius: 1e6 * orbit_radius,
         whirl_ratio: recording
             .whirl()
-            .filter(|_| ideal > 0.0)
+            .filter(|_| recording.shaft_speed > 0.0)
             .map(|whirl| recording.direction * whirl.rate() / recording.cage_speed),
         max_pocket_load: recording.max_pocket_load,
     })
@@ -222,12 +225,21 @@ pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpec
 /// spectrum whose level is not resolved has no lines.
 pub fn lines(
     scene: &Scene,
+    recording: &Recording,
     spectra: &[ChannelSpectra],
     frequencies: &CharacteristicFrequencies,
     accuracy: &AccuracyReport,
 ) -> Vec<(Channel, Line)> {
+    if spectra.is_empty() {
+        return Vec::new();
+    }
     let is_constant = scene.operation.speed.is_constant();
-    let frequencies = &marked(scene, frequencies);
+    let turns = |whirl: Option<Whirl>| whirl.map_or(0.0, |whirl| whirl.rate().abs() / std::f64::consts::TAU);
+    let sources = &LineSources {
+        frequencies: marked(scene, frequencies),
+        cage_whirl: turns(recording.whirl()),
+        spindle_whirl: turns(recording.spindle_whirl()),
+    };
     let of_channel = |spectra: &ChannelSpectra| {
         let acceleration = spectra.channel.acceleration();
         if acceleration.is_some_and(|of| accuracy.unresolved.of(of).is_some()) {
@@ -239,7 +251,7 @@ pub fn lines(
             true => line,
             false => Line { label: String::new(), deviation: 0.0, ..line },
         };
-        let lines = find_lines(&spectra.amplitude, frequencies, BAND);
+        let lines = find_lines(&spectra.amplitude, sources, BAND);
         lines.into_iter().map(|line| (spectra.channel, name(line))).collect::<Vec<_>>()
     };
     spectra.iter().flat_map(of_channel).collect()

@@ -54,7 +54,7 @@ impl RunResult {
             cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
             frequencies,
             lines: if outputs.vibration {
-                metrics::lines(scene, &spectra, &frequencies, &accuracy)
+                metrics::lines(scene, recording, &spectra, &frequencies, &accuracy)
             } else {
                 Vec::new()
             },

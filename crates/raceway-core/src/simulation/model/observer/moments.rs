@@ -1,5 +1,7 @@
 //! Running means and variances of observed values.
 
+use crate::simulation::recording::loaded_rolling::LoadedRolling;
+
 /// Mean and variance of a growing sample, summed about its first value.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Moments {
@@ -30,10 +32,13 @@ impl Moments {
     }
 }
 
-/// Moments of speed [rad/s] and place [m] of the cage over a part of a run.
+/// Moments of speed [rad/s] and place [m] of the cage over a part of a run, and its references.
 #[derive(Clone, Copy, Default)]
 pub(super) struct CageMoments {
     pub speed: Moments,
+    /// Speed of the shaft [rad/s].
+    pub shaft: Moments,
+    pub rolling: LoadedRolling,
     pub y: Moments,
     pub z: Moments,
 }

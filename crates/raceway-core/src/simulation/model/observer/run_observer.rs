@@ -8,14 +8,15 @@ use crate::numerics::ode::Integrator;
 use crate::numerics::ode::Method;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, length};
+use crate::physics::kinematics::LoadedBall;
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::step_loads::{PackedStepLoads, StepLoads};
 use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::load_course::BallLoadRecorder;
-use crate::simulation::recording::record::Quantities;
-use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::loaded_rolling::LoadedRolling;
+use crate::simulation::recording::record::{Quantities, Recording, cage_slip};
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
 use crate::simulation::recording::sampling::{PART, RATE};
@@ -71,6 +72,9 @@ pub struct Observer<'m> {
     shaft: Moments,
     cage: Moments,
     spin: Moments,
+    /// Whether the slip of the cage is recorded.
+    slips: bool,
+    rolling: LoadedRolling,
     /// Scalar results of each part of `PART` recorded values.
     parts: Vec<Quantities>,
     /// Moments of the cage over the current part.
@@ -123,6 +127,7 @@ impl<'m> Observer<'m> {
                 inner: vec![0.0; balls],
                 outer: vec![0.0; balls],
                 pocket: vec![0.0; balls],
+                angle: vec![PerRaceway::default(); balls],
                 extremes: PerRaceway { inner: RunningExtremes::new(balls), outer: RunningExtremes::new(balls) },
                 peaks: Peaks::default(),
                 is_recording: false,
@@ -132,6 +137,8 @@ impl<'m> Observer<'m> {
             shaft: Moments::default(),
             cage: Moments::default(),
             spin: Moments::default(),
+            slips: settings.outputs.cage,
+            rolling: LoadedRolling::default(),
             parts: Vec::with_capacity(values.div_ceil(PART)),
             part_cage: CageMoments::default(),
         }
@@ -298,17 +305,27 @@ impl<'m> Observer<'m> {
         let m = self.model.mechanism();
         let (_, speed, _) = m.speed.at(time);
         let balls = m.layout.balls;
-        let states = (0..balls).map(|ball| m.layout.ball(&self.state, ball));
         let (mut orbit, mut spin) = (0.0, 0.0);
-        for state in states {
+        for ball in 0..balls {
+            let state = m.layout.ball(&self.state, ball);
             orbit += state.arc_velocity / balls as f64;
             // Spin in the orbit frame, about the axis that the contact angle tilts.
             let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
+            if self.slips {
+                let loaded = LoadedBall {
+                    orbit_radius: m.pitch_radius + state.radial,
+                    ball_radius: m.ball_radius,
+                    angle: self.snapshot.angle[ball],
+                };
+                let load = PerRaceway { inner: self.snapshot.inner[ball], outer: self.snapshot.outer[ball] };
+                self.part_cage.rolling.add(load, || loaded.orbit_ratio((about_x, state.spin[1])));
+            }
             spin += length([about_x, state.spin[1], state.spin[2]]) / balls as f64;
         }
         // Without a cage the mean orbit speed of the balls replaces its speed.
         let arc_velocity = if m.layout.cage { m.layout.cage(&self.state).arc_velocity } else { orbit };
         self.shaft.add(speed);
+        self.part_cage.shaft.add(speed);
         let cage_speed = m.orbit_ratio * speed + arc_velocity / m.pitch_radius;
         self.cage.add(cage_speed);
         self.spin.add(spin);
@@ -338,6 +355,8 @@ impl<'m> Observer<'m> {
 
     fn end_part(&mut self) {
         let (peaks, cage) = (std::mem::take(&mut self.snapshot.peaks), std::mem::take(&mut self.part_cage));
+        self.rolling.join(cage.rolling);
+        let slip = |orbit_ratio| cage_slip(cage.speed.mean().abs(), cage.shaft.mean().abs(), orbit_ratio);
         self.parts.push(Quantities {
             max_load: peaks.load,
             cage_speed: cage.speed.mean().abs(),
@@ -345,6 +364,7 @@ impl<'m> Observer<'m> {
             max_pocket_load: peaks.pocket_load,
             max_slip: peaks.slip_square.map(|square| square.sqrt()),
             orbit_radius: (cage.y.variance() + cage.z.variance()).sqrt(),
+            cage_slip: cage.rolling.mean().and_then(slip),
         });
     }
 
@@ -372,13 +392,14 @@ impl<'m> Observer<'m> {
         self.keep_samples_until(f64::INFINITY);
         self.end_part();
         let total_variance = self.spindle.iter().zip(&self.moments).map(|(c, m)| (*c, m.variance())).collect();
-        let (spindle, _) = self.filtered.finish();
+        let (spindle, spindle_whirl) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
         let largest = |of: fn(&Quantities) -> f64| self.parts.iter().map(of).fold(0.0, f64::max);
         Recording {
             start: self.start,
             signals: spindle.into_iter().chain(picked).collect(),
             whirl,
+            spindle_whirl,
             total_variance,
             contacts: PerRaceway {
                 inner: self.snapshot.extremes.inner.extremes(largest(|part| part.max_slip.inner)),
@@ -388,6 +409,7 @@ impl<'m> Observer<'m> {
             direction: if self.shaft.mean() < 0.0 { -1.0 } else { 1.0 },
             shaft_speed: self.shaft.mean().abs(),
             cage_speed: self.cage.mean().abs(),
+            loaded_orbit_ratio: self.rolling.mean(),
             ball_spin: self.spin.mean(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),

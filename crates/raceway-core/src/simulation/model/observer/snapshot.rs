@@ -16,6 +16,8 @@ pub(super) struct Snapshot {
     pub inner: Vec<f64>,
     pub outer: Vec<f64>,
     pub pocket: Vec<f64>,
+    /// Sine and cosine of the contact angles of each ball.
+    pub angle: Vec<PerRaceway<(f64, f64)>>,
     /// Extremes of the recorded time so far, updated only while `is_recording` is set.
     pub extremes: PerRaceway<RunningExtremes>,
     /// Peaks of the current part of the recorded time.
@@ -81,11 +83,24 @@ impl Snapshot {
         rolling_speed: impl FnOnce(&RacewayContact) -> f64,
     ) {
         let (extremes, peaks) = (&mut self.extremes, &mut self.peaks);
-        let (loads, extremes, largest_slip, contact) = match side {
-            BallContact::Inner => (&mut self.inner, &mut extremes.inner, &mut peaks.slip_square.inner, &raceway.inner),
-            _ => (&mut self.outer, &mut extremes.outer, &mut peaks.slip_square.outer, &raceway.outer),
+        let (loads, angle_of, extremes, largest_slip, contact) = match side {
+            BallContact::Inner => (
+                &mut self.inner,
+                &mut self.angle[ball].inner,
+                &mut extremes.inner,
+                &mut peaks.slip_square.inner,
+                &raceway.inner,
+            ),
+            _ => (
+                &mut self.outer,
+                &mut self.angle[ball].outer,
+                &mut extremes.outer,
+                &mut peaks.slip_square.outer,
+                &raceway.outer,
+            ),
         };
         loads[ball] = load;
+        *angle_of = angle;
         if !self.is_recording || load <= 0.0 {
             return;
         }

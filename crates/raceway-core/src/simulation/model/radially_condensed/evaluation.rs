@@ -32,6 +32,8 @@ pub(crate) struct BallLoads {
     pub load: PerRaceway<Singles>,
     pub slip: PerRaceway<Singles>,
     pub pocket: Singles,
+    /// Excess of the orbit radii over the pitch radius [m].
+    pub lift: Singles,
 }
 
 /// Work space of an evaluation, and the loads of the last one.
@@ -212,6 +214,7 @@ impl RadiallyCondensed {
             load: PerRaceway { inner: loaded.inner.load, outer: loaded.outer.load },
             slip: PerRaceway { inner: inner.slip, outer: outer.slip },
             pocket: pushed.load,
+            lift: held.lift,
         };
     }
 
@@ -250,6 +253,7 @@ impl RadiallyCondensed {
             found.seen.slip.inner[lane] = inner.slip;
             found.seen.slip.outer[lane] = outer.slip;
             found.seen.pocket[lane] = pushed.load;
+            found.seen.lift[lane] = held.lift;
             beyond[lane] = larger(film.beyond(&displaced), larger(slips, skids));
         }
         (!beyond.any(|beyond| beyond > 0.0)).then_some(found)

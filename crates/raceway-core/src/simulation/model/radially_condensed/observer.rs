@@ -10,12 +10,14 @@ use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
+use crate::physics::kinematics::LoadedBall;
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::step_ratio::StepRatio;
 use crate::simulation::recording::load_course::BallLoadRecorder;
-use crate::simulation::recording::record::ContactExtremes;
-use crate::simulation::recording::record::{Quantities, Recording};
+use crate::simulation::recording::loaded_rolling::LoadedRolling;
+use crate::simulation::recording::record::{ContactExtremes, Quantities, Recording, cage_slip};
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, picked_channels};
 use crate::simulation::recording::windows::Recorder;
 
@@ -26,6 +28,43 @@ const SIGNALS: usize = SPINDLE_IN_PLANE.len();
 const FRAMES: usize = 64;
 /// Number of parts of the recorded time whose extremes and means are recorded.
 const PARTS: u64 = 20;
+
+/// Contact angles of balls in the plane of the bearing.
+const IN_PLANE: PerRaceway<(f64, f64)> = PerRaceway { inner: (0.0, 1.0), outer: (0.0, 1.0) };
+
+/// Sums over the balls that touch both raceways, by lane.
+#[derive(Clone, Copy, Default)]
+struct LoadedLift {
+    /// Number of balls, their loads on the outer raceway [N], and these loads times the excess of the orbit radius [N m].
+    balls: Lanes,
+    load: Lanes,
+    moment: Lanes,
+    /// Number of observed times.
+    times: f64,
+}
+
+impl LoadedLift {
+    #[inline(always)]
+    fn observe(&mut self, seen: &BallLoads, present: &Singles) {
+        for lane in 0..LANES {
+            let loaded = if seen.load.inner[lane] > 0.0 && seen.load.outer[lane] > 0.0 { present[lane] } else { 0.0 };
+            let load = f64::from(loaded * seen.load.outer[lane]);
+            self.balls[lane] += f64::from(loaded);
+            self.load[lane] += load;
+            self.moment[lane] += load * f64::from(seen.lift[lane]);
+        }
+    }
+
+    /// Rolling at the mean orbit radius: the ratio of each ball is linear in its small excess, to 10⁻⁷.
+    fn rolling(&self, m: &Mechanism) -> LoadedRolling {
+        let load = total(&self.load);
+        let lift = if load > 0.0 { total(&self.moment) / load } else { 0.0 };
+        let ball = LoadedBall { orbit_radius: m.pitch_radius + lift, ball_radius: m.ball_radius, angle: IN_PLANE };
+        // Balls in the plane spin about X.
+        let ratio = ball.orbit_ratio((-1.0, 0.0)).unwrap_or_default();
+        LoadedRolling::of(self.times * m.layout.balls as f64, total(&self.balls), load, ratio)
+    }
+}
 
 /// Steps of the recorded time.
 #[derive(Debug, Clone, Copy)]
@@ -83,6 +122,9 @@ pub(super) struct Observer<'a> {
     parts: Vec<Quantities>,
     loads: Option<BallLoadRecorder>,
     films: Option<Films>,
+    /// Loaded balls of the current part, where the slip of the cage is requested, and rolling in the parts before.
+    lift: Option<LoadedLift>,
+    rolling: LoadedRolling,
 }
 
 /// Largest values of a part of the recorded time, by group of balls.
@@ -202,6 +244,8 @@ impl<'a> Observer<'a> {
             loads: (outputs.contacts && outputs.keep_signals())
                 .then(|| BallLoadRecorder::new(schedule.values, model.mechanism().steady_orbit_speed())),
             films: model.needs().film_thickness.then(Films::new),
+            lift: outputs.cage.then(LoadedLift::default),
+            rolling: LoadedRolling::default(),
         }
     }
 
@@ -295,6 +339,11 @@ impl<'a> Observer<'a> {
             });
         }
         self.kept += 1.0;
+        if let Some(lift) = &mut self.lift {
+            lift.times += 1.0;
+            let groups = stepper.ball_loads().iter().zip(&model.present);
+            groups.for_each(|(seen, present)| lift.observe(seen, present));
+        }
         if let Some(films) = &mut self.films {
             films.record(m, stepper.balls(), stepper.ball_loads(), speed);
         }
@@ -311,13 +360,17 @@ impl<'a> Observer<'a> {
         let m = self.model.mechanism();
         let loads = self.part.load.iter().map(|load| most(&load.inner).max(most(&load.outer)));
         let PartMeans { steps, shaft, cage, .. } = self.means;
+        let cage_speed = (m.orbit_ratio * shaft / steps + cage / steps / m.pitch_radius).abs();
+        let rolling = self.lift.as_mut().map(|lift| std::mem::take(lift).rolling(m)).unwrap_or_default();
+        self.rolling.join(rolling);
         self.parts.push(Quantities {
             max_load: loads.fold(0.0, f64::max),
-            cage_speed: (m.orbit_ratio * shaft / steps + cage / steps / m.pitch_radius).abs(),
+            cage_speed,
             out_of_plane: 0.0,
             max_pocket_load: most(&self.part.pocket),
             max_slip: PerRaceway { inner: most(&self.part.slip.inner), outer: most(&self.part.slip.outer) },
             orbit_radius: self.means.orbit_radius(),
+            cage_slip: rolling.mean().and_then(|ratio| cage_slip(cage_speed, (shaft / steps).abs(), ratio)),
         });
         extremes.absorb(&mut self.part);
         self.means = PartMeans::default();
@@ -348,7 +401,7 @@ impl<'a> Observer<'a> {
         // Without a cage the mean orbit speed of the balls replaces its speed.
         let cage = if m.layout.cage { self.cage / self.kept / m.pitch_radius } else { orbit };
         let contacts = self.contacts();
-        let (spindle, _) = self.filtered.finish();
+        let (spindle, spindle_whirl) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
         Recording {
             start,
@@ -357,9 +410,11 @@ impl<'a> Observer<'a> {
             max_pocket_load: self.extremes.map_or(0.0, |seen| seen.pocket.0.into_iter().fold(0.0, f32::max).into()),
             signals: spindle.into_iter().chain(picked).collect(),
             whirl,
+            spindle_whirl,
             direction: if shaft < 0.0 { -1.0 } else { 1.0 },
             shaft_speed: shaft.abs(),
             cage_speed: (m.orbit_ratio * shaft + cage).abs(),
+            loaded_orbit_ratio: self.rolling.mean(),
             ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),

@@ -17,7 +17,7 @@ pub(crate) fn recording(
     recorder: Recorder,
     total_variance: Option<[f64; 6]>,
 ) -> Recording {
-    let (signals, whirl) = recorder.finish();
+    let (signals, spindle_whirl) = recorder.finish();
     let balls = mechanism.layout.balls;
     let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
     let turned = |time: f64| mechanism.speed.at(time).0;
@@ -26,13 +26,15 @@ pub(crate) fn recording(
     Recording {
         start,
         signals,
-        whirl,
+        whirl: None,
+        spindle_whirl,
         total_variance: SPINDLE_IN_PLANE.into_iter().zip(total_variance.into_iter().flatten()).collect(),
         contacts: PerRaceway { inner: none.clone(), outer: none },
         max_pocket_load: 0.0,
         direction: if mean < 0.0 { -1.0 } else { 1.0 },
         shaft_speed: mean.abs(),
         cage_speed: (model.orbit_ratio() * mean).abs(),
+        loaded_orbit_ratio: None,
         ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
         parts: Vec::new(),
         loads: None,
