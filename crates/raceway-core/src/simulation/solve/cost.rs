@@ -49,7 +49,8 @@ const LONGEST: f64 = 1e12;
 pub struct Cost {
     /// First-order states of the last candidate.
     pub states: usize,
-    /// Wall time of the first candidate, and of all candidates at most [s]; `None`: the run has no equilibrium to start from.
+    /// Likely wall time, and that of all candidates at most [s]; `None`: the run has no equilibrium to start from. The first candidate usually
+    /// suffices, and sometimes all are needed: the geometric mean of both is far from neither.
     pub wall_time: Option<(f64, f64)>,
 }
 
@@ -60,8 +61,9 @@ impl Cost {
         let rates = Rates::of(scene, settings, terms, &model);
         let wall_time = rates.map(|rates| {
             let first = plan.candidates().next().map_or(0.0, |candidate| rates.candidate(candidate, 1.0));
-            let all = plan.candidates().map(|candidate| rates.candidate(candidate, UNFORESEEN)).sum::<f64>();
-            (first.min(LONGEST), all.max(2.0 * first).min(LONGEST))
+            let all = |unforeseen| plan.candidates().map(|candidate| rates.candidate(candidate, unforeseen)).sum::<f64>();
+            let likely = (first * all(1.0)).sqrt();
+            (likely.min(LONGEST), all(UNFORESEEN).max(2.0 * first).min(LONGEST))
         });
         Self { states, wall_time }
     }
