@@ -71,13 +71,18 @@ pub(crate) fn by_refinement(
     // The whole time is compared if the motion is neither periodic nor stationary.
     let is_windowed = steady && !verification.is_chaotic();
     let mut window = if is_windowed { refined_window(scene, settings) } else { settings.duration };
-    let confirming = RunSettings { method: confirming(trajectory.choice.method, own.method), ..own.clone() };
-    let mut repeated = or_failure(repeat(window, &confirming, dynamics, most, control))?;
+    let mut repeating = RunSettings { method: confirming(trajectory.choice.method, own.method), ..own.clone() };
+    let mut repeated = or_failure(repeat(window, &repeating, dynamics, most, control))?;
+    if repeated.is_err() && repeating.method != own.method {
+        // The run's own method still shows its error, if the other one takes too many evaluations.
+        repeating = own;
+        repeated = or_failure(repeat(window, &repeating, dynamics, most, control))?;
+    }
     if let Err(why) = &repeated
         && window > REPEATED
     {
         // The first window still gives an error estimate.
-        match or_failure(repeat(REPEATED, &confirming, dynamics, most, control))? {
+        match or_failure(repeat(REPEATED, &repeating, dynamics, most, control))? {
             Ok(recording) => {
                 verification.part = Some((REPEATED, why.clone()));
                 (repeated, window) = (Ok(recording), REPEATED);
@@ -103,7 +108,7 @@ pub(crate) fn by_refinement(
         verification.deviation = verification.deviation.map(|deviation| along_the_run(deviation, &attempt.recording));
     }
     verification.basis =
-        ErrorBasis::Repetition { refinement: refinement(&confirming), window, recorded: settings.duration };
+        ErrorBasis::Repetition { refinement: refinement(&repeating), window, recorded: settings.duration };
     Ok(verification)
 }
 
