@@ -2,8 +2,8 @@
 
 use serde_json::json;
 
+use super::answer::{MessageAnswer, MessageCode, Severity, message};
 use super::words::{deviation, exceeded, time};
-use super::{MessageAnswer, MessageCode, Severity, message};
 use crate::contract::json::numbers::significant;
 use raceway_core::simulation::error::codes::{Cause, Gap, Ineligible, NotEligible, NotEligibleReason, Rejection};
 use raceway_core::simulation::model::failure::SimulationError;

@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
+use super::answer::{MessageAnswer, MessageCode, Severity, message};
 use super::candidates::{cause_text, gap_text};
 use super::words::{field, listed, numbers, signed, time};
-use super::{MessageAnswer, MessageCode, Severity, message};
 use crate::contract::json::numbers::significant;
 use raceway_core::simulation::error::codes::{Uncertainty, Warning};
 use raceway_core::simulation::error::comparison::SILENCE;
