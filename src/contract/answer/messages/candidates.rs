@@ -93,14 +93,14 @@ fn ineligible(reason: Ineligible) -> &'static str {
         Ineligible::MethodSelected => "a method or a fixed step was selected",
         Ineligible::NoModelError => "model_tolerance_db is 0",
         Ineligible::TermOn => "a term that it leaves out is on",
-        Ineligible::Hydrodynamics => "hydrodynamic forces tilt balls and cage later than its verification shows",
-        Ineligible::SpeedChanges => "the speed changes, and its verification shows nothing of later speeds",
-        Ineligible::ShortRun => "its verification would take too large a part of the run",
+        Ineligible::Hydrodynamics => "hydrodynamic forces tilt balls and cage later than a verification shows",
+        Ineligible::SpeedChanges => "the speed changes, and a verification shows nothing of later speeds",
+        Ineligible::ShortRun => "verification would take too large a part of the run",
         Ineligible::MayTilt => {
-            "cage and balls may tilt in so viscous a lubricant at so low a speed, which its planar verification does not show"
+            "cage and balls may tilt in so viscous a lubricant at so low a speed, which a planar verification does not show"
         }
         Ineligible::HeavyCage => {
-            "a crown cage so heavy, or so far off its balls, may tilt them, which its planar verification does not show"
+            "a crown cage so heavy, or so far off its balls, may tilt them, which a planar verification does not show"
         }
     }
 }
