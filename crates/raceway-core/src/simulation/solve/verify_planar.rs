@@ -1,6 +1,6 @@
 //! Verification of planar dynamics where the request omits the tilt of balls and cage: a window of the full dynamics.
 
-use crate::simulation::error::codes::{Cause, Gap, Warning};
+use crate::simulation::error::codes::{Cause, ErrorBasis, Gap, Warning};
 use crate::simulation::error::comparison::Deviation;
 use crate::simulation::error::errors::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
@@ -33,7 +33,8 @@ pub(crate) fn with_omitted_tilt(
     }
     if may_tilt(problem.scene) {
         // Tilt grows for seconds.
-        let report = AccuracyReport { level_errors: LevelErrors::default(), quantity_errors: None, ..report };
+        let level_errors = LevelErrors::default();
+        let report = AccuracyReport { level_errors, quantity_errors: None, basis: ErrorBasis::None, ..report };
         return Ok((report.with(Warning::ErrorUnknown(Gap::MayTilt)), None));
     }
     let settings = problem.settings;
