@@ -1,7 +1,7 @@
 //! One transaction, and one flush to disk, for all waiting submissions. A transaction for each would be several times slower under
 //! load, and no faster without load.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
@@ -10,9 +10,8 @@ use super::error::JobError;
 use super::job::{JobRecord, NewJob};
 use super::queue::Queue;
 use super::store::database::Store;
-use super::store::deliveries::Delivery;
 use super::store::pool::{Lock, Tx};
-use super::store::{idempotency_keys, maintenance, submissions};
+use super::store::{idempotency_keys, maintenance, submissions, turns};
 use super::worker::{InlineRun, Worker};
 
 /// Largest number of submissions in one transaction.
@@ -113,8 +112,8 @@ async fn write_all(
     // The runs start before the jobs are written, so that they overlap with the write.
     let mut started: Vec<Option<InlineRun>> = jobs.iter().zip(&plans).map(start).collect();
     let queued = jobs.iter().zip(&plans).zip(&started).filter(|((_, plan), run)| is_queued(plan) && run.is_none());
-    let queued: Vec<_> = queued.flat_map(|((job, _), _)| deliveries_of(job, slots)).collect();
-    let mut deliveries = queue.enqueue(&mut tx, &queued).await?.into_iter();
+    let queued = queued.map(|((job, _), _)| job.points.map_or(1, |points| shard_count(points, slots))).sum();
+    let mut deliveries = queue.enqueue(&mut tx, queued).await?.into_iter();
     let mut answers = Vec::with_capacity(jobs.len());
     for ((job, plan), run) in jobs.iter().zip(plans).zip(&started) {
         let record = match plan {
@@ -137,9 +136,14 @@ async fn write_all(
         };
         answers.push(record.map(|record| Submitted { record, replayed: false }));
     }
+    let started_owners: BTreeSet<&str> =
+        jobs.iter().zip(&started).filter(|(_, run)| run.is_some()).map(|(job, _)| job.owner.as_str()).collect();
+    for owner in started_owners {
+        turns::begin_turn(&mut tx, owner).await?;
+    }
     tx.commit().await?;
     started.drain(..).flatten().for_each(|run| worker.finish_inline(run));
-    if !queued.is_empty() {
+    if queued > 0 {
         queue.wake();
     }
     Ok(answers)
@@ -148,13 +152,6 @@ async fn write_all(
 /// Number of shards of a study: one for each worker, at most one for each point.
 fn shard_count(points: usize, workers: usize) -> usize {
     points.min(workers).max(1)
-}
-
-fn deliveries_of(job: &NewJob, workers: usize) -> Vec<Delivery> {
-    match job.points {
-        Some(points) => Delivery::shards(job.id, shard_count(points, workers)),
-        None => vec![Delivery::of_job(job.id, job.priority)],
-    }
 }
 
 /// Treatment of a submission.

@@ -96,7 +96,7 @@ fn handler_of(worker: &Arc<Worker>) -> Handler {
     let worker = Arc::clone(worker);
     Arc::new(move |item| {
         let worker = Arc::clone(&worker);
-        Box::pin(async move { if item.shard { worker.work_shard(&item).await } else { worker.work_job(&item).await } })
+        Box::pin(async move { worker.work(&item).await })
     })
 }
 

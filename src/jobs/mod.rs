@@ -41,6 +41,9 @@ mod worker;
 /// Every order of actions of two processes on one job.
 #[cfg(test)]
 mod interleavings;
+/// The order of turns of several owners.
+#[cfg(test)]
+mod turn_order;
 
 pub use error::JobError;
 pub use intake::Submitted;

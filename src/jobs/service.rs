@@ -10,7 +10,6 @@ use super::intake::Submitted;
 use super::job::{IdempotencyKey, JobRecord, NewJob, Status};
 use super::parts::Parts;
 use super::running::{Completion, StopReason, View};
-use super::store::deliveries::Delivery;
 use super::store::notifications::{notify_cancelled, notify_ended};
 use super::store::records::{self, Filter};
 use super::store::results::Signal;
@@ -207,8 +206,8 @@ impl Jobs {
         if !status.is_final() || !studies::resume(&mut tx, id).await? {
             return Err(JobError::CannotResume(status));
         }
-        let shards = Delivery::shards(id, maintenance::slots(&mut tx).await?);
-        let deliveries = self.parts.queue.enqueue(&mut tx, &shards).await?;
+        let shards = maintenance::slots(&mut tx).await?;
+        let deliveries = self.parts.queue.enqueue(&mut tx, shards).await?;
         studies::add_shards(&mut tx, id, &deliveries).await?;
         tx.commit().await?;
         self.parts.queue.wake();

@@ -47,3 +47,5 @@ pub mod submissions;
 mod tcp_options;
 /// Bearer tokens.
 pub mod tokens;
+/// Turns between owners, by processor time.
+pub mod turns;
