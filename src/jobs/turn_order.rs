@@ -111,7 +111,7 @@ fn simulation(priority: u8) -> String {
     )
 }
 
-const STUDY: &str = r#"{"kind": "study", "base": {"bearing": "608", "operation": {"speed_rpm": 3000}},
+const STUDY: &str = r#"{"kind": "study", "scene": {"bearing": "608", "operation": {"speed_rpm": 3000}},
     "outputs": {"metrics": ["vibration"]}, "axes": [{"path": "/operation/speed_rpm", "from": 3000, "to": 6000, "count": 4}]}"#;
 
 /// Runs a test on a file and, where a server is named, on PostgreSQL.
