@@ -91,7 +91,7 @@ struct BatchHeaders {
         {"kind": "simulation", "scene": {"bearing": "6205", "operation": {"speed_rpm": 3000, "radial_load_y_n": 500}}}
     ]})),
     responses((status = 200, description = "An answer for each job, in their order", body = BatchAnswer,
-        headers(("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the jobs"))), BadBody, NotAccepted, Anywhere)
+        headers(("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the jobs"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))), BadBody, NotAccepted, Anywhere)
 )]
 pub async fn submit(
     State(app): State<App>,

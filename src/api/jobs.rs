@@ -35,7 +35,8 @@ const JSON: &[&str] = &["application/json"];
 ///
 /// Checks the job and puts it into the queue. After the answer the job survives a crash of the service and a power cut. With
 /// `Prefer: wait=N` the answer waits up to N seconds for the end of the job. A busy service may answer at once, without
-/// `Preference-Applied`.
+/// `Preference-Applied`. Answers to requests with a token tell in `RateLimit` what is left of the rates of its owner; those to
+/// submissions also how many jobs, or points of studies, it may add to its unfinished ones.
 #[utoipa::path(
     post, path = "/v1/jobs", tag = openapi::JOBS, operation_id = "submitJob",
     params(SubmissionHeaders),
@@ -48,9 +49,9 @@ const JSON: &[&str] = &["application/json"];
     )),
     responses(
         (status = 202, description = "The job is in the queue, or an existing result of identical work answered it (`reused`)", body = JobAnswer,
-            headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which to ask again; absent when the job has ended"), ("Preference-Applied" = String, description = "The granted wait, if one was requested"), ("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the job"))),
+            headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which to ask again; absent when the job has ended"), ("Preference-Applied" = String, description = "The granted wait, if one was requested"), ("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the job"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))),
         (status = 200, description = "The job has ended within the time of `Prefer: wait`; with its metrics", body = JobAnswer,
-            headers(("Location" = String, description = "Path of the job"), ("Preference-Applied" = String, description = "The granted wait"))),
+            headers(("Location" = String, description = "Path of the job"), ("Preference-Applied" = String, description = "The granted wait"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))),
         BadBody, NotAccepted, NoSpace, Anywhere, QueueFull
     )
 )]

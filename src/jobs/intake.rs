@@ -12,7 +12,7 @@ use super::places::{Left, Places, WorkLimits};
 use super::queue::Queue;
 use super::store::database::Store;
 use super::store::pool::{Lock, Tx};
-use super::store::{idempotency_keys, maintenance, submissions, turns};
+use super::store::{due, idempotency_keys, maintenance, submissions};
 use super::token_cache::TokenCache;
 use super::worker::{InlineRun, Worker};
 
@@ -157,7 +157,7 @@ async fn write_all(
     let started_owners: BTreeSet<&str> =
         jobs.iter().zip(&started).filter(|(_, run)| run.is_some()).map(|(job, _)| job.owner.as_str()).collect();
     for owner in started_owners {
-        turns::begin_turn(&mut tx, owner).await?;
+        due::begin_turn(&mut tx, owner).await?;
     }
     tx.commit().await?;
     started.drain(..).flatten().for_each(|run| worker.finish_inline(run));

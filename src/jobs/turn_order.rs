@@ -13,6 +13,7 @@ use super::service::Jobs;
 use super::settings::{Settings, Simulator};
 use super::store::claims::End;
 use super::store::dialect::Dialect;
+use super::store::due;
 use super::store::location::Location;
 use super::store::statement::statement;
 use super::store::studies::{Next, PointResult};
@@ -211,7 +212,7 @@ fn a_turn_reads_indexes_only() {
         world.submit_many("a", 20).await;
         world.submit("b", STUDY).await;
         let mut tx = world.jobs.parts.store.begin().await?;
-        for sql in turns::QUERIES {
+        for sql in due::QUERIES.into_iter().chain(turns::QUERIES) {
             let plan: Vec<String> = match tx.dialect() {
                 Dialect::Sqlite => {
                     let rows: Vec<(i64, i64, i64, String)> =

@@ -6,6 +6,7 @@
 //! A delivery is a turn. Its place among the runs is taken first and the work chosen last, so that the choice knows all that waits.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use raceway_core::simulation::input::control::{Control, Live};
@@ -200,7 +201,9 @@ impl Worker {
         let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
         let metrics = Arc::clone(&self.store.metrics);
         let time_limit = self.settings.time_limit;
-        self.threads.run(move || solve(&simulator, &request, &run, time_limit, &metrics))
+        let (slots, workers) = (Arc::clone(&self.slots), self.settings.workers);
+        let other_runs = move || workers.saturating_sub(slots.available_permits() + 1);
+        self.threads.run(move || solve(&simulator, &request, &run, &other_runs, time_limit, &metrics))
     }
 
     /// Writes the end, and retries while the database refuses.
@@ -283,6 +286,7 @@ fn solve(
     simulator: &Simulator,
     request: &str,
     run: &Run,
+    other_runs: &dyn Fn() -> usize,
     time_limit: Duration,
     metrics: &ServiceMetrics,
 ) -> Result<StoredResult, RunFailure> {
@@ -295,9 +299,17 @@ fn solve(
         }
         run.stopped().is_some()
     };
-    let (progress, live) = (|share| run.set_progress(share), |live: &Live<'_>| run.update_view(live));
-    let outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
+    let most_other_runs = AtomicUsize::new(other_runs());
+    let progress = |share| {
+        run.set_progress(share);
+        most_other_runs.fetch_max(other_runs(), Ordering::Relaxed);
+    };
+    let live = |live: &Live<'_>| run.update_view(live);
+    let mut outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
     let solved = begin.elapsed();
+    if let contract::Outcome::Accuracy(answer) = &mut outcome {
+        answer.timing.most_other_runs = Some(most_other_runs.into_inner() as u64);
+    }
     let solver = match &outcome {
         contract::Outcome::Simulation(simulated) => Some(&simulated.metrics.solver),
         _ => None,

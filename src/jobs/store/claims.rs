@@ -6,13 +6,13 @@ use uuid::Uuid;
 
 use super::database::Store;
 use super::dialect::Dialect;
+use super::due;
 use super::notifications::ENDED;
 use super::pool::Tx;
 use super::records::{self, Row};
 use super::results::{self, StoredResult};
 use super::statement::statement;
 use super::stored_time::{expiry, stored};
-use super::turns;
 use crate::jobs::error::JobError;
 use crate::jobs::job::{Failure, JobRecord, NewJob, Status};
 
@@ -126,7 +126,7 @@ impl Store {
         let mut tx = self.begin().await?;
         let cancel_requested: Option<bool> =
             statement(sql).bind(claim.job).bind(claim.number).bind(progress).value(&mut tx).await?;
-        turns::charge(&claim.owner, used_s).run(&mut tx).await?;
+        due::charge(&claim.owner, used_s).run(&mut tx).await?;
         tx.commit().await?;
         Ok(Heartbeat::of(cancel_requested))
     }
@@ -184,7 +184,7 @@ impl Store {
                 let notify = format!("SELECT {}, pg_notify('{ENDED}', CAST(id AS TEXT)) FROM ended", records::COLUMNS);
                 let inserts = insertion(" FROM ended WHERE status = 'succeeded'");
                 let inserts = inserts.into_iter().enumerate().map(|(k, insert)| (format!("insert{k}"), insert));
-                let charge = ("charged".to_owned(), turns::charge(&claim.owner, used_s));
+                let charge = ("charged".to_owned(), due::charge(&claim.owner, used_s));
                 let before = [("ended".to_owned(), update), charge].into_iter().chain(inserts);
                 statement(notify).with(before).optional(&self.writer).await?
             }
@@ -199,7 +199,7 @@ impl Store {
                     if let (Some((id, _)), false) = (result, row.is_succeeded()) {
                         results::remove_orphan(&mut tx, id).await?;
                     }
-                    turns::charge(&claim.owner, used_s).run(&mut tx).await?;
+                    due::charge(&claim.owner, used_s).run(&mut tx).await?;
                     tx.commit().await?;
                 }
                 row

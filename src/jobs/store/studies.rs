@@ -8,12 +8,12 @@ use super::claims::Heartbeat;
 use super::compression::{compressed, decompressed};
 use super::database::Store;
 use super::dialect::Dialect;
+use super::due;
 use super::notifications::notify_ended;
 use super::pool::Tx;
 use super::results;
 use super::statement::statement;
 use super::stored_time::{expiry, micros, stored};
-use super::turns;
 use crate::contract::answer::point::PointError;
 use crate::contract::{JobKind, PointEnd, PointStatus};
 use crate::jobs::error::JobError;
@@ -130,7 +130,7 @@ impl Store {
         let mut tx = self.begin().await?;
         if let Some((point, result)) = ended {
             write_end(&mut tx, shard.job, point, result).await?;
-            turns::charge(&shard.owner, result.used_s).run(&mut tx).await?;
+            due::charge(&shard.owner, result.used_s).run(&mut tx).await?;
         }
         // A turn takes one point at least.
         let may_give_way = ended.is_some().then_some(slice_is_over);
@@ -158,7 +158,7 @@ impl Store {
         );
         let mut tx = self.begin().await?;
         let cancel_requested: Option<bool> = statement(sql).bind(shard.delivery).value(&mut tx).await?;
-        turns::charge(&shard.owner, used_s).run(&mut tx).await?;
+        due::charge(&shard.owner, used_s).run(&mut tx).await?;
         tx.commit().await?;
         Ok(Heartbeat::of(cancel_requested))
     }
@@ -306,7 +306,7 @@ async fn next(tx: &mut Tx, shard: &StudyShard, slice_is_over: Option<bool>, keep
         return Ok(Next::Cancelled);
     }
     if let Some(slice_is_over) = slice_is_over
-        && turns::gives_way(tx, &shard.owner, slice_is_over).await?
+        && due::gives_way(tx, &shard.owner, slice_is_over).await?
     {
         return Ok(Next::GiveWay);
     }
