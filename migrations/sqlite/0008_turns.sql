@@ -27,5 +27,5 @@ UPDATE strands SET owner = (SELECT owner FROM jobs WHERE jobs.id = strands.job),
 CREATE INDEX strands_waiting ON strands (owner, waiting_since, delivery) WHERE waiting_since IS NOT NULL;
 
 -- Limits count unfinished single jobs of each owner, and unfinished points of its studies.
-CREATE INDEX jobs_unfinished_single ON jobs (owner) WHERE kind <> 'study' AND status IN ('queued', 'running');
-CREATE INDEX studies_unfinished ON jobs (owner, id) WHERE kind = 'study' AND status IN ('queued', 'running');
+DROP INDEX jobs_unfinished;
+CREATE INDEX jobs_unfinished ON jobs (kind, owner, status) WHERE status IN ('queued', 'running');

@@ -36,7 +36,7 @@ impl Unfinished {
 /// Unfinished work by owner.
 pub async fn unfinished(tx: &mut Tx) -> Result<HashMap<String, Unfinished>, JobError> {
     let sql = "SELECT owner, count(*), CAST(0 AS BIGINT) FROM jobs \
-               WHERE kind <> 'study' AND status IN ('queued', 'running') GROUP BY owner \
+               WHERE kind <> 'study' AND status IN ('queued', 'running') GROUP BY kind, owner \
                UNION ALL SELECT jobs.owner, CAST(0 AS BIGINT), CAST(sum(studies.points - studies.ended) AS BIGINT) \
                FROM jobs JOIN studies ON studies.job = jobs.id \
                WHERE jobs.kind = 'study' AND jobs.status IN ('queued', 'running') GROUP BY jobs.owner";
