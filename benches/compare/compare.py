@@ -57,6 +57,7 @@ import math
 import os
 import platform
 import resource
+import signal
 import statistics
 import subprocess
 import sys
@@ -227,9 +228,15 @@ class Runner:
 
     def __init__(self, timeout, core=None):
         self.timeout = timeout
+        # Largest processor time of a run [s]; `None`: no limit.
+        self.cpu_limit = None
         self.environment = {key: value for key, value in os.environ.items() if not key.startswith("RACEWAY_")}
         if core is not None:
             os.sched_setaffinity(0, {core})
+
+    def confine(self):
+        limit = math.ceil(self.cpu_limit)
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
 
     def run(self, binary, command, job, *arguments):
         """{"wall_s", "cpu_s", "answer" (text of stdout) or "failure"}."""
@@ -240,12 +247,15 @@ class Runner:
             begin = time.perf_counter()
             try:
                 done = subprocess.run([binary, command, file.name, "--quiet", *arguments], capture_output=True, text=True,
-                                      timeout=self.timeout, env=self.environment, check=False)
+                                      timeout=self.timeout, env=self.environment, check=False,
+                                      preexec_fn=self.confine if self.cpu_limit else None)
             except subprocess.TimeoutExpired:
                 return {"wall_s": self.timeout, "cpu_s": None, "failure": f"not finished after {self.timeout:g} s"}
             wall = time.perf_counter() - begin
         now = resource.getrusage(resource.RUSAGE_CHILDREN)
         found = {"wall_s": wall, "cpu_s": now.ru_utime + now.ru_stime - used.ru_utime - used.ru_stime}
+        if done.returncode == -signal.SIGXCPU:
+            return found | {"failure": f"not finished after {self.cpu_limit:g} s of processor time"}
         if done.returncode:
             return found | {"failure": f"exit status {done.returncode}: {done.stderr.strip()[:400]}"}
         return found | {"answer": done.stdout}

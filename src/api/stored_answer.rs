@@ -58,5 +58,7 @@ pub fn json_text(answer: &impl Serialize) -> Result<Vec<u8>, ApiError> {
 
 /// A response in a negotiated format.
 pub fn respond(format: &'static str, body: impl IntoResponse) -> Response {
-    ([(VARY, "Accept"), (CONTENT_TYPE, format)], body.into_response().into_body()).into_response()
+    // Spreadsheets take tables without a charset for another encoding.
+    let content_type = if format == CSV { "text/csv; charset=utf-8" } else { format };
+    ([(VARY, "Accept"), (CONTENT_TYPE, content_type)], body.into_response().into_body()).into_response()
 }

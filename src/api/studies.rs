@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use axum::http::header::{CONTENT_TYPE, LOCATION, VARY};
+use axum::http::header::LOCATION;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 
@@ -15,7 +15,7 @@ use super::openapi::{
     self, Anywhere, BadQuery, CannotResume, NoJob, NoResult, NoSpace, NotAccepted, QueueFull, Unchanged,
 };
 use super::request::{JobId, NoQuery, Query, negotiated};
-use super::stored_answer::{CSV, JSON, formatted, json_text, read};
+use super::stored_answer::{CSV, JSON, formatted, json_text, read, respond};
 use crate::contract::answer::csv;
 use crate::contract::{self, Job, PointEnd, PointStatus, Row, TableAnswer};
 use crate::jobs::{JobError, StoredPoint, decompressed};
@@ -50,7 +50,7 @@ pub async fn table(
             CSV => csv::table_csv(&table).into_bytes(),
             _ => json_text(&table)?,
         };
-        Ok(([(VARY, "Accept"), (CONTENT_TYPE, format)], body).into_response())
+        Ok(respond(format, body))
     });
     // A table of ten thousand points has a hundred megabytes, and a slow client reads slowly.
     Ok(hold_until_sent(held, response.await?))

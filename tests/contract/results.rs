@@ -31,7 +31,7 @@ fn a_spectrum_comes_as_json_and_csv() {
     assert_eq!(numbers(&low["frequency_hz"]), expected);
     let csv = format!("{path}/spectrum?channel=spindle.y.acceleration&max_frequency_hz=3000");
     let csv = request(server.address(), "GET", &csv, &[("Accept", "text/csv")], b"");
-    assert_eq!(csv.header("content-type"), Some("text/csv"));
+    assert_eq!(csv.header("content-type"), Some("text/csv; charset=utf-8"));
     assert_eq!(csv.body.lines().next(), Some("frequency_hz,spindle.y.acceleration [m/s²]"));
     assert_eq!(csv.body.lines().count(), 1 + expected.len());
     let envelope = server.get(&format!("{path}/spectrum?channel=spindle.y.acceleration&kind=envelope")).json();

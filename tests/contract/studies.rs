@@ -36,7 +36,7 @@ fn a_study_fills_its_table() {
     assert!(table["rows"][0]["metrics"]["lines"].is_null());
     assert!(table["best"]["/channels/spindle.y.velocity/rms"]["value"].is_number());
     let csv = request(server.address(), "GET", &format!("{path}/table"), &[("Accept", "text/csv")], b"");
-    assert_eq!((csv.header("content-type"), csv.body.lines().count()), (Some("text/csv"), 6));
+    assert_eq!((csv.header("content-type"), csv.body.lines().count()), (Some("text/csv; charset=utf-8"), 6));
     assert!(csv.body.starts_with("/operation/speed_rpm,status,error,"), "{}", csv.body);
     let plot = server.get(&format!("{path}/plots/trend.svg"));
     assert_eq!((plot.status, plot.header("content-type")), (200, Some("image/svg+xml")));

@@ -132,10 +132,10 @@ fn numbers_of_balls_do_not_matter() {
     }
 }
 
-/// Without a cage any two balls may exchange their numbers.
+/// Without a cage any two balls that touch no other may exchange their numbers.
 #[test]
 fn two_balls_may_exchange_numbers_without_a_cage() {
-    let model = model(&changed(everything(), json!({ "terms": { "cage": "off" } })));
+    let model = model(&changed(everything(), json!({ "terms": { "cage": "off", "pocket_film": "off" } })));
     let m = model.mechanism();
     let swap = |y: &[f64], (a, b): (usize, usize), rates: bool| {
         let mut image = y.to_vec();

@@ -7,6 +7,7 @@ import { messageList } from './messages.js';
 export function showDerived(host, resolved) {
   const { derived, scene } = resolved;
   const f = derived.frequencies_hz;
+  const loaded = derived.frequencies_loaded_hz;
   const rest = derived.static;
   const rows = (pairs) =>
     h(
@@ -32,6 +33,8 @@ export function showDerived(host, resolved) {
           ['BPFO', f.ball_pass_outer, 'Hz'],
           ['BPFI', f.ball_pass_inner, 'Hz'],
           ['Ball spin', f.ball_spin, 'Hz'],
+          loaded && ['Cage, loaded contact angle', loaded.cage, 'Hz'],
+          loaded && ['BPFO, loaded contact angle', loaded.ball_pass_outer, 'Hz'],
         ]),
       ),
       h(

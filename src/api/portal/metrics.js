@@ -98,7 +98,7 @@ export function tables(metrics) {
     ),
     contacts.pocket && ['Largest load, pocket', contacts.pocket.max_load_n, 'N'],
     kinematics && ['Cage speed', kinematics.cage_speed_hz, 'Hz'],
-    kinematics && ['Cage slip, free contact angle', kinematics.cage_slip_free_angle * 100, '%'],
+    kinematics?.cage_slip_free_angle !== undefined && ['Cage slip, free contact angle', kinematics.cage_slip_free_angle * 100, '%'],
     kinematics && ['Ball spin', kinematics.ball_spin_hz, 'Hz'],
     cage && ['Cage orbit radius, rms', cage.orbit_radius_um, 'µm'],
     cage && ['Whirl ratio', cage.whirl_ratio, ''],

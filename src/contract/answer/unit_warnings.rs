@@ -1,13 +1,16 @@
 //! Warnings of values that are valid, but so unusual that a unit may be wrong.
 
+use std::f64::consts::PI;
+
 use crate::contract::job::simulation::Simulation;
 use crate::contract::json::numbers::{short, significant};
 use crate::contract::json::problem::FieldError;
 use crate::contract::json::units::{MM, RPM, UM};
+use raceway_core::physics::bearing::BearingKind;
 use raceway_core::physics::contact::hertz::raceway_contacts;
 use raceway_core::physics::contact::traction::TractionLaw;
 use raceway_core::physics::defaults::{CrownCage, shaft_mass};
-use raceway_core::physics::spindle::Unbalance;
+use raceway_core::physics::spindle::{AxialHold, Unbalance};
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::model::equilibrium::StaticLoads;
 
@@ -63,6 +66,8 @@ pub fn warnings(simulation: &Simulation, at_rest: Option<&StaticLoads>) -> Vec<F
     of_bearing(simulation.scene(), &mut warn);
     if simulation.terms.cage {
         of_cage(simulation.scene(), &mut warn);
+    } else {
+        of_loose_balls(simulation.scene(), &mut warn);
     }
     let scene = simulation.scene();
     let viscosity = scene.lubricant.viscosity;
@@ -138,6 +143,15 @@ fn of_operation(scene: &Scene, at_rest: Option<&StaticLoads>, warn: Warn<'_>) {
         )
     });
     let speed = RPM.to_user(operation.speed.largest()) * MM.to_user(scene.bearing.parameters.pitch_diameter);
+    let is_offset = matches!(scene.spindle.axial, AxialHold::Offset(offset) if offset != 0.0);
+    let is_angular = scene.bearing.parameters.kind == BearingKind::AngularContact;
+    warn(
+        is_angular && operation.load[0] == 0.0 && !is_offset && scene.bearing.radial_clearance > 0.0,
+        "operation/axial_load_n",
+        &|| {
+            "an angular-contact bearing without axial load or preload: its balls run at small contact angles, far from the design".into()
+        },
+    );
     warn(speed > MAX_SPEED_FACTOR, "operation/speed_rpm", &|| {
         format!("speed times pitch diameter is {speed:.2e} r/min·mm: bearings reach at most {MAX_SPEED_FACTOR:.0e}")
     });
@@ -178,6 +192,20 @@ fn of_bearing(scene: &Scene, warn: Warn<'_>) {
             format!("{} kg/m³: steel has 7830 kg/m³", short(material.density))
         });
     }
+}
+
+/// Balls that gather side by side on less than half of the pitch circle leave the spindle free to the other side.
+fn of_loose_balls(scene: &Scene, warn: Warn<'_>) {
+    let parameters = &scene.bearing.parameters;
+    let spacing = 2.0 * (parameters.ball_diameter / parameters.pitch_diameter).asin();
+    let (balls, least) = (parameters.ball_count as f64, (PI / spacing).floor() + 2.0);
+    warn(balls < least, "bearing/ball_count", &|| {
+        format!(
+            "without a cage {balls} balls may gather within {:.0}°, and nothing holds the spindle on the other side; {least} balls \
+             reach around half of it",
+            ((balls - 1.0) * spacing).to_degrees()
+        )
+    });
 }
 
 fn of_cage(scene: &Scene, warn: Warn<'_>) {
@@ -265,6 +293,17 @@ mod tests {
         assert!(idle(9.81).is_empty() && idle(0.0) == ["/scene/operation"], "{:?}", idle(0.0));
     }
 
+    /// Balls of a 6206 side by side stand 23.90° apart: 8 of them reach 167°, 9 reach 191°.
+    #[test]
+    fn balls_that_may_gather_on_one_side_are_found() {
+        let of = |balls: u32| {
+            let operation = json!({ "speed_rpm": 600, "radial_load_y_n": 500 });
+            let bearing = json!({ "preset": "6206", "ball_count": balls });
+            warned(json!({ "bearing": bearing, "operation": operation, "terms": { "cage": "off" } }))
+        };
+        assert!(of(9).is_empty() && of(8) == ["/scene/bearing/ball_count"], "{:?} {:?}", of(9), of(8));
+    }
+
     #[test]
     fn traction_that_drives_is_found() {
         let scene = |d: f64| {
@@ -301,6 +340,19 @@ mod tests {
         ] {
             assert_eq!(warned(scene.clone()), [format!("/scene/{field}")], "{scene}");
         }
+    }
+
+    #[test]
+    fn an_angular_contact_bearing_without_axial_load_is_found() {
+        let of = |axial_load_n: f64| {
+            let bearing = json!({
+                "type": "angular_contact", "outer_diameter_mm": 68, "inner_diameter_mm": 40, "width_mm": 15, "ball_count": 17,
+                "ball_diameter_mm": 7.938, "pitch_diameter_mm": 54, "contact_angle_deg": 15
+            });
+            let operation = json!({ "speed_rpm": 18_000, "radial_load_y_n": 200, "axial_load_n": axial_load_n });
+            warned(json!({ "bearing": bearing, "operation": operation }))
+        };
+        assert_eq!((of(0.0), of(100.0)), (vec!["/scene/operation/axial_load_n".to_owned()], Vec::new()));
     }
 
     /// Each quantity a thousand times as large as meant, or as small.

@@ -15,8 +15,8 @@ use crate::contract::json::numbers::significant;
 pub struct CostAnswer {
     /// Number of first-order states on the last of `rungs`.
     pub states: u64,
-    /// Estimated wall time on one core, order of magnitude [s]: with the first of `rungs`, for one point of a study or one run of an optimum
-    /// job. In ordinary scenes within a factor of ten, mostly of three. Chaos and impacts may double it. Slip that saturates early
+    /// Likely wall time on one core, order of magnitude [s], for one point of a study or one run of an optimum job: between that of the first of
+    /// `rungs` and that of all. In ordinary scenes within a factor of ten, mostly of three. Chaos and impacts may double it. Slip that saturates early
     /// (`coulomb` over 1e-5 m/s) takes ten to a hundred times as long, most with `radau` and `fine_abm` at loose tolerances. Absent where
     /// the run has no equilibrium to start from.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -26,7 +26,7 @@ pub fn parse_batch(body: &[u8]) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
         #[serde(borrow)]
         jobs: Vec<&'a RawValue>,
     }
-    let jobs = match serde_json::from_slice::<ObjectOnly<Batch<'_>>>(body) {
+    let jobs = match serde_json::from_slice::<ObjectOnly<Batch<'_>>>(strict::text(body)) {
         Ok(batch) => batch.0.jobs,
         // Read again strictly, for an error with a pointer.
         Err(error) => {

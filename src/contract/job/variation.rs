@@ -123,8 +123,10 @@ fn set(scene: &mut Value, complete: &Value, tokens: &[String], value: Value) -> 
         } else if next.is_null() && depth == 0 && OPEN_PARTS.contains(&token.as_str()) {
             *next = json!({});
         } else if !next.is_object() && !next.is_array() {
-            *next =
-                filled.filter(|part| part.is_object()).cloned().ok_or_else(|| format!("the scene has no `{path}`"))?;
+            *next = filled.filter(|part| part.is_object()).cloned().ok_or_else(|| match next.is_null() {
+                true => format!("the scene has no `{path}`"),
+                false => format!("`{path}` is no object and no list"),
+            })?;
             is_named = false;
         }
         at = next;

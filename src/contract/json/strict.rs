@@ -10,8 +10,14 @@ use serde_json::{Map, Value};
 
 use super::problem::{FieldError, MAX_ERRORS, Refusal, escape};
 
+/// The bytes of a JSON text without the byte-order mark that some editors put before UTF-8.
+pub fn text(body: &[u8]) -> &[u8] {
+    body.strip_prefix(b"\xef\xbb\xbf").unwrap_or(body)
+}
+
 /// The value of a JSON text.
 pub fn read(body: &[u8]) -> Result<Value, Refusal> {
+    let body = text(body);
     let reader = Reader::default();
     let mut deserializer = serde_json::Deserializer::from_slice(body);
     let value = (&reader).deserialize(&mut deserializer).and_then(|value| deserializer.end().map(|()| value));
@@ -23,8 +29,26 @@ pub fn read(body: &[u8]) -> Result<Value, Refusal> {
             let pointer: String = reader.path.into_inner().concat();
             Err(FieldError::new(pointer, "a number beyond double precision (about ±1.8e308)").into())
         }
-        Err(error) => Err(Refusal::NotJson { detail: error.to_string() }),
+        Err(error) => {
+            let detail = cause(body, &error, &reader.path.into_inner().concat()).unwrap_or_else(|| error.to_string());
+            Err(Refusal::NotJson { detail })
+        }
     }
+}
+
+/// Cause of an error that the parser shows only by its place: UTF-16, NaN, or an infinity.
+fn cause(body: &[u8], error: &serde_json::Error, pointer: &str) -> Option<String> {
+    if matches!(body, [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, _, ..] | [_, 0, ..]) {
+        return Some("the text is UTF-16: encode it as UTF-8".into());
+    }
+    let line = body.split(|byte| *byte == b'\n').nth(error.line().checked_sub(1)?)?;
+    // The column is that of the first byte that is no part of a value, which may be the second of `-Infinity`.
+    let rest = |back: usize| line.get(error.column().checked_sub(back)?..);
+    let name = ["-Infinity", "Infinity", "NaN"]
+        .into_iter()
+        .find(|name| (0..=2).any(|back| rest(back).is_some_and(|rest| rest.starts_with(name.as_bytes()))))?;
+    let place = if pointer.is_empty() { String::new() } else { format!(" at {pointer}") };
+    Some(format!("{name}{place}: JSON has finite numbers only; omit the field, or give a number"))
 }
 
 /// Builds a value and knows the path to the part that it reads.

@@ -51,7 +51,7 @@ pub struct InitialPerturbationInput {
     pub speed_mm_s: f64,
     /// Seed of the directions: the same seed gives the same directions on every machine. Default 0.
     #[serde(default, deserialize_with = "whole_number::<_, 0, { u32::MAX }>")]
-    #[schema(nullable = false, minimum = 0, maximum = 4_294_967_295_u32, example = 1)]
+    #[schema(nullable = false, value_type = u64, minimum = 0, maximum = 4_294_967_295_u32, example = 1)]
     pub seed: Option<u32>,
 }
 

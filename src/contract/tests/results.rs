@@ -194,3 +194,17 @@ fn number_pointers(value: &Value, pointer: String, found: &mut Vec<String>) {
         _ => {}
     }
 }
+
+/// Three balls without a cage gather on one side. The raceways of a 6206 touch at d + P_d/2 = 9.531 mm.
+#[test]
+fn a_spindle_that_leaves_the_bearing_is_a_cause_of_its_own() {
+    let request = json!({"kind": "simulation", "settle_s": 0.2, "duration_s": 0.1, "scene": {
+        "bearing": {"preset": "6206", "ball_count": 3}, "terms": {"cage": "off"},
+        "operation": {"speed_rpm": 600, "radial_load_y_n": 500}}});
+    let job = parse_job(request.to_string().as_bytes()).unwrap();
+    let Err(RunFailure::Failed { cause, detail }) = execute(&job, &Control::until(&|| false)) else {
+        panic!("no failure")
+    };
+    assert_eq!(cause, "spindle-left-bearing");
+    assert!(detail.contains("at t = 0.147") && detail.contains("radially by 9.531 mm"), "{detail}");
+}

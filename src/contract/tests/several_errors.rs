@@ -243,3 +243,22 @@ fn outputs_that_are_no_object_are_refused() {
         }
     }
 }
+
+/// Bytes of editors and shells: a byte-order mark is skipped; UTF-16 and numbers that JSON does not have are named with their place.
+#[test]
+fn foreign_bytes_are_skipped_or_named() {
+    let job = r#"{"kind":"simulation","scene":{"bearing":"6205","operation":{"speed_rpm":3000}}}"#;
+    assert!(parse_job(format!("\u{feff}{job}").as_bytes()).is_ok());
+    assert!(crate::contract::parse_batch(format!("\u{feff}{{\"jobs\":[{job}]}}").as_bytes()).is_ok());
+    let detail = |body: &[u8]| match parse_job(body) {
+        Err(Refusal::NotJson { detail }) => detail,
+        other => panic!("{:?}", other.map(|_| "a job")),
+    };
+    let utf16: Vec<u8> = job.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert!(detail(&[b"\xff\xfe", &utf16[..]].concat()).contains("UTF-16"));
+    assert!(detail(&utf16).contains("UTF-16"));
+    for name in ["NaN", "Infinity", "-Infinity"] {
+        let detail = detail(job.replace("3000", name).as_bytes());
+        assert!(detail.starts_with(&format!("{name} at /scene/operation/speed_rpm: ")), "{detail}");
+    }
+}

@@ -279,6 +279,18 @@ fn cage_speed_error(a: &[Quantities], b: &[Quantities]) -> f64 {
     mean_or_luck(&differences) / mean(&a).abs().max(mean(&b[..a.len()]).abs()).max(LEAST_SPEED)
 }
 
+/// Numbers so small that their errors are no shares of them.
+pub(crate) fn minute_numbers(of: &Quantities) -> Vec<Quantity> {
+    let all = [
+        (Quantity::MaxLoad, of.max_load < LEAST_LOAD),
+        (Quantity::CageSpeed, of.cage_speed < LEAST_SPEED),
+        (Quantity::PocketLoad, of.max_pocket_load < LEAST_POCKET_LOAD),
+        (Quantity::Slip, of.max_slip.inner.max(of.max_slip.outer) < LEAST_SLIP),
+        (Quantity::CageOrbit, of.orbit_radius < LEAST_ORBIT),
+    ];
+    all.into_iter().filter(|(_, is_minute)| *is_minute).map(|(quantity, _)| quantity).collect()
+}
+
 /// Largest difference of the peak loads of single balls on a raceway, as a share of the largest load. Only balls near the largest load count,
 /// because any of them may be the largest of a longer run. The maxima alone may agree by chance in two short runs.
 fn peaks_apart(a: &Recording, b: &Recording) -> f64 {

@@ -14,6 +14,8 @@ pub struct AccuracyReport {
     pub level_errors: LevelErrors,
     /// Estimated errors of single numbers; `None`: unknown.
     pub quantity_errors: Option<QuantityErrors>,
+    /// Numbers whose slowest motion the verification does not cover. They state no error.
+    pub unverified: Vec<Quantity>,
     /// Changes under refinement of the levels that are not resolved [dB]. These levels have no error.
     pub unresolved: LevelErrors,
     /// Standard deviation of a level between windows as long as the recorded time [dB].
@@ -69,6 +71,12 @@ impl AccuracyReport {
         self
     }
 
+    /// This report with another warning.
+    pub(crate) fn with(mut self, warning: Warning) -> Self {
+        self.warnings.push(warning);
+        self
+    }
+
     /// Drops the level from the warning of large errors.
     pub(crate) fn drop_uncertain_level(&mut self) {
         for warning in &mut self.warnings {
@@ -101,7 +109,9 @@ impl AccuracyReport {
             (Quantity::CageOrbit, share(|errors| errors.orbit_radius, outputs.cage), WARNED_ERROR_SHARE),
         ];
         let is_large = |(quantity, error, limit): (Quantity, Option<f64>, f64)| {
-            error.filter(|error| *error > limit).map(|error| QuantityError { quantity, error })
+            error
+                .filter(|error| *error > limit && !self.unverified.contains(&quantity))
+                .map(|error| QuantityError { quantity, error })
         };
         all.into_iter().filter_map(is_large).collect()
     }

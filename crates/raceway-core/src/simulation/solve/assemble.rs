@@ -3,8 +3,8 @@
 use std::rc::Rc;
 use std::time::Instant;
 
-use crate::simulation::error::codes::{NotEligible, Rejection, Uncertainty, Warning};
-use crate::simulation::error::comparison::Deviation;
+use crate::simulation::error::codes::{NotEligible, Quantity, Rejection, Uncertainty, Warning};
+use crate::simulation::error::comparison::{Deviation, minute_numbers};
 use crate::simulation::error::errors::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::error::stationarity::{
@@ -13,11 +13,12 @@ use crate::simulation::error::stationarity::{
 use crate::simulation::error::thresholds::{LONG_RECORD_S, NOTABLE_CHANGE_DB, STATIONARY_SCATTER_DB, WARNED_ERROR_DB};
 use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::{Scene, Term};
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::Stepping;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::terms::Justification;
+use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{BATCHES, REPEATED};
 use crate::simulation::result::metrics::SolverReport;
@@ -64,6 +65,8 @@ pub(crate) fn assemble(
     let level = Some(candidate.level).filter(|level| level.is_reduced() || settings.rung.is_some());
     let terms = active_terms(scene, &settings.outputs, level)?;
     let (mut report, tilt_window) = with_omitted_tilt(report, &terms, problem, &control.without_live())?;
+    report.unverified = minute_numbers(&attempt.recording.quantities());
+    report.unverified.extend(slow_numbers(scene, &terms, candidate.level));
     // The periodic model has no initial transient. Neither chaos nor a damped start keeps it.
     let is_damped = attempt.trajectory.is_some() && problem.dynamics(control)?.start.is_damped;
     let keeps_start = candidate.level != ModelLevel::Periodic && !report.is_chaotic && !is_damped;
@@ -158,6 +161,15 @@ fn later_window(
     };
     let later = RunSettings { method: trajectory.choice.method, ..later };
     Ok(run_from(dynamics, &start, &later, &stepping, control)?.recording)
+}
+
+/// Numbers of the cage whose slowest motion no window covers. A crown tilts slowly and changes the orbit. The mean speed of a reversal is the small rest
+/// of a sum.
+fn slow_numbers(scene: &Scene, terms: &ActiveTerms, level: ModelLevel) -> Vec<Quantity> {
+    let is_tilt = |omitted: &LeftOut| omitted.term == Term::CageTilt.name() && omitted.by != Justification::Identity;
+    let omits_tilt = level != ModelLevel::Full && terms.left_out.iter().any(is_tilt);
+    let all = [(Quantity::CageOrbit, omits_tilt), (Quantity::CageSpeed, scene.operation.speed.reverses())];
+    all.into_iter().filter(|(_, is_slow)| *is_slow).map(|(quantity, _)| quantity).collect()
 }
 
 /// The report with a remark on very low levels in place of warnings of their large errors.

@@ -71,12 +71,18 @@ pub(crate) fn by_refinement(
     // The whole time is compared if the motion is neither periodic nor stationary.
     let is_windowed = steady && !verification.is_chaotic();
     let mut window = if is_windowed { refined_window(scene, settings) } else { settings.duration };
-    let mut repeated = or_failure(repeat(window, &own, dynamics, most, control))?;
+    let mut repeating = RunSettings { method: confirming(trajectory.choice.method, own.method), ..own.clone() };
+    let mut repeated = or_failure(repeat(window, &repeating, dynamics, most, control))?;
+    if repeated.is_err() && repeating.method != own.method {
+        // The run's own method still shows its error, if the other one takes too many evaluations.
+        repeating = own;
+        repeated = or_failure(repeat(window, &repeating, dynamics, most, control))?;
+    }
     if let Err(why) = &repeated
         && window > REPEATED
     {
         // The first window still gives an error estimate.
-        match or_failure(repeat(REPEATED, &own, dynamics, most, control))? {
+        match or_failure(repeat(REPEATED, &repeating, dynamics, most, control))? {
             Ok(recording) => {
                 verification.part = Some((REPEATED, why.clone()));
                 (repeated, window) = (Ok(recording), REPEATED);
@@ -101,7 +107,8 @@ pub(crate) fn by_refinement(
     if is_windowed {
         verification.deviation = verification.deviation.map(|deviation| along_the_run(deviation, &attempt.recording));
     }
-    verification.basis = ErrorBasis::Repetition { refinement: refinement(&own), window, recorded: settings.duration };
+    verification.basis =
+        ErrorBasis::Repetition { refinement: refinement(&repeating), window, recorded: settings.duration };
     Ok(verification)
 }
 
@@ -114,6 +121,15 @@ fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
     settings.duration.min((window / part).ceil() * part)
 }
 
+/// Method that confirms a run by another. Implicit methods that damp fast motion share errors of their own kind, so each confirms the other.
+fn confirming(chosen: Method, selected: Method) -> Method {
+    match chosen {
+        Method::Gear => Method::Radau,
+        Method::Radau => Method::Gear,
+        _ => selected,
+    }
+}
+
 /// Refinement of a repetition.
 fn refinement(settings: &RunSettings) -> Refinement {
     match settings.fixed_step {
@@ -121,7 +137,7 @@ fn refinement(settings: &RunSettings) -> Refinement {
         Some(_) => Refinement::Step(HALF_STEP),
         None => {
             let tolerance = (TIGHTER * settings.relative_tolerance).max(TIGHTEST);
-            Refinement::Tolerance(tolerance, lyapunov::judging(settings.method))
+            Refinement::Tolerance(tolerance, settings.method)
         }
     }
 }
@@ -145,7 +161,7 @@ fn repeat(
         ..settings.clone()
     };
     let stepping = Stepping {
-        method: lyapunov::judging(settings.method),
+        method: settings.method,
         relative_tolerance: (TIGHTER * settings.relative_tolerance).max(TIGHTEST),
         fixed_step: again.fixed_step,
         most_evaluations: Some(most_evaluations),

@@ -27,6 +27,8 @@ mod step_length;
 
 mod films;
 
+mod loaded_lift;
+
 mod observer;
 
 mod run;

@@ -4,16 +4,15 @@ use super::border::Border;
 use super::equations::RadiallyCondensed;
 use super::evaluation::{BallLoads, total};
 use super::films::Films;
+use super::loaded_lift::LoadedLift;
 use super::stepping::{Observe, Stepper};
 use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
-use crate::physics::kinematics::LoadedBall;
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
-use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::step_ratio::StepRatio;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::loaded_rolling::LoadedRolling;
@@ -28,43 +27,6 @@ const SIGNALS: usize = SPINDLE_IN_PLANE.len();
 const FRAMES: usize = 64;
 /// Number of parts of the recorded time whose extremes and means are recorded.
 const PARTS: u64 = 20;
-
-/// Contact angles of balls in the plane of the bearing.
-const IN_PLANE: PerRaceway<(f64, f64)> = PerRaceway { inner: (0.0, 1.0), outer: (0.0, 1.0) };
-
-/// Sums over the balls that touch both raceways, by lane.
-#[derive(Clone, Copy, Default)]
-struct LoadedLift {
-    /// Number of balls, their loads on the outer raceway [N], and these loads times the excess of the orbit radius [N m].
-    balls: Lanes,
-    load: Lanes,
-    moment: Lanes,
-    /// Number of observed times.
-    times: f64,
-}
-
-impl LoadedLift {
-    #[inline(always)]
-    fn observe(&mut self, seen: &BallLoads, present: &Singles) {
-        for lane in 0..LANES {
-            let loaded = if seen.load.inner[lane] > 0.0 && seen.load.outer[lane] > 0.0 { present[lane] } else { 0.0 };
-            let load = f64::from(loaded * seen.load.outer[lane]);
-            self.balls[lane] += f64::from(loaded);
-            self.load[lane] += load;
-            self.moment[lane] += load * f64::from(seen.lift[lane]);
-        }
-    }
-
-    /// Rolling at the mean orbit radius: the ratio of each ball is linear in its small excess, to 10⁻⁷.
-    fn rolling(&self, m: &Mechanism) -> LoadedRolling {
-        let load = total(&self.load);
-        let lift = if load > 0.0 { total(&self.moment) / load } else { 0.0 };
-        let ball = LoadedBall { orbit_radius: m.pitch_radius + lift, ball_radius: m.ball_radius, angle: IN_PLANE };
-        // Balls in the plane spin about X.
-        let ratio = ball.orbit_ratio((-1.0, 0.0)).unwrap_or_default();
-        LoadedRolling::of(self.times * m.layout.balls as f64, total(&self.balls), load, ratio)
-    }
-}
 
 /// Steps of the recorded time.
 #[derive(Debug, Clone, Copy)]
@@ -340,9 +302,7 @@ impl<'a> Observer<'a> {
         }
         self.kept += 1.0;
         if let Some(lift) = &mut self.lift {
-            lift.times += 1.0;
-            let groups = stepper.ball_loads().iter().zip(&model.present);
-            groups.for_each(|(seen, present)| lift.observe(seen, present));
+            lift.observe(stepper.ball_loads(), &model.present);
         }
         if let Some(films) = &mut self.films {
             films.record(m, stepper.balls(), stepper.ball_loads(), speed);
