@@ -6,14 +6,15 @@ use axum::extract::{FromRequestParts, Request, State};
 use axum::http::header::{AUTHORIZATION, HOST};
 use axum::http::request::Parts;
 use axum::http::uri::Authority;
-use axum::http::{HeaderMap, Uri};
+use axum::http::{HeaderMap, Method, Uri};
 use axum::middleware::Next;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 
 use super::app::App;
 use super::credentials::{Owner, owner_among};
 use super::error::ApiError;
-use super::public_paths::is_public;
+use super::public_paths::{is_public, is_submission};
+use super::rate_limit::LeftPlaces;
 use crate::jobs::tokens::{TokenDigest, digest_of};
 
 /// The token of a request that outlasts a check, such as an event stream: it is checked again while the request lasts.
@@ -27,6 +28,11 @@ impl Credential {
             Some(digest) => known_owner(app, digest).is_some(),
             None => !needs_token(app),
         }
+    }
+
+    /// Returns whether the request has a token, so that its owner's shares are counted.
+    pub fn has_token(&self) -> bool {
+        self.0.is_some()
     }
 }
 
@@ -49,11 +55,22 @@ pub async fn guard(State(app): State<App>, mut request: Request, next: Next) -> 
         let token = bearer(request.headers()).ok_or(ApiError::Unauthorized)?;
         let digest = digest_of(token);
         let owner = owner(&app, &digest).await?;
-        access.rates.check(&owner)?;
-        request.extensions_mut().insert(owner);
+        let is_submission = request.method() == Method::POST && is_submission(request.uri().path());
+        if let Err(refused) = access.rates.take(&owner, is_submission) {
+            return Ok(with_limits(&app, Some(&owner), refused.into_response()));
+        }
+        request.extensions_mut().insert(owner.clone());
         request.extensions_mut().insert(Credential(Some(digest)));
+        return Ok(with_limits(&app, Some(&owner), next.run(request).await));
     }
-    Ok(next.run(request).await)
+    Ok(with_limits(&app, None, next.run(request).await))
+}
+
+/// The response with headers that tell what the limits leave.
+fn with_limits(app: &App, owner: Option<&Owner>, mut response: Response) -> Response {
+    let places = response.extensions_mut().remove::<LeftPlaces>().unwrap_or_default();
+    app.access.rates.describe(owner, &places, response.headers_mut());
+    response
 }
 
 /// Returns whether a token is needed: one exists, or has ever existed.

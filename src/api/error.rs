@@ -70,10 +70,11 @@ pub enum ApiError {
     /// A wrong header or query.
     BadRequest(String),
     Unauthorized,
-    /// More requests per second than the owner may send.
+    /// More requests, or jobs and points, per second than the owner may send.
     TooOften {
         limit: u32,
         wait_s: u64,
+        of_submissions: bool,
     },
     UnknownPath,
     UnknownJob,
@@ -163,6 +164,13 @@ impl ApiError {
                 let detail = "send a token of the service as Authorization: Bearer".into();
                 of(S::UNAUTHORIZED, "unauthorized", "A token is needed", detail)
             }
+            Self::TooOften { limit, wait_s, of_submissions: true } => {
+                let detail = format!(
+                    "tokens of one owner may submit {limit} jobs and points of studies per second; the rest of the last \
+                     submissions takes {wait_s} s"
+                );
+                of(S::TOO_MANY_REQUESTS, "too-often", "Too many submissions", detail)
+            }
             Self::TooOften { limit, .. } => {
                 let detail = format!("tokens of one owner may send {limit} requests per second; try again later");
                 of(S::TOO_MANY_REQUESTS, "too-often", "Too many requests", detail)
@@ -248,7 +256,7 @@ impl ApiError {
             Self::Unauthorized => drop(set(WWW_AUTHENTICATE, "Bearer")),
             Self::TooOften { wait_s, .. } => drop(headers.insert(RETRY_AFTER, (*wait_s).into())),
             Self::UnsupportedMediaType(_) => drop(set(ACCEPT, "application/json")),
-            Self::Job(JobError::QueueFull { .. } | JobError::OwnersQueueFull { .. }) => {
+            Self::Job(JobError::QueueFull { .. } | JobError::PointsFull { .. }) => {
                 drop(set(RETRY_AFTER, QUEUE_RETRY_S))
             }
             Self::Overloaded => drop(set(RETRY_AFTER, OVERLOAD_RETRY_S)),
@@ -317,13 +325,16 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
             let detail = if status.is_final() { detail } else { "the job has not ended; cancel it first".into() };
             of(S::CONFLICT, "conflict", "The job's status does not allow it", detail)
         }
-        JobError::QueueFull { limit } => {
-            let detail = format!("{limit} jobs are queued; try again later");
+        JobError::QueueFull { limit, of_owner } => {
+            let detail = format!("{limit} jobs{} are queued or running; try again later", whose(*of_owner));
             of(S::TOO_MANY_REQUESTS, "queue-full", "The queue is full", detail)
         }
-        JobError::OwnersQueueFull { limit } => {
-            let detail = format!("{limit} jobs of this token's owner are queued; try again later");
-            of(S::TOO_MANY_REQUESTS, "queue-full", "The queue is full", detail)
+        JobError::PointsFull { points, unfinished, limit, of_owner } => {
+            let detail = format!(
+                "studies{} may have {limit} unfinished points; {unfinished} are unfinished, and this study has {points}",
+                whose(*of_owner)
+            );
+            of(S::TOO_MANY_REQUESTS, "queue-full", "Too many points are unfinished", detail)
         }
         JobError::Stopping => {
             let detail = "accepted jobs are not lost; try again".into();
@@ -342,6 +353,10 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
         }
         _ => internal(),
     }
+}
+
+fn whose(of_owner: bool) -> &'static str {
+    if of_owner { " of this token's owner" } else { "" }
 }
 
 fn ended(status: Status) -> &'static str {

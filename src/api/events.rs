@@ -12,13 +12,12 @@ use futures_util::stream;
 use raceway_core::simulation::input::control::Phase;
 use raceway_core::simulation::result::metrics::level_db;
 use serde_json::{Map, Value, json};
-use tokio::sync::OwnedSemaphorePermit;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::app::App;
 use super::auth::Credential;
-use super::concurrency::RequestPermit;
+use super::concurrency::{FollowerPermit, RequestPermit};
 use super::credentials::Owner;
 use super::error::ApiError;
 use super::job_response::JobAnswer;
@@ -44,7 +43,8 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// `level_db`: the acceleration levels up to now by channel [dB], over all frequencies. The phases are `queued`, `starting`, `checking`
 /// (a reduced model), `settling`, `recording`, `judging` (the accuracy), `computing` (the points of a study) and `running` (in another
 /// process). The last event is `succeeded`, `failed` or `cancelled`; a job that has ended gets it at once. With `Last-Event-ID` that
-/// event is not repeated. At most 256 streams are open at a time; further requests get 503 and should poll the job. The stream also
+/// event is not repeated. At most 256 streams and waiting requests are open at a time, and half of
+/// them of one owner of tokens; further requests get 503 and should poll the job. The stream also
 /// ends when the service stops, and when the token is revoked or expires.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/events", tag = openapi::JOBS, operation_id = "followJob",
@@ -61,7 +61,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 )]
 pub async fn events(
     State(app): State<App>,
-    Owner(owner): Owner,
+    owner: Owner,
     credential: Credential,
     headers: HeaderMap,
     JobId(id): JobId,
@@ -70,14 +70,17 @@ pub async fn events(
 ) -> Result<Response, ApiError> {
     negotiated(&headers, STREAM)?;
     // A missing job is reported before the stream begins.
-    let record = app.jobs.get(&owner, id).await?;
+    let record = app.jobs.get(&owner.0, id).await?;
     let seen = header(&headers, &LAST_EVENT_ID).map(str::to_owned);
     if record.status.is_final() && seen == Some(id_of(&record, None)) {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
-    let follower = permit.concurrency().follow().ok_or(ApiError::Overloaded)?;
+    let follower_permit =
+        permit.concurrency().follow(credential.has_token().then_some(&owner)).ok_or(ApiError::Overloaded)?;
+    let owner = owner.0;
     let read_at = Instant::now();
-    let follower = Follower { app, owner, credential, id, record, read_at, seen, first: true, _permit: follower };
+    let follower =
+        Follower { app, owner, credential, id, record, read_at, seen, first: true, _permit: follower_permit };
     let stream = stream::unfold(follower, |mut follower| async move { Some((follower.next().await?, follower)) });
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)).into_response())
 }
@@ -108,7 +111,7 @@ struct Follower {
     /// Id of the last event.
     seen: Option<String>,
     first: bool,
-    _permit: OwnedSemaphorePermit,
+    _permit: FollowerPermit,
 }
 
 impl Follower {

@@ -101,7 +101,7 @@ problems! {
     Anywhere {
         "401" Unauthorized: "The token is missing or unknown" => [Unauthorized],
         "421" ForeignHost: "Without tokens: the `Host` is neither an IP address nor localhost" => [ForeignHost("raceway.example".into())],
-        "429" TooOften: "The owner of the token has sent too many requests; try again after `Retry-After`" => [TooOften { limit: 1000, wait_s: 1 }],
+        "429" TooOften: "The owner of the token has sent too many requests; try again after `Retry-After`" => [TooOften { limit: 1000, wait_s: 1, of_submissions: false }],
         "500" InternalError: "An internal error; its cause is in the log of the service" => [Internal],
         "503" Unavailable: "The service is stopping or busy, or its database is not available" => [Job(JobError::Stopping), Overloaded, Job(JobError::Database(sqlx::Error::PoolTimedOut))],
     }
@@ -144,7 +144,7 @@ problems! {
         "409" CannotResume: "The job is not a study, has not ended, or has no points left to run" => [Job(JobError::CannotResume(Status::Running))],
     }
     NotAccepted { "406" NotAcceptable: "The answer is not available in a format of `Accept`" => [NotAcceptable { offered: &["application/json"] }] }
-    QueueFull { "429" QueueFull: "The queue is full, or the owner of the token has sent too many requests; try again after `Retry-After`" => [Job(JobError::QueueFull { limit: 10_000 }), TooOften { limit: 1000, wait_s: 1 }] }
+    QueueFull { "429" QueueFull: "The queue is full, or the owner of the token has sent too many requests, jobs or points; try again after `Retry-After`" => [Job(JobError::QueueFull { limit: 10_000, of_owner: false }), Job(JobError::PointsFull { points: 10_000, unfinished: 45_000, limit: 50_000, of_owner: true }), TooOften { limit: 1000, wait_s: 1, of_submissions: false }] }
     NoSpace { "507" NoSpace: "No space is left for the database; nothing was written" => [Job(JobError::DiskFull)] }
     TakesNoJobs { "503" TakesNoJobs: "The service accepts no jobs now" => [NotReady(JobError::Stopping)] }
 }

@@ -33,10 +33,12 @@ pub enum JobError {
     /// The idempotency key was used with another body.
     #[error("the idempotency key belongs to another request")]
     KeyReused,
-    #[error("{limit} jobs are queued")]
-    QueueFull { limit: u64 },
-    #[error("{limit} jobs of the owner are queued")]
-    OwnersQueueFull { limit: u64 },
+    /// `limit` of all owners, or of one.
+    #[error("{limit} jobs are unfinished")]
+    QueueFull { limit: u64, of_owner: bool },
+    /// A study of `points` beside the `unfinished` ones is more than `limit`, of all owners or of one.
+    #[error("{points} points and {unfinished} unfinished ones are more than {limit}")]
+    PointsFull { points: usize, unfinished: u64, limit: u64, of_owner: bool },
     #[error("the service is stopping")]
     Stopping,
     #[error("no space is left for the database")]

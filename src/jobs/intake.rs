@@ -1,18 +1,19 @@
 //! One transaction, and one flush to disk, for all waiting submissions. A transaction for each would be several times slower under
 //! load, and no faster without load.
 
-use std::collections::HashMap;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
 
 use super::error::JobError;
 use super::job::{JobRecord, NewJob};
+use super::places::{Left, Places, WorkLimits};
 use super::queue::Queue;
 use super::store::database::Store;
-use super::store::deliveries::Delivery;
 use super::store::pool::{Lock, Tx};
-use super::store::{idempotency_keys, maintenance, submissions};
+use super::store::{due, idempotency_keys, maintenance, submissions};
+use super::token_cache::TokenCache;
 use super::worker::{InlineRun, Worker};
 
 /// Largest number of submissions in one transaction.
@@ -28,6 +29,8 @@ pub struct Submitted {
     pub record: JobRecord,
     /// Whether an earlier submission with the same idempotency key created the job.
     pub replayed: bool,
+    /// What is left of the limit of single jobs, or of points for a study.
+    pub left: Left,
 }
 
 /// Entry of submissions.
@@ -39,22 +42,25 @@ pub struct Intake {
 /// Limits of submissions.
 #[derive(Debug, Clone, Copy)]
 pub struct IntakeLimits {
-    /// Largest number of queued jobs.
-    pub queue: u64,
-    /// Largest number of queued jobs of one owner.
-    pub queue_of_owner: u64,
+    pub work: WorkLimits,
     /// Retention of ended jobs that do not state their own [s].
     pub keep_s: f64,
 }
 
 impl Intake {
     /// Starts the task that writes submissions.
-    pub fn start(store: Store, queue: Arc<Queue>, worker: Arc<Worker>, limits: IntakeLimits) -> Self {
+    pub fn start(
+        store: Store,
+        queue: Arc<Queue>,
+        worker: Arc<Worker>,
+        tokens: Arc<TokenCache>,
+        limits: IntakeLimits,
+    ) -> Self {
         let (sender, mut receiver) = mpsc::channel::<Waiting>(4 * BATCH_SIZE);
         tokio::spawn(async move {
             let mut batch = Vec::with_capacity(BATCH_SIZE);
             while receiver.recv_many(&mut batch, BATCH_SIZE).await > 0 {
-                write(&store, &queue, &worker, limits, std::mem::take(&mut batch)).await;
+                write(&store, &queue, &worker, &tokens, limits, std::mem::take(&mut batch)).await;
             }
         });
         Self { sender }
@@ -68,9 +74,16 @@ impl Intake {
     }
 }
 
-async fn write(store: &Store, queue: &Queue, worker: &Arc<Worker>, limits: IntakeLimits, batch: Vec<Waiting>) {
+async fn write(
+    store: &Store,
+    queue: &Queue,
+    worker: &Arc<Worker>,
+    tokens: &TokenCache,
+    limits: IntakeLimits,
+    batch: Vec<Waiting>,
+) {
     let (jobs, waiting): (Vec<NewJob>, Vec<_>) = batch.into_iter().unzip();
-    match write_all(store, queue, worker, limits, &jobs).await {
+    match write_all(store, queue, worker, tokens, limits, &jobs).await {
         // A client that has gone has still submitted the job.
         Ok(answers) => waiting.into_iter().zip(answers).for_each(|(sender, answer)| drop(sender.send(answer))),
         Err(error) => {
@@ -94,12 +107,15 @@ async fn write_all(
     store: &Store,
     queue: &Queue,
     worker: &Arc<Worker>,
+    tokens: &TokenCache,
     limits: IntakeLimits,
     jobs: &[NewJob],
 ) -> Result<Vec<Answer>, JobError> {
     let mut tx = store.begin_locked(Lock::Intake).await?;
-    let mut places = Places { limits, waiting: submissions::waiting(&mut tx).await? };
-    let queue_was_empty = places.waiting.is_empty();
+    // A job of a token without owner is found by the list of tokens.
+    let has_tokens = !tokens.get().is_empty() || jobs.iter().any(|job| !job.owner.is_empty());
+    let mut places = Places::new(limits.work, has_tokens, submissions::unfinished(&mut tx).await?);
+    let none_waits = !submissions::any_waits(&mut tx).await?;
     let mut plans = Vec::with_capacity(jobs.len());
     for job in jobs {
         plans.push(plan(&mut tx, job, &mut places, limits.keep_s).await?);
@@ -107,19 +123,20 @@ async fn write_all(
     let slots = if jobs.iter().any(|job| job.points.is_some()) { maintenance::slots(&mut tx).await? } else { 1 };
     let is_queued = |plan: &Plan| matches!(plan, Plan::Queue);
     let start = |(job, plan): (&NewJob, &Plan)| {
-        let may_start = is_queued(plan) && queue_was_empty && job.points.is_none();
+        let may_start = is_queued(plan) && none_waits && job.points.is_none();
         may_start.then(|| worker.start_inline(job)).flatten()
     };
     // The runs start before the jobs are written, so that they overlap with the write.
     let mut started: Vec<Option<InlineRun>> = jobs.iter().zip(&plans).map(start).collect();
     let queued = jobs.iter().zip(&plans).zip(&started).filter(|((_, plan), run)| is_queued(plan) && run.is_none());
-    let queued: Vec<_> = queued.flat_map(|((job, _), _)| deliveries_of(job, slots)).collect();
-    let mut deliveries = queue.enqueue(&mut tx, &queued).await?.into_iter();
+    let queued = queued.map(|((job, _), _)| job.points.map_or(1, |points| shard_count(points, slots))).sum();
+    let mut deliveries = queue.enqueue(&mut tx, queued).await?.into_iter();
     let mut answers = Vec::with_capacity(jobs.len());
     for ((job, plan), run) in jobs.iter().zip(plans).zip(&started) {
+        let left = places.left(&job.owner, job.points.is_some());
         let record = match plan {
             Plan::Replay(first) => {
-                answers.push(first.map(|record| Submitted { record, replayed: true }));
+                answers.push(first.map(|record| Submitted { record, replayed: true, left }));
                 continue;
             }
             Plan::Answer(found) => Ok(submissions::insert_answered(&mut tx, job, found, limits.keep_s).await?),
@@ -135,11 +152,16 @@ async fn write_all(
                 Ok(submissions::insert(&mut tx, job, delivery).await?)
             }
         };
-        answers.push(record.map(|record| Submitted { record, replayed: false }));
+        answers.push(record.map(|record| Submitted { record, replayed: false, left }));
+    }
+    let started_owners: BTreeSet<&str> =
+        jobs.iter().zip(&started).filter(|(_, run)| run.is_some()).map(|(job, _)| job.owner.as_str()).collect();
+    for owner in started_owners {
+        due::begin_turn(&mut tx, owner).await?;
     }
     tx.commit().await?;
     started.drain(..).flatten().for_each(|run| worker.finish_inline(run));
-    if !queued.is_empty() {
+    if queued > 0 {
         queue.wake();
     }
     Ok(answers)
@@ -148,13 +170,6 @@ async fn write_all(
 /// Number of shards of a study: one for each worker, at most one for each point.
 fn shard_count(points: usize, workers: usize) -> usize {
     points.min(workers).max(1)
-}
-
-fn deliveries_of(job: &NewJob, workers: usize) -> Vec<Delivery> {
-    match job.points {
-        Some(points) => Delivery::shards(job.id, shard_count(points, workers)),
-        None => vec![Delivery::of_job(job.id, job.priority)],
-    }
 }
 
 /// Treatment of a submission.
@@ -167,27 +182,6 @@ enum Plan {
     Refuse(JobError),
 }
 
-/// Free places in the queue.
-struct Places {
-    limits: IntakeLimits,
-    /// Number of queued jobs by owner.
-    waiting: HashMap<String, u64>,
-}
-
-impl Places {
-    fn take(&mut self, owner: &str) -> Result<(), JobError> {
-        if self.waiting.values().sum::<u64>() >= self.limits.queue {
-            return Err(JobError::QueueFull { limit: self.limits.queue });
-        }
-        let waiting = self.waiting.entry(owner.to_owned()).or_default();
-        if *waiting >= self.limits.queue_of_owner {
-            return Err(JobError::OwnersQueueFull { limit: self.limits.queue_of_owner });
-        }
-        *waiting += 1;
-        Ok(())
-    }
-}
-
 /// Decides the treatment of a submission and records its key at once: the same batch may contain the key again.
 async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Result<Plan, JobError> {
     if let Some(key) = &job.key
@@ -198,7 +192,7 @@ async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Re
     let found = if job.reuse { submissions::reusable(tx, job).await? } else { None };
     let (plan, expires) = match found {
         Some(found) => (Plan::Answer(found), Some(submissions::expiry(job, keep_s))),
-        None => match places.take(&job.owner) {
+        None => match places.take(&job.owner, job.points) {
             Ok(()) => (Plan::Queue, None),
             Err(full) => return Ok(Plan::Refuse(full)),
         },

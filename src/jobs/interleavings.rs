@@ -26,6 +26,7 @@ use super::store::location::Location;
 use super::store::results::StoredResult;
 use super::store::statement::statement;
 use super::store::submissions;
+use super::store::turns::{Turn, TurnLimits};
 use super::sweep;
 use super::worker::{RunOutcome, Worker, apply_heartbeat, outcome_of};
 use crate::contract::{self, RunFailure};
@@ -551,19 +552,27 @@ impl World {
             }
             Step::Take(process) => {
                 let Hand::Delivery(delivery) = before.hands[process] else { unreachable!("no delivery in hand") };
-                let brief = self.store.job_brief(self.job, delivery).await?;
-                let claim = self.store.claim(self.job, delivery, MAX_LOST_RUNS).await?;
-                assert_eq!(brief.map(|brief| brief.losses.min(MAX_LOST_RUNS)), claim.as_ref().map(|claim| claim.lost));
-                hands[process] = match claim {
-                    Some(claim) => Hand::Run { delivery, claim, stopped: None },
-                    None => {
+                let limits = |alone| TurnLimits { max_lost_runs: MAX_LOST_RUNS, alone };
+                let mut turn = self.store.take_turn(delivery, limits(false)).await?;
+                let runs_alone = matches!(turn, Turn::Alone);
+                if runs_alone {
+                    turn = self.store.take_turn(delivery, limits(true)).await?;
+                }
+                hands[process] = match turn {
+                    Turn::Job(claim) => {
+                        assert_eq!(runs_alone, claim.lost >= 2);
+                        Hand::Run { delivery, claim, stopped: None }
+                    }
+                    Turn::Void => {
+                        assert!(!runs_alone);
                         self.river_is_done(delivery).await?;
                         Hand::Nothing
                     }
+                    other => panic!("a single job was answered by {other:?}"),
                 };
             }
             Step::Beat(process) => {
-                let answer = self.store.heartbeat(&held(process).1, 0.5).await?;
+                let answer = self.store.heartbeat(&held(process).1, 0.5, 1.0).await?;
                 let cancelled = before.seen.row.as_ref().is_some_and(|row| row.cancel);
                 let expected = Heartbeat::of(before.holds(process).then_some(cancelled));
                 assert_eq!(answer, expected);
@@ -657,14 +666,14 @@ impl World {
             detail: "intended by the test".into(),
         };
         let outcome = match (here.worker.end_without_run(claim), solved) {
-            (Some(end), _) => RunOutcome::Ended(end),
-            (None, Solved::Result) => outcome_of(Ok(Ok(result())), run, Duration::MAX),
-            (None, Solved::Failure) => outcome_of(Ok(Err(failure())), run, Duration::MAX),
-            (None, Solved::Obeyed) => outcome_of(Ok(Err(RunFailure::Cancelled)), run, Duration::MAX),
+            (Some(end), _) => RunOutcome::Ended(end, 0.0),
+            (None, Solved::Result) => outcome_of(Ok(Ok(result())), 0.0, run, Duration::MAX),
+            (None, Solved::Failure) => outcome_of(Ok(Err(failure())), 0.0, run, Duration::MAX),
+            (None, Solved::Obeyed) => outcome_of(Ok(Err(RunFailure::Cancelled)), 0.0, run, Duration::MAX),
         };
         match outcome {
-            RunOutcome::Ended(end) => {
-                let written = self.store.finish(claim, &end, run.progress(), self.settings.keep_s).await?;
+            RunOutcome::Ended(end, used_s) => {
+                let written = self.store.finish(claim, &end, run.progress(), used_s, self.settings.keep_s).await?;
                 assert_eq!(written.is_some(), holds);
                 Ok(())
             }

@@ -9,13 +9,15 @@ use super::error::JobError;
 use super::intake::Submitted;
 use super::job::{IdempotencyKey, JobRecord, NewJob, Status};
 use super::parts::Parts;
+use super::places::Places;
 use super::running::{Completion, StopReason, View};
-use super::store::deliveries::Delivery;
 use super::store::notifications::{notify_cancelled, notify_ended};
+use super::store::pool::Tx;
 use super::store::records::{self, Filter};
 use super::store::results::Signal;
 use super::store::studies::{self, StoredPoint};
-use super::store::{maintenance, tokens::Token};
+use super::store::tokens::Token;
+use super::store::{maintenance, submissions};
 use crate::contract::{Job, JobKind, SpectrumAnswer, SpectrumKind};
 
 /// Longest time that a readiness probe waits for the database.
@@ -207,12 +209,20 @@ impl Jobs {
         if !status.is_final() || !studies::resume(&mut tx, id).await? {
             return Err(JobError::CannotResume(status));
         }
-        let shards = Delivery::shards(id, maintenance::slots(&mut tx).await?);
-        let deliveries = self.parts.queue.enqueue(&mut tx, &shards).await?;
+        self.check_points(&mut tx, owner).await?;
+        let shards = maintenance::slots(&mut tx).await?;
+        let deliveries = self.parts.queue.enqueue(&mut tx, shards).await?;
         studies::add_shards(&mut tx, id, &deliveries).await?;
         tx.commit().await?;
         self.parts.queue.wake();
         self.get(owner, id).await
+    }
+
+    /// Checks the limits of unfinished points after a study was resumed.
+    async fn check_points(&self, tx: &mut Tx, owner: &str) -> Result<(), JobError> {
+        let has_tokens = !owner.is_empty() || !self.parts.tokens.get().is_empty();
+        let unfinished = submissions::unfinished(tx).await?;
+        Places::new(self.parts.settings.work_limits, has_tokens, unfinished).take(owner, Some(0))
     }
 
     /// The request of a study and its points.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::error::JobError;
 use super::parts::Parts;
-use super::store::deliveries::{self, Delivery};
+use super::store::deliveries;
 use super::store::pool::Lock;
 use super::store::{maintenance, studies};
 
@@ -74,13 +74,12 @@ async fn redeliver(parts: &Parts) -> Result<usize, JobError> {
     }
     let slots = maintenance::slots(&mut tx).await?;
     let missing = studies::missing_shards(&mut tx, slots, keep_s).await?;
-    let numbers = parts.queue.enqueue(&mut tx, &lost).await?;
+    let numbers = parts.queue.enqueue(&mut tx, lost.len()).await?;
     for (lost, number) in lost.iter().zip(numbers) {
-        maintenance::redeliver(&mut tx, lost.job, number, max_lost_runs).await?;
+        maintenance::redeliver(&mut tx, *lost, number, max_lost_runs).await?;
     }
     for (study, count) in &missing {
-        let shards = Delivery::shards(*study, *count);
-        let numbers = parts.queue.enqueue(&mut tx, &shards).await?;
+        let numbers = parts.queue.enqueue(&mut tx, *count).await?;
         studies::add_shards(&mut tx, *study, &numbers).await?;
     }
     tx.commit().await?;

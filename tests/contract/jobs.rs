@@ -71,7 +71,7 @@ fn progress_is_shown_while_the_job_runs() {
 
 #[test]
 fn a_full_queue_refuses_and_recovers() {
-    let server = start_with(ServerSettings { workers: 1, queue_limit: 2, ..ServerSettings::default() });
+    let server = start_with(ServerSettings { workers: 1, queue_limit: 3, ..ServerSettings::default() });
     let slow = job_with(json!({ "labels": ["slow"] }));
     let running = server.submit(&slow);
     server.wait_for(&running, &["running"]);

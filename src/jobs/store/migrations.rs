@@ -71,7 +71,7 @@ fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
 }
 
 // A released file is never edited: sqlx compares a checksum of its whole text, comments included, with the applied one.
-const SQLITE_MIGRATIONS: [(i64, &str, &str); 7] = [
+const SQLITE_MIGRATIONS: [(i64, &str, &str); 8] = [
     (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
     (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
     (3, "studies", include_str!("../../../migrations/sqlite/0003_studies.sql")),
@@ -79,9 +79,11 @@ const SQLITE_MIGRATIONS: [(i64, &str, &str); 7] = [
     (5, "views", include_str!("../../../migrations/sqlite/0005_views.sql")),
     (6, "workers", include_str!("../../../migrations/sqlite/0006_workers.sql")),
     (7, "tokens", include_str!("../../../migrations/sqlite/0007_tokens.sql")),
+    (8, "turns", include_str!("../../../migrations/sqlite/0008_turns.sql")),
 ];
 
-const POSTGRES_MIGRATIONS: [(i64, &str, &str); 2] = [
+const POSTGRES_MIGRATIONS: [(i64, &str, &str); 3] = [
     (1, "records", include_str!("../../../migrations/postgres/0001_records.sql")),
     (2, "tokens", include_str!("../../../migrations/postgres/0002_tokens.sql")),
+    (3, "turns", include_str!("../../../migrations/postgres/0003_turns.sql")),
 ];

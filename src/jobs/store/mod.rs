@@ -16,6 +16,8 @@ pub mod database;
 pub mod deliveries;
 /// SQL that differs between the two databases.
 pub mod dialect;
+/// Whose work is due.
+pub mod due;
 /// Idempotency keys and the jobs they created.
 pub mod idempotency_keys;
 /// A file or a server.
@@ -47,3 +49,5 @@ pub mod submissions;
 mod tcp_options;
 /// Bearer tokens.
 pub mod tokens;
+/// Deliveries used as turns.
+pub mod turns;

@@ -17,11 +17,44 @@ pub struct Reusable {
     pub result: Uuid,
 }
 
-/// Number of queued jobs by owner.
-pub async fn waiting(tx: &mut Tx) -> Result<HashMap<String, u64>, JobError> {
-    let sql = "SELECT owner, count(*) FROM jobs WHERE status = 'queued' GROUP BY owner";
-    let counts: Vec<(String, i64)> = statement(sql).all(&mut *tx).await?;
-    Ok(counts.into_iter().map(|(owner, count)| (owner, count.unsigned_abs())).collect())
+/// Unfinished work of one owner.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Unfinished {
+    /// Queued and running single jobs.
+    pub jobs: u64,
+    /// Unfinished points of queued and running studies.
+    pub points: u64,
+}
+
+impl Unfinished {
+    /// The number of points or of single jobs.
+    pub fn of(self, points: bool) -> u64 {
+        if points { self.points } else { self.jobs }
+    }
+}
+
+/// Unfinished work by owner.
+pub async fn unfinished(tx: &mut Tx) -> Result<HashMap<String, Unfinished>, JobError> {
+    let sql = "SELECT owner, count(*), CAST(0 AS BIGINT) FROM jobs \
+               WHERE kind <> 'study' AND status IN ('queued', 'running') GROUP BY kind, owner \
+               UNION ALL SELECT jobs.owner, CAST(0 AS BIGINT), CAST(sum(studies.points - studies.ended) AS BIGINT) \
+               FROM jobs JOIN studies ON studies.job = jobs.id \
+               WHERE jobs.kind = 'study' AND jobs.status IN ('queued', 'running') GROUP BY jobs.owner";
+    let counts: Vec<(String, i64, i64)> = statement(sql).all(&mut *tx).await?;
+    let mut unfinished: HashMap<String, Unfinished> = HashMap::new();
+    for (owner, jobs, points) in counts {
+        let of_owner = unfinished.entry(owner).or_default();
+        of_owner.jobs += jobs.unsigned_abs();
+        of_owner.points += points.unsigned_abs();
+    }
+    Ok(unfinished)
+}
+
+/// Returns whether a job or a shard waits for a turn.
+pub async fn any_waits(tx: &mut Tx) -> Result<bool, JobError> {
+    let sql = "SELECT EXISTS (SELECT 1 FROM jobs WHERE status = 'queued' AND delivery IS NOT NULL) \
+               OR EXISTS (SELECT 1 FROM strands WHERE waiting_since IS NOT NULL)";
+    Ok(statement(sql).value(&mut *tx).await?.unwrap_or(false))
 }
 
 /// The result of identical finished work of the same owner.
