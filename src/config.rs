@@ -35,6 +35,9 @@ pub enum Command {
     Token(TokenCommand),
     /// Create or update the tables of a database, as every start does if its database user may
     Migrate(DatabaseOptions),
+    /// Compare every stored result with its digest, and check the structure of a database file; exit status 1 with a list of jobs if
+    /// something is corrupt
+    Check(DatabaseOptions),
     /// Run one job without a server, and print its metrics as JSON
     Simulate(SimulateOptions),
     /// Run a scene with several methods and tolerances: error against run time as table, JSON and SVG

@@ -333,6 +333,12 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
             let detail = "nothing was written; free disk space and try again".into();
             of(S::INSUFFICIENT_STORAGE, "disk-full", "No space is left for the database", detail)
         }
+        JobError::ResultCorrupt { part } => {
+            let detail = format!(
+                "the stored {part} of this job are not what was written; submit the job again: a corrupt result is not reused"
+            );
+            of(S::INTERNAL_SERVER_ERROR, "result-corrupt", "The stored result is corrupt", detail)
+        }
         JobError::Displaced => {
             of(S::SERVICE_UNAVAILABLE, "database-away", "The database is not available", error.to_string())
         }

@@ -115,7 +115,8 @@ async fn parsed(body: &Bytes) -> Result<Job, ApiError> {
 
 /// List jobs
 ///
-/// Newest first. `next` is the path of the next page; the header `Link` repeats it.
+/// Newest first. `next` is the path of the next page; the header `Link` repeats it. A page looks at 2000 jobs at most: with several
+/// filters it may have fewer jobs than `limit`, or none, and a next page.
 #[utoipa::path(
     get, path = "/v1/jobs", tag = openapi::JOBS, operation_id = "listJobs", params(ListQuery),
     responses(
@@ -131,8 +132,8 @@ pub async fn list(
     Query(query): Query<ListQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, JSON)?;
-    let (records, more) = app.jobs.list(&owner, &query.filter()?).await?;
-    let next = records.last().filter(|_| more).map(|last| query.page_after(last.id));
+    let (records, next) = app.jobs.list(&owner, &query.filter()?).await?;
+    let next = next.map(|last| query.page_after(last));
     let link = next.iter().map(|next| (LINK, text(format!("<{next}>; rel=\"next\"")))).collect::<HeaderMap>();
     let jobs = records.into_iter().map(JobAnswer::of).collect::<Result<_, _>>()?;
     Ok((link, Json(JobList { jobs, next })).into_response())

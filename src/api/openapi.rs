@@ -102,7 +102,7 @@ problems! {
         "401" Unauthorized: "The token is missing or unknown" => [Unauthorized],
         "421" ForeignHost: "Without tokens: the `Host` is neither an IP address nor localhost" => [ForeignHost("raceway.example".into())],
         "429" TooOften: "The owner of the token has sent too many requests; try again after `Retry-After`" => [TooOften { limit: 1000, wait_s: 1 }],
-        "500" InternalError: "An internal error; its cause is in the log of the service" => [Internal],
+        "500" InternalError: "An internal error; its cause is in the log of the service. `result-corrupt`: a stored result is not what was written" => [Internal, Job(JobError::ResultCorrupt { part: "metrics".into() })],
         "503" Unavailable: "The service is stopping or busy, or its database is not available" => [Job(JobError::Stopping), Overloaded, Job(JobError::Database(sqlx::Error::PoolTimedOut))],
     }
     /// Errors of operations that need no token.

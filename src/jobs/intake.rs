@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
+use uuid::Uuid;
 
 use super::error::JobError;
 use super::job::{JobRecord, NewJob};
@@ -18,8 +19,15 @@ use super::worker::{InlineRun, Worker};
 /// Largest number of submissions in one transaction.
 const BATCH_SIZE: usize = 64;
 
-type Answer = Result<Submitted, JobError>;
+type Answer = Result<Reply, JobError>;
 type Waiting = (NewJob, oneshot::Sender<Answer>);
+
+/// The reply to a submission.
+enum Reply {
+    Submitted(Submitted),
+    /// An existing result would answer the job, once it is known to be what was written. Nothing was stored.
+    Compare(Box<NewJob>, Uuid),
+}
 
 /// A submitted job.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +41,7 @@ pub struct Submitted {
 /// Entry of submissions.
 #[derive(Debug, Clone)]
 pub struct Intake {
+    store: Store,
     sender: mpsc::Sender<Waiting>,
 }
 
@@ -51,17 +60,35 @@ impl Intake {
     /// Starts the task that writes submissions.
     pub fn start(store: Store, queue: Arc<Queue>, worker: Arc<Worker>, limits: IntakeLimits) -> Self {
         let (sender, mut receiver) = mpsc::channel::<Waiting>(4 * BATCH_SIZE);
+        let intake = Self { store: store.clone(), sender };
         tokio::spawn(async move {
             let mut batch = Vec::with_capacity(BATCH_SIZE);
             while receiver.recv_many(&mut batch, BATCH_SIZE).await > 0 {
                 write(&store, &queue, &worker, limits, std::mem::take(&mut batch)).await;
             }
         });
-        Self { sender }
+        intake
     }
 
     /// Submits a job; returns when it is on disk.
-    pub async fn submit(&self, job: NewJob) -> Answer {
+    pub async fn submit(&self, mut job: NewJob) -> Result<Submitted, JobError> {
+        loop {
+            match self.send(job).await? {
+                Reply::Submitted(submitted) => return Ok(submitted),
+                Reply::Compare(same, result) => {
+                    job = *same;
+                    // Outside the transaction, because it reads the whole result.
+                    if self.store.is_intact(result).await? {
+                        job.compared = Some(result);
+                    } else {
+                        job.reuse = false;
+                    }
+                }
+            }
+        }
+    }
+
+    async fn send(&self, job: NewJob) -> Answer {
         let (answer, answered) = oneshot::channel();
         self.sender.send((job, answer)).await.map_err(|_| JobError::Stopping)?;
         answered.await.map_err(|_| JobError::Stopping)?
@@ -72,7 +99,13 @@ async fn write(store: &Store, queue: &Queue, worker: &Arc<Worker>, limits: Intak
     let (jobs, waiting): (Vec<NewJob>, Vec<_>) = batch.into_iter().unzip();
     match write_all(store, queue, worker, limits, &jobs).await {
         // A client that has gone has still submitted the job.
-        Ok(answers) => waiting.into_iter().zip(answers).for_each(|(sender, answer)| drop(sender.send(answer))),
+        Ok(answers) => waiting.into_iter().zip(jobs).zip(answers).for_each(|((sender, job), answer)| {
+            let reply = answer.map(|outcome| match outcome {
+                Written::Submitted(submitted) => Reply::Submitted(submitted),
+                Written::Compare(result) => Reply::Compare(Box::new(job), result),
+            });
+            drop(sender.send(reply));
+        }),
         Err(error) => {
             tracing::error!(%error, jobs = jobs.len(), "submissions could not be written");
             waiting.into_iter().for_each(|sender| drop(sender.send(Err(error_for_each(&error)))));
@@ -96,7 +129,7 @@ async fn write_all(
     worker: &Arc<Worker>,
     limits: IntakeLimits,
     jobs: &[NewJob],
-) -> Result<Vec<Answer>, JobError> {
+) -> Result<Vec<Result<Written, JobError>>, JobError> {
     let mut tx = store.begin_locked(Lock::Intake).await?;
     let mut places = Places { limits, waiting: submissions::waiting(&mut tx).await? };
     let queue_was_empty = places.waiting.is_empty();
@@ -119,7 +152,11 @@ async fn write_all(
     for ((job, plan), run) in jobs.iter().zip(plans).zip(&started) {
         let record = match plan {
             Plan::Replay(first) => {
-                answers.push(first.map(|record| Submitted { record, replayed: true }));
+                answers.push(first.map(|record| Written::Submitted(Submitted { record, replayed: true })));
+                continue;
+            }
+            Plan::Compare(result) => {
+                answers.push(Ok(Written::Compare(result)));
                 continue;
             }
             Plan::Answer(found) => Ok(submissions::insert_answered(&mut tx, job, found, limits.keep_s).await?),
@@ -135,7 +172,7 @@ async fn write_all(
                 Ok(submissions::insert(&mut tx, job, delivery).await?)
             }
         };
-        answers.push(record.map(|record| Submitted { record, replayed: false }));
+        answers.push(record.map(|record| Written::Submitted(Submitted { record, replayed: false })));
     }
     tx.commit().await?;
     started.drain(..).flatten().for_each(|run| worker.finish_inline(run));
@@ -143,6 +180,12 @@ async fn write_all(
         queue.wake();
     }
     Ok(answers)
+}
+
+/// The outcome of a submission in a transaction.
+enum Written {
+    Submitted(Submitted),
+    Compare(Uuid),
 }
 
 /// Number of shards of a study: one for each worker, at most one for each point.
@@ -164,6 +207,8 @@ enum Plan {
     Queue,
     /// An existing result answers it.
     Answer(submissions::Reusable),
+    /// An existing result may answer it, and has not been compared with its digests.
+    Compare(Uuid),
     Refuse(JobError),
 }
 
@@ -197,6 +242,7 @@ async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Re
     }
     let found = if job.reuse { submissions::reusable(tx, job).await? } else { None };
     let (plan, expires) = match found {
+        Some(found) if job.compared != Some(found.result) => return Ok(Plan::Compare(found.result)),
         Some(found) => (Plan::Answer(found), Some(submissions::expiry(job, keep_s))),
         None => match places.take(&job.owner) {
             Ok(()) => (Plan::Queue, None),

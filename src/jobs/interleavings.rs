@@ -22,6 +22,7 @@ use super::settings::{Settings, Simulator};
 use super::store::claims::{Claim, Heartbeat};
 use super::store::database::Store;
 use super::store::dialect::Dialect;
+use super::store::digest::Sealed;
 use super::store::location::Location;
 use super::store::results::StoredResult;
 use super::store::statement::statement;
@@ -651,7 +652,7 @@ impl World {
     /// Completes a run, as a worker does.
     async fn finish(&self, here: &Process, claim: &Claim, solved: Solved, holds: bool) -> Result<(), JobError> {
         let run = here.run.as_ref().expect("a run");
-        let result = || StoredResult::Simulation { metrics: "{}".into(), signals: Vec::new(), views: None };
+        let result = || StoredResult::Simulation { metrics: Sealed::new("{}".into()), signals: Vec::new(), views: None };
         let failure = || RunFailure::Failed {
             cause: contract::answer::failure::DID_NOT_CONVERGE,
             detail: "intended by the test".into(),

@@ -71,10 +71,10 @@ impl Jobs {
         Ok((self.with_progress(record), metrics))
     }
 
-    /// A page of jobs, newest first, and whether there are more.
-    pub async fn list(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, bool), JobError> {
-        let (page, more) = self.parts.store.jobs(owner, filter).await?;
-        Ok((page.into_iter().map(|record| self.with_progress(record)).collect(), more))
+    /// A page of jobs, newest first, and the job after which the next page starts.
+    pub async fn list(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, Option<Uuid>), JobError> {
+        let (page, next) = self.parts.store.jobs(owner, filter).await?;
+        Ok((page.into_iter().map(|record| self.with_progress(record)).collect(), next))
     }
 
     /// The record of a job with its current progress.
@@ -272,8 +272,8 @@ impl Jobs {
         self.parts.store.report(owner, id, kind).await
     }
 
-    /// Succeeds if jobs can be accepted now.
-    pub async fn ready(&self) -> Result<(), JobError> {
+    /// Number of jobs whose stored result is known to be corrupt, if jobs can be accepted now.
+    pub async fn ready(&self) -> Result<i64, JobError> {
         if self.is_stopping() {
             return Err(JobError::Stopping);
         }
@@ -281,9 +281,9 @@ impl Jobs {
             return Err(JobError::DiskFull);
         }
         self.parts.check_file_in_place()?;
-        let answered = tokio::time::timeout(PING_TIMEOUT, self.parts.store.ping()).await;
-        answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))?;
-        if self.parts.store.is_unwritable() { Err(JobError::NotWritable) } else { Ok(()) }
+        let answered = tokio::time::timeout(PING_TIMEOUT, self.parts.store.corrupt_results()).await;
+        let corrupt = answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))?;
+        if self.parts.store.is_unwritable() { Err(JobError::NotWritable) } else { Ok(corrupt) }
     }
 
     /// Counts and times of this process, and the depth of the queue, as OpenMetrics text.

@@ -9,15 +9,17 @@ use sqlx::{Connection, PgConnection, SqliteConnection};
 
 use crate::jobs::error::JobError;
 
-/// Opens a file with one connection that writes and `readers` connections that read.
-pub async fn open_file(
-    path: &Path,
-    readers: u32,
-    max_pages: Option<u32>,
-) -> Result<(SqlitePool, SqlitePool), JobError> {
+/// Connections to a file.
+pub struct OpenFile {
+    pub writer: SqlitePool,
+    pub readers: [SqlitePool; 2],
+}
+
+/// Opens a file with one connection that writes and two pools of as many connections that read.
+pub async fn open_file(path: &Path, readers: [u32; 2], max_pages: Option<u32>) -> Result<OpenFile, JobError> {
+    create_private(path)?;
     let mut options = SqliteConnectOptions::new()
         .filename(path)
-        .create_if_missing(true)
         .journal_mode(SqliteJournalMode::Wal)
         // An answer 202 promises that the job survives a power cut.
         .synchronous(SqliteSynchronous::Full)
@@ -32,8 +34,21 @@ pub async fn open_file(
         options = options.pragma("max_page_count", pages.to_string());
     }
     let writer = file_pool(1).connect_with(options.clone()).await?;
-    let readers = file_pool(readers).connect_lazy_with(options.create_if_missing(false).read_only(true));
-    Ok((writer, readers))
+    let options = options.read_only(true);
+    let readers = readers.map(|connections| file_pool(connections).connect_lazy_with(options.clone()));
+    Ok(OpenFile { writer, readers })
+}
+
+/// Creates a missing file that only its user can read and write. SQLite gives its log the same mode.
+pub fn create_private(path: &Path) -> std::io::Result<()> {
+    let mut options = std::fs::OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    match options.open(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => Err(error),
+        _ => Ok(()),
+    }
 }
 
 fn file_pool(connections: u32) -> SqlitePoolOptions {

@@ -16,16 +16,6 @@ impl Dialect {
         }
     }
 
-    /// Condition: the labels of a job contain the value bound at this place.
-    pub fn has_label(self, place: usize) -> String {
-        match self {
-            Self::Sqlite => {
-                format!("EXISTS (SELECT 1 FROM json_each(jobs.labels) AS label WHERE label.value = ${place})")
-            }
-            Self::Postgres => format!("jsonb_exists(CAST(jobs.labels AS JSONB), ${place})"),
-        }
-    }
-
     /// Condition: a process that is no longer listed as a worker holds the delivery (`river_job`).
     ///
     /// On SQLite there is one process, which redelivers everything when it starts.

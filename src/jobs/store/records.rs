@@ -5,9 +5,9 @@ use sqlx::FromRow;
 use uuid::Uuid;
 
 use super::database::Store;
-use super::dialect::Dialect;
+use super::digest::Sealed;
 use super::pool::Tx;
-use super::results;
+use super::results::{self, METRICS};
 use super::statement::{Statement, Value, statement};
 use super::stored_time::{stored, time};
 use crate::jobs::error::JobError;
@@ -61,6 +61,7 @@ struct RowWithMetrics {
     #[sqlx(flatten)]
     row: Row,
     metrics: Option<String>,
+    digest: Option<Vec<u8>>,
 }
 
 impl Row {
@@ -100,18 +101,27 @@ impl Store {
     /// A job of this owner, with the metrics of a succeeded simulation, as JSON text.
     pub async fn job_with_metrics(&self, owner: &str, id: Uuid) -> Result<(JobRecord, Option<String>), JobError> {
         let sql = format!(
-            "SELECT {COLUMNS}, (SELECT metrics FROM results WHERE results.id = jobs.result_id) AS metrics \
-             FROM jobs WHERE id = $1 AND owner = $2"
+            "SELECT {COLUMNS}, results.metrics AS metrics, results.digest AS digest \
+             FROM jobs LEFT JOIN results ON results.id = jobs.result_id WHERE jobs.id = $1 AND owner = $2",
+            COLUMNS = COLUMNS.replacen("id", "jobs.id", 1)
         );
-        let found: Option<RowWithMetrics> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
-        let RowWithMetrics { row, metrics } = found.ok_or(JobError::NotFound)?;
-        // Jobs of other kinds have a report and no metrics.
-        Ok((row.record()?, metrics.filter(|metrics| !metrics.is_empty())))
+        let read = async {
+            let found: Option<RowWithMetrics> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
+            let RowWithMetrics { row, metrics, digest } = found.ok_or(JobError::NotFound)?;
+            let metrics = metrics.map(|metrics| Sealed::stored((metrics, digest)).opened()).transpose()?;
+            // Jobs of other kinds have a report and no metrics.
+            Ok((row.record()?, metrics.filter(|metrics| !metrics.is_empty())))
+        };
+        self.noted(id, METRICS, read.await).await
     }
 
-    /// A page of this owner's jobs, newest first, and whether there are more.
-    pub async fn jobs(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, bool), JobError> {
-        let list = list(owner, filter, self.dialect());
+    /// A page of this owner's jobs, newest first, and the job after which the next page starts.
+    pub async fn jobs(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, Option<Uuid>), JobError> {
+        let list = List::of(owner, filter);
+        let floor: Option<Uuid> = match list.floor() {
+            Some(floor) => floor.value(&self.lists).await?,
+            None => None,
+        };
         let (mut page, mut bytes, mut more) = (Vec::new(), 0, false);
         let takes_more = |row: Row| {
             more = page.len() == filter.limit as usize || bytes > PAGE_BYTES;
@@ -121,39 +131,100 @@ impl Store {
             }
             Ok(!more)
         };
-        list.each(&self.readers, takes_more).await?;
-        Ok((page, more))
+        list.page(floor).each(&self.lists, takes_more).await?;
+        let next = if more { page.last().map(|record| record.id) } else { floor };
+        Ok((page, next))
     }
 }
 
-/// The query of a page, with one job more.
-fn list(owner: &str, filter: &Filter, dialect: Dialect) -> Statement {
-    let mut values = vec![owner.into()];
-    let mut place = |value| {
-        values.push(value);
-        values.len()
-    };
-    let mut sql = format!("SELECT {COLUMNS} FROM jobs WHERE owner = $1");
-    if let Some(before) = filter.before {
-        sql += &format!(" AND id < ${}", place(before.into()));
-    }
-    let statuses = filter.statuses.iter().map(|status| status.name().into()).collect();
-    let kinds = filter.kinds.iter().map(Into::into).collect();
-    for (column, any) in [("status", statuses), ("kind", kinds)] {
-        let any: Vec<Value> = any;
-        if !any.is_empty() {
-            let places: Vec<String> = any.into_iter().map(|value| format!("${}", place(value))).collect();
-            sql += &format!(" AND {column} IN ({})", places.join(", "));
+/// Largest number of jobs that a page looks at: filters that no index serves end the page there, whatever the owner has.
+const MAX_LOOKS: i64 = 2000;
+
+/// A list of jobs: the rows of an index that stand together, newest first, and conditions on each of them.
+struct List {
+    /// Tables and conditions by which an index finds the rows. Several are merged.
+    sources: Vec<String>,
+    /// Column of the job in the index.
+    job: &'static str,
+    /// Conditions beyond the index.
+    conditions: String,
+    values: Vec<Value>,
+    limit: u32,
+}
+
+impl List {
+    fn of(owner: &str, filter: &Filter) -> Self {
+        let mut values = vec![owner.into()];
+        let mut place = |value: Value| {
+            values.push(value);
+            format!("${}", values.len())
+        };
+        let labels: Vec<String> = filter.labels.iter().map(|label| place(label.into())).collect();
+        let statuses: Vec<&str> = filter.statuses.iter().map(|status| status.name()).collect();
+        let status_in = format!("jobs.status IN ('{}')", statuses.join("', '"));
+        let mut conditions = Vec::new();
+        // The rarest of the indexed properties cannot be known without a count. A label selects fewer jobs than a status.
+        let (sources, job) = match (labels.split_first(), statuses.is_empty()) {
+            (Some((first, others)), no_status) => {
+                conditions.extend(others.iter().map(|label| has_label(label)));
+                conditions.extend((!no_status).then_some(status_in));
+                let source = format!(
+                    "job_labels JOIN jobs ON jobs.id = job_labels.job \
+                     WHERE job_labels.owner = $1 AND job_labels.label = {first}"
+                );
+                (vec![source], "job_labels.job")
+            }
+            (None, true) => (vec!["jobs WHERE jobs.owner = $1".to_owned()], "jobs.id"),
+            (None, false) => {
+                let of = |status| format!("jobs WHERE jobs.owner = $1 AND jobs.status = '{status}'");
+                (statuses.into_iter().map(of).collect(), "jobs.id")
+            }
+        };
+        if !filter.kinds.is_empty() {
+            let kinds: Vec<String> = filter.kinds.iter().map(|kind| place(kind.into())).collect();
+            conditions.push(format!("jobs.kind IN ({})", kinds.join(", ")));
+        }
+        conditions.extend(filter.without_labels.iter().map(|label| format!("NOT {}", has_label(&place(label.into())))));
+        let before = filter.before.map(|before| format!(" AND {job} < {}", place(before.into()))).unwrap_or_default();
+        Self {
+            sources: sources.into_iter().map(|source| source + &before).collect(),
+            job,
+            conditions: conditions.into_iter().map(|condition| format!(" AND {condition}")).collect(),
+            values,
+            limit: filter.limit,
         }
     }
-    for label in &filter.labels {
-        sql += &format!(" AND {}", dialect.has_label(place(label.into())));
+
+    /// The query of the last job that a page looks at; `None` if the index alone selects the jobs.
+    fn floor(&self) -> Option<Statement> {
+        let found = |source: &String| format!("SELECT {} AS id FROM {source}", self.job);
+        let sql = format!("{} ORDER BY id DESC LIMIT 1 OFFSET {}", self.merged(found), MAX_LOOKS - 1);
+        (!self.conditions.is_empty()).then(|| self.bound(sql, None))
     }
-    for label in &filter.without_labels {
-        sql += &format!(" AND NOT {}", dialect.has_label(place(label.into())));
+
+    /// The query of a page, with one job more.
+    fn page(&self, floor: Option<Uuid>) -> Statement {
+        let place = self.values.len() + 1;
+        let above = floor.map(|_| format!(" AND {} >= ${place}", self.job)).unwrap_or_default();
+        let columns = COLUMNS.replacen("id", &format!("{} AS id", self.job), 1);
+        let found = |source: &String| format!("SELECT {columns} FROM {source}{above}{}", self.conditions);
+        let sql = format!("{} ORDER BY id DESC LIMIT {}", self.merged(found), i64::from(self.limit) + 1);
+        self.bound(sql, floor)
     }
-    sql += &format!(" ORDER BY id DESC LIMIT ${}", place((i64::from(filter.limit) + 1).into()));
-    values.into_iter().fold(statement(sql), Statement::bind)
+
+    /// The union of the sources, whose order the database keeps while it merges them.
+    fn merged(&self, select: impl Fn(&String) -> String) -> String {
+        self.sources.iter().map(select).collect::<Vec<_>>().join(" UNION ALL ")
+    }
+
+    fn bound(&self, sql: String, floor: Option<Uuid>) -> Statement {
+        self.values.iter().cloned().chain(floor.map(Value::from)).fold(statement(sql), Statement::bind)
+    }
+}
+
+/// Condition: the job has the label that is bound at this place.
+fn has_label(place: &str) -> String {
+    format!("EXISTS (SELECT 1 FROM job_labels AS l WHERE l.owner = $1 AND l.label = {place} AND l.job = jobs.id)")
 }
 
 /// A job's status, delivery and kind, in a transaction that may change them.
