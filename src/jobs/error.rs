@@ -83,7 +83,9 @@ impl JobError {
         match self {
             Self::Corrupt(_) | Self::ResultCorrupt { .. } => true,
             // From the decompression.
-            Self::Io(error) => matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::InvalidInput | ErrorKind::UnexpectedEof),
+            Self::Io(error) => {
+                matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::InvalidInput | ErrorKind::UnexpectedEof)
+            }
             Self::Database(sqlx::Error::ColumnDecode { .. } | sqlx::Error::Decode(_)) => true,
             Self::Database(sqlx::Error::Database(error)) => {
                 let code = error.code().unwrap_or_default();

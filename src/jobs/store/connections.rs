@@ -68,8 +68,9 @@ fn is_outside_transactions(connection: &SqliteConnection) -> bool {
     !connection.is_in_transaction()
 }
 
-/// Least number of connections of a process that runs jobs: two listen to notifications, one takes deliveries, one writes.
-const MIN_CONNECTIONS: usize = 4;
+/// Least number of connections of a process that runs jobs: two listen to notifications, one takes deliveries, one writes, one reads
+/// lists.
+const MIN_CONNECTIONS: usize = 5;
 
 /// Fails if the server grants fewer than the least number of connections: runs would wait for each other.
 pub async fn check_connection_limit(options: &PgConnectOptions) -> Result<(), JobError> {
@@ -93,14 +94,19 @@ pub async fn check_connection_limit(options: &PgConnectOptions) -> Result<(), Jo
     Ok(())
 }
 
-/// Connects to a server.
-pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgPool, JobError> {
+/// Connects to a server with two pools of as many connections. The second one opens its connections when it needs them.
+pub async fn connect(options: &PgConnectOptions, connections: [u32; 2]) -> Result<[PgPool; 2], JobError> {
     // A process that freezes within a transaction would hold its locks and block all others.
     let options = options.clone().application_name("raceway").options([("idle_in_transaction_session_timeout", "10s")]);
     // The pool retries without reporting the cause; one direct connection reports it.
     PgConnection::connect_with(&options).await?.close().await?;
-    let port = options.get_port();
-    let pool = PgPoolOptions::new()
+    let [first, second] = connections.map(|connections| server_pool(connections, options.get_port()));
+    let second = second.connect_lazy_with(options.clone());
+    Ok([first.connect_with(options).await?, second])
+}
+
+fn server_pool(connections: u32, port: u16) -> PgPoolOptions {
+    PgPoolOptions::new()
         .max_connections(connections)
         .after_connect(move |_, _| {
             #[cfg(target_os = "linux")]
@@ -120,8 +126,7 @@ pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgP
         // Runs before the pool's own ping, which has no time limit.
         .after_release(|connection, _| {
             Box::pin(async move { if answers(connection).await { Ok(true) } else { Err(sqlx::Error::WorkerCrashed) } })
-        });
-    Ok(pool.connect_with(options).await?)
+        })
 }
 
 /// Returns whether the server answers a ping in time.

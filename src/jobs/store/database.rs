@@ -33,7 +33,7 @@ const LIST_READERS: u32 = 1;
 const LIST_CONNECTIONS: u32 = 2;
 
 /// Connections to a server in addition to one for each worker: requests, submissions, sweeps, and the queue's own; lists have more.
-const CONNECTIONS: u32 = 8;
+const CONNECTIONS: u32 = 6;
 
 impl Store {
     /// Opens the database.
@@ -46,12 +46,19 @@ impl Store {
             }
             Location::Server(options) => {
                 let workers = u32::try_from(workers).unwrap_or(u32::MAX);
-                let pool = Pool::Postgres(connections::connect(options, CONNECTIONS.saturating_add(workers)).await?);
-                let lists = Pool::Postgres(connections::connect(options, LIST_CONNECTIONS).await?);
+                let connections = [CONNECTIONS.saturating_add(workers), LIST_CONNECTIONS];
+                let [pool, lists] = connections::connect(options, connections).await?.map(Pool::Postgres);
                 (pool.clone(), pool, lists)
             }
         };
-        Ok(Self { writer, readers, lists, metrics: Arc::default(), disk_full: Arc::default(), unwritable: Arc::default() })
+        Ok(Self {
+            writer,
+            readers,
+            lists,
+            metrics: Arc::default(),
+            disk_full: Arc::default(),
+            unwritable: Arc::default(),
+        })
     }
 
     /// Brings the tables up to date.

@@ -125,7 +125,8 @@ impl Store {
         }
         for (table, part) in [("reports", REPORT), ("views", VIEWS)] {
             let sql = format!("SELECT answer, digest FROM {table} WHERE result_id = $1");
-            let answer: Option<(Vec<u8>, Option<Vec<u8>>)> = statement(sql).bind(result).optional(&self.readers).await?;
+            let answer: Option<(Vec<u8>, Option<Vec<u8>>)> =
+                statement(sql).bind(result).optional(&self.readers).await?;
             if let Some(answer) = answer {
                 found.add(|| part.to_owned(), &Sealed::stored(answer));
             }

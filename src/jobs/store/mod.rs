@@ -14,10 +14,10 @@ pub mod connections;
 pub mod database;
 /// River's table of deliveries.
 pub mod deliveries;
-/// Digests of stored answers.
-pub mod digest;
 /// SQL that differs between the two databases.
 pub mod dialect;
+/// Digests of stored answers.
+pub mod digest;
 /// Idempotency keys and the jobs they created.
 pub mod idempotency_keys;
 /// Whether stored results are what was written.
