@@ -10,7 +10,6 @@ JOBS sets how many ended jobs the owner of the searches has (20 000).
 import concurrent.futures
 import contextlib
 import http.client
-import json
 import os
 import pathlib
 import sqlite3
@@ -177,12 +176,12 @@ def case_label_searches():
         searches = ["label=job%2017", "label=nobody", "label=batch%200&status=failed", "status=failed", "label=batch%201&limit=50"]
         found = service.request("GET", "/v1/jobs?label=job%2017")[2]["jobs"]
         judge([job["labels"] for job in found] == [["batch 0", "job 17"]], "a label finds its job")
-        alone = statuses(service.url, mine, TOKENS["b"], 3)
+        alone = statuses(service.url, mine, TOKENS["b"], 2)
         # Searches from another process: this one's threads would delay each other.
         program = [sys.executable, os.path.abspath(__file__), "--search", service.url, TOKENS["a"], *searches]
         searching = subprocess.Popen(program, stdout=subprocess.PIPE, text=True)
         time.sleep(1)
-        beside = statuses(service.url, mine, TOKENS["b"], 4)
+        beside = statuses(service.url, mine, TOKENS["b"], 3)
         count = int(searching.communicate(timeout=60)[0])
         def shown(took):
             took = sorted(took)
@@ -195,9 +194,100 @@ def case_label_searches():
         judge(count > 1000, f"the searches themselves are answered: {count}")
 
 
+def case_expired():
+    """Many jobs that expire at once are gone soon; address and key of one answer 410 with its last state."""
+    with served() as (service, _):
+        headers = {"Idempotency-Key": "night-17"}
+        brief = SHORT | {"keep_for_s": 1}
+        _, fields, _ = service.request("POST", "/v1/jobs", brief, headers=headers)
+        path = fields["Location"]
+        service.ended(path)
+        service.submit(SHORT)
+        count, begin = 3000, time.monotonic()
+        for _ in range(0, count, 1000):
+            last = service.request("POST", "/v1/jobs/batch", {"jobs": [brief] * 1000})[2]["answers"][-1]["job"]["links"]["self"]
+        accepted = time.monotonic() - begin
+        begin = time.monotonic()
+        while service.request("GET", last)[0] == 200 and time.monotonic() - begin < 20:
+            time.sleep(0.05)
+        took = time.monotonic() - begin
+        left = len(service.request("GET", "/v1/jobs?limit=200")[2]["jobs"])
+        print(f"{count} jobs accepted in {accepted:.1f} s, gone {took:.1f} s later; a sweep begins every 10 s")
+        judge(left == 1 and took < 20, f"{count} jobs that expire at once are gone within 20 s; {left} jobs are left")
+        for of_job in ("", "/metrics", "/events"):
+            judge(kind(service.request("GET", path + of_job)) == (410, "job-expired"), f"GET …{of_job} of an expired job is 410")
+        answer = service.request("POST", "/v1/jobs", brief, headers=headers)
+        state = answer[2].get("job", {}) if isinstance(answer[2], dict) else {}
+        judge(answer[0] == 410 and state.get("status") == "succeeded" and path.endswith(state.get("id", "-")), "its key is 410 with its last state")
+        judge(kind(service.request("POST", "/v1/jobs", SHORT, headers=headers)) == (422, "idempotency-key-reused"), "another body under its key is still refused")
+
+
+def times_of_submissions(service, count, apart):
+    """Status and time [s] of submissions that begin one after another."""
+    def one(number):
+        time.sleep(number * apart)
+        begin = time.monotonic()
+        status = service.request("POST", "/v1/jobs", SHORT | {"reuse": False})[0]
+        return status, time.monotonic() - begin
+    with concurrent.futures.ThreadPoolExecutor(count) as pool:
+        return list(pool.map(one, range(count)))
+
+
+def case_locked_file():
+    """While another program holds the file, submissions are refused within 10 s, also those behind others."""
+    with served() as (service, database):
+        service.submit(SHORT)
+        with contextlib.closing(sqlite3.connect(database, timeout=30, isolation_level=None)) as holder:
+            holder.execute("BEGIN IMMEDIATE")
+            answers = times_of_submissions(service, 3, 1)
+            holder.execute("ROLLBACK")
+        shown = ", ".join(f"{status} after {took:.1f} s" for status, took in answers)
+        judge(all(status == 503 and took < 10 for status, took in answers), f"submissions to a locked file: {shown}")
+        judge(service.until("/health/ready", lambda health: health["status"] == "ok", at_most=25) is not None, "the service is ready again")
+
+
+def case_frozen_server():
+    """While a PostgreSQL server is frozen, requests are refused within 10 s (only with RACEWAY_TEST_POSTGRES)."""
+    server = os.environ.get("RACEWAY_TEST_POSTGRES")
+    if not server:
+        return print("skipped: no server")
+    def ask(sql):
+        return subprocess.run(["psql", server, "-Atc", sql], capture_output=True, text=True, check=True).stdout.strip()
+    name = f"raceway_{uuid.uuid4().hex}"
+    ask(f"CREATE DATABASE {name}")
+    database = server.rsplit("/", 1)[0] + "/" + name
+    # Any server process has the postmaster as its parent.
+    writer = ask("SELECT pid FROM pg_stat_activity WHERE backend_type = 'walwriter'")
+    postmaster = parent_of(pathlib.Path("/proc", writer))
+    with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
+        service = Service(directory, command=[binary(), "serve", "--listen", "127.0.0.1:0", "--database", database])
+        path, _ = service.submit(SHORT)
+        service.ended(path)
+        children = [entry.name for entry in pathlib.Path("/proc").iterdir() if entry.name.isdigit() and parent_of(entry) == postmaster]
+        subprocess.run(["kill", "-STOP", postmaster, *children], check=True)
+        try:
+            with concurrent.futures.ThreadPoolExecutor(2) as pool:
+                submissions = pool.submit(times_of_submissions, service, 3, 1)
+                begin = time.monotonic()
+                shown = service.request("GET", path)[0], time.monotonic() - begin
+                answers = [shown, *submissions.result()]
+        finally:
+            subprocess.run(["kill", "-CONT", postmaster, *children], check=True)
+        text = ", ".join(f"{status} after {took:.1f} s" for status, took in answers)
+        judge(all(status == 503 and took < 10 for status, took in answers), f"requests to a frozen server: {text}")
+        service.stop()
+
+
+def parent_of(process):
+    try:
+        return (process / "stat").read_text().rsplit(")", 1)[1].split()[1]
+    except OSError:
+        return None
+
+
 def search(url, token, queries):
-    """Searches over many connections for six seconds; prints the number of answers."""
-    until, counts = time.monotonic() + 6, []
+    """Searches over many connections for five seconds; prints the number of answers."""
+    until, counts = time.monotonic() + 5, []
 
     def one(number):
         connection, count = http.client.HTTPConnection(url.removeprefix("http://"), timeout=60), 0

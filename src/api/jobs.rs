@@ -18,7 +18,9 @@ use super::credentials::Owner;
 use super::error::ApiError;
 use super::job_response::{JobAnswer, JobList, path_of};
 use super::list_query::ListQuery;
-use super::openapi::{Anywhere, BadBody, BadQuery, HasEnded, HasNotEnded, NoJob, NoSpace, NotAccepted, QueueFull};
+use super::openapi::{
+    Anywhere, BadBody, BadQuery, HasEnded, HasNotEnded, KeyExpired, NoJob, NoSpace, NotAccepted, QueueFull,
+};
 use super::request::{JobId, JsonBody, NoQuery, Query, negotiated};
 use super::submission_headers::{
     IDEMPOTENT_REPLAYED, PREFERENCE_APPLIED, SubmissionHeaders, idempotency_key, preferred_wait,
@@ -50,7 +52,7 @@ const JSON: &[&str] = &["application/json"];
             headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which to ask again; absent when the job has ended"), ("Preference-Applied" = String, description = "The granted wait, if one was requested"), ("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the job"))),
         (status = 200, description = "The job has ended within the time of `Prefer: wait`; with its metrics", body = JobAnswer,
             headers(("Location" = String, description = "Path of the job"), ("Preference-Applied" = String, description = "The granted wait"))),
-        BadBody, NotAccepted, NoSpace, Anywhere, QueueFull
+        BadBody, KeyExpired, NotAccepted, NoSpace, Anywhere, QueueFull
     )
 )]
 pub async fn submit(

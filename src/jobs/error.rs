@@ -3,13 +3,16 @@
 use std::fmt::Display;
 use std::io::ErrorKind;
 
-use super::job::Status;
+use super::job::{ExpiredJob, Status};
 
 /// Reason why a request about jobs failed.
 #[derive(Debug, thiserror::Error)]
 pub enum JobError {
     #[error("there is no such job")]
     NotFound,
+    /// The job has expired, and its result is gone.
+    #[error("the job has expired")]
+    Expired(Box<ExpiredJob>),
     /// The job has not ended.
     #[error("the job is {}", .0.name())]
     NotReady(Status),

@@ -13,7 +13,7 @@ use super::queue::Queue;
 use super::store::database::Store;
 use super::store::deliveries::Delivery;
 use super::store::pool::{Lock, Tx};
-use super::store::{idempotency_keys, maintenance, submissions};
+use super::store::{idempotency_keys, maintenance, removal, submissions};
 use super::worker::{InlineRun, Worker};
 
 /// Largest number of submissions in one transaction.
@@ -64,6 +64,8 @@ impl Intake {
         tokio::spawn(async move {
             let mut batch = Vec::with_capacity(BATCH_SIZE);
             while receiver.recv_many(&mut batch, BATCH_SIZE).await > 0 {
+                // They were answered while the database did not answer, or their clients have gone.
+                batch.retain(|(_, answer)| !answer.is_closed());
                 write(&store, &queue, &worker, limits, std::mem::take(&mut batch)).await;
             }
         });
@@ -238,7 +240,13 @@ async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Re
     if let Some(key) = &job.key
         && let Some(first_use) = idempotency_keys::first_use(tx, &job.owner, key).await?
     {
-        return Ok(Plan::Replay(Box::new(first_use.first_answer(job, key))));
+        let mut answer = first_use.first_answer(job, key);
+        if answer.is_ok()
+            && let Some(expired) = removal::expired(&mut *tx, &job.owner, first_use.job).await?
+        {
+            answer = Err(JobError::Expired(Box::new(expired)));
+        }
+        return Ok(Plan::Replay(Box::new(answer)));
     }
     let found = if job.reuse { submissions::reusable(tx, job).await? } else { None };
     let (plan, expires) = match found {

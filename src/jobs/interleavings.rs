@@ -296,7 +296,7 @@ impl Drop for TraceOnPanic {
 }
 
 /// The tables whose rows form a state, parents first.
-const TABLES: [&str; 4] = ["results", "jobs", "river_job", "workers"];
+const TABLES: [&str; 5] = ["results", "jobs", "river_job", "workers", "removed_jobs"];
 
 struct World {
     jobs: Jobs,
@@ -615,7 +615,7 @@ impl World {
                 let here = self.process(before, process);
                 let answer = here.jobs.cancel(OWNER, self.job).await;
                 match (before.seen.row.as_ref().map(|row| row.status), answer) {
-                    (None, Err(JobError::NotFound)) => {}
+                    (None, Err(JobError::NotFound | JobError::Expired(_))) => {}
                     (Some(Status::Queued | Status::Cancelled), Ok(Cancelled::Now(record))) => {
                         assert_eq!(record.status, Status::Cancelled);
                     }
@@ -632,12 +632,14 @@ impl World {
             Step::Sweep(process) => sweep::sweep(&self.process(before, process).jobs.parts).await?,
             Step::LateSweep(process) => {
                 self.an_hour_passes().await?;
-                sweep::sweep(&self.process(before, process).jobs.parts).await?;
+                let here = self.process(before, process).jobs;
+                sweep::sweep(&here.parts).await?;
+                sweep::expire(&here.parts).await?;
             }
             Step::Delete => {
                 let answer = self.jobs.delete(OWNER, self.job).await;
                 match (before.seen.row.as_ref().map(|row| row.status), answer) {
-                    (None, Err(JobError::NotFound)) => {}
+                    (None, Err(JobError::NotFound | JobError::Expired(_))) => {}
                     (Some(status), Ok(())) => assert!(status.is_final()),
                     (Some(status), Err(JobError::Conflict(reported))) => {
                         assert!(!status.is_final() && reported == status)

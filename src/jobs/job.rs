@@ -85,6 +85,16 @@ pub struct JobRecord {
     pub failure: Option<Failure>,
 }
 
+/// What is remembered of an expired job.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExpiredJob {
+    pub id: Uuid,
+    pub kind: String,
+    pub status: Status,
+    pub finished_at: Timestamp,
+    pub expired_at: Timestamp,
+}
+
 /// A checked job that is not stored yet.
 #[derive(Debug, Clone)]
 pub struct NewJob {

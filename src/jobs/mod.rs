@@ -46,7 +46,7 @@ mod interleavings;
 
 pub use error::JobError;
 pub use intake::Submitted;
-pub use job::{Failure, IdempotencyKey, JobRecord, NewJob, Status};
+pub use job::{ExpiredJob, Failure, IdempotencyKey, JobRecord, NewJob, Status};
 pub use running::View;
 pub use service::{Cancelled, Jobs};
 pub use service_metrics::MEDIA_TYPE as METRICS_MEDIA_TYPE;

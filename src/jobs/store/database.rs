@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use super::dialect::Dialect;
 use super::location::Location;
@@ -21,6 +22,17 @@ pub struct Store {
     pub metrics: Arc<ServiceMetrics>,
     disk_full: Arc<AtomicBool>,
     unwritable: Arc<AtomicBool>,
+}
+
+/// Longest time for which a request waits for the database, shorter than the ten seconds after which its answer is promised.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(8);
+
+/// The result of a short operation of a request; an error if the database does not answer in time.
+///
+/// What was to be written may be written later nevertheless.
+pub async fn in_time<T>(operation: impl Future<Output = Result<T, JobError>>) -> Result<T, JobError> {
+    let answered = tokio::time::timeout(ANSWER_TIMEOUT, operation).await;
+    answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))
 }
 
 /// Connections that read a file. A query takes well under a millisecond, so a few are enough.

@@ -29,6 +29,14 @@ impl Dialect {
         }
     }
 
+    /// Suffix that locks the rows of a query and leaves out those that another transaction has locked. SQLite has a single writer.
+    pub fn for_update_of_free_rows(self) -> &'static str {
+        match self {
+            Self::Sqlite => "",
+            Self::Postgres => " FOR UPDATE SKIP LOCKED",
+        }
+    }
+
     /// Suffix that locks the rows of a query against changes until the transaction ends. SQLite has a single writer.
     pub fn for_share(self) -> &'static str {
         match self {

@@ -24,7 +24,7 @@ pub mod idempotency_keys;
 pub mod integrity;
 /// A file or a server.
 pub mod location;
-/// Lost runs, expired jobs, and listed workers.
+/// Lost runs and listed workers.
 pub mod maintenance;
 /// The tables, brought up to date.
 mod migrations;
@@ -32,8 +32,10 @@ mod migrations;
 pub mod notifications;
 /// Connection pools and write transactions.
 pub mod pool;
-/// Jobs read and listed, cancelled and deleted.
+/// Jobs read, listed and cancelled.
 pub mod records;
+/// Removed jobs.
+pub mod removal;
 /// Results written and read.
 pub mod results;
 /// Spectra as they are stored.

@@ -1,4 +1,4 @@
-//! Jobs read and listed, cancelled and deleted.
+//! Jobs read, listed and cancelled.
 
 use jiff::Timestamp;
 use sqlx::FromRow;
@@ -7,7 +7,7 @@ use uuid::Uuid;
 use super::database::Store;
 use super::digest::Sealed;
 use super::pool::Tx;
-use super::results::{self, METRICS};
+use super::results::METRICS;
 use super::statement::{Statement, Value, statement};
 use super::stored_time::{stored, time};
 use crate::jobs::error::JobError;
@@ -253,12 +253,149 @@ pub async fn request_cancel(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
     Ok(())
 }
 
-/// Removes an ended job, and its result unless another job shares it.
-pub async fn delete(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
-    let sql = "DELETE FROM jobs WHERE id = $1 RETURNING result_id";
-    let result: Option<Option<Uuid>> = statement(sql).bind(id).value(&mut *tx).await?;
-    match result.flatten() {
-        Some(result) => results::remove_orphan(tx, result).await,
-        None => Ok(()),
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jobs::store::dialect::Dialect;
+    use crate::jobs::store::location::Location;
+
+    /// Rows of one owner, with a label of all jobs, one of every hundredth and one of one, and of another owner.
+    async fn filled(location: Location) -> Store {
+        let store = Store::open(&location, 1, None).await.expect("the database opens");
+        store.migrate().await.expect("the tables are made");
+        let (id, bytes) = match store.dialect() {
+            Dialect::Sqlite => ("randomblob(16)", "x'00'"),
+            Dialect::Postgres => ("gen_random_uuid()", "CAST('\\x00' AS BYTEA)"),
+        };
+        let labels = [("all", "1 = 1"), ("hundredth", "created_at % 100 = 7"), ("one", "created_at = 7")];
+        let mut sql = vec![format!(
+            "INSERT INTO jobs (id, owner, kind, status, request, labels, priority, created_at, finished_at, content_hash, error_cause) \
+             WITH RECURSIVE n (i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i < 5999) \
+             SELECT {id}, CASE WHEN i % 3 = 0 THEN 'b' ELSE 'a' END, 'simulation', \
+             CASE WHEN i % 500 = 0 THEN 'failed' ELSE 'cancelled' END, '{{}}', '[]', 2, i, i, {bytes}, \
+             CASE WHEN i % 500 = 0 THEN 'internal' END FROM n"
+        )];
+        sql.extend(labels.map(|(label, condition)| {
+            format!("INSERT INTO job_labels SELECT owner, '{label}', id FROM jobs WHERE {condition}")
+        }));
+        if store.dialect() == Dialect::Postgres {
+            sql.push("ANALYZE".to_owned());
+        }
+        for sql in sql {
+            statement(sql).run(&store.writer).await.expect("the rows are right");
+        }
+        store
+    }
+
+    fn filters() -> [Filter; 7] {
+        let of = |labels: &[&str], statuses: &[Status]| Filter {
+            labels: labels.iter().map(|label| (*label).to_owned()).collect(),
+            statuses: statuses.to_vec(),
+            limit: 50,
+            ..Filter::default()
+        };
+        let failed = [Status::Failed];
+        [
+            of(&[], &[]),
+            of(&["one"], &[]),
+            of(&["all"], &failed),
+            of(&["all", "one"], &[]),
+            of(&[], &failed),
+            of(&[], &[Status::Failed, Status::Running]),
+            Filter { without_labels: vec!["all".to_owned()], before: Some(Uuid::max()), ..of(&[], &[]) },
+        ]
+    }
+
+    async fn assert_plans(store: &Store) {
+        for filter in filters() {
+            let list = List::of("a", &filter);
+            for query in [Some(list.page(None)), Some(list.page(Some(Uuid::nil()))), list.floor()].into_iter().flatten()
+            {
+                let plan: Vec<String> = match store.dialect() {
+                    Dialect::Sqlite => {
+                        let steps: Vec<(i64, i64, i64, String)> =
+                            query.explained("EXPLAIN QUERY PLAN").all(&store.lists).await.expect("a plan");
+                        steps.into_iter().map(|step| step.3).collect()
+                    }
+                    Dialect::Postgres => query.explained("EXPLAIN").values(&store.lists).await.expect("a plan"),
+                };
+                let plan = plan.join("\n");
+                for costly in [
+                    "SCAN jobs",
+                    "SCAN job_labels",
+                    "TEMP B-TREE",
+                    "Seq Scan",
+                    "Sort Key: jobs.id",
+                    "Sort Key: job_labels",
+                ] {
+                    // PostgreSQL names the key of a merge as well.
+                    let merged = plan.contains("Merge Append") && costly.starts_with("Sort Key");
+                    assert!(merged || !plan.contains(costly), "{filter:?}:\n{plan}");
+                }
+                let index = match (filter.labels.is_empty(), filter.statuses.is_empty()) {
+                    (false, _) => "job_labels",
+                    (true, false) => "jobs_by_status",
+                    (true, true) => "jobs_of_owner",
+                };
+                assert!(plan.contains(index), "{filter:?}:\n{plan}");
+            }
+        }
+    }
+
+    async fn assert_pages(store: &Store) {
+        let of = |labels: &[&str], statuses: &[Status]| Filter {
+            labels: labels.iter().map(|label| (*label).to_owned()).collect(),
+            statuses: statuses.to_vec(),
+            limit: 50,
+            ..Filter::default()
+        };
+        let cases = [(of(&[], &[Status::Failed]), 8), (of(&["one"], &[]), 1), (of(&["all"], &[Status::Failed]), 8)];
+        for (mut filter, count) in cases {
+            let (mut found, mut pages) = (Vec::new(), 0);
+            loop {
+                let (page, next) = store.jobs("a", &filter).await.expect("a page");
+                found.extend(page.into_iter().map(|job| job.id));
+                pages += 1;
+                filter.before = next;
+                if next.is_none() {
+                    break;
+                }
+            }
+            assert_eq!(found.len(), count, "{filter:?}");
+            assert!(found.is_sorted_by(|one, next| one > next));
+            // 4000 jobs of the owner have the label, and a page looks at 2000.
+            assert!(pages <= 3, "{filter:?}: {pages} pages");
+        }
+    }
+
+    fn checked(location: Location) {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+        runtime.block_on(async {
+            let store = filled(location).await;
+            assert_plans(&store).await;
+            assert_pages(&store).await;
+            store.disconnect().await;
+        });
+    }
+
+    #[test]
+    fn lists_read_an_index_in_order() {
+        let place = tempfile::tempdir().expect("a directory");
+        checked(Location::File(place.path().join("jobs.db")));
+    }
+
+    #[test]
+    fn lists_read_an_index_in_order_on_postgres() {
+        use sqlx::{Connection, Executor};
+        let Ok(server) = std::env::var("RACEWAY_TEST_POSTGRES") else { return };
+        let name = format!("raceway_{}", Uuid::now_v7().simple());
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+        runtime.block_on(async {
+            let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
+            let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
+            connection.execute(create).await.expect("a database can be made");
+        });
+        let (server, _) = server.rsplit_once('/').expect("a URL with a database");
+        checked(Location::server(&format!("{server}/{name}")).expect("a URL"));
     }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use uuid::Uuid;
 
 use super::compression::{compressed, decompressed};
-use super::database::Store;
+use super::database::{Store, in_time};
 use super::dialect::Dialect;
 use super::digest::Sealed;
 use super::integrity::signal_name;
@@ -146,12 +146,24 @@ pub(super) async fn insert_empty(tx: &mut Tx) -> Result<Uuid, JobError> {
 
 /// Removes a result unless a job refers to it.
 pub(super) async fn remove_orphan(tx: &mut Tx, result: Uuid) -> Result<(), JobError> {
+    remove_orphans(tx, &[result]).await
+}
+
+/// Removes the results that no job refers to, of these in ascending order.
+pub(super) async fn remove_orphans(tx: &mut Tx, results: &[Uuid]) -> Result<(), JobError> {
+    if results.is_empty() {
+        return Ok(());
+    }
+    let places = (1..=results.len()).map(|place| format!("${place}")).collect::<Vec<_>>().join(", ");
+    let of = |sql: String| results.iter().fold(statement(sql), Statement::bind);
     // Serialized: two transactions that delete the last two jobs would each still see the other job.
     if tx.dialect() == Dialect::Postgres {
-        statement("SELECT 1 FROM results WHERE id = $1 FOR UPDATE").bind(result).run(&mut *tx).await?;
+        of(format!("SELECT 1 FROM results WHERE id IN ({places}) ORDER BY id FOR UPDATE")).run(&mut *tx).await?;
     }
-    let sql = "DELETE FROM results WHERE id = $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE result_id = $1)";
-    statement(sql).bind(result).run(&mut *tx).await?;
+    let sql = format!(
+        "DELETE FROM results WHERE id IN ({places}) AND NOT EXISTS (SELECT 1 FROM jobs WHERE result_id = results.id)"
+    );
+    of(sql).run(&mut *tx).await?;
     Ok(())
 }
 
@@ -258,7 +270,7 @@ impl Store {
     async fn result_of(&self, owner: &str, job: Uuid, wanted: JobKind) -> Result<Uuid, JobError> {
         let sql = "SELECT status, result_id, kind FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, Option<Uuid>, String)> =
-            statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
+            in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
         result_in(row.ok_or(JobError::NotFound)?, wanted)
     }
 }

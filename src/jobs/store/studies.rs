@@ -7,7 +7,7 @@ use uuid::Uuid;
 
 use super::claims::Heartbeat;
 use super::compression::{compressed, decompressed};
-use super::database::Store;
+use super::database::{Store, in_time};
 use super::dialect::Dialect;
 use super::digest::{Sealed, is_intact};
 use super::integrity::point_name;
@@ -215,7 +215,7 @@ impl Store {
     pub async fn points(&self, owner: &str, job: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
         let sql = "SELECT kind, request, status FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, String, String)> =
-            statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
+            in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
         let (kind, request, study) = row.ok_or(JobError::NotFound)?;
         if kind != JobKind::Study.name() {
             return Err(JobError::OtherKind { kind });
