@@ -6,7 +6,8 @@ use uuid::Uuid;
 use super::database::Store;
 use super::dialect::Dialect;
 use super::digest::Sealed;
-use super::results::{LONG_ANSWER_BYTES, METRICS, REPORT, VIEWS, read_aside};
+use super::part_names::{METRICS, REPORT, VIEWS, point_name, signal_name};
+use super::results::{LONG_ANSWER_BYTES, read_aside};
 use super::statement::statement;
 use super::stored_time::stored;
 use crate::jobs::error::JobError;
@@ -195,17 +196,4 @@ impl Store {
         let lines: Vec<String> = statement("PRAGMA quick_check").values(&self.readers).await?;
         Ok(lines.into_iter().filter(|line| line != "ok").collect())
     }
-}
-
-/// The name of a stored signal in messages.
-pub(super) fn signal_name(sort: &str, channel: &str) -> String {
-    match sort {
-        "series" => format!("series of {channel}"),
-        sort => format!("{sort} spectrum of {channel}"),
-    }
-}
-
-/// The name of a point of a study in messages.
-pub(super) fn point_name(number: i64) -> String {
-    format!("point {number}")
 }

@@ -30,6 +30,8 @@ pub mod maintenance;
 mod migrations;
 /// Notifications between processes.
 pub mod notifications;
+/// Names of the parts of a result.
+mod part_names;
 /// Connection pools and write transactions.
 pub mod pool;
 /// Jobs read, listed and cancelled.

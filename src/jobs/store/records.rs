@@ -6,8 +6,8 @@ use uuid::Uuid;
 
 use super::database::Store;
 use super::digest::Sealed;
+use super::part_names::METRICS;
 use super::pool::Tx;
-use super::results::METRICS;
 use super::statement::{Statement, Value, statement};
 use super::stored_time::{stored, time};
 use crate::jobs::error::JobError;

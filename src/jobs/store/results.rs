@@ -9,7 +9,7 @@ use super::compression::{compressed, decompressed};
 use super::database::{Store, in_time};
 use super::dialect::Dialect;
 use super::digest::Sealed;
-use super::integrity::signal_name;
+use super::part_names::{METRICS, REPORT, VIEWS, signal_name};
 use super::pool::Tx;
 use super::spectrum_codec::{decoded, encoded};
 use super::statement::{Statement, statement};
@@ -286,11 +286,6 @@ fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: Job
         (None, None) => Err(JobError::Corrupt(format!("status {status}"))),
     }
 }
-
-/// Names of the parts of a result in messages; `signal_name` has those of the signals.
-pub(super) const METRICS: &str = "metrics";
-pub(super) const VIEWS: &str = "plot data";
-pub(super) const REPORT: &str = "report";
 
 /// The part of a result that every result of its kind has.
 fn one_part<T: AsRef<[u8]>>(row: Option<(T, Option<Vec<u8>>)>) -> Result<Sealed<T>, JobError> {
