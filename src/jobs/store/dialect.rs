@@ -16,6 +16,28 @@ impl Dialect {
         }
     }
 
+    /// Join that reads the job of each row of `job_labels`, in the order of these rows: no estimate of the database, which knows nothing
+    /// about one owner, makes it begin with all jobs.
+    pub fn jobs_of_labels(self) -> &'static str {
+        match self {
+            Self::Sqlite => "job_labels CROSS JOIN jobs ON jobs.id = job_labels.job",
+            Self::Postgres => {
+                "job_labels CROSS JOIN LATERAL (SELECT * FROM jobs WHERE jobs.id = job_labels.job OFFSET 0) AS jobs"
+            }
+        }
+    }
+
+    /// Condition: the job has the label of the owner ($1) that is bound at this place. It is tested for each job.
+    pub fn has_label(self, place: &str) -> String {
+        let each = match self {
+            Self::Sqlite => "",
+            Self::Postgres => " OFFSET 0",
+        };
+        format!(
+            "EXISTS (SELECT 1 FROM job_labels AS l WHERE l.owner = $1 AND l.label = {place} AND l.job = jobs.id{each})"
+        )
+    }
+
     /// Condition: a process that is no longer listed as a worker holds the delivery (`river_job`).
     ///
     /// On SQLite there is one process, which redelivers everything when it starts.
