@@ -35,6 +35,9 @@ pub enum Command {
     Token(TokenCommand),
     /// Create or update the tables of a database, as every start does if its database user may
     Migrate(DatabaseOptions),
+    /// Compare every stored result with its digest, and check the structure of a database file; exit status 1 with a list of jobs if
+    /// something is corrupt
+    Check(DatabaseOptions),
     /// Run one job without a server, and print its metrics as JSON
     Simulate(SimulateOptions),
     /// Run a scene with several methods and tolerances: error against run time as table, JSON and SVG
@@ -286,6 +289,10 @@ pub struct RunOptions {
     /// Retention of ended jobs that do not state their own, in seconds
     #[arg(long, env = "RACEWAY_KEEP_FOR_S", default_value_t = 30 * 86_400, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep_for_s: u32,
+    /// Time for which the address and the idempotency key of an expired job are answered with its last state (410), in seconds; for a
+    /// key a day at least
+    #[arg(long, env = "RACEWAY_REMEMBER_EXPIRED_FOR_S", default_value_t = 7 * 86_400)]
+    pub remember_expired_for_s: u32,
     /// Time without a heartbeat after which a run counts as lost, in seconds; the same for all processes on a database
     #[arg(long, env = "RACEWAY_LOST_AFTER_S", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=3600))]
     pub lost_after_s: u32,
@@ -300,6 +307,7 @@ impl RunOptions {
             max_lost_runs: self.max_lost_runs,
             time_limit: Duration::from_secs(u64::from(self.time_limit_s)),
             keep_s: f64::from(self.keep_for_s),
+            remember_expired: Duration::from_secs(u64::from(self.remember_expired_for_s)),
             lost_after,
             sweep_every: settings.sweep_every.min(lost_after),
             ..settings

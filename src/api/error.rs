@@ -3,13 +3,17 @@
 use axum::http::header::{ACCEPT, CONTENT_TYPE, RETRY_AFTER, WWW_AUTHENTICATE};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
+use jiff::Timestamp;
 use serde::Serialize;
 use utoipa::ToSchema;
+use uuid::Uuid;
 
 use super::limits::BODY_LIMIT;
+use super::status_name::StatusName;
+use crate::contract::job::kind::JobKindName;
 use crate::contract::json::problem::{MAX_ERRORS, listed};
 use crate::contract::{FieldError, Refusal};
-use crate::jobs::{Failure, JobError, Status};
+use crate::jobs::{ExpiredJob, Failure, JobError, Status};
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
@@ -29,10 +33,32 @@ pub struct Problem {
     pub status: Option<u16>,
     /// Description of this occurrence.
     pub detail: String,
+    /// Last state of an expired job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub job: Option<LastState>,
     /// The invalid fields of the body.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(nullable = false)]
     pub errors: Vec<FieldError>,
+}
+
+/// Last state of an expired job.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct LastState {
+    /// Id of the job.
+    id: Uuid,
+    /// Kind of the job.
+    #[schema(value_type = JobKindName)]
+    kind: String,
+    /// Status with which the job ended.
+    status: StatusName,
+    /// Time of the end (RFC 3339, UTC).
+    #[schema(value_type = String, format = DateTime)]
+    finished_at: Timestamp,
+    /// Time at which the job and its result were removed.
+    #[schema(value_type = String, format = DateTime)]
+    expired_at: Timestamp,
 }
 
 impl Problem {
@@ -42,6 +68,7 @@ impl Problem {
             title: title.to_owned(),
             status: None,
             detail: detail.into(),
+            job: None,
             errors: Vec::new(),
         }
     }
@@ -343,6 +370,22 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
         JobError::DiskFull => {
             let detail = "nothing was written; free disk space and try again".into();
             of(S::INSUFFICIENT_STORAGE, "disk-full", "No space is left for the database", detail)
+        }
+        JobError::Expired(job) => {
+            let ExpiredJob { id, kind, status, finished_at, expired_at } = job.as_ref().clone();
+            let detail = format!(
+                "the job had {} at {finished_at:.0}; it expired at {expired_at:.0} with its result",
+                ended(status)
+            );
+            let title = "The job has expired";
+            let last = LastState { id, kind, status: status.into(), finished_at, expired_at };
+            (S::GONE, Problem { job: Some(last), ..Problem::new("job-expired", title, detail) })
+        }
+        JobError::ResultCorrupt { part } => {
+            let detail = format!(
+                "the stored {part} of this job are not what was written; submit the job again: a corrupt result is not reused"
+            );
+            of(S::INTERNAL_SERVER_ERROR, "result-corrupt", "The stored result is corrupt", detail)
         }
         JobError::Displaced => {
             of(S::SERVICE_UNAVAILABLE, "database-away", "The database is not available", error.to_string())

@@ -156,7 +156,7 @@ impl Follower {
     async fn read(&mut self) -> bool {
         match self.app.jobs.get(&self.owner, self.id).await {
             Ok(record) => (self.record, self.read_at) = (record, Instant::now()),
-            Err(JobError::NotFound) => return false,
+            Err(JobError::NotFound | JobError::Expired(_)) => return false,
             Err(error) => tracing::warn!(%error, "the job of an event stream could not be read"),
         }
         true

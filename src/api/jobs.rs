@@ -18,7 +18,9 @@ use super::credentials::Owner;
 use super::error::ApiError;
 use super::job_response::{JobAnswer, JobList, path_of};
 use super::list_query::ListQuery;
-use super::openapi::{Anywhere, BadBody, BadQuery, HasEnded, HasNotEnded, NoJob, NoSpace, NotAccepted, QueueFull};
+use super::openapi::{
+    Anywhere, BadBody, BadQuery, HasEnded, HasNotEnded, KeyExpired, NoJob, NoSpace, NotAccepted, QueueFull,
+};
 use super::rate_limit::{JOBS, LeftPlaces, POINTS};
 use super::request::{JobId, JsonBody, NoQuery, Query, negotiated};
 use super::submission_headers::{
@@ -52,7 +54,7 @@ const JSON: &[&str] = &["application/json"];
             headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which to ask again; absent when the job has ended"), ("Preference-Applied" = String, description = "The granted wait, if one was requested"), ("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the job"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))),
         (status = 200, description = "The job has ended within the time of `Prefer: wait`; with its metrics", body = JobAnswer,
             headers(("Location" = String, description = "Path of the job"), ("Preference-Applied" = String, description = "The granted wait"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))),
-        BadBody, NotAccepted, NoSpace, Anywhere, QueueFull
+        BadBody, KeyExpired, NotAccepted, NoSpace, Anywhere, QueueFull
     )
 )]
 pub async fn submit(
@@ -124,7 +126,8 @@ async fn parsed(body: &Bytes) -> Result<Job, ApiError> {
 
 /// List jobs
 ///
-/// Newest first. `next` is the path of the next page; the header `Link` repeats it.
+/// Newest first. `next` is the path of the next page; the header `Link` repeats it. A page looks at 2000 jobs at most: with several
+/// filters it may have fewer jobs than `limit`, or none, and a next page.
 #[utoipa::path(
     get, path = "/v1/jobs", tag = openapi::JOBS, operation_id = "listJobs", params(ListQuery),
     responses(
@@ -140,8 +143,8 @@ pub async fn list(
     Query(query): Query<ListQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, JSON)?;
-    let (records, more) = app.jobs.list(&owner, &query.filter()?).await?;
-    let next = records.last().filter(|_| more).map(|last| query.page_after(last.id));
+    let (records, next) = app.jobs.list(&owner, &query.filter()?).await?;
+    let next = next.map(|last| query.page_after(last));
     let link = next.iter().map(|next| (LINK, text(format!("<{next}>; rel=\"next\"")))).collect::<HeaderMap>();
     let jobs = records.into_iter().map(JobAnswer::of).collect::<Result<_, _>>()?;
     Ok((link, Json(JobList { jobs, next })).into_response())

@@ -26,6 +26,8 @@ mod public_paths;
 pub mod rate_limit;
 /// Parts of a request.
 mod request;
+/// The status of a job by its name.
+mod status_name;
 /// Stored answers, read and formatted.
 mod stored_answer;
 /// Headers of a submission.

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
+use uuid::Uuid;
 
 use super::error::JobError;
 use super::job::{JobRecord, NewJob};
@@ -12,15 +13,22 @@ use super::places::{Left, Places, WorkLimits};
 use super::queue::Queue;
 use super::store::database::Store;
 use super::store::pool::{Lock, Tx};
-use super::store::{due, idempotency_keys, maintenance, submissions};
+use super::store::{due, idempotency_keys, maintenance, removal, submissions};
 use super::token_cache::TokenCache;
 use super::worker::{InlineRun, Worker};
 
 /// Largest number of submissions in one transaction.
 const BATCH_SIZE: usize = 64;
 
-type Answer = Result<Submitted, JobError>;
+type Answer = Result<Reply, JobError>;
 type Waiting = (NewJob, oneshot::Sender<Answer>);
+
+/// The reply to a submission.
+enum Reply {
+    Submitted(Submitted),
+    /// An existing result would answer the job, once it is known to be what was written. Nothing was stored.
+    Compare(Box<NewJob>, Uuid),
+}
 
 /// A submitted job.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +44,7 @@ pub struct Submitted {
 /// Entry of submissions.
 #[derive(Debug, Clone)]
 pub struct Intake {
+    store: Store,
     sender: mpsc::Sender<Waiting>,
 }
 
@@ -57,17 +66,37 @@ impl Intake {
         limits: IntakeLimits,
     ) -> Self {
         let (sender, mut receiver) = mpsc::channel::<Waiting>(4 * BATCH_SIZE);
+        let intake = Self { store: store.clone(), sender };
         tokio::spawn(async move {
             let mut batch = Vec::with_capacity(BATCH_SIZE);
             while receiver.recv_many(&mut batch, BATCH_SIZE).await > 0 {
+                // They were answered while the database did not answer, or their clients have gone.
+                batch.retain(|(_, answer)| !answer.is_closed());
                 write(&store, &queue, &worker, &tokens, limits, std::mem::take(&mut batch)).await;
             }
         });
-        Self { sender }
+        intake
     }
 
     /// Submits a job; returns when it is on disk.
-    pub async fn submit(&self, job: NewJob) -> Answer {
+    pub async fn submit(&self, mut job: NewJob) -> Result<Submitted, JobError> {
+        loop {
+            match self.send(job).await? {
+                Reply::Submitted(submitted) => return Ok(submitted),
+                Reply::Compare(same, result) => {
+                    job = *same;
+                    // Outside the transaction, because it reads the whole result.
+                    if self.store.is_intact(result).await? {
+                        job.compared = Some(result);
+                    } else {
+                        job.reuse = false;
+                    }
+                }
+            }
+        }
+    }
+
+    async fn send(&self, job: NewJob) -> Answer {
         let (answer, answered) = oneshot::channel();
         self.sender.send((job, answer)).await.map_err(|_| JobError::Stopping)?;
         answered.await.map_err(|_| JobError::Stopping)?
@@ -85,7 +114,13 @@ async fn write(
     let (jobs, waiting): (Vec<NewJob>, Vec<_>) = batch.into_iter().unzip();
     match write_all(store, queue, worker, tokens, limits, &jobs).await {
         // A client that has gone has still submitted the job.
-        Ok(answers) => waiting.into_iter().zip(answers).for_each(|(sender, answer)| drop(sender.send(answer))),
+        Ok(answers) => waiting.into_iter().zip(jobs).zip(answers).for_each(|((sender, job), answer)| {
+            let reply = answer.map(|outcome| match outcome {
+                Written::Submitted(submitted) => Reply::Submitted(submitted),
+                Written::Compare(result) => Reply::Compare(Box::new(job), result),
+            });
+            drop(sender.send(reply));
+        }),
         Err(error) => {
             tracing::error!(%error, jobs = jobs.len(), "submissions could not be written");
             waiting.into_iter().for_each(|sender| drop(sender.send(Err(error_for_each(&error)))));
@@ -110,7 +145,7 @@ async fn write_all(
     tokens: &TokenCache,
     limits: IntakeLimits,
     jobs: &[NewJob],
-) -> Result<Vec<Answer>, JobError> {
+) -> Result<Vec<Result<Written, JobError>>, JobError> {
     let mut tx = store.begin_locked(Lock::Intake).await?;
     // A job of a token without owner is found by the list of tokens.
     let has_tokens = !tokens.get().is_empty() || jobs.iter().any(|job| !job.owner.is_empty());
@@ -136,7 +171,11 @@ async fn write_all(
         let left = places.left(&job.owner, job.points.is_some());
         let record = match plan {
             Plan::Replay(first) => {
-                answers.push(first.map(|record| Submitted { record, replayed: true, left }));
+                answers.push(first.map(|record| Written::Submitted(Submitted { record, replayed: true, left })));
+                continue;
+            }
+            Plan::Compare(result) => {
+                answers.push(Ok(Written::Compare(result)));
                 continue;
             }
             Plan::Answer(found) => Ok(submissions::insert_answered(&mut tx, job, found, limits.keep_s).await?),
@@ -152,7 +191,7 @@ async fn write_all(
                 Ok(submissions::insert(&mut tx, job, delivery).await?)
             }
         };
-        answers.push(record.map(|record| Submitted { record, replayed: false, left }));
+        answers.push(record.map(|record| Written::Submitted(Submitted { record, replayed: false, left })));
     }
     let started_owners: BTreeSet<&str> =
         jobs.iter().zip(&started).filter(|(_, run)| run.is_some()).map(|(job, _)| job.owner.as_str()).collect();
@@ -167,6 +206,12 @@ async fn write_all(
     Ok(answers)
 }
 
+/// The outcome of a submission in a transaction.
+enum Written {
+    Submitted(Submitted),
+    Compare(Uuid),
+}
+
 /// Number of shards of a study: one for each worker, at most one for each point.
 fn shard_count(points: usize, workers: usize) -> usize {
     points.min(workers).max(1)
@@ -179,6 +224,8 @@ enum Plan {
     Queue,
     /// An existing result answers it.
     Answer(submissions::Reusable),
+    /// An existing result may answer it, and has not been compared with its digests.
+    Compare(Uuid),
     Refuse(JobError),
 }
 
@@ -187,10 +234,17 @@ async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Re
     if let Some(key) = &job.key
         && let Some(first_use) = idempotency_keys::first_use(tx, &job.owner, key).await?
     {
-        return Ok(Plan::Replay(Box::new(first_use.first_answer(job, key))));
+        let mut answer = first_use.first_answer(job, key);
+        if answer.is_ok()
+            && let Some(expired) = removal::expired(&mut *tx, &job.owner, first_use.job).await?
+        {
+            answer = Err(JobError::Expired(Box::new(expired)));
+        }
+        return Ok(Plan::Replay(Box::new(answer)));
     }
     let found = if job.reuse { submissions::reusable(tx, job).await? } else { None };
     let (plan, expires) = match found {
+        Some(found) if job.compared != Some(found.result) => return Ok(Plan::Compare(found.result)),
         Some(found) => (Plan::Answer(found), Some(submissions::expiry(job, keep_s))),
         None => match places.take(&job.owner, job.points) {
             Ok(()) => (Plan::Queue, None),

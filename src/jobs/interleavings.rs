@@ -22,6 +22,7 @@ use super::settings::{Settings, Simulator};
 use super::store::claims::{Claim, Heartbeat};
 use super::store::database::Store;
 use super::store::dialect::Dialect;
+use super::store::digest::Sealed;
 use super::store::location::Location;
 use super::store::results::StoredResult;
 use super::store::statement::statement;
@@ -296,7 +297,7 @@ impl Drop for TraceOnPanic {
 }
 
 /// The tables whose rows form a state, parents first.
-const TABLES: [&str; 4] = ["results", "jobs", "river_job", "workers"];
+const TABLES: [&str; 5] = ["results", "jobs", "river_job", "workers", "removed_jobs"];
 
 struct World {
     jobs: Jobs,
@@ -623,7 +624,7 @@ impl World {
                 let here = self.process(before, process);
                 let answer = here.jobs.cancel(OWNER, self.job).await;
                 match (before.seen.row.as_ref().map(|row| row.status), answer) {
-                    (None, Err(JobError::NotFound)) => {}
+                    (None, Err(JobError::NotFound | JobError::Expired(_))) => {}
                     (Some(Status::Queued | Status::Cancelled), Ok(Cancelled::Now(record))) => {
                         assert_eq!(record.status, Status::Cancelled);
                     }
@@ -640,12 +641,14 @@ impl World {
             Step::Sweep(process) => sweep::sweep(&self.process(before, process).jobs.parts).await?,
             Step::LateSweep(process) => {
                 self.an_hour_passes().await?;
-                sweep::sweep(&self.process(before, process).jobs.parts).await?;
+                let here = self.process(before, process).jobs;
+                sweep::sweep(&here.parts).await?;
+                sweep::expire(&here.parts).await?;
             }
             Step::Delete => {
                 let answer = self.jobs.delete(OWNER, self.job).await;
                 match (before.seen.row.as_ref().map(|row| row.status), answer) {
-                    (None, Err(JobError::NotFound)) => {}
+                    (None, Err(JobError::NotFound | JobError::Expired(_))) => {}
                     (Some(status), Ok(())) => assert!(status.is_final()),
                     (Some(status), Err(JobError::Conflict(reported))) => {
                         assert!(!status.is_final() && reported == status)
@@ -660,7 +663,8 @@ impl World {
     /// Completes a run, as a worker does.
     async fn finish(&self, here: &Process, claim: &Claim, solved: Solved, holds: bool) -> Result<(), JobError> {
         let run = here.run.as_ref().expect("a run");
-        let result = || StoredResult::Simulation { metrics: "{}".into(), signals: Vec::new(), views: None };
+        let result =
+            || StoredResult::Simulation { metrics: Sealed::new("{}".into()), signals: Vec::new(), views: None };
         let failure = || RunFailure::Failed {
             cause: contract::answer::failure::DID_NOT_CONVERGE,
             detail: "intended by the test".into(),

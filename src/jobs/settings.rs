@@ -26,6 +26,8 @@ pub struct Settings {
     pub time_limit: Duration,
     /// Retention of ended jobs that do not state their own [s].
     pub keep_s: f64,
+    /// Time for which an expired job is remembered.
+    pub remember_expired: Duration,
     /// Time without a heartbeat after which a run counts as lost.
     pub lost_after: Duration,
     pub sweep_every: Duration,
@@ -48,6 +50,7 @@ impl Settings {
             max_lost_runs: 5,
             time_limit: Duration::from_secs(3600),
             keep_s: 30.0 * 86_400.0,
+            remember_expired: Duration::from_secs(7 * 86_400),
             lost_after: Duration::from_secs(15),
             sweep_every: Duration::from_secs(10),
             max_pages: None,

@@ -64,7 +64,7 @@ impl End {
     /// The metrics of a succeeded simulation, as JSON text.
     pub fn into_metrics(self) -> Option<String> {
         match self {
-            Self::Succeeded(StoredResult::Simulation { metrics, .. }) => Some(metrics),
+            Self::Succeeded(StoredResult::Simulation { metrics, .. }) => Some(metrics.content),
             _ => None,
         }
     }

@@ -1,4 +1,4 @@
-//! Lost runs, expired jobs, listed workers, and a test write to the disk.
+//! Lost runs, listed workers, and a test write to the disk.
 
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
@@ -7,7 +7,6 @@ use super::database::Store;
 use super::dialect::Dialect;
 use super::notifications::notify_ended;
 use super::pool::Tx;
-use super::records;
 use super::statement::statement;
 use super::stored_time::{micros, stored};
 use crate::jobs::error::JobError;
@@ -110,21 +109,6 @@ impl Store {
     pub async fn unlist_worker(&self, worker: Uuid) -> Result<(), JobError> {
         statement("DELETE FROM workers WHERE id = $1").bind(worker).run(&self.writer).await?;
         Ok(())
-    }
-
-    /// Expired jobs.
-    pub async fn expired(&self) -> Result<Vec<Uuid>, JobError> {
-        let sql = "SELECT id FROM jobs WHERE expires_at < $1 LIMIT $2";
-        statement(sql).bind(stored(Timestamp::now())).bind(MAX_ROWS).values(&self.readers).await
-    }
-
-    /// Removes expired jobs.
-    pub async fn remove(&self, jobs: &[Uuid]) -> Result<(), JobError> {
-        let mut tx = self.begin().await?;
-        for job in jobs {
-            records::delete(&mut tx, *job).await?;
-        }
-        tx.commit().await
     }
 
     /// Writes one row; fails if the disk is full or the database is read-only.

@@ -2,14 +2,17 @@
 //! the tables call it `strand`.
 
 use jiff::{SignedDuration, Timestamp};
+use serde::de::DeserializeOwned;
 use uuid::Uuid;
 
 use super::claims::Heartbeat;
 use super::compression::{compressed, decompressed};
-use super::database::Store;
+use super::database::{Store, in_time};
 use super::dialect::Dialect;
+use super::digest::{Sealed, is_intact};
 use super::due;
 use super::notifications::notify_ended;
+use super::part_names::{METRICS, point_name};
 use super::pool::Tx;
 use super::results;
 use super::statement::statement;
@@ -185,34 +188,59 @@ impl Store {
         Ok(())
     }
 
-    /// The end of identical finished work of the same owner, a point or a simulation, by `point_hashes`.
+    /// The end of identical finished work of the same owner, a point or a simulation, by `point_hashes`. An answer that is not what
+    /// was written does not count.
     pub async fn known_end(&self, owner: &str, hashes: &[Vec<u8>; 2]) -> Result<Option<PointEnd>, JobError> {
-        let parsed = |text: &[u8]| serde_json::from_slice(text).map_err(|error| JobError::Corrupt(error.to_string()));
-        let sql = "SELECT points.answer FROM points JOIN jobs ON jobs.id = points.job \
-                   WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
-        let answer: Option<Vec<u8>> = statement(sql).bind(&hashes[0]).bind(owner).value(&self.readers).await?;
-        if let Some(answer) = answer {
-            return Ok(Some(PointEnd::Succeeded(parsed(&decompressed(&answer)?)?)));
+        match self.known_point(owner, &hashes[0]).await? {
+            Some(end) => Ok(Some(end)),
+            None => self.known_simulation(owner, hashes).await,
         }
-        let sql = "SELECT results.metrics FROM jobs JOIN results ON results.id = jobs.result_id \
-                   WHERE jobs.content_hash IN ($1, $2) AND jobs.status = 'succeeded' AND jobs.owner = $3 LIMIT 1";
+    }
+
+    async fn known_point(&self, owner: &str, hash: &[u8]) -> Result<Option<PointEnd>, JobError> {
+        let sql = "SELECT points.job, points.number, points.answer, points.digest FROM points \
+                   JOIN jobs ON jobs.id = points.job \
+                   WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
+        let row: Option<(Uuid, i64, Vec<u8>, Option<Vec<u8>>)> =
+            statement(sql).bind(hash).bind(owner).optional(&self.readers).await?;
+        let Some((job, number, answer, digest)) = row else { return Ok(None) };
+        let answer = Sealed::stored((answer, digest)).opened().and_then(|answer| decompressed(&answer));
+        let end = answer.and_then(|answer| Ok(PointEnd::Succeeded(parsed(&answer)?)));
+        unless_corrupt(self.noted(job, &point_name(number), end).await)
+    }
+
+    async fn known_simulation(&self, owner: &str, hashes: &[Vec<u8>; 2]) -> Result<Option<PointEnd>, JobError> {
+        let sql = "SELECT jobs.id, results.metrics, results.digest FROM jobs JOIN results ON results.id = jobs.result_id \
+                   WHERE jobs.content_hash IN ($1, $2) AND jobs.status = 'succeeded' AND jobs.owner = $3 \
+                   AND NOT EXISTS (SELECT 1 FROM corrupt_results WHERE job = jobs.id) LIMIT 1";
         let [first, second] = hashes;
-        let metrics: Option<String> = statement(sql).bind(first).bind(second).bind(owner).value(&self.readers).await?;
-        metrics.map(|metrics| Ok(PointEnd::of_stored(parsed(metrics.as_bytes())?))).transpose()
+        let row: Option<(Uuid, String, Option<Vec<u8>>)> =
+            statement(sql).bind(first).bind(second).bind(owner).optional(&self.readers).await?;
+        let Some((job, metrics, digest)) = row else { return Ok(None) };
+        let end = Sealed::stored((metrics, digest)).opened();
+        let end = end.and_then(|metrics| Ok(PointEnd::of_stored(parsed(metrics.as_bytes())?)));
+        unless_corrupt(self.noted(job, METRICS, end).await)
     }
 
     /// The request of a study, and its points in order.
     pub async fn points(&self, owner: &str, job: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
         let sql = "SELECT kind, request, status FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, String, String)> =
-            statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
+            in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
         let (kind, request, study) = row.ok_or(JobError::NotFound)?;
         if kind != JobKind::Study.name() {
             return Err(JobError::OtherKind { kind });
         }
-        let sql = "SELECT number, status, reused, answer FROM points WHERE job = $1 ORDER BY number";
-        let rows: Vec<(i64, String, bool, Option<Vec<u8>>)> = statement(sql).bind(job).all(&self.readers).await?;
-        let points = rows.into_iter().map(|(number, status, reused, answer)| {
+        let sql = "SELECT number, status, reused, answer, digest FROM points WHERE job = $1 ORDER BY number";
+        type Row = (i64, String, bool, Option<Vec<u8>>, Option<Vec<u8>>);
+        let rows: Result<Vec<Row>, _> = statement(sql).bind(job).all(&self.readers).await;
+        let rows = self.noted(job, "points", rows).await?;
+        let damaged = rows.iter().find(|row| row.3.as_ref().is_some_and(|answer| !is_intact(answer, row.4.as_deref())));
+        if let Some((number, ..)) = damaged {
+            let part = point_name(*number);
+            return self.noted(job, &part, Err(JobError::ResultCorrupt { part: part.clone() })).await;
+        }
+        let points = rows.into_iter().map(|(number, status, reused, answer, _)| {
             let status = match status.as_str() {
                 "succeeded" => PointStatus::Succeeded,
                 "failed" => PointStatus::Failed,
@@ -223,6 +251,18 @@ impl Store {
             Ok(StoredPoint { number: usize::try_from(number).unwrap_or(usize::MAX), status, reused, answer })
         });
         Ok((request, points.collect::<Result<_, JobError>>()?))
+    }
+}
+
+fn parsed<T: DeserializeOwned>(text: &[u8]) -> Result<T, JobError> {
+    serde_json::from_slice(text).map_err(|error| JobError::Corrupt(error.to_string()))
+}
+
+/// An answer for reuse; `None` if it is not what was written.
+fn unless_corrupt<T>(read: Result<T, JobError>) -> Result<Option<T>, JobError> {
+    match read {
+        Err(JobError::ResultCorrupt { .. }) => Ok(None),
+        read => read.map(Some),
     }
 }
 
@@ -265,7 +305,8 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
         PointEnd::Succeeded(metrics) => ("succeeded", None, compressed(metrics)?),
         PointEnd::Failed(error) => ("failed", Some(&error.cause), compressed(error)?),
     };
-    let sql = "UPDATE points SET status = $4, cause = $5, answer = $6, reused = $7, content_hash = $8 \
+    let Sealed { content, digest } = Sealed::new(answer);
+    let sql = "UPDATE points SET status = $4, cause = $5, answer = $6, reused = $7, content_hash = $8, digest = $9 \
                WHERE job = $1 AND number = $2 AND claim = $3 AND status = 'running'";
     let written = statement(sql)
         .bind(job)
@@ -273,9 +314,10 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
         .bind(point.claim)
         .bind(status)
         .bind(cause)
-        .bind(answer)
+        .bind(content)
         .bind(result.reused)
         .bind(result.content_hash.as_deref().filter(|_| status == "succeeded"))
+        .bind(digest.as_deref())
         .run(&mut *tx)
         .await?;
     if written == 0 {
@@ -381,7 +423,7 @@ pub async fn is_under_way(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
 /// Resumes a study. Points that failed by a time limit, a lost worker or an internal error are queued again. Returns false if no
 /// point is left.
 pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
-    let sql = "UPDATE points SET status = 'queued', cause = NULL, answer = NULL, lost = 0 \
+    let sql = "UPDATE points SET status = 'queued', cause = NULL, answer = NULL, digest = NULL, lost = 0 \
                WHERE job = $1 AND status = 'failed' AND cause IN ($2, $3, $4)";
     let again = statement(sql).bind(job).bind(TIME_LIMIT).bind(WORKER_LOST).bind(INTERNAL).run(&mut *tx).await?;
     let sql = "UPDATE studies SET ended = ended - $2 WHERE job = $1 RETURNING points > ended";

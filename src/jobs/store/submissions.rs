@@ -57,12 +57,13 @@ pub async fn any_waits(tx: &mut Tx) -> Result<bool, JobError> {
     Ok(statement(sql).value(&mut *tx).await?.unwrap_or(false))
 }
 
-/// The result of identical finished work of the same owner.
+/// The result of identical finished work of the same owner, unless it is known to be corrupt.
 pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, JobError> {
     // A transaction that deletes that job waits until the new job refers to the result.
     let kept = tx.dialect().for_share();
     let sql = format!(
-        "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 LIMIT 1{kept}"
+        "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 \
+         AND NOT EXISTS (SELECT 1 FROM corrupt_results WHERE job = jobs.id) LIMIT 1{kept}"
     );
     let result: Option<Uuid> = statement(sql).bind(&job.content_hash).bind(&job.owner).value(&mut *tx).await?;
     Ok(result.map(|result| Reusable { result }))
@@ -149,5 +150,18 @@ async fn insert_row(
         .bind(i64::from(record.status == Status::Running))
         .run(&mut *tx)
         .await?;
+    insert_labels(tx, job).await
+}
+
+/// Inserts the labels of a job, by which lists find it.
+async fn insert_labels(tx: &mut Tx, job: &NewJob) -> Result<(), JobError> {
+    if job.labels.is_empty() {
+        return Ok(());
+    }
+    let rows: Vec<String> = (0..job.labels.len()).map(|k| format!("($1, ${}, $2)", k + 3)).collect();
+    // A label may be given twice.
+    let sql = format!("INSERT INTO job_labels (owner, label, job) VALUES {} ON CONFLICT DO NOTHING", rows.join(", "));
+    let insert = statement(sql).bind(&job.owner).bind(job.id);
+    job.labels.iter().fold(insert, |insert, label| insert.bind(label)).run(&mut *tx).await?;
     Ok(())
 }
