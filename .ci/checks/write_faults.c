@@ -26,11 +26,14 @@ enum kind { IO_ERROR, NO_SPACE, TORN };
 
 struct control {
     _Atomic uint64_t calls;    /* counted calls */
-    _Atomic uint64_t first;    /* number of the first call that fails, from 1; 0: none fails */
-    _Atomic uint64_t span_ns;  /* how long later calls fail, too; 0: they succeed */
+    _Atomic uint64_t of;       /* the call and file (as in `log`) of which one fails first */
+    _Atomic uint64_t seen;     /* calls of that kind */
+    _Atomic uint64_t first;    /* which of them fails, from 1; 0: none */
+    _Atomic uint64_t span_ns;  /* how long all later calls fail, too; 0: they succeed */
     _Atomic uint64_t kind;     /* enum kind */
     _Atomic uint64_t failed;   /* calls that failed */
     _Atomic uint64_t until_ns; /* end of the fault, by the monotonic clock; 0: it has not begun */
+    _Atomic uint64_t next;     /* whether the next call fails in any case */
     /* Call and file of each: the low four bits are enum call, the others 0 database, 1 -wal, 2 -shm, 3 -journal, 4 folder. */
     uint8_t log[LOG_BYTES];
 };
@@ -67,18 +70,21 @@ static uint64_t now_ns(void) {
 /* What a call must do: 0 succeed, an error number, or -1: write half of its bytes. */
 static int fault(enum call call, const char *path) {
     if (!control || strncmp(path, folder, folder_length) != 0) return 0;
-    uint64_t number = atomic_fetch_add(&control->calls, 1) + 1;
-    int file = ends_with(path, "-wal") ? 1 : ends_with(path, "-shm") ? 2 : ends_with(path, "-journal") ? 3
-             : path[folder_length] == 0 || strcmp(path + folder_length, "/") == 0 ? 4 : 0;
-    if (number <= LOG_BYTES) control->log[number - 1] = (uint8_t)(call | file << 4);
-    uint64_t first = atomic_load(&control->first), kind = atomic_load(&control->kind);
-    if (first == 0 || number < first) return 0;
-    int torn = kind == TORN && number == first && call == WRITE;
-    if (number == first)
+    uint64_t number = atomic_fetch_add(&control->calls, 1);
+    unsigned file = ends_with(path, "-wal") ? 1 : ends_with(path, "-shm") ? 2 : ends_with(path, "-journal") ? 3
+                  : strcmp(path + folder_length, "") == 0 || strcmp(path + folder_length, "/") == 0 ? 4 : 0;
+    uint8_t name = (uint8_t)(call | file << 4);
+    if (number < LOG_BYTES) control->log[number] = name;
+    uint64_t kind = atomic_load(&control->kind);
+    int torn = 0;
+    if (name == atomic_load(&control->of) && atomic_fetch_add(&control->seen, 1) + 1 == atomic_load(&control->first)) {
         atomic_store(&control->until_ns, now_ns() + atomic_load(&control->span_ns));
-    /* After a torn write the next call fails: a program that continues at the missing half must learn the reason. */
-    else if (!(kind == TORN && number == first + 1) && now_ns() >= atomic_load(&control->until_ns))
+        torn = kind == TORN && call == WRITE;
+        /* A program that continues at the missing half of a torn write must learn the reason. */
+        if (torn) atomic_store(&control->next, 1);
+    } else if (!atomic_exchange(&control->next, 0) && now_ns() >= atomic_load(&control->until_ns)) {
         return 0;
+    }
     atomic_fetch_add(&control->failed, 1);
     return torn ? -1 : kind == IO_ERROR ? EIO : ENOSPC;
 }

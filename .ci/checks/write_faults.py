@@ -2,14 +2,15 @@
 """A day of a service on SQLite, again and again, each time with one failing write, sync, open, truncation or removal of its files.
 
 A day: start, single job, batch, study, a cancelled and an expiring job, results, SIGTERM; start, results, SIGTERM. The library
-write_faults.c counts the calls on the folder of the database. A fault begins with call n and lasts for that call, half a second
-or five seconds: EIO, ENOSPC, or half of a write and then ENOSPC. During it an answer is what it would be without fault, or a
+write_faults.c counts the calls on the folder of the database, by call and file. A fault begins with the n-th of them and lasts for
+that call, half a second or five seconds: EIO, ENOSPC, or half of a write and then ENOSPC. During it an answer is what it would be without fault, or a
 problem that names the disk or the database. After it the service recovers by itself. After a restart without the library every
 accepted job is there once, has the end that was seen, and can be read; its key gives its id; the file is intact.
 
     write_faults.py                      at most 60 days, spread over all calls and kinds of faults
-    write_faults.py --every FILE         every call with every fault; FILE keeps the passed days, so that the run can be resumed
-    write_faults.py --day N FAULT        one day, with its log if it fails; FAULT is one of the names of FAULTS
+    write_faults.py --every FILE         every call, with the faults in turn; FILE keeps the passed days, so that a run can be resumed
+    write_faults.py --every FILE --all   every call with every fault
+    write_faults.py --day CALL N FAULT   one day, with the log of the service if it fails: --day "write -wal" 17 torn
 """
 
 import argparse
@@ -76,7 +77,7 @@ LATER = job(8)
 class Control:
     """The control block of the library (`struct control`)."""
 
-    HEAD = struct.Struct("=6Q")
+    HEAD = struct.Struct("=9Q")
     SIZE = HEAD.size + 65536
 
     def __init__(self, path):
@@ -84,42 +85,36 @@ class Control:
             file.truncate(self.SIZE)
             self.memory = mmap.mmap(file.fileno(), self.SIZE)
 
-    def plan(self, number, fault):
+    def plan(self, name, number, fault):
+        call, file = name.split()
         kind, span_s = FAULTS[fault]
-        self.HEAD.pack_into(self.memory, 0, 0, number, round(1e9 * span_s), kind, 0, 0)
-
-    @property
-    def calls(self):
-        return self.HEAD.unpack_from(self.memory)[0]
+        self.HEAD.pack_into(self.memory, 0, 0, CALLS.index(call) | FILES.index(file) << 4, 0, number, round(1e9 * span_s), kind, 0, 0, 0)
 
     @property
     def failed(self):
-        return self.HEAD.unpack_from(self.memory)[4]
-
-    def call(self, number):
-        """Name of a counted call and of its file."""
-        byte = self.memory[self.HEAD.size + number - 1]
-        return f"{CALLS[byte & 15]} {FILES[byte >> 4]}"
-
-    def names(self):
-        return [self.call(number) for number in range(1, min(self.calls, 65536) + 1)]
+        """Number of calls that have failed."""
+        return self.HEAD.unpack_from(self.memory)[6]
 
     def is_under_way(self):
-        """Whether the fault has begun and not ended."""
-        _, first, _, _, failed, until = self.HEAD.unpack_from(self.memory)
-        return first > 0 and failed > 0 and time.monotonic_ns() < until
+        return self.failed > 0 and time.monotonic_ns() < self.HEAD.unpack_from(self.memory)[7]
+
+    def names(self):
+        """Call and file of each counted call."""
+        calls = min(self.HEAD.unpack_from(self.memory)[0], 65536)
+        return [f"{CALLS[byte & 15]} {FILES[byte >> 4]}" for byte in self.memory[self.HEAD.size:self.HEAD.size + calls]]
 
 
 class Day:
     """One day of a service, what it answered, and what must therefore be true afterwards."""
 
-    def __init__(self, library, directory, number=0, fault="error"):
+    def __init__(self, library, directory, name=None, number=0, fault=None):
         self.directory = directory
         self.folder = os.path.join(directory, "data")
         os.mkdir(self.folder)
         control = os.path.join(directory, "control")
         self.control = Control(control)
-        self.control.plan(number, fault)
+        if name:
+            self.control.plan(name, number, fault)
         self.environment = clean_environment(LD_PRELOAD=library, WRITE_FAULTS_FOLDER=self.folder, WRITE_FAULTS_CONTROL=control)
         self.service = None
         # Answers by key: the paths of their jobs.
@@ -296,22 +291,22 @@ def compiled(directory):
 
 
 def undisturbed(library):
-    """Names of the calls of a day without fault, and its results."""
+    """Number of each call of a day without fault, and the results."""
     with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         day = Day(library, directory)
         try:
             day.run()
-            return day.control.names(), day.verify(None)
+            return collections.Counter(day.control.names()), day.verify(None)
         finally:
             if day.service:
                 day.service.kill()
 
 
-def disturbed(library, number, fault, expected):
-    """A day with a fault. Returns a report: what failed, which problems were answered, and what was broken."""
+def disturbed(library, name, number, fault, expected):
+    """A day with a fault. Returns a report: how many calls failed, which problems were answered, and what was broken."""
     with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         begin = time.monotonic()
-        day, broken = Day(library, directory, number, fault), None
+        day, broken = Day(library, directory, name, number, fault), None
         try:
             day.run()
             day.verify(expected)
@@ -320,43 +315,48 @@ def disturbed(library, number, fault, expected):
         finally:
             if day.service:
                 day.service.kill()
-        call = day.control.call(number) if day.control.calls >= number else None
         log = day.service.stderr()[-6000:] if broken and day.service else ""
-        return {"number": number, "fault": fault, "call": call, "failed": day.control.failed, "problems": dict(day.problems),
+        return {"call": name, "number": number, "fault": fault, "failed": day.control.failed, "problems": dict(day.problems),
                 "slowest_s": round(day.slowest_s, 2), "took_s": round(time.monotonic() - begin, 2), "broken": broken, "log": log}
 
 
-def spread(names, count):
-    """Numbers of calls: the first of each call on each file, and others at equal distances."""
-    first = {}
-    for number, name in enumerate(names, 1):
-        first.setdefault(name, number)
-    chosen = set(first.values())
-    others = [number for number in range(1, len(names) + 1) if number not in chosen]
-    places = max(0, min(count - len(chosen), len(others)))
-    return sorted(chosen | {others[(2 * k + 1) * len(others) // (2 * places)] for k in range(places)})
+def every(counted):
+    """Every call of a day."""
+    return [(name, number) for name, count in sorted(counted.items()) for number in range(1, count + 1)]
+
+
+def spread(counted, most):
+    """Calls of a day: the first and the last of each kind, and others at equal distances."""
+    ends = {end for name, count in counted.items() for end in ((name, 1), (name, count))}
+    others = [call for call in every(counted) if call not in ends]
+    places = max(0, min(most - len(ends), len(others)))
+    return sorted(ends)[:most] + [others[(2 * k + 1) * len(others) // (2 * places)] for k in range(places)]
+
+
+def in_turn(calls, faults):
+    return [(*call, faults[k % len(faults)]) for k, call in enumerate(calls)]
 
 
 def run_days(library, days, expected, passed=None):
     """Runs the days and prints their sum. Returns whether all held."""
     begin, reports = time.monotonic(), []
     with concurrent.futures.ThreadPoolExecutor(TOGETHER) as pool:
-        futures = [pool.submit(disturbed, library, number, fault, expected) for number, fault in days]
+        futures = [pool.submit(disturbed, library, *day, expected) for day in days]
         for future in concurrent.futures.as_completed(futures):
             report = future.result()
             reports.append(report)
             if report["broken"]:
-                print(f"FAILED: --day {report['number']} {report['fault']} ({report['call']}): {report['broken']}", flush=True)
+                print(f"FAILED: --day '{report['call']}' {report['number']} {report['fault']}: {report['broken']}", flush=True)
             elif passed:
-                passed.write(json.dumps({name: report[name] for name in ("number", "fault", "call", "slowest_s")}) + "\n")
+                passed.write(json.dumps({name: report[name] for name in ("call", "number", "fault", "failed", "slowest_s")}) + "\n")
                 passed.flush()
     calls, problems = collections.Counter(), collections.Counter()
     for report in reports:
-        calls[report["call"]] += 1
+        calls[report["call"] if report["failed"] else "none (a shorter day)"] += 1
         problems.update(report["problems"])
     broken = [report for report in reports if report["broken"]]
     slowest = max((report["slowest_s"] for report in reports), default=0)
-    print("first failing calls:", ", ".join(f"{count} × {name or 'none (a shorter day)'}" for name, count in calls.most_common()))
+    print("first failing calls:", ", ".join(f"{count} × {name}" for name, count in calls.most_common()))
     print("answers to the faults:", ", ".join(f"{count} × {name}" for name, count in problems.most_common()) or "none")
     print(f"{len(reports)} days in {time.monotonic() - begin:.0f} s, {sum(report['failed'] for report in reports)} failed calls; the slowest answer "
           f"or stop took {slowest:.1f} s, the longest day {max((report['took_s'] for report in reports), default=0):.1f} s")
@@ -366,32 +366,34 @@ def run_days(library, days, expected, passed=None):
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--every", metavar="FILE")
-    arguments.add_argument("--day", nargs=2, metavar=("N", "FAULT"))
+    arguments.add_argument("--all", action="store_true")
+    arguments.add_argument("--day", nargs=3, metavar=("CALL", "N", "FAULT"))
     chosen = arguments.parse_args()
     with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         library = compiled(directory)
-        names, expected = undisturbed(library)
-        counted = collections.Counter(names)
-        check(len(names) > 100, f"an undisturbed day makes {len(names)} calls: " + ", ".join(f"{n} × {name}" for name, n in counted.most_common()))
+        counted, expected = undisturbed(library)
+        listed = ", ".join(f"{count} × {name}" for name, count in counted.most_common())
+        check(counted["sync -wal"] > 10, f"an undisturbed day makes {counted.total()} calls: {listed}")
         if chosen.day:
-            report = disturbed(library, int(chosen.day[0]), chosen.day[1], expected)
+            name, number, fault = chosen.day
+            report = disturbed(library, name, int(number), fault, expected)
             print(report.pop("log"), json.dumps(report, indent=1), sep="\n")
             check(not report["broken"], "the day passes")
             return
         if chosen.every:
+            days = [(*call, fault) for call in every(counted) for fault in FAULTS] if chosen.all else in_turn(every(counted), list(FAULTS))
             passed = set()
             if os.path.exists(chosen.every):
                 with open(chosen.every, encoding="utf-8") as file:
-                    passed = {(report["number"], report["fault"]) for report in map(json.loads, file)}
-            days = [(number, fault) for number in range(1, len(names) + 1) for fault in FAULTS if (number, fault) not in passed]
-            print(f"{len(passed)} days have passed earlier, {len(days)} follow", flush=True)
+                    passed = {(report["call"], report["number"], report["fault"]) for report in map(json.loads, file)}
+            left = [day for day in days if day not in passed]
+            print(f"{len(left)} of {len(days)} days are left", flush=True)
             with open(chosen.every, "a", encoding="utf-8") as file:
-                holds = run_days(library, days, expected, file)
+                holds = run_days(library, left, expected, file)
         else:
             # The long fault is for the long form.
             short = [fault for fault, (_, span_s) in FAULTS.items() if span_s < 1]
-            days = [(number, short[k % len(short)]) for k, number in enumerate(spread(names, DAYS))]
-            holds = run_days(library, days, expected)
+            holds = run_days(library, in_turn(spread(counted, DAYS), short), expected)
         check(holds, "every day keeps what was accepted, answers with documented problems and recovers by itself")
 
 
