@@ -31,8 +31,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from service import ARTICLE, Service, binary, check, clean_environment  # noqa: E402
 
 DAYS = 60
-# Days at once: most of a day is waiting.
-TOGETHER = 4
+# Days at once. Most of a day is waiting, so that more of them than cores are useful.
+TOGETHER = int(os.environ.get("TOGETHER", "4"))
 # Longest time of a request, of recovery, of a start and of a stop [s].
 LONGEST_S = 30
 # Sweeps are as frequent as the limit of silence, so that recovery and expiry take a second.
