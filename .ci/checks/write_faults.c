@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdint.h>
@@ -22,7 +23,7 @@
 #define LOG_BYTES 65536
 
 enum call { OPEN = 1, WRITE, SYNC, TRUNCATE, UNLINK, RENAME };
-enum kind { IO_ERROR, NO_SPACE, TORN };
+enum kind { IO_ERROR, NO_SPACE, TORN, KILL };
 
 struct control {
     _Atomic uint64_t calls;    /* counted calls */
@@ -67,7 +68,9 @@ static uint64_t now_ns(void) {
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
-/* What a call must do: 0 succeed, an error number, or -1: write half of its bytes. */
+/* What a call must do: 0 succeed, an error number, or HALF of its bytes, HALF_AND_DIE to end the process then. */
+enum { HALF = -1, HALF_AND_DIE = -2 };
+
 static int fault(enum call call, const char *path) {
     if (!control || strncmp(path, folder, folder_length) != 0) return 0;
     uint64_t number = atomic_fetch_add(&control->calls, 1);
@@ -79,14 +82,21 @@ static int fault(enum call call, const char *path) {
     int torn = 0;
     if (name == atomic_load(&control->of) && atomic_fetch_add(&control->seen, 1) + 1 == atomic_load(&control->first)) {
         atomic_store(&control->until_ns, now_ns() + atomic_load(&control->span_ns));
-        torn = kind == TORN && call == WRITE;
-        /* A program that continues at the missing half of a torn write must learn the reason. */
-        if (torn) atomic_store(&control->next, 1);
+        if (kind == TORN && call == WRITE) {
+            torn = HALF;
+            /* A program that continues at the missing half must learn the reason. */
+            atomic_store(&control->next, 1);
+        } else if (kind == KILL && call == WRITE) {
+            torn = HALF_AND_DIE;
+        } else if (kind == KILL) {
+            atomic_fetch_add(&control->failed, 1);
+            kill(getpid(), SIGKILL);
+        }
     } else if (!atomic_exchange(&control->next, 0) && now_ns() >= atomic_load(&control->until_ns)) {
         return 0;
     }
     atomic_fetch_add(&control->failed, 1);
-    return torn ? -1 : kind == IO_ERROR ? EIO : ENOSPC;
+    return torn ? torn : kind == IO_ERROR ? EIO : ENOSPC;
 }
 
 static int fault_at(enum call call, int descriptor) {
@@ -99,13 +109,20 @@ static int fault_at(enum call call, int descriptor) {
     return fault(call, path);
 }
 
-#define FAIL_ON(number) do { int found = (number); if (found > 0) { errno = found; return -1; } } while (0)
+#define FAIL_ON(number)                     \
+    do {                                    \
+        int error_number = (number);        \
+        if (error_number > 0) {             \
+            errno = error_number;           \
+            return -1;                      \
+        }                                   \
+    } while (0)
 
 #define OPENS(name)                                                    \
     int name(const char *path, int flags, ...) {                       \
         va_list rest;                                                  \
         va_start(rest, flags);                                         \
-        int mode = flags & O_CREAT ? va_arg(rest, int) : 0; \
+        int mode = flags & O_CREAT ? va_arg(rest, int) : 0;            \
         va_end(rest);                                                  \
         FAIL_ON(fault(OPEN, path));                                    \
         return REAL(name)(path, flags, mode);                          \
@@ -117,7 +134,7 @@ OPENS(open64)
     int name(int at, const char *path, int flags, ...) {               \
         va_list rest;                                                  \
         va_start(rest, flags);                                         \
-        int mode = flags & O_CREAT ? va_arg(rest, int) : 0; \
+        int mode = flags & O_CREAT ? va_arg(rest, int) : 0;            \
         va_end(rest);                                                  \
         FAIL_ON(fault(OPEN, path));                                    \
         return REAL(name)(at, path, flags, mode);                      \
@@ -125,26 +142,27 @@ OPENS(open64)
 OPENS_AT(openat)
 OPENS_AT(openat64)
 
+/* The body of a function that writes `count` bytes or parts by `real`, which uses `length`. */
+#define WRITES(file, count, real)                                       \
+    int found = fault_at(WRITE, file);                                  \
+    FAIL_ON(found);                                                     \
+    size_t length = found < 0 ? (count) / 2 : (count);                  \
+    ssize_t written = real;                                             \
+    if (found == HALF_AND_DIE) kill(getpid(), SIGKILL);                 \
+    return written
+
 ssize_t write(int file, const void *bytes, size_t count) {
-    int found = fault_at(WRITE, file);
-    FAIL_ON(found);
-    return REAL(write)(file, bytes, found < 0 ? count / 2 : count);
+    WRITES(file, count, REAL(write)(file, bytes, length));
 }
-
-#define WRITES_AT(name, offset_type)                                           \
-    ssize_t name(int file, const void *bytes, size_t count, offset_type at) {  \
-        int found = fault_at(WRITE, file);                                     \
-        FAIL_ON(found);                                                        \
-        return REAL(name)(file, bytes, found < 0 ? count / 2 : count, at);     \
-    }
-WRITES_AT(pwrite, off_t)
-WRITES_AT(pwrite64, off64_t)
-
+ssize_t pwrite(int file, const void *bytes, size_t count, off_t at) {
+    WRITES(file, count, REAL(pwrite)(file, bytes, length, at));
+}
+ssize_t pwrite64(int file, const void *bytes, size_t count, off64_t at) {
+    WRITES(file, count, REAL(pwrite64)(file, bytes, length, at));
+}
 ssize_t writev(int file, const struct iovec *parts, int count) {
-    FAIL_ON(abs(fault_at(WRITE, file)));
-    return REAL(writev)(file, parts, count);
+    WRITES(file, (size_t)count, REAL(writev)(file, parts, (int)length));
 }
-
 int fsync(int file) { FAIL_ON(fault_at(SYNC, file)); return REAL(fsync)(file); }
 int fdatasync(int file) { FAIL_ON(fault_at(SYNC, file)); return REAL(fdatasync)(file); }
 int ftruncate(int file, off_t size) { FAIL_ON(fault_at(TRUNCATE, file)); return REAL(ftruncate)(file, size); }

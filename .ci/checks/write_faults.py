@@ -3,7 +3,8 @@
 
 A day: start, single job, batch, study, a cancelled and an expiring job, results, SIGTERM; start, results, SIGTERM. The library
 write_faults.c counts the calls on the folder of the database, by call and file. A fault begins with the n-th of them and lasts for
-that call, half a second or five seconds: EIO, ENOSPC, or half of a write and then ENOSPC. During it an answer is what it would be without fault, or a
+that call, half a second or five seconds: EIO, ENOSPC, or half of a write and then ENOSPC; or the process is killed at the call,
+within a write. During it an answer is what it would be without fault, or a
 problem that names the disk or the database. After it the service recovers by itself. After a restart without the library every
 accepted job is there once, has the end that was seen, and can be read; its key gives its id; the file is intact.
 
@@ -17,9 +18,11 @@ import argparse
 import collections
 import concurrent.futures
 import contextlib
+import http.client
 import json
 import mmap
 import os
+import signal
 import sqlite3
 import struct
 import subprocess
@@ -38,10 +41,10 @@ LONGEST_S = 30
 # Sweeps are as frequent as the limit of silence, so that recovery and expiry take a second.
 OPTIONS = ["--listen", "127.0.0.1:0", "--workers", "1", "--lost-after-s", "1"]
 
-IO_ERROR, NO_SPACE, TORN = range(3)
+IO_ERROR, NO_SPACE, TORN, KILL = range(4)
 # Kind and duration [s] of a fault; 0: one call.
 FAULTS = {
-    "error": (IO_ERROR, 0), "full": (NO_SPACE, 0), "torn": (TORN, 0),
+    "error": (IO_ERROR, 0), "full": (NO_SPACE, 0), "torn": (TORN, 0), "kill": (KILL, 0),
     "errors": (IO_ERROR, 0.5), "full-disk": (NO_SPACE, 0.5), "torn-full-disk": (TORN, 0.5), "long-errors": (IO_ERROR, 5),
 }
 CALLS = ["", "open", "write", "sync", "truncate", "unlink", "rename"]
@@ -72,6 +75,8 @@ BRIEF = job(3, keep_for_s=1)
 BATCH = {"jobs": [job(4), job(5), job(6)]}
 STUDY = job(7) | {"kind": "study", "axes": [{"path": "/operation/radial_load_y_n", "from": 100, "to": 200, "count": 3}]}
 LATER = job(8)
+# Submitted only during a fault that lasts.
+DURING = job(9)
 
 
 class Control:
@@ -117,6 +122,7 @@ class Day:
             self.control.plan(name, number, fault)
         self.environment = clean_environment(LD_PRELOAD=library, WRITE_FAULTS_FOLDER=self.folder, WRITE_FAULTS_CONTROL=control)
         self.service = None
+        self.kills = fault == "kill"
         # Answers by key: the paths of their jobs.
         self.paths = {}
         # Records of ended jobs as first seen, and the last status of the others.
@@ -137,10 +143,20 @@ class Day:
             except SystemExit as refused:
                 told = str(refused)
             hold(environment is self.environment and self.control.failed, f"the start is refused without fault: {told}")
+            if self.kills:
+                continue
             hold("raceway.db" in told or "database" in told or "disk" in told, f"a refused start does not name the database: {told}")
             hold(time.monotonic() < deadline, f"the start is refused for {LONGEST_S} s: {told}")
             self.problems["start refused"] += 1
             time.sleep(0.1)
+
+    def was_killed(self):
+        """Whether the library has killed the process."""
+        if not self.kills or not self.control.failed:
+            return False
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return self.service.process.wait(timeout=1) == -signal.SIGKILL
+        return False
 
     def stop(self, may_fail=False):
         failed_before = self.control.failed
@@ -155,7 +171,7 @@ class Day:
         self.slowest_s = max(self.slowest_s, time.monotonic() - begin)
         self.service.log.close()
         faulty = may_fail and (self.control.failed > failed_before or self.control.is_under_way())
-        hold(process.returncode == 0 or (faulty and process.returncode == 1), f"the service stops with status {process.returncode}")
+        hold(process.returncode == 0 or (faulty and (process.returncode == 1 or self.was_killed())), f"the service stops with status {process.returncode}")
 
     def request(self, method, path, body=None, key=None, expected=(200, 202)):
         """Answer to a request, which is repeated while a problem of the disk is answered."""
@@ -164,7 +180,11 @@ class Day:
             begin = time.monotonic()
             try:
                 status, headers, answer = self.service.request(method, path, body, {"Idempotency-Key": key} if key else None, LONGEST_S)
-            except OSError as error:
+            except (OSError, http.client.HTTPException) as error:
+                if self.was_killed():
+                    self.problems["killed"] += 1
+                    self.start(self.environment)
+                    continue
                 raise Broken(f"{method} {path} is not answered: {error!r}") from None
             self.slowest_s = max(self.slowest_s, time.monotonic() - begin)
             if status in expected:
@@ -191,7 +211,9 @@ class Day:
         hold(self.paths.setdefault(key, made) == made, f"the key {key} gives {made} after {self.paths[key]}")
 
     def look(self, path):
-        """Record of a job. Its status never leaves an end."""
+        """Record of a job. Its status never leaves an end. A fault that lasts meets a submission."""
+        if self.control.is_under_way() and "during" not in self.paths:
+            self.submit("during", DURING)
         record = self.request("GET", path)[2]
         if path in self.ends:
             for field in ("status", "finished_at", "error"):
@@ -211,7 +233,7 @@ class Day:
     def results(self):
         """Results of the jobs that do not expire, by key, without measured times."""
         read = {}
-        for key in self.paths.keys() - {"brief", "long"}:
+        for key in sorted(self.paths.keys() - {"brief", "long"}):
             for place, path in enumerate(self.paths[key]):
                 record = self.ended(path)
                 hold(record["status"] == "succeeded", f"{key} has {record['status']}: {record['error']}")
@@ -223,6 +245,7 @@ class Day:
                     plot = self.request("GET", f"{path}/plots/spectrum.svg")[2]
                     hold(b"</svg>" in plot, f"the plot of {key} is not complete")
                 read[key, place] = json.dumps(found, sort_keys=True)
+        read.pop(("during", 0), None)
         return read
 
     def cancel(self):
@@ -240,9 +263,9 @@ class Day:
             hold(time.monotonic() < deadline, f"a job that is kept for 1 s is there {LONGEST_S} s later")
             time.sleep(0.1)
 
-    def replay(self, but=()):
-        for key, body in (("long", LONG), ("single", SINGLE), ("batch", BATCH), ("study", STUDY), ("later", LATER)):
-            if key in self.paths and key not in but:
+    def replay(self):
+        for key, body in (("long", LONG), ("single", SINGLE), ("batch", BATCH), ("study", STUDY), ("later", LATER), ("during", DURING)):
+            if key in self.paths:
                 self.submit(key, body)
 
     def run(self):
@@ -286,7 +309,7 @@ class Day:
 def compiled(directory):
     library = os.path.join(directory, "write_faults.so")
     source = os.path.join(os.path.dirname(os.path.abspath(__file__)), "write_faults.c")
-    subprocess.run(["cc", "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
+    subprocess.run(["cc", "-O2", "-Wall", "-Wextra", "-Wshadow", "-Werror", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
     return library
 
 
