@@ -13,6 +13,7 @@ use axum::response::{IntoResponse, Response};
 use super::app::App;
 use super::credentials::{Owner, owner_among};
 use super::error::ApiError;
+use super::places::Arrival;
 use super::public_paths::{is_public, is_submission};
 use super::rate_limit::LeftPlaces;
 use crate::jobs::tokens::{TokenDigest, digest_of};
@@ -44,14 +45,18 @@ impl<S: Sync> FromRequestParts<S> for Credential {
     }
 }
 
-/// Checks the token and the rate of a request, and records its owner. A token is needed once one has ever existed.
+/// Checks the token and the rate of a request, and records its owner. A token is needed once one has ever existed. A connection keeps
+/// its place after a request that passes and is not to a public path.
 pub async fn guard(State(app): State<App>, mut request: Request, next: Next) -> Result<Response, ApiError> {
     let access = &app.access;
     let needs_token = needs_token(&app);
     if access.is_local && !needs_token {
         check_host(request.uri(), request.headers())?;
     }
-    if needs_token && !is_public(request.uri().path()) {
+    if is_public(request.uri().path()) {
+        return Ok(next.run(request).await);
+    }
+    if needs_token {
         let token = bearer(request.headers()).ok_or(ApiError::Unauthorized)?;
         let digest = digest_of(token);
         let owner = owner(&app, &digest).await?;
@@ -61,9 +66,18 @@ pub async fn guard(State(app): State<App>, mut request: Request, next: Next) -> 
         }
         request.extensions_mut().insert(owner.clone());
         request.extensions_mut().insert(Credential(Some(digest)));
+        authorised(&request);
         return Ok(with_limits(&app, Some(&owner), next.run(request).await));
     }
+    authorised(&request);
     Ok(with_limits(&app, None, next.run(request).await))
+}
+
+/// Marks the connection of an authorised request, so that it gives way to none.
+fn authorised(request: &Request) {
+    if let Some(arrival) = request.extensions().get::<Arrival>() {
+        arrival.remove();
+    }
 }
 
 /// The response with headers that tell what the limits leave.

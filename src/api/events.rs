@@ -28,6 +28,8 @@ use crate::jobs::{JobError, JobRecord, Status, View};
 
 const STREAM: &[&str] = &["text/event-stream"];
 const LAST_EVENT_ID: HeaderName = HeaderName::from_static("last-event-id");
+/// Header that makes nginx and compatible proxies pass on each event at once.
+const X_ACCEL_BUFFERING: HeaderName = HeaderName::from_static("x-accel-buffering");
 /// Time between two reads of the run of this process.
 const RUN_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Time between two reads of the record of a job that waits, runs in another process, or is a study.
@@ -54,6 +56,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
     ),
     responses(
         (status = 200, description = "Events", body = JobEvent, content_type = "text/event-stream",
+            headers(("X-Accel-Buffering" = String, description = "`no`: a proxy passes on each event at once")),
             example = json!({"event": "progress", "id": "recording-430", "data": "{\"id\":\"0199…\",\"status\":\"running\",\"progress\":0.43,\"phase\":\"recording\"}"})),
         (status = 204, description = "The last event of an ended job was received: no more events follow"),
         BadQuery, NoJob, NotAccepted, Anywhere
@@ -82,7 +85,8 @@ pub async fn events(
     let follower =
         Follower { app, owner, credential, id, record, read_at, seen, first: true, _permit: follower_permit };
     let stream = stream::unfold(follower, |mut follower| async move { Some((follower.next().await?, follower)) });
-    Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)).into_response())
+    let events = Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE));
+    Ok(([(X_ACCEL_BUFFERING, "no")], events).into_response())
 }
 
 /// An event of the stream.

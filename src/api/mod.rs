@@ -20,6 +20,8 @@ mod limits;
 mod list_query;
 /// The OpenAPI document beside the operations.
 mod openapi;
+/// Places of connections.
+mod places;
 /// Paths that need no token.
 mod public_paths;
 /// Requests per second of each owner.
