@@ -42,13 +42,13 @@ pub struct Readiness {
 #[derive(Debug, Serialize, ToSchema)]
 struct StoredResults {
     /// `corrupt` if a stored result is known to differ from what was written; the service stays ready for all others.
-    #[schema(inline)]
     state: StoredState,
     /// Number of jobs with such a result. `raceway check` lists them; deleting them clears the state.
     #[schema(minimum = 0, example = 0)]
     corrupt: i64,
 }
 
+/// Whether all stored results are known to be what was written.
 #[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 enum StoredState {

@@ -46,6 +46,9 @@ pub struct Metrics {
     /// Estimated errors of the result.
     pub accuracy: AccuracyAnswer,
     /// Messages about the result: warnings first, then how the result was made. See `MessageCode`.
+    // Results of releases before the codes have none.
+    #[serde(default)]
+    #[schema(required = true)]
     pub messages: Vec<MessageAnswer>,
     /// Terms that are not in the equations, with the reason.
     pub left_out: Vec<LeftOutAnswer>,
