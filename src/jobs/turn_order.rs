@@ -222,12 +222,8 @@ fn a_turn_reads_indexes_only() {
                 Dialect::Postgres => {
                     statement("ANALYZE jobs").run(&mut tx).await?;
                     statement("SET LOCAL enable_seqscan = off").run(&mut tx).await?;
-                    statement("SET LOCAL plan_cache_mode = force_generic_plan").run(&mut tx).await?;
-                    let places = sql.contains("$1");
                     let sql = sql.replace("owner = $1", "owner = 'a'").replace("$1", "1");
-                    let plan = statement(format!("EXPLAIN {sql}")).values(&mut tx).await?;
-                    assert!(!plan.is_empty() && places == sql.contains('1'), "{plan:?}");
-                    plan
+                    statement(format!("EXPLAIN {sql}")).values(&mut tx).await?
                 }
             };
             for table in ["jobs", "strands", "points", "turns"] {
