@@ -383,6 +383,8 @@ def run_days(library, days, expected, passed=None):
     print("answers to the faults:", ", ".join(f"{count} × {name}" for name, count in problems.most_common()) or "none")
     print(f"{len(reports)} days in {time.monotonic() - begin:.0f} s, {sum(report['failed'] for report in reports)} failed calls; the slowest answer "
           f"or stop took {slowest:.1f} s, the longest day {max((report['took_s'] for report in reports), default=0):.1f} s")
+    if passed is None:
+        check(any(name.startswith("503") for name in problems) and any(name.startswith("507") for name in problems), "errors of the disk reach clients")
     return not broken
 
 
