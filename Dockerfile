@@ -5,8 +5,12 @@
 #
 # Inside a container the service listens on all interfaces, so it does not start without RACEWAY_API_TOKENS
 # (or, at your own risk, RACEWAY_INSECURE_NO_AUTH=true).
+#
+# RUST_DIGEST and DEBIAN_DIGEST (`sha256:…`) fix the base images; `.ci/release` refuses to build without them.
 
-FROM rust:1.95-bookworm AS builder
+ARG RUST_DIGEST
+ARG DEBIAN_DIGEST
+FROM rust:1.95-bookworm${RUST_DIGEST:+@$RUST_DIGEST} AS builder
 WORKDIR /source
 COPY Cargo.toml Cargo.lock build.rs ./
 COPY crates crates
@@ -17,7 +21,7 @@ COPY verification verification
 COPY benches benches
 RUN cargo build --release --locked --bin raceway
 
-FROM debian:bookworm-slim
+FROM debian:bookworm-slim${DEBIAN_DIGEST:+@$DEBIAN_DIGEST}
 RUN useradd --system --uid 10001 --user-group --home-dir /data --shell /usr/sbin/nologin raceway \
     && install --directory --owner raceway --group raceway --mode 0750 /data
 COPY --from=builder /source/target/release/raceway /usr/local/bin/raceway

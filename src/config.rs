@@ -11,7 +11,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::api::cors::origin;
 use crate::api::credentials::{MIN_TOKEN_LENGTH, Tokens};
-use crate::jobs::{Location, Settings};
+use crate::jobs::{Location, Settings, WorkLimits};
 
 /// Predicts the vibration of rolling bearings.
 #[derive(Debug, Parser)]
@@ -35,6 +35,9 @@ pub enum Command {
     Token(TokenCommand),
     /// Create or update the tables of a database, as every start does if its database user may
     Migrate(DatabaseOptions),
+    /// Compare every stored result with its digest, and check the structure of a database file; exit status 1 with a list of jobs if
+    /// something is corrupt
+    Check(DatabaseOptions),
     /// Run one job without a server, and print its metrics as JSON
     Simulate(SimulateOptions),
     /// Run a scene with several methods and tolerances: error against run time as table, JSON and SVG
@@ -159,13 +162,23 @@ pub struct ServeOptions {
     /// Number of simultaneous simulations [default: number of cores]; on PostgreSQL 0 leaves them to workers
     #[arg(long, env = "RACEWAY_WORKERS", value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub workers: Option<u16>,
-    /// Largest number of queued jobs; further ones are answered with 429
+    /// Largest number of queued and running single jobs; further ones are answered with 429
     #[arg(long, env = "RACEWAY_QUEUE_LIMIT", default_value_t = 10_000)]
     pub queue_limit: u32,
-    /// Largest number of queued jobs of one owner [default: no limit]
+    /// Of these, jobs of one owner [default: half of them where there are tokens]
     #[arg(long, env = "RACEWAY_QUEUE_LIMIT_PER_OWNER", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub queue_limit_per_owner: Option<u32>,
-    /// Largest number of requests per second of one owner, and of requests at once after a pause; 0: no limit
+    /// Largest number of unfinished points of studies; further studies are answered with 429
+    #[arg(long, env = "RACEWAY_POINT_LIMIT", default_value_t = 100_000)]
+    pub point_limit: u32,
+    /// Of these, points of one owner [default: half of them where there are tokens]
+    #[arg(long, env = "RACEWAY_POINT_LIMIT_PER_OWNER", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub point_limit_per_owner: Option<u32>,
+    /// Largest number of event streams and waiting requests of one owner of tokens, of 256
+    #[arg(long, env = "RACEWAY_FOLLOWERS_PER_OWNER", default_value_t = 128, value_name = "N")]
+    pub followers_per_owner: u32,
+    /// Largest number of requests per second of one owner, of submitted jobs and points per second, and of either at once after a
+    /// pause; 0: no limit
     #[arg(long, env = "RACEWAY_RATE_LIMIT", default_value_t = 1000, value_name = "N")]
     pub rate_limit: u32,
     #[command(flatten)]
@@ -276,6 +289,10 @@ pub struct RunOptions {
     /// Retention of ended jobs that do not state their own, in seconds
     #[arg(long, env = "RACEWAY_KEEP_FOR_S", default_value_t = 30 * 86_400, value_parser = clap::value_parser!(u32).range(1..))]
     pub keep_for_s: u32,
+    /// Time for which the address and the idempotency key of an expired job are answered with its last state (410), in seconds; for a
+    /// key a day at least
+    #[arg(long, env = "RACEWAY_REMEMBER_EXPIRED_FOR_S", default_value_t = 7 * 86_400)]
+    pub remember_expired_for_s: u32,
     /// Time without a heartbeat after which a run counts as lost, in seconds; the same for all processes on a database
     #[arg(long, env = "RACEWAY_LOST_AFTER_S", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=3600))]
     pub lost_after_s: u32,
@@ -290,6 +307,7 @@ impl RunOptions {
             max_lost_runs: self.max_lost_runs,
             time_limit: Duration::from_secs(u64::from(self.time_limit_s)),
             keep_s: f64::from(self.keep_for_s),
+            remember_expired: Duration::from_secs(u64::from(self.remember_expired_for_s)),
             lost_after,
             sweep_every: settings.sweep_every.min(lost_after),
             ..settings
@@ -342,8 +360,13 @@ impl ServeOptions {
             return Err(ConfigError::NoWorkers);
         }
         let settings = self.runs.settings(database, self.workers);
-        let queue_limit_of_owner = self.queue_limit_per_owner.map_or(u64::MAX, u64::from);
-        Ok(Settings { queue_limit: u64::from(self.queue_limit), queue_limit_of_owner, ..settings })
+        let work_limits = WorkLimits {
+            jobs: u64::from(self.queue_limit),
+            jobs_of_owner: self.queue_limit_per_owner.map(u64::from),
+            points: u64::from(self.point_limit),
+            points_of_owner: self.point_limit_per_owner.map(u64::from),
+        };
+        Ok(Settings { work_limits, ..settings })
     }
 }
 

@@ -229,7 +229,12 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         for stream in unread:
             stream.close()
 
-        crowd = [connect(service) for _ in range(CONNECTIONS)]
+        # Connections without a request would give way.
+        crowd = []
+        for _ in range(CONNECTIONS):
+            crowd.append(connect(service, header(f"GET {job} HTTP/1.1")))
+            if answer(crowd[-1])[9:12] != "200":
+                sys.exit(f"FAILED: client {len(crowd)} of {CONNECTIONS} is not served")
         with watched(service, f"all {CONNECTIONS} connections taken", "/health/live"):
             status, headers, problem = service.request("GET", job)
             check(status == 503 and headers["Retry-After"] == "1" and problem["type"].endswith(":overloaded"),

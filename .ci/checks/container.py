@@ -26,6 +26,10 @@ health = json.loads(instruction("HEALTHCHECK").split(" CMD ", 1)[1])
 user = instruction("USER")
 uid = int(user.split(":")[0])
 check(entry == ["raceway"] and uid > 0, f"the entry point is raceway, the user is {user}")
+bases = [line.split()[1] for line in text.splitlines() if line.startswith("FROM ")]
+for base, digest in zip(bases, ("RUST_DIGEST", "DEBIAN_DIGEST"), strict=True):
+    check(base.endswith(f"${{{digest}:+@${digest}}}"), f"the base image {base} takes {digest}")
+    check(text.index(f"ARG {digest}\n") < text.index("FROM "), f"{digest} is declared for all stages")
 with open(os.path.join(ROOT, ".dockerignore"), encoding="utf-8") as file:
     let_in = {line[1:] for line in file.read().splitlines() if line.startswith("!")}
 with tempfile.TemporaryDirectory(prefix="raceway-context-") as context:

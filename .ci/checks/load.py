@@ -91,7 +91,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         service.stop()
 
 with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
-    service, path, script = busy(directory, 1)
+    service, path, script = busy(directory, 2)
     try:
         service.submit(SMALL)
         for connections in (50, 500):

@@ -19,7 +19,8 @@ pub struct App {
 
 impl App {
     pub fn new(jobs: Jobs, access: Access) -> Self {
-        Self { jobs, access: Arc::new(access), concurrency: Concurrency::default() }
+        let concurrency = Concurrency::new(access.followers_per_owner);
+        Self { jobs, access: Arc::new(access), concurrency }
     }
 }
 
@@ -31,6 +32,8 @@ pub struct Access {
     /// Whether the service listens on loopback only. Without tokens the `Host` must then be an address or localhost.
     pub is_local: bool,
     pub rates: RateLimits,
+    /// Largest number of event streams and waiting requests of one owner; `None`: half of all.
+    pub followers_per_owner: Option<usize>,
     /// Origins of other web pages that may use the API.
     pub origins: Vec<HeaderValue>,
 }

@@ -6,14 +6,16 @@ use axum::extract::{FromRequestParts, Request, State};
 use axum::http::header::{AUTHORIZATION, HOST};
 use axum::http::request::Parts;
 use axum::http::uri::Authority;
-use axum::http::{HeaderMap, Uri};
+use axum::http::{HeaderMap, Method, Uri};
 use axum::middleware::Next;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 
 use super::app::App;
 use super::credentials::{Owner, owner_among};
 use super::error::ApiError;
-use super::public_paths::is_public;
+use super::places::Arrival;
+use super::public_paths::{is_public, is_submission};
+use super::rate_limit::LeftPlaces;
 use crate::jobs::tokens::{TokenDigest, digest_of};
 
 /// The token of a request that outlasts a check, such as an event stream: it is checked again while the request lasts.
@@ -28,6 +30,11 @@ impl Credential {
             None => !needs_token(app),
         }
     }
+
+    /// Returns whether the request has a token, so that its owner's shares are counted.
+    pub fn has_token(&self) -> bool {
+        self.0.is_some()
+    }
 }
 
 impl<S: Sync> FromRequestParts<S> for Credential {
@@ -38,22 +45,46 @@ impl<S: Sync> FromRequestParts<S> for Credential {
     }
 }
 
-/// Checks the token and the rate of a request, and records its owner. A token is needed once one has ever existed.
+/// Checks the token and the rate of a request, and records its owner. A token is needed once one has ever existed. A connection keeps
+/// its place after a request that passes and is not to a public path.
 pub async fn guard(State(app): State<App>, mut request: Request, next: Next) -> Result<Response, ApiError> {
     let access = &app.access;
     let needs_token = needs_token(&app);
     if access.is_local && !needs_token {
         check_host(request.uri(), request.headers())?;
     }
-    if needs_token && !is_public(request.uri().path()) {
+    if is_public(request.uri().path()) {
+        return Ok(next.run(request).await);
+    }
+    if needs_token {
         let token = bearer(request.headers()).ok_or(ApiError::Unauthorized)?;
         let digest = digest_of(token);
         let owner = owner(&app, &digest).await?;
-        access.rates.check(&owner)?;
-        request.extensions_mut().insert(owner);
+        let is_submission = request.method() == Method::POST && is_submission(request.uri().path());
+        if let Err(refused) = access.rates.take(&owner, is_submission) {
+            return Ok(with_limits(&app, Some(&owner), refused.into_response()));
+        }
+        request.extensions_mut().insert(owner.clone());
         request.extensions_mut().insert(Credential(Some(digest)));
+        authorised(&request);
+        return Ok(with_limits(&app, Some(&owner), next.run(request).await));
     }
-    Ok(next.run(request).await)
+    authorised(&request);
+    Ok(with_limits(&app, None, next.run(request).await))
+}
+
+/// Marks the connection of an authorised request, so that it gives way to none.
+fn authorised(request: &Request) {
+    if let Some(arrival) = request.extensions().get::<Arrival>() {
+        arrival.remove();
+    }
+}
+
+/// The response with headers that tell what the limits leave.
+fn with_limits(app: &App, owner: Option<&Owner>, mut response: Response) -> Response {
+    let places = response.extensions_mut().remove::<LeftPlaces>().unwrap_or_default();
+    app.access.rates.describe(owner, &places, response.headers_mut());
+    response
 }
 
 /// Returns whether a token is needed: one exists, or has ever existed.

@@ -1,24 +1,26 @@
 //! Several jobs in one request.
 
-use axum::Json;
 use axum::extract::State;
 use axum::http::header::RETRY_AFTER;
 use axum::http::{HeaderMap, HeaderValue};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use futures_util::future::join_all;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
+use super::auth::Credential;
 use super::credentials::Owner;
 use super::error::{ApiError, Problem};
 use super::job_response::JobAnswer;
 use super::openapi::{self, Anywhere, BadBody, NotAccepted};
+use super::rate_limit::{JOBS, LeftPlaces, POINTS};
 use super::request::{JsonBody, NoQuery, Query, negotiated};
 use super::submission_headers::{IDEMPOTENT_REPLAYED, idempotency_key};
 use crate::contract::job::input::JobInput;
 use crate::contract::{self, Job, Refusal};
-use crate::jobs::{IdempotencyKey, JobError, Submitted};
+use crate::jobs::{IdempotencyKey, JobError, Left, Submitted};
 
 const JSON: &[&str] = &["application/json"];
 
@@ -89,11 +91,12 @@ struct BatchHeaders {
         {"kind": "simulation", "scene": {"bearing": "6205", "operation": {"speed_rpm": 3000, "radial_load_y_n": 500}}}
     ]})),
     responses((status = 200, description = "An answer for each job, in their order", body = BatchAnswer,
-        headers(("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the jobs"))), BadBody, NotAccepted, Anywhere)
+        headers(("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the jobs"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))), BadBody, NotAccepted, Anywhere)
 )]
 pub async fn submit(
     State(app): State<App>,
-    Owner(owner): Owner,
+    owner: Owner,
+    credential: Credential,
     headers: HeaderMap,
     _: Query<NoQuery>,
     JsonBody(body): JsonBody,
@@ -104,6 +107,10 @@ pub async fn submit(
     // A scene takes some milliseconds to check, and there may be a thousand.
     let parsed = tokio::task::spawn_blocking(move || contract::parse_batch(&body));
     let jobs = parsed.await.map_err(|_| ApiError::Internal)??;
+    if credential.has_token() {
+        app.access.rates.charge(&owner, jobs.iter().flatten().map(Job::cost).sum());
+    }
+    let owner = owner.0;
     // The first valid job is submitted alone: if the key was used with another body, no job is created.
     let lead = jobs.iter().position(Result::is_ok);
     let key_of = |place: usize| {
@@ -126,30 +133,42 @@ pub async fn submit(
     let answers: Vec<_> = answers.collect();
     let headers = replayed.then_some((IDEMPOTENT_REPLAYED, HeaderValue::from_static("true")));
     let headers: HeaderMap = headers.into_iter().collect();
-    Ok((headers, Json(BatchAnswer { answers: join_all(answers).await })).into_response())
+    let (answers, left): (Vec<ItemAnswer>, Vec<_>) = join_all(answers).await.into_iter().unzip();
+    // The least of each kind: the jobs may have been written in any order.
+    let least = |kind| {
+        let of_kind = left.iter().flatten().filter(move |(name, _)| *name == kind);
+        of_kind.min_by_key(|(_, left)| left.left).copied()
+    };
+    let left = Extension(LeftPlaces([JOBS, POINTS].into_iter().filter_map(least).collect()));
+    Ok((left, headers, Json(BatchAnswer { answers })).into_response())
 }
 
-/// The answer to one job; `made`: the job has already been submitted.
+/// The answer to one job, and what it left of its limit. `made`: the job has already been submitted.
 async fn answer(
     app: &App,
     owner: &str,
     job: Result<Job, Refusal>,
     made: Option<Result<Submitted, JobError>>,
     key: Option<IdempotencyKey>,
-) -> ItemAnswer {
+) -> (ItemAnswer, Option<(&'static str, Left)>) {
+    let kind = job.as_ref().map_or(JOBS, |job| if job.is_study() { POINTS } else { JOBS });
     let submitted = async {
         let submitted = match made {
             Some(made) => made?,
             None => app.jobs.submit(&job?, owner, key).await?,
         };
-        JobAnswer::of(submitted.record)
+        Ok::<_, ApiError>((JobAnswer::of(submitted.record)?, submitted.left))
     };
     match submitted.await {
-        Ok(job) => ItemAnswer { status: 202, job: Some(job), problem: None, retry_after_s: None },
+        Ok((job, left)) => {
+            (ItemAnswer { status: 202, job: Some(job), problem: None, retry_after_s: None }, Some((kind, left)))
+        }
         Err(error) => {
             let (status, problem) = error.problem();
             let retry_after = error.headers().get(RETRY_AFTER).and_then(|seconds| seconds.to_str().ok()?.parse().ok());
-            ItemAnswer { status: status.as_u16(), job: None, problem: Some(problem), retry_after_s: retry_after }
+            let answer =
+                ItemAnswer { status: status.as_u16(), job: None, problem: Some(problem), retry_after_s: retry_after };
+            (answer, None)
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Limits of simultaneous requests, streams and bodies. A request beyond a limit is refused at once with `Retry-After`: if it waited, it
 //! would be answered too late, and would occupy resources meanwhile.
 
+use std::collections::HashMap;
 use std::convert::Infallible;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -15,6 +16,7 @@ use axum::response::Response;
 use hyper::body::{Frame, SizeHint};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
+use super::credentials::Owner;
 use super::error::ApiError;
 use super::public_paths::is_public;
 use crate::jobs::JobError;
@@ -42,6 +44,9 @@ const BODY_UNIT: usize = 1024;
 pub struct Concurrency {
     requests: Arc<Semaphore>,
     followers: Arc<Semaphore>,
+    followers_of_owners: Arc<Mutex<HashMap<Owner, usize>>>,
+    /// Largest number of followers of one owner.
+    followers_per_owner: usize,
     series: Arc<Semaphore>,
     bodies: Arc<Semaphore>,
 }
@@ -52,6 +57,8 @@ impl Default for Concurrency {
         Self {
             requests: permits(MAX_REQUESTS),
             followers: permits(MAX_FOLLOWERS),
+            followers_of_owners: Arc::default(),
+            followers_per_owner: MAX_FOLLOWERS / 2,
             series: permits(MAX_SERIES),
             bodies: permits(MAX_BODY_BYTES / BODY_UNIT),
         }
@@ -59,9 +66,26 @@ impl Default for Concurrency {
 }
 
 impl Concurrency {
-    /// A permit for an event stream or a request that waits for a job.
-    pub fn follow(&self) -> Option<OwnedSemaphorePermit> {
-        Arc::clone(&self.followers).try_acquire_owned().ok()
+    /// Limits with another number of followers of one owner; `None`: half of them.
+    pub fn new(followers_per_owner: Option<usize>) -> Self {
+        let limits = Self::default();
+        let followers_per_owner = followers_per_owner.unwrap_or(limits.followers_per_owner);
+        Self { followers_per_owner, ..limits }
+    }
+
+    /// A permit for an event stream or a request that waits for a job. `owner`: of a token, whose share is limited.
+    pub fn follow(&self, owner: Option<&Owner>) -> Option<FollowerPermit> {
+        let permit = Arc::clone(&self.followers).try_acquire_owned().ok()?;
+        if let Some(owner) = owner {
+            let mut of_owners = locked(&self.followers_of_owners);
+            let of_owner = of_owners.entry(owner.clone()).or_default();
+            if *of_owner >= self.followers_per_owner {
+                return None;
+            }
+            *of_owner += 1;
+        }
+        let share = owner.map(|owner| (Arc::clone(&self.followers_of_owners), owner.clone()));
+        Some(FollowerPermit { _permit: permit, share })
     }
 
     /// A permit for a time series, held until the series is sent.
@@ -74,6 +98,32 @@ impl Concurrency {
         let units = u32::try_from(bytes.div_ceil(BODY_UNIT)).unwrap_or(u32::MAX);
         Arc::clone(&self.bodies).try_acquire_many_owned(units).map_err(|_| ApiError::Overloaded)
     }
+}
+
+/// The permit of an event stream or of a request that waits for a job.
+#[derive(Debug)]
+pub struct FollowerPermit {
+    _permit: OwnedSemaphorePermit,
+    /// The numbers by owner, and the owner in them.
+    share: Option<(Arc<Mutex<HashMap<Owner, usize>>>, Owner)>,
+}
+
+impl Drop for FollowerPermit {
+    fn drop(&mut self) {
+        let Some((of_owners, owner)) = &self.share else { return };
+        let mut of_owners = locked(of_owners);
+        if let Some(count) = of_owners.get_mut(owner) {
+            *count -= 1;
+            if *count == 0 {
+                of_owners.remove(owner);
+            }
+        }
+    }
+}
+
+/// Ignores poisoning: what is locked is consistent after every statement.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A response that holds a permit until it is sent.
@@ -141,7 +191,7 @@ impl RequestPermit {
     }
 
     fn held(&self) -> MutexGuard<'_, Option<HeldPermit>> {
-        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.held)
     }
 
     /// Ends when the permit has been held for too long.
@@ -207,8 +257,16 @@ mod tests {
         permits[0].release();
         assert!(late.acquire().is_ok());
 
-        let followers: Vec<_> = std::iter::repeat_with(|| concurrency.follow()).take_while(Option::is_some).collect();
-        assert_eq!(followers.len(), MAX_FOLLOWERS);
+        let follow = |owner: Option<&Owner>| -> Vec<FollowerPermit> {
+            std::iter::from_fn(|| concurrency.follow(owner)).collect()
+        };
+        let owner = Owner("one".into());
+        let of_owner = follow(Some(&owner));
+        assert_eq!(of_owner.len(), MAX_FOLLOWERS / 2);
+        let others = follow(None);
+        assert_eq!(others.len(), MAX_FOLLOWERS / 2);
+        drop(of_owner);
+        assert_eq!(follow(Some(&owner)).len(), MAX_FOLLOWERS / 2);
 
         let body = concurrency.body_bytes(MAX_BODY_BYTES - 1).ok();
         assert!(body.is_some() && matches!(concurrency.body_bytes(1), Err(ApiError::Overloaded)));

@@ -8,6 +8,7 @@ use axum::http::header::{
 use axum::http::{Method, Uri};
 use tower_http::cors::CorsLayer;
 
+use super::rate_limit::{RATE_LIMIT, RATE_LIMIT_POLICY};
 use super::request_id::X_REQUEST_ID;
 
 /// Time for which a browser may cache the answer to a preflight request.
@@ -49,6 +50,8 @@ pub fn layer(origins: &[HeaderValue]) -> CorsLayer {
             X_REQUEST_ID,
             name("idempotent-replayed"),
             name("preference-applied"),
+            RATE_LIMIT,
+            RATE_LIMIT_POLICY,
         ])
         .max_age(PREFLIGHT_MAX_AGE)
 }

@@ -3,13 +3,17 @@
 use axum::http::header::{ACCEPT, CONTENT_TYPE, RETRY_AFTER, WWW_AUTHENTICATE};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
+use jiff::Timestamp;
 use serde::Serialize;
 use utoipa::ToSchema;
+use uuid::Uuid;
 
 use super::limits::BODY_LIMIT;
+use super::status_name::StatusName;
+use crate::contract::job::kind::JobKindName;
 use crate::contract::json::problem::{MAX_ERRORS, listed};
 use crate::contract::{FieldError, Refusal};
-use crate::jobs::{Failure, JobError, Status};
+use crate::jobs::{ExpiredJob, Failure, JobError, Status};
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
@@ -29,10 +33,32 @@ pub struct Problem {
     pub status: Option<u16>,
     /// Description of this occurrence.
     pub detail: String,
+    /// Last state of an expired job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub job: Option<LastState>,
     /// The invalid fields of the body.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(nullable = false)]
     pub errors: Vec<FieldError>,
+}
+
+/// Last state of an expired job.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct LastState {
+    /// Id of the job.
+    id: Uuid,
+    /// Kind of the job.
+    #[schema(value_type = JobKindName)]
+    kind: String,
+    /// Status with which the job ended.
+    status: StatusName,
+    /// Time of the end (RFC 3339, UTC).
+    #[schema(value_type = String, format = DateTime)]
+    finished_at: Timestamp,
+    /// Time at which the job and its result were removed.
+    #[schema(value_type = String, format = DateTime)]
+    expired_at: Timestamp,
 }
 
 impl Problem {
@@ -42,6 +68,7 @@ impl Problem {
             title: title.to_owned(),
             status: None,
             detail: detail.into(),
+            job: None,
             errors: Vec::new(),
         }
     }
@@ -70,10 +97,11 @@ pub enum ApiError {
     /// A wrong header or query.
     BadRequest(String),
     Unauthorized,
-    /// More requests per second than the owner may send.
+    /// More requests, or jobs and points, per second than the owner may send.
     TooOften {
         limit: u32,
         wait_s: u64,
+        of_submissions: bool,
     },
     UnknownPath,
     UnknownJob,
@@ -163,6 +191,13 @@ impl ApiError {
                 let detail = "send a token of the service as Authorization: Bearer".into();
                 of(S::UNAUTHORIZED, "unauthorized", "A token is needed", detail)
             }
+            Self::TooOften { limit, wait_s, of_submissions: true } => {
+                let detail = format!(
+                    "tokens of one owner may submit {limit} jobs and points of studies per second; the rest of the last \
+                     submissions takes {wait_s} s"
+                );
+                of(S::TOO_MANY_REQUESTS, "too-often", "Too many submissions", detail)
+            }
             Self::TooOften { limit, .. } => {
                 let detail = format!("tokens of one owner may send {limit} requests per second; try again later");
                 of(S::TOO_MANY_REQUESTS, "too-often", "Too many requests", detail)
@@ -248,7 +283,7 @@ impl ApiError {
             Self::Unauthorized => drop(set(WWW_AUTHENTICATE, "Bearer")),
             Self::TooOften { wait_s, .. } => drop(headers.insert(RETRY_AFTER, (*wait_s).into())),
             Self::UnsupportedMediaType(_) => drop(set(ACCEPT, "application/json")),
-            Self::Job(JobError::QueueFull { .. } | JobError::OwnersQueueFull { .. }) => {
+            Self::Job(JobError::QueueFull { .. } | JobError::PointsFull { .. }) => {
                 drop(set(RETRY_AFTER, QUEUE_RETRY_S))
             }
             Self::Overloaded => drop(set(RETRY_AFTER, OVERLOAD_RETRY_S)),
@@ -317,13 +352,16 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
             let detail = if status.is_final() { detail } else { "the job has not ended; cancel it first".into() };
             of(S::CONFLICT, "conflict", "The job's status does not allow it", detail)
         }
-        JobError::QueueFull { limit } => {
-            let detail = format!("{limit} jobs are queued; try again later");
+        JobError::QueueFull { limit, of_owner } => {
+            let detail = format!("{limit} jobs{} are queued or running; try again later", whose(*of_owner));
             of(S::TOO_MANY_REQUESTS, "queue-full", "The queue is full", detail)
         }
-        JobError::OwnersQueueFull { limit } => {
-            let detail = format!("{limit} jobs of this token's owner are queued; try again later");
-            of(S::TOO_MANY_REQUESTS, "queue-full", "The queue is full", detail)
+        JobError::PointsFull { points, unfinished, limit, of_owner } => {
+            let detail = format!(
+                "studies{} may have {limit} unfinished points; {unfinished} are unfinished, and this study has {points}",
+                whose(*of_owner)
+            );
+            of(S::TOO_MANY_REQUESTS, "queue-full", "Too many points are unfinished", detail)
         }
         JobError::Stopping => {
             let detail = "accepted jobs are not lost; try again".into();
@@ -332,6 +370,22 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
         JobError::DiskFull => {
             let detail = "nothing was written; free disk space and try again".into();
             of(S::INSUFFICIENT_STORAGE, "disk-full", "No space is left for the database", detail)
+        }
+        JobError::Expired(job) => {
+            let ExpiredJob { id, kind, status, finished_at, expired_at } = job.as_ref().clone();
+            let detail = format!(
+                "the job had {} at {finished_at:.0}; it expired at {expired_at:.0} with its result",
+                ended(status)
+            );
+            let title = "The job has expired";
+            let last = LastState { id, kind, status: status.into(), finished_at, expired_at };
+            (S::GONE, Problem { job: Some(last), ..Problem::new("job-expired", title, detail) })
+        }
+        JobError::ResultCorrupt { part } => {
+            let detail = format!(
+                "the stored {part} of this job are not what was written; submit the job again: a corrupt result is not reused"
+            );
+            of(S::INTERNAL_SERVER_ERROR, "result-corrupt", "The stored result is corrupt", detail)
         }
         JobError::Displaced => {
             of(S::SERVICE_UNAVAILABLE, "database-away", "The database is not available", error.to_string())
@@ -342,6 +396,10 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
         }
         _ => internal(),
     }
+}
+
+fn whose(of_owner: bool) -> &'static str {
+    if of_owner { " of this token's owner" } else { "" }
 }
 
 fn ended(status: Status) -> &'static str {

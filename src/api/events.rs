@@ -12,13 +12,12 @@ use futures_util::stream;
 use raceway_core::simulation::input::control::Phase;
 use raceway_core::simulation::result::metrics::level_db;
 use serde_json::{Map, Value, json};
-use tokio::sync::OwnedSemaphorePermit;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::app::App;
 use super::auth::Credential;
-use super::concurrency::RequestPermit;
+use super::concurrency::{FollowerPermit, RequestPermit};
 use super::credentials::Owner;
 use super::error::ApiError;
 use super::job_response::JobAnswer;
@@ -29,6 +28,8 @@ use crate::jobs::{JobError, JobRecord, Status, View};
 
 const STREAM: &[&str] = &["text/event-stream"];
 const LAST_EVENT_ID: HeaderName = HeaderName::from_static("last-event-id");
+/// Header that makes nginx and compatible proxies pass on each event at once.
+const X_ACCEL_BUFFERING: HeaderName = HeaderName::from_static("x-accel-buffering");
 /// Time between two reads of the run of this process.
 const RUN_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Time between two reads of the record of a job that waits, runs in another process, or is a study.
@@ -44,7 +45,8 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// `level_db`: the acceleration levels up to now by channel [dB], over all frequencies. The phases are `queued`, `starting`, `checking`
 /// (a reduced model), `settling`, `recording`, `judging` (the accuracy), `computing` (the points of a study) and `running` (in another
 /// process). The last event is `succeeded`, `failed` or `cancelled`; a job that has ended gets it at once. With `Last-Event-ID` that
-/// event is not repeated. At most 256 streams are open at a time; further requests get 503 and should poll the job. The stream also
+/// event is not repeated. At most 256 streams and waiting requests are open at a time, and half of
+/// them of one owner of tokens; further requests get 503 and should poll the job. The stream also
 /// ends when the service stops, and when the token is revoked or expires.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/events", tag = openapi::JOBS, operation_id = "followJob",
@@ -54,6 +56,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
     ),
     responses(
         (status = 200, description = "Events", body = JobEvent, content_type = "text/event-stream",
+            headers(("X-Accel-Buffering" = String, description = "`no`: a proxy passes on each event at once")),
             example = json!({"event": "progress", "id": "recording-430", "data": "{\"id\":\"0199…\",\"status\":\"running\",\"progress\":0.43,\"phase\":\"recording\"}"})),
         (status = 204, description = "The last event of an ended job was received: no more events follow"),
         BadQuery, NoJob, NotAccepted, Anywhere
@@ -61,7 +64,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 )]
 pub async fn events(
     State(app): State<App>,
-    Owner(owner): Owner,
+    owner: Owner,
     credential: Credential,
     headers: HeaderMap,
     JobId(id): JobId,
@@ -70,16 +73,20 @@ pub async fn events(
 ) -> Result<Response, ApiError> {
     negotiated(&headers, STREAM)?;
     // A missing job is reported before the stream begins.
-    let record = app.jobs.get(&owner, id).await?;
+    let record = app.jobs.get(&owner.0, id).await?;
     let seen = header(&headers, &LAST_EVENT_ID).map(str::to_owned);
     if record.status.is_final() && seen == Some(id_of(&record, None)) {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
-    let follower = permit.concurrency().follow().ok_or(ApiError::Overloaded)?;
+    let follower_permit =
+        permit.concurrency().follow(credential.has_token().then_some(&owner)).ok_or(ApiError::Overloaded)?;
+    let owner = owner.0;
     let read_at = Instant::now();
-    let follower = Follower { app, owner, credential, id, record, read_at, seen, first: true, _permit: follower };
+    let follower =
+        Follower { app, owner, credential, id, record, read_at, seen, first: true, _permit: follower_permit };
     let stream = stream::unfold(follower, |mut follower| async move { Some((follower.next().await?, follower)) });
-    Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)).into_response())
+    let events = Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE));
+    Ok(([(X_ACCEL_BUFFERING, "no")], events).into_response())
 }
 
 /// An event of the stream.
@@ -108,7 +115,7 @@ struct Follower {
     /// Id of the last event.
     seen: Option<String>,
     first: bool,
-    _permit: OwnedSemaphorePermit,
+    _permit: FollowerPermit,
 }
 
 impl Follower {
@@ -153,7 +160,7 @@ impl Follower {
     async fn read(&mut self) -> bool {
         match self.app.jobs.get(&self.owner, self.id).await {
             Ok(record) => (self.record, self.read_at) = (record, Instant::now()),
-            Err(JobError::NotFound) => return false,
+            Err(JobError::NotFound | JobError::Expired(_)) => return false,
             Err(error) => tracing::warn!(%error, "the job of an event stream could not be read"),
         }
         true

@@ -25,6 +25,37 @@ pub struct Health {
     version: &'static str,
 }
 
+/// Readiness of the service.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Readiness {
+    /// Always `ok`; any other state is answered with a problem.
+    #[schema(example = "ok")]
+    status: &'static str,
+    /// Version of the service.
+    #[schema(example = "0.1.0")]
+    version: &'static str,
+    /// State of the stored results.
+    stored_results: StoredResults,
+}
+
+/// State of the stored results.
+#[derive(Debug, Serialize, ToSchema)]
+struct StoredResults {
+    /// `corrupt` if a stored result is known to differ from what was written; the service stays ready for all others.
+    #[schema(inline)]
+    state: StoredState,
+    /// Number of jobs with such a result. `raceway check` lists them; deleting them clears the state.
+    #[schema(minimum = 0, example = 0)]
+    corrupt: i64,
+}
+
+#[derive(Debug, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+enum StoredState {
+    Ok,
+    Corrupt,
+}
+
 const OK: Health = Health { status: "ok", version: env!("CARGO_PKG_VERSION") };
 
 /// Liveness probe
@@ -40,17 +71,20 @@ pub async fn live() -> Json<Health> {
 
 /// Readiness probe
 ///
-/// Succeeds if the service accepts jobs. It fails while the service stops, the database is not available, or the disk is full.
+/// Succeeds if the service accepts jobs. It fails while the service stops, the database is not available, or the disk is full. It does
+/// not fail because of corrupt stored results, which it counts.
 #[utoipa::path(
     get, path = "/health/ready", tag = openapi::HEALTH, operation_id = "isReady", security(()),
     responses(
-        (status = 200, description = "The service accepts jobs", body = Health),
+        (status = 200, description = "The service accepts jobs", body = Readiness),
         TakesNoJobs, OnlyLocal
     )
 )]
-pub async fn ready(State(app): State<App>) -> Result<Json<Health>, ApiError> {
-    app.jobs.ready().await.map_err(ApiError::NotReady)?;
-    Ok(Json(OK))
+pub async fn ready(State(app): State<App>) -> Result<Json<Readiness>, ApiError> {
+    let corrupt = app.jobs.ready().await.map_err(ApiError::NotReady)?;
+    let state = if corrupt == 0 { StoredState::Ok } else { StoredState::Corrupt };
+    let Health { status, version } = OK;
+    Ok(Json(Readiness { status, version, stored_results: StoredResults { state, corrupt } }))
 }
 
 /// Service metrics

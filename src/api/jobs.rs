@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::header::{LINK, LOCATION, RETRY_AFTER};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
@@ -18,7 +18,10 @@ use super::credentials::Owner;
 use super::error::ApiError;
 use super::job_response::{JobAnswer, JobList, path_of};
 use super::list_query::ListQuery;
-use super::openapi::{Anywhere, BadBody, BadQuery, HasEnded, HasNotEnded, NoJob, NoSpace, NotAccepted, QueueFull};
+use super::openapi::{
+    Anywhere, BadBody, BadQuery, HasEnded, HasNotEnded, KeyExpired, NoJob, NoSpace, NotAccepted, QueueFull,
+};
+use super::rate_limit::{JOBS, LeftPlaces, POINTS};
 use super::request::{JobId, JsonBody, NoQuery, Query, negotiated};
 use super::submission_headers::{
     IDEMPOTENT_REPLAYED, PREFERENCE_APPLIED, SubmissionHeaders, idempotency_key, preferred_wait,
@@ -34,7 +37,8 @@ const JSON: &[&str] = &["application/json"];
 ///
 /// Checks the job and puts it into the queue. After the answer the job survives a crash of the service and a power cut. With
 /// `Prefer: wait=N` the answer waits up to N seconds for the end of the job. A busy service may answer at once, without
-/// `Preference-Applied`.
+/// `Preference-Applied`. Answers to requests with a token tell in `RateLimit` what is left of the rates of its owner; those to
+/// submissions also how many jobs, or points of studies, it may add to its unfinished ones.
 #[utoipa::path(
     post, path = "/v1/jobs", tag = openapi::JOBS, operation_id = "submitJob",
     params(SubmissionHeaders),
@@ -47,15 +51,15 @@ const JSON: &[&str] = &["application/json"];
     )),
     responses(
         (status = 202, description = "The job is in the queue, or an existing result of identical work answered it (`reused`)", body = JobAnswer,
-            headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which to ask again; absent when the job has ended"), ("Preference-Applied" = String, description = "The granted wait, if one was requested"), ("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the job"))),
+            headers(("Location" = String, description = "Path of the job"), ("Retry-After" = u32, description = "Seconds after which to ask again; absent when the job has ended"), ("Preference-Applied" = String, description = "The granted wait, if one was requested"), ("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the job"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))),
         (status = 200, description = "The job has ended within the time of `Prefer: wait`; with its metrics", body = JobAnswer,
-            headers(("Location" = String, description = "Path of the job"), ("Preference-Applied" = String, description = "The granted wait"))),
-        BadBody, NotAccepted, NoSpace, Anywhere, QueueFull
+            headers(("Location" = String, description = "Path of the job"), ("Preference-Applied" = String, description = "The granted wait"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))),
+        BadBody, KeyExpired, NotAccepted, NoSpace, Anywhere, QueueFull
     )
 )]
 pub async fn submit(
     State(app): State<App>,
-    Owner(owner): Owner,
+    owner: Owner,
     credential: Credential,
     headers: HeaderMap,
     permit: RequestPermit,
@@ -67,27 +71,34 @@ pub async fn submit(
     let key = idempotency_key(&headers)?;
     let job = parsed(&body).await?;
     let key = key.map(|key| IdempotencyKey::new(key, &job));
-    let Submitted { record, replayed } = app.jobs.submit(&job, &owner, key).await?;
+    if credential.has_token() {
+        app.access.rates.charge(&owner, job.cost());
+    }
+    let Submitted { record, replayed, left } = app.jobs.submit(&job, &owner.0, key).await?;
+    let left = Extension(LeftPlaces(vec![(if job.is_study() { POINTS } else { JOBS }, left)]));
     tracing::debug!(job = %record.id, replayed, "accepted");
     let replayed = replayed.then_some((IDEMPOTENT_REPLAYED, HeaderValue::from_static("true")));
     let headers: HeaderMap = replayed.into_iter().chain([(LOCATION, text(path_of(record.id)))]).collect();
     drop((job, body));
     // A waiting request occupies a connection. Without a free permit the preference is not applied.
-    let Some((wait, _follower)) = wait.and_then(|wait| Some((wait, permit.concurrency().follow()?))) else {
-        return Ok((StatusCode::ACCEPTED, headers, retry_after(&record), Json(JobAnswer::of(record)?)).into_response());
+    let Some((wait, _follower)) =
+        wait.and_then(|wait| Some((wait, permit.concurrency().follow(credential.has_token().then_some(&owner))?)))
+    else {
+        return Ok(
+            (StatusCode::ACCEPTED, left, headers, retry_after(&record), Json(JobAnswer::of(record)?)).into_response()
+        );
     };
     permit.release();
     let applied = [(PREFERENCE_APPLIED, text(format!("wait={wait}")))];
-    let (record, metrics) = match app.jobs.wait(&owner, record.id, Duration::from_secs(wait)).await {
+    let (record, metrics) = match app.jobs.wait(&owner.0, record.id, Duration::from_secs(wait)).await {
         // The job of a repeated key may have been deleted: it is not created again.
         Err(JobError::NotFound) => {
-            return Ok((StatusCode::ACCEPTED, headers, Json(JobAnswer::of(record)?)).into_response());
+            return Ok((StatusCode::ACCEPTED, left, headers, Json(JobAnswer::of(record)?)).into_response());
         }
         // The job exists, and its address must reach the client even if the database is unreachable.
         Err(error) if error.is_away() => {
-            return Ok(
-                (StatusCode::ACCEPTED, headers, retry_after(&record), Json(JobAnswer::of(record)?)).into_response()
-            );
+            return Ok((StatusCode::ACCEPTED, left, headers, retry_after(&record), Json(JobAnswer::of(record)?))
+                .into_response());
         }
         current => current?,
     };
@@ -98,7 +109,7 @@ pub async fn submit(
     let status = if record.status.is_final() { StatusCode::OK } else { StatusCode::ACCEPTED };
     let retry_after = retry_after(&record);
     let answer = JobAnswer::of(record)?.with_metrics(metrics)?;
-    Ok((status, headers, applied, retry_after, Json(answer)).into_response())
+    Ok((status, left, headers, applied, retry_after, Json(answer)).into_response())
 }
 
 /// Length from which a body is parsed on a thread that delays no other request [B].
@@ -115,7 +126,8 @@ async fn parsed(body: &Bytes) -> Result<Job, ApiError> {
 
 /// List jobs
 ///
-/// Newest first. `next` is the path of the next page; the header `Link` repeats it.
+/// Newest first. `next` is the path of the next page; the header `Link` repeats it. A page looks at 2000 jobs at most: with several
+/// filters it may have fewer jobs than `limit`, or none, and a next page.
 #[utoipa::path(
     get, path = "/v1/jobs", tag = openapi::JOBS, operation_id = "listJobs", params(ListQuery),
     responses(
@@ -131,8 +143,8 @@ pub async fn list(
     Query(query): Query<ListQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, JSON)?;
-    let (records, more) = app.jobs.list(&owner, &query.filter()?).await?;
-    let next = records.last().filter(|_| more).map(|last| query.page_after(last.id));
+    let (records, next) = app.jobs.list(&owner, &query.filter()?).await?;
+    let next = next.map(|last| query.page_after(last));
     let link = next.iter().map(|next| (LINK, text(format!("<{next}>; rel=\"next\"")))).collect::<HeaderMap>();
     let jobs = records.into_iter().map(JobAnswer::of).collect::<Result<_, _>>()?;
     Ok((link, Json(JobList { jobs, next })).into_response())

@@ -7,7 +7,7 @@ use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
 use super::error::ApiError;
-use super::job_response::StatusName;
+use super::status_name::StatusName;
 use crate::contract::JobKind;
 use crate::contract::job::kind::JobKindName;
 use crate::jobs::{Filter, Status};

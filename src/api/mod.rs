@@ -20,12 +20,16 @@ mod limits;
 mod list_query;
 /// The OpenAPI document beside the operations.
 mod openapi;
+/// Places of connections.
+mod places;
 /// Paths that need no token.
 mod public_paths;
 /// Requests per second of each owner.
 pub mod rate_limit;
 /// Parts of a request.
 mod request;
+/// The status of a job by its name.
+mod status_name;
 /// Stored answers, read and formatted.
 mod stored_answer;
 /// Headers of a submission.

@@ -18,7 +18,7 @@ use super::limits::BODY_LIMIT;
 use super::submission_headers::wrong_wait;
 use crate::contract::job::schema;
 use crate::contract::{FieldError, Refusal};
-use crate::jobs::{JobError, Status};
+use crate::jobs::{ExpiredJob, JobError, Status};
 
 pub const JOBS: &str = "jobs";
 pub const RESULTS: &str = "results";
@@ -101,8 +101,8 @@ problems! {
     Anywhere {
         "401" Unauthorized: "The token is missing or unknown" => [Unauthorized],
         "421" ForeignHost: "Without tokens: the `Host` is neither an IP address nor localhost" => [ForeignHost("raceway.example".into())],
-        "429" TooOften: "The owner of the token has sent too many requests; try again after `Retry-After`" => [TooOften { limit: 1000, wait_s: 1 }],
-        "500" InternalError: "An internal error; its cause is in the log of the service" => [Internal],
+        "429" TooOften: "The owner of the token has sent too many requests; try again after `Retry-After`" => [TooOften { limit: 1000, wait_s: 1, of_submissions: false }],
+        "500" InternalError: "An internal error; its cause is in the log of the service. `result-corrupt`: a stored result is not what was written" => [Internal, Job(JobError::ResultCorrupt { part: "metrics".into() })],
         "503" Unavailable: "The service is stopping or busy, or its database is not available" => [Job(JobError::Stopping), Overloaded, Job(JobError::Database(sqlx::Error::PoolTimedOut))],
     }
     /// Errors of operations that need no token.
@@ -119,19 +119,25 @@ problems! {
         "422" InvalidRequest: "The body is JSON but not a valid request; `errors` lists the invalid fields" => [Refused(wrong_diameter())],
     }
     BadQuery { "400" BadQuery: "The query is not valid" => [BadRequest("query: limit 0: must be 1 to 200".into())] }
-    NoJob { "404" UnknownJob: "There is no such job, or it belongs to another owner" => [UnknownJob] }
+    NoJob {
+        "404" UnknownJob: "There is no such job, or it belongs to another owner" => [UnknownJob],
+        "410" JobExpired: "The job has expired; `job` has its last state" => [expired()],
+    }
     NoChannel {
         "404" UnknownChannel: "There is no such job, or the channel is not kept; `detail` lists the kept channels" => [
             UnknownJob,
             UnknownChannel { channel: "cage.speed".into(), kept: vec!["spindle.y.acceleration".into()] },
         ],
+        "410" JobExpired: "The job has expired; `job` has its last state" => [expired()],
     }
     NoPlot {
         "404" UnknownPlot: "There is no such job, or it has no such plot; `detail` lists its plots" => [
             UnknownJob,
             UnknownPlot { known: &["spectrum.svg", "velocity.svg", "acceleration.svg"] },
         ],
+        "410" JobExpired: "The job has expired; `job` has its last state" => [expired()],
     }
+    KeyExpired { "410" JobExpired: "The job has expired; `job` has its last state" => [expired()] }
     NoResult {
         "409" NoResult: "`result-not-ready`: the job has not ended; try again. `no-result`: the job failed, was cancelled, or is of a kind without such a result" => [
             Job(JobError::NotReady(Status::Running)),
@@ -144,9 +150,22 @@ problems! {
         "409" CannotResume: "The job is not a study, has not ended, or has no points left to run" => [Job(JobError::CannotResume(Status::Running))],
     }
     NotAccepted { "406" NotAcceptable: "The answer is not available in a format of `Accept`" => [NotAcceptable { offered: &["application/json"] }] }
-    QueueFull { "429" QueueFull: "The queue is full, or the owner of the token has sent too many requests; try again after `Retry-After`" => [Job(JobError::QueueFull { limit: 10_000 }), TooOften { limit: 1000, wait_s: 1 }] }
+    QueueFull { "429" QueueFull: "The queue is full, or the owner of the token has sent too many requests, jobs or points; try again after `Retry-After`" => [Job(JobError::QueueFull { limit: 10_000, of_owner: false }), Job(JobError::PointsFull { points: 10_000, unfinished: 45_000, limit: 50_000, of_owner: true }), TooOften { limit: 1000, wait_s: 1, of_submissions: false }] }
     NoSpace { "507" NoSpace: "No space is left for the database; nothing was written" => [Job(JobError::DiskFull)] }
     TakesNoJobs { "503" TakesNoJobs: "The service accepts no jobs now" => [NotReady(JobError::Stopping)] }
+}
+
+fn expired() -> ApiError {
+    let at =
+        jiff::Timestamp::UNIX_EPOCH.saturating_add(jiff::SignedDuration::from_secs(1_767_225_600)).unwrap_or_default();
+    let expired_at = at.saturating_add(jiff::SignedDuration::from_hours(720)).unwrap_or_default();
+    ApiError::Job(JobError::Expired(Box::new(ExpiredJob {
+        id: uuid::uuid!("01919f5c-8c4e-7d3a-9a51-2f6d1b0c4e7f"),
+        kind: "simulation".into(),
+        status: Status::Succeeded,
+        finished_at: at,
+        expired_at,
+    })))
 }
 
 fn wrong_diameter() -> Refusal {

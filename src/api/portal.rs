@@ -4,16 +4,18 @@
 use std::sync::LazyLock;
 
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, ETAG, IF_NONE_MATCH, REFERRER_POLICY};
-use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use sha2::{Digest, Sha256};
 
 use super::error::ApiError;
 
-/// Content-Security-Policy: the page may load its own files and images that it created (`blob:`). Inline code, other origins and
-/// framing are forbidden.
-const POLICY: &str = "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; \
-                      frame-ancestors 'none'";
+/// Content-Security-Policy of the pages: they may load their own files, images that they created (`blob:`) and images in their style
+/// sheets (`data:`). Inline code, other origins and framing are forbidden.
+const POLICY: HeaderValue = HeaderValue::from_static(
+    "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+);
+const NO_REFERRER: HeaderValue = HeaderValue::from_static("no-referrer");
 
 const HTML: &str = "text/html; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";
@@ -82,17 +84,19 @@ pub async fn file(uri: Uri, headers: HeaderMap) -> Result<Response, ApiError> {
 fn answer(name: &str, headers: &HeaderMap) -> Result<Response, ApiError> {
     let place = FILES.iter().position(|file| file.name == name).ok_or(ApiError::UnknownPath)?;
     let (file, tag) = (&FILES[place], TAGS[place].as_str());
-    let fields = [
-        (CONTENT_TYPE, file.media_type),
-        (CONTENT_SECURITY_POLICY, POLICY),
-        (REFERRER_POLICY, "no-referrer"),
-        (CACHE_CONTROL, "no-cache"),
-        (ETAG, tag),
-    ];
+    let fields = [(CONTENT_TYPE, file.media_type), (CACHE_CONTROL, "no-cache"), (ETAG, tag)];
     if is_known(headers, tag) {
         return Ok((StatusCode::NOT_MODIFIED, fields).into_response());
     }
     Ok((fields, file.content).into_response())
+}
+
+/// Layer that adds the policies of the browser to a page and its files.
+pub async fn policies(mut response: Response) -> Response {
+    let headers = response.headers_mut();
+    headers.insert(CONTENT_SECURITY_POLICY, POLICY);
+    headers.insert(REFERRER_POLICY, NO_REFERRER);
+    response
 }
 
 /// Returns whether the client has this content. The comparison is weak (RFC 9110, 13.1.2).

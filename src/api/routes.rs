@@ -85,11 +85,17 @@ pub fn document_text() -> String {
 /// The whole service.
 pub fn router(app: App) -> Router {
     let (documented, _) = routes(&Some(app.clone())).split_for_parts();
-    let all = documented
+    with_layers(documented.merge(pages()), app)
+}
+
+/// The page at `/` and the one of the document at `/docs/`. The base layout has no bar for documents of other origins.
+fn pages() -> Router<App> {
+    let document = SwaggerUi::new("/docs").config(Config::from("/openapi.json").use_base_layout());
+    Router::new()
         .route("/", get(portal::page))
         .route("/portal/{*file}", get(portal::file))
-        .merge(SwaggerUi::new("/docs").config(Config::from("/openapi.json")));
-    with_layers(all, app)
+        .merge(document)
+        .layer(middleware::map_response(portal::policies))
 }
 
 /// Adds the layers that hold for every request: access, concurrency, and the form of errors.

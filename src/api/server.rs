@@ -1,12 +1,15 @@
 //! The accept loop. Unlike `axum::serve` it limits the number of connections, and closes a connection whose client does not complete its
-//! header or does not read its answer in time.
+//! header or does not read its answer in time. When all places are taken, connections without an authorised request are replaced.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
+use axum::http::Request;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
+use hyper::service::Service;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
@@ -15,6 +18,7 @@ use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
 use super::limits::HEADER_LIMIT;
+use super::places::{Arrival, MIN_TIME_TO_REQUEST, Place, Places};
 use super::write_timeout::WriteTimeout;
 
 /// Longest time until the first byte of a new connection.
@@ -29,13 +33,12 @@ const WRITE_TIMEOUT: Duration = Duration::from_secs(30);
 /// Largest number of connections.
 const MAX_CONNECTIONS: usize = 1024;
 
-/// Largest number of connections beyond, the overflow: they get only the probes and are closed soon. Further ones wait to be accepted.
+/// Largest number of connections beyond, the overflow, when no connection may be replaced: they get only the probes and are closed soon.
+/// Further ones wait to be accepted.
 const MAX_OVERFLOW: usize = 64;
 
 /// Longest duration of an overflow connection.
 const OVERFLOW_TIMEOUT: Duration = Duration::from_secs(2);
-/// Longest time until the first byte of an overflow connection: an idle one is closed at once.
-const OVERFLOW_FIRST_BYTE_TIMEOUT: Duration = Duration::from_millis(200);
 
 /// Number of open files in addition to connections: database and runtime.
 const OTHER_FILES: u64 = 128;
@@ -55,15 +58,15 @@ pub async fn serve(listener: TcpListener, router: Router, overflow: Router, stop
     if let Err(error) = socket2::SockRef::from(&listener).set_tcp_notsent_lowat(UNSENT_BYTES) {
         tracing::warn!(%error, "the limit of unsent data could not be set; unread answers take more memory in the kernel");
     }
-    let regular = Arc::new(Semaphore::new(connection_limit()));
+    let places = Places::new(connection_limit());
     let beyond = Arc::new(Semaphore::new(MAX_OVERFLOW));
     let connections = TaskTracker::new();
-    while let Some((stream, permit)) = next(&listener, &regular, &beyond, &stop).await {
-        let (router, stop) = (if permit.is_overflow { &overflow } else { &router }.clone(), stop.clone());
+    while let Some((stream, admission)) = next(&listener, &places, &beyond, &stop).await {
+        let (router, stop) = (if admission.is_overflow() { &overflow } else { &router }.clone(), stop.clone());
         connections.spawn(async move {
             tokio::select! {
-                () = serve_connection(stream, router, &permit, &stop) => {}
-                () = tokio::time::sleep(OVERFLOW_TIMEOUT), if permit.is_overflow => {}
+                () = serve_connection(stream, router, &admission, &stop) => {}
+                () = admission.ended() => {}
             }
         });
     }
@@ -92,30 +95,49 @@ fn connection_limit() -> usize {
     MAX_CONNECTIONS
 }
 
-/// The permit of a connection.
-struct ConnectionPermit {
-    is_overflow: bool,
-    _permit: OwnedSemaphorePermit,
+/// The place of a connection.
+enum Admission {
+    Regular(Place),
+    Overflow(#[allow(dead_code, reason = "held until the connection ends")] OwnedSemaphorePermit),
 }
 
-/// The next connection and its permit; `None` when the service stops.
+impl Admission {
+    fn is_overflow(&self) -> bool {
+        matches!(self, Self::Overflow(_))
+    }
+
+    /// The entry of a regular connection among those without an authorised request.
+    fn arrival(&self) -> Option<Arrival> {
+        match self {
+            Self::Regular(place) => Some(place.arrival.clone()),
+            Self::Overflow(_) => None,
+        }
+    }
+
+    /// Ends when the connection must give up its place.
+    async fn ended(&self) {
+        match self {
+            Self::Regular(place) => place.replaced.cancelled().await,
+            Self::Overflow(_) => tokio::time::sleep(OVERFLOW_TIMEOUT).await,
+        }
+    }
+}
+
+/// The next connection and its place; `None` when the service stops.
 async fn next(
     listener: &TcpListener,
-    regular: &Arc<Semaphore>,
+    places: &Places,
     beyond: &Arc<Semaphore>,
     stop: &CancellationToken,
-) -> Option<(TcpStream, ConnectionPermit)> {
+) -> Option<(TcpStream, Admission)> {
     let accept = async {
         // Taken before a connection is accepted, so that connections beyond all limits wait in the kernel.
         let overflow = Arc::clone(beyond).acquire_owned().await.ok()?;
         loop {
             match listener.accept().await {
-                Ok((stream, _)) => {
-                    let permit = match Arc::clone(regular).try_acquire_owned() {
-                        Ok(permit) => ConnectionPermit { is_overflow: false, _permit: permit },
-                        Err(_) => ConnectionPermit { is_overflow: true, _permit: overflow },
-                    };
-                    return Some((stream, permit));
+                Ok((stream, address)) => {
+                    let place = places.take(address.ip()).await;
+                    return Some((stream, place.map_or(Admission::Overflow(overflow), Admission::Regular)));
                 }
                 // Such as too many open files, a temporary state. Retrying without a pause would occupy a core.
                 Err(error) => {
@@ -131,11 +153,30 @@ async fn next(
     }
 }
 
-async fn serve_connection(stream: TcpStream, router: Router, permit: &ConnectionPermit, stop: &CancellationToken) {
+/// The routes as the service of one connection: each request carries the connection's entry.
+struct Routes {
+    routes: TowerToHyperService<Router>,
+    arrival: Option<Arrival>,
+}
+
+impl Service<Request<Incoming>> for Routes {
+    type Response = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Response;
+    type Error = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Error;
+    type Future = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Future;
+
+    fn call(&self, mut request: Request<Incoming>) -> Self::Future {
+        if let Some(arrival) = &self.arrival {
+            request.extensions_mut().insert(arrival.clone());
+        }
+        self.routes.call(request)
+    }
+}
+
+async fn serve_connection(stream: TcpStream, router: Router, admission: &Admission, stop: &CancellationToken) {
     // Answers are written whole, so waiting for more data would only delay them.
     let _ = stream.set_nodelay(true);
     let mut first = [0];
-    let first_byte_timeout = if permit.is_overflow { OVERFLOW_FIRST_BYTE_TIMEOUT } else { FIRST_BYTE_TIMEOUT };
+    let first_byte_timeout = if admission.is_overflow() { MIN_TIME_TO_REQUEST } else { FIRST_BYTE_TIMEOUT };
     let has_data = tokio::select! {
         peeked = tokio::time::timeout(first_byte_timeout, stream.peek(&mut first)) => matches!(peeked, Ok(Ok(1))),
         () = stop.cancelled() => false,
@@ -143,13 +184,14 @@ async fn serve_connection(stream: TcpStream, router: Router, permit: &Connection
     if !has_data {
         return;
     }
+    let service = Routes { routes: TowerToHyperService::new(router), arrival: admission.arrival() };
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEADER_TIMEOUT)
         // Also the limit of data that is read ahead.
         .max_buf_size(HEADER_LIMIT)
-        .keep_alive(!permit.is_overflow)
-        .serve_connection(TokioIo::new(WriteTimeout::new(stream, WRITE_TIMEOUT)), TowerToHyperService::new(router));
+        .keep_alive(!admission.is_overflow())
+        .serve_connection(TokioIo::new(WriteTimeout::new(stream, WRITE_TIMEOUT)), service);
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,

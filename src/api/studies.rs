@@ -11,7 +11,9 @@ use super::concurrency::{RequestPermit, hold_until_sent};
 use super::credentials::Owner;
 use super::error::ApiError;
 use super::job_response::{JobAnswer, path_of};
-use super::openapi::{self, Anywhere, BadQuery, CannotResume, NoJob, NoResult, NoSpace, NotAccepted, Unchanged};
+use super::openapi::{
+    self, Anywhere, BadQuery, CannotResume, NoJob, NoResult, NoSpace, NotAccepted, QueueFull, Unchanged,
+};
 use super::request::{JobId, NoQuery, Query, negotiated};
 use super::stored_answer::{CSV, JSON, formatted, json_text, read, respond};
 use crate::contract::answer::csv;
@@ -63,7 +65,7 @@ pub async fn table(
     params(("id" = Uuid, Path, description = "The job, of kind `study`")),
     responses(
         (status = 202, description = "The study is queued again", body = JobAnswer, headers(("Location" = String, description = "Path of the job"))),
-        CannotResume, BadQuery, NoJob, NotAccepted, NoSpace, Anywhere
+        CannotResume, BadQuery, NoJob, NotAccepted, NoSpace, Anywhere, QueueFull
     )
 )]
 pub async fn resume(

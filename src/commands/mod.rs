@@ -25,6 +25,7 @@ pub mod text_tables;
 
 mod accuracy;
 mod article;
+mod check;
 mod demo;
 mod health;
 mod optimum;
@@ -61,6 +62,7 @@ pub fn run(cli: Cli) -> Exit {
         }
         Command::Token(command) => on_runtime(token::run(command)),
         Command::Migrate(options) => on_runtime(token::migrate(options)),
+        Command::Check(options) => on_runtime(check::run(options)),
         Command::Worker(options) => on_runtime(worker::run(options)),
         Command::Health(options) => on_runtime(health::run(options)),
     }

@@ -38,7 +38,8 @@ async fn start(options: &ServeOptions) -> Result<(Service, Signals), Box<dyn std
     let settings = options.job_settings()?;
     let access = access(options.listen, &settings.database, options.insecure_no_auth).await?;
     let rates = RateLimits::new(options.rate_limit);
-    let access = Access { rates, origins: options.allowed_origins.clone(), ..access };
+    let followers_per_owner = usize::try_from(options.followers_per_owner).ok();
+    let access = Access { rates, followers_per_owner, origins: options.allowed_origins.clone(), ..access };
     let (database, workers) = (settings.database.kind(), settings.workers);
     let service = Service::start(options.listen, settings, access, simulator()).await?;
     let (address, listen) = (service.url(), service.address());

@@ -4,6 +4,7 @@ use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
 
 use super::error::JobError;
+use super::store::connections::create_private;
 
 /// A lock that is held as long as the server runs. The system releases it when the process ends for any reason.
 ///
@@ -18,7 +19,7 @@ pub struct DatabaseLock {
 impl DatabaseLock {
     /// Locks the database file, and creates it if it is missing.
     pub fn take(database: &Path) -> Result<Self, JobError> {
-        let opened = OpenOptions::new().create(true).truncate(false).write(true).open(database);
+        let opened = create_private(database).and_then(|()| OpenOptions::new().write(true).open(database));
         let file = opened.map_err(|error| JobError::opening(database.display(), error))?;
         match file.try_lock() {
             Ok(()) => Ok(Self { file, path: database.to_owned() }),

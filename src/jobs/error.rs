@@ -1,14 +1,18 @@
 //! Errors of requests about jobs. A failed simulation is not an error here but the end of its job.
 
 use std::fmt::Display;
+use std::io::ErrorKind;
 
-use super::job::Status;
+use super::job::{ExpiredJob, Status};
 
 /// Reason why a request about jobs failed.
 #[derive(Debug, thiserror::Error)]
 pub enum JobError {
     #[error("there is no such job")]
     NotFound,
+    /// The job has expired, and its result is gone.
+    #[error("the job has expired")]
+    Expired(Box<ExpiredJob>),
     /// The job has not ended.
     #[error("the job is {}", .0.name())]
     NotReady(Status),
@@ -33,10 +37,12 @@ pub enum JobError {
     /// The idempotency key was used with another body.
     #[error("the idempotency key belongs to another request")]
     KeyReused,
-    #[error("{limit} jobs are queued")]
-    QueueFull { limit: u64 },
-    #[error("{limit} jobs of the owner are queued")]
-    OwnersQueueFull { limit: u64 },
+    /// `limit` of all owners, or of one.
+    #[error("{limit} jobs are unfinished")]
+    QueueFull { limit: u64, of_owner: bool },
+    /// A study of `points` beside the `unfinished` ones is more than `limit`, of all owners or of one.
+    #[error("{points} points and {unfinished} unfinished ones are more than {limit}")]
+    PointsFull { points: usize, unfinished: u64, limit: u64, of_owner: bool },
     #[error("the service is stopping")]
     Stopping,
     #[error("no space is left for the database")]
@@ -56,6 +62,9 @@ pub enum JobError {
     Queue(#[source] riverqueue::Error),
     #[error("a stored record cannot be read: {0}")]
     Corrupt(String),
+    /// A part of a stored result is not what was written.
+    #[error("the stored {part} of the job are not what was written")]
+    ResultCorrupt { part: String },
     #[error("cannot open the database {path}: {reason}")]
     CannotOpen { path: String, reason: String },
     #[error("{0}")]
@@ -71,6 +80,27 @@ impl JobError {
     /// Returns whether the database exists without our tables, because it was created anew.
     pub fn lacks_tables(&self) -> bool {
         matches!(self, Self::Database(sqlx::Error::Database(error)) if error.code().is_some_and(|code| code == NO_TABLE))
+    }
+
+    /// Returns whether a stored answer is not what was written: its digest differs, it cannot be decoded, or the database finds its
+    /// own file malformed.
+    pub fn is_corruption(&self) -> bool {
+        match self {
+            Self::Corrupt(_) | Self::ResultCorrupt { .. } => true,
+            // From the decompression.
+            Self::Io(error) => {
+                matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::InvalidInput | ErrorKind::UnexpectedEof)
+            }
+            Self::Database(sqlx::Error::ColumnDecode { .. } | sqlx::Error::Decode(_)) => true,
+            Self::Database(sqlx::Error::Database(error)) => {
+                let code = error.code().unwrap_or_default();
+                match error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>() {
+                    Some(_) => POSTGRES_CORRUPT.contains(&&*code),
+                    None => code.parse::<i64>().is_ok_and(|code| SQLITE_CORRUPT.contains(&(code & 0xff))),
+                }
+            }
+            _ => false,
+        }
     }
 
     /// Returns whether the database is unreachable for now, or accepts no writes.
@@ -104,6 +134,10 @@ const SQLITE_FULL: [i64; 7] = [13, 778, 1034, 1290, 1546, 4874, 5386];
 /// SQLite's "database is locked" (by another connection or within this one), "attempt to write a readonly database", "disk I/O error"
 /// and "unable to open database file". Extended codes hold these in the low byte.
 const SQLITE_AWAY: [i64; 5] = [5, 6, 8, 10, 14];
+/// SQLite's "database disk image is malformed" and "file is not a database". Extended codes hold these in the low byte.
+const SQLITE_CORRUPT: [i64; 2] = [11, 26];
+/// PostgreSQL's `data_corrupted` and `index_corrupted`.
+const POSTGRES_CORRUPT: [&str; 2] = ["XX001", "XX002"];
 /// PostgreSQL's `undefined_table`.
 const NO_TABLE: &str = "42P01";
 /// PostgreSQL's `disk_full`.

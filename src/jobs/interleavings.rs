@@ -22,10 +22,12 @@ use super::settings::{Settings, Simulator};
 use super::store::claims::{Claim, Heartbeat};
 use super::store::database::Store;
 use super::store::dialect::Dialect;
+use super::store::digest::Sealed;
 use super::store::location::Location;
 use super::store::results::StoredResult;
 use super::store::statement::statement;
 use super::store::submissions;
+use super::store::turns::{Turn, TurnLimits};
 use super::sweep;
 use super::worker::{RunOutcome, Worker, apply_heartbeat, outcome_of};
 use crate::contract::{self, RunFailure};
@@ -295,7 +297,7 @@ impl Drop for TraceOnPanic {
 }
 
 /// The tables whose rows form a state, parents first.
-const TABLES: [&str; 4] = ["results", "jobs", "river_job", "workers"];
+const TABLES: [&str; 5] = ["results", "jobs", "river_job", "workers", "removed_jobs"];
 
 struct World {
     jobs: Jobs,
@@ -551,19 +553,27 @@ impl World {
             }
             Step::Take(process) => {
                 let Hand::Delivery(delivery) = before.hands[process] else { unreachable!("no delivery in hand") };
-                let brief = self.store.job_brief(self.job, delivery).await?;
-                let claim = self.store.claim(self.job, delivery, MAX_LOST_RUNS).await?;
-                assert_eq!(brief.map(|brief| brief.losses.min(MAX_LOST_RUNS)), claim.as_ref().map(|claim| claim.lost));
-                hands[process] = match claim {
-                    Some(claim) => Hand::Run { delivery, claim, stopped: None },
-                    None => {
+                let limits = |alone| TurnLimits { max_lost_runs: MAX_LOST_RUNS, alone };
+                let mut turn = self.store.take_turn(delivery, limits(false)).await?;
+                let runs_alone = matches!(turn, Turn::Alone);
+                if runs_alone {
+                    turn = self.store.take_turn(delivery, limits(true)).await?;
+                }
+                hands[process] = match turn {
+                    Turn::Job(claim) => {
+                        assert_eq!(runs_alone, claim.lost >= 2);
+                        Hand::Run { delivery, claim, stopped: None }
+                    }
+                    Turn::Void => {
+                        assert!(!runs_alone);
                         self.river_is_done(delivery).await?;
                         Hand::Nothing
                     }
+                    other => panic!("a single job was answered by {other:?}"),
                 };
             }
             Step::Beat(process) => {
-                let answer = self.store.heartbeat(&held(process).1, 0.5).await?;
+                let answer = self.store.heartbeat(&held(process).1, 0.5, 1.0).await?;
                 let cancelled = before.seen.row.as_ref().is_some_and(|row| row.cancel);
                 let expected = Heartbeat::of(before.holds(process).then_some(cancelled));
                 assert_eq!(answer, expected);
@@ -614,7 +624,7 @@ impl World {
                 let here = self.process(before, process);
                 let answer = here.jobs.cancel(OWNER, self.job).await;
                 match (before.seen.row.as_ref().map(|row| row.status), answer) {
-                    (None, Err(JobError::NotFound)) => {}
+                    (None, Err(JobError::NotFound | JobError::Expired(_))) => {}
                     (Some(Status::Queued | Status::Cancelled), Ok(Cancelled::Now(record))) => {
                         assert_eq!(record.status, Status::Cancelled);
                     }
@@ -631,12 +641,14 @@ impl World {
             Step::Sweep(process) => sweep::sweep(&self.process(before, process).jobs.parts).await?,
             Step::LateSweep(process) => {
                 self.an_hour_passes().await?;
-                sweep::sweep(&self.process(before, process).jobs.parts).await?;
+                let here = self.process(before, process).jobs;
+                sweep::sweep(&here.parts).await?;
+                sweep::expire(&here.parts).await?;
             }
             Step::Delete => {
                 let answer = self.jobs.delete(OWNER, self.job).await;
                 match (before.seen.row.as_ref().map(|row| row.status), answer) {
-                    (None, Err(JobError::NotFound)) => {}
+                    (None, Err(JobError::NotFound | JobError::Expired(_))) => {}
                     (Some(status), Ok(())) => assert!(status.is_final()),
                     (Some(status), Err(JobError::Conflict(reported))) => {
                         assert!(!status.is_final() && reported == status)
@@ -651,20 +663,21 @@ impl World {
     /// Completes a run, as a worker does.
     async fn finish(&self, here: &Process, claim: &Claim, solved: Solved, holds: bool) -> Result<(), JobError> {
         let run = here.run.as_ref().expect("a run");
-        let result = || StoredResult::Simulation { metrics: "{}".into(), signals: Vec::new(), views: None };
+        let result =
+            || StoredResult::Simulation { metrics: Sealed::new("{}".into()), signals: Vec::new(), views: None };
         let failure = || RunFailure::Failed {
             cause: contract::answer::failure::DID_NOT_CONVERGE,
             detail: "intended by the test".into(),
         };
         let outcome = match (here.worker.end_without_run(claim), solved) {
-            (Some(end), _) => RunOutcome::Ended(end),
-            (None, Solved::Result) => outcome_of(Ok(Ok(result())), run, Duration::MAX),
-            (None, Solved::Failure) => outcome_of(Ok(Err(failure())), run, Duration::MAX),
-            (None, Solved::Obeyed) => outcome_of(Ok(Err(RunFailure::Cancelled)), run, Duration::MAX),
+            (Some(end), _) => RunOutcome::Ended(end, 0.0),
+            (None, Solved::Result) => outcome_of(Ok(Ok(result())), 0.0, run, Duration::MAX),
+            (None, Solved::Failure) => outcome_of(Ok(Err(failure())), 0.0, run, Duration::MAX),
+            (None, Solved::Obeyed) => outcome_of(Ok(Err(RunFailure::Cancelled)), 0.0, run, Duration::MAX),
         };
         match outcome {
-            RunOutcome::Ended(end) => {
-                let written = self.store.finish(claim, &end, run.progress(), self.settings.keep_s).await?;
+            RunOutcome::Ended(end, used_s) => {
+                let written = self.store.finish(claim, &end, run.progress(), used_s, self.settings.keep_s).await?;
                 assert_eq!(written.is_some(), holds);
                 Ok(())
             }

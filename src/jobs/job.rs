@@ -85,6 +85,16 @@ pub struct JobRecord {
     pub failure: Option<Failure>,
 }
 
+/// What is remembered of an expired job.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExpiredJob {
+    pub id: Uuid,
+    pub kind: String,
+    pub status: Status,
+    pub finished_at: Timestamp,
+    pub expired_at: Timestamp,
+}
+
 /// A checked job that is not stored yet.
 #[derive(Debug, Clone)]
 pub struct NewJob {
@@ -96,6 +106,8 @@ pub struct NewJob {
     pub priority: u8,
     pub keep_for_s: Option<f64>,
     pub reuse: bool,
+    /// The existing result that was compared with its digests for this job.
+    pub compared: Option<Uuid>,
     pub content_hash: Vec<u8>,
     pub created_at: Timestamp,
     /// Number of points of a study; `None` for any other job.
@@ -148,6 +160,7 @@ impl NewJob {
             keep_for_s: submission.keep_for_s,
             // The points of a study are reused one by one.
             reuse: submission.reuse && points.is_none(),
+            compared: None,
             points,
             content_hash: content_hash(job),
             created_at: now(),

@@ -45,12 +45,8 @@ impl Jobs {
         let handler = handler_of(&worker);
         let queue = Queue::new(store.writer(), worker_id, settings.workers, settings.rescue_after(), handler)?;
         let queue = Arc::new(queue);
-        let limits = IntakeLimits {
-            queue: settings.queue_limit,
-            queue_of_owner: settings.queue_limit_of_owner,
-            keep_s: settings.keep_s,
-        };
-        let intake = Intake::start(store.clone(), Arc::clone(&queue), Arc::clone(&worker), limits);
+        let limits = IntakeLimits { work: settings.work_limits, keep_s: settings.keep_s };
+        let intake = Intake::start(store.clone(), Arc::clone(&queue), Arc::clone(&worker), Arc::clone(&tokens), limits);
         let stopping = CancellationToken::new();
         let parts =
             Arc::new(Parts { worker_id, settings, store, queue, running, worker, tokens, intake, stopping, lock });
@@ -96,7 +92,7 @@ fn handler_of(worker: &Arc<Worker>) -> Handler {
     let worker = Arc::clone(worker);
     Arc::new(move |item| {
         let worker = Arc::clone(&worker);
-        Box::pin(async move { if item.shard { worker.work_shard(&item).await } else { worker.work_job(&item).await } })
+        Box::pin(async move { worker.work(&item).await })
     })
 }
 

@@ -13,6 +13,8 @@ pub mod job;
 mod lifecycle;
 /// The parts of a running service.
 mod parts;
+/// Limits of unfinished work.
+mod places;
 /// The queue, with River behind it.
 mod queue;
 /// Runs of this process.
@@ -35,21 +37,28 @@ mod sweep;
 mod token_cache;
 /// Bearer tokens: created, listed and revoked.
 pub mod tokens;
+/// Every stored result compared with its digests.
+pub mod verification;
 /// One job from claim to result.
 mod worker;
 
 /// Every order of actions of two processes on one job.
 #[cfg(test)]
 mod interleavings;
+/// The order of turns of several owners.
+#[cfg(test)]
+mod turn_order;
 
 pub use error::JobError;
 pub use intake::Submitted;
-pub use job::{Failure, IdempotencyKey, JobRecord, NewJob, Status};
+pub use job::{ExpiredJob, Failure, IdempotencyKey, JobRecord, NewJob, Status};
+pub use places::{Left, WorkLimits};
 pub use running::View;
 pub use service::{Cancelled, Jobs};
 pub use service_metrics::MEDIA_TYPE as METRICS_MEDIA_TYPE;
 pub use settings::{Settings, Simulator};
 pub use store::compression::decompressed;
+pub use store::integrity::Inspection;
 pub use store::location::Location;
 pub use store::records::Filter;
 pub use store::results::Signal;

@@ -17,18 +17,13 @@ use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
 use super::error::JobError;
-use super::store::deliveries::{self, Delivery};
+use super::store::deliveries;
 use super::store::pool::{Pool, Tx};
 
-/// River's arguments of a delivery; the row in `jobs` holds everything else.
+/// River's arguments of a delivery: none. A delivery is a turn, and our tables tell what takes it.
 #[derive(Debug, Clone, Serialize, Deserialize, riverqueue::JobArgs)]
 #[river(kind = "run_job")]
-struct RunJob {
-    job: Uuid,
-    /// Whether this is a shard of a study.
-    #[serde(rename = "strand", default)]
-    shard: bool,
-}
+struct RunJob {}
 
 /// How the work on a delivery ended.
 #[derive(Debug)]
@@ -48,8 +43,6 @@ pub type Handler = Arc<dyn Fn(WorkItem) -> Pin<Box<dyn Future<Output = DeliveryO
 
 /// A delivery that was handed to this process.
 pub struct WorkItem {
-    pub job: Uuid,
-    pub shard: bool,
     /// Number of the delivery.
     pub delivery: i64,
     context: WorkContext,
@@ -125,16 +118,14 @@ impl Queue {
     }
 
     /// Inserts deliveries and returns their numbers in order.
-    pub async fn enqueue(&self, tx: &mut Tx, deliveries: &[Delivery]) -> Result<Vec<i64>, JobError> {
+    pub async fn enqueue(&self, tx: &mut Tx, count: usize) -> Result<Vec<i64>, JobError> {
         // River refuses an empty list.
-        if deliveries.is_empty() {
+        if count == 0 {
             return Ok(Vec::new());
         }
-        let items = deliveries.iter().map(|Delivery { job, priority, shard }| {
-            let opts = InsertOpts::default().with_queue(QUEUE).with_priority(i16::from(*priority));
-            InsertManyItem::new(RunJob { job: *job, shard: *shard }, opts)
-        });
-        let request = self.client.insert_many(items.collect::<Vec<_>>());
+        // All of one priority: the order of turns is that of the owners.
+        let delivery = || InsertManyItem::new(RunJob {}, InsertOpts::default().with_queue(QUEUE));
+        let request = self.client.insert_many(std::iter::repeat_with(delivery).take(count).collect::<Vec<_>>());
         let inserted = match tx {
             Tx::Sqlite(tx) => request.tx(&mut *tx).await?,
             Tx::Postgres(tx) => request.tx(&mut *tx).await?,
@@ -205,10 +196,9 @@ fn workers_for(handler: Handler, in_hand: &InHand) -> Result<Workers, JobError> 
     let in_hand = in_hand.clone();
     let mut workers = Workers::new();
     workers.add_fn(move |context: WorkContext, job: riverqueue::Job<RunJob>| {
-        let RunJob { job: id, shard } = job.args;
         let (delivery, in_hand) = (job.row.id, in_hand.clone());
         in_hand.with(|ids| ids.insert(delivery));
-        let work = handler(WorkItem { job: id, shard, delivery, context });
+        let work = handler(WorkItem { delivery, context });
         async move {
             let outcome = work.await;
             in_hand.with(|ids| ids.remove(&delivery));

@@ -9,13 +9,16 @@ use super::error::JobError;
 use super::intake::Submitted;
 use super::job::{IdempotencyKey, JobRecord, NewJob, Status};
 use super::parts::Parts;
+use super::places::Places;
 use super::running::{Completion, StopReason, View};
-use super::store::deliveries::Delivery;
+use super::store::database::in_time;
 use super::store::notifications::{notify_cancelled, notify_ended};
+use super::store::pool::Tx;
 use super::store::records::{self, Filter};
 use super::store::results::Signal;
 use super::store::studies::{self, StoredPoint};
-use super::store::{maintenance, tokens::Token};
+use super::store::tokens::Token;
+use super::store::{maintenance, removal, submissions};
 use crate::contract::{Job, JobKind, SpectrumAnswer, SpectrumKind};
 
 /// Longest time that a readiness probe waits for the database.
@@ -47,7 +50,7 @@ impl Jobs {
 
     /// The current tokens of the database, for a token that is not known yet.
     pub async fn tokens_now(&self) -> Result<Arc<[Token]>, JobError> {
-        self.parts.tokens.refresh().await?;
+        in_time(self.parts.tokens.refresh()).await?;
         Ok(self.parts.tokens.get())
     }
 
@@ -57,24 +60,36 @@ impl Jobs {
             return Err(JobError::Stopping);
         }
         self.parts.check_file_in_place()?;
-        self.parts.store.note(self.parts.intake.submit(NewJob::new(job, owner, key)).await)
+        self.parts.store.note(in_time(self.parts.intake.submit(NewJob::new(job, owner, key))).await)
     }
 
     /// A job with its current progress.
     pub async fn get(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
-        Ok(self.with_progress(self.parts.store.job(owner, id).await?))
+        Ok(self.with_progress(self.found(owner, id, in_time(self.parts.store.job(owner, id)).await).await?))
     }
 
     /// A job, with the metrics of a succeeded simulation as JSON text.
     pub async fn get_with_metrics(&self, owner: &str, id: Uuid) -> Result<(JobRecord, Option<String>), JobError> {
-        let (record, metrics) = self.parts.store.job_with_metrics(owner, id).await?;
+        let read = in_time(self.parts.store.job_with_metrics(owner, id)).await;
+        let (record, metrics) = self.found(owner, id, read).await?;
         Ok((self.with_progress(record), metrics))
     }
 
-    /// A page of jobs, newest first, and whether there are more.
-    pub async fn list(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, bool), JobError> {
-        let (page, more) = self.parts.store.jobs(owner, filter).await?;
-        Ok((page.into_iter().map(|record| self.with_progress(record)).collect(), more))
+    /// What was read of a job, or its last state if the job has expired.
+    async fn found<T>(&self, owner: &str, id: Uuid, read: Result<T, JobError>) -> Result<T, JobError> {
+        match read {
+            Err(JobError::NotFound) => match in_time(self.parts.store.expired_job(owner, id)).await? {
+                Some(expired) => Err(JobError::Expired(Box::new(expired))),
+                None => Err(JobError::NotFound),
+            },
+            read => read,
+        }
+    }
+
+    /// A page of jobs, newest first, and the job after which the next page starts.
+    pub async fn list(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, Option<Uuid>), JobError> {
+        let (page, next) = in_time(self.parts.store.jobs(owner, filter)).await?;
+        Ok((page.into_iter().map(|record| self.with_progress(record)).collect(), next))
     }
 
     /// The record of a job with its current progress.
@@ -143,7 +158,8 @@ impl Jobs {
 
     /// Cancels a queued or running job.
     pub async fn cancel(&self, owner: &str, id: Uuid) -> Result<Cancelled, JobError> {
-        self.parts.store.note(self.try_cancel(owner, id).await)
+        let cancelled = in_time(self.try_cancel(owner, id)).await;
+        self.found(owner, id, self.parts.store.note(cancelled)).await
     }
 
     async fn try_cancel(&self, owner: &str, id: Uuid) -> Result<Cancelled, JobError> {
@@ -192,7 +208,8 @@ impl Jobs {
 
     /// Resumes a study that was cancelled or has points that failed for a temporary cause. Finished points are kept.
     pub async fn resume(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
-        self.parts.store.note(self.try_resume(owner, id).await)
+        let resumed = in_time(self.try_resume(owner, id)).await;
+        self.found(owner, id, self.parts.store.note(resumed)).await
     }
 
     async fn try_resume(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
@@ -207,33 +224,45 @@ impl Jobs {
         if !status.is_final() || !studies::resume(&mut tx, id).await? {
             return Err(JobError::CannotResume(status));
         }
-        let shards = Delivery::shards(id, maintenance::slots(&mut tx).await?);
-        let deliveries = self.parts.queue.enqueue(&mut tx, &shards).await?;
+        self.check_points(&mut tx, owner).await?;
+        let shards = maintenance::slots(&mut tx).await?;
+        let deliveries = self.parts.queue.enqueue(&mut tx, shards).await?;
         studies::add_shards(&mut tx, id, &deliveries).await?;
         tx.commit().await?;
         self.parts.queue.wake();
         self.get(owner, id).await
     }
 
+    /// Checks the limits of unfinished points after a study was resumed.
+    async fn check_points(&self, tx: &mut Tx, owner: &str) -> Result<(), JobError> {
+        let has_tokens = !owner.is_empty() || !self.parts.tokens.get().is_empty();
+        let unfinished = submissions::unfinished(tx).await?;
+        Places::new(self.parts.settings.work_limits, has_tokens, unfinished).take(owner, Some(0))
+    }
+
     /// The request of a study and its points.
     pub async fn points(&self, owner: &str, id: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
-        self.parts.store.points(owner, id).await
+        self.found(owner, id, self.parts.store.points(owner, id).await).await
     }
 
     /// Removes an ended job with its result.
     pub async fn delete(&self, owner: &str, id: Uuid) -> Result<(), JobError> {
+        self.found(owner, id, in_time(self.try_delete(owner, id)).await).await
+    }
+
+    async fn try_delete(&self, owner: &str, id: Uuid) -> Result<(), JobError> {
         let mut tx = self.parts.store.begin().await?;
         let (status, _, _) = records::locked_status(&mut tx, owner, id).await?;
         if !status.is_final() {
             return Err(JobError::Conflict(status));
         }
-        records::delete(&mut tx, id).await?;
+        removal::delete(&mut tx, id).await?;
         tx.commit().await
     }
 
     /// The metrics of a succeeded simulation, as JSON text.
     pub async fn metrics(&self, owner: &str, id: Uuid) -> Result<String, JobError> {
-        self.parts.store.metrics(owner, id).await
+        self.found(owner, id, self.parts.store.metrics(owner, id).await).await
     }
 
     /// A spectrum of a succeeded simulation.
@@ -244,36 +273,36 @@ impl Jobs {
         kind: SpectrumKind,
         channel: &str,
     ) -> Result<SpectrumAnswer, JobError> {
-        self.parts.store.spectrum(owner, id, kind, channel).await
+        self.found(owner, id, self.parts.store.spectrum(owner, id, kind, channel).await).await
     }
 
     /// A series of a succeeded simulation, as JSON text.
     pub async fn series(&self, owner: &str, id: Uuid, channel: &str) -> Result<Vec<u8>, JobError> {
-        self.parts.store.series(owner, id, channel).await
+        self.found(owner, id, self.parts.store.series(owner, id, channel).await).await
     }
 
     /// Channels for which a succeeded simulation keeps a signal of this kind.
     pub async fn channels(&self, owner: &str, id: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
-        self.parts.store.channels(owner, id, signal).await
+        self.found(owner, id, self.parts.store.channels(owner, id, signal).await).await
     }
 
     /// Digest of everything that determines the result of a succeeded job; `None` for any other job.
     pub async fn fingerprint(&self, owner: &str, id: Uuid) -> Result<Option<Vec<u8>>, JobError> {
-        self.parts.store.fingerprint(owner, id).await
+        in_time(self.parts.store.fingerprint(owner, id)).await
     }
 
     /// Data of the plots of a succeeded simulation, as JSON text; `None` if none are kept.
     pub async fn views(&self, owner: &str, id: Uuid) -> Result<Option<Vec<u8>>, JobError> {
-        self.parts.store.views(owner, id).await
+        self.found(owner, id, self.parts.store.views(owner, id).await).await
     }
 
     /// The report of a succeeded optimum or accuracy job, as JSON text.
     pub async fn report(&self, owner: &str, id: Uuid, kind: JobKind) -> Result<Vec<u8>, JobError> {
-        self.parts.store.report(owner, id, kind).await
+        self.found(owner, id, self.parts.store.report(owner, id, kind).await).await
     }
 
-    /// Succeeds if jobs can be accepted now.
-    pub async fn ready(&self) -> Result<(), JobError> {
+    /// Number of jobs whose stored result is known to be corrupt, if jobs can be accepted now.
+    pub async fn ready(&self) -> Result<i64, JobError> {
         if self.is_stopping() {
             return Err(JobError::Stopping);
         }
@@ -281,14 +310,14 @@ impl Jobs {
             return Err(JobError::DiskFull);
         }
         self.parts.check_file_in_place()?;
-        let answered = tokio::time::timeout(PING_TIMEOUT, self.parts.store.ping()).await;
-        answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))?;
-        if self.parts.store.is_unwritable() { Err(JobError::NotWritable) } else { Ok(()) }
+        let answered = tokio::time::timeout(PING_TIMEOUT, self.parts.store.corrupt_results()).await;
+        let corrupt = answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))?;
+        if self.parts.store.is_unwritable() { Err(JobError::NotWritable) } else { Ok(corrupt) }
     }
 
     /// Counts and times of this process, and the depth of the queue, as OpenMetrics text.
     pub async fn service_metrics(&self) -> Result<String, JobError> {
-        let depth = self.parts.store.queue_depth().await?;
+        let depth = in_time(self.parts.store.queue_depth()).await?;
         self.parts.store.metrics.text(&depth)
     }
 }

@@ -39,6 +39,7 @@ pub struct ServiceMetrics {
     claims: Counter,
     claims_lost: Counter,
     runs: Family<ByEnd, Counter>,
+    corrupt_results: Counter,
     run_time: Histogram,
     real_time_factor: Histogram,
     database_wait: Histogram,
@@ -56,6 +57,7 @@ impl Default for ServiceMetrics {
             claims: Counter::default(),
             claims_lost: Counter::default(),
             runs: Family::default(),
+            corrupt_results: Counter::default(),
             run_time: times(0.004, 10),
             real_time_factor: times(0.01, 10),
             database_wait: times(0.000_25, 10),
@@ -70,6 +72,8 @@ impl Default for ServiceMetrics {
         let help = "Runs of this process that another one has taken over";
         registry.register("claims_lost", help, metrics.claims_lost.clone());
         registry.register("runs", "Ended runs of this process, by their end", metrics.runs.clone());
+        let help = "Reads that found a stored result corrupt";
+        registry.register("corrupt_results", help, metrics.corrupt_results.clone());
         let help = "Wall time of succeeded runs";
         registry.register_with_unit("run_time", help, Unit::Seconds, metrics.run_time.clone());
         let help = "Simulated time over wall time of succeeded simulations";
@@ -94,6 +98,11 @@ impl ServiceMetrics {
     /// Counts the end of a run.
     pub fn ended(&self, end: Status) {
         self.runs.get_or_create(&[("end", end.name())]).inc();
+    }
+
+    /// Counts a read that found a stored result corrupt.
+    pub fn found_corrupt(&self) {
+        self.corrupt_results.inc();
     }
 
     /// Records the wall time of a succeeded run and, for a simulation, its real-time factor.

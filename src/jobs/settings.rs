@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use raceway_core::simulation::input::control::Control;
 
+use super::places::WorkLimits;
 use super::store::location::Location;
 use crate::contract::{Job, Outcome, RunFailure};
 
@@ -18,16 +19,15 @@ pub struct Settings {
     pub database: Location,
     /// Number of simultaneous runs; 0 leaves the jobs to other processes.
     pub workers: usize,
-    /// Largest number of queued jobs.
-    pub queue_limit: u64,
-    /// Largest number of queued jobs of one owner.
-    pub queue_limit_of_owner: u64,
+    pub work_limits: WorkLimits,
     /// Number of lost runs after which a job fails.
     pub max_lost_runs: u32,
     /// Longest wall time of a run.
     pub time_limit: Duration,
     /// Retention of ended jobs that do not state their own [s].
     pub keep_s: f64,
+    /// Time for which an expired job is remembered.
+    pub remember_expired: Duration,
     /// Time without a heartbeat after which a run counts as lost.
     pub lost_after: Duration,
     pub sweep_every: Duration,
@@ -46,11 +46,11 @@ impl Settings {
         Self {
             database,
             workers: std::thread::available_parallelism().map_or(1, usize::from),
-            queue_limit: 10_000,
-            queue_limit_of_owner: u64::MAX,
+            work_limits: WorkLimits::default(),
             max_lost_runs: 5,
             time_limit: Duration::from_secs(3600),
             keep_s: 30.0 * 86_400.0,
+            remember_expired: Duration::from_secs(7 * 86_400),
             lost_after: Duration::from_secs(15),
             sweep_every: Duration::from_secs(10),
             max_pages: None,

@@ -4,10 +4,44 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use tokio::sync::oneshot;
 
 type Work = Box<dyn FnOnce() + Send>;
+
+/// Finished work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Done<T> {
+    pub result: T,
+    /// Processor time of its thread.
+    pub used: Duration,
+}
+
+/// The time that a run uses, recorded in parts: wall time while it runs, which its thread cannot exceed, and at its end what the
+/// processor time differs from that.
+#[derive(Debug)]
+pub struct UsedTime {
+    begin: Instant,
+    recorded_s: f64,
+}
+
+impl UsedTime {
+    pub fn start() -> Self {
+        Self { begin: Instant::now(), recorded_s: 0.0 }
+    }
+
+    /// Wall time since the last record [s], which is recorded now.
+    pub fn record(&mut self) -> f64 {
+        let now = self.begin.elapsed().as_secs_f64();
+        now - std::mem::replace(&mut self.recorded_s, now)
+    }
+
+    /// The difference between all that was used and what is recorded [s]; without a known processor time by wall time.
+    pub fn rest(&self, processor_time: Option<Duration>) -> f64 {
+        processor_time.unwrap_or_else(|| self.begin.elapsed()).as_secs_f64() - self.recorded_s
+    }
+}
 
 /// The idle threads, by the channels that give them work. They end when this is dropped.
 #[derive(Debug, Clone, Default)]
@@ -17,12 +51,14 @@ pub struct SolverThreads {
 
 impl SolverThreads {
     /// Runs work on a thread of its own. After a panic the channel closes without an answer, and the service continues.
-    pub fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> oneshot::Receiver<T> {
+    pub fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> oneshot::Receiver<Done<T>> {
         let (sender, receiver) = oneshot::channel();
         let work: Work = Box::new(move || {
+            let before = processor_time();
             if let Ok(result) = catch_unwind(AssertUnwindSafe(work)) {
+                let used = processor_time().saturating_sub(before);
                 // The receiver is gone when the service stops.
-                drop(sender.send(result));
+                drop(sender.send(Done { result, used }));
             }
         });
         let thread = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
@@ -58,6 +94,12 @@ impl SolverThreads {
     }
 }
 
+/// Processor time that this thread has used.
+fn processor_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec.unsigned_abs(), u32::try_from(time.tv_nsec).unwrap_or(0))
+}
+
 /// Solvers occupy whole cores; requests that only read a result have priority.
 fn lower_priority() {
     #[cfg(target_os = "linux")]
@@ -72,7 +114,7 @@ mod tests {
     fn a_thread_is_reused_and_survives_a_panic() {
         let threads = SolverThreads::default();
         let name = || std::thread::current().id();
-        let first = threads.run(name).blocking_recv().expect("an answer");
+        let first = threads.run(name).blocking_recv().expect("an answer").result;
         while threads.idle.lock().expect("no poison").is_empty() {
             std::thread::yield_now();
         }
@@ -80,7 +122,7 @@ mod tests {
         while threads.idle.lock().expect("no poison").is_empty() {
             std::thread::yield_now();
         }
-        assert_eq!(threads.run(name).blocking_recv(), Ok(first));
+        assert_eq!(threads.run(name).blocking_recv().map(|done| done.result), Ok(first));
     }
 
     #[test]
@@ -94,8 +136,25 @@ mod tests {
             std::thread::current().id()
         });
         begun.recv().expect("a start");
-        let short = threads.run(|| std::thread::current().id()).blocking_recv();
+        let short = threads.run(|| std::thread::current().id()).blocking_recv().expect("an answer");
         drop(end);
-        assert_ne!(short, long.blocking_recv());
+        assert_ne!(short.result, long.blocking_recv().expect("an answer").result);
+    }
+
+    #[test]
+    fn the_processor_time_of_waiting_work_is_less_than_its_wall_time() {
+        let spent = Duration::from_millis(50);
+        let done = SolverThreads::default().run(move || std::thread::sleep(spent)).blocking_recv().expect("an answer");
+        assert!(done.used < spent / 2, "{:?}", done.used);
+    }
+
+    #[test]
+    fn recorded_parts_and_the_rest_are_the_processor_time() {
+        let mut used = UsedTime::start();
+        std::thread::sleep(Duration::from_millis(2));
+        let parts = used.record() + used.record();
+        assert!(parts >= 0.002);
+        let all = parts + used.rest(Some(Duration::from_millis(1)));
+        assert!((all - 0.001).abs() < 1e-12, "{all}");
     }
 }

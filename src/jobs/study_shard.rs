@@ -1,4 +1,4 @@
-//! One shard of a study: it runs point after point until none waits, the study ends, or other deliveries have waited long enough.
+//! One shard of a study: it runs point after point until none waits, the study ends, or other work is due.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,12 +10,13 @@ use super::error::JobError;
 use super::job::{INTERNAL, Status, TIME_LIMIT, point_hashes};
 use super::queue::{DeliveryOutcome, WorkItem};
 use super::running::{Run, StopReason};
+use super::solver_threads::{Done, UsedTime};
 use super::store::studies::{Next, PointClaim, PointResult, StudyShard};
 use super::worker::{BROKE_OFF, Worker, apply_heartbeat, time_limit_detail};
 use crate::contract::answer::point::PointError;
 use crate::contract::{self, Job, PointEnd, Refusal, Simulation, Study, execute_point};
 
-/// Time for which a shard keeps its slot while other studies wait.
+/// Time for which a shard keeps its slot while other work of its owner waits.
 const TIME_SLICE: Duration = Duration::from_secs(1);
 
 /// The outcome of a point's run.
@@ -26,25 +27,21 @@ enum PointOutcome {
 }
 
 impl Worker {
-    /// Runs points of the shard that a delivery stands for.
-    pub(super) async fn work_shard(&self, item: &WorkItem) -> DeliveryOutcome {
-        self.try_shard(item).await.unwrap_or_else(DeliveryOutcome::Retry)
-    }
-
-    async fn try_shard(&self, item: &WorkItem) -> Result<DeliveryOutcome, JobError> {
-        let Some(shard) = self.store.study_shard(item.delivery).await? else { return Ok(DeliveryOutcome::Done) };
-        let outcome = self.points(item, &shard).await;
-        // If this cannot be written, a sweep replaces the shard after a while.
-        if let Err(error) = self.store.clear_shard_heartbeat(shard.delivery).await {
-            tracing::warn!(%error, "the heartbeat of a shard could not be cleared");
+    /// Runs points of a shard.
+    pub(super) async fn run_shard(&self, shard: &StudyShard, item: &WorkItem) -> Result<DeliveryOutcome, JobError> {
+        let outcome = self.points(item, shard).await;
+        let rested = match &outcome {
+            Ok(DeliveryOutcome::Done) => self.store.remove_shard(shard.delivery).await,
+            _ => self.store.rest_shard(shard.delivery).await,
+        };
+        // A sweep replaces the shard after a while.
+        if let Err(error) = rested {
+            tracing::warn!(%error, "the end of the turn of a shard could not be recorded");
         }
         outcome
     }
 
     async fn points(&self, item: &WorkItem, shard: &StudyShard) -> Result<DeliveryOutcome, JobError> {
-        let Some(_slot) = self.slots(shard.losses, false, item.stopping()).await else {
-            return Ok(DeliveryOutcome::HandedBack);
-        };
         let request = shard.request.clone();
         // Parsing a large request takes some time.
         let job = tokio::task::spawn_blocking(move || contract::parse_job(request.as_bytes()).ok());
@@ -56,12 +53,13 @@ impl Worker {
         let begin = Instant::now();
         let mut ended: Option<(PointClaim, PointResult)> = None;
         loop {
-            let next = self.advance(shard, ended.as_ref(), item).await?;
+            let next = self.advance(shard, ended.as_ref(), begin.elapsed() > TIME_SLICE, item).await?;
             let point = match next {
                 Some(Next::Point(point)) => {
                     self.store.metrics.claimed();
                     point
                 }
+                Some(Next::GiveWay) => return Ok(DeliveryOutcome::Later),
                 Some(Next::Nothing) => return Ok(DeliveryOutcome::Done),
                 Some(Next::Ended | Next::Cancelled) => {
                     self.running.ended(shard.job);
@@ -88,27 +86,7 @@ impl Worker {
                     return Ok(DeliveryOutcome::HandedBack);
                 }
             }
-            if let Some(end) = &ended
-                && self.yields(begin).await
-            {
-                let mut next = self.advance(shard, Some(end), item).await?;
-                if let Some(Next::Point(point)) = next {
-                    self.store.give_back(shard, point).await?;
-                    next = None;
-                }
-                if matches!(next, Some(Next::Ended | Next::Cancelled)) {
-                    self.running.ended(shard.job);
-                }
-                return Ok(if next.is_some() { DeliveryOutcome::Done } else { DeliveryOutcome::Later });
-            }
         }
-    }
-
-    /// Returns whether deliveries of higher priority wait, or others of the same priority after the time slice.
-    async fn yields(&self, begin: Instant) -> bool {
-        // A failed query must not lose the computed point.
-        let (before, any) = self.store.others_wait().await.unwrap_or_default();
-        before || any && begin.elapsed() > TIME_SLICE
     }
 
     /// Writes an end and claims the next point, and retries while the database refuses; `None` when the process stops.
@@ -116,12 +94,13 @@ impl Worker {
         &self,
         shard: &StudyShard,
         ended: Option<&(PointClaim, PointResult)>,
+        slice_is_over: bool,
         item: &WorkItem,
     ) -> Result<Option<Next>, JobError> {
         let mut pause = Duration::from_millis(100);
         loop {
             let ended = ended.map(|(point, result)| (*point, result));
-            match self.store.note(self.store.advance(shard, ended, self.settings.keep_s).await) {
+            match self.store.note(self.store.advance(shard, ended, slice_is_over, self.settings.keep_s).await) {
                 Ok(next) => return Ok(Some(next)),
                 Err(error) => tracing::error!(%error, job = %shard.job, "a point could not be written; retrying"),
             }
@@ -147,38 +126,50 @@ impl Worker {
             && let Some(hashes) = &hashes
             && let Some(end) = self.store.known_end(&shard.owner, hashes).await?
         {
-            return Ok(PointOutcome::Ended(PointResult { end, reused: true, content_hash: Some(hashes[0].clone()) }));
+            let content_hash = Some(hashes[0].clone());
+            return Ok(PointOutcome::Ended(PointResult { end, reused: true, content_hash, used_s: 0.0 }));
         }
         let hash = hashes.map(|[hash, _]| hash);
         let mut solved = self.point_thread(simulation, Arc::clone(run));
         let between = self.heartbeat_interval();
         let mut heartbeats = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
+        let mut used = UsedTime::start();
         let end = loop {
             tokio::select! {
                 end = &mut solved => break end,
-                _ = heartbeats.tick() => apply_heartbeat(self.store.shard_heartbeat(shard).await, run),
+                _ = heartbeats.tick() => apply_heartbeat(self.store.shard_heartbeat(shard, used.record()).await, run),
                 () = item.stopping().cancelled(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
             }
         };
-        Ok(match end {
+        let used_s = used.rest(end.as_ref().ok().map(|done| done.used));
+        Ok(match end.map(|done| done.result) {
             Ok(Some(end)) => {
                 self.store.metrics.ended(match &end {
                     PointEnd::Succeeded(_) => Status::Succeeded,
                     PointEnd::Failed(_) => Status::Failed,
                 });
-                PointOutcome::Ended(PointResult { end, reused: false, content_hash: hash })
+                PointOutcome::Ended(PointResult { end, reused: false, content_hash: hash, used_s })
             }
             Ok(None) => PointOutcome::Stopped,
             // The log has the message of the panic.
             Err(_) => {
                 let error = PointError { cause: INTERNAL.to_owned(), detail: BROKE_OFF.to_owned(), errors: Vec::new() };
-                PointOutcome::Ended(PointResult { end: PointEnd::Failed(error), reused: false, content_hash: None })
+                PointOutcome::Ended(PointResult {
+                    end: PointEnd::Failed(error),
+                    reused: false,
+                    content_hash: None,
+                    used_s,
+                })
             }
         })
     }
 
     /// Simulates a point on a thread of its own; `None`: the run had to stop.
-    fn point_thread(&self, point: Result<Simulation, Refusal>, run: Arc<Run>) -> oneshot::Receiver<Option<PointEnd>> {
+    fn point_thread(
+        &self,
+        point: Result<Simulation, Refusal>,
+        run: Arc<Run>,
+    ) -> oneshot::Receiver<Done<Option<PointEnd>>> {
         let (simulator, limit) = (Arc::clone(&self.simulator), self.settings.time_limit);
         let service_metrics = Arc::clone(&self.store.metrics);
         self.threads.run(move || {

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use super::error::JobError;
 use super::parts::Parts;
-use super::store::deliveries::{self, Delivery};
+use super::store::deliveries;
 use super::store::pool::Lock;
 use super::store::{maintenance, studies};
 
-/// Sweeps regularly until the service stops or is dropped.
+/// Sweeps and removes expired jobs regularly until the service stops or is dropped.
 pub fn start(parts: &Arc<Parts>) {
+    start_expiry(parts);
     let (parts, every) = (Arc::downgrade(parts), parts.settings.sweep_every);
     tokio::spawn(async move {
         loop {
@@ -30,6 +31,30 @@ pub fn start(parts: &Arc<Parts>) {
     });
 }
 
+/// Apart from the sweeps: after a pause there may be many jobs to remove, and lost runs must not wait for them.
+fn start_expiry(parts: &Arc<Parts>) {
+    let (parts, every) = (Arc::downgrade(parts), parts.settings.sweep_every);
+    tokio::spawn(async move {
+        loop {
+            let Some(strong) = parts.upgrade().filter(|parts| !parts.is_stopping()) else { return };
+            if let Err(error) = expire(&strong).await {
+                tracing::warn!(%error, "expired jobs could not be removed");
+            }
+            drop(strong);
+            tokio::time::sleep(every).await;
+        }
+    });
+}
+
+/// Removes all expired jobs, a transaction for some at a time.
+pub async fn expire(parts: &Parts) -> Result<(), JobError> {
+    parts.check_file_in_place()?;
+    let remembered = parts.settings.remember_expired.try_into().unwrap_or(jiff::SignedDuration::MAX);
+    while !parts.is_stopping() && parts.store.expire(remembered).await? {}
+    while !parts.is_stopping() && parts.store.forget().await? {}
+    Ok(())
+}
+
 /// Creates the tables as at a start, after the database was created anew and its jobs are gone.
 async fn recreate_tables(parts: &Parts) {
     match parts.store.migrate().await {
@@ -48,11 +73,6 @@ pub async fn sweep(parts: &Parts) -> Result<(), JobError> {
     if delivered > 0 {
         tracing::info!(jobs = delivered, "lost jobs are back in the queue");
     }
-    let expired = parts.store.expired().await?;
-    if !expired.is_empty() {
-        parts.store.remove(&expired).await?;
-    }
-    parts.store.forget_keys().await?;
     Ok(())
 }
 
@@ -74,13 +94,12 @@ async fn redeliver(parts: &Parts) -> Result<usize, JobError> {
     }
     let slots = maintenance::slots(&mut tx).await?;
     let missing = studies::missing_shards(&mut tx, slots, keep_s).await?;
-    let numbers = parts.queue.enqueue(&mut tx, &lost).await?;
+    let numbers = parts.queue.enqueue(&mut tx, lost.len()).await?;
     for (lost, number) in lost.iter().zip(numbers) {
-        maintenance::redeliver(&mut tx, lost.job, number, max_lost_runs).await?;
+        maintenance::redeliver(&mut tx, *lost, number, max_lost_runs).await?;
     }
     for (study, count) in &missing {
-        let shards = Delivery::shards(*study, *count);
-        let numbers = parts.queue.enqueue(&mut tx, &shards).await?;
+        let numbers = parts.queue.enqueue(&mut tx, *count).await?;
         studies::add_shards(&mut tx, *study, &numbers).await?;
     }
     tx.commit().await?;

@@ -2,8 +2,11 @@
 //!
 //! Most jobs come from the queue. A job that is accepted while a slot is free and no job waits starts inline: it is claimed as it is
 //! accepted and never queued, which saves several round trips to the database.
+//!
+//! A delivery is a turn. Its place among the runs is taken first and the work chosen last, so that the choice knows all that waits.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use raceway_core::simulation::input::control::{Control, Live};
@@ -18,12 +21,13 @@ use super::queue::{DeliveryOutcome, WorkItem};
 use super::running::{JobEnd, Run, RunGuard, Running, SolverSummary, StopReason};
 use super::service_metrics::ServiceMetrics;
 use super::settings::{Settings, Simulator};
-use super::solver_threads::SolverThreads;
+use super::solver_threads::{Done, SolverThreads, UsedTime};
 use super::store::claims::{Claim, End, Heartbeat};
 use super::store::database::Store;
 use super::store::dialect::Dialect;
 use super::store::results::StoredResult;
-use crate::contract::{self, JobKind, RunFailure};
+use super::store::turns::{Turn, TurnLimits};
+use crate::contract::{self, RunFailure};
 
 /// Runs jobs.
 pub struct Worker {
@@ -40,7 +44,7 @@ pub struct Worker {
 }
 
 /// Receiver of the solver thread's result.
-type Solution = oneshot::Receiver<Result<StoredResult, RunFailure>>;
+type Solution = oneshot::Receiver<Done<Result<StoredResult, RunFailure>>>;
 
 /// A run that started as its job was accepted. If the acceptance is not committed, dropping this stops the run.
 pub(super) struct InlineRun {
@@ -60,13 +64,11 @@ impl Drop for InlineRun {
 
 /// The outcome of a run.
 pub(super) enum RunOutcome {
-    Ended(End),
+    /// With the processor time that no heartbeat has recorded [s].
+    Ended(End, f64),
     HandedBack,
     ClaimLost,
 }
-
-/// Number of losses from which a job runs alone, so that it ends no other run with its process.
-const LOSSES_TO_RUN_ALONE: u32 = 2;
 
 impl Worker {
     pub fn new(store: Store, running: Arc<Running>, simulator: Simulator, settings: Settings) -> Self {
@@ -77,8 +79,7 @@ impl Worker {
 
     /// Starts a job that is being accepted, if a slot is free.
     pub fn start_inline(&self, job: &NewJob) -> Option<InlineRun> {
-        // A job that measures time waits until it can run alone.
-        if self.stopping.is_cancelled() || job.kind == JobKind::Accuracy.name() {
+        if self.stopping.is_cancelled() {
             return None;
         }
         let slot = Arc::clone(&self.slots).try_acquire_owned().ok()?;
@@ -114,40 +115,42 @@ impl Worker {
         self.inline.wait().await;
     }
 
-    /// Runs the job of a delivery.
-    pub async fn work_job(&self, item: &WorkItem) -> DeliveryOutcome {
-        self.attempt(item).await.unwrap_or_else(DeliveryOutcome::Retry)
+    /// Uses the turn of a delivery.
+    pub async fn work(&self, item: &WorkItem) -> DeliveryOutcome {
+        self.take_turn(item).await.unwrap_or_else(DeliveryOutcome::Retry)
     }
 
-    async fn attempt(&self, item: &WorkItem) -> Result<DeliveryOutcome, JobError> {
-        let brief = self.store.job_brief(item.job, item.delivery).await?;
-        let Some(brief) = brief else { return Ok(DeliveryOutcome::Done) };
-        let measures_time = brief.kind == JobKind::Accuracy.name();
-        let slot = self.slots(brief.losses, measures_time, item.stopping()).await;
-        let Some(_slot) = slot else { return Ok(DeliveryOutcome::HandedBack) };
-        let claim = self.store.claim(item.job, item.delivery, self.settings.max_lost_runs).await?;
-        let Some(claim) = claim else { return Ok(DeliveryOutcome::Done) };
+    async fn take_turn(&self, item: &WorkItem) -> Result<DeliveryOutcome, JobError> {
+        let mut alone = false;
+        loop {
+            let slots = if alone { self.settings.workers } else { 1 };
+            let Some(_slots) = self.slots(slots, item.stopping()).await else { return Ok(DeliveryOutcome::HandedBack) };
+            let limits = TurnLimits { max_lost_runs: self.settings.max_lost_runs, alone };
+            match self.store.take_turn(item.delivery, limits).await? {
+                Turn::Void => return Ok(DeliveryOutcome::Done),
+                // The slot is returned first: two jobs that each wait for the slot of the other would wait for ever.
+                Turn::Alone => alone = true,
+                Turn::Job(claim) => return self.run_job(&claim, item).await,
+                Turn::Shard(shard) => return self.run_shard(&shard, item).await,
+            }
+        }
+    }
+
+    async fn run_job(&self, claim: &Claim, item: &WorkItem) -> Result<DeliveryOutcome, JobError> {
         self.store.metrics.claimed();
         let guard = self.running.enter(claim.job, Arc::default());
-        let outcome = match self.end_without_run(&claim) {
-            Some(end) => RunOutcome::Ended(end),
+        let outcome = match self.end_without_run(claim) {
+            Some(end) => RunOutcome::Ended(end, 0.0),
             None => {
                 let solution = self.solver_thread(claim.request.clone(), &guard.run);
-                self.run(&claim, &guard.run, solution, item.stopping()).await
+                self.run(claim, &guard.run, solution, item.stopping()).await
             }
         };
-        self.conclude(&claim, outcome, &guard.run, item.stopping()).await
+        self.conclude(claim, outcome, &guard.run, item.stopping()).await
     }
 
-    /// One slot, or all slots for a job that has lost runs or measures time; `None` when the service stops.
-    pub(super) async fn slots(
-        &self,
-        losses: u32,
-        measures_time: bool,
-        stopping: &CancellationToken,
-    ) -> Option<OwnedSemaphorePermit> {
-        let alone = losses >= LOSSES_TO_RUN_ALONE || measures_time;
-        let slots = if alone { self.settings.workers } else { 1 };
+    /// Waits for slots; `None` when the service stops.
+    async fn slots(&self, slots: usize, stopping: &CancellationToken) -> Option<OwnedSemaphorePermit> {
         let slots = u32::try_from(slots).unwrap_or(1);
         tokio::select! {
             slot = Arc::clone(&self.slots).acquire_many_owned(slots) => slot.ok(),
@@ -170,11 +173,17 @@ impl Worker {
         // The claim was the first heartbeat.
         let between = self.heartbeat_interval();
         let mut heartbeats = tokio::time::interval_at(tokio::time::Instant::now() + between, between);
+        let mut used = UsedTime::start();
         loop {
             tokio::select! {
-                solved = &mut solution => return outcome_of(solved, run, self.settings.time_limit),
+                solved = &mut solution => {
+                    let rest_s = used.rest(solved.as_ref().ok().map(|done| done.used));
+                    return outcome_of(solved.map(|done| done.result), rest_s, run, self.settings.time_limit);
+                }
                 () = stopping.cancelled(), if run.stopped().is_none() => run.stop(StopReason::HandedBack),
-                _ = heartbeats.tick() => apply_heartbeat(self.store.heartbeat(claim, run.progress()).await, run),
+                _ = heartbeats.tick() => {
+                    apply_heartbeat(self.store.heartbeat(claim, run.progress(), used.record()).await, run);
+                }
             }
         }
     }
@@ -192,7 +201,9 @@ impl Worker {
         let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
         let metrics = Arc::clone(&self.store.metrics);
         let time_limit = self.settings.time_limit;
-        self.threads.run(move || solve(&simulator, &request, &run, time_limit, &metrics))
+        let (slots, workers) = (Arc::clone(&self.slots), self.settings.workers);
+        let other_runs = move || workers.saturating_sub(slots.available_permits() + 1);
+        self.threads.run(move || solve(&simulator, &request, &run, &other_runs, time_limit, &metrics))
     }
 
     /// Writes the end, and retries while the database refuses.
@@ -203,8 +214,8 @@ impl Worker {
         run: &Run,
         stopping: &CancellationToken,
     ) -> Result<DeliveryOutcome, JobError> {
-        let end = match outcome {
-            RunOutcome::Ended(end) => end,
+        let (end, used_s) = match outcome {
+            RunOutcome::Ended(end, used_s) => (end, used_s),
             RunOutcome::ClaimLost => {
                 self.store.metrics.claim_lost();
                 return Ok(DeliveryOutcome::Done);
@@ -218,7 +229,8 @@ impl Worker {
         let mut pause = Duration::from_millis(100);
         let written = loop {
             // River itself completes the delivery afterwards. If this process ends before that, the job of the redelivery cannot be claimed.
-            match self.store.note(self.store.finish(claim, &end, run.progress(), self.settings.keep_s).await) {
+            let finished = self.store.finish(claim, &end, run.progress(), used_s, self.settings.keep_s).await;
+            match self.store.note(finished) {
                 Ok(written) => break written,
                 Err(error) => {
                     tracing::error!(%error, job = %claim.job, "the end of a run could not be written; retrying");
@@ -274,6 +286,7 @@ fn solve(
     simulator: &Simulator,
     request: &str,
     run: &Run,
+    other_runs: &dyn Fn() -> usize,
     time_limit: Duration,
     metrics: &ServiceMetrics,
 ) -> Result<StoredResult, RunFailure> {
@@ -286,9 +299,17 @@ fn solve(
         }
         run.stopped().is_some()
     };
-    let (progress, live) = (|share| run.set_progress(share), |live: &Live<'_>| run.update_view(live));
-    let outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
+    let most_other_runs = AtomicUsize::new(other_runs());
+    let progress = |share| {
+        run.set_progress(share);
+        most_other_runs.fetch_max(other_runs(), Ordering::Relaxed);
+    };
+    let live = |live: &Live<'_>| run.update_view(live);
+    let mut outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
     let solved = begin.elapsed();
+    if let contract::Outcome::Accuracy(answer) = &mut outcome {
+        answer.timing.most_other_runs = Some(most_other_runs.into_inner() as u64);
+    }
     let solver = match &outcome {
         contract::Outcome::Simulation(simulated) => Some(&simulated.metrics.solver),
         _ => None,
@@ -305,8 +326,8 @@ fn solve(
 pub(super) type Solved = Result<Result<StoredResult, RunFailure>, oneshot::error::RecvError>;
 
 /// The outcome of a run by the solver's answer and the reason why it was stopped.
-pub(super) fn outcome_of(solved: Solved, run: &Run, time_limit: Duration) -> RunOutcome {
-    RunOutcome::Ended(match solved {
+pub(super) fn outcome_of(solved: Solved, used_s: f64, run: &Run, time_limit: Duration) -> RunOutcome {
+    let end = match solved {
         Ok(Ok(result)) => End::Succeeded(result),
         Ok(Err(RunFailure::Failed { cause, detail })) => End::Failed(Failure::new(cause, detail)),
         Ok(Err(RunFailure::Cancelled)) => match run.stopped() {
@@ -317,7 +338,8 @@ pub(super) fn outcome_of(solved: Solved, run: &Run, time_limit: Duration) -> Run
         },
         // The log has the message of the panic.
         Err(_) => End::Failed(Failure::new(INTERNAL, BROKE_OFF)),
-    })
+    };
+    RunOutcome::Ended(end, used_s)
 }
 
 /// Detail of a run that a panic ended.

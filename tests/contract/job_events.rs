@@ -28,6 +28,7 @@ fn an_ended_job_gets_its_last_event_at_once() {
     let answer = server.get(&format!("{path}/events"));
     assert_eq!((answer.status, answer.header("content-type")), (200, Some("text/event-stream")));
     assert!(answer.header("content-encoding").is_none());
+    assert_eq!(answer.header("x-accel-buffering"), Some("no"));
     let [(name, _, data)] = &events(&answer.body)[..] else { panic!("{}", answer.body) };
     assert_eq!((name.as_str(), &data["id"], &data["status"]), ("succeeded", &done["id"], &json!("succeeded")));
     assert!(data["request"].is_null() && data["phase"] == "succeeded" && data["links"]["metrics"].is_string());

@@ -71,7 +71,7 @@ fn progress_is_shown_while_the_job_runs() {
 
 #[test]
 fn a_full_queue_refuses_and_recovers() {
-    let server = start_with(ServerSettings { workers: 1, queue_limit: 2, ..ServerSettings::default() });
+    let server = start_with(ServerSettings { workers: 1, queue_limit: 3, ..ServerSettings::default() });
     let slow = job_with(json!({ "labels": ["slow"] }));
     let running = server.submit(&slow);
     server.wait_for(&running, &["running"]);
@@ -178,8 +178,15 @@ fn a_job_is_removed_when_it_expires() {
     let path = server.submit(&job_with(json!({ "keep_for_s": 1 })));
     server.wait_for(&path, &["succeeded"]);
     let begin = Instant::now();
-    while server.get(&path).status != 404 {
+    while server.get(&path).status != 410 {
         assert!(begin.elapsed() < Duration::from_secs(10));
         std::thread::sleep(Duration::from_millis(50));
     }
+    let id = path.rsplit('/').next().expect("an id");
+    for of_job in ["", "/metrics", "/events", "/table"] {
+        let problem = server.get(&format!("{path}{of_job}")).problem(410);
+        assert_eq!(problem["type"], "urn:raceway:problem:job-expired", "{of_job}");
+        assert_eq!((&problem["job"]["id"], &problem["job"]["status"]), (&json!(id), &json!("succeeded")));
+    }
+    request(server.address(), "DELETE", &path, &[], b"").problem(410);
 }

@@ -19,4 +19,5 @@ mod refusals;
 mod results;
 mod scenes;
 mod service_metrics;
+mod stored_results;
 mod studies;

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::common::{Server, job, request};
+use crate::common::{Answer, Server, job, request};
 use crate::server::start;
 
 #[test]
@@ -109,7 +109,11 @@ fn probes_and_pages_answer() {
     assert_eq!(server.get("/").status, 200);
     let page = server.get("/docs/");
     assert!(page.status == 200 && page.body.contains("swagger"), "{page:?}");
+    let policy = |answer: &Answer| answer.header("content-security-policy").map(str::to_owned);
+    let expected = policy(&server.get("/"));
+    assert!(expected.is_some() && policy(&page) == expected, "{page:?}");
     for file in page.body.split("./").skip(1).filter_map(|rest| rest.split('"').next()) {
-        assert_eq!(server.get(&format!("/docs/{file}")).status, 200, "{file}");
+        let answer = server.get(&format!("/docs/{file}"));
+        assert_eq!((answer.status, policy(&answer)), (200, expected.clone()), "{file}");
     }
 }

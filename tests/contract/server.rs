@@ -10,7 +10,7 @@ use raceway::api::cors::origin;
 use raceway::api::credentials::Tokens;
 use raceway::api::service::Service;
 use raceway::contract::{self, Job, Outcome, RunFailure};
-use raceway::jobs::{Location, Settings, Simulator};
+use raceway::jobs::{Location, Settings, Simulator, WorkLimits};
 use raceway::simulation::input::control::Control;
 use tempfile::TempDir;
 use tokio::runtime::Runtime;
@@ -97,7 +97,7 @@ pub fn start_with(settings: ServerSettings) -> InProcess {
     let database = database(place.path());
     let job_settings = Settings {
         workers: settings.workers,
-        queue_limit: settings.queue_limit,
+        work_limits: WorkLimits { jobs: settings.queue_limit, ..WorkLimits::default() },
         time_limit: settings.time_limit,
         max_pages: settings.max_pages,
         sweep_every: Duration::from_millis(200),

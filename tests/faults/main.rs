@@ -8,3 +8,4 @@ mod crash;
 mod machines;
 mod startup;
 mod tokens;
+mod upgrade;

@@ -245,7 +245,7 @@ fn too_few_connections_are_reported_at_the_start() {
     let as_user = database.replacen("raceway@", &format!("{user}@"), 1);
     let refused = raceway(&["serve", "--listen", "127.0.0.1:0"], &as_user);
     let told = String::from_utf8_lossy(&refused.stderr);
-    assert!(!refused.status.success() && told.contains("needs at least 4 connections"), "{told}");
+    assert!(!refused.status.success() && told.contains("needs at least 5 connections"), "{told}");
 }
 
 #[test]

@@ -401,6 +401,23 @@ async function everywhere(browser, url, from) {
   }
 }
 
+/** The page of the OpenAPI document, under the same Content-Security-Policy as the page at `/`. */
+async function apiDocument(browser, url) {
+  const { page, context, faults } = await open(browser, {});
+  const answer = await page.goto(`${url}/docs/`);
+  const policy = answer.headers()['content-security-policy'];
+  assert.ok(policy?.startsWith("default-src 'self';") && !policy.includes('unsafe'), `policy of /docs/: ${policy}`);
+  const operation = page.locator('#operations-jobs-listJobs');
+  await operation.locator('.opblock-summary-control').click();
+  await operation.locator('.try-out__btn').click();
+  await operation.locator('.execute').click();
+  await operation.locator('.live-responses-table .response-col_status').filter({ hasText: '200' }).waitFor();
+  assert.deepEqual(faults, [], 'nothing in the console of /docs/, no other host');
+  await picture(page, 'docs');
+  await context.close();
+  ok('the page of the API document sends a request and violates no policy');
+}
+
 async function withToken(browser) {
   const service = await serve({ RACEWAY_API_TOKENS: TOKEN });
   const { page, context, faults } = await open(browser, {}, (status, path) => status === 401 && path.startsWith('/v1/'));
@@ -451,6 +468,7 @@ try {
   await context.close();
   await links(browser, service.url, plain.hash);
   await everywhere(browser, service.url, `/${plain.hash}`);
+  await apiDocument(browser, service.url);
   await service.stop();
   if (!process.env.PORTAL_URL) await withToken(browser);
 } catch (error) {

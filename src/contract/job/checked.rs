@@ -30,6 +30,18 @@ impl Job {
         }
     }
 
+    /// Number of runs that a submission asks for: the points of a study, else 1.
+    pub fn cost(&self) -> usize {
+        match self {
+            Self::Study(study) => study.points,
+            _ => 1,
+        }
+    }
+
+    pub fn is_study(&self) -> bool {
+        matches!(self, Self::Study(_))
+    }
+
     pub fn kind(&self) -> JobKind {
         match self {
             Self::Simulation(_) => JobKind::Simulation,

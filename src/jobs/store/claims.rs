@@ -6,7 +6,9 @@ use uuid::Uuid;
 
 use super::database::Store;
 use super::dialect::Dialect;
+use super::due;
 use super::notifications::ENDED;
+use super::pool::Tx;
 use super::records::{self, Row};
 use super::results::{self, StoredResult};
 use super::statement::statement;
@@ -18,6 +20,7 @@ use crate::jobs::job::{Failure, JobRecord, NewJob, Status};
 #[derive(Debug, Clone)]
 pub struct Claim {
     pub job: Uuid,
+    pub owner: String,
     pub number: i64,
     pub request: String,
     pub keep_for_s: Option<f64>,
@@ -31,6 +34,7 @@ impl Claim {
     pub fn at_acceptance(job: &NewJob) -> Self {
         Self {
             job: job.id,
+            owner: job.owner.clone(),
             number: 1,
             request: job.request.clone(),
             keep_for_s: job.keep_for_s,
@@ -38,14 +42,6 @@ impl Claim {
             cancel_requested: false,
         }
     }
-}
-
-/// Properties of a job that decide how it runs, read before it is claimed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct JobBrief {
-    /// Number of runs that ended with their process.
-    pub losses: u32,
-    pub kind: String,
 }
 
 /// How a run ended.
@@ -68,7 +64,7 @@ impl End {
     /// The metrics of a succeeded simulation, as JSON text.
     pub fn into_metrics(self) -> Option<String> {
         match self {
-            Self::Succeeded(StoredResult::Simulation { metrics, .. }) => Some(metrics),
+            Self::Succeeded(StoredResult::Simulation { metrics, .. }) => Some(metrics.content),
             _ => None,
         }
     }
@@ -93,50 +89,45 @@ impl Heartbeat {
     }
 }
 
+/// Claims the job; `None`: it has ended, or another delivery has replaced this one.
+///
+/// After `max_lost_runs` losses no run starts. A process that ends while it writes the failure is not counted as another loss.
+pub async fn claim(tx: &mut Tx, job: Uuid, delivery: i64, max_lost_runs: u32) -> Result<Option<Claim>, JobError> {
+    let sql = format!(
+        "UPDATE jobs SET status = 'running', claim = claim + 1, \
+         lost = lost + CASE WHEN status = 'running' AND lost < $4 THEN 1 ELSE 0 END, \
+         started_at = $3, heartbeat_at = {}, progress = 0 \
+         WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running') \
+         RETURNING owner, claim, request, keep_for_s, lost, cancel_requested_at IS NOT NULL",
+        tx.dialect().now()
+    );
+    let claim = statement(sql).bind(job).bind(delivery).bind(stored(Timestamp::now()));
+    let row: Option<(String, i64, String, Option<f64>, i64, bool)> =
+        claim.bind(i64::from(max_lost_runs)).optional(&mut *tx).await?;
+    Ok(row.map(|(owner, number, request, keep_for_s, lost, cancel_requested)| Claim {
+        job,
+        owner,
+        number,
+        request,
+        keep_for_s,
+        lost: u32::try_from(lost).unwrap_or(u32::MAX),
+        cancel_requested,
+    }))
+}
+
 impl Store {
-    /// The brief of a job; `None`: this delivery is void.
-    pub async fn job_brief(&self, job: Uuid, delivery: i64) -> Result<Option<JobBrief>, JobError> {
-        let sql = "SELECT lost + CASE status WHEN 'running' THEN 1 ELSE 0 END, kind FROM jobs \
-                   WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running')";
-        // Through the writer: a reader may not yet see the row that belongs to this delivery.
-        let row: Option<(i64, String)> = statement(sql).bind(job).bind(delivery).optional(&self.writer).await?;
-        Ok(row.map(|(losses, kind)| JobBrief { losses: u32::try_from(losses).unwrap_or(u32::MAX), kind }))
-    }
-
-    /// Claims the job; `None`: it has ended, or another delivery has replaced this one.
-    ///
-    /// After `max_lost_runs` losses no run starts. A process that ends while it writes the failure is not counted as another loss.
-    pub async fn claim(&self, job: Uuid, delivery: i64, max_lost_runs: u32) -> Result<Option<Claim>, JobError> {
-        let now = self.dialect().now();
-        let sql = format!(
-            "UPDATE jobs SET status = 'running', claim = claim + 1, \
-             lost = lost + CASE WHEN status = 'running' AND lost < $4 THEN 1 ELSE 0 END, \
-             started_at = $3, heartbeat_at = {now}, progress = 0 \
-             WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running') \
-             RETURNING claim, request, keep_for_s, lost, cancel_requested_at IS NOT NULL"
-        );
-        let claim = statement(sql).bind(job).bind(delivery).bind(stored(Timestamp::now()));
-        let row: Option<(i64, String, Option<f64>, i64, bool)> =
-            claim.bind(i64::from(max_lost_runs)).optional(&self.writer).await?;
-        Ok(row.map(|(number, request, keep_for_s, lost, cancel_requested)| Claim {
-            job,
-            number,
-            request,
-            keep_for_s,
-            lost: u32::try_from(lost).unwrap_or(u32::MAX),
-            cancel_requested,
-        }))
-    }
-
-    /// Records that the run is alive, with its progress.
-    pub async fn heartbeat(&self, claim: &Claim, progress: f64) -> Result<Heartbeat, JobError> {
+    /// Records that the run is alive, with its progress and the time that it used since the last record [s].
+    pub async fn heartbeat(&self, claim: &Claim, progress: f64, used_s: f64) -> Result<Heartbeat, JobError> {
         let now = self.dialect().now();
         let sql = format!(
             "UPDATE jobs SET heartbeat_at = {now}, progress = $3 \
              WHERE id = $1 AND claim = $2 AND status = 'running' RETURNING cancel_requested_at IS NOT NULL"
         );
+        let mut tx = self.begin().await?;
         let cancel_requested: Option<bool> =
-            statement(sql).bind(claim.job).bind(claim.number).bind(progress).value(&self.writer).await?;
+            statement(sql).bind(claim.job).bind(claim.number).bind(progress).value(&mut tx).await?;
+        due::charge(&claim.owner, used_s).run(&mut tx).await?;
+        tx.commit().await?;
         Ok(Heartbeat::of(cancel_requested))
     }
 
@@ -148,12 +139,14 @@ impl Store {
         Ok(())
     }
 
-    /// Writes the end of the run and returns the job's record; `None`: the claim is lost, and nothing is written.
+    /// Writes the end of the run and returns the job's record; `None`: the claim is lost, and nothing is written. `used_s` is the
+    /// processor time [s] that no heartbeat has recorded.
     pub async fn finish(
         &self,
         claim: &Claim,
         end: &End,
         progress: f64,
+        used_s: f64,
         keep_s: f64,
     ) -> Result<Option<JobRecord>, JobError> {
         let (result, failure) = match end {
@@ -191,7 +184,8 @@ impl Store {
                 let notify = format!("SELECT {}, pg_notify('{ENDED}', CAST(id AS TEXT)) FROM ended", records::COLUMNS);
                 let inserts = insertion(" FROM ended WHERE status = 'succeeded'");
                 let inserts = inserts.into_iter().enumerate().map(|(k, insert)| (format!("insert{k}"), insert));
-                let before = std::iter::once(("ended".to_owned(), update)).chain(inserts);
+                let charge = ("charged".to_owned(), due::charge(&claim.owner, used_s));
+                let before = [("ended".to_owned(), update), charge].into_iter().chain(inserts);
                 statement(notify).with(before).optional(&self.writer).await?
             }
             Dialect::Sqlite => {
@@ -205,6 +199,7 @@ impl Store {
                     if let (Some((id, _)), false) = (result, row.is_succeeded()) {
                         results::remove_orphan(&mut tx, id).await?;
                     }
+                    due::charge(&claim.owner, used_s).run(&mut tx).await?;
                     tx.commit().await?;
                 }
                 row

@@ -9,15 +9,17 @@ use sqlx::{Connection, PgConnection, SqliteConnection};
 
 use crate::jobs::error::JobError;
 
-/// Opens a file with one connection that writes and `readers` connections that read.
-pub async fn open_file(
-    path: &Path,
-    readers: u32,
-    max_pages: Option<u32>,
-) -> Result<(SqlitePool, SqlitePool), JobError> {
+/// Connections to a file.
+pub struct OpenFile {
+    pub writer: SqlitePool,
+    pub readers: [SqlitePool; 2],
+}
+
+/// Opens a file with one connection that writes and two pools of as many connections that read.
+pub async fn open_file(path: &Path, readers: [u32; 2], max_pages: Option<u32>) -> Result<OpenFile, JobError> {
+    create_private(path)?;
     let mut options = SqliteConnectOptions::new()
         .filename(path)
-        .create_if_missing(true)
         .journal_mode(SqliteJournalMode::Wal)
         // An answer 202 promises that the job survives a power cut.
         .synchronous(SqliteSynchronous::Full)
@@ -32,8 +34,21 @@ pub async fn open_file(
         options = options.pragma("max_page_count", pages.to_string());
     }
     let writer = file_pool(1).connect_with(options.clone()).await?;
-    let readers = file_pool(readers).connect_lazy_with(options.create_if_missing(false).read_only(true));
-    Ok((writer, readers))
+    let options = options.read_only(true);
+    let readers = readers.map(|connections| file_pool(connections).connect_lazy_with(options.clone()));
+    Ok(OpenFile { writer, readers })
+}
+
+/// Creates a missing file that only its user can read and write. SQLite gives its log the same mode.
+pub fn create_private(path: &Path) -> std::io::Result<()> {
+    let mut options = std::fs::OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    match options.open(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => Err(error),
+        _ => Ok(()),
+    }
 }
 
 fn file_pool(connections: u32) -> SqlitePoolOptions {
@@ -53,8 +68,9 @@ fn is_outside_transactions(connection: &SqliteConnection) -> bool {
     !connection.is_in_transaction()
 }
 
-/// Least number of connections of a process that runs jobs: two listen to notifications, one takes deliveries, one writes.
-const MIN_CONNECTIONS: usize = 4;
+/// Least number of connections of a process that runs jobs: two listen to notifications, one takes deliveries, one writes, one reads
+/// lists.
+const MIN_CONNECTIONS: usize = 5;
 
 /// Fails if the server grants fewer than the least number of connections: runs would wait for each other.
 pub async fn check_connection_limit(options: &PgConnectOptions) -> Result<(), JobError> {
@@ -78,14 +94,19 @@ pub async fn check_connection_limit(options: &PgConnectOptions) -> Result<(), Jo
     Ok(())
 }
 
-/// Connects to a server.
-pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgPool, JobError> {
+/// Connects to a server with two pools of as many connections. The second one opens its connections when it needs them.
+pub async fn connect(options: &PgConnectOptions, connections: [u32; 2]) -> Result<[PgPool; 2], JobError> {
     // A process that freezes within a transaction would hold its locks and block all others.
     let options = options.clone().application_name("raceway").options([("idle_in_transaction_session_timeout", "10s")]);
     // The pool retries without reporting the cause; one direct connection reports it.
     PgConnection::connect_with(&options).await?.close().await?;
-    let port = options.get_port();
-    let pool = PgPoolOptions::new()
+    let [first, second] = connections.map(|connections| server_pool(connections, options.get_port()));
+    let second = second.connect_lazy_with(options.clone());
+    Ok([first.connect_with(options).await?, second])
+}
+
+fn server_pool(connections: u32, port: u16) -> PgPoolOptions {
+    PgPoolOptions::new()
         .max_connections(connections)
         .after_connect(move |_, _| {
             #[cfg(target_os = "linux")]
@@ -105,8 +126,7 @@ pub async fn connect(options: &PgConnectOptions, connections: u32) -> Result<PgP
         // Runs before the pool's own ping, which has no time limit.
         .after_release(|connection, _| {
             Box::pin(async move { if answers(connection).await { Ok(true) } else { Err(sqlx::Error::WorkerCrashed) } })
-        });
-    Ok(pool.connect_with(options).await?)
+        })
 }
 
 /// Returns whether the server answers a ping in time.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use super::dialect::Dialect;
 use super::location::Location;
@@ -16,32 +17,60 @@ use crate::jobs::service_metrics::ServiceMetrics;
 pub struct Store {
     pub(super) writer: Pool,
     pub(super) readers: Pool,
+    /// Connections of lists, apart from those of single jobs: a search among many jobs delays no status.
+    pub(super) lists: Pool,
     pub metrics: Arc<ServiceMetrics>,
     disk_full: Arc<AtomicBool>,
     unwritable: Arc<AtomicBool>,
 }
 
+/// Longest time for which a request waits for the database, shorter than the ten seconds after which its answer is promised.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(8);
+
+/// The result of a short operation of a request; an error if the database does not answer in time.
+///
+/// What was to be written may be written later nevertheless.
+pub async fn in_time<T>(operation: impl Future<Output = Result<T, JobError>>) -> Result<T, JobError> {
+    let answered = tokio::time::timeout(ANSWER_TIMEOUT, operation).await;
+    answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))
+}
+
 /// Connections that read a file. A query takes well under a millisecond, so a few are enough.
 const READERS: u32 = 3;
 
-/// Connections to a server in addition to one for each worker: requests, submissions, sweeps, and the queue's own.
-const CONNECTIONS: u32 = 8;
+/// Connections that read lists from a file. One leaves the other cores to all other requests.
+const LIST_READERS: u32 = 1;
+
+/// Connections to a server that read lists.
+const LIST_CONNECTIONS: u32 = 2;
+
+/// Connections to a server in addition to one for each worker: requests, submissions, sweeps, and the queue's own; lists have more.
+const CONNECTIONS: u32 = 6;
 
 impl Store {
     /// Opens the database.
     pub async fn open(location: &Location, workers: usize, max_pages: Option<u32>) -> Result<Self, JobError> {
-        let (writer, readers) = match location {
+        let (writer, readers, lists) = match location {
             Location::File(path) => {
-                let (writer, readers) = connections::open_file(path, READERS, max_pages).await?;
-                (Pool::Sqlite(writer), Pool::Sqlite(readers))
+                let file = connections::open_file(path, [READERS, LIST_READERS], max_pages).await?;
+                let [readers, lists] = file.readers.map(Pool::Sqlite);
+                (Pool::Sqlite(file.writer), readers, lists)
             }
             Location::Server(options) => {
                 let workers = u32::try_from(workers).unwrap_or(u32::MAX);
-                let pool = Pool::Postgres(connections::connect(options, CONNECTIONS.saturating_add(workers)).await?);
-                (pool.clone(), pool)
+                let connections = [CONNECTIONS.saturating_add(workers), LIST_CONNECTIONS];
+                let [pool, lists] = connections::connect(options, connections).await?.map(Pool::Postgres);
+                (pool.clone(), pool, lists)
             }
         };
-        Ok(Self { writer, readers, metrics: Arc::default(), disk_full: Arc::default(), unwritable: Arc::default() })
+        Ok(Self {
+            writer,
+            readers,
+            lists,
+            metrics: Arc::default(),
+            disk_full: Arc::default(),
+            unwritable: Arc::default(),
+        })
     }
 
     /// Brings the tables up to date.
@@ -106,20 +135,16 @@ impl Store {
         written
     }
 
-    /// Succeeds if the database answers.
-    pub async fn ping(&self) -> Result<(), JobError> {
-        statement("SELECT 1 FROM jobs LIMIT 1").run(&self.readers).await?;
-        Ok(())
-    }
-
     /// Closes the connections to a database that other processes continue to use.
     pub async fn disconnect(&self) {
+        self.lists.close().await;
         self.readers.close().await;
         self.writer.close().await;
     }
 
     /// Closes the database, and moves the log of a file into the file first.
     pub async fn close(&self) {
+        self.lists.close().await;
         self.readers.close().await;
         if self.dialect() == Dialect::Sqlite
             && let Err(error) = statement("PRAGMA wal_checkpoint(TRUNCATE)").run(&self.writer).await

@@ -10,30 +10,6 @@ use super::pool::{Pool, Tx};
 use super::statement::statement;
 use crate::jobs::error::JobError;
 
-/// Queue priority of study shards: behind single jobs of default priority.
-const SHARD_PRIORITY: u8 = 4;
-
-/// An entry of the queue.
-#[derive(Debug, Clone, Copy)]
-pub struct Delivery {
-    pub job: Uuid,
-    pub priority: u8,
-    /// Whether this is a shard of a study.
-    pub shard: bool,
-}
-
-impl Delivery {
-    /// A single job.
-    pub fn of_job(job: Uuid, priority: u8) -> Self {
-        Self { job, priority, shard: false }
-    }
-
-    /// `count` shards of a study.
-    pub fn shards(study: Uuid, count: usize) -> Vec<Self> {
-        vec![Self { job: study, priority: SHARD_PRIORITY, shard: true }; count]
-    }
-}
-
 /// Makes deliveries due whose due time lies further ahead than the queue ever sets one; returns their number.
 ///
 /// After a clock was set back, here or on the machine that inserted them, they would wait for as long as that.
@@ -74,12 +50,5 @@ impl Store {
             return Ok(0);
         }
         statement("UPDATE river_job SET state = 'available' WHERE state = 'running'").run(&self.writer).await
-    }
-
-    /// Returns whether deliveries wait that go before studies, and whether any wait.
-    pub async fn others_wait(&self) -> Result<(bool, bool), JobError> {
-        let sql =
-            "SELECT count(*) FILTER (WHERE priority < $1) > 0, count(*) > 0 FROM river_job WHERE state = 'available'";
-        statement(sql).bind(i64::from(SHARD_PRIORITY)).one(&self.writer).await
     }
 }

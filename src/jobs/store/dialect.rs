@@ -16,14 +16,26 @@ impl Dialect {
         }
     }
 
-    /// Condition: the labels of a job contain the value bound at this place.
-    pub fn has_label(self, place: usize) -> String {
+    /// Join that reads the job of each row of `job_labels`, in the order of these rows: no estimate of the database, which knows nothing
+    /// about one owner, makes it begin with all jobs.
+    pub fn jobs_of_labels(self) -> &'static str {
         match self {
-            Self::Sqlite => {
-                format!("EXISTS (SELECT 1 FROM json_each(jobs.labels) AS label WHERE label.value = ${place})")
+            Self::Sqlite => "job_labels CROSS JOIN jobs ON jobs.id = job_labels.job",
+            Self::Postgres => {
+                "job_labels CROSS JOIN LATERAL (SELECT * FROM jobs WHERE jobs.id = job_labels.job OFFSET 0) AS jobs"
             }
-            Self::Postgres => format!("jsonb_exists(CAST(jobs.labels AS JSONB), ${place})"),
         }
+    }
+
+    /// Condition: the job has the label of the owner ($1) that is bound at this place. It is tested for each job.
+    pub fn has_label(self, place: &str) -> String {
+        let each = match self {
+            Self::Sqlite => "",
+            Self::Postgres => " OFFSET 0",
+        };
+        format!(
+            "EXISTS (SELECT 1 FROM job_labels AS l WHERE l.owner = $1 AND l.label = {place} AND l.job = jobs.id{each})"
+        )
     }
 
     /// Condition: a process that is no longer listed as a worker holds the delivery (`river_job`).
@@ -36,6 +48,14 @@ impl Dialect {
                 "river_job.state = 'running' AND NOT EXISTS (SELECT 1 FROM workers WHERE CAST(workers.id AS TEXT) \
                  = river_job.attempted_by[array_upper(river_job.attempted_by, 1)])"
             }
+        }
+    }
+
+    /// Suffix that locks the rows of a query and leaves out those that another transaction has locked. SQLite has a single writer.
+    pub fn for_update_of_free_rows(self) -> &'static str {
+        match self {
+            Self::Sqlite => "",
+            Self::Postgres => " FOR UPDATE SKIP LOCKED",
         }
     }
 

@@ -1,24 +1,20 @@
 //! Idempotency keys and the jobs they created.
 
-use jiff::{SignedDuration, Timestamp};
+use jiff::Timestamp;
 use sqlx::FromRow;
 use uuid::Uuid;
 
-use super::database::Store;
 use super::pool::Tx;
 use super::statement::statement;
 use super::stored_time::{stored, time};
 use crate::jobs::error::JobError;
 use crate::jobs::job::{IdempotencyKey, JobRecord, NewJob, Status};
 
-/// Shortest time for which a key is kept after its first use.
-const MIN_RETENTION: SignedDuration = SignedDuration::from_hours(24);
-
 /// The job that a key created, with the fields of the first answer.
 #[derive(Debug, FromRow)]
 pub struct FirstUse {
     fingerprint: Vec<u8>,
-    job: Uuid,
+    pub job: Uuid,
     created_at: i64,
     reused: bool,
     expires_at: Option<i64>,
@@ -74,19 +70,4 @@ pub async fn record(
         .run(&mut *tx)
         .await?;
     Ok(())
-}
-
-impl Store {
-    /// Deletes keys older than the retention whose job is deleted.
-    pub async fn forget_keys(&self) -> Result<(), JobError> {
-        let before = Timestamp::now().saturating_sub(MIN_RETENTION).unwrap_or(Timestamp::MIN);
-        let old = "SELECT EXISTS (SELECT 1 FROM idempotency_keys WHERE created_at < $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = job))";
-        let any: bool = statement(old).bind(stored(before)).value(&self.readers).await?.unwrap_or(false);
-        if any {
-            let sql =
-                "DELETE FROM idempotency_keys WHERE created_at < $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = job)";
-            statement(sql).bind(stored(before)).run(&self.writer).await?;
-        }
-        Ok(())
-    }
 }

@@ -1,14 +1,12 @@
-//! Lost runs, expired jobs, listed workers, and a test write to the disk.
+//! Lost runs, listed workers, and a test write to the disk.
 
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
 use super::database::Store;
-use super::deliveries::Delivery;
 use super::dialect::Dialect;
 use super::notifications::notify_ended;
 use super::pool::Tx;
-use super::records;
 use super::statement::statement;
 use super::stored_time::{micros, stored};
 use crate::jobs::error::JobError;
@@ -17,12 +15,12 @@ use crate::jobs::service_metrics::QueueDepth;
 /// Largest number of rows of one transaction: the writer is shared with submissions.
 const MAX_ROWS: i64 = 500;
 
-/// Deliveries for unfinished jobs that no process will run otherwise.
+/// Unfinished jobs that no process will run without a new delivery.
 ///
 /// - The delivery is missing or completed.
 /// - The process that holds the delivery has died before it claimed the job.
 /// - The run, with a delivery or without, has sent no heartbeat for `lost_after`. Runs of this process (`alive`) need none.
-pub async fn undeliverable(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<Delivery>, JobError> {
+pub async fn undeliverable(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uuid]) -> Result<Vec<Uuid>, JobError> {
     let (now, orphaned) = (tx.dialect().now(), tx.dialect().is_orphaned());
     // A job that started as it was accepted never had a delivery. In a file it can only be a run of this process, or of a dead one.
     let had_none = match tx.dialect() {
@@ -30,15 +28,14 @@ pub async fn undeliverable(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uui
         Dialect::Postgres => "jobs.status = 'running' AND jobs.delivery IS NULL",
     };
     let sql = format!(
-        "SELECT jobs.id, jobs.priority FROM jobs LEFT JOIN river_job ON river_job.id = jobs.delivery \
+        "SELECT jobs.id FROM jobs LEFT JOIN river_job ON river_job.id = jobs.delivery \
          WHERE jobs.kind <> 'study' AND jobs.status IN ('queued', 'running') AND ((river_job.id IS NULL AND NOT ({had_none})) \
          OR river_job.state IN ('completed', 'cancelled', 'discarded') \
          OR (jobs.status = 'queued' AND {orphaned}) \
          OR (jobs.status = 'running' AND jobs.heartbeat_at < {now} - $1)) LIMIT $2"
     );
-    let rows: Vec<(Uuid, i64)> = statement(sql).bind(micros(lost_after)).bind(MAX_ROWS).all(&mut *tx).await?;
-    let lost = rows.into_iter().filter(|row| !alive.contains(&row.0));
-    Ok(lost.map(|(id, priority)| Delivery::of_job(id, u8::try_from(priority).unwrap_or(2))).collect())
+    let jobs: Vec<Uuid> = statement(sql).bind(micros(lost_after)).bind(MAX_ROWS).values(&mut *tx).await?;
+    Ok(jobs.into_iter().filter(|job| !alive.contains(job)).collect())
 }
 
 /// Ends jobs whose cancellation was requested and that no process runs.
@@ -112,21 +109,6 @@ impl Store {
     pub async fn unlist_worker(&self, worker: Uuid) -> Result<(), JobError> {
         statement("DELETE FROM workers WHERE id = $1").bind(worker).run(&self.writer).await?;
         Ok(())
-    }
-
-    /// Expired jobs.
-    pub async fn expired(&self) -> Result<Vec<Uuid>, JobError> {
-        let sql = "SELECT id FROM jobs WHERE expires_at < $1 LIMIT $2";
-        statement(sql).bind(stored(Timestamp::now())).bind(MAX_ROWS).values(&self.readers).await
-    }
-
-    /// Removes expired jobs.
-    pub async fn remove(&self, jobs: &[Uuid]) -> Result<(), JobError> {
-        let mut tx = self.begin().await?;
-        for job in jobs {
-            records::delete(&mut tx, *job).await?;
-        }
-        tx.commit().await
     }
 
     /// Writes one row; fails if the disk is full or the database is read-only.

@@ -16,20 +16,30 @@ pub mod database;
 pub mod deliveries;
 /// SQL that differs between the two databases.
 pub mod dialect;
+/// Digests of stored answers.
+pub mod digest;
+/// Whose work is due.
+pub mod due;
 /// Idempotency keys and the jobs they created.
 pub mod idempotency_keys;
+/// Whether stored results are what was written.
+pub mod integrity;
 /// A file or a server.
 pub mod location;
-/// Lost runs, expired jobs, and listed workers.
+/// Lost runs and listed workers.
 pub mod maintenance;
 /// The tables, brought up to date.
 mod migrations;
 /// Notifications between processes.
 pub mod notifications;
+/// Names of the parts of a result.
+mod part_names;
 /// Connection pools and write transactions.
 pub mod pool;
-/// Jobs read and listed, cancelled and deleted.
+/// Jobs read, listed and cancelled.
 pub mod records;
+/// Removed jobs.
+pub mod removal;
 /// Results written and read.
 pub mod results;
 /// Spectra as they are stored.
@@ -47,3 +57,5 @@ pub mod submissions;
 mod tcp_options;
 /// Bearer tokens.
 pub mod tokens;
+/// Deliveries used as turns.
+pub mod turns;

@@ -1,4 +1,6 @@
-//! Jobs read and listed, cancelled and deleted.
+//! Jobs read, listed and cancelled.
+
+use std::collections::BTreeSet;
 
 use jiff::Timestamp;
 use sqlx::FromRow;
@@ -6,8 +8,9 @@ use uuid::Uuid;
 
 use super::database::Store;
 use super::dialect::Dialect;
+use super::digest::Sealed;
+use super::part_names::METRICS;
 use super::pool::Tx;
-use super::results;
 use super::statement::{Statement, Value, statement};
 use super::stored_time::{stored, time};
 use crate::jobs::error::JobError;
@@ -61,6 +64,7 @@ struct RowWithMetrics {
     #[sqlx(flatten)]
     row: Row,
     metrics: Option<String>,
+    digest: Option<Vec<u8>>,
 }
 
 impl Row {
@@ -100,18 +104,27 @@ impl Store {
     /// A job of this owner, with the metrics of a succeeded simulation, as JSON text.
     pub async fn job_with_metrics(&self, owner: &str, id: Uuid) -> Result<(JobRecord, Option<String>), JobError> {
         let sql = format!(
-            "SELECT {COLUMNS}, (SELECT metrics FROM results WHERE results.id = jobs.result_id) AS metrics \
-             FROM jobs WHERE id = $1 AND owner = $2"
+            "SELECT {COLUMNS}, results.metrics AS metrics, results.digest AS digest \
+             FROM jobs LEFT JOIN results ON results.id = jobs.result_id WHERE jobs.id = $1 AND owner = $2",
+            COLUMNS = COLUMNS.replacen("id", "jobs.id", 1)
         );
-        let found: Option<RowWithMetrics> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
-        let RowWithMetrics { row, metrics } = found.ok_or(JobError::NotFound)?;
-        // Jobs of other kinds have a report and no metrics.
-        Ok((row.record()?, metrics.filter(|metrics| !metrics.is_empty())))
+        let read = async {
+            let found: Option<RowWithMetrics> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
+            let RowWithMetrics { row, metrics, digest } = found.ok_or(JobError::NotFound)?;
+            let metrics = metrics.map(|metrics| Sealed::stored((metrics, digest)).opened()).transpose()?;
+            // Jobs of other kinds have a report and no metrics.
+            Ok((row.record()?, metrics.filter(|metrics| !metrics.is_empty())))
+        };
+        self.noted(id, METRICS, read.await).await
     }
 
-    /// A page of this owner's jobs, newest first, and whether there are more.
-    pub async fn jobs(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, bool), JobError> {
-        let list = list(owner, filter, self.dialect());
+    /// A page of this owner's jobs, newest first, and the job after which the next page starts.
+    pub async fn jobs(&self, owner: &str, filter: &Filter) -> Result<(Vec<JobRecord>, Option<Uuid>), JobError> {
+        let list = List::of(owner, filter, self.dialect());
+        let floor: Option<Uuid> = match list.floor() {
+            Some(floor) => floor.value(&self.lists).await?,
+            None => None,
+        };
         let (mut page, mut bytes, mut more) = (Vec::new(), 0, false);
         let takes_more = |row: Row| {
             more = page.len() == filter.limit as usize || bytes > PAGE_BYTES;
@@ -121,39 +134,106 @@ impl Store {
             }
             Ok(!more)
         };
-        list.each(&self.readers, takes_more).await?;
-        Ok((page, more))
+        list.page(floor).each(&self.lists, takes_more).await?;
+        let next = if more { page.last().map(|record| record.id) } else { floor };
+        Ok((page, next))
     }
 }
 
-/// The query of a page, with one job more.
-fn list(owner: &str, filter: &Filter, dialect: Dialect) -> Statement {
-    let mut values = vec![owner.into()];
-    let mut place = |value| {
-        values.push(value);
-        values.len()
-    };
-    let mut sql = format!("SELECT {COLUMNS} FROM jobs WHERE owner = $1");
-    if let Some(before) = filter.before {
-        sql += &format!(" AND id < ${}", place(before.into()));
-    }
-    let statuses = filter.statuses.iter().map(|status| status.name().into()).collect();
-    let kinds = filter.kinds.iter().map(Into::into).collect();
-    for (column, any) in [("status", statuses), ("kind", kinds)] {
-        let any: Vec<Value> = any;
-        if !any.is_empty() {
-            let places: Vec<String> = any.into_iter().map(|value| format!("${}", place(value))).collect();
-            sql += &format!(" AND {column} IN ({})", places.join(", "));
+/// Largest number of jobs that a page looks at: filters that no index serves end the page there, whatever the owner has.
+const MAX_LOOKS: i64 = 2000;
+
+/// A list of jobs: the rows of an index that stand together, newest first, and conditions on each of them.
+struct List {
+    /// Conditions by which the index finds the rows. The rows of several are merged.
+    sources: Vec<String>,
+    /// The table of the index.
+    table: &'static str,
+    /// The table, with the jobs.
+    with_jobs: &'static str,
+    /// Column of the job in the index.
+    job: &'static str,
+    /// Conditions beyond the index.
+    conditions: String,
+    values: Vec<Value>,
+    limit: u32,
+}
+
+impl List {
+    fn of(owner: &str, filter: &Filter, dialect: Dialect) -> Self {
+        let mut values = vec![owner.into()];
+        let mut place = |value: Value| {
+            values.push(value);
+            format!("${}", values.len())
+        };
+        let labels: Vec<String> = filter.labels.iter().map(|label| place(label.into())).collect();
+        // Each once: the rows of two equal sources would be listed twice.
+        let statuses: Vec<&str> =
+            BTreeSet::from_iter(filter.statuses.iter().map(|status| status.name())).into_iter().collect();
+        let status_in = format!("jobs.status IN ('{}')", statuses.join("', '"));
+        let mut conditions = Vec::new();
+        // The rarest of the indexed properties cannot be known without a count. A label selects fewer jobs than a status.
+        let (table, with_jobs, job) = match labels.is_empty() {
+            true => ("jobs", "jobs", "jobs.id"),
+            false => ("job_labels", dialect.jobs_of_labels(), "job_labels.job"),
+        };
+        let sources = match (labels.split_first(), statuses.is_empty()) {
+            (Some((first, others)), no_status) => {
+                conditions.extend(others.iter().map(|label| dialect.has_label(label)));
+                conditions.extend((!no_status).then_some(status_in));
+                vec![format!("job_labels.owner = $1 AND job_labels.label = {first}")]
+            }
+            (None, true) => vec!["jobs.owner = $1".to_owned()],
+            (None, false) => {
+                statuses.iter().map(|status| format!("jobs.owner = $1 AND jobs.status = '{status}'")).collect()
+            }
+        };
+        if !filter.kinds.is_empty() {
+            let kinds: Vec<String> = filter.kinds.iter().map(|kind| place(kind.into())).collect();
+            conditions.push(format!("jobs.kind IN ({})", kinds.join(", ")));
+        }
+        conditions.extend(
+            filter.without_labels.iter().map(|label| format!("NOT {}", dialect.has_label(&place(label.into())))),
+        );
+        let before = filter.before.map(|before| format!(" AND {job} < {}", place(before.into()))).unwrap_or_default();
+        Self {
+            sources: sources.into_iter().map(|source| source + &before).collect(),
+            table,
+            with_jobs,
+            job,
+            conditions: conditions.into_iter().map(|condition| format!(" AND {condition}")).collect(),
+            values,
+            limit: filter.limit,
         }
     }
-    for label in &filter.labels {
-        sql += &format!(" AND {}", dialect.has_label(place(label.into())));
+
+    /// The query of the last job that a page looks at; `None` if the index alone selects the jobs.
+    fn floor(&self) -> Option<Statement> {
+        let found = |source: &String| format!("SELECT {} AS id FROM {} WHERE {source}", self.job, self.table);
+        let sql = format!("{} ORDER BY id DESC LIMIT 1 OFFSET {}", self.merged(found), MAX_LOOKS - 1);
+        (!self.conditions.is_empty()).then(|| self.bound(sql, None))
     }
-    for label in &filter.without_labels {
-        sql += &format!(" AND NOT {}", dialect.has_label(place(label.into())));
+
+    /// The query of a page, with one job more.
+    fn page(&self, floor: Option<Uuid>) -> Statement {
+        let place = self.values.len() + 1;
+        let above = floor.map(|_| format!(" AND {} >= ${place}", self.job)).unwrap_or_default();
+        let columns = COLUMNS.replacen("id", &format!("{} AS id", self.job), 1);
+        let found = |source: &String| {
+            format!("SELECT {columns} FROM {} WHERE {source}{above}{}", self.with_jobs, self.conditions)
+        };
+        let sql = format!("{} ORDER BY id DESC LIMIT {}", self.merged(found), i64::from(self.limit) + 1);
+        self.bound(sql, floor)
     }
-    sql += &format!(" ORDER BY id DESC LIMIT ${}", place((i64::from(filter.limit) + 1).into()));
-    values.into_iter().fold(statement(sql), Statement::bind)
+
+    /// The union of the sources, whose order the database keeps while it merges them.
+    fn merged(&self, select: impl Fn(&String) -> String) -> String {
+        self.sources.iter().map(select).collect::<Vec<_>>().join(" UNION ALL ")
+    }
+
+    fn bound(&self, sql: String, floor: Option<Uuid>) -> Statement {
+        self.values.iter().cloned().chain(floor.map(Value::from)).fold(statement(sql), Statement::bind)
+    }
 }
 
 /// A job's status, delivery and kind, in a transaction that may change them.
@@ -182,12 +262,144 @@ pub async fn request_cancel(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
     Ok(())
 }
 
-/// Removes an ended job, and its result unless another job shares it.
-pub async fn delete(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
-    let sql = "DELETE FROM jobs WHERE id = $1 RETURNING result_id";
-    let result: Option<Option<Uuid>> = statement(sql).bind(id).value(&mut *tx).await?;
-    match result.flatten() {
-        Some(result) => results::remove_orphan(tx, result).await,
-        None => Ok(()),
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jobs::store::location::Location;
+
+    /// Rows of one owner, with a label of all jobs, one of every hundredth and one of one, and of another owner.
+    async fn filled(location: Location) -> Store {
+        let store = Store::open(&location, 1, None).await.expect("the database opens");
+        store.migrate().await.expect("the tables are made");
+        let (id, bytes) = match store.dialect() {
+            Dialect::Sqlite => ("randomblob(16)", "x'00'"),
+            Dialect::Postgres => ("gen_random_uuid()", "CAST('\\x00' AS BYTEA)"),
+        };
+        let labels = [("all", "1 = 1"), ("hundredth", "created_at % 100 = 7"), ("one", "created_at = 7")];
+        let mut sql = vec![format!(
+            "INSERT INTO jobs (id, owner, kind, status, request, labels, priority, created_at, finished_at, content_hash, error_cause) \
+             WITH RECURSIVE n (i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i < 5999) \
+             SELECT {id}, CASE WHEN i % 3 = 0 THEN 'b' ELSE 'a' END, 'simulation', \
+             CASE WHEN i % 500 = 0 THEN 'failed' ELSE 'cancelled' END, '{{}}', '[]', 2, i, i, {bytes}, \
+             CASE WHEN i % 500 = 0 THEN 'internal' END FROM n"
+        )];
+        sql.extend(labels.map(|(label, condition)| {
+            format!("INSERT INTO job_labels SELECT owner, '{label}', id FROM jobs WHERE {condition}")
+        }));
+        if store.dialect() == Dialect::Postgres {
+            sql.push("ANALYZE".to_owned());
+        }
+        for sql in sql {
+            statement(sql).run(&store.writer).await.expect("the rows are right");
+        }
+        store
+    }
+
+    fn filters() -> [Filter; 7] {
+        let of = |labels: &[&str], statuses: &[Status]| Filter {
+            labels: labels.iter().map(|label| (*label).to_owned()).collect(),
+            statuses: statuses.to_vec(),
+            limit: 50,
+            ..Filter::default()
+        };
+        let failed = [Status::Failed];
+        [
+            of(&[], &[]),
+            of(&["one"], &[]),
+            of(&["all"], &failed),
+            of(&["all", "one"], &[]),
+            of(&[], &failed),
+            of(&[], &[Status::Failed, Status::Running, Status::Failed]),
+            Filter { without_labels: vec!["all".to_owned()], before: Some(Uuid::max()), ..of(&[], &[]) },
+        ]
+    }
+
+    async fn assert_plans(store: &Store) {
+        for filter in filters() {
+            let list = List::of("a", &filter, store.dialect());
+            for query in [Some(list.page(None)), Some(list.page(Some(Uuid::nil()))), list.floor()].into_iter().flatten()
+            {
+                let plan: Vec<String> = match store.dialect() {
+                    Dialect::Sqlite => {
+                        let steps: Vec<(i64, i64, i64, String)> =
+                            query.explained("EXPLAIN QUERY PLAN").all(&store.lists).await.expect("a plan");
+                        steps.into_iter().map(|step| step.3).collect()
+                    }
+                    Dialect::Postgres => query.explained("EXPLAIN").values(&store.lists).await.expect("a plan"),
+                };
+                let plan = plan.join("\n");
+                // PostgreSQL sorts a few rows by itself.
+                for costly in ["SCAN jobs", "SCAN job_labels", "TEMP B-TREE", "Seq Scan", "Hash", "Merge Join"] {
+                    assert!(!plan.contains(costly), "{filter:?}:\n{plan}");
+                }
+                let index = match (filter.labels.is_empty(), filter.statuses.is_empty()) {
+                    (false, _) => "job_labels",
+                    (true, false) => "jobs_by_status",
+                    (true, true) => "jobs_of_owner",
+                };
+                assert!(plan.contains(index), "{filter:?}:\n{plan}");
+            }
+        }
+    }
+
+    async fn assert_pages(store: &Store) {
+        let of = |labels: &[&str], statuses: &[Status]| Filter {
+            labels: labels.iter().map(|label| (*label).to_owned()).collect(),
+            statuses: statuses.to_vec(),
+            limit: 50,
+            ..Filter::default()
+        };
+        let cases = [
+            (of(&[], &[Status::Failed, Status::Failed]), 8),
+            (of(&["one"], &[]), 1),
+            (of(&["all"], &[Status::Failed]), 8),
+        ];
+        for (mut filter, count) in cases {
+            let (mut found, mut pages) = (Vec::new(), 0);
+            loop {
+                let (page, next) = store.jobs("a", &filter).await.expect("a page");
+                found.extend(page.into_iter().map(|job| job.id));
+                pages += 1;
+                filter.before = next;
+                if next.is_none() {
+                    break;
+                }
+            }
+            assert_eq!(found.len(), count, "{filter:?}");
+            assert!(found.is_sorted_by(|one, next| one > next));
+            // 4000 jobs of the owner have the label, and a page looks at 2000.
+            assert!(pages <= 3, "{filter:?}: {pages} pages");
+        }
+    }
+
+    fn checked(location: Location) {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+        runtime.block_on(async {
+            let store = filled(location).await;
+            assert_plans(&store).await;
+            assert_pages(&store).await;
+            store.disconnect().await;
+        });
+    }
+
+    #[test]
+    fn lists_read_an_index_in_order() {
+        let place = tempfile::tempdir().expect("a directory");
+        checked(Location::File(place.path().join("jobs.db")));
+    }
+
+    #[test]
+    fn lists_read_an_index_in_order_on_postgres() {
+        use sqlx::{Connection, Executor};
+        let Ok(server) = std::env::var("RACEWAY_TEST_POSTGRES") else { return };
+        let name = format!("raceway_{}", Uuid::now_v7().simple());
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+        runtime.block_on(async {
+            let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
+            let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
+            connection.execute(create).await.expect("a database can be made");
+        });
+        let (server, _) = server.rsplit_once('/').expect("a URL with a database");
+        checked(Location::server(&format!("{server}/{name}")).expect("a URL"));
     }
 }

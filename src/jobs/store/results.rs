@@ -2,11 +2,14 @@
 //! other kinds have one compressed report.
 
 use raceway_core::numerics::parallel::both;
+use serde::Serialize;
 use uuid::Uuid;
 
 use super::compression::{compressed, decompressed};
-use super::database::Store;
+use super::database::{Store, in_time};
 use super::dialect::Dialect;
+use super::digest::Sealed;
+use super::part_names::{METRICS, REPORT, VIEWS, signal_name};
 use super::pool::Tx;
 use super::spectrum_codec::{decoded, encoded};
 use super::statement::{Statement, statement};
@@ -41,16 +44,16 @@ impl Signal {
     }
 }
 
-/// A result as it is written. It is prepared outside any transaction, because compression takes time.
+/// A result as it is written. It is prepared outside any transaction, because compression and digests take time.
 #[derive(Debug)]
 pub enum StoredResult {
     /// Metrics, signals by channel, and the data of the plots.
     Simulation {
-        metrics: String,
+        metrics: Sealed<String>,
         signals: Signals,
-        views: Option<Vec<u8>>,
+        views: Option<Sealed<Vec<u8>>>,
     },
-    Report(Vec<u8>),
+    Report(Sealed<Vec<u8>>),
 }
 
 impl StoredResult {
@@ -58,14 +61,17 @@ impl StoredResult {
     pub fn of(outcome: &Outcome) -> Result<Self, JobError> {
         match outcome {
             Outcome::Simulation(simulated) => Self::of_simulation(simulated),
-            Outcome::Accuracy(answer) => Ok(Self::Report(compressed(answer)?)),
-            Outcome::Optimum(answer) => Ok(Self::Report(compressed(answer)?)),
+            Outcome::Accuracy(answer) => Ok(Self::Report(sealed(answer)?)),
+            Outcome::Optimum(answer) => Ok(Self::Report(sealed(answer)?)),
         }
     }
 
     fn of_simulation(outcome: &Simulated) -> Result<Self, JobError> {
-        let json = || serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()));
-        let views = || Some(&outcome.views).filter(|views| !views.is_empty()).map(compressed).transpose();
+        let json = || {
+            let text = serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()));
+            text.map(Sealed::new)
+        };
+        let views = || Some(&outcome.views).filter(|views| !views.is_empty()).map(sealed).transpose();
         // Half of the work on another core: for a short run it takes nearly as long as the run.
         let (ahead, behind) = outcome.spectra.split_at(outcome.spectra.len() / 2);
         let ((ahead, views), (behind, series, metrics)) =
@@ -74,74 +80,106 @@ impl StoredResult {
     }
 }
 
-type Signals = Vec<(Signal, String, Vec<u8>)>;
+/// Signals by kind and channel.
+type Signals = Vec<(Signal, String, Sealed<Vec<u8>>)>;
+
+fn sealed(answer: &impl Serialize) -> Result<Sealed<Vec<u8>>, JobError> {
+    Ok(Sealed::new(compressed(answer)?))
+}
 
 fn spectra_of(spectra: &[SpectrumAnswer]) -> Result<Signals, JobError> {
-    let stored =
-        |spectrum: &SpectrumAnswer| Ok((Signal::from(spectrum.kind), spectrum.channel.clone(), encoded(spectrum)?));
+    let stored = |spectrum: &SpectrumAnswer| {
+        Ok((Signal::from(spectrum.kind), spectrum.channel.clone(), Sealed::new(encoded(spectrum)?)))
+    };
     spectra.iter().map(stored).collect()
 }
 
 fn series_of(outcome: &Simulated) -> Result<Signals, JobError> {
-    let stored = |series: &SeriesAnswer| Ok((Signal::Series, series.channel.clone(), compressed(series)?));
+    let stored = |series: &SeriesAnswer| Ok((Signal::Series, series.channel.clone(), sealed(series)?));
     outcome.series.iter().map(stored).collect()
 }
 
 /// Statements that insert a result; `provided` is the end of a query that yields one row if the result is to be inserted.
 pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<Statement> {
-    let insert = |into: &str| statement(format!("INSERT INTO {into} SELECT $1, $2{provided}")).bind(id);
+    let insert = |into: &str| statement(format!("INSERT INTO {into} SELECT $1, $2, $3{provided}")).bind(id);
+    let of_metrics = |metrics: &Sealed<String>| {
+        insert("results (id, metrics, digest)").bind(&metrics.content).bind(metrics.digest.as_deref())
+    };
+    let of_answer = |table: &str, answer: &Sealed<Vec<u8>>| {
+        insert(&format!("{table} (result_id, answer, digest)")).bind(&answer.content).bind(answer.digest.as_deref())
+    };
     match result {
-        StoredResult::Report(answer) => {
-            vec![insert("results (id, metrics)").bind(""), insert("reports (result_id, answer)").bind(answer)]
-        }
+        StoredResult::Report(answer) => vec![of_metrics(&no_metrics()), of_answer("reports", answer)],
         StoredResult::Simulation { metrics, signals, views } => {
-            let mut statements = vec![insert("results (id, metrics)").bind(metrics)];
+            let mut statements = vec![of_metrics(metrics)];
             if !signals.is_empty() {
                 statements.push(insertion_of_signals(id, signals, provided));
             }
-            statements.extend(views.iter().map(|views| insert("views (result_id, answer)").bind(views)));
+            statements.extend(views.iter().map(|views| of_answer("views", views)));
             statements
         }
     }
 }
 
-fn insertion_of_signals(id: Uuid, signals: &[(Signal, String, Vec<u8>)], provided: &str) -> Statement {
-    let row = |k| format!("SELECT $1, ${}, ${}, ${}{provided}", 3 * k + 2, 3 * k + 3, 3 * k + 4);
+/// The metrics of a result that is no simulation's.
+fn no_metrics() -> Sealed<String> {
+    Sealed::new(String::new())
+}
+
+fn insertion_of_signals(id: Uuid, signals: &Signals, provided: &str) -> Statement {
+    let row = |k| format!("SELECT $1, ${}, ${}, ${}, ${}{provided}", 4 * k + 2, 4 * k + 3, 4 * k + 4, 4 * k + 5);
     let rows: Vec<String> = (0..signals.len()).map(row).collect();
-    let insert = format!("INSERT INTO signals (result_id, sort, channel, answer) {}", rows.join(" UNION ALL "));
+    let insert = format!("INSERT INTO signals (result_id, sort, channel, answer, digest) {}", rows.join(" UNION ALL "));
     signals.iter().fold(statement(insert).bind(id), |insert, (signal, channel, answer)| {
-        insert.bind(signal.name()).bind(channel).bind(answer)
+        insert.bind(signal.name()).bind(channel).bind(&answer.content).bind(answer.digest.as_deref())
     })
 }
 
 /// Inserts an empty result, for a study, whose points hold their own results.
 pub(super) async fn insert_empty(tx: &mut Tx) -> Result<Uuid, JobError> {
     let id = Uuid::now_v7();
-    statement("INSERT INTO results (id, metrics) VALUES ($1, '')").bind(id).run(&mut *tx).await?;
+    let Sealed { content, digest } = no_metrics();
+    let sql = "INSERT INTO results (id, metrics, digest) VALUES ($1, $2, $3)";
+    statement(sql).bind(id).bind(content).bind(digest.as_deref()).run(&mut *tx).await?;
     Ok(id)
 }
 
 /// Removes a result unless a job refers to it.
 pub(super) async fn remove_orphan(tx: &mut Tx, result: Uuid) -> Result<(), JobError> {
+    remove_orphans(tx, &[result]).await
+}
+
+/// Removes the results that no job refers to, of these in ascending order.
+pub(super) async fn remove_orphans(tx: &mut Tx, results: &[Uuid]) -> Result<(), JobError> {
+    if results.is_empty() {
+        return Ok(());
+    }
+    let places = (1..=results.len()).map(|place| format!("${place}")).collect::<Vec<_>>().join(", ");
+    let of = |sql: String| results.iter().fold(statement(sql), Statement::bind);
     // Serialized: two transactions that delete the last two jobs would each still see the other job.
     if tx.dialect() == Dialect::Postgres {
-        statement("SELECT 1 FROM results WHERE id = $1 FOR UPDATE").bind(result).run(&mut *tx).await?;
+        of(format!("SELECT 1 FROM results WHERE id IN ({places}) ORDER BY id FOR UPDATE")).run(&mut *tx).await?;
     }
-    let sql = "DELETE FROM results WHERE id = $1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE result_id = $1)";
-    statement(sql).bind(result).run(&mut *tx).await?;
+    let sql = format!(
+        "DELETE FROM results WHERE id IN ({places}) AND NOT EXISTS (SELECT 1 FROM jobs WHERE result_id = results.id)"
+    );
+    of(sql).run(&mut *tx).await?;
     Ok(())
 }
 
 impl Store {
     /// The metrics of a succeeded job, as JSON text.
     pub async fn metrics(&self, owner: &str, job: Uuid) -> Result<String, JobError> {
-        let sql = "SELECT status, result_id, kind, metrics FROM jobs LEFT JOIN results ON results.id = jobs.result_id \
-                   WHERE jobs.id = $1 AND owner = $2";
-        type Row = (String, Option<Uuid>, String, Option<String>);
-        let row: Option<Row> = statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
-        let (status, result, kind, metrics) = row.ok_or(JobError::NotFound)?;
-        result_in((status, result, kind), JobKind::Simulation)?;
-        metrics.ok_or(JobError::NotFound)
+        let sql = "SELECT status, result_id, kind, metrics, digest FROM jobs \
+                   LEFT JOIN results ON results.id = jobs.result_id WHERE jobs.id = $1 AND owner = $2";
+        type Row = (String, Option<Uuid>, String, Option<String>, Option<Vec<u8>>);
+        let read = async {
+            let row: Option<Row> = statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
+            let (status, result, kind, metrics, digest) = row.ok_or(JobError::NotFound)?;
+            result_in((status, result, kind), JobKind::Simulation)?;
+            one_part(metrics.map(|metrics| (metrics, digest)))?.opened()
+        };
+        self.noted(job, METRICS, read.await).await
     }
 
     /// A spectrum of a succeeded job.
@@ -152,22 +190,32 @@ impl Store {
         kind: SpectrumKind,
         channel: &str,
     ) -> Result<SpectrumAnswer, JobError> {
-        let stored = self.signal(owner, job, kind.into(), channel).await?;
-        read_aside(stored, |stored| decoded(&stored)).await
+        self.signal(owner, job, kind.into(), channel, |stored| decoded(&stored.opened()?)).await
     }
 
     /// A series of a succeeded job, as JSON text.
     pub async fn series(&self, owner: &str, job: Uuid, channel: &str) -> Result<Vec<u8>, JobError> {
-        let stored = self.signal(owner, job, Signal::Series, channel).await?;
-        read_aside(stored, |stored| decompressed(&stored)).await
+        self.signal(owner, job, Signal::Series, channel, |stored| decompressed(&stored.opened()?)).await
     }
 
-    async fn signal(&self, owner: &str, job: Uuid, signal: Signal, channel: &str) -> Result<Vec<u8>, JobError> {
+    async fn signal<T: Send + 'static>(
+        &self,
+        owner: &str,
+        job: Uuid,
+        signal: Signal,
+        channel: &str,
+        open: fn(Sealed<Vec<u8>>) -> Result<T, JobError>,
+    ) -> Result<T, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
-        let sql = "SELECT answer FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
-        let answer: Option<Vec<u8>> =
-            statement(sql).bind(result).bind(signal.name()).bind(channel).value(&self.readers).await?;
-        match answer {
+        let sql = "SELECT answer, digest FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
+        let query = statement(sql).bind(result).bind(signal.name()).bind(channel);
+        let read = async {
+            match query.optional(&self.readers).await? {
+                Some(answer) => read_aside(Sealed::stored(answer), open).await.map(Some),
+                None => Ok(None),
+            }
+        };
+        match self.noted(job, &signal_name(signal.name(), channel), read.await).await? {
             Some(answer) => Ok(answer),
             None => Err(JobError::UnknownChannel { kept: self.kept(result, signal).await? }),
         }
@@ -176,17 +224,25 @@ impl Store {
     /// Data of the plots of a succeeded simulation, as JSON text; `None` if none are kept.
     pub async fn views(&self, owner: &str, job: Uuid) -> Result<Option<Vec<u8>>, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
-        let sql = "SELECT answer FROM views WHERE result_id = $1";
-        let answer: Option<Vec<u8>> = statement(sql).bind(result).value(&self.readers).await?;
-        answer.map(|answer| decompressed(&answer)).transpose()
+        let sql = "SELECT answer, digest FROM views WHERE result_id = $1";
+        let read = async {
+            let answer: Option<(Vec<u8>, Option<Vec<u8>>)> =
+                statement(sql).bind(result).optional(&self.readers).await?;
+            answer.map(|answer| decompressed(&Sealed::stored(answer).opened()?)).transpose()
+        };
+        self.noted(job, VIEWS, read.await).await
     }
 
     /// The report of a succeeded optimum or accuracy job, as JSON text.
     pub async fn report(&self, owner: &str, job: Uuid, kind: JobKind) -> Result<Vec<u8>, JobError> {
         let result = self.result_of(owner, job, kind).await?;
-        let sql = "SELECT answer FROM reports WHERE result_id = $1";
-        let answer: Option<Vec<u8>> = statement(sql).bind(result).value(&self.readers).await?;
-        decompressed(&answer.ok_or(JobError::NotFound)?)
+        let sql = "SELECT answer, digest FROM reports WHERE result_id = $1";
+        let read = async {
+            let answer: Option<(Vec<u8>, Option<Vec<u8>>)> =
+                statement(sql).bind(result).optional(&self.readers).await?;
+            decompressed(&one_part(answer)?.opened()?)
+        };
+        self.noted(job, REPORT, read.await).await
     }
 
     /// Channels for which a job keeps a signal of this kind.
@@ -214,7 +270,7 @@ impl Store {
     async fn result_of(&self, owner: &str, job: Uuid, wanted: JobKind) -> Result<Uuid, JobError> {
         let sql = "SELECT status, result_id, kind FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, Option<Uuid>, String)> =
-            statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
+            in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
         result_in(row.ok_or(JobError::NotFound)?, wanted)
     }
 }
@@ -231,12 +287,17 @@ fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: Job
     }
 }
 
+/// The part of a result that every result of its kind has.
+fn one_part<T: AsRef<[u8]>>(row: Option<(T, Option<Vec<u8>>)>) -> Result<Sealed<T>, JobError> {
+    row.map(Sealed::stored).ok_or_else(|| JobError::Corrupt("its row is missing".to_owned()))
+}
+
 /// Reads a stored answer; a long one on a thread that delays no request.
-async fn read_aside<T: Send + 'static>(
-    stored: Vec<u8>,
-    read: fn(Vec<u8>) -> Result<T, JobError>,
+pub(super) async fn read_aside<T: Send + 'static>(
+    stored: Sealed<Vec<u8>>,
+    read: impl FnOnce(Sealed<Vec<u8>>) -> Result<T, JobError> + Send + 'static,
 ) -> Result<T, JobError> {
-    if stored.len() < LONG_ANSWER_BYTES {
+    if stored.content.len() < LONG_ANSWER_BYTES {
         return read(stored);
     }
     let read = tokio::task::spawn_blocking(move || read(stored)).await;
@@ -244,4 +305,4 @@ async fn read_aside<T: Send + 'static>(
 }
 
 /// Length from which reading takes some milliseconds [B].
-const LONG_ANSWER_BYTES: usize = 256 << 10;
+pub(super) const LONG_ANSWER_BYTES: usize = 256 << 10;

@@ -136,6 +136,13 @@ macro_rules! for_database {
 }
 
 impl Statement {
+    /// This statement as an explanation of its plan.
+    #[cfg(test)]
+    pub fn explained(self, prefix: &str) -> Self {
+        let sql = format!("{prefix} {}", self.sql.as_str());
+        Self { sql: AssertSqlSafe(sql).into_sql_str(), ..self }
+    }
+
     /// Binds a value to the next place.
     #[must_use]
     pub fn bind(mut self, value: impl Into<Value>) -> Self {

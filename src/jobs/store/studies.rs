@@ -2,13 +2,17 @@
 //! the tables call it `strand`.
 
 use jiff::{SignedDuration, Timestamp};
+use serde::de::DeserializeOwned;
 use uuid::Uuid;
 
 use super::claims::Heartbeat;
 use super::compression::{compressed, decompressed};
-use super::database::Store;
+use super::database::{Store, in_time};
 use super::dialect::Dialect;
+use super::digest::{Sealed, is_intact};
+use super::due;
 use super::notifications::notify_ended;
+use super::part_names::{METRICS, point_name};
 use super::pool::Tx;
 use super::results;
 use super::statement::statement;
@@ -26,8 +30,6 @@ pub struct StudyShard {
     pub owner: String,
     pub request: String,
     pub keep_for_s: Option<f64>,
-    /// Largest number of losses of a point that this shard was running when its process ended.
-    pub losses: u32,
 }
 
 /// A point that a shard runs.
@@ -43,6 +45,8 @@ pub struct PointResult {
     pub end: PointEnd,
     pub reused: bool,
     pub content_hash: Option<Vec<u8>>,
+    /// Processor time [s] that no heartbeat has recorded.
+    pub used_s: f64,
 }
 
 /// The next action of a shard.
@@ -55,6 +59,8 @@ pub enum Next {
     Ended,
     /// The study was cancelled.
     Cancelled,
+    /// Points wait, and other work is due.
+    GiveWay,
 }
 
 /// A stored point.
@@ -81,8 +87,9 @@ pub async fn insert(tx: &mut Tx, job: Uuid, points: usize, deliveries: &[i64]) -
 /// Inserts shards.
 pub async fn add_shards(tx: &mut Tx, job: Uuid, deliveries: &[i64]) -> Result<(), JobError> {
     for delivery in deliveries {
-        let sql = "INSERT INTO strands (delivery, job) VALUES ($1, $2)";
-        statement(sql).bind(delivery).bind(job).run(&mut *tx).await?;
+        let sql = "INSERT INTO strands (delivery, job, owner, waiting_since) SELECT $1, id, owner, $3 FROM jobs WHERE id = $2";
+        let since = stored(Timestamp::now());
+        statement(sql).bind(delivery).bind(job).bind(since).run(&mut *tx).await?;
     }
     Ok(())
 }
@@ -92,22 +99,18 @@ async fn remove_shards(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
     Ok(())
 }
 
-impl Store {
-    /// The shard of a delivery; `None`: its study has ended, or other shards have replaced it.
-    pub async fn study_shard(&self, delivery: i64) -> Result<Option<StudyShard>, JobError> {
-        let sql = "SELECT jobs.id, jobs.owner, jobs.request, jobs.keep_for_s, \
-                   (SELECT coalesce(max(lost) + 1, 0) FROM points WHERE strand = $1 AND status = 'running') \
-                   FROM strands JOIN jobs ON jobs.id = strands.job \
-                   WHERE strands.delivery = $1 AND jobs.status IN ('queued', 'running')";
-        // Through the writer, as for single jobs.
-        let row: Option<(Uuid, String, String, Option<f64>, i64)> =
-            statement(sql).bind(delivery).optional(&self.writer).await?;
-        Ok(row.map(|(job, owner, request, keep_for_s, losses)| {
-            let losses = u32::try_from(losses).unwrap_or(u32::MAX);
-            StudyShard { job, delivery, owner, request, keep_for_s, losses }
-        }))
-    }
+/// Takes the shard of a delivery from those that wait; `None`: its study has ended.
+pub async fn take(tx: &mut Tx, delivery: i64) -> Result<Option<StudyShard>, JobError> {
+    let sql =
+        format!("UPDATE strands SET waiting_since = NULL, heartbeat_at = {} WHERE delivery = $1", tx.dialect().now());
+    statement(sql).bind(delivery).run(&mut *tx).await?;
+    let sql = "SELECT jobs.id, jobs.owner, jobs.request, jobs.keep_for_s FROM strands JOIN jobs ON jobs.id = strands.job \
+               WHERE strands.delivery = $1 AND jobs.status IN ('queued', 'running')";
+    let row: Option<(Uuid, String, String, Option<f64>)> = statement(sql).bind(delivery).optional(&mut *tx).await?;
+    Ok(row.map(|(job, owner, request, keep_for_s)| StudyShard { job, delivery, owner, request, keep_for_s }))
+}
 
+impl Store {
     /// Starts a shard. Points that it was running were lost with their process: they are queued again, or fail after
     /// `max_lost_runs` losses.
     pub async fn start_shard(&self, shard: &StudyShard, max_lost_runs: u32) -> Result<(), JobError> {
@@ -115,24 +118,26 @@ impl Store {
         let sql = "UPDATE jobs SET status = 'running', started_at = coalesce(started_at, $2) \
                    WHERE id = $1 AND status IN ('queued', 'running')";
         statement(sql).bind(shard.job).bind(stored(Timestamp::now())).run(&mut tx).await?;
-        let sql = format!("UPDATE strands SET heartbeat_at = {} WHERE delivery = $1", self.dialect().now());
-        statement(sql).bind(shard.delivery).run(&mut tx).await?;
         lose_points(&mut tx, shard.job, shard.delivery, max_lost_runs).await?;
         tx.commit().await
     }
 
-    /// Writes the end of a point, if any, and claims the next point, in one transaction.
+    /// Writes the end of a point, if any, and claims the next point unless the shard gives way, in one transaction.
     pub async fn advance(
         &self,
         shard: &StudyShard,
         ended: Option<(PointClaim, &PointResult)>,
+        slice_is_over: bool,
         keep_s: f64,
     ) -> Result<Next, JobError> {
         let mut tx = self.begin().await?;
         if let Some((point, result)) = ended {
             write_end(&mut tx, shard.job, point, result).await?;
+            due::charge(&shard.owner, result.used_s).run(&mut tx).await?;
         }
-        let next = next(&mut tx, shard, keep_s).await?;
+        // A turn takes one point at least.
+        let may_give_way = ended.is_some().then_some(slice_is_over);
+        let next = next(&mut tx, shard, may_give_way, keep_s).await?;
         tx.commit().await?;
         Ok(next)
     }
@@ -147,21 +152,30 @@ impl Store {
         tx.commit().await
     }
 
-    /// Records that a shard is alive.
-    pub async fn shard_heartbeat(&self, shard: &StudyShard) -> Result<Heartbeat, JobError> {
+    /// Records that a shard is alive, and the time that it used since the last record [s].
+    pub async fn shard_heartbeat(&self, shard: &StudyShard, used_s: f64) -> Result<Heartbeat, JobError> {
         let sql = format!(
             "UPDATE strands SET heartbeat_at = {} WHERE delivery = $1 \
              RETURNING (SELECT cancel_requested_at IS NOT NULL FROM jobs WHERE id = strands.job)",
             self.dialect().now()
         );
-        let cancel_requested: Option<bool> = statement(sql).bind(shard.delivery).value(&self.writer).await?;
+        let mut tx = self.begin().await?;
+        let cancel_requested: Option<bool> = statement(sql).bind(shard.delivery).value(&mut tx).await?;
+        due::charge(&shard.owner, used_s).run(&mut tx).await?;
+        tx.commit().await?;
         Ok(Heartbeat::of(cancel_requested))
     }
 
-    /// Clears the heartbeat of a shard that stops running points, so that silence does not count as a loss.
-    pub async fn clear_shard_heartbeat(&self, delivery: i64) -> Result<(), JobError> {
-        let sql = "UPDATE strands SET heartbeat_at = NULL WHERE delivery = $1 AND heartbeat_at IS NOT NULL";
-        statement(sql).bind(delivery).run(&self.writer).await?;
+    /// Marks a shard that stops running points as waiting. Its silence is no loss.
+    pub async fn rest_shard(&self, delivery: i64) -> Result<(), JobError> {
+        let sql = "UPDATE strands SET heartbeat_at = NULL, waiting_since = $2 WHERE delivery = $1";
+        statement(sql).bind(delivery).bind(stored(Timestamp::now())).run(&self.writer).await?;
+        Ok(())
+    }
+
+    /// Removes a shard for which no point is left.
+    pub async fn remove_shard(&self, delivery: i64) -> Result<(), JobError> {
+        statement("DELETE FROM strands WHERE delivery = $1").bind(delivery).run(&self.writer).await?;
         Ok(())
     }
 
@@ -174,34 +188,59 @@ impl Store {
         Ok(())
     }
 
-    /// The end of identical finished work of the same owner, a point or a simulation, by `point_hashes`.
+    /// The end of identical finished work of the same owner, a point or a simulation, by `point_hashes`. An answer that is not what
+    /// was written does not count.
     pub async fn known_end(&self, owner: &str, hashes: &[Vec<u8>; 2]) -> Result<Option<PointEnd>, JobError> {
-        let parsed = |text: &[u8]| serde_json::from_slice(text).map_err(|error| JobError::Corrupt(error.to_string()));
-        let sql = "SELECT points.answer FROM points JOIN jobs ON jobs.id = points.job \
-                   WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
-        let answer: Option<Vec<u8>> = statement(sql).bind(&hashes[0]).bind(owner).value(&self.readers).await?;
-        if let Some(answer) = answer {
-            return Ok(Some(PointEnd::Succeeded(parsed(&decompressed(&answer)?)?)));
+        match self.known_point(owner, &hashes[0]).await? {
+            Some(end) => Ok(Some(end)),
+            None => self.known_simulation(owner, hashes).await,
         }
-        let sql = "SELECT results.metrics FROM jobs JOIN results ON results.id = jobs.result_id \
-                   WHERE jobs.content_hash IN ($1, $2) AND jobs.status = 'succeeded' AND jobs.owner = $3 LIMIT 1";
+    }
+
+    async fn known_point(&self, owner: &str, hash: &[u8]) -> Result<Option<PointEnd>, JobError> {
+        let sql = "SELECT points.job, points.number, points.answer, points.digest FROM points \
+                   JOIN jobs ON jobs.id = points.job \
+                   WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
+        let row: Option<(Uuid, i64, Vec<u8>, Option<Vec<u8>>)> =
+            statement(sql).bind(hash).bind(owner).optional(&self.readers).await?;
+        let Some((job, number, answer, digest)) = row else { return Ok(None) };
+        let answer = Sealed::stored((answer, digest)).opened().and_then(|answer| decompressed(&answer));
+        let end = answer.and_then(|answer| Ok(PointEnd::Succeeded(parsed(&answer)?)));
+        unless_corrupt(self.noted(job, &point_name(number), end).await)
+    }
+
+    async fn known_simulation(&self, owner: &str, hashes: &[Vec<u8>; 2]) -> Result<Option<PointEnd>, JobError> {
+        let sql = "SELECT jobs.id, results.metrics, results.digest FROM jobs JOIN results ON results.id = jobs.result_id \
+                   WHERE jobs.content_hash IN ($1, $2) AND jobs.status = 'succeeded' AND jobs.owner = $3 \
+                   AND NOT EXISTS (SELECT 1 FROM corrupt_results WHERE job = jobs.id) LIMIT 1";
         let [first, second] = hashes;
-        let metrics: Option<String> = statement(sql).bind(first).bind(second).bind(owner).value(&self.readers).await?;
-        metrics.map(|metrics| Ok(PointEnd::of_stored(parsed(metrics.as_bytes())?))).transpose()
+        let row: Option<(Uuid, String, Option<Vec<u8>>)> =
+            statement(sql).bind(first).bind(second).bind(owner).optional(&self.readers).await?;
+        let Some((job, metrics, digest)) = row else { return Ok(None) };
+        let end = Sealed::stored((metrics, digest)).opened();
+        let end = end.and_then(|metrics| Ok(PointEnd::of_stored(parsed(metrics.as_bytes())?)));
+        unless_corrupt(self.noted(job, METRICS, end).await)
     }
 
     /// The request of a study, and its points in order.
     pub async fn points(&self, owner: &str, job: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
         let sql = "SELECT kind, request, status FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, String, String)> =
-            statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
+            in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
         let (kind, request, study) = row.ok_or(JobError::NotFound)?;
         if kind != JobKind::Study.name() {
             return Err(JobError::OtherKind { kind });
         }
-        let sql = "SELECT number, status, reused, answer FROM points WHERE job = $1 ORDER BY number";
-        let rows: Vec<(i64, String, bool, Option<Vec<u8>>)> = statement(sql).bind(job).all(&self.readers).await?;
-        let points = rows.into_iter().map(|(number, status, reused, answer)| {
+        let sql = "SELECT number, status, reused, answer, digest FROM points WHERE job = $1 ORDER BY number";
+        type Row = (i64, String, bool, Option<Vec<u8>>, Option<Vec<u8>>);
+        let rows: Result<Vec<Row>, _> = statement(sql).bind(job).all(&self.readers).await;
+        let rows = self.noted(job, "points", rows).await?;
+        let damaged = rows.iter().find(|row| row.3.as_ref().is_some_and(|answer| !is_intact(answer, row.4.as_deref())));
+        if let Some((number, ..)) = damaged {
+            let part = point_name(*number);
+            return self.noted(job, &part, Err(JobError::ResultCorrupt { part: part.clone() })).await;
+        }
+        let points = rows.into_iter().map(|(number, status, reused, answer, _)| {
             let status = match status.as_str() {
                 "succeeded" => PointStatus::Succeeded,
                 "failed" => PointStatus::Failed,
@@ -212,6 +251,18 @@ impl Store {
             Ok(StoredPoint { number: usize::try_from(number).unwrap_or(usize::MAX), status, reused, answer })
         });
         Ok((request, points.collect::<Result<_, JobError>>()?))
+    }
+}
+
+fn parsed<T: DeserializeOwned>(text: &[u8]) -> Result<T, JobError> {
+    serde_json::from_slice(text).map_err(|error| JobError::Corrupt(error.to_string()))
+}
+
+/// An answer for reuse; `None` if it is not what was written.
+fn unless_corrupt<T>(read: Result<T, JobError>) -> Result<Option<T>, JobError> {
+    match read {
+        Err(JobError::ResultCorrupt { .. }) => Ok(None),
+        read => read.map(Some),
     }
 }
 
@@ -227,7 +278,7 @@ async fn lose_points(tx: &mut Tx, job: Uuid, delivery: i64, max_lost_runs: u32) 
             let sql = "UPDATE points SET status = 'running' WHERE job = $1 AND number = $2";
             statement(sql).bind(job).bind(number).run(&mut *tx).await?;
             let point = PointClaim { number: usize::try_from(number).unwrap_or(0), claim };
-            let result = PointResult { end: PointEnd::Failed(error), reused: false, content_hash: None };
+            let result = PointResult { end: PointEnd::Failed(error), reused: false, content_hash: None, used_s: 0.0 };
             write_end(tx, job, point, &result).await?;
         }
     }
@@ -254,7 +305,8 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
         PointEnd::Succeeded(metrics) => ("succeeded", None, compressed(metrics)?),
         PointEnd::Failed(error) => ("failed", Some(&error.cause), compressed(error)?),
     };
-    let sql = "UPDATE points SET status = $4, cause = $5, answer = $6, reused = $7, content_hash = $8 \
+    let Sealed { content, digest } = Sealed::new(answer);
+    let sql = "UPDATE points SET status = $4, cause = $5, answer = $6, reused = $7, content_hash = $8, digest = $9 \
                WHERE job = $1 AND number = $2 AND claim = $3 AND status = 'running'";
     let written = statement(sql)
         .bind(job)
@@ -262,9 +314,10 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
         .bind(point.claim)
         .bind(status)
         .bind(cause)
-        .bind(answer)
+        .bind(content)
         .bind(result.reused)
         .bind(result.content_hash.as_deref().filter(|_| status == "succeeded"))
+        .bind(digest.as_deref())
         .run(&mut *tx)
         .await?;
     if written == 0 {
@@ -278,7 +331,8 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
     Ok(())
 }
 
-async fn next(tx: &mut Tx, shard: &StudyShard, keep_s: f64) -> Result<Next, JobError> {
+/// The next action of a shard. It may give way to other work if `slice_is_over` is known.
+async fn next(tx: &mut Tx, shard: &StudyShard, slice_is_over: Option<bool>, keep_s: f64) -> Result<Next, JobError> {
     // An update, so that no other shard counts or claims points before this transaction ends.
     statement("UPDATE studies SET ended = ended WHERE job = $1").bind(shard.job).run(&mut *tx).await?;
     let sql = "SELECT jobs.cancel_requested_at IS NOT NULL, studies.points, studies.ended, studies.succeeded \
@@ -292,6 +346,11 @@ async fn next(tx: &mut Tx, shard: &StudyShard, keep_s: f64) -> Result<Next, JobE
     if cancel_requested {
         cancel(tx, shard.job, shard.keep_for_s.unwrap_or(keep_s)).await?;
         return Ok(Next::Cancelled);
+    }
+    if let Some(slice_is_over) = slice_is_over
+        && due::gives_way(tx, &shard.owner, slice_is_over).await?
+    {
+        return Ok(Next::GiveWay);
     }
     let sql = "UPDATE points SET status = 'running', claim = claim + 1, strand = $2 WHERE job = $1 \
                AND number = (SELECT min(number) FROM points WHERE job = $1 AND status = 'queued') \
@@ -364,7 +423,7 @@ pub async fn is_under_way(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
 /// Resumes a study. Points that failed by a time limit, a lost worker or an internal error are queued again. Returns false if no
 /// point is left.
 pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
-    let sql = "UPDATE points SET status = 'queued', cause = NULL, answer = NULL, lost = 0 \
+    let sql = "UPDATE points SET status = 'queued', cause = NULL, answer = NULL, digest = NULL, lost = 0 \
                WHERE job = $1 AND status = 'failed' AND cause IN ($2, $3, $4)";
     let again = statement(sql).bind(job).bind(TIME_LIMIT).bind(WORKER_LOST).bind(INTERNAL).run(&mut *tx).await?;
     let sql = "UPDATE studies SET ended = ended - $2 WHERE job = $1 RETURNING points > ended";

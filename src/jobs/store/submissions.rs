@@ -17,19 +17,53 @@ pub struct Reusable {
     pub result: Uuid,
 }
 
-/// Number of queued jobs by owner.
-pub async fn waiting(tx: &mut Tx) -> Result<HashMap<String, u64>, JobError> {
-    let sql = "SELECT owner, count(*) FROM jobs WHERE status = 'queued' GROUP BY owner";
-    let counts: Vec<(String, i64)> = statement(sql).all(&mut *tx).await?;
-    Ok(counts.into_iter().map(|(owner, count)| (owner, count.unsigned_abs())).collect())
+/// Unfinished work of one owner.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Unfinished {
+    /// Queued and running single jobs.
+    pub jobs: u64,
+    /// Unfinished points of queued and running studies.
+    pub points: u64,
 }
 
-/// The result of identical finished work of the same owner.
+impl Unfinished {
+    /// The number of points or of single jobs.
+    pub fn of(self, points: bool) -> u64 {
+        if points { self.points } else { self.jobs }
+    }
+}
+
+/// Unfinished work by owner.
+pub async fn unfinished(tx: &mut Tx) -> Result<HashMap<String, Unfinished>, JobError> {
+    let sql = "SELECT owner, count(*), CAST(0 AS BIGINT) FROM jobs \
+               WHERE kind <> 'study' AND status IN ('queued', 'running') GROUP BY kind, owner \
+               UNION ALL SELECT jobs.owner, CAST(0 AS BIGINT), CAST(sum(studies.points - studies.ended) AS BIGINT) \
+               FROM jobs JOIN studies ON studies.job = jobs.id \
+               WHERE jobs.kind = 'study' AND jobs.status IN ('queued', 'running') GROUP BY jobs.owner";
+    let counts: Vec<(String, i64, i64)> = statement(sql).all(&mut *tx).await?;
+    let mut unfinished: HashMap<String, Unfinished> = HashMap::new();
+    for (owner, jobs, points) in counts {
+        let of_owner = unfinished.entry(owner).or_default();
+        of_owner.jobs += jobs.unsigned_abs();
+        of_owner.points += points.unsigned_abs();
+    }
+    Ok(unfinished)
+}
+
+/// Returns whether a job or a shard waits for a turn.
+pub async fn any_waits(tx: &mut Tx) -> Result<bool, JobError> {
+    let sql = "SELECT EXISTS (SELECT 1 FROM jobs WHERE status = 'queued' AND delivery IS NOT NULL) \
+               OR EXISTS (SELECT 1 FROM strands WHERE waiting_since IS NOT NULL)";
+    Ok(statement(sql).value(&mut *tx).await?.unwrap_or(false))
+}
+
+/// The result of identical finished work of the same owner, unless it is known to be corrupt.
 pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, JobError> {
     // A transaction that deletes that job waits until the new job refers to the result.
     let kept = tx.dialect().for_share();
     let sql = format!(
-        "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 LIMIT 1{kept}"
+        "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 \
+         AND NOT EXISTS (SELECT 1 FROM corrupt_results WHERE job = jobs.id) LIMIT 1{kept}"
     );
     let result: Option<Uuid> = statement(sql).bind(&job.content_hash).bind(&job.owner).value(&mut *tx).await?;
     Ok(result.map(|result| Reusable { result }))
@@ -116,5 +150,18 @@ async fn insert_row(
         .bind(i64::from(record.status == Status::Running))
         .run(&mut *tx)
         .await?;
+    insert_labels(tx, job).await
+}
+
+/// Inserts the labels of a job, by which lists find it.
+async fn insert_labels(tx: &mut Tx, job: &NewJob) -> Result<(), JobError> {
+    if job.labels.is_empty() {
+        return Ok(());
+    }
+    let rows: Vec<String> = (0..job.labels.len()).map(|k| format!("($1, ${}, $2)", k + 3)).collect();
+    // A label may be given twice.
+    let sql = format!("INSERT INTO job_labels (owner, label, job) VALUES {} ON CONFLICT DO NOTHING", rows.join(", "));
+    let insert = statement(sql).bind(&job.owner).bind(job.id);
+    job.labels.iter().fold(insert, |insert, label| insert.bind(label)).run(&mut *tx).await?;
     Ok(())
 }

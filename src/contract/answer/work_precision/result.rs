@@ -95,6 +95,11 @@ pub struct TimingAnswer {
     pub warm_up: String,
     /// Number of evaluations of the equations after which a run is aborted.
     pub most_evaluations: u64,
+    /// Largest number of other runs of the same process during the job, sampled with its progress; absent without a service. Other
+    /// runs share memory and caches, so that times grow a little with their number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub most_other_runs: Option<u64>,
 }
 
 /// How to repeat the measurement.
@@ -124,6 +129,7 @@ impl WorkPrecisionAnswer {
                 outside: "equilibrium, settling, reference, spectra, comparison".into(),
                 warm_up: "an untimed run over the first twentieth of the time before each point".into(),
                 most_evaluations: study.most_evaluations,
+                most_other_runs: None,
             },
             machine: MachineAnswer::here(),
             repeat: RepeatAnswer { command: "raceway accuracy JOB.json".into(), job: comparison.complete() },

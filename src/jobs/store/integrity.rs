@@ -1,0 +1,199 @@
+//! Whether stored results are what was written. A part that is not is recorded with its jobs, so that it answers no other job.
+
+use jiff::Timestamp;
+use uuid::Uuid;
+
+use super::database::Store;
+use super::dialect::Dialect;
+use super::digest::Sealed;
+use super::part_names::{METRICS, REPORT, VIEWS, point_name, signal_name};
+use super::results::{LONG_ANSWER_BYTES, read_aside};
+use super::statement::statement;
+use super::stored_time::stored;
+use crate::jobs::error::JobError;
+
+/// The parts of a stored result by whether they are what was written.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Inspection {
+    /// Number of parts.
+    pub parts: usize,
+    /// Total length of the parts [B].
+    pub bytes: usize,
+    /// Number of parts without digest, which earlier versions wrote.
+    pub without_digest: usize,
+    /// Parts that are not what was written, by name.
+    pub corrupt: Vec<String>,
+}
+
+impl Inspection {
+    fn add<T: AsRef<[u8]>>(&mut self, part: impl FnOnce() -> String, sealed: &Sealed<T>) {
+        self.parts += 1;
+        self.bytes += sealed.content.as_ref().len();
+        self.without_digest += usize::from(sealed.digest.is_none());
+        if !sealed.is_intact() {
+            self.corrupt.push(part());
+        }
+    }
+
+    /// An inspection that ended at rows which the database cannot read counts them as one corrupt part.
+    fn or_unreadable(inspection: Result<Self, JobError>) -> Result<Self, JobError> {
+        match inspection {
+            Err(error) if error.is_corruption() => {
+                Ok(Self { corrupt: vec![format!("unreadable rows ({error})")], ..Self::default() })
+            }
+            inspection => inspection,
+        }
+    }
+
+    /// Adds the parts of another result.
+    pub fn merge(&mut self, other: Self) {
+        self.parts += other.parts;
+        self.bytes += other.bytes;
+        self.without_digest += other.without_digest;
+        self.corrupt.extend(other.corrupt);
+    }
+}
+
+/// Largest number of ids that a page of `Store::results_after` and `Store::studies_after` has.
+const PAGE: i64 = 500;
+
+impl Store {
+    /// Passes on what was read of a job's result. A part that cannot be read as it was written is recorded.
+    pub(super) async fn noted<T>(&self, job: Uuid, part: &str, read: Result<T, JobError>) -> Result<T, JobError> {
+        match read {
+            Err(error) if error.is_corruption() => {
+                tracing::error!(%job, part, %error, "a stored result is corrupt");
+                self.metrics.found_corrupt();
+                if let Err(error) = self.record_corrupt(job, part).await {
+                    tracing::warn!(%error, %job, "the corrupt result could not be recorded");
+                }
+                Err(JobError::ResultCorrupt { part: part.to_owned() })
+            }
+            read => read,
+        }
+    }
+
+    /// Records a job, and those that share its result, as corrupt.
+    pub async fn record_corrupt(&self, job: Uuid, part: &str) -> Result<(), JobError> {
+        let sql = "INSERT INTO corrupt_results (job, part, found_at) SELECT id, $2, $3 FROM jobs \
+                   WHERE id = $1 OR result_id = (SELECT result_id FROM jobs WHERE id = $1) \
+                   ON CONFLICT (job) DO NOTHING";
+        statement(sql).bind(job).bind(part).bind(stored(Timestamp::now())).run(&self.writer).await?;
+        Ok(())
+    }
+
+    /// Number of jobs whose stored result is known to be corrupt.
+    pub async fn corrupt_results(&self) -> Result<i64, JobError> {
+        Ok(statement("SELECT count(*) FROM corrupt_results").value(&self.readers).await?.unwrap_or(0))
+    }
+
+    /// Jobs whose stored result is recorded as corrupt.
+    pub async fn recorded_corrupt(&self) -> Result<Vec<Uuid>, JobError> {
+        statement("SELECT job FROM corrupt_results").values(&self.readers).await
+    }
+
+    /// Removes the record of a corrupt result that has been found to be what was written.
+    pub async fn forget_corrupt(&self, job: Uuid) -> Result<(), JobError> {
+        statement("DELETE FROM corrupt_results WHERE job = $1").bind(job).run(&self.writer).await?;
+        Ok(())
+    }
+
+    /// Returns whether a result is what was written. If it is not, it is recorded.
+    pub async fn is_intact(&self, result: Uuid) -> Result<bool, JobError> {
+        let Some(part) = self.inspect_result(result).await?.corrupt.into_iter().next() else { return Ok(true) };
+        for job in self.jobs_of_result(result).await?.into_iter().take(1) {
+            let corrupt: Result<(), _> = Err(JobError::ResultCorrupt { part: part.clone() });
+            drop(self.noted(job, &part, corrupt).await);
+        }
+        Ok(false)
+    }
+
+    /// Compares every part of a result with its digest.
+    pub async fn inspect_result(&self, result: Uuid) -> Result<Inspection, JobError> {
+        Inspection::or_unreadable(self.try_inspect_result(result).await)
+    }
+
+    async fn try_inspect_result(&self, result: Uuid) -> Result<Inspection, JobError> {
+        let mut found = Inspection::default();
+        let sql = "SELECT metrics, digest FROM results WHERE id = $1";
+        let metrics: Result<Option<(String, Option<Vec<u8>>)>, _> =
+            statement(sql).bind(result).optional(&self.readers).await;
+        match metrics {
+            Ok(Some(metrics)) => found.add(|| METRICS.to_owned(), &Sealed::stored(metrics)),
+            Err(error) if !error.is_corruption() => return Err(error),
+            // Gone, or no longer text.
+            _ => found.corrupt.push(METRICS.to_owned()),
+        }
+        for (table, part) in [("reports", REPORT), ("views", VIEWS)] {
+            let sql = format!("SELECT answer, digest FROM {table} WHERE result_id = $1");
+            let answer: Option<(Vec<u8>, Option<Vec<u8>>)> =
+                statement(sql).bind(result).optional(&self.readers).await?;
+            if let Some(answer) = answer {
+                found.add(|| part.to_owned(), &Sealed::stored(answer));
+            }
+        }
+        let long = i64::try_from(LONG_ANSWER_BYTES).unwrap_or(i64::MAX);
+        let sql = "SELECT sort, channel, answer, digest FROM signals WHERE result_id = $1 AND length(answer) < $2";
+        let add = |(sort, channel, answer, digest): (String, String, Vec<u8>, Option<Vec<u8>>)| {
+            found.add(|| signal_name(&sort, &channel), &Sealed::stored((answer, digest)));
+            Ok(true)
+        };
+        statement(sql).bind(result).bind(long).each(&self.readers, add).await?;
+        let sql = "SELECT sort, channel FROM signals WHERE result_id = $1 AND length(answer) >= $2";
+        let keys: Vec<(String, String)> = statement(sql).bind(result).bind(long).all(&self.readers).await?;
+        for (sort, channel) in keys {
+            let sql = "SELECT answer, digest FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
+            let stored: (Vec<u8>, Option<Vec<u8>>) =
+                statement(sql).bind(result).bind(&sort).bind(&channel).one(&self.readers).await?;
+            let inspect = move |stored| {
+                let mut found = Inspection::default();
+                found.add(|| signal_name(&sort, &channel), &stored);
+                Ok(found)
+            };
+            found.merge(read_aside(Sealed::stored(stored), inspect).await?);
+        }
+        Ok(found)
+    }
+
+    /// Compares every ended point of a study with its digest.
+    pub async fn inspect_points(&self, study: Uuid) -> Result<Inspection, JobError> {
+        Inspection::or_unreadable(self.try_inspect_points(study).await)
+    }
+
+    async fn try_inspect_points(&self, study: Uuid) -> Result<Inspection, JobError> {
+        let mut found = Inspection::default();
+        let sql = "SELECT number, answer, digest FROM points WHERE job = $1 AND answer IS NOT NULL ORDER BY number";
+        let add = |(number, answer, digest): (i64, Vec<u8>, Option<Vec<u8>>)| {
+            found.add(|| point_name(number), &Sealed::stored((answer, digest)));
+            Ok(true)
+        };
+        statement(sql).bind(study).each(&self.readers, add).await?;
+        Ok(found)
+    }
+
+    /// The next results by id.
+    pub async fn results_after(&self, last: Uuid) -> Result<Vec<Uuid>, JobError> {
+        let sql = "SELECT id FROM results WHERE id > $1 ORDER BY id LIMIT $2";
+        statement(sql).bind(last).bind(PAGE).values(&self.readers).await
+    }
+
+    /// The next studies by id.
+    pub async fn studies_after(&self, last: Uuid) -> Result<Vec<Uuid>, JobError> {
+        let sql = "SELECT job FROM studies WHERE job > $1 ORDER BY job LIMIT $2";
+        statement(sql).bind(last).bind(PAGE).values(&self.readers).await
+    }
+
+    /// The jobs that a result belongs to.
+    pub async fn jobs_of_result(&self, result: Uuid) -> Result<Vec<Uuid>, JobError> {
+        statement("SELECT id FROM jobs WHERE result_id = $1 ORDER BY id").bind(result).values(&self.readers).await
+    }
+
+    /// Faults that SQLite finds in the structure of its file; none on PostgreSQL, which has no such check.
+    pub async fn quick_check(&self) -> Result<Vec<String>, JobError> {
+        if self.dialect() == Dialect::Postgres {
+            return Ok(Vec::new());
+        }
+        let lines: Vec<String> = statement("PRAGMA quick_check").values(&self.readers).await?;
+        Ok(lines.into_iter().filter(|line| line != "ok").collect())
+    }
+}
