@@ -8,6 +8,7 @@ SEED and PERCENT (writes that are cut) are 60, 60, 1 and 8 by default."""
 
 import collections
 import contextlib
+import glob
 import os
 import random
 import socket
@@ -146,7 +147,9 @@ def is_write(sql):
 
 
 def psql(server, sql):
-    told = subprocess.run(["psql", server, "-qAt", "-F", " ", "-c", sql], check=True, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    program = sorted(glob.glob("/usr/lib/postgresql/*/bin/psql"))[-1]
+    command = [program, server, "-qAt", "-F", " ", "-c", sql]
+    told = subprocess.run(command, check=True, capture_output=True, text=True, stdin=subprocess.DEVNULL)
     return [line.split(" ") for line in told.stdout.splitlines()]
 
 

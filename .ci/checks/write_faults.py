@@ -371,7 +371,7 @@ def run_days(library, days, expected, passed=None):
             if report["broken"]:
                 print(f"FAILED: --day '{report['call']}' {report['number']} {report['fault']}: {report['broken']}", flush=True)
             elif passed:
-                passed.write(json.dumps({name: report[name] for name in ("call", "number", "fault", "failed", "slowest_s")}) + "\n")
+                passed.write(json.dumps({name: report[name] for name in ("call", "number", "fault", "failed", "slowest_s", "took_s")}) + "\n")
                 passed.flush()
     calls, problems = collections.Counter(), collections.Counter()
     for report in reports:
@@ -383,6 +383,9 @@ def run_days(library, days, expected, passed=None):
     print("answers to the faults:", ", ".join(f"{count} × {name}" for name, count in problems.most_common()) or "none")
     print(f"{len(reports)} days in {time.monotonic() - begin:.0f} s, {sum(report['failed'] for report in reports)} failed calls; the slowest answer "
           f"or stop took {slowest:.1f} s, the longest day {max((report['took_s'] for report in reports), default=0):.1f} s")
+    if passed is None:
+        refusals = sum(count for name, count in problems.items() if name.startswith("50"))
+        check(refusals >= 10, f"the faults reach clients: {refusals} refusals")
     return not broken
 
 
