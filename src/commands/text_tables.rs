@@ -6,6 +6,7 @@ use raceway_core::simulation::result::metrics::LEVEL_UNIT;
 use serde_json::Value;
 
 use crate::contract::answer::report::MotionName;
+use crate::contract::answer::uncertainty::uncertain;
 use crate::contract::answer::work_precision::point::{MeasuredAnswer, PointAnswer};
 use crate::contract::answer::work_precision::recommended::RECOMMENDED_ERRORS_DB;
 use crate::contract::job::input::GoalName;
@@ -115,7 +116,8 @@ pub fn study(table: &TableAnswer) -> String {
         match (&row.metrics, &row.error) {
             (Some(metrics), _) => {
                 for (_, pointer, _, digits) in &shown {
-                    let value = metrics.pointer(pointer).and_then(Value::as_f64);
+                    // A level that is not resolved is no value.
+                    let value = uncertain(metrics, pointer).map(|(value, _)| value);
                     let value = value.map_or("–".to_owned(), |value| format!("{value:.digits$}"));
                     let _ = write!(text, "{value:>12}");
                 }

@@ -161,7 +161,7 @@ pub struct KinematicsAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cage_slip: Option<f64>,
-    /// 1 − cage speed / speed of rolling at the free contact angle [-]; absent at rest. It contains the change of the contact angle under
+    /// 1 − cage speed / speed of rolling at the free contact angle, 0 for a deep-groove bearing [-]; absent at rest. It contains the change of the contact angle under
     /// load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]

@@ -105,7 +105,7 @@ pub struct DerivedAnswer {
     pub free_contact_angle_deg: f64,
     /// Diametral radial clearance [µm]; negative: a radial preload.
     pub radial_clearance_um: f64,
-    /// Characteristic frequencies of ideal rolling at the operating speed and the free contact angle.
+    /// Characteristic frequencies of ideal rolling at the operating speed and the free contact angle, 0 for a deep-groove bearing.
     pub frequencies_hz: FrequenciesAnswer,
     /// Characteristic frequencies of rolling at the operating speed and the contact angles of the equilibrium under loads, weights and
     /// centrifugal forces, in which a run at this speed starts. Outer control: no ball turns about the normal of its outer contact. Absent

@@ -6,10 +6,11 @@ use crate::contract::job::simulation::Simulation;
 use crate::contract::json::numbers::{short, significant};
 use crate::contract::json::problem::FieldError;
 use crate::contract::json::units::{MM, RPM, UM};
+use raceway_core::physics::bearing::BearingKind;
 use raceway_core::physics::contact::hertz::raceway_contacts;
 use raceway_core::physics::contact::traction::TractionLaw;
 use raceway_core::physics::defaults::{CrownCage, shaft_mass};
-use raceway_core::physics::spindle::Unbalance;
+use raceway_core::physics::spindle::{AxialHold, Unbalance};
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::model::equilibrium::StaticLoads;
 
@@ -142,6 +143,15 @@ fn of_operation(scene: &Scene, at_rest: Option<&StaticLoads>, warn: Warn<'_>) {
         )
     });
     let speed = RPM.to_user(operation.speed.largest()) * MM.to_user(scene.bearing.parameters.pitch_diameter);
+    let is_offset = matches!(scene.spindle.axial, AxialHold::Offset(offset) if offset != 0.0);
+    let is_angular = scene.bearing.parameters.kind == BearingKind::AngularContact;
+    warn(
+        is_angular && operation.load[0] == 0.0 && !is_offset && scene.bearing.radial_clearance > 0.0,
+        "operation/axial_load_n",
+        &|| {
+            "an angular-contact bearing without axial load or preload: its balls run at small contact angles, far from the design".into()
+        },
+    );
     warn(speed > MAX_SPEED_FACTOR, "operation/speed_rpm", &|| {
         format!("speed times pitch diameter is {speed:.2e} r/min·mm: bearings reach at most {MAX_SPEED_FACTOR:.0e}")
     });
@@ -330,6 +340,19 @@ mod tests {
         ] {
             assert_eq!(warned(scene.clone()), [format!("/scene/{field}")], "{scene}");
         }
+    }
+
+    #[test]
+    fn an_angular_contact_bearing_without_axial_load_is_found() {
+        let of = |axial_load_n: f64| {
+            let bearing = json!({
+                "type": "angular_contact", "outer_diameter_mm": 68, "inner_diameter_mm": 40, "width_mm": 15, "ball_count": 17,
+                "ball_diameter_mm": 7.938, "pitch_diameter_mm": 54, "contact_angle_deg": 15
+            });
+            let operation = json!({ "speed_rpm": 18_000, "radial_load_y_n": 200, "axial_load_n": axial_load_n });
+            warned(json!({ "bearing": bearing, "operation": operation }))
+        };
+        assert_eq!((of(0.0), of(100.0)), (vec!["/scene/operation/axial_load_n".to_owned()], Vec::new()));
     }
 
     /// Each quantity a thousand times as large as meant, or as small.

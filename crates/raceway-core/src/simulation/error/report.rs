@@ -71,6 +71,12 @@ impl AccuracyReport {
         self
     }
 
+    /// This report with another warning.
+    pub(crate) fn with(mut self, warning: Warning) -> Self {
+        self.warnings.push(warning);
+        self
+    }
+
     /// Drops the level from the warning of large errors.
     pub(crate) fn drop_uncertain_level(&mut self) {
         for warning in &mut self.warnings {

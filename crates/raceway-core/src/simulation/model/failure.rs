@@ -59,7 +59,7 @@ pub enum SimulationError {
     TooManyEvaluations { time: f64, end: f64, step: f64, evaluations: f64 },
     /// No ball can hold the spindle any more.
     #[error(
-        "the spindle left the bearing at t = {time:.6} s: {departure}. A cage, more balls or a smaller load hold it"
+        "the spindle left the bearing at t = {time:.6} s: {departure}. More balls, a cage or a smaller clearance may hold it"
     )]
     SpindleLeft { time: f64, departure: Departure },
     /// `Control::stop` returned true.

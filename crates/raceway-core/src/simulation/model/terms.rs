@@ -232,7 +232,9 @@ impl Decision<'_> {
             (None, Some(_)) => return Ok(ModelLevel::Full),
             _ => {}
         }
-        if symmetric_cage && choice != TermChoice::On {
+        // A push at the start moves balls and cage along X, too.
+        let stays_in_plane = symmetric_cage && scene.operation.perturbation.is_none();
+        if stays_in_plane && choice != TermChoice::On {
             let reason = "nothing acts along X and the cage is symmetric: no ball or cage leaves the plane";
             self.leave_out(Term::CageTilt, Justification::Identity, reason.into());
             return Ok(ModelLevel::Planar);

@@ -166,8 +166,8 @@ fn later_window(
 /// Numbers of the cage whose slowest motion no window covers. A crown tilts slowly and changes the orbit. The mean speed of a reversal is the small rest
 /// of a sum.
 fn slow_numbers(scene: &Scene, terms: &ActiveTerms, level: ModelLevel) -> Vec<Quantity> {
-    let is_tilt = |omitted: &LeftOut| omitted.term == Term::CageTilt.name() && omitted.by == Justification::Judgement;
-    let omits_tilt = level.is_reduced() && terms.left_out.iter().any(is_tilt);
+    let is_tilt = |omitted: &LeftOut| omitted.term == Term::CageTilt.name() && omitted.by != Justification::Identity;
+    let omits_tilt = level != ModelLevel::Full && terms.left_out.iter().any(is_tilt);
     let all = [(Quantity::CageOrbit, omits_tilt), (Quantity::CageSpeed, scene.operation.speed.reverses())];
     all.into_iter().filter(|(_, is_slow)| *is_slow).map(|(quantity, _)| quantity).collect()
 }

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::numerics::ode::Method;
-use crate::simulation::error::codes::{Cause, ErrorBasis, Gap, Uncertainty, Warning};
+use crate::simulation::error::codes::{Cause, ErrorBasis, Gap, Refinement, Uncertainty, Warning};
 use crate::simulation::error::comparison::Deviation;
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::error::lyapunov::MotionKind;
@@ -317,10 +317,14 @@ fn looser_run(
     let basis = if change.is_none() { ErrorBasis::Silence } else { verification.basis };
     let mut report = AccuracyReport::new(deviation, basis, verification.divergence);
     report.warnings = large_errors(&report, Uncertainty::Steps, &settings.outputs);
+    let CandidateSteps::Controlled(method, tolerance) = candidate.stepping else { return Verdict::Accept(report) };
     if settings.method != Method::Auto {
+        // The run before is the result, and this one its repetition.
+        if let ErrorBasis::Repetition { refinement, .. } = &mut report.basis {
+            *refinement = Refinement::Tolerance(tolerance, method);
+        }
         return Verdict::AcceptPrevious(report);
     }
-    let CandidateSteps::Controlled(_, tolerance) = candidate.stepping else { return Verdict::Accept(report) };
     match much_tighter(candidate, tolerance) {
         Some(refined) if change.is_some_and(|change| change > UNRESOLVED_DB) && !stalled => {
             let cause = deviates(&deviation, &settings.outputs, STATED_SHARE * settings.model_tolerance_db);

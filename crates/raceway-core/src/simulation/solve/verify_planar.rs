@@ -1,7 +1,8 @@
 //! Verification of planar dynamics where the request omits the tilt of balls and cage: a window of the full dynamics.
 
-use crate::simulation::error::codes::{Cause, Warning};
+use crate::simulation::error::codes::{Cause, Gap, Warning};
 use crate::simulation::error::comparison::Deviation;
+use crate::simulation::error::errors::LevelErrors;
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::control::Control;
 use crate::simulation::input::model_level::ModelLevel;
@@ -11,6 +12,7 @@ use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::{ActiveTerms, Justification};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::solve::attempt::{Dynamics, Problem, window_settings};
+use crate::simulation::solve::eligibility::may_tilt;
 use crate::simulation::solve::judge::deviates;
 use crate::simulation::solve::startup::InitialState;
 use crate::simulation::solve::verification::or_failure;
@@ -28,6 +30,11 @@ pub(crate) fn with_omitted_tilt(
     let omits = terms.left_out.iter().any(|omitted| is_tilt(omitted.term) && omitted.by == Justification::Convention);
     if terms.rung != ModelLevel::Planar || !omits {
         return Ok((report, None));
+    }
+    if may_tilt(problem.scene) {
+        // Tilt grows for seconds.
+        let report = AccuracyReport { level_errors: LevelErrors::default(), quantity_errors: None, ..report };
+        return Ok((report.with(Warning::ErrorUnknown(Gap::MayTilt)), None));
     }
     let settings = problem.settings;
     let short = window_settings(problem.scene, settings);
