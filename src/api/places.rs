@@ -41,33 +41,33 @@ impl Places {
         let permit = match Arc::clone(&self.free).try_acquire_owned() {
             Ok(permit) => permit,
             Err(_) => {
-                lock(&self.arrivals).longest_waiting()?.replaced.cancel();
+                lock(&self.arrivals).take_longest(Instant::now())?.replaced.cancel();
                 tracing::debug!("a connection without an authorised request was replaced");
                 Arc::clone(&self.free).acquire_owned().await.ok()?
             }
         };
         let replaced = CancellationToken::new();
-        let number = lock(&self.arrivals).add(network(address), replaced.clone());
+        let number = lock(&self.arrivals).add(network(address), Instant::now(), replaced.clone());
         let arrival = Arrival { arrivals: Arc::clone(&self.arrivals), number };
         Some(Place { arrival, replaced, _permit: permit })
     }
 }
 
 impl Arrivals {
-    fn add(&mut self, network: IpAddr, replaced: CancellationToken) -> u64 {
+    fn add(&mut self, network: IpAddr, since: Instant, replaced: CancellationToken) -> u64 {
         self.count += 1;
-        self.waiting.insert(self.count, Waiting { network, since: Instant::now(), replaced });
+        self.waiting.insert(self.count, Waiting { network, since, replaced });
         self.count
     }
 
     /// Removes the oldest connection of the network that has most of them. One network can thus not displace the others.
-    fn longest_waiting(&mut self) -> Option<Waiting> {
+    fn take_longest(&mut self, now: Instant) -> Option<Waiting> {
         let mut counts = HashMap::<IpAddr, (usize, u64)>::new();
         for (&number, waiting) in &self.waiting {
             let (count, _) = counts.entry(waiting.network).or_insert((0, number));
             *count += 1;
         }
-        let is_old = |number: u64| self.waiting[&number].since.elapsed() >= MIN_TIME_TO_REQUEST;
+        let is_old = |number: u64| now.saturating_duration_since(self.waiting[&number].since) >= MIN_TIME_TO_REQUEST;
         let replaceable = counts.into_values().filter(|&(_, oldest)| is_old(oldest));
         // Of networks with the same number, the one with the oldest connection.
         let (_, oldest) = replaceable.max_by_key(|&(count, oldest)| (count, u64::MAX - oldest))?;
@@ -120,47 +120,37 @@ fn network(address: IpAddr) -> IpAddr {
 mod tests {
     use super::*;
 
-    /// Takes a place for an address that ends in `host`.
-    async fn take(places: &Places, host: u8) -> Option<Place> {
-        places.take(IpAddr::from([10, 0, 0, host])).await
+    fn address(host: u8) -> IpAddr {
+        IpAddr::from([10, 0, 0, host])
     }
 
-    async fn pause() {
-        tokio::time::sleep(MIN_TIME_TO_REQUEST).await;
-    }
-
-    /// Ends the connections whose place another one took, as the server does.
-    fn ends_when_replaced(place: Place) {
-        tokio::spawn(async move { place.replaced.cancelled().await });
-    }
-
-    #[tokio::test]
-    async fn the_network_with_most_waiting_connections_loses_its_oldest() {
-        let places = Places::new(4);
-        let quiet = take(&places, 1).await.expect("a free place");
-        let mut flood = Vec::new();
-        for _ in 0..3 {
-            let place = take(&places, 2).await.expect("a free place");
-            flood.push(place.replaced.clone());
-            ends_when_replaced(place);
-        }
-        assert!(take(&places, 3).await.is_none(), "all have just arrived");
-        pause().await;
-        let new = take(&places, 3).await.expect("the place of the oldest of the flood");
-        let lost: Vec<bool> = flood.iter().map(CancellationToken::is_cancelled).collect();
-        assert_eq!(lost, [true, false, false]);
-        assert!(!quiet.replaced.is_cancelled() && !new.replaced.is_cancelled());
+    #[test]
+    fn the_network_with_most_waiting_connections_loses_its_oldest() {
+        let (mut arrivals, begin) = (Arrivals::default(), Instant::now());
+        let hosts = [1, 2, 2, 2];
+        let signals = hosts.map(|host| {
+            let replaced = CancellationToken::new();
+            arrivals.add(address(host), begin, replaced.clone());
+            replaced
+        });
+        assert!(arrivals.take_longest(begin + MIN_TIME_TO_REQUEST / 2).is_none(), "all have just arrived");
+        let later = begin + MIN_TIME_TO_REQUEST;
+        arrivals.take_longest(later).expect("an old connection").replaced.cancel();
+        assert_eq!(signals.map(|replaced| replaced.is_cancelled()), [false, true, false, false]);
+        // The oldest one where all networks have as many.
+        let left: Vec<IpAddr> = std::iter::from_fn(|| arrivals.take_longest(later)).map(|lost| lost.network).collect();
+        assert_eq!(left, [2, 1, 2].map(address));
     }
 
     #[tokio::test]
     async fn a_connection_with_an_authorised_request_keeps_its_place() {
         let places = Places::new(2);
-        let held = [take(&places, 1).await, take(&places, 1).await].map(|place| place.expect("a free place"));
-        held.iter().for_each(|place| place.arrival.remove());
-        pause().await;
-        assert!(take(&places, 2).await.is_none());
+        let held = [places.take(address(1)).await, places.take(address(1)).await];
+        held.iter().flatten().for_each(|place| place.arrival.remove());
+        tokio::time::sleep(MIN_TIME_TO_REQUEST).await;
+        assert!(places.take(address(2)).await.is_none());
         drop(held);
-        assert!(take(&places, 2).await.is_some());
+        assert!(places.take(address(2)).await.is_some());
     }
 
     #[test]
