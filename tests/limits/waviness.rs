@@ -219,7 +219,7 @@ fn simulated(surfaces: Value, multiples: (f64, f64)) -> [f64; 2] {
             .summary
             .lines
             .iter()
-            .filter(|(of, line)| *of == channel && (line.frequency / frequency - 1.0).abs() < 1e-3)
+            .filter(|(of, line)| *of == channel && (line.frequency / frequency - 1.0).abs() < 5e-3)
             .map(|(_, line)| line.amplitude)
             .fold(0.0, f64::max);
         1e3 * line / kept.share

@@ -48,14 +48,12 @@ impl SurfaceProfile {
         }
     }
 
-    /// Heights and slopes at the azimuths of several balls.
-    #[inline(always)]
+    /// Heights and slopes at the azimuths of several balls. A call of its own: scenes with ideal circles keep their loops as they are.
+    #[inline(never)]
     pub(crate) fn heights_and_slopes<const N: usize>(&self, azimuth: &Lanes<N>) -> (Lanes<N>, Lanes<N>) {
         let mut of = <(Lanes<N>, Lanes<N>)>::default();
-        if !self.is_ideal() {
-            for lane in 0..N {
-                of.put(lane, self.height_and_slope(azimuth[lane]));
-            }
+        for lane in 0..N {
+            of.put(lane, self.height_and_slope(azimuth[lane]));
         }
         of
     }

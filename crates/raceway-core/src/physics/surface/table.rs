@@ -35,22 +35,26 @@ impl HeightTable {
         let highest = waves().map(|wave| wave.order as usize).max().unwrap_or(1);
         let count = (KNOTS_PER_WAVE * highest).next_power_of_two().clamp(FEWEST, MOST);
         let spacing = TAU / count as f64;
-        let circle: Vec<(f64, f64)> = (0..count).map(|knot| sin_cos(spacing * knot as f64)).collect();
-        let mut knots = vec![Knot::default(); count];
+        // Coefficients of e^(i n φ) of the height and of its derivatives by the place between knots.
+        let mut sums = [0, 1, 2].map(|_| vec![(0.0, 0.0); count]);
         for wave in waves() {
-            let order = wave.order as usize;
             let (sine, cosine) = sin_cos(wave.phase);
-            let (sine, cosine) = (wave.amplitude * sine, wave.amplitude * cosine);
-            let per_knot = wave.order as f64 * spacing;
-            for (at, knot) in knots.iter_mut().enumerate() {
-                // n φ in whole knots of the circle.
-                let (s, c) = circle[(order * at) & (count - 1)];
-                let height = cosine * c - sine * s;
-                knot.height += height;
-                knot.first -= per_knot * (cosine * s + sine * c);
-                knot.second -= per_knot * per_knot * height;
+            let (real, imaginary) = (wave.amplitude * cosine, wave.amplitude * sine);
+            let per_knot = f64::from(wave.order) * spacing;
+            let square = per_knot * per_knot;
+            let terms =
+                [(real, imaginary), (-per_knot * imaginary, per_knot * real), (-square * real, -square * imaginary)];
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                let place = &mut sum[wave.order as usize];
+                *place = (place.0 + term.0, place.1 + term.1);
             }
         }
+        let circle: Vec<(f64, f64)> = (0..count / 2).map(|knot| sin_cos(spacing * knot as f64)).collect();
+        sums.iter_mut().for_each(|sum| sum_waves(sum, &circle));
+        let [height, first, second] = sums;
+        let mut knots: Vec<Knot> = (0..count)
+            .map(|knot| Knot { height: height[knot].0, first: first[knot].0, second: second[knot].0 })
+            .collect();
         knots.push(knots[0]);
         Self { knots }
     }
@@ -78,6 +82,32 @@ impl HeightTable {
         let height = a.height + u * (a.first + u * (half + u * (c3 + u * (c4 + u * c5))));
         let slope = a.first + u * (a.second + u * (3.0 * c3 + u * (4.0 * c4 + u * (5.0 * c5))));
         (height, slope * (count as f64 * (1.0 / TAU)))
+    }
+}
+
+/// Replaces coefficients c_n by the sums Σ c_n e^(2πi n k/N), k = 0 … N − 1 (Cooley & Tukey, N a power of two). `circle`: sine and cosine
+/// of the first N/2 angles. Own code, because libraries choose their order of operations by the processor.
+fn sum_waves(values: &mut [(f64, f64)], circle: &[(f64, f64)]) {
+    let count = values.len();
+    let bits = count.trailing_zeros();
+    for at in 0..count {
+        let mirrored = at.reverse_bits() >> (usize::BITS - bits);
+        if at < mirrored {
+            values.swap(at, mirrored);
+        }
+    }
+    let mut half = 1;
+    while half < count {
+        let stride = count / (2 * half);
+        for block in values.chunks_exact_mut(2 * half) {
+            let (even, odd) = block.split_at_mut(half);
+            for (at, (a, b)) in even.iter_mut().zip(odd).enumerate() {
+                let (sine, cosine) = circle[at * stride];
+                let turned = (b.0 * cosine - b.1 * sine, b.0 * sine + b.1 * cosine);
+                (*a, *b) = ((a.0 + turned.0, a.1 + turned.1), (a.0 - turned.0, a.1 - turned.1));
+            }
+        }
+        half *= 2;
     }
 }
 
