@@ -6,7 +6,7 @@ use raceway::physics::pocket::Pocket;
 use raceway::simulation::model::Model;
 use serde_json::{Value, json};
 
-use crate::scenes::{advance, article, azimuth, changed, disturbed, model, watched};
+use crate::scenes::{advance, article, azimuth, changed, disturbed, model, watched, waves};
 
 /// The article's case without dissipation.
 fn frictionless(changes: Value) -> Value {
@@ -19,6 +19,15 @@ fn frictionless(changes: Value) -> Value {
         "terms": { "drag": "off", "churning": "off", "hydrodynamics": "off" }
     });
     changed(changed(article(), none), changes)
+}
+
+/// Waves of the ring that stands: a turning one would do work.
+fn outer_waves() -> Value {
+    json!({ "surfaces": { "outer": waves()["surfaces"]["outer"] } })
+}
+
+fn at_rest() -> Value {
+    json!({ "operation": { "speed_rpm": 0 } })
 }
 
 /// Stiffness of the pocket film [N/m].
@@ -119,6 +128,15 @@ fn energy_is_kept_without_dissipation() {
         ("no gravity, no film", frictionless(json!({ "gravity_m_s2": 0, "bearing": { "cage": { "film": "none" } } }))),
         ("free along X", frictionless(json!({ "operation": { "axial_load_n": 15 } }))),
         ("misaligned", frictionless(json!({ "operation": { "misalignment_mrad": { "y": 0.5, "z": 0.5 } } }))),
+        ("outer waves", frictionless(outer_waves())),
+        ("waves at rest", frictionless(changed(waves(), at_rest()))),
+        (
+            "waves at rest, misaligned",
+            frictionless(changed(
+                changed(waves(), at_rest()),
+                json!({ "operation": { "misalignment_mrad": { "y": 5 } } }),
+            )),
+        ),
         ("strong gravity", frictionless(json!({ "gravity_m_s2": 1000 }))),
     ] {
         let model = model(&json);

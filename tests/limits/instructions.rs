@@ -10,7 +10,7 @@ use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRatio};
 use serde_json::{Value, json};
 
-use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_asked, rates, scene};
+use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_asked, rates, scene, waves};
 
 const TIME: f64 = 2.3e-4;
 
@@ -28,6 +28,12 @@ fn scenes() -> Vec<(Value, ModelLevel)> {
         (traction(json!({ "law": "four_parameter", "at_rest": 0.02 })), ModelLevel::Full),
         (traction(json!({ "law": "eyring" })), ModelLevel::Full),
         (traction(json!({ "law": "coulomb" })), ModelLevel::Full),
+        (everything_with(waves()), ModelLevel::Full),
+        (
+            everything_with(changed(waves(), json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } }))),
+            ModelLevel::Full,
+        ),
+        (changed(article(), waves()), ModelLevel::Planar),
     ]
 }
 

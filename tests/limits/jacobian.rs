@@ -7,7 +7,7 @@ use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::model::equilibrium::start_state;
 use serde_json::json;
 
-use crate::scenes::{article, changed, disturbed, everything, model_on};
+use crate::scenes::{article, changed, disturbed, everything, model_on, waves};
 
 /// Central differences of the whole right-hand side, dense.
 fn dense(system: &impl OdeSystem, state: &[f64], sizes: &[f64]) -> Vec<Vec<f64>> {
@@ -31,7 +31,13 @@ fn dense(system: &impl OdeSystem, state: &[f64], sizes: &[f64]) -> Vec<Vec<f64>>
 #[test]
 fn the_arrowhead_is_the_whole_jacobian() {
     let oil = changed(everything(), json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } }));
-    for (json, rung) in [(oil, ModelLevel::Full), (article(), ModelLevel::Full), (article(), ModelLevel::Planar)] {
+    let wavy = changed(oil.clone(), waves());
+    for (json, rung) in [
+        (oil, ModelLevel::Full),
+        (wavy, ModelLevel::Full),
+        (article(), ModelLevel::Full),
+        (article(), ModelLevel::Planar),
+    ] {
         let model = model_on(&json, Some(rung));
         let layout = model.mechanism().layout;
         let state = disturbed(&model, 3);

@@ -30,4 +30,5 @@ mod stability;
 mod static_distribution;
 mod steps_of_fixed_length;
 mod surface_profile;
+mod waviness;
 mod wrong_answers;

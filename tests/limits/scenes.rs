@@ -31,6 +31,16 @@ pub fn everything() -> Value {
     )
 }
 
+/// Surfaces with waves on both raceways.
+pub fn waves() -> Value {
+    json!({
+        "surfaces": {
+            "inner": { "waviness": [{ "order": 9, "amplitude_nm": 200, "phase_deg": 40 }, { "order": 1, "amplitude_nm": 900 }] },
+            "outer": { "waviness": [{ "order": 40, "amplitude_nm": 100, "phase_deg": -70 }] }
+        }
+    })
+}
+
 pub fn scene(json: &Value) -> Scene {
     scene_from_json(&json.to_string()).unwrap_or_else(|refusal| panic!("{refusal:?}\n{json:#}"))
 }

@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 
 use super::messages::{self, MessageAnswer};
 use super::report::{FrequenciesAnswer, LeftOutAnswer};
+use super::surfaces::SurfacesAnswer;
 use super::unit_warnings;
 use crate::contract::job::checked::Job;
 use crate::contract::job::cost::{self, CostAnswer};
@@ -117,6 +118,10 @@ pub struct DerivedAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub frequencies_loaded_inner_control_hz: Option<FrequenciesAnswer>,
+    /// Waves of the raceways as the contacts average them; absent where all raceways are ideal circles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub surfaces: Option<SurfacesAnswer>,
     /// Static equilibrium under the applied loads and the weight of the spindle; absent where there is none.
     #[serde(rename = "static", skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -166,7 +171,10 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
         messages: if plan.is_none() { messages_of(base) } else { Vec::new() },
         left_out: left_out(base),
         cost: cost::estimate(job),
-        derived: derived(base.scene(), at_rest.as_ref(), loaded_frequencies(base.scene(), &base.terms).ok().flatten()),
+        derived: DerivedAnswer {
+            surfaces: SurfacesAnswer::of(base.scene(), &base.terms),
+            ..derived(base.scene(), at_rest.as_ref(), loaded_frequencies(base.scene(), &base.terms).ok().flatten())
+        },
         warnings: unit_warnings::warnings(base, at_rest.as_ref()),
     }
 }
@@ -210,6 +218,7 @@ fn derived(scene: &Scene, at_rest: Option<&StaticLoads>, loaded: Option<LoadedFr
         frequencies_hz: ideal_frequencies(bearing, scene.operating_speed()).into(),
         frequencies_loaded_hz: loaded.map(|loaded| loaded.outer_control.into()),
         frequencies_loaded_inner_control_hz: loaded.map(|loaded| loaded.inner_control.into()),
+        surfaces: None,
         at_rest: at_rest.and_then(static_answer),
     }
 }

@@ -13,6 +13,10 @@ use raceway_core::simulation::solve::startup::{settling_time, turning_time};
 const MAX_DEFAULT: f64 = 1.0;
 /// Longest default recorded time of a speed profile [s].
 const MAX_PROFILE: f64 = 10.0;
+/// Turns of the cage in the default recorded time of raceways that are no circles [-], and their longest time [s]: lines beside each other
+/// differ by the speed of the cage.
+const SURFACE_TURNS: f64 = 10.0;
+const MAX_SURFACE: f64 = 20.0;
 /// Longest recorded time with `SERIES_AT_MAX` series [s]: they take 1 GiB, at four doubles for each sample (value, time and copies).
 const MAX_SERIES: f64 = 23.4;
 const SERIES_AT_MAX: usize = 14;
@@ -25,12 +29,17 @@ pub fn default_settle(scene: Option<&Scene>) -> f64 {
     turns.max(decayed)
 }
 
-/// Default recorded time after the settling time [s]: 20 ball passes, at least 0.1 s, and up to the last point of a speed profile.
+/// Default recorded time after the settling time [s]: 20 ball passes, at least 0.1 s, up to the last point of a speed profile, and 10
+/// turns of the cage where a raceway is no circle.
 pub fn default_duration(scene: Option<&Scene>, settle: f64) -> f64 {
     let passes = default_time(0.1, 20.0, scene.map(frequencies).map(|f| f.ball_pass_outer));
     let changing = scene.map(|scene| &scene.operation.speed).filter(|speed| !speed.is_constant());
     let profile = changing.map_or(0.0, |speed| speed.end() - settle).min(MAX_PROFILE);
-    passes.max(numbers::significant(profile, 6))
+    let turns = match scene.filter(|scene| !scene.surfaces.are_ideal()).map(|scene| frequencies(scene).cage) {
+        Some(cage) if cage > 0.0 => (SURFACE_TURNS / cage).min(MAX_SURFACE),
+        _ => 0.0,
+    };
+    passes.max(numbers::significant(profile.max(turns), 6))
 }
 
 /// Settling time [s].

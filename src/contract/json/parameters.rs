@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 73] = [
+const FIELDS: [(&str, &str, Unit); 92] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -80,6 +80,25 @@ const FIELDS: [(&str, &str, Unit); 73] = [
     ("operation.speed", "/operation/speed_rpm", RPM),
     ("operation.speed", "/operation/speed_rpm/rpm", RPM),
     ("operation.speed.at", "/operation/speed_rpm/at_s", S),
+    ("surfaces.inner.waviness.order", "/surfaces/inner/waviness/order", NUMBER),
+    ("surfaces.inner.waviness.amplitude", "/surfaces/inner/waviness/amplitude_nm", NM),
+    ("surfaces.inner.waviness.phase", "/surfaces/inner/waviness/phase_deg", DEG),
+    ("surfaces.inner.random_waviness.amplitude", "/surfaces/inner/random_waviness/amplitude_nm", NM),
+    ("surfaces.inner.random_waviness.at_order", "/surfaces/inner/random_waviness/at_order", NUMBER),
+    ("surfaces.inner.random_waviness.exponent", "/surfaces/inner/random_waviness/exponent", NUMBER),
+    ("surfaces.inner.random_waviness.from_order", "/surfaces/inner/random_waviness/from_order", NUMBER),
+    ("surfaces.inner.random_waviness.to_order", "/surfaces/inner/random_waviness/to_order", NUMBER),
+    ("surfaces.inner.waviness", "/surfaces/inner/waviness", NUMBER),
+    ("surfaces.outer.waviness.order", "/surfaces/outer/waviness/order", NUMBER),
+    ("surfaces.outer.waviness.amplitude", "/surfaces/outer/waviness/amplitude_nm", NM),
+    ("surfaces.outer.waviness.phase", "/surfaces/outer/waviness/phase_deg", DEG),
+    ("surfaces.outer.random_waviness.amplitude", "/surfaces/outer/random_waviness/amplitude_nm", NM),
+    ("surfaces.outer.random_waviness.at_order", "/surfaces/outer/random_waviness/at_order", NUMBER),
+    ("surfaces.outer.random_waviness.exponent", "/surfaces/outer/random_waviness/exponent", NUMBER),
+    ("surfaces.outer.random_waviness.from_order", "/surfaces/outer/random_waviness/from_order", NUMBER),
+    ("surfaces.outer.random_waviness.to_order", "/surfaces/outer/random_waviness/to_order", NUMBER),
+    ("surfaces.outer.waviness", "/surfaces/outer/waviness", NUMBER),
+    ("surfaces.seed", "/surfaces/seed", NUMBER),
     ("gravity", "/gravity_m_s2", M_S2),
 ];
 

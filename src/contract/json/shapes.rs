@@ -63,6 +63,23 @@ pub fn optional_object<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deseriali
     object(deserializer).map(Some)
 }
 
+/// For a field that holds a whole number; as [`whole_number`].
+pub fn required_whole_number<'de, D: Deserializer<'de>, const MIN: u32, const MAX: u32>(
+    deserializer: D,
+) -> Result<u32, D::Error> {
+    whole_number::<D, MIN, MAX>(deserializer).map(|number| number.unwrap_or(MIN))
+}
+
+/// For a field that may hold a whole number up to 2⁵³ − 1, the largest that every JSON reader keeps.
+pub fn wide_whole_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
+    const MAX: f64 = 9_007_199_254_740_991.0;
+    let number = f64::deserialize(deserializer)?;
+    if number.fract() != 0.0 || !(0.0..=MAX).contains(&number) {
+        return Err(D::Error::custom(format!("{number}: must be a whole number from 0 to {MAX}")));
+    }
+    Ok(Some(number as u64))
+}
+
 /// For a field that may hold a whole number, `3.0` included. Numbers that do not fit a `u32` are refused here; the error names the range
 /// from `MIN` to `MAX`, which the field is checked against later.
 pub fn whole_number<'de, D: Deserializer<'de>, const MIN: u32, const MAX: u32>(

@@ -31,6 +31,7 @@ const PI: f64 = std::f64::consts::PI;
 pub const NUMBER: Unit = si("");
 pub const MM: Unit = part("mm", 1e3);
 pub const UM: Unit = part("µm", 1e6);
+pub const NM: Unit = part("nm", 1e9);
 pub const G: Unit = part("g", 1e3);
 pub const G_MM: Unit = part("g·mm", 1e6);
 pub const MM_S: Unit = part("mm/s", 1e3);

@@ -10,6 +10,7 @@ pub mod lubricant;
 pub mod material;
 pub mod operation;
 pub mod spindle;
+pub mod surfaces;
 pub mod terms;
 
 pub mod presets;

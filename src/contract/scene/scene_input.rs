@@ -12,6 +12,7 @@ use crate::contract::scene::damping::DampingInput;
 use crate::contract::scene::lubricant::{self, LubricantChoice, LubricantInput};
 use crate::contract::scene::operation::OperationInput;
 use crate::contract::scene::spindle::SpindleInput;
+use crate::contract::scene::surfaces::SurfacesInput;
 use crate::contract::scene::terms::TermsInput;
 use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::defaults::GRAVITY;
@@ -39,6 +40,10 @@ pub struct SceneInput {
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub damping: Option<DampingInput>,
+    /// Surfaces of the raceways. Default: ideal circles.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub surfaces: Option<SurfacesInput>,
     /// Terms of the equations that are switched on or off.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
@@ -82,6 +87,7 @@ impl SceneInput {
         let operation = self.operation.resolve(defaults);
         let terms = self.terms.get_or_insert_default().resolve(defaults);
         let gravity = defaults.fill("/scene/gravity_m_s2", &mut self.gravity_m_s2, GRAVITY);
+        let surfaces = self.surfaces.as_mut().map(|surfaces| surfaces.resolve(defaults)).unwrap_or_default();
         let damping = self.damping.get_or_insert_default().resolve(defaults);
         let ChosenBearing { mut own, base } = choose(self.bearing.clone(), defaults);
 
@@ -98,6 +104,6 @@ impl SceneInput {
         let spindle = self.spindle.get_or_insert_default().resolve(defaults, base.spindle_mass_kg, axial_load);
         self.bearing = NameOr::Object(own);
         let raceway_damping = damping.raceway;
-        SceneParameters { bearing, cage, spindle, operation, lubricant, raceway_damping, terms, gravity }
+        SceneParameters { bearing, cage, spindle, operation, lubricant, raceway_damping, terms, surfaces, gravity }
     }
 }

@@ -5,5 +5,6 @@ mod results;
 mod schema;
 mod several_errors;
 mod study;
+mod surfaces;
 
 mod requests;

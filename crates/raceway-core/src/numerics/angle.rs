@@ -43,6 +43,16 @@ pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
     (sign(if odd { cosine } else { sine }, quarters), sign(if odd { sine } else { cosine }, quarters.wrapping_add(1)))
 }
 
+/// The angle of a direction near the first axis [rad], from its components along and across that axis: 2 arctan u with
+/// u = across/(length + along), by the series of arctan to u¹⁹. Exact to rounding below 0.3 rad, and to 1e-7 at 1 rad.
+#[inline(always)]
+pub(crate) fn small_angle(along: f64, across: f64) -> f64 {
+    let u = across / ((along * along + across * across).sqrt() + along);
+    let z = -u * u;
+    let series = [19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0].iter().fold(0.0, |sum, n| z * (sum + 1.0 / n));
+    2.0 * (u + u * series)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,6 +85,14 @@ mod tests {
         for quarter in -8..8 {
             let (sine, cosine) = sin_cos(f64::from(quarter) * std::f64::consts::FRAC_PI_4);
             assert!((sine * sine + cosine * cosine - 1.0).abs() < 3e-16);
+        }
+    }
+
+    #[test]
+    fn small_angles_are_those_of_the_library() {
+        for (angle, error) in [(0.0, 0.0), (1e-9, 1e-24), (-0.01, 1e-17), (0.3, 1e-16), (1.0, 1e-6)] {
+            let (sine, cosine) = f64::sin_cos(angle);
+            assert!((small_angle(3.0 * cosine, 3.0 * sine) - angle).abs() <= error, "{angle}");
         }
     }
 }

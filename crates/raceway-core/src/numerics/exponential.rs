@@ -5,7 +5,7 @@ use std::array::from_fn;
 use super::lanes::{larger, smaller};
 
 /// 2⁵² + 2⁵¹: adding it rounds a small number to an integer that stands in the low bits.
-pub(super) const ROUND: f64 = 6_755_399_441_055_744.0;
+pub(crate) const ROUND: f64 = 6_755_399_441_055_744.0;
 /// ln 2 in two parts; the first has 20 trailing zero bits, so that its product with an exponent is exact (Cody & Waite).
 const LN_2: (f64, f64) = (6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10);
 

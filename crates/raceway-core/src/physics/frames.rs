@@ -8,7 +8,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::numerics::angle::sin_cos;
+use crate::numerics::angle::{sin_cos, small_angle};
 use crate::numerics::lanes::side_by_side;
 
 /// A vector of three components.
@@ -48,6 +48,14 @@ pub fn scale(factor: f64, a: Vector) -> Vector {
 #[inline(always)]
 pub fn length(a: Vector) -> f64 {
     dot(a, a).sqrt()
+}
+
+/// Azimuth about an axis of a place at `radial` from it, less the azimuth of the orbit frame [rad]. Both start at the same direction,
+/// which the smallest rotation from X to the axis carries along. Vectors in the orbit frame, the axis of length 1.
+#[inline(always)]
+pub(crate) fn turn_about(axis: Vector, radial: Vector) -> f64 {
+    let share = radial[0] / (1.0 + axis[0]);
+    small_angle(radial[1] - axis[1] * share, radial[2] - axis[2] * share)
 }
 
 /// The direction of an azimuth.

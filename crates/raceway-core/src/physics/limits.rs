@@ -7,6 +7,9 @@ const MAX_BALLS: f64 = 64.0;
 /// Largest angular speed accepted [rad/s]: 500 000 r/min.
 const MAX_SPEED: f64 = 500_000.0 * PI / 30.0;
 
+/// Highest order of a wave round a ring.
+const MAX_ORDER: f64 = 100_000.0;
+
 /// The values that a parameter may take: `lowest ..= highest`, in SI. `exclusive`: the lowest itself is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
@@ -28,7 +31,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 59] = [
+const LIMITS: [Limits; 68] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -89,6 +92,15 @@ const LIMITS: [Limits; 59] = [
     within(".at_speed", 1e-6, 100.0),
     within(".viscous", 0.0, 1e9),
     within("gravity", -1000.0, 1000.0),
+    within(".waviness.order", 1.0, MAX_ORDER),
+    within(".waviness.amplitude", 0.0, 1e-4),
+    within(".waviness.phase", -2.0 * PI, 2.0 * PI),
+    within(".random_waviness.amplitude", 0.0, 1e-4),
+    within(".at_order", 1.0, MAX_ORDER),
+    within(".exponent", 0.0, 4.0),
+    within(".from_order", 1.0, MAX_ORDER),
+    within(".to_order", 1.0, MAX_ORDER),
+    within("surfaces.seed", 0.0, 9_007_199_254_740_991.0),
 ];
 
 /// The limits of a parameter; `None` for an unknown name.

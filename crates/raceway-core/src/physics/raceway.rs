@@ -139,6 +139,16 @@ impl RacewayContact {
         self
     }
 
+    /// The surface profile.
+    pub fn surface(&self) -> &SurfaceProfile {
+        &self.surface
+    }
+
+    /// Radius of the groove's bottom [m].
+    pub(crate) fn bottom_radius(&self) -> f64 {
+        self.groove.centre_radius + self.groove.side * (self.groove.touch_distance + self.groove.ball_radius)
+    }
+
     /// Returns true where the contact damps an impact.
     pub(crate) fn is_damped(&self) -> bool {
         self.groove.damping.chi > 0.0 || self.groove.damping.viscous > 0.0
@@ -203,12 +213,35 @@ impl RacewayContact {
     fn contacts<const PLANAR: bool, const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> Contact<Lanes<N>> {
         // A copy, so that the compiler knows that stores in the loop do not change it.
         let groove = self.groove;
-        let surface = self.surface.heights_and_slopes(&motion.azimuth);
+        let lift = self.lifts(motion);
         let mut contact = Contact::<Lanes<N>>::default();
         for lane in 0..N {
-            contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), surface.at(lane)));
+            contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), lift.at(lane)));
         }
         contact
+    }
+
+    /// Heights of the raceway under balls [m], and the rates at which they rise [m/s].
+    #[inline(always)]
+    fn lifts<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> (Lanes<N>, Lanes<N>) {
+        if self.surface.is_ideal() {
+            return <(Lanes<N>, Lanes<N>)>::default();
+        }
+        let (height, slope) = self.surface.heights_and_slopes(&motion.azimuth);
+        let mut rise = <Lanes<N>>::default();
+        for lane in 0..N {
+            rise[lane] = slope[lane] * motion.at(lane).azimuth_rate();
+        }
+        (height, rise)
+    }
+
+    /// Adds the lean force −Q h_φ/r of a raceway that is not a circle. It acts along the groove through the ball's centre.
+    #[inline(always)]
+    fn add_lean<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>, load: &mut RacewayLoad<Lanes<N>>) {
+        let (_, slope) = self.surface.heights_and_slopes(&motion.azimuth);
+        for lane in 0..N {
+            load.force[2][lane] -= load.normal[lane] * slope[lane] / motion.radius[lane];
+        }
     }
 
     #[inline(always)]
@@ -230,6 +263,9 @@ impl RacewayContact {
             found.put(lane, groove.sum_of_loads(&contact.at(lane), &sums.at(lane)));
         }
         *load = found;
+        if !self.surface.is_ideal() {
+            self.add_lean(motion, load);
+        }
         if groove.hydrodynamics {
             for lane in 0..N {
                 let mut one = load.at(lane);
@@ -395,8 +431,9 @@ impl RacewayContact {
         slopes: &mut ContactSlopes<Lanes>,
     ) {
         let groove = self.groove;
+        let (_, rise) = self.lifts(motion);
         for lane in 0..LANES {
-            slopes.put(lane, groove.slopes::<PLANAR>(&motion.at(lane), &load.at(lane)));
+            slopes.put(lane, groove.slopes::<PLANAR>(&motion.at(lane), &load.at(lane), rise[lane]));
         }
     }
 

@@ -102,16 +102,16 @@ impl Groove {
         (self.hertz.stiffness * root * root * root, 1.5 * self.hertz.stiffness * root)
     }
 
-    /// Geometry, normal load and slip of a contact; without penetration its load is 0.
+    /// Geometry, normal load and slip of a contact on a raceway of some height, which rises under the ball at a rate; without
+    /// penetration its load is 0.
     #[inline(always)]
-    pub(super) fn contact<const PLANAR: bool>(&self, motion: &RelativeMotion, (height, slope): (f64, f64)) -> Contact {
+    pub(super) fn contact<const PLANAR: bool>(&self, motion: &RelativeMotion, (height, rise): (f64, f64)) -> Contact {
         let (mut penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
         let (towards_a, towards_r) = towards;
         let [va, vr, vt] = motion.velocity;
         let mut rate = if PLANAR { towards_r * vr } else { towards_a * va + towards_r * vr };
-        let turning = motion.orbit_speed - motion.raceway_speed;
         penetration += height;
-        rate += slope * turning;
+        rate += rise;
         let normal = normal_load(self.hertz.stiffness, penetration, rate, &self.damping);
         // a² goes with δ: the roots of heights need not wait for that of a.
         let (depth, largest) = (larger(penetration, 0.0), LARGEST_CONTACT * self.ball_radius);
@@ -141,12 +141,18 @@ impl Groove {
         }
     }
 
-    /// Slopes of the loads by the ball's own motion. The rate of penetration leaves out the slope of a surface profile.
+    /// Slopes of the loads by the ball's own motion, on a raceway that rises under the ball at a rate. The lean force has no slope here:
+    /// over Q h_φφ/r² a contact is thousands of times as stiff.
     #[inline(always)]
-    pub(super) fn slopes<const PLANAR: bool>(&self, motion: &RelativeMotion, load: &RacewayLoad) -> ContactSlopes {
+    pub(super) fn slopes<const PLANAR: bool>(
+        &self,
+        motion: &RelativeMotion,
+        load: &RacewayLoad,
+        rise: f64,
+    ) -> ContactSlopes {
         let (penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
         let [va, vr, _] = motion.velocity;
-        let rate = if PLANAR { towards.1 * vr } else { towards.0 * va + towards.1 * vr };
+        let rate = rise + if PLANAR { towards.1 * vr } else { towards.0 * va + towards.1 * vr };
         let (stiffness, damping) = normal_slopes(self.hertz.stiffness, load.penetration, rate, &self.damping);
         let turning = if PLANAR { 0.0 } else { load.normal / (penetration + self.touch_distance) };
         // A ball in the middle of its groove touches nothing.

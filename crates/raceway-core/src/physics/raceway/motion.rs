@@ -18,10 +18,18 @@ pub struct RelativeMotion<T = f64> {
     pub raceway_speed: T,
     /// Angular speed at which the contact moves round the raceway's axis [rad/s].
     pub orbit_speed: T,
-    /// Azimuth of the ball on the raceway itself [rad]; only a surface profile asks for it.
+    /// Azimuth of the ball on the raceway itself, about its own axis [rad]; only a surface profile asks for it.
     pub azimuth: T,
 }
 side_by_side!(RelativeMotion { axial, radius, velocity, spin, raceway_speed, orbit_speed, azimuth });
+
+impl RelativeMotion {
+    /// Rate at which the ball's azimuth on the raceway changes [rad/s].
+    #[inline(always)]
+    pub(super) fn azimuth_rate(&self) -> f64 {
+        self.velocity[2] / self.radius - self.raceway_speed
+    }
+}
 
 /// Load of a raceway on a ball; the raceway takes the opposite force.
 #[derive(Debug, Clone, Copy, Default)]

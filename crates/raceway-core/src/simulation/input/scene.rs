@@ -10,6 +10,7 @@ use crate::physics::lubricant::Lubricant;
 use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::presets::{self, BearingPreset};
 use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
+use crate::physics::surface::waviness::Surfaces;
 
 /// Choice of the request for one term of the equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -95,6 +96,7 @@ pub struct SceneParameters {
     pub lubricant: Lubricant,
     pub raceway_damping: DampingLaw,
     pub terms: Terms,
+    pub surfaces: Surfaces,
     /// Acceleration of gravity along +Y [m/s²].
     pub gravity: f64,
 }
@@ -109,6 +111,7 @@ pub struct Scene {
     pub lubricant: Lubricant,
     pub raceway_damping: DampingLaw,
     pub terms: Terms,
+    pub surfaces: Surfaces,
     pub gravity: f64,
 }
 
@@ -123,6 +126,7 @@ impl Scene {
         p.lubricant.check(&mut faults);
         p.raceway_damping
             .check(["damping.raceway.restitution", "damping.raceway.at_speed", "damping.raceway.viscous"], &mut faults);
+        p.surfaces.check(&mut faults);
         faults.check("gravity", p.gravity);
         if p.operation.load[0] != 0.0 && p.spindle.axial != AxialHold::Free {
             let load = p.operation.load[0];
@@ -139,6 +143,7 @@ impl Scene {
             lubricant: p.lubricant,
             raceway_damping: p.raceway_damping,
             terms: p.terms,
+            surfaces: p.surfaces,
             gravity: p.gravity,
         })
     }
@@ -165,6 +170,7 @@ impl Scene {
             lubricant: presets::lubricant_of(defaults.lubricant).lubricant,
             raceway_damping: RACEWAY_DAMPING,
             terms: Terms::default(),
+            surfaces: Surfaces::default(),
             gravity: GRAVITY,
         })
     }

@@ -36,6 +36,8 @@ pub struct Mechanism {
     /// Radius of a ball [m].
     pub ball_radius: f64,
     pub raceway: PerRaceway<RacewayContact>,
+    /// Highest frequency at which waves of the raceways pass a ball [Hz]; 0 on ideal circles.
+    pub(crate) wave_frequency: f64,
     pub pocket: Pocket,
     /// Contact of neighbouring balls; `None`: a cage keeps them apart.
     pub neighbours: Option<NeighbourContact>,
@@ -110,7 +112,7 @@ impl Mechanism {
         self.speed.is_constant().then(|| self.orbit_ratio * self.speed.at(0.0).1)
     }
 
-    /// The constants of a scene with its active terms.
+    /// The constants of a scene with its active terms, on raceways that are ideal circles.
     pub fn new(scene: &Scene, needs: &ActiveTerms) -> Self {
         let bearing = &scene.bearing;
         let operating_speed = scene.operating_speed();
@@ -133,6 +135,7 @@ impl Mechanism {
             ball_inertia: bearing.ball_inertia,
             ball_radius: 0.5 * bearing.parameters.ball_diameter,
             raceway: RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway),
+            wave_frequency: 0.0,
             pocket: Pocket::new(
                 bearing,
                 &scene.cage,

@@ -21,6 +21,8 @@ pub mod system;
 
 pub mod equilibrium;
 
+pub mod surfaces;
+
 pub mod loaded_frequencies;
 
 pub mod stiffness;

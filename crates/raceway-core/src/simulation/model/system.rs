@@ -8,6 +8,7 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::model::dynamics::{Full, Planar, Watch};
 use crate::simulation::model::fading_damping::FadingDamping;
 use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::surfaces;
 use crate::simulation::model::terms::ActiveTerms;
 
 /// The equations of motion of a scene, full or planar.
@@ -20,7 +21,7 @@ pub enum Model {
 impl Model {
     /// The model of a scene, at the level of its active terms.
     pub fn new(scene: &Scene, needs: &ActiveTerms) -> Self {
-        let mechanism = Mechanism::new(scene, needs);
+        let mechanism = surfaces::with_surfaces(Mechanism::new(scene, needs), scene);
         match needs.rung {
             ModelLevel::Full => Self::Full(Full::new(mechanism)),
             // Reduced levels have their own models. If such a level also needs the dynamics, the planar ones are used.

@@ -265,10 +265,11 @@ fn allowed_noise(spectrum: &Spectrum, error_db: f64) -> f64 {
     power.sqrt() * (10_f64.powf(error_db / 20.0) - 1.0)
 }
 
-/// Frequencies that can appear in a spectrum, others 0. Only an unbalance marks the rotation of the inner ring, and nothing marks that of a
-/// smooth ball.
+/// Frequencies that can appear in a spectrum, others 0. Unbalance or the surface of its raceway mark the rotation of the inner ring, and
+/// nothing marks that of a smooth ball.
 fn marked(scene: &Scene, frequencies: &CharacteristicFrequencies) -> CharacteristicFrequencies {
-    let ring = if scene.spindle.unbalance_product(scene.operating_speed()) != 0.0 { 1.0 } else { 0.0 };
+    let is_balanced = scene.spindle.unbalance_product(scene.operating_speed()) == 0.0;
+    let ring = if is_balanced && scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { 1.0 };
     CharacteristicFrequencies {
         shaft: ring * frequencies.shaft,
         ball_pass_inner: ring * frequencies.ball_pass_inner,

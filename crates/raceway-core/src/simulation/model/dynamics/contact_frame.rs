@@ -1,7 +1,8 @@
 //! Frame of an inner contact: on a raceway parallel to X, and on a tilted one.
 
+use crate::numerics::angle::small_angle;
 use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
-use crate::physics::frames::{Azimuth, Vector, add, cross, dot, scale, subtract};
+use crate::physics::frames::{Azimuth, Vector, add, cross, dot, scale, subtract, turn_about};
 
 /// Position of a ball on the inner raceway: place and axes of the contact's frame, in the orbit frame.
 pub(super) trait ContactFrame: Copy {
@@ -12,6 +13,8 @@ pub(super) trait ContactFrame: Copy {
     fn new(axis: &Self::Axis, azimuth: Azimuth, from_centre: Vector) -> Self;
     /// Distances along the raceway's axis and from it [m].
     fn place(&self) -> (f64, f64);
+    /// Azimuth on the raceway less that about the bearing [rad].
+    fn turn(&self) -> f64;
     /// Components in the contact's frame of a vector of the orbit frame.
     fn components(&self, v: Vector) -> Vector;
     /// Vector of the orbit frame with components in the contact's frame.
@@ -41,6 +44,11 @@ impl ContactFrame for StraightFrame {
     #[inline(always)]
     fn place(&self) -> (f64, f64) {
         (self.axial, self.radius)
+    }
+
+    #[inline(always)]
+    fn turn(&self) -> f64 {
+        small_angle(self.turn.cosine, self.turn.sine)
     }
 
     #[inline(always)]
@@ -82,6 +90,11 @@ impl ContactFrame for TiltedFrame {
     #[inline(always)]
     fn place(&self) -> (f64, f64) {
         (self.axial, self.radius)
+    }
+
+    #[inline(always)]
+    fn turn(&self) -> f64 {
+        turn_about(self.axis, self.radial)
     }
 
     #[inline(always)]

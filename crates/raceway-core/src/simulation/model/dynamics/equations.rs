@@ -165,6 +165,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             frames.put(lane, frame);
             balls.motion.put(lane, motion);
         }
+        self.turn_azimuths::<F>(&frames, &mut relative.inner);
         // Drag stands before the raceways: its long dependency chains overlap with their work.
         let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
         if let Some(drag) = m.drag {
@@ -237,6 +238,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
+    /// Refers azimuths on the inner raceway to its own axis, where it is not a circle.
+    #[inline(always)]
+    fn turn_azimuths<F: ContactFrame>(&self, frames: &F::Several, relative: &mut RelativeMotion<Lanes>) {
+        if self.mechanism.raceway.inner.surface().is_ideal() {
+            return;
+        }
+        for lane in 0..LANES {
+            relative.azimuth[lane] += frames.at(lane).turn();
+        }
+    }
+
     /// Writes the pocket loads of the balls from `first` on and the balls' places in the cage, in the cage's tilted frame. On request it
     /// also writes the slopes of the loads over the balls' own motion. Writes nothing without a cage.
     #[inline(always)]
@@ -292,6 +304,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             relative.put(lane, inner);
             frames.put(lane, frame);
         }
+        self.turn_azimuths::<F>(&frames, &mut relative);
         let mut load = RacewayLoad::<Lanes>::default();
         self.mechanism.raceway.inner.loads::<PLANAR>(&relative, &mut load, self.instructions);
         let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();

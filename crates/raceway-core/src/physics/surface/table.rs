@@ -1,0 +1,158 @@
+//! A periodic height over azimuth with continuous first and second derivatives, as a table.
+
+use std::f64::consts::TAU;
+
+use super::waviness::{HIGHEST_ORDER, Wave};
+use crate::numerics::angle::sin_cos;
+use crate::numerics::exponential::ROUND;
+
+/// Knots to one period of the shortest wave. Between knots the height then errs by less than 6e-6 of that wave.
+const KNOTS_PER_WAVE: usize = 8;
+/// Knots of the smallest table and of the largest.
+const FEWEST: usize = 64;
+const MOST: usize = KNOTS_PER_WAVE * HIGHEST_ORDER as usize;
+
+/// Height at one knot with its first and second derivative, over the distance between knots [m].
+#[derive(Debug, Clone, Copy, Default)]
+struct Knot {
+    height: f64,
+    first: f64,
+    second: f64,
+}
+
+/// Heights at equidistant azimuths round a ring. Between two knots stands the polynomial of degree five that has their heights and
+/// derivatives (Hermite).
+#[derive(Debug)]
+pub struct HeightTable {
+    /// A power of two, and the first knot once more.
+    knots: Vec<Knot>,
+}
+
+impl HeightTable {
+    /// The sum of waves, its derivatives exact at the knots. Orders beyond the range of the largest table are left out.
+    pub(super) fn of_waves(waves: &[Wave]) -> Self {
+        let waves = || waves.iter().filter(|wave| wave.order <= HIGHEST_ORDER);
+        let highest = waves().map(|wave| wave.order as usize).max().unwrap_or(1);
+        let count = (KNOTS_PER_WAVE * highest).next_power_of_two().clamp(FEWEST, MOST);
+        let spacing = TAU / count as f64;
+        // Coefficients of e^(i n φ) of the height and of its derivatives by the place between knots.
+        let mut sums = [0, 1, 2].map(|_| vec![(0.0, 0.0); count]);
+        for wave in waves() {
+            let (sine, cosine) = sin_cos(wave.phase);
+            let (real, imaginary) = (wave.amplitude * cosine, wave.amplitude * sine);
+            let per_knot = f64::from(wave.order) * spacing;
+            let square = per_knot * per_knot;
+            let terms =
+                [(real, imaginary), (-per_knot * imaginary, per_knot * real), (-square * real, -square * imaginary)];
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                let place = &mut sum[wave.order as usize];
+                *place = (place.0 + term.0, place.1 + term.1);
+            }
+        }
+        let circle: Vec<(f64, f64)> = (0..count / 2).map(|knot| sin_cos(spacing * knot as f64)).collect();
+        sums.iter_mut().for_each(|sum| sum_waves(sum, &circle));
+        let [height, first, second] = sums;
+        let mut knots: Vec<Knot> = (0..count)
+            .map(|knot| Knot { height: height[knot].0, first: first[knot].0, second: second[knot].0 })
+            .collect();
+        knots.push(knots[0]);
+        Self { knots }
+    }
+
+    /// Height [m] at an azimuth [rad], and its slope [m/rad].
+    #[inline(always)]
+    pub(super) fn height_and_slope(&self, azimuth: f64) -> (f64, f64) {
+        let count = self.knots.len() - 1;
+        let turns = azimuth * (1.0 / TAU);
+        // The nearest whole number, subtracted in double precision: −½ … ½ turns remain.
+        let part = turns - ((turns + ROUND) - ROUND);
+        let part = if part < 0.0 { part + 1.0 } else { part };
+        let place = part * count as f64;
+        let knot = (place as usize).min(count - 1);
+        let u = place - knot as f64;
+        let (a, b) = (&self.knots[knot], &self.knots[knot + 1]);
+        // p(u) = h₀ + u h₀' + u² h₀''/2 + u³ (10 D − 4 E + F/2 − u (15 D − 7 E + F) + u² (6 D − 3 E + F/2))
+        let half = 0.5 * a.second;
+        let value = b.height - (a.height + a.first + half);
+        let first = b.first - (a.first + a.second);
+        let second = b.second - a.second;
+        let c3 = 10.0 * value - 4.0 * first + 0.5 * second;
+        let c4 = -15.0 * value + 7.0 * first - second;
+        let c5 = 6.0 * value - 3.0 * first + 0.5 * second;
+        let height = a.height + u * (a.first + u * (half + u * (c3 + u * (c4 + u * c5))));
+        let slope = a.first + u * (a.second + u * (3.0 * c3 + u * (4.0 * c4 + u * (5.0 * c5))));
+        (height, slope * (count as f64 * (1.0 / TAU)))
+    }
+}
+
+/// Replaces coefficients c_n by the sums Σ c_n e^(2πi n k/N), k = 0 … N − 1 (Cooley & Tukey, N a power of two). `circle`: sine and cosine
+/// of the first N/2 angles. Own code, because libraries choose their order of operations by the processor.
+fn sum_waves(values: &mut [(f64, f64)], circle: &[(f64, f64)]) {
+    let count = values.len();
+    let bits = count.trailing_zeros();
+    for at in 0..count {
+        let mirrored = at.reverse_bits() >> (usize::BITS - bits);
+        if at < mirrored {
+            values.swap(at, mirrored);
+        }
+    }
+    let mut half = 1;
+    while half < count {
+        let stride = count / (2 * half);
+        for block in values.chunks_exact_mut(2 * half) {
+            let (even, odd) = block.split_at_mut(half);
+            for (at, (a, b)) in even.iter_mut().zip(odd).enumerate() {
+                let (sine, cosine) = circle[at * stride];
+                let turned = (b.0 * cosine - b.1 * sine, b.0 * sine + b.1 * cosine);
+                (*a, *b) = ((a.0 + turned.0, a.1 + turned.1), (a.0 - turned.0, a.1 - turned.1));
+            }
+        }
+        half *= 2;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn waves() -> Vec<Wave> {
+        let of = |(order, amplitude, phase)| Wave { order, amplitude, phase };
+        [(1, 1e-6, 0.3), (7, 2e-8, -2.0), (256, 1e-8, 1.0)].map(of).to_vec()
+    }
+
+    /// Height and slope of the sum, also at knots and many turns away.
+    #[test]
+    fn the_table_is_the_sum_of_its_waves() {
+        let table = HeightTable::of_waves(&waves());
+        for step in 0..20_000 {
+            let azimuth = -40.0 + 0.004_1 * f64::from(step);
+            let (mut height, mut slope) = (0.0, 0.0);
+            for Wave { order, amplitude, phase } in waves() {
+                let (sine, cosine) = (f64::from(order) * azimuth + phase).sin_cos();
+                height += amplitude * cosine;
+                slope -= f64::from(order) * amplitude * sine;
+            }
+            let (found, rise) = table.height_and_slope(azimuth);
+            assert!((found - height).abs() < 6e-6 * 1e-8, "{azimuth}: {found:e} {height:e}");
+            assert!((rise - slope).abs() < 1e-4 * 256.0 * 1e-8, "{azimuth}: {rise:e} {slope:e}");
+        }
+    }
+
+    /// Height, slope and curvature pass each knot without a step, the seam of the table included.
+    #[test]
+    fn two_derivatives_are_continuous() {
+        let table = HeightTable::of_waves(&waves());
+        let count = table.knots.len() - 1;
+        for knot in [0, 1, 2, 17, count - 1, count] {
+            let at = TAU * knot as f64 / count as f64;
+            let by = 1e-6 * TAU / count as f64;
+            let curvature = |from: f64| {
+                let (a, b) = (table.height_and_slope(from).1, table.height_and_slope(from + by).1);
+                (b - a) / by
+            };
+            let (before, after) = (curvature(at - 1.5 * by), curvature(at + 0.5 * by));
+            // The slope of 1e-6 m/rad has sixteen digits; the step is 1e-9 rad.
+            assert!((before - after).abs() < 1e-3 * 256.0 * 256.0 * 1e-8, "{knot}: {before:e} {after:e}");
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! Waviness of raceways: waves of whole orders, given or drawn, and what the contact averages of them.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::numerics::angle::sin_cos;
+use crate::numerics::exponential::power;
+use crate::numerics::random::SplitMix64;
+use crate::physics::bearing::PerRaceway;
+use crate::physics::limits::Faults;
+
+/// A wave of the height, amplitude · cos(order · φ + phase), φ the azimuth on the ring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wave {
+    /// Periods round the ring.
+    pub order: u32,
+    /// [m]
+    pub amplitude: f64,
+    /// [rad]
+    pub phase: f64,
+}
+
+/// Waves of many orders with drawn phases: amplitude · (order/at_order)^−exponent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RandomWaviness {
+    /// Amplitude at `at_order` [m].
+    pub amplitude: f64,
+    pub at_order: u32,
+    /// [-]
+    pub exponent: f64,
+    pub from_order: u32,
+    /// `None`: the order whose waves are as long as the contact, where averaging removes them.
+    pub to_order: Option<u32>,
+}
+
+/// Surface of one raceway.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RacewaySurface {
+    pub waviness: Vec<Wave>,
+    /// Adds to `waviness`.
+    pub random_waviness: Option<RandomWaviness>,
+}
+
+/// Surfaces of both raceways.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surfaces {
+    pub raceway: PerRaceway<RacewaySurface>,
+    /// Seed of all drawn numbers.
+    pub seed: u64,
+}
+
+impl Default for Surfaces {
+    fn default() -> Self {
+        Self { raceway: PerRaceway { inner: RacewaySurface::default(), outer: RacewaySurface::default() }, seed: 1 }
+    }
+}
+
+/// Largest number of waves that are given one by one.
+pub const MOST_WAVES: usize = 64;
+
+/// Names of the parameters of one raceway, in the order of the fields.
+struct Names {
+    waviness: &'static str,
+    wave: [&'static str; 3],
+    random: [&'static str; 5],
+}
+
+const NAMES: PerRaceway<Names> = PerRaceway {
+    inner: Names {
+        waviness: "surfaces.inner.waviness",
+        wave: ["surfaces.inner.waviness.order", "surfaces.inner.waviness.amplitude", "surfaces.inner.waviness.phase"],
+        random: [
+            "surfaces.inner.random_waviness.amplitude",
+            "surfaces.inner.random_waviness.at_order",
+            "surfaces.inner.random_waviness.exponent",
+            "surfaces.inner.random_waviness.from_order",
+            "surfaces.inner.random_waviness.to_order",
+        ],
+    },
+    outer: Names {
+        waviness: "surfaces.outer.waviness",
+        wave: ["surfaces.outer.waviness.order", "surfaces.outer.waviness.amplitude", "surfaces.outer.waviness.phase"],
+        random: [
+            "surfaces.outer.random_waviness.amplitude",
+            "surfaces.outer.random_waviness.at_order",
+            "surfaces.outer.random_waviness.exponent",
+            "surfaces.outer.random_waviness.from_order",
+            "surfaces.outer.random_waviness.to_order",
+        ],
+    },
+};
+
+impl Surfaces {
+    /// Returns true where no height differs from 0.
+    pub fn are_ideal(&self) -> bool {
+        self.raceway.inner.is_ideal() && self.raceway.outer.is_ideal()
+    }
+
+    pub(crate) fn check(&self, faults: &mut Faults) {
+        self.raceway.inner.check(&NAMES.inner, faults);
+        self.raceway.outer.check(&NAMES.outer, faults);
+        faults.check("surfaces.seed", self.seed as f64);
+    }
+}
+
+impl RacewaySurface {
+    /// Returns true where no height differs from 0.
+    pub fn is_ideal(&self) -> bool {
+        self.waviness.iter().all(|wave| wave.amplitude == 0.0)
+            && self.random_waviness.is_none_or(|random| random.amplitude == 0.0)
+    }
+
+    fn check(&self, names: &Names, faults: &mut Faults) {
+        if self.waviness.len() > MOST_WAVES {
+            faults.inconsistent(names.waviness, format!("{} waves: at most {MOST_WAVES}", self.waviness.len()));
+        }
+        for wave in &self.waviness {
+            let values = [f64::from(wave.order), wave.amplitude, wave.phase];
+            for (name, value) in names.wave.iter().zip(values) {
+                faults.check(name, value);
+            }
+        }
+        if let Some(random) = &self.random_waviness {
+            let [amplitude, at_order, exponent, from_order, to_order] = names.random;
+            faults.check(amplitude, random.amplitude);
+            faults.check(at_order, f64::from(random.at_order));
+            faults.check(exponent, random.exponent);
+            faults.check(from_order, f64::from(random.from_order));
+            if let Some(to) = random.to_order
+                && faults.check(to_order, f64::from(to))
+                && to < random.from_order
+            {
+                faults.inconsistent(to_order, format!("{to} is below from_order, {}", random.from_order));
+            }
+        }
+    }
+
+    /// All waves, those given first. `first_zero`: the order that ends drawn waves by default. `index`: `OUTER` or
+    /// `INNER`.
+    fn waves(&self, first_zero: f64, index: u64, seed: u64) -> impl Iterator<Item = Wave> + '_ {
+        let drawn = self.random_waviness.into_iter().flat_map(move |random| {
+            let last = random.to_order.unwrap_or(first_zero as u32);
+            (random.from_order..=last).map(move |order| Wave {
+                order,
+                amplitude: random.amplitude * power(f64::from(order) / f64::from(random.at_order), -random.exponent),
+                phase: TAU * drawn_number([seed, index, Kind::RadialWave as u64, u64::from(order)]),
+            })
+        });
+        self.waviness.iter().copied().chain(drawn).filter(|wave| wave.amplitude != 0.0)
+    }
+}
+
+/// Numbers of the surfaces in the hash of drawn numbers.
+pub(crate) const OUTER: u64 = 0;
+pub(crate) const INNER: u64 = 1;
+
+/// What a drawn number belongs to.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    RadialWave,
+}
+
+/// A number of 0 … 1 that depends on the words alone: no other field of a scene changes it.
+fn drawn_number(words: [u64; 4]) -> f64 {
+    let hash = words.into_iter().fold(0, |hash, word| SplitMix64::new(hash ^ word).next());
+    SplitMix64::new(hash).uniform()
+}
+
+/// The contact of a raceway, over whose width heights are averaged.
+///
+/// To first order and at constant load, the approach changes by the height averaged with the pressure of a flat punch of the
+/// contact's outline (Betti's reciprocity), which along rolling is a plain mean over 2b. A wave of order n keeps the share
+/// sin q/q with q = n b/R.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AveragingContact {
+    /// Half width of the contact along rolling, b [m].
+    pub half_width: f64,
+    /// Radius of the groove's bottom, R [m].
+    pub radius: f64,
+    /// Frequency at which a wave of order 1 passes a ball at the largest speed [Hz].
+    pub turns: f64,
+}
+
+/// Reason why a wave is not in the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Omission {
+    /// The contact averages it to less than a ninth.
+    Averaged,
+    /// It passes faster than the recorded range.
+    Fast,
+}
+
+/// A wave in the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeptWave {
+    /// As given or drawn.
+    pub wave: Wave,
+    /// Share that the contact's averaging leaves, negative beyond the first zero [-].
+    pub share: f64,
+    /// Frequency at which it passes a ball at the largest speed [Hz].
+    pub frequency: f64,
+}
+
+/// Waves of one raceway: those in the model, and the orders that are not.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SortedWaves {
+    pub kept: Vec<KeptWave>,
+    /// In the order of the waves.
+    pub left_out: Vec<(u32, Omission)>,
+}
+
+/// Highest order over that of the first zero of the averaging [-]: beyond, less than 0.11 of a wave is left.
+const HIGHEST_OVER_ZERO: f64 = 3.0;
+/// Highest frequency of a wave that is kept [Hz].
+pub const HIGHEST_FREQUENCY: f64 = 25_600.0;
+/// Highest order that a table of heights resolves. It exceeds 3 n₀ of the narrowest contact that heights are averaged over.
+pub(super) const HIGHEST_ORDER: u32 = 1 << 14;
+/// Smallest share of the circumference that a contact is averaged over [-]: unloaded contacts average nothing.
+const SMALLEST_SHARE: f64 = 1e-4;
+
+impl AveragingContact {
+    /// Order of the wave that is as long as the contact, π R/b.
+    pub fn first_zero(&self) -> f64 {
+        PI * self.radius / self.half_width.max(TAU * self.radius * SMALLEST_SHARE)
+    }
+
+    /// Share of a wave that is left [-].
+    pub fn share(&self, order: u32) -> f64 {
+        let q = PI * f64::from(order) / self.first_zero();
+        sin_cos(q).0 / q
+    }
+
+    fn omission(&self, order: u32) -> Option<Omission> {
+        let n = f64::from(order);
+        if n > HIGHEST_OVER_ZERO * self.first_zero() || order > HIGHEST_ORDER {
+            Some(Omission::Averaged)
+        } else {
+            (n * self.turns > HIGHEST_FREQUENCY).then_some(Omission::Fast)
+        }
+    }
+
+    /// The waves of a surface. `index`: `OUTER` or `INNER`.
+    pub fn sorted(&self, surface: &RacewaySurface, index: u64, seed: u64) -> SortedWaves {
+        let mut sorted = SortedWaves::default();
+        for wave in surface.waves(self.first_zero(), index, seed) {
+            match self.omission(wave.order) {
+                Some(omission) => sorted.left_out.push((wave.order, omission)),
+                None => sorted.kept.push(KeptWave {
+                    wave,
+                    share: self.share(wave.order),
+                    frequency: f64::from(wave.order) * self.turns,
+                }),
+            }
+        }
+        sorted
+    }
+}
+
+impl SortedWaves {
+    /// The kept waves as the ball feels them.
+    pub fn averaged(&self) -> Vec<Wave> {
+        let felt = |kept: &KeptWave| Wave { amplitude: kept.share * kept.wave.amplitude, ..kept.wave };
+        self.kept.iter().map(felt).collect()
+    }
+
+    /// Highest frequency of a kept wave [Hz]; 0 without any.
+    pub fn highest_frequency(&self) -> f64 {
+        self.kept.iter().map(|kept| kept.frequency).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CONTACT: AveragingContact = AveragingContact { half_width: 1e-5, radius: 2e-3, turns: 100.0 };
+
+    fn random(to_order: Option<u32>) -> RacewaySurface {
+        let random = RandomWaviness { amplitude: 1e-8, at_order: 10, exponent: 1.0, from_order: 2, to_order };
+        RacewaySurface { waviness: Vec::new(), random_waviness: Some(random) }
+    }
+
+    /// sin q/q: 1 for long waves, 2/π at half the first zero, 0 at the zero, −2/(3π) at 1½ of it.
+    #[test]
+    fn a_contact_averages_over_its_width() {
+        assert!((CONTACT.first_zero() - 200.0 * PI).abs() < 1e-9);
+        let round = AveragingContact { half_width: PI * 1e-5, ..CONTACT };
+        assert!((round.first_zero() - 200.0).abs() < 1e-9);
+        for (order, expected) in [(1, 1.0), (100, 2.0 / PI), (200, 0.0), (300, -2.0 / (3.0 * PI))] {
+            assert!((round.share(order) - expected).abs() < 1e-4, "{order}");
+        }
+        let unloaded = AveragingContact { half_width: 0.0, ..CONTACT };
+        assert!((unloaded.first_zero() - 5000.0).abs() < 1e-9);
+    }
+
+    /// Orders up to 3 n₀ and 25.6 kHz are kept, the others named with the reason.
+    #[test]
+    fn orders_that_are_averaged_away_or_fast_are_left_out() {
+        let waves = |order| Wave { order, amplitude: 1e-8, phase: 0.0 };
+        let surface =
+            RacewaySurface { waviness: [1, 256, 257, 1885, 90_000].map(waves).to_vec(), random_waviness: None };
+        let sorted = CONTACT.sorted(&surface, 0, 1);
+        assert_eq!(sorted.kept.iter().map(|kept| kept.wave.order).collect::<Vec<_>>(), [1, 256]);
+        assert_eq!(sorted.left_out, [(257, Omission::Fast), (1885, Omission::Averaged), (90_000, Omission::Averaged)]);
+        assert_eq!(sorted.highest_frequency(), 25_600.0);
+    }
+
+    /// A drawn phase depends on seed, surface and order only; amplitudes follow the power law.
+    #[test]
+    fn drawn_waves_keep_their_phases() {
+        let slow = AveragingContact { turns: 1.0, ..CONTACT };
+        let all = slow.sorted(&random(None), 0, 1);
+        assert_eq!(all.kept.len(), 627);
+        let few = slow.sorted(&random(Some(50)), 0, 1);
+        assert_eq!(all.kept[..few.kept.len()], few.kept[..]);
+        assert!((all.kept[98].wave.amplitude / 1e-9 - 1.0).abs() < 1e-14, "order 100 at 1/n");
+        for (index, seed) in [(1, 1), (0, 2)] {
+            assert_ne!(slow.sorted(&random(Some(50)), index, seed).kept[0].wave.phase, few.kept[0].wave.phase);
+        }
+        // Phases fill the circle evenly: the mean direction of 627 is within a few times 1/√627 of 0.
+        let (s, c) =
+            all.kept.iter().fold((0.0, 0.0), |(s, c), kept| (s + kept.wave.phase.sin(), c + kept.wave.phase.cos()));
+        assert!(f64::hypot(s, c) / 627.0 < 0.12);
+    }
+}

@@ -1,0 +1,162 @@
+//! Surfaces of the raceways.
+
+use serde::de::{Error as _, IgnoredAny};
+use serde::{Deserialize, Deserializer, Serialize};
+use utoipa::ToSchema;
+
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::numbers::out_of_range;
+use crate::contract::json::shapes::{
+    ObjectOnly, optional_object, required_whole_number, whole_number, wide_whole_number,
+};
+use crate::contract::json::units::{DEG, NM, NUMBER, Unit};
+use raceway_core::physics::bearing::PerRaceway;
+use raceway_core::physics::limits::limits_of;
+use raceway_core::physics::surface::waviness::{RacewaySurface, RandomWaviness, Surfaces, Wave};
+
+/// Order at which the amplitude of random waviness is given, its exponent and its lowest order, where they are not given. Machined
+/// surfaces fall about as 1/n; order 1 is runout.
+const AT_ORDER: u32 = 10;
+const EXPONENT: f64 = 1.0;
+const FROM_ORDER: u32 = 2;
+const SEED: u64 = 1;
+
+/// Surfaces of the raceways, which are ideal circles by default.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SurfacesInput {
+    /// Raceway of the inner ring. Azimuths turn with the ring and are those about the bearing at t = 0.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub inner: Option<RacewaySurfaceInput>,
+    /// Raceway of the outer ring.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub outer: Option<RacewaySurfaceInput>,
+    /// Seed of all drawn numbers. A number depends on seed, raceway and order alone. Default 1.
+    #[serde(default, deserialize_with = "wide_whole_number")]
+    #[schema(nullable = false, value_type = u64, minimum = 0, maximum = 9_007_199_254_740_991_u64, example = 1)]
+    pub seed: Option<u64>,
+    #[serde(default, skip_serializing, deserialize_with = "not_supported")]
+    #[schema(ignore)]
+    balls: (),
+    #[serde(default, skip_serializing, deserialize_with = "not_supported")]
+    #[schema(ignore)]
+    every_ball: (),
+}
+
+/// Surface of one raceway.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RacewaySurfaceInput {
+    /// Waves of the height, along the contact normal and out of the material. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_waves")]
+    #[schema(nullable = false, max_items = 64)]
+    pub waviness: Option<Vec<WaveInput>>,
+    /// Waves of many orders with drawn phases, in addition to `waviness`. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub random_waviness: Option<RandomWavinessInput>,
+    #[serde(default, skip_serializing, deserialize_with = "not_supported")]
+    #[schema(ignore)]
+    axial_waviness: (),
+    #[serde(default, skip_serializing, deserialize_with = "not_supported")]
+    #[schema(ignore)]
+    defects: (),
+}
+
+/// A wave of the height: amplitude · cos(order · azimuth + phase), azimuth from +Y towards +Z.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WaveInput {
+    /// Periods round the ring: 1 is runout, 2 ovality. Waves shorter than the contact are averaged away.
+    #[serde(deserialize_with = "required_whole_number::<_, 1, 100_000>")]
+    #[schema(value_type = u64, example = 8)]
+    pub order: u32,
+    /// Amplitude [nm].
+    #[schema(example = 10.0)]
+    pub amplitude_nm: f64,
+    /// Phase [°]. Default 0.
+    #[schema(nullable = false)]
+    pub phase_deg: Option<f64>,
+}
+
+/// Waves of all orders of a range with random phases and the amplitudes `amplitude_nm` · (order/`at_order`)^−`exponent`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RandomWavinessInput {
+    /// Amplitude of the wave of order `at_order` [nm]. Raceways usually have 1 to 100 nm.
+    #[schema(example = 5.0)]
+    pub amplitude_nm: f64,
+    /// Order to which the amplitude belongs. Default 10.
+    #[serde(default, deserialize_with = "whole_number::<_, 1, 100_000>")]
+    #[schema(nullable = false, value_type = u64)]
+    pub at_order: Option<u32>,
+    /// Exponent by which amplitudes fall with the order [-]. Default 1.
+    #[schema(nullable = false)]
+    pub exponent: Option<f64>,
+    /// Lowest order. Default 2.
+    #[serde(default, deserialize_with = "whole_number::<_, 1, 100_000>")]
+    #[schema(nullable = false, value_type = u64)]
+    pub from_order: Option<u32>,
+    /// Highest order. Default: the order whose waves are as long as the contact of the most loaded ball, which averages them to zero.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "whole_number::<_, 1, 100_000>")]
+    #[schema(nullable = false, value_type = u64)]
+    pub to_order: Option<u32>,
+}
+
+/// Refuses a field that is known but not built.
+fn not_supported<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(), D::Error> {
+    IgnoredAny::deserialize(deserializer)?;
+    Err(D::Error::custom("not supported yet"))
+}
+
+fn optional_waves<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<WaveInput>>, D::Error> {
+    let waves = Vec::<ObjectOnly<WaveInput>>::deserialize(deserializer)?;
+    Ok(Some(waves.into_iter().map(|wave| wave.0).collect()))
+}
+
+impl SurfacesInput {
+    /// The surfaces of `physics`. A wave with an error is left out.
+    pub fn resolve(&mut self, defaults: &mut Defaults) -> Surfaces {
+        let mut of = |name: &str, surface: &mut Option<RacewaySurfaceInput>| {
+            surface.as_mut().map(|surface| surface.resolve(name, defaults)).unwrap_or_default()
+        };
+        let raceway = PerRaceway { inner: of("inner", &mut self.inner), outer: of("outer", &mut self.outer) };
+        let seed = defaults.fill("/scene/surfaces/seed", &mut self.seed, SEED);
+        Surfaces { raceway, seed }
+    }
+}
+
+impl RacewaySurfaceInput {
+    fn resolve(&mut self, name: &str, defaults: &mut Defaults) -> RacewaySurface {
+        let mut waves = Vec::new();
+        for (index, wave) in self.waviness.iter_mut().flatten().enumerate() {
+            let at = format!("/scene/surfaces/{name}/waviness/{index}");
+            let phase = defaults.fill(format!("{at}/phase_deg"), &mut wave.phase_deg, 0.0);
+            // Each wave is checked by itself, so that the error has its pointer.
+            let fields: [(&str, f64, Unit); 3] =
+                [("order", f64::from(wave.order), NUMBER), ("amplitude", wave.amplitude_nm, NM), ("phase", phase, DEG)];
+            let known_errors = defaults.errors.len();
+            for ((parameter, value, unit), field) in fields.into_iter().zip(["order", "amplitude_nm", "phase_deg"]) {
+                let Some(limits) = limits_of(&format!("surfaces.{name}.waviness.{parameter}")) else { continue };
+                if !(limits.lowest..=limits.highest).contains(&unit.to_si(value)) {
+                    let (lowest, highest) = (unit.to_user(limits.lowest), unit.to_user(limits.highest));
+                    defaults.refuse(format!("{at}/{field}"), out_of_range(value, lowest, highest, false, unit.name));
+                }
+            }
+            if defaults.errors.len() == known_errors {
+                waves.push(Wave { order: wave.order, amplitude: NM.to_si(wave.amplitude_nm), phase: DEG.to_si(phase) });
+            }
+        }
+        let at = format!("/scene/surfaces/{name}/random_waviness");
+        let random_waviness = self.random_waviness.as_mut().map(|random| RandomWaviness {
+            amplitude: NM.to_si(random.amplitude_nm),
+            at_order: defaults.fill(format!("{at}/at_order"), &mut random.at_order, AT_ORDER),
+            exponent: defaults.fill(format!("{at}/exponent"), &mut random.exponent, EXPONENT),
+            from_order: defaults.fill(format!("{at}/from_order"), &mut random.from_order, FROM_ORDER),
+            to_order: random.to_order,
+        });
+        RacewaySurface { waviness: waves, random_waviness }
+    }
+}
