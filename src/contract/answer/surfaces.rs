@@ -42,6 +42,7 @@ pub struct RacewayWavesAnswer {
 /// A wave in the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct KeptWaveAnswer {
+    /// Waves along the circumference.
     pub order: u32,
     /// Amplitude as given or drawn [nm].
     #[schema(minimum = 0)]

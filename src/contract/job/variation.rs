@@ -111,10 +111,17 @@ fn set(scene: &mut Value, complete: &Value, tokens: &[String], value: Value) -> 
     let (mut at, mut filled, mut path) = (scene, Some(complete), String::new());
     let mut is_named = true;
     for (depth, token) in parents.iter().enumerate() {
+        let parent = path.clone();
         path += &format!("/{}", escape(token));
-        filled = filled.and_then(|part| part.get(token));
-        let Value::Object(fields) = at else { return Err(format!("`{path}` is no object")) };
-        let next = fields.entry(token.as_str()).or_insert(Value::Null);
+        filled = filled.and_then(|part| part.get(token).or_else(|| part.get(token.parse::<usize>().ok()?)));
+        let next = match at {
+            Value::Object(fields) => fields.entry(token.as_str()).or_insert(Value::Null),
+            Value::Array(items) => {
+                let item = token.parse::<usize>().ok().and_then(|index| items.get_mut(index));
+                item.ok_or_else(|| format!("`{parent}` has no item {token}"))?
+            }
+            _ => return Err(format!("`{parent}` is no object")),
+        };
         if let Value::String(name) = next
             && depth == 0
             && token == "bearing"

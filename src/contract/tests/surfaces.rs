@@ -98,7 +98,7 @@ fn waves_take_ten_turns_of_the_cage_and_the_dynamics() {
     let turns = wavy["duration_s"].as_f64().unwrap() * wavy["derived"]["frequencies_hz"]["cage"].as_f64().unwrap();
     assert!((turns - 10.0).abs() < 1e-3, "{turns}");
     assert!(ideal["duration_s"].as_f64().unwrap() < 1.01 && ideal["derived"].get("surfaces").is_none());
-    assert_eq!(wavy["rungs"], json!(["planar"]));
+    assert_eq!(wavy["rungs"], json!(["full"]));
     let messages = wavy["messages"].to_string();
     assert!(messages.contains("scene.surfaces") && ideal["rungs"].as_array().unwrap().len() > 1, "{messages}");
     let outer = &wavy["derived"]["surfaces"]["outer"];
