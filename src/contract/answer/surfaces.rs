@@ -15,7 +15,9 @@ use raceway_core::simulation::model::terms::ActiveTerms;
 /// static equilibrium at the largest speed, for the whole run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SurfacesAnswer {
+    /// Waves of the inner raceway.
     pub inner: RacewayWavesAnswer,
+    /// Waves of the outer raceway.
     pub outer: RacewayWavesAnswer,
 }
 
@@ -58,8 +60,11 @@ pub struct KeptWaveAnswer {
 /// A range of orders that are not in the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LeftOutOrdersAnswer {
+    /// The lowest order.
     pub from_order: u32,
+    /// The highest order.
     pub to_order: u32,
+    /// Why the model leaves them out.
     pub reason: LeftOutReason,
 }
 
