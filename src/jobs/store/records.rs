@@ -156,6 +156,8 @@ struct List {
     /// Conditions beyond the index.
     conditions: String,
     values: Vec<Value>,
+    /// Number of the first values, which the sources contain. PostgreSQL refuses values that a statement does not contain.
+    source_values: usize,
     limit: u32,
 }
 
@@ -166,20 +168,23 @@ impl List {
             values.push(value);
             format!("${}", values.len())
         };
-        let labels: Vec<String> = filter.labels.iter().map(|label| place(label.into())).collect();
+        let first_label = filter.labels.first().map(|label| place(label.into()));
+        let before = filter.before.map(|before| place(before.into()));
+        let source_values = 1 + usize::from(first_label.is_some()) + usize::from(before.is_some());
+        let other_labels: Vec<String> = filter.labels.iter().skip(1).map(|label| place(label.into())).collect();
         // Each once: the rows of two equal sources would be listed twice.
         let statuses: Vec<&str> =
             BTreeSet::from_iter(filter.statuses.iter().map(|status| status.name())).into_iter().collect();
         let status_in = format!("jobs.status IN ('{}')", statuses.join("', '"));
         let mut conditions = Vec::new();
         // The rarest of the indexed properties cannot be known without a count. A label selects fewer jobs than a status.
-        let (table, with_jobs, job) = match labels.is_empty() {
+        let (table, with_jobs, job) = match first_label.is_none() {
             true => ("jobs", "jobs", "jobs.id"),
             false => ("job_labels", dialect.jobs_of_labels(), "job_labels.job"),
         };
-        let sources = match (labels.split_first(), statuses.is_empty()) {
-            (Some((first, others)), no_status) => {
-                conditions.extend(others.iter().map(|label| dialect.has_label(label)));
+        let sources = match (first_label, statuses.is_empty()) {
+            (Some(first), no_status) => {
+                conditions.extend(other_labels.iter().map(|label| dialect.has_label(label)));
                 conditions.extend((!no_status).then_some(status_in));
                 vec![format!("job_labels.owner = $1 AND job_labels.label = {first}")]
             }
@@ -195,7 +200,7 @@ impl List {
         conditions.extend(
             filter.without_labels.iter().map(|label| format!("NOT {}", dialect.has_label(&place(label.into())))),
         );
-        let before = filter.before.map(|before| format!(" AND {job} < {}", place(before.into()))).unwrap_or_default();
+        let before = before.map(|before| format!(" AND {job} < {before}")).unwrap_or_default();
         Self {
             sources: sources.into_iter().map(|source| source + &before).collect(),
             table,
@@ -203,6 +208,7 @@ impl List {
             job,
             conditions: conditions.into_iter().map(|condition| format!(" AND {condition}")).collect(),
             values,
+            source_values,
             limit: filter.limit,
         }
     }
@@ -211,7 +217,8 @@ impl List {
     fn floor(&self) -> Option<Statement> {
         let found = |source: &String| format!("SELECT {} AS id FROM {} WHERE {source}", self.job, self.table);
         let sql = format!("{} ORDER BY id DESC LIMIT 1 OFFSET {}", self.merged(found), MAX_LOOKS - 1);
-        (!self.conditions.is_empty()).then(|| self.bound(sql, None))
+        let bound = |sql| self.values[..self.source_values].iter().cloned().fold(statement(sql), Statement::bind);
+        (!self.conditions.is_empty()).then(|| bound(sql))
     }
 
     /// The query of a page, with one job more.
