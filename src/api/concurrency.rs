@@ -100,12 +100,15 @@ impl Concurrency {
     }
 }
 
+/// Number of event streams and of waiting requests, by owner.
+type OfOwners = Mutex<HashMap<Owner, usize>>;
+
 /// The permit of an event stream or of a request that waits for a job.
 #[derive(Debug)]
 pub struct FollowerPermit {
     _permit: OwnedSemaphorePermit,
     /// The numbers by owner, and the owner in them.
-    share: Option<(Arc<Mutex<HashMap<Owner, usize>>>, Owner)>,
+    share: Option<(Arc<OfOwners>, Owner)>,
 }
 
 impl Drop for FollowerPermit {

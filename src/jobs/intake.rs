@@ -25,7 +25,7 @@ type Waiting = (NewJob, oneshot::Sender<Answer>);
 
 /// The reply to a submission.
 enum Reply {
-    Submitted(Submitted),
+    Submitted(Box<Submitted>),
     /// An existing result would answer the job, once it is known to be what was written. Nothing was stored.
     Compare(Box<NewJob>, Uuid),
 }
@@ -82,7 +82,7 @@ impl Intake {
     pub async fn submit(&self, mut job: NewJob) -> Result<Submitted, JobError> {
         loop {
             match self.send(job).await? {
-                Reply::Submitted(submitted) => return Ok(submitted),
+                Reply::Submitted(submitted) => return Ok(*submitted),
                 Reply::Compare(same, result) => {
                     job = *same;
                     // Outside the transaction, because it reads the whole result.
@@ -171,7 +171,8 @@ async fn write_all(
         let left = places.left(&job.owner, job.points.is_some());
         let record = match plan {
             Plan::Replay(first) => {
-                answers.push(first.map(|record| Written::Submitted(Submitted { record, replayed: true, left })));
+                answers
+                    .push(first.map(|record| Written::Submitted(Box::new(Submitted { record, replayed: true, left }))));
                 continue;
             }
             Plan::Compare(result) => {
@@ -191,7 +192,7 @@ async fn write_all(
                 Ok(submissions::insert(&mut tx, job, delivery).await?)
             }
         };
-        answers.push(record.map(|record| Written::Submitted(Submitted { record, replayed: false, left })));
+        answers.push(record.map(|record| Written::Submitted(Box::new(Submitted { record, replayed: false, left }))));
     }
     let started_owners: BTreeSet<&str> =
         jobs.iter().zip(&started).filter(|(_, run)| run.is_some()).map(|(job, _)| job.owner.as_str()).collect();
@@ -208,7 +209,7 @@ async fn write_all(
 
 /// The outcome of a submission in a transaction.
 enum Written {
-    Submitted(Submitted),
+    Submitted(Box<Submitted>),
     Compare(Uuid),
 }
 

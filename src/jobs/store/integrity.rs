@@ -116,8 +116,7 @@ impl Store {
     async fn try_inspect_result(&self, result: Uuid) -> Result<Inspection, JobError> {
         let mut found = Inspection::default();
         let sql = "SELECT metrics, digest FROM results WHERE id = $1";
-        let metrics: Result<Option<(String, Option<Vec<u8>>)>, _> =
-            statement(sql).bind(result).optional(&self.readers).await;
+        let metrics = statement(sql).bind(result).optional::<(String, Option<Vec<u8>>)>(&self.readers).await;
         match metrics {
             Ok(Some(metrics)) => found.add(|| METRICS.to_owned(), &Sealed::stored(metrics)),
             Err(error) if !error.is_corruption() => return Err(error),

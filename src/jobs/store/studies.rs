@@ -201,8 +201,11 @@ impl Store {
         let sql = "SELECT points.job, points.number, points.answer, points.digest FROM points \
                    JOIN jobs ON jobs.id = points.job \
                    WHERE points.content_hash = $1 AND points.status = 'succeeded' AND jobs.owner = $2 LIMIT 1";
-        let row: Option<(Uuid, i64, Vec<u8>, Option<Vec<u8>>)> =
-            statement(sql).bind(hash).bind(owner).optional(&self.readers).await?;
+        let row = statement(sql)
+            .bind(hash)
+            .bind(owner)
+            .optional::<(Uuid, i64, Vec<u8>, Option<Vec<u8>>)>(&self.readers)
+            .await?;
         let Some((job, number, answer, digest)) = row else { return Ok(None) };
         let answer = Sealed::stored((answer, digest)).opened().and_then(|answer| decompressed(&answer));
         let end = answer.and_then(|answer| Ok(PointEnd::Succeeded(parsed(&answer)?)));
