@@ -121,8 +121,10 @@ impl JobError {
                     return code.parse::<i64>().is_ok_and(|code| SQLITE_AWAY.contains(&(code & 0xff)));
                 }
                 // PostgreSQL: no connection, too many connections, shutting down or starting, read-only, login refused, no such
-                // database, no tables.
-                ["08", "53300", "57P", "25006", "28", "3D000", NO_TABLE].iter().any(|class| code.starts_with(class))
+                // database, no tables, tables that are being brought up to date.
+                ["08", "53300", "57P", "25006", "28", "3D000", NO_TABLE, NO_COLUMN]
+                    .iter()
+                    .any(|class| code.starts_with(class))
             }
             _ => false,
         }
@@ -140,6 +142,8 @@ const SQLITE_CORRUPT: [i64; 2] = [11, 26];
 const POSTGRES_CORRUPT: [&str; 2] = ["XX001", "XX002"];
 /// PostgreSQL's `undefined_table`.
 const NO_TABLE: &str = "42P01";
+/// PostgreSQL's `undefined_column`.
+const NO_COLUMN: &str = "42703";
 /// PostgreSQL's `disk_full`.
 const POSTGRES_DISK_FULL: &str = "53100";
 
