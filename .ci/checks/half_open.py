@@ -47,19 +47,18 @@ def status(stream):
         return type(error).__name__
 
 
-def served(running, what, times=100, pause=0.0, least=1.0):
-    """Requests with the token, each over a new connection. `least`: share that has to be served [-]."""
+def served(running, what, times=100):
+    """Requests with the token, each over a new connection."""
     statuses, took = [], []
     for _ in range(times):
         begin = time.perf_counter()
         with connect(running, RIGHT) as stream:
             statuses.append(status(stream))
         took.append(1e3 * (time.perf_counter() - begin))
-        time.sleep(pause)
     took.sort()
     print(f"{what}: {statistics.median(took):.1f} ms in the median, {took[int(0.99 * (times - 1))]:.1f} ms at the 99th percentile")
     refused = sorted({status for status in statuses if status != "200"})
-    check(statuses.count("200") >= least * times, f"{what}: {statuses.count('200')} of {times} requests with a token are served {refused}")
+    check(not refused, f"{what}: {statuses.count('200')} of {times} requests with a token are served {refused}")
 
 
 def case_half_headers(running):
@@ -117,8 +116,7 @@ def case_reconnecting(running):
     time.sleep(0.5)
     thread = threading.Thread(target=reconnect)
     thread.start()
-    # A place is free a moment after its connection was replaced, on a busy machine some 0.1 s later.
-    served(running, "beside new half headers at up to 1000/s", times=500, pause=0.002, least=0.8)
+    served(running, "beside new half headers at up to 1000/s", times=1000)
     stop.set()
     thread.join()
     close(streams + opened)

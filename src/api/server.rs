@@ -1,7 +1,7 @@
 //! The accept loop. Unlike `axum::serve` it limits the number of connections, and closes a connection whose client does not complete its
 //! header or does not read its answer in time. When all places are taken, connections without an authorised request are replaced.
 
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -131,14 +131,9 @@ async fn next(
     stop: &CancellationToken,
 ) -> Option<(TcpStream, Admission)> {
     let accept = async {
-        // Taken before a connection is accepted, so that connections beyond all limits wait in the kernel.
-        let overflow = Arc::clone(beyond).acquire_owned().await.ok()?;
         loop {
             match listener.accept().await {
-                Ok((stream, address)) => {
-                    let place = places.take(address.ip()).await;
-                    return Some((stream, place.map_or(Admission::Overflow(overflow), Admission::Regular)));
-                }
+                Ok((stream, address)) => return Some((stream, admission(address.ip(), places, beyond).await?)),
                 // Such as too many open files, a temporary state. Retrying without a pause would occupy a core.
                 Err(error) => {
                     tracing::warn!(%error, "a connection could not be accepted");
@@ -150,6 +145,20 @@ async fn next(
     tokio::select! {
         accepted = accept => accepted,
         () = stop.cancelled() => None,
+    }
+}
+
+/// The place of an accepted connection. While it waits for one, connections beyond all limits wait in the kernel.
+async fn admission(address: IpAddr, places: &Places, beyond: &Arc<Semaphore>) -> Option<Admission> {
+    loop {
+        if let Some(place) = places.take(address).await {
+            return Some(Admission::Regular(place));
+        }
+        tokio::select! {
+            overflow = Arc::clone(beyond).acquire_owned() => return Some(Admission::Overflow(overflow.ok()?)),
+            // By then another connection may be replaced.
+            () = tokio::time::sleep(MIN_TIME_TO_REQUEST) => {}
+        }
     }
 }
 
