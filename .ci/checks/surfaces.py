@@ -5,17 +5,9 @@ import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from service import Service, service  # noqa: E402
+from cases import run_cases, verdict  # noqa: E402
 
-FAILED = []
 DISPLACEMENTS = ["spindle.y.displacement", "spindle.z.displacement"]
-
-
-def verdict(holds, what):
-    """Prints one line; a failure does not stop the other cases."""
-    print(f"{'ok' if holds else 'FAILED'}: {what}")
-    if not holds:
-        FAILED.append(what)
 
 
 def wave(order):
@@ -79,25 +71,4 @@ def case_resolve_lists_waves(running):
     verdict(orders == ([8], [90000]), f"resolve lists kept and left-out orders: {orders}")
 
 
-class Running(Service):
-    """A service that runs at a URL."""
-
-    def __init__(self, url):
-        self.url, self.token = url, None
-
-    def stderr(self):
-        return ""
-
-
-def run(running):
-    for name, case in list(globals().items()):
-        if name.startswith("case_"):
-            case(running)
-
-
-if len(sys.argv) > 1:
-    run(Running(sys.argv[1]))
-else:
-    with service() as started:
-        run(started)
-sys.exit(1 if FAILED else 0)
+run_cases(globals())

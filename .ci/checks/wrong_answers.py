@@ -7,25 +7,7 @@ import urllib.error
 import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from service import Service, service  # noqa: E402
-
-FAILED = []
-
-
-def verdict(holds, what):
-    """Prints one line; a failure does not stop the other cases."""
-    print(f"{'ok' if holds else 'FAILED'}: {what}")
-    if not holds:
-        FAILED.append(what)
-
-
-def result(running, job, view="metrics"):
-    """A result of the finished job."""
-    path, _ = running.submit(job)
-    ended = running.ended(path)
-    if ended["status"] != "succeeded":
-        sys.exit(f"FAILED: {ended}")
-    return running.request("GET", f"{path}/{view}")[2]
+from cases import result, run_cases, verdict  # noqa: E402
 
 
 def without_cage(**bearing):
@@ -227,25 +209,4 @@ def case_bytes(running):
     verdict("NaN at /scene/operation/speed_rpm" in post(job.replace(b"3000", b"NaN"))[1], "NaN is named with its place")
 
 
-class Running(Service):
-    """A service that runs already."""
-
-    def __init__(self, url):
-        self.url, self.token = url, None
-
-    def stderr(self):
-        return ""
-
-
-def run(running):
-    for name, case in list(globals().items()):
-        if name.startswith("case_"):
-            case(running)
-
-
-if len(sys.argv) > 1:
-    run(Running(sys.argv[1]))
-else:
-    with service() as started:
-        run(started)
-sys.exit(1 if FAILED else 0)
+run_cases(globals())
