@@ -27,6 +27,7 @@ use super::store::location::Location;
 use super::store::results::StoredResult;
 use super::store::statement::statement;
 use super::store::submissions;
+use super::store::test_database::new_on_postgres;
 use super::store::turns::{Turn, TurnLimits};
 use super::sweep;
 use super::worker::{RunOutcome, Worker, apply_heartbeat, outcome_of};
@@ -781,18 +782,8 @@ fn the_invariants_of_a_job_hold_in_every_order_of_actions_of_two_processes() {
 /// Without a server the test is skipped, like all tests on PostgreSQL.
 #[test]
 fn the_invariants_of_a_job_hold_on_postgres() {
-    use sqlx::{Connection, Executor};
-    let Ok(server) = std::env::var("RACEWAY_TEST_POSTGRES") else { return };
-    let name = format!("raceway_{}", Uuid::now_v7().simple());
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
-    runtime.block_on(async {
-        let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
-        let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
-        connection.execute(create).await.expect("a database can be made");
-    });
-    let (server, _) = server.rsplit_once('/').expect("a URL with a database");
     // Power cuts are not explored.
-    let url = format!("{server}/{name}?options[synchronous_commit]=off");
-    let states = explored(Location::server(&url).expect("a URL"), depth(4));
+    let Some(database) = new_on_postgres("?options[synchronous_commit]=off") else { return };
+    let states = explored(database, depth(4));
     assert!(states > 200, "only {states} states");
 }

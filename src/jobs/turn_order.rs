@@ -17,6 +17,7 @@ use super::store::due;
 use super::store::location::Location;
 use super::store::statement::statement;
 use super::store::studies::{Next, PointResult};
+use super::store::test_database::new_on_postgres;
 use super::store::turns::{self, Turn, TurnLimits};
 use crate::contract::answer::point::PointError;
 use crate::contract::{self, PointEnd, RunFailure};
@@ -117,21 +118,10 @@ const STUDY: &str = r#"{"kind": "study", "scene": {"bearing": "608", "operation"
 
 /// Runs a test on a file and, where a server is named, on PostgreSQL.
 fn on_each_database<F: Future<Output = Result<(), JobError>>>(test: impl Fn(World) -> F) {
-    use sqlx::{Connection, Executor};
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
     let place = tempfile::tempdir().expect("a directory");
-    let mut databases = vec![Location::File(place.path().join("jobs.db"))];
-    if let Ok(server) = std::env::var("RACEWAY_TEST_POSTGRES") {
-        let name = format!("raceway_{}", Uuid::now_v7().simple());
-        runtime.block_on(async {
-            let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
-            let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
-            connection.execute(create).await.expect("a database can be made");
-        });
-        let (server, _) = server.rsplit_once('/').expect("a URL with a database");
-        databases.push(Location::server(&format!("{server}/{name}")).expect("a URL"));
-    }
-    for database in databases {
+    let file = Location::File(place.path().join("jobs.db"));
+    for database in [Some(file), new_on_postgres("")].into_iter().flatten() {
         runtime.block_on(async { test(World::new(database).await).await }).expect("the database answers");
     }
 }

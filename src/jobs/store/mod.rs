@@ -55,6 +55,9 @@ pub mod submissions;
 /// TCP options of connections to a server.
 #[cfg(target_os = "linux")]
 mod tcp_options;
+/// New databases of tests.
+#[cfg(test)]
+pub mod test_database;
 /// Bearer tokens.
 pub mod tokens;
 /// Deliveries used as turns.

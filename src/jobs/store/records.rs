@@ -273,6 +273,7 @@ pub async fn request_cancel(tx: &mut Tx, id: Uuid) -> Result<(), JobError> {
 mod tests {
     use super::*;
     use crate::jobs::store::location::Location;
+    use crate::jobs::store::test_database::new_on_postgres;
 
     /// Rows of one owner, with a label of all jobs, one of every hundredth and one of one, and of another owner.
     async fn filled(location: Location) -> Store {
@@ -397,16 +398,8 @@ mod tests {
 
     #[test]
     fn lists_read_an_index_in_order_on_postgres() {
-        use sqlx::{Connection, Executor};
-        let Ok(server) = std::env::var("RACEWAY_TEST_POSTGRES") else { return };
-        let name = format!("raceway_{}", Uuid::now_v7().simple());
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
-        runtime.block_on(async {
-            let mut connection = sqlx::PgConnection::connect(&server).await.expect("the server is there");
-            let create = sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"));
-            connection.execute(create).await.expect("a database can be made");
-        });
-        let (server, _) = server.rsplit_once('/').expect("a URL with a database");
-        checked(Location::server(&format!("{server}/{name}")).expect("a URL"));
+        if let Some(database) = new_on_postgres("") {
+            checked(database);
+        }
     }
 }
