@@ -270,8 +270,8 @@ pub(crate) fn quantity_errors(a: &[Quantities], b: &[Quantities]) -> QuantityErr
     }
 }
 
-/// Difference of the mean cage speeds of equal parts of two runs, as a share of the mean. The mean of a reversal is small against the speeds of its
-/// parts.
+/// Difference of the mean cage speeds of equal parts of two runs, as a share of the mean over all parts: near a standstill, a share of the speed of one
+/// part says nothing.
 fn cage_speed_error(a: &[Quantities], b: &[Quantities]) -> f64 {
     let speeds = |of: &[Quantities]| -> Vec<f64> { of.iter().map(|part| part.cage_speed).collect() };
     let (a, b) = (speeds(a), speeds(b));
@@ -326,7 +326,7 @@ pub(crate) fn rms_about_zero(values: &[f64]) -> f64 {
 }
 
 /// Standard error of the mean of a few values.
-fn standard_error(values: &[f64]) -> f64 {
+pub(crate) fn standard_error(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     if n < 2.0 {
         return 0.0;

@@ -3,7 +3,7 @@
 use crate::numerics::statistics::{CentralMoments, level_scatter_db, level_standard_error_db, mean, rms};
 use crate::physics::bearing::PerRaceway;
 use crate::simulation::error::comparison::{
-    Deviation, SILENCE, in_parts, judged, level_difference, quantity_errors, rms_about_zero,
+    Deviation, SILENCE, in_parts, judged, level_difference, quantity_errors, rms_about_zero, standard_error,
 };
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::error::thresholds::{
@@ -87,31 +87,26 @@ pub fn scattering_level(recording: &Recording) -> Option<(Channel, f64)> {
 /// has fewer than two batches.
 pub fn sampling_errors_of_quantities(parts: &[Quantities]) -> Option<QuantityErrors> {
     let batches: Vec<&[Quantities]> = parts.chunks(parts.len().div_ceil(BATCHES).max(1)).collect();
-    let scatter = |values: &[f64]| CentralMoments::of(values).rms();
     let of_peaks = |of: &dyn Fn(&Quantities) -> f64| {
         let most = |batch: &&[Quantities]| batch.iter().map(of).fold(0.0, f64::max);
         let maxima: Vec<f64> = batches.iter().map(most).collect();
         let largest = maxima.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        scatter(&maxima) / largest
+        CentralMoments::of(&maxima).rms() / largest
     };
-    let of_mean = |of: &dyn Fn(&Quantities) -> f64| {
-        let means: Vec<f64> =
-            batches.iter().map(|batch| batch.iter().map(of).sum::<f64>() / batch.len() as f64).collect();
-        let degrees = (means.len() as f64 - 1.0).max(1.0);
-        scatter(&means) / degrees.sqrt() / mean(&means).abs().max(f64::MIN_POSITIVE)
+    let means = |of: fn(&Quantities) -> Option<f64>| -> Vec<f64> {
+        batches.iter().filter_map(|batch| mean_of_known(batch, of)).collect()
     };
-    let of_slip = || {
-        let slips: Vec<f64> = parts.iter().filter_map(|part| part.cage_slip).collect();
-        let means: Vec<f64> = slips.chunks(slips.len().div_ceil(BATCHES).max(1)).map(mean).collect();
-        if means.len() > 1 { scatter(&means) / (means.len() as f64 - 1.0).sqrt() } else { 0.0 }
+    let of_mean = |of: fn(&Quantities) -> Option<f64>| {
+        let means = means(of);
+        standard_error(&means) / mean(&means).abs().max(f64::MIN_POSITIVE)
     };
     (batches.len() > 1).then(|| QuantityErrors {
         max_load: of_peaks(&|part| part.max_load),
-        cage_speed: of_mean(&|part| part.cage_speed),
+        cage_speed: of_mean(|part| Some(part.cage_speed)),
         max_pocket_load: of_peaks(&|part| part.max_pocket_load),
         max_slip: of_peaks(&|part| part.max_slip.inner).max(of_peaks(&|part| part.max_slip.outer)),
-        orbit_radius: of_mean(&|part| part.orbit_radius),
-        cage_slip: of_slip(),
+        orbit_radius: of_mean(|part| Some(part.orbit_radius)),
+        cage_slip: standard_error(&means(|part| part.cage_slip)),
     })
 }
 
