@@ -11,9 +11,9 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::app::App;
+use super::connection_places::Arrival;
 use super::credentials::{Owner, owner_among};
 use super::error::ApiError;
-use super::places::Arrival;
 use super::public_paths::{is_public, is_submission};
 use super::rate_limit::LeftPlaces;
 use crate::jobs::tokens::{TokenDigest, digest_of};

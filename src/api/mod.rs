@@ -8,6 +8,8 @@ mod auth;
 mod concurrency;
 /// ETags and 304.
 mod conditional;
+/// Places of connections.
+mod connection_places;
 /// Tokens and owners.
 pub mod credentials;
 /// Errors as problem details (RFC 9457).
@@ -20,8 +22,6 @@ mod limits;
 mod list_query;
 /// The OpenAPI document beside the operations.
 mod openapi;
-/// Places of connections.
-mod places;
 /// Paths that need no token.
 mod public_paths;
 /// Requests per second of each owner.

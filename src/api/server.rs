@@ -17,8 +17,8 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
+use super::connection_places::{Arrival, MIN_TIME_TO_REQUEST, Place, Places};
 use super::limits::HEADER_LIMIT;
-use super::places::{Arrival, MIN_TIME_TO_REQUEST, Place, Places};
 use super::write_timeout::WriteTimeout;
 
 /// Longest time until the first byte of a new connection.
