@@ -282,8 +282,9 @@ impl From<&RacewayContactMetrics> for RacewayAnswer {
         Self {
             max_load_n: m.max_load,
             max_pressure_mpa: m.max_pressure,
-            min_contact_angle_deg: m.contact_angle.map(|range| range.0),
-            max_contact_angle_deg: m.contact_angle.map(|range| range.1),
+            // Adding 0 turns −0 into 0.
+            min_contact_angle_deg: m.contact_angle.map(|range| range.0 + 0.0),
+            max_contact_angle_deg: m.contact_angle.map(|range| range.1 + 0.0),
             max_slip_m_s: m.max_slip,
             min_film_thickness_um: m.min_film_thickness,
             max_load_per_ball_n: m.max_load_per_ball.clone(),
