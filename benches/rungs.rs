@@ -60,6 +60,7 @@ fn settings(scene: &Scene, duration: f64) -> RunSettings {
             cage: false,
             spectra: Vec::new(),
             series: CHANNELS.to_vec(),
+            ..Outputs::vibration()
         },
     }
 }

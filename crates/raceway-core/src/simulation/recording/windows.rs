@@ -106,6 +106,8 @@ pub struct Signal {
     /// Whether levels or metrics need the statistics in the band.
     counts_in_band: bool,
     asked_for_spectra: bool,
+    /// [Hz]
+    envelope_band: (f64, f64),
     /// Values of the first of several windows, where plots need them.
     first: Option<Vec<f64>>,
 }
@@ -126,6 +128,7 @@ impl Signal {
             counts_in_band: ACCELERATIONS.contains(&channel)
                 || (outputs.vibration && matches!(channel, Channel::Spindle(..))),
             asked_for_spectra: outputs.spectra.contains(&channel),
+            envelope_band: outputs.envelope_band,
             first: (windows.count > 1 && outputs.keep_signals()).then(Vec::new),
         }
     }
@@ -156,7 +159,8 @@ impl Signal {
     /// Spectra in the channel's unit; `None` where they are not requested.
     pub fn spectra(&self) -> Option<&ChannelSpectra> {
         let values = self.values().unwrap_or_default();
-        self.asked_for_spectra.then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values)))
+        self.asked_for_spectra
+            .then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values, self.envelope_band)))
     }
 
     /// Adds the current window to the statistics of the run, and empties it.
@@ -172,7 +176,7 @@ impl Signal {
             join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
         }
         if self.asked_for_spectra {
-            let spectra = ChannelSpectra::of(self.channel, &self.window);
+            let spectra = ChannelSpectra::of(self.channel, &self.window, self.envelope_band);
             join(&mut self.spectra, spectra, |all, window| all.join(&window));
         }
         if ACCELERATIONS.contains(&self.channel) {
@@ -379,8 +383,14 @@ mod tests {
         };
         let whole: Vec<f64> = (0..values).map(signal).collect();
         let channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
-        let outputs =
-            Outputs { vibration: true, contacts: false, cage: false, spectra: vec![channel], series: Vec::new() };
+        let outputs = Outputs {
+            vibration: true,
+            contacts: false,
+            cage: false,
+            spectra: vec![channel],
+            series: Vec::new(),
+            ..Outputs::vibration()
+        };
         let mut recorder = Recorder::new([channel], &outputs, values + 1);
         whole.iter().chain([&9.0, &9.0]).for_each(|value| recorder.push(&[*value]));
         let (signals, whirl) = recorder.finish();
@@ -394,7 +404,7 @@ mod tests {
         let kurtosis = |moments: &CentralMoments| moments.kurtosis().unwrap();
         assert!((kurtosis(&seen.in_band().moments) / kurtosis(&alone) - 1.0).abs() < 1e-3);
         assert!((seen.all().rms() / statistics::rms(&whole[..3 * 85_312]) - 1.0).abs() < 1e-12);
-        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole));
+        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole, outputs.envelope_band));
         assert_eq!((spectra.amplitude.averages, at_once.amplitude.averages), (3, 1));
         let line = |spectrum: &crate::numerics::spectrum::Spectrum, frequency: f64| {
             let bin = (frequency / spectrum.resolution).round() as usize;
@@ -414,8 +424,14 @@ mod tests {
     fn a_requested_series_is_kept_to_the_last_value() {
         let values = 2 * kept_values(LONGEST) + 1;
         let channel = Channel::CageSpeed;
-        let outputs =
-            Outputs { vibration: false, contacts: false, cage: false, spectra: Vec::new(), series: vec![channel] };
+        let outputs = Outputs {
+            vibration: false,
+            contacts: false,
+            cage: false,
+            spectra: Vec::new(),
+            series: vec![channel],
+            ..Outputs::vibration()
+        };
         let mut recorder = Recorder::new([channel, Channel::BallSpin(0)], &outputs, values);
         (0..values).for_each(|i| recorder.push(&[i as f64, 0.0]));
         let (signals, _) = recorder.finish();
