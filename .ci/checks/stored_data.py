@@ -92,11 +92,11 @@ def case_corrupt_parts():
     with served() as (service, database):
         path = done(service, RESULT)
         judge(checked(database)[0] == 0, "`raceway check` finds nothing wrong")
-        parts = {"metrics": "metrics", "spectrum": "signals", "series": "signals", "plots/orbit.svg": "views"}
+        parts = ["metrics", "spectrum", "series", "plots/orbit.svg"]
         damage = {
             "metrics": ("results", "metrics", "id = (SELECT result_id FROM jobs WHERE id = ?)", (key(path),)),
             "spectrum": ("signals", "answer", OF_JOB + " AND sort = 'amplitude'", (key(path),)),
-            "series": ("signals", "answer", OF_JOB + " AND sort = 'series'", (key(path),)),
+            "series": ("series_chunks", "content", OF_JOB, (key(path),)),
             "plots/orbit.svg": ("views", "answer", OF_JOB, (key(path),)),
         }
         for part in parts:

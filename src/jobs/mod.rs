@@ -19,6 +19,8 @@ mod places;
 mod queue;
 /// Runs of this process.
 mod running;
+/// Time series of a run on their way to the store.
+mod series_writer;
 /// Submitting, reading, cancelling and deleting jobs.
 mod service;
 /// Counts and times for Prometheus.
@@ -45,6 +47,9 @@ mod worker;
 /// Every order of actions of two processes on one job.
 #[cfg(test)]
 mod interleavings;
+/// Time series of runs that end, are rejected or are lost.
+#[cfg(test)]
+mod series_of_runs;
 /// The order of turns of several owners.
 #[cfg(test)]
 mod turn_order;
@@ -62,4 +67,5 @@ pub use store::integrity::Inspection;
 pub use store::location::Location;
 pub use store::records::Filter;
 pub use store::results::Signal;
+pub use store::series_reader::StoredSeries;
 pub use store::studies::StoredPoint;
