@@ -192,6 +192,24 @@ def case_label_searches():
         factor = statistics.median(beside) / statistics.median(alone)
         judge(factor < 5, f"searches make a status {factor:.1f} times as slow (goal 2)")
         judge(count > 1000, f"the searches themselves are answered: {count}")
+        # `MAX_LOOKS` of the store: a page that finds nothing takes no longer than the largest page of jobs.
+        labels = [f"{'x' * 198}{n:02}" for n in range(16)]
+        for _ in range(2):
+            service.request("POST", "/v1/jobs/batch", {"jobs": [SHORT | {"labels": labels}] * 150})
+        large, nothing = (statistics.median(times_of_pages(service, query)) for query in ("limit=200", "kind=accuracy"))
+        judge(nothing <= large, f"a page that finds nothing takes {nothing:.1f} ms, the largest page {large:.1f} ms (medians)")
+
+
+def times_of_pages(service, query):
+    """Times of a page of jobs [ms]."""
+    took = []
+    for _ in range(31):
+        begin = time.perf_counter()
+        status, _, page = service.request("GET", f"/v1/jobs?{query}")
+        took.append(1e3 * (time.perf_counter() - begin))
+        if status != 200 or (query.startswith("kind") and page["jobs"]):
+            sys.exit(f"FAILED: a page gives {status}")
+    return took
 
 
 def case_expired():

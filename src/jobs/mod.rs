@@ -44,6 +44,9 @@ pub mod verification;
 /// One job from claim to result.
 mod worker;
 
+/// Submissions of several processes.
+#[cfg(test)]
+mod acceptance;
 /// Every order of actions of two processes on one job.
 #[cfg(test)]
 mod interleavings;
@@ -66,6 +69,6 @@ pub use store::compression::decompressed;
 pub use store::integrity::Inspection;
 pub use store::location::Location;
 pub use store::records::Filter;
-pub use store::results::Signal;
 pub use store::series_reader::StoredSeries;
+pub use store::signal::Signal;
 pub use store::studies::StoredPoint;

@@ -69,6 +69,15 @@ impl Places {
         Ok(())
     }
 
+    /// Gives back the places of a single job, or of the points of a study.
+    pub fn give_back(&mut self, owner: &str, points: Option<usize>) {
+        let Some(work) = self.unfinished.get_mut(owner) else { return };
+        match points {
+            Some(points) => work.points = work.points.saturating_sub(points as u64),
+            None => work.jobs = work.jobs.saturating_sub(1),
+        }
+    }
+
     /// What is left for an owner, of single jobs or of points.
     pub fn left(&self, owner: &str, points: bool) -> Left {
         let (all, limit) = self.limits_of(points);

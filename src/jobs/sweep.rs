@@ -73,6 +73,7 @@ pub async fn sweep(parts: &Parts) -> Result<(), JobError> {
     if parts.store.disk_is_full() {
         parts.store.note(parts.store.try_write().await)?;
     }
+    parts.store.join_counts().await?;
     let delivered = redeliver(parts).await?;
     if delivered > 0 {
         tracing::info!(jobs = delivered, "lost jobs are back in the queue");

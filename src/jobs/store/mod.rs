@@ -48,6 +48,8 @@ pub mod results;
 pub mod series_chunks;
 /// Time series read chunk by chunk.
 pub mod series_reader;
+/// Kinds of stored signals.
+pub mod signal;
 /// Spectra as they are stored.
 mod spectrum_codec;
 /// Statements that run on both databases.

@@ -14,38 +14,12 @@ use super::part_names::{METRICS, REPORT, VIEWS, signal_name};
 use super::pool::Tx;
 use super::series_chunks::{RecordedChunks, completion, insertion_of_chunks};
 use super::series_reader::StoredHead;
+use super::signal::Signal;
 use super::spectrum_codec::{decoded, encoded};
 use super::statement::{Statement, statement};
 use crate::contract::{JobKind, Outcome, SeriesHead, Simulated, SpectrumAnswer, SpectrumKind};
 use crate::jobs::error::JobError;
 use crate::jobs::job::Status;
-
-/// Kind of a stored signal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    Amplitude,
-    Envelope,
-    Series,
-}
-
-impl From<SpectrumKind> for Signal {
-    fn from(kind: SpectrumKind) -> Self {
-        match kind {
-            SpectrumKind::Amplitude => Self::Amplitude,
-            SpectrumKind::Envelope => Self::Envelope,
-        }
-    }
-}
-
-impl Signal {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Amplitude => "amplitude",
-            Self::Envelope => "envelope",
-            Self::Series => "series",
-        }
-    }
-}
 
 /// A result as it is written. It is prepared outside any transaction, because compression and digests take time.
 #[derive(Debug)]
@@ -149,7 +123,7 @@ pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<
 }
 
 /// The metrics of a result that is no simulation's.
-pub(super) fn no_metrics() -> Sealed<String> {
+fn no_metrics() -> Sealed<String> {
     Sealed::new(String::new())
 }
 

@@ -11,7 +11,7 @@ use super::compression::decompressed;
 use super::database::Store;
 use super::digest::Sealed;
 use super::part_names::signal_name;
-use super::results::Signal;
+use super::signal::Signal;
 use super::statement::statement;
 use crate::contract::{JobKind, SeriesAnswer, SeriesHead};
 use crate::jobs::error::JobError;
