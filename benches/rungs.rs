@@ -147,6 +147,7 @@ fn chosen() {
                 cage: all,
                 spectra: CHANNELS[..2].to_vec(),
                 series: Vec::new(),
+                ..Outputs::vibration()
             };
             let settings = RunSettings {
                 rung,

@@ -303,13 +303,21 @@ fn marked(scene: &Scene, frequencies: &CharacteristicFrequencies) -> Characteris
     }
 }
 
-/// The asked-for time series, in their units.
+/// The requested time series, whose values their receiver has.
 pub fn series(recording: &Recording, settings: &RunSettings) -> Vec<Series> {
-    let one = |channel: &Channel| {
-        let values = recording.signal(*channel)?.iter().map(|value| channel.scale() * value).collect();
-        Some(Series { channel: *channel, start: recording.start, step: 1.0 / RATE, values })
+    let Some(recorded) = &recording.series else { return Vec::new() };
+    recorded.keep();
+    let one = |(number, channel): (usize, &Channel)| Series {
+        number,
+        channel: *channel,
+        start: recording.start,
+        step: 1.0 / RATE,
+        length: recorded.length(number),
+        is_finite: recorded.is_finite(number),
+        values: Vec::new(),
     };
-    settings.outputs.series.iter().filter_map(one).collect()
+    // A reduced model may lack a channel.
+    settings.outputs.series.iter().enumerate().map(one).filter(|series| series.length > 0).collect()
 }
 
 #[cfg(test)]
