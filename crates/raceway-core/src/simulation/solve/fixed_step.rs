@@ -28,17 +28,19 @@ pub fn is_free(settings: &RunSettings) -> bool {
     settings.method == Method::Auto && settings.fixed_step.is_none() && settings.tightened.is_some()
 }
 
-/// True if fixed steps can be tried. Undamped contacts keep vibrating, and long steps would damp this vibration.
+/// True if fixed steps can be tried. Undamped contacts keep vibrating, and long steps would damp this vibration. Fast defects need steps
+/// so short that error control takes no longer.
 pub fn is_eligible(model: &Model, settings: &RunSettings) -> bool {
-    is_free(settings) && model.mechanism().raceway.inner.is_damped()
+    is_free(settings) && model.mechanism().raceway.inner.is_damped() && first_step(model) >= SHORTEST
 }
 
-/// The first step that is tried [s]. It divides the period of the fastest wave by `STEPS_PER_WAVE` at least.
+/// The first step that is tried [s]. It divides the period of the fastest wave by `STEPS_PER_WAVE` at least, and
+/// resolves the path over each defect.
 pub fn first_step(model: &Model) -> f64 {
     let mechanism = model.mechanism();
     let step = if mechanism.layout.axial_spindle { AXIAL_STEP } else { STEP };
     // At frequency 0 the quotient is infinite.
-    step.min(1.0 / (STEPS_PER_WAVE * mechanism.wave_frequency))
+    step.min(1.0 / (STEPS_PER_WAVE * mechanism.wave_frequency)).min(mechanism.defect_step)
 }
 
 /// Steps for a start-up phase, the longest first.

@@ -1,5 +1,7 @@
 //! Verification of a run of the dynamics: a repetition in finer steps or at a tighter tolerance.
 
+use std::f64::consts::TAU;
+
 use crate::numerics::ode::Method;
 use crate::simulation::error::codes::{ErrorBasis, Refinement};
 use crate::simulation::error::comparison::{Deviation, level_errors, quantity_errors, twice};
@@ -114,11 +116,20 @@ pub(crate) fn by_refinement(
 
 /// Window of a repetition, and initial time over which neighbouring trajectories are followed [s].
 fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
-    let passages = WINDOW_PASSAGES * ball_passage(scene);
+    let passages = WINDOW_PASSAGES * passage(scene);
     let window = if passages.is_finite() { passages.max(REPEATED) } else { REPEATED };
     // Whole parts: the means of a part that is cut short are not those of the run.
     let part = PART as f64 / RATE;
     settings.duration.min((window / part).ceil() * part)
+}
+
+/// Time after which the motion passes the same events again [s]: a ball passage, or a turn of the shaft that carries a defect through the load.
+fn passage(scene: &Scene) -> f64 {
+    let turn = match scene.surfaces.raceway.inner.has_defects() {
+        true => TAU / scene.operating_speed().abs(),
+        false => 0.0,
+    };
+    ball_passage(scene).max(turn)
 }
 
 /// Method that confirms a run by another. Implicit methods that damp fast motion share errors of their own kind, so each confirms the other.
