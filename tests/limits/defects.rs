@@ -26,6 +26,8 @@ fn motor(surfaces: Value) -> Value {
         "bearing": { "preset": "6205", "radial_clearance_um": 12.5 },
         "operation": { "speed_rpm": 1797, "radial_load_y_n": 500 },
         "spindle": { "mass_kg": 0.673 },
+        // About a twentieth of the critical damping of the spindle on its loaded balls.
+        "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 600 } },
         "surfaces": surfaces
     })
 }
@@ -61,7 +63,10 @@ fn a_ball_drops_between_two_edges_by_the_curvature_of_its_raceway() {
 #[test]
 fn a_ball_that_reaches_the_floor_meets_the_last_edge_before_its_end() {
     for (length, bend_us) in [(1.0, 134.8), (2.0, 418.7), (3.0, 702.7)] {
-        let recess = averaged(&motor(on_outer(defect(0.0, length, 10.0)))).outer.defects[0];
+        let outer = averaged(&motor(on_outer(defect(0.0, length, 10.0)))).outer;
+        let mut recess = outer.defects[0];
+        // Under 243 N, Stribeck's largest load.
+        recess.contact.half_width *= (243.0 / outer.load).cbrt();
         assert!((recess.contact.speed - 1.7607).abs() < 2e-3, "{}", recess.contact.speed);
         assert!((1e3 * recess.floor_distance() - 0.309).abs() < 1e-3, "{}", recess.floor_distance());
         let spacing = recess.contact.half_width / 8.0;
@@ -78,11 +83,13 @@ fn a_ball_that_reaches_the_floor_meets_the_last_edge_before_its_end() {
     }
 }
 
-/// A ball without damping and friction rolls over an outer defect twice. Its energy is kept to 1e-8 of the elastic energy; without the lean
-/// force that draws it into the defect and holds it back, it is not.
+/// A ball without damping and friction rolls twice over an outer defect, shallow enough for it to follow. Its energy is kept to 1e-8 of the
+/// elastic energy. Without the lean force, which draws it into the defect and holds it back, it is not.
 #[test]
 fn the_lean_force_keeps_the_energy_of_a_ball_over_a_defect() {
-    let json = changed(article(), json!({ "surfaces": on_outer(defect(90.0, 0.3, 3.0)) }));
+    let mut shallow = defect(90.0, 1.0, 0.3);
+    shallow["shape"] = json!("half_sine");
+    let json = changed(article(), json!({ "surfaces": on_outer(shallow) }));
     let recess: Recess = averaged(&json).outer.defects[0];
     let lost = |lean: f64| energy_lost(SurfaceProfile::new(&[], &[recess], true), lean);
     let (with, without) = (lost(1.0), lost(0.0));
@@ -108,7 +115,7 @@ fn a_defect_without_depth_is_ideal() {
     }
 }
 
-/// A run of the planar model: 0.2 s of settling.
+/// A run of the planar model: 50 ms of settling.
 fn run(json: &Value, duration: f64) -> RunResult {
     let settings = RunSettings {
         method: Method::SemiImplicit,
@@ -116,8 +123,8 @@ fn run(json: &Value, duration: f64) -> RunResult {
         relative_tolerance: 1e-5,
         tightened: None,
         model_tolerance_db: 0.05,
-        fixed_step: Some(7.5e-6),
-        settle: 0.2,
+        fixed_step: Some(5e-6),
+        settle: 0.05,
         duration,
         outputs: Outputs { vibration: true, contacts: false, cage: true, spectra: vec![Y, Z], series: Vec::new() },
     };
@@ -126,32 +133,31 @@ fn run(json: &Value, duration: f64) -> RunResult {
 
 /// Rms of the acceleration along the load [m/s²] and its kurtosis.
 fn rms_and_kurtosis(surfaces: Value) -> (f64, f64) {
-    let result = run(&motor(surfaces), 0.4);
+    let result = run(&motor(surfaces), 0.2);
     let (_, metrics) = result.summary.channels.iter().find(|(channel, _)| *channel == Y).unwrap();
     (metrics.rms, metrics.kurtosis.unwrap())
 }
 
-fn assert_ratio(what: &str, found: f64, expected: f64) {
-    assert!((found / expected - 1.0).abs() < 0.3, "{what}: ratio {found}, expected {expected}");
+fn assert_near(what: &str, found: f64, expected: f64, share: f64) {
+    assert!((found / expected - 1.0).abs() < share, "{what}: {found}, expected {expected}");
 }
 
-/// Longer defects are louder until the ball meets the floor, then the level stays and the kurtosis falls. Ratios of a spindle on massless
-/// balls, within 30 %.
+/// Longer defects are louder until the ball meets the floor. Then the level stays and the kurtosis falls. Levels [m/s²] of a spindle on
+/// massless balls with a damper of its own, ζ = 0.05, by a separate program.
 #[test]
 fn levels_grow_with_the_length_until_the_ball_meets_the_floor() {
-    let of = |length: f64| rms_and_kurtosis(on_outer(defect(0.0, length, 10.0)));
-    let found = [0.178, 0.356, 0.533, 1.0, 2.0, 3.0].map(of);
-    println!("{found:?}");
-    let [a, b, c, d, e, f] = found.map(|(rms, _)| rms);
-    assert_ratio("0.178/0.356 mm", a / b, 13.0 / 56.0);
-    assert_ratio("0.356/0.533 mm", b / c, 56.0 / 132.0);
-    assert_ratio("0.533/1 mm", c / d, 132.0 / 166.0);
-    assert_ratio("2/1 mm", e / d, 164.0 / 166.0);
-    assert_ratio("3/1 mm", f / d, 161.0 / 166.0);
-    assert!(found[3].1 > found[4].1 && found[4].1 > found[5].1, "{found:?}");
+    let lengths = [(0.178, 13.0), (0.356, 56.0), (0.533, 132.0), (1.0, 166.0), (2.0, 164.0), (3.0, 161.0)];
+    let kurtoses = lengths.map(|(length, expected)| {
+        let (rms, kurtosis) = rms_and_kurtosis(on_outer(defect(0.0, length, 10.0)));
+        assert_near(&format!("rms at {length} mm"), rms, expected, 0.15);
+        kurtosis
+    });
+    assert!(kurtoses.is_sorted_by(|one, next| one > next), "{kurtoses:?}");
+    assert_near("kurtosis of the shortest", kurtoses[0], 6.8, 0.15);
+    assert_near("kurtosis of the longest", kurtoses[5], 4.1, 0.15);
 }
 
-/// A half sine is quieter than a rectangle, and the load zone decides.
+/// A half sine is quieter than a rectangle, and the load zone decides. Ratios of the same program.
 #[test]
 fn shape_and_place_decide_the_level() {
     let rms = |surfaces: Value| rms_and_kurtosis(surfaces).0;
@@ -161,26 +167,20 @@ fn shape_and_place_decide_the_level() {
         rms(on_outer(defect))
     };
     let (long, half_sine) = (shaped(2.0, 10.0, "rectangular"), shaped(2.0, 10.0, "half_sine"));
-    println!("{long} {half_sine}");
-    assert_ratio("half sine of 2 mm", half_sine / long, 66.0 / 164.0);
+    assert_near("half sine of 2 mm", half_sine / long, 66.0 / 164.0, 0.3);
     let (short, short_sine) = (shaped(0.533, 2.0, "rectangular"), shaped(0.533, 2.0, "half_sine"));
-    println!("{short} {short_sine}");
-    assert_ratio("half sine of 0.533 mm", short_sine / short, 41.0 / 50.0);
-    assert_ratio("0.533 mm, 2 µm", short / long, 50.0 / 164.0);
+    assert_near("half sine of 0.533 mm", short_sine / short, 41.0 / 50.0, 0.3);
+    assert_near("0.533 mm, 2 µm", short / long, 50.0 / 164.0, 0.3);
     let ideal = rms(json!({}));
     for azimuth in [90.0, 180.0] {
         let away = rms(on_outer(defect(azimuth, 2.0, 10.0)));
-        println!("{azimuth}: {away} {ideal}");
-        assert!(
-            (away * away - ideal * ideal).max(0.0).sqrt() < 0.01 * long,
-            "{azimuth}°: {away}, ideal {ideal}, {long}"
-        );
+        let added = (away * away - ideal * ideal).max(0.0).sqrt();
+        assert!(added < 0.01 * long, "{azimuth}°: {away}, ideal {ideal}, in the load {long}");
     }
     // A drilled hole of 0.533 mm under an ellipse of 1.33 mm is felt as a fifth of the slot.
     let hole = rms(on_outer(json!({ "length_mm": 0.533, "width_mm": 0.533, "depth_um": 280 })));
     let slot = rms(on_outer(defect(0.0, 0.533, 280.0)));
-    println!("{hole} {slot}");
-    assert!((0.1..0.35).contains(&(hole / slot)), "{hole} {slot}");
+    assert_near("drilled hole", hole / slot, 0.2, 0.3);
 }
 
 /// Largest amplitude within a bin of a frequency.
@@ -192,13 +192,12 @@ fn line(spectrum: &Spectrum, frequency: f64) -> f64 {
 /// An outer defect sounds at harmonics of BPFO, an inner one at BPFI with sidebands of the shaft, in lines and envelope.
 #[test]
 fn defects_have_their_lines() {
-    let surfaces = [on_outer(defect(0.0, 1.0, 5.0)), json!({ "inner": { "defects": [defect(0.0, 1.0, 5.0)] } })];
-    let [outer, inner] = surfaces.map(|surfaces| run(&motor(surfaces), 1.0));
+    let surfaces = [on_outer(defect(0.0, 0.533, 10.0)), json!({ "inner": { "defects": [defect(0.0, 0.533, 10.0)] } })];
+    let [outer, inner] = surfaces.map(|surfaces| run(&motor(surfaces), 0.5));
     let strongest = |result: &RunResult| -> Vec<String> {
         let of_y = result.summary.lines.iter().filter(|(channel, _)| *channel == Y);
         of_y.take(10).map(|(_, line)| line.label.clone()).collect()
     };
-    println!("{:?}\n{:?}", strongest(&outer), strongest(&inner));
     assert!(strongest(&outer).iter().all(|label| label.ends_with("·BPFO")), "{:?}", strongest(&outer));
     assert!(strongest(&inner).iter().all(|label| label.contains("BPFI")), "{:?}", strongest(&inner));
     let f = inner.summary.frequencies;
@@ -206,10 +205,9 @@ fn defects_have_their_lines() {
     let [shaft, below, passage, above] =
         [f.shaft, f.ball_pass_inner - f.shaft, f.ball_pass_inner, f.ball_pass_inner + f.shaft]
             .map(|at| line(envelope, at));
-    println!("{} {} {}", shaft / passage, below / passage, above / passage);
-    assert_ratio("f_r over BPFI", shaft / passage, 1.9);
-    assert_ratio("BPFI − f_r over BPFI", below / passage, 1.05);
-    assert_ratio("BPFI + f_r over BPFI", above / passage, 0.8);
+    assert_near("f_r over BPFI", shaft / passage, 1.9, 0.3);
+    assert_near("BPFI − f_r over BPFI", below / passage, 1.05, 0.3);
+    assert_near("BPFI + f_r over BPFI", above / passage, 0.8, 0.3);
     let f = outer.summary.frequencies;
     let envelope = &outer.spectra.iter().find(|spectra| spectra.channel == Y).unwrap().envelope;
     let beside = line(envelope, f.ball_pass_outer + f.shaft);
@@ -240,12 +238,11 @@ fn no_method_steps_over_a_defect() {
         };
         let result = simulate(&scene(&json), &settings, &patient()).unwrap();
         let metrics = result.summary.channels.iter().find(|(channel, _)| *channel == Y).unwrap().1.clone();
-        (metrics.level_db.unwrap(), metrics.kurtosis.unwrap())
+        metrics.level_db.unwrap()
     };
     let loose = [Method::Gear, Method::Radau].map(|method| level(method, 1e-3));
-    let (exact, kurtosis) = level(Method::DormandPrince, 1e-7);
-    println!("{loose:?} {exact} {kurtosis}");
-    for (level, _) in loose {
+    let exact = level(Method::DormandPrince, 1e-7);
+    for level in loose {
         assert!((level - exact).abs() < 0.5, "{loose:?} {exact}");
     }
 }
@@ -258,9 +255,34 @@ fn extreme_defects_end_in_a_finite_answer() {
         [("short", 0.01, 1000.0), ("shallow", 0.05, 0.1), ("deep", 5.0, 1000.0), ("under two balls", 20.0, 30.0)]
     {
         let (rms, kurtosis) = rms_and_kurtosis(on_outer(defect(10.0, length, depth)));
-        println!("{name}: {rms} {kurtosis}");
-        assert!(rms.is_finite() && rms > 0.0, "{name}: {rms}");
+        assert!(rms.is_finite() && rms > 0.0 && kurtosis > 1.0, "{name}: {rms} {kurtosis}");
     }
     let pitch = TAU * 23.5 / 9.0;
     assert!(20.0 > pitch, "longer than the distance of two balls on the raceway, {pitch} mm");
+}
+
+/// At 500 000 r/min a ball flies over a deep spall of the article's bearing: explicit and implicit steps agree.
+#[test]
+fn a_ball_jumps_out_of_a_spall_at_the_highest_speed() {
+    let json = changed(
+        article(),
+        json!({ "operation": { "speed_rpm": 500_000 }, "surfaces": on_outer(defect(10.0, 0.5, 1000.0)) }),
+    );
+    let level = |method: Method| {
+        let settings = RunSettings {
+            method,
+            rung: Some(ModelLevel::Planar),
+            relative_tolerance: 1e-5,
+            tightened: None,
+            model_tolerance_db: 0.05,
+            fixed_step: None,
+            settle: 1e-3,
+            duration: 2e-3,
+            outputs: Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: Vec::new() },
+        };
+        let result = simulate(&scene(&json), &settings, &patient()).unwrap();
+        result.summary.channels.iter().find(|(channel, _)| *channel == Y).unwrap().1.level_db.unwrap()
+    };
+    let (explicit, implicit) = (level(Method::DormandPrince), level(Method::Gear));
+    assert!((explicit - implicit).abs() < 0.5 && explicit > 80.0, "{explicit} {implicit} dB");
 }
