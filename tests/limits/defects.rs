@@ -115,20 +115,31 @@ fn a_defect_without_depth_is_ideal() {
     }
 }
 
-/// A run of the planar model: 50 ms of settling.
-fn run(json: &Value, duration: f64) -> RunResult {
-    let settings = RunSettings {
-        method: Method::SemiImplicit,
+/// Settings of a run of the planar model.
+fn settings(method: Method, relative_tolerance: f64, [settle, duration]: [f64; 2]) -> RunSettings {
+    RunSettings {
+        method,
         rung: Some(ModelLevel::Planar),
-        relative_tolerance: 1e-5,
+        relative_tolerance,
         tightened: None,
         model_tolerance_db: 0.05,
-        fixed_step: Some(5e-6),
-        settle: 0.05,
+        fixed_step: None,
+        settle,
         duration,
-        outputs: Outputs { vibration: true, contacts: false, cage: true, spectra: vec![Y, Z], series: Vec::new() },
-    };
+        outputs: Outputs { spectra: vec![Y, Z], ..Outputs::vibration() },
+    }
+}
+
+/// A run in fixed steps after 50 ms of settling.
+fn run(json: &Value, duration: f64) -> RunResult {
+    let settings = RunSettings { fixed_step: Some(5e-6), ..settings(Method::SemiImplicit, 1e-5, [0.05, duration]) };
     simulate(&scene(json), &settings, &patient()).unwrap()
+}
+
+/// Level of the acceleration along the load under error control [dB].
+fn level(json: &Value, settings: &RunSettings) -> f64 {
+    let result = simulate(&scene(json), settings, &patient()).unwrap();
+    result.summary.channels.iter().find(|(channel, _)| *channel == Y).unwrap().1.level_db.unwrap()
 }
 
 /// Rms of the acceleration along the load [m/s²] and its kurtosis.
@@ -224,22 +235,7 @@ fn no_method_steps_over_a_defect() {
             "surfaces": on_outer(defect(40.0, 0.1, 3.0))
         }),
     );
-    let level = |method: Method, relative_tolerance: f64| {
-        let settings = RunSettings {
-            method,
-            rung: Some(ModelLevel::Planar),
-            relative_tolerance,
-            tightened: None,
-            model_tolerance_db: 0.05,
-            fixed_step: None,
-            settle: 0.02,
-            duration: 0.1,
-            outputs: Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: Vec::new() },
-        };
-        let result = simulate(&scene(&json), &settings, &patient()).unwrap();
-        let metrics = result.summary.channels.iter().find(|(channel, _)| *channel == Y).unwrap().1.clone();
-        metrics.level_db.unwrap()
-    };
+    let level = |method: Method, tolerance: f64| level(&json, &settings(method, tolerance, [0.02, 0.1]));
     let loose = [Method::Gear, Method::Radau].map(|method| level(method, 1e-3));
     let exact = level(Method::DormandPrince, 1e-7);
     for level in loose {
@@ -268,21 +264,7 @@ fn a_ball_jumps_out_of_a_spall_at_the_highest_speed() {
         article(),
         json!({ "operation": { "speed_rpm": 500_000 }, "surfaces": on_outer(defect(10.0, 0.5, 1000.0)) }),
     );
-    let level = |method: Method| {
-        let settings = RunSettings {
-            method,
-            rung: Some(ModelLevel::Planar),
-            relative_tolerance: 1e-5,
-            tightened: None,
-            model_tolerance_db: 0.05,
-            fixed_step: None,
-            settle: 1e-3,
-            duration: 2e-3,
-            outputs: Outputs { vibration: true, contacts: false, cage: false, spectra: vec![], series: Vec::new() },
-        };
-        let result = simulate(&scene(&json), &settings, &patient()).unwrap();
-        result.summary.channels.iter().find(|(channel, _)| *channel == Y).unwrap().1.level_db.unwrap()
-    };
+    let level = |method: Method| level(&json, &settings(method, 1e-5, [1e-3, 2e-3]));
     let (explicit, implicit) = (level(Method::DormandPrince), level(Method::Gear));
     assert!((explicit - implicit).abs() < 0.5 && explicit > 80.0, "{explicit} {implicit} dB");
 }

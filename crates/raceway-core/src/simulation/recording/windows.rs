@@ -1,6 +1,6 @@
 //! Recorded signals, window by window. A full window adds its moments and spectra to those of the run, and its values are dropped.
-//! So the memory of a run does not grow with its duration, except for requested series. A run of one window keeps its values and
-//! computes moments and spectra on request.
+//! So the memory of a run does not grow with its duration. Requested series go to their receiver with each window. A run of one
+//! window keeps its values and computes moments and spectra on request.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -16,6 +16,7 @@ use crate::simulation::recording::sampling::BATCHES;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::sampling::REPEATED;
 use crate::simulation::recording::sampling::kept_values;
+use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::spectra::ChannelSpectra;
 
 /// Longest window [s]: a run of the longest default duration is one.
@@ -94,8 +95,10 @@ pub struct Signal {
     pub channel: Channel,
     /// Values of the current window.
     window: Vec<f64>,
-    /// All values, where the series is requested and there are several windows.
-    series: Option<Vec<f64>>,
+    /// Number of the requested series of this channel.
+    series: Option<usize>,
+    /// Values after the last window, which belong to the series alone.
+    rest: Vec<f64>,
     /// First values of each window, for accelerations; all values in a run of one window.
     pub excerpts: Vec<Vec<f64>>,
     /// Moments at all recorded frequencies; of several windows only where `counts_all`.
@@ -106,6 +109,8 @@ pub struct Signal {
     /// Whether levels or metrics need the statistics in the band.
     counts_in_band: bool,
     asked_for_spectra: bool,
+    /// [Hz]
+    envelope_band: (f64, f64),
     /// Values of the first of several windows, where plots need them.
     first: Option<Vec<f64>>,
 }
@@ -113,11 +118,11 @@ pub struct Signal {
 impl Signal {
     fn new(channel: Channel, outputs: &Outputs, values: usize) -> Self {
         let windows = Windows::of(values);
-        let whole = windows.count > 1 && outputs.series.contains(&channel);
         Self {
             channel,
             window: Vec::with_capacity(windows.length),
-            series: whole.then(|| Vec::with_capacity(values)),
+            series: outputs.series.iter().position(|series| *series == channel),
+            rest: Vec::new(),
             excerpts: Vec::new(),
             all: OnceLock::new(),
             counts_all: true,
@@ -126,15 +131,16 @@ impl Signal {
             counts_in_band: ACCELERATIONS.contains(&channel)
                 || (outputs.vibration && matches!(channel, Channel::Spindle(..))),
             asked_for_spectra: outputs.spectra.contains(&channel),
-            first: (windows.count > 1 && outputs.keep_signals()).then(Vec::new),
+            envelope_band: outputs.envelope_band,
+            first: (windows.count > 1 && outputs.keep_signals() && is_plotted(channel)).then(Vec::new),
         }
     }
 
     /// Every recorded value; `None` where the windows were dropped.
     pub fn values(&self) -> Option<&[f64]> {
-        match &self.series {
-            None if self.excerpts.len() == 1 => self.excerpts.first().map(Vec::as_slice),
-            series => series.as_deref(),
+        match self.excerpts.as_slice() {
+            [only] => Some(only),
+            _ => None,
         }
     }
 
@@ -156,7 +162,8 @@ impl Signal {
     /// Spectra in the channel's unit; `None` where they are not requested.
     pub fn spectra(&self) -> Option<&ChannelSpectra> {
         let values = self.values().unwrap_or_default();
-        self.asked_for_spectra.then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values)))
+        self.asked_for_spectra
+            .then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values, self.envelope_band)))
     }
 
     /// Adds the current window to the statistics of the run, and empties it.
@@ -172,7 +179,7 @@ impl Signal {
             join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
         }
         if self.asked_for_spectra {
-            let spectra = ChannelSpectra::of(self.channel, &self.window);
+            let spectra = ChannelSpectra::of(self.channel, &self.window, self.envelope_band);
             join(&mut self.spectra, spectra, |all, window| all.join(&window));
         }
         if ACCELERATIONS.contains(&self.channel) {
@@ -183,6 +190,11 @@ impl Signal {
         }
         self.window.clear();
     }
+}
+
+/// Returns whether a plot shows the channel over time, or as a part of an orbit.
+fn is_plotted(channel: Channel) -> bool {
+    matches!(channel, Channel::Spindle(Axis::Y | Axis::Z, _) | Channel::CageDisplacement(Axis::Y | Axis::Z))
 }
 
 /// Largest magnitude of a signal, eight values side by side.
@@ -257,6 +269,8 @@ pub(crate) struct Recorder {
     signals: Vec<Signal>,
     /// Whirl of the body whose displacement is recorded, over several windows.
     whirl: Option<Whirl>,
+    /// Receiver of the requested series.
+    series: Option<SeriesRecording>,
 }
 
 impl Recorder {
@@ -268,7 +282,18 @@ impl Recorder {
             done: 0,
             signals: channels.into_iter().map(|channel| Signal::new(channel, outputs, values)).collect(),
             whirl: None,
+            series: None,
         }
+    }
+
+    /// The recorder with a receiver of the requested series.
+    pub(crate) fn with_series(self, series: Option<SeriesRecording>) -> Self {
+        Self { series, ..self }
+    }
+
+    /// The series that it has passed on.
+    pub(crate) fn series(&self) -> Option<SeriesRecording> {
+        self.series.clone()
     }
 
     /// A recorder of signals behind a low-pass filter, whose total variance the observer knows: it computes no moments at all recorded
@@ -315,11 +340,10 @@ impl Recorder {
             let to = if counts { count.min(from + window_end - self.taken) } else { count };
             for (channel, signal) in self.signals.iter_mut().enumerate() {
                 let values = (from..to).map(|place| value(place, channel));
-                if let Some(series) = &mut signal.series {
-                    series.extend(values.clone());
-                }
                 if counts {
                     signal.window.extend(values);
+                } else if signal.series.is_some() {
+                    signal.rest.extend(values);
                 }
             }
             self.taken += to - from;
@@ -337,10 +361,21 @@ impl Recorder {
                 self.whirl = Some(self.whirl.unwrap_or_default().joined(Whirl::of(y, z)));
             }
         }
+        self.pass_on(|signal| &signal.window);
         for signal in &mut self.signals {
             signal.reduce(self.windows, self.done);
         }
         self.done += 1;
+    }
+
+    /// Passes values of the requested series to their receiver.
+    fn pass_on(&self, values: fn(&Signal) -> &[f64]) {
+        let Some(receiver) = &self.series else { return };
+        for signal in &self.signals {
+            if let Some(series) = signal.series {
+                receiver.write(series, signal.channel, values(signal));
+            }
+        }
     }
 
     /// The signals, and the whirl of cage or spindle over several windows.
@@ -348,14 +383,19 @@ impl Recorder {
         if self.done < self.windows.count {
             self.reduce();
         }
+        self.pass_on(|signal| &signal.rest);
         (self.signals, self.whirl)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::simulation::input::channel::Motion;
+    use crate::simulation::input::control::Control;
+    use crate::simulation::input::series_sink::SeriesSink;
+    use crate::simulation::recording::series::SeriesInMemory;
 
     #[test]
     fn the_recorded_time_is_cut_into_few_equal_windows() {
@@ -379,8 +419,14 @@ mod tests {
         };
         let whole: Vec<f64> = (0..values).map(signal).collect();
         let channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
-        let outputs =
-            Outputs { vibration: true, contacts: false, cage: false, spectra: vec![channel], series: Vec::new() };
+        let outputs = Outputs {
+            vibration: true,
+            contacts: false,
+            cage: false,
+            spectra: vec![channel],
+            series: Vec::new(),
+            ..Outputs::vibration()
+        };
         let mut recorder = Recorder::new([channel], &outputs, values + 1);
         whole.iter().chain([&9.0, &9.0]).for_each(|value| recorder.push(&[*value]));
         let (signals, whirl) = recorder.finish();
@@ -394,7 +440,7 @@ mod tests {
         let kurtosis = |moments: &CentralMoments| moments.kurtosis().unwrap();
         assert!((kurtosis(&seen.in_band().moments) / kurtosis(&alone) - 1.0).abs() < 1e-3);
         assert!((seen.all().rms() / statistics::rms(&whole[..3 * 85_312]) - 1.0).abs() < 1e-12);
-        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole));
+        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole, outputs.envelope_band));
         assert_eq!((spectra.amplitude.averages, at_once.amplitude.averages), (3, 1));
         let line = |spectrum: &crate::numerics::spectrum::Spectrum, frequency: f64| {
             let bin = (frequency / spectrum.resolution).round() as usize;
@@ -411,17 +457,29 @@ mod tests {
     }
 
     #[test]
-    fn a_requested_series_is_kept_to_the_last_value() {
+    fn a_requested_series_is_passed_on_to_the_last_value() {
         let values = 2 * kept_values(LONGEST) + 1;
         let channel = Channel::CageSpeed;
-        let outputs =
-            Outputs { vibration: false, contacts: false, cage: false, spectra: Vec::new(), series: vec![channel] };
-        let mut recorder = Recorder::new([channel, Channel::BallSpin(0)], &outputs, values);
+        let outputs = Outputs { vibration: false, series: vec![channel], ..Outputs::vibration() };
+        let memory = Arc::new(SeriesInMemory::default());
+        let sink: Arc<dyn SeriesSink> = memory.clone();
+        let control = Control { series: Some(&sink), ..Control::until(&|| false) };
+        let rejected = SeriesRecording::begin(&outputs, &control).unwrap();
+        rejected.write(0, channel, &[f64::NAN]);
+        assert!(!rejected.is_finite(0));
+        drop(rejected);
+        let recorder = Recorder::new([channel, Channel::BallSpin(0)], &outputs, values);
+        let mut recorder = recorder.with_series(SeriesRecording::begin(&outputs, &control));
         (0..values).for_each(|i| recorder.push(&[i as f64, 0.0]));
+        let series = recorder.series().unwrap();
         let (signals, _) = recorder.finish();
-        let kept = signals[0].values().unwrap();
-        assert_eq!((kept.len(), kept[values - 1]), (values, (values - 1) as f64));
-        assert_eq!((signals[1].values(), signals[1].excerpts.len()), (None, 0));
+        assert_eq!((series.length(0), series.is_finite(0)), (values, true));
+        series.keep();
+        drop(series);
+        let kept = &memory.take()[&0];
+        assert_eq!((kept.len(), kept[values - 1]), (values, channel.scale() * (values - 1) as f64));
+        assert!(memory.take().is_empty(), "the rejected recording is gone");
+        assert!(signals.iter().all(|signal| signal.values().is_none() && signal.excerpts.is_empty()));
     }
 
     #[test]
