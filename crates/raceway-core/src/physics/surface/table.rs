@@ -187,6 +187,7 @@ fn sum_waves(values: &mut [(f64, f64)], circle: &[(f64, f64)]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::defects::{Defect, PassingContact, Shape};
     use super::*;
 
     fn waves() -> Vec<Wave> {
@@ -227,6 +228,37 @@ mod tests {
             let (before, after) = (curvature(at - 1.5 * by), curvature(at + 0.5 * by));
             // The slope of 1e-6 m/rad has sixteen digits; the step is 1e-9 rad.
             assert!((before - after).abs() < 1e-3 * 256.0 * 256.0 * 1e-8, "{knot}: {before:e} {after:e}");
+        }
+    }
+
+    /// Heights between knots are those of the closed form. At the feet, where its second derivative has short peaks, they are smoothed.
+    #[test]
+    fn both_tables_hold_the_path_over_a_defect() {
+        let contact = PassingContact {
+            semi_major: 0.7e-3,
+            half_width: 0.117e-3,
+            approach: 8e-6,
+            curvature: 209.6,
+            radius: 23.5e-3,
+            speed: 1.76,
+        };
+        for (length, depth) in [(0.05e-3, 1e-5), (0.5e-3, 2e-6), (2e-3, 1e-5), (10e-3, 1e-3)] {
+            let shape = Shape::Rectangular;
+            // Across the seam of the table.
+            let defect = Defect { azimuth: 1e-3, length, width: None, depth, across: 0.0, shape };
+            let recess = Recess { defect, contact };
+            let (ring, path) = (HeightTable::new(&[], &[recess]), PathTable::new(&recess));
+            let bound = 2e-3 * recess.deepest();
+            for step in -3000..3000 {
+                let x = 1.1 * recess.half_length() * f64::from(step) / 3000.0;
+                let expected = recess.height(x, 0.0);
+                let (height, slope) = ring.height_and_slope(1e-3 + x / contact.radius);
+                let (fall, fall_slope) = path.fall_and_slope(x);
+                assert!((height - expected).abs() < bound, "{length} {depth}, {x}: {height:e} {expected:e}");
+                assert!((-fall - expected).abs() < bound, "{length} {depth}, {x}: {fall:e} {expected:e}");
+                let largest = contact.curvature * (length + 2.0 * contact.half_width);
+                assert!((slope / contact.radius + fall_slope).abs() < 0.01 * largest, "{slope} {fall_slope}");
+            }
         }
     }
 }

@@ -64,6 +64,7 @@ pub fn in_steps(settings: &RunSettings, step: f64) -> RunSettings {
 }
 
 /// Settings of the dynamics that verify a reduced model in fixed steps; `None` if a step was selected.
-pub fn verifying(settings: &RunSettings) -> Option<RunSettings> {
-    is_free(settings).then(|| in_steps(settings, VERIFYING_STEP))
+pub fn verifying(settings: &RunSettings, model: &Model) -> Option<RunSettings> {
+    let step = VERIFYING_STEP.min(model.mechanism().defect_step);
+    (is_free(settings) && step >= SHORTEST).then(|| in_steps(settings, step))
 }

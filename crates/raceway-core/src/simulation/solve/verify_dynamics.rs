@@ -1,7 +1,5 @@
 //! Verification of a run of the dynamics: a repetition in finer steps or at a tighter tolerance.
 
-use std::f64::consts::TAU;
-
 use crate::numerics::ode::Method;
 use crate::simulation::error::codes::{ErrorBasis, Refinement};
 use crate::simulation::error::comparison::{Deviation, level_errors, quantity_errors, twice};
@@ -17,7 +15,7 @@ use crate::simulation::model::integrate::Stepping;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{PART, RATE, REPEATED, kept_values};
 use crate::simulation::solve::attempt::{Attempt, Dynamics, MIN_EVALUATIONS, Problem, run, without_signals};
-use crate::simulation::solve::eligibility::ball_passage;
+use crate::simulation::solve::eligibility::longest_passage;
 use crate::simulation::solve::verification::{MIN_VALUES, TIGHTEST, Verification, along_the_run, or_failure};
 
 /// Tolerance of a repetition over that of the run [-].
@@ -133,20 +131,11 @@ pub(crate) fn by_refinement(
 
 /// Window of a repetition, and initial time over which neighbouring trajectories are followed [s].
 fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
-    let passages = WINDOW_PASSAGES * passage(scene);
+    let passages = WINDOW_PASSAGES * longest_passage(scene);
     let window = if passages.is_finite() { passages.max(REPEATED) } else { REPEATED };
     // Whole parts: the means of a part that is cut short are not those of the run.
     let part = PART as f64 / RATE;
     settings.duration.min((window / part).ceil() * part)
-}
-
-/// Time after which the motion passes the same events again [s]: a ball passage, or a turn of the shaft that carries a defect through the load.
-fn passage(scene: &Scene) -> f64 {
-    let turn = match scene.surfaces.raceway.inner.has_defects() {
-        true => TAU / scene.operating_speed().abs(),
-        false => 0.0,
-    };
-    ball_passage(scene).max(turn)
 }
 
 /// Whether a method damps fast motion, so that tighter tolerances of the same method share this error.
