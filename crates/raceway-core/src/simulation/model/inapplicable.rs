@@ -16,6 +16,8 @@ pub enum Inapplicable {
     SpindleOffCentre,
     #[error("the spindle is misaligned")]
     Misaligned,
+    #[error("a defect lies beside the groove's bottom (across_mm) and pushes balls along X")]
+    DefectBesideBottom,
     #[error("without a cage balls touch each other, and this model has no contact between balls")]
     NoCage,
     #[error(

@@ -29,6 +29,8 @@ pub mod loaded_frequencies;
 
 pub mod stiffness;
 
+pub(crate) mod rolling_limit;
+
 pub(crate) mod integrate;
 
 pub mod observer;

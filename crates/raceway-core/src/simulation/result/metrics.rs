@@ -259,6 +259,7 @@ pub fn lines(
         frequencies: marked(scene, frequencies),
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
+        inner_defect: scene.surfaces.raceway.inner.has_defects(),
     };
     let of_channel = |spectra: &ChannelSpectra| {
         let spectrum = match kind {
