@@ -46,7 +46,14 @@ pub fn scene(json: &Value) -> Scene {
 }
 
 pub fn nothing_asked() -> Outputs {
-    Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() }
+    Outputs {
+        vibration: true,
+        contacts: true,
+        cage: true,
+        spectra: Vec::new(),
+        series: Vec::new(),
+        ..Outputs::vibration()
+    }
 }
 
 pub fn needs(scene: &Scene, rung: Option<ModelLevel>) -> ActiveTerms {

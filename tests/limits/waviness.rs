@@ -205,6 +205,7 @@ fn simulated(surfaces: Value, multiples: (f64, f64)) -> [f64; 2] {
             cage: true,
             spectra: channels.to_vec(),
             series: Vec::new(),
+            ..Outputs::vibration()
         },
     };
     let settings = RunSettings { method: Method::SemiImplicit, ..settings };

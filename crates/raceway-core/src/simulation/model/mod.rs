@@ -13,6 +13,8 @@ pub mod failure;
 
 pub mod inapplicable;
 
+pub mod omission;
+
 pub mod dynamics;
 
 pub(crate) mod step_loads;

@@ -114,6 +114,8 @@ pub struct Signal {
     /// Whether levels or metrics need the statistics in the band.
     counts_in_band: bool,
     asked_for_spectra: bool,
+    /// [Hz]
+    envelope_band: (f64, f64),
     /// Values of the first of several windows, where plots need them.
     first: Option<Vec<f64>>,
 }
@@ -137,6 +139,7 @@ impl Signal {
             counts_in_band: ACCELERATIONS.contains(&channel)
                 || (outputs.vibration && matches!(channel, Channel::Spindle(..))),
             asked_for_spectra,
+            envelope_band: outputs.envelope_band,
             first: (windows.count > 1 && outputs.keep_signals() && is_plotted(channel)).then(Vec::new),
         }
     }
@@ -167,7 +170,8 @@ impl Signal {
     /// Spectra in the channel's unit; `None` where they are not requested.
     pub fn spectra(&self) -> Option<&ChannelSpectra> {
         let values = self.values().unwrap_or_default();
-        self.asked_for_spectra.then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values)))
+        self.asked_for_spectra
+            .then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values, self.envelope_band)))
     }
 
     /// Adds the current window to the statistics of the run, and empties it.
@@ -186,7 +190,7 @@ impl Signal {
             join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
         }
         if self.asked_for_spectra {
-            let spectra = ChannelSpectra::of(self.channel, &self.window);
+            let spectra = ChannelSpectra::of(self.channel, &self.window, self.envelope_band);
             join(&mut self.spectra, spectra, |all, window| all.join(&window));
         }
         if ACCELERATIONS.contains(&self.channel) {
@@ -438,8 +442,14 @@ mod tests {
         };
         let whole: Vec<f64> = (0..values).map(signal).collect();
         let channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
-        let outputs =
-            Outputs { vibration: true, contacts: false, cage: false, spectra: vec![channel], series: Vec::new() };
+        let outputs = Outputs {
+            vibration: true,
+            contacts: false,
+            cage: false,
+            spectra: vec![channel],
+            series: Vec::new(),
+            ..Outputs::vibration()
+        };
         let mut recorder = Recorder::new([channel], &outputs, values + 1);
         whole.iter().chain([&9.0, &9.0]).for_each(|value| recorder.push(&[*value]));
         let (signals, whirl) = recorder.finish();
@@ -453,7 +463,7 @@ mod tests {
         let kurtosis = |moments: &CentralMoments| moments.kurtosis().unwrap();
         assert!((kurtosis(&seen.in_band().moments) / kurtosis(&alone) - 1.0).abs() < 1e-3);
         assert!((seen.all().rms() / statistics::rms(&whole[..3 * 85_312]) - 1.0).abs() < 1e-12);
-        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole));
+        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole, outputs.envelope_band));
         assert_eq!((spectra.amplitude.averages, at_once.amplitude.averages), (3, 1));
         let line = |spectrum: &crate::numerics::spectrum::Spectrum, frequency: f64| {
             let bin = (frequency / spectrum.resolution).round() as usize;
@@ -473,8 +483,7 @@ mod tests {
     fn a_requested_series_is_passed_on_to_the_last_value() {
         let values = 2 * kept_values(LONGEST) + 1;
         let channel = Channel::CageSpeed;
-        let outputs =
-            Outputs { vibration: false, contacts: false, cage: false, spectra: Vec::new(), series: vec![channel] };
+        let outputs = Outputs { vibration: false, series: vec![channel], ..Outputs::vibration() };
         let memory = Arc::new(SeriesInMemory::default());
         let sink: Arc<dyn SeriesSink> = memory.clone();
         let control = Control { series: Some(&sink), ..Control::until(&|| false) };
