@@ -148,7 +148,6 @@ fn the_contract_of_the_metrics_holds() {
         "/frequencies_hz/ball_pass_outer",
         "/lines",
         "/envelope_lines",
-        "/channels/spindle.y.acceleration/bands/0/velocity_rms_um_s",
         "/solver/method",
         "/solver/wall_time_s",
         "/accuracy/how",
