@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use self::table::HeightTable;
 use self::waviness::Wave;
-use crate::numerics::lanes::{Lanes, SideBySide};
+use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
 
 /// Height that is added to the penetration of a contact [m], positive out of the material.
 #[derive(Debug, Clone, Default)]
@@ -26,6 +26,15 @@ pub enum SurfaceProfile {
     /// Waves round the ring.
     Waves(Arc<HeightTable>),
 }
+
+/// Height under a ball [m], with its first and second derivative by the azimuth on the ring [m/rad, m/rad²].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Rise<T = f64> {
+    pub height: T,
+    pub slope: T,
+    pub curvature: T,
+}
+side_by_side!(Rise { height, slope, curvature });
 
 impl SurfaceProfile {
     /// The sum of some waves; ideal without any.
@@ -46,6 +55,26 @@ impl SurfaceProfile {
             Self::Constant(height) => (*height, 0.0),
             Self::Waves(table) => table.height_and_slope(azimuth),
         }
+    }
+
+    /// Height at an azimuth on the ring [rad], with both derivatives.
+    #[inline(always)]
+    fn rise(&self, azimuth: f64) -> Rise {
+        match self {
+            Self::None => Rise::default(),
+            Self::Constant(height) => Rise { height: *height, ..Rise::default() },
+            Self::Waves(table) => table.rise(azimuth),
+        }
+    }
+
+    /// Heights with both derivatives at the azimuths of several balls.
+    #[inline(never)]
+    pub(crate) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
+        let mut of = Rise::<Lanes<N>>::default();
+        for lane in 0..N {
+            of.put(lane, self.rise(azimuth[lane]));
+        }
+        of
     }
 
     /// Heights and slopes at the azimuths of several balls. A call of its own: scenes with ideal circles keep their loops as they are.

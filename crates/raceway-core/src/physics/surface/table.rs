@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::Rise;
 use super::waviness::{HIGHEST_ORDER, Wave};
 use crate::numerics::angle::sin_cos;
 use crate::numerics::exponential::ROUND;
@@ -62,6 +63,25 @@ impl HeightTable {
     /// Height [m] at an azimuth [rad], and its slope [m/rad].
     #[inline(always)]
     pub(super) fn height_and_slope(&self, azimuth: f64) -> (f64, f64) {
+        let (piece, u) = self.piece(azimuth);
+        (piece.height(u), piece.slope(u) * self.knots_per_radian())
+    }
+
+    /// Height [m] at an azimuth [rad], its slope [m/rad] and its curvature [m/rad²].
+    #[inline(always)]
+    pub(super) fn rise(&self, azimuth: f64) -> Rise {
+        let ((piece, u), knots) = (self.piece(azimuth), self.knots_per_radian());
+        Rise { height: piece.height(u), slope: piece.slope(u) * knots, curvature: piece.curvature(u) * (knots * knots) }
+    }
+
+    #[inline(always)]
+    fn knots_per_radian(&self) -> f64 {
+        (self.knots.len() - 1) as f64 * (1.0 / TAU)
+    }
+
+    /// The polynomial at an azimuth [rad], and the place 0 … 1 between its knots.
+    #[inline(always)]
+    fn piece(&self, azimuth: f64) -> (Piece, f64) {
         let count = self.knots.len() - 1;
         let turns = azimuth * (1.0 / TAU);
         // The nearest whole number, subtracted in double precision: −½ … ½ turns remain.
@@ -69,19 +89,53 @@ impl HeightTable {
         let part = if part < 0.0 { part + 1.0 } else { part };
         let place = part * count as f64;
         let knot = (place as usize).min(count - 1);
-        let u = place - knot as f64;
-        let (a, b) = (&self.knots[knot], &self.knots[knot + 1]);
-        // p(u) = h₀ + u h₀' + u² h₀''/2 + u³ (10 D − 4 E + F/2 − u (15 D − 7 E + F) + u² (6 D − 3 E + F/2))
+        (Piece::between(&self.knots[knot], &self.knots[knot + 1]), place - knot as f64)
+    }
+}
+
+/// The polynomial between two knots, h + u h' + u² half + u³ (c₃ + u (c₄ + u c₅)).
+struct Piece {
+    height: f64,
+    first: f64,
+    half: f64,
+    c3: f64,
+    c4: f64,
+    c5: f64,
+    second: f64,
+}
+
+impl Piece {
+    /// p(u) = h₀ + u h₀' + u² h₀''/2 + u³ (10 D − 4 E + F/2 − u (15 D − 7 E + F) + u² (6 D − 3 E + F/2))
+    #[inline(always)]
+    fn between(a: &Knot, b: &Knot) -> Self {
         let half = 0.5 * a.second;
         let value = b.height - (a.height + a.first + half);
         let first = b.first - (a.first + a.second);
         let second = b.second - a.second;
-        let c3 = 10.0 * value - 4.0 * first + 0.5 * second;
-        let c4 = -15.0 * value + 7.0 * first - second;
-        let c5 = 6.0 * value - 3.0 * first + 0.5 * second;
-        let height = a.height + u * (a.first + u * (half + u * (c3 + u * (c4 + u * c5))));
-        let slope = a.first + u * (a.second + u * (3.0 * c3 + u * (4.0 * c4 + u * (5.0 * c5))));
-        (height, slope * (count as f64 * (1.0 / TAU)))
+        Self {
+            height: a.height,
+            first: a.first,
+            half,
+            c3: 10.0 * value - 4.0 * first + 0.5 * second,
+            c4: -15.0 * value + 7.0 * first - second,
+            c5: 6.0 * value - 3.0 * first + 0.5 * second,
+            second: a.second,
+        }
+    }
+
+    #[inline(always)]
+    fn height(&self, u: f64) -> f64 {
+        self.height + u * (self.first + u * (self.half + u * (self.c3 + u * (self.c4 + u * self.c5))))
+    }
+
+    #[inline(always)]
+    fn slope(&self, u: f64) -> f64 {
+        self.first + u * (self.second + u * (3.0 * self.c3 + u * (4.0 * self.c4 + u * (5.0 * self.c5))))
+    }
+
+    #[inline(always)]
+    fn curvature(&self, u: f64) -> f64 {
+        self.second + u * (6.0 * self.c3 + u * (12.0 * self.c4 + u * (20.0 * self.c5)))
     }
 }
 
