@@ -14,7 +14,7 @@ use crate::numerics::ode::adams_moulton::{Defect, Shares};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Azimuth;
 use crate::physics::spindle::unbalance_force;
-use crate::simulation::model::heights::{Heights, Waves};
+use crate::simulation::model::heights::Heights;
 
 /// Rates of the velocities at one time, with their derivatives for the implicit part of a step.
 #[derive(Debug, Clone, Default)]
@@ -88,6 +88,25 @@ impl RadiallyCondensed {
         rates: &mut Rates,
         scratch: &mut Scratch,
     ) -> (f64, f64, f64) {
+        match &self.waves {
+            None => self.rates_on::<false>(time, balls, border, spindle_acceleration, shares, rates, scratch),
+            Some(_) => on_waves(self, time, balls, border, spindle_acceleration, shares, rates, scratch),
+        }
+    }
+
+    /// `WAVY`: raceways have heights.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn rates_on<const WAVY: bool>(
+        &self,
+        time: f64,
+        balls: &[Balls],
+        border: &Border,
+        spindle_acceleration: [f64; 2],
+        shares: Shares,
+        rates: &mut Rates,
+        scratch: &mut Scratch,
+    ) -> (f64, f64, f64) {
         let m = &self.mechanism;
         let (turning, (mixture, unloaded_root)) = match self.constant {
             Some((speed, ideal)) => ((speed * time, speed, 0.0), ideal),
@@ -108,32 +127,31 @@ impl RadiallyCondensed {
             velocity_share: shares.velocity as f32,
         };
         let mut sums = AllBalls::default();
-        match &self.waves {
-            None => {
-                let ideal = Heights::default();
-                for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
-                    self.group::<false>(&drive, group, balls, border, &ideal, rates, scratch, &mut sums);
-                }
-            }
-            Some(waves) => {
-                let angles = PerRaceway { inner: angle, outer: m.orbit_ratio * angle };
-                self.wavy_groups(
-                    &OnWaves { model: self, waves, drive: &drive, angles, balls, border },
-                    rates,
-                    scratch,
-                    &mut sums,
-                );
-            }
+        for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
+            let heights = if WAVY { self.heights(group, angle, balls, border) } else { Heights::default() };
+            self.group::<WAVY>(&drive, group, balls, border, &heights, rates, scratch, &mut sums);
         }
         rates.passed = sums.spindle;
         self.cage_rates(turning, border, &sums.cage, rates);
         turning
     }
 
-    /// Rates of all balls on wavy raceways. A call of its own: scenes with ideal circles keep their loops as they are.
-    #[inline(never)]
-    fn wavy_groups(&self, on: &OnWaves<'_>, rates: &mut Rates, scratch: &mut Scratch, sums: &mut AllBalls) {
-        self.instructions.run(WavyGroups { on, rates, scratch, sums });
+    /// Heights under eight balls at an angle of the spindle [rad]. Azimuths are those on the rings, about each ring's axis: an inner one turns
+    /// with the spindle. Single precision would not tell short waves apart after some turns.
+    #[inline(always)]
+    fn heights(&self, group: usize, angle: f64, balls: &Balls, border: &Border) -> Heights<Singles> {
+        let Some(waves) = &self.waves else { return Heights::default() };
+        let m = &self.mechanism;
+        let start = Lanes::<LANES>::of(&m.start.angle, group * LANES);
+        let (orbit, per_radius, [y, z]) = (m.orbit_ratio * angle, 1.0 / m.pitch_radius, border.spindle);
+        let mut azimuth = PerRaceway::<Lanes>::default();
+        for lane in 0..LANES {
+            let on_outer = start[lane] + orbit + balls.arc[lane] * per_radius;
+            let (sine, cosine) = sin_cos(on_outer);
+            let lean = (z * cosine - y * sine) / (m.pitch_radius - (y * cosine + z * sine));
+            azimuth.put(lane, PerRaceway { inner: on_outer - lean - angle, outer: on_outer });
+        }
+        waves.at(&azimuth).single()
     }
 
     /// Rates of eight balls, and their loads on spindle and cage. `WAVY`: raceways have `heights`.
@@ -178,10 +196,8 @@ impl RadiallyCondensed {
         }
         for lane in 0..LANES {
             let (one, ball) = (all.ball.at(lane), balls.at(lane));
-            held.put(
-                lane,
-                one.in_raceways::<WAVY>(&drive, start.at(lane), ahead.at(lane), &border, &ball, &heights.at(lane)),
-            );
+            let height = if WAVY { heights.at(lane) } else { Heights::default() };
+            held.put(lane, one.in_raceways::<WAVY>(&drive, start.at(lane), ahead.at(lane), &border, &ball, &height));
         }
         if one.viscous > 0.0 {
             for lane in 0..LANES {
@@ -265,8 +281,8 @@ impl RadiallyCondensed {
         let mut beyond = Singles::default();
         for lane in 0..LANES {
             let (ball, one, film) = (balls.at(lane), all.ball.at(lane), all.film.at(lane));
-            let (ahead, height) = (one.ahead(past[lane]), heights.at(lane));
-            let held = one.in_raceways::<WAVY>(&drive, start.at(lane), ahead, &border, &ball, &height);
+            let height = if WAVY { heights.at(lane) } else { Heights::default() };
+            let held = one.in_raceways::<WAVY>(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball, &height);
             let displaced = film.displacement_of_one(&border, cage_spin, &held);
             let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.velocity_share);
             let loaded = one.raceway_loads(&drive, &ball, &held, pushed.radial);
@@ -356,54 +372,41 @@ impl RadiallyCondensed {
     }
 }
 
-/// Balls on wavy raceways at one time. `angles`: of spindle and ideal orbit [rad].
+/// Rates on wavy raceways. A call of its own: scenes with ideal circles keep their loop as it is.
+#[inline(never)]
+#[allow(clippy::too_many_arguments)]
+fn on_waves(
+    model: &RadiallyCondensed,
+    time: f64,
+    balls: &[Balls],
+    border: &Border,
+    spindle_acceleration: [f64; 2],
+    shares: Shares,
+    rates: &mut Rates,
+    scratch: &mut Scratch,
+) -> (f64, f64, f64) {
+    model.instructions.run(OnWaves { model, time, balls, border, spindle_acceleration, shares, rates, scratch })
+}
+
+/// Rates on wavy raceways, compiled for each instruction set.
 struct OnWaves<'a> {
     model: &'a RadiallyCondensed,
-    waves: &'a Waves,
-    drive: &'a Drive,
-    angles: PerRaceway<f64>,
+    time: f64,
     balls: &'a [Balls],
     border: &'a Border,
-}
-
-impl OnWaves<'_> {
-    /// Heights under eight balls. Azimuths are those on the rings, about each ring's axis: an inner one turns with the spindle. Single
-    /// precision would not tell short waves apart after some turns.
-    #[inline(always)]
-    fn heights(&self, group: usize) -> Heights<Singles> {
-        let m = &self.model.mechanism;
-        let start = Lanes::<LANES>::of(&m.start.angle, group * LANES);
-        let (arc, [y, z]) = (self.balls[group].arc, self.border.spindle);
-        let (per_radius, angles) = (1.0 / m.pitch_radius, self.angles);
-        let mut azimuth = PerRaceway::<Lanes>::default();
-        for lane in 0..LANES {
-            let on_outer = start[lane] + angles.outer + arc[lane] * per_radius;
-            let (sine, cosine) = sin_cos(on_outer);
-            let lean = (z * cosine - y * sine) / (m.pitch_radius - (y * cosine + z * sine));
-            azimuth.put(lane, PerRaceway { inner: on_outer - lean - angles.inner, outer: on_outer });
-        }
-        self.waves.at(&azimuth).single()
-    }
-}
-
-/// All balls on wavy raceways, compiled for each instruction set.
-struct WavyGroups<'a> {
-    on: &'a OnWaves<'a>,
+    spindle_acceleration: [f64; 2],
+    shares: Shares,
     rates: &'a mut Rates,
     scratch: &'a mut Scratch,
-    sums: &'a mut AllBalls,
 }
 
-impl Task for WavyGroups<'_> {
-    type Answer = ();
+impl Task for OnWaves<'_> {
+    type Answer = (f64, f64, f64);
 
     #[inline(always)]
-    fn run(self) {
-        let Self { on, rates, scratch, sums } = self;
-        for (group, (balls, rates)) in on.balls.iter().zip(&mut rates.balls).enumerate() {
-            let heights = on.heights(group);
-            on.model.group::<true>(on.drive, group, balls, on.border, &heights, rates, scratch, sums);
-        }
+    fn run(self) -> Self::Answer {
+        let Self { model, time, balls, border, spindle_acceleration, shares, rates, scratch } = self;
+        model.rates_on::<true>(time, balls, border, spindle_acceleration, shares, rates, scratch)
     }
 }
 

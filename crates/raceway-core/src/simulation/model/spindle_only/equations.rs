@@ -341,8 +341,8 @@ impl SpindleOnly {
 struct OnWaves<'a> {
     model: &'a SpindleOnly,
     waves: &'a Waves,
-    driven: &'a Driven,
-    motion: &'a SpindleMotion,
+    driven: Driven,
+    motion: SpindleMotion,
     acceleration: [f64; 2],
     shares: Shares,
 }
@@ -351,7 +351,7 @@ impl OnWaves<'_> {
     /// Heights under a group of balls. Azimuths are those on the rings, about each ring's axis: an inner one turns with the spindle.
     #[inline(always)]
     fn heights(&self, group: &Group) -> Heights<Lanes> {
-        let (driven, ([y, z], _)) = (self.driven, self.motion);
+        let (driven, ([y, z], _)) = (&self.driven, self.motion);
         let mut azimuth = PerRaceway::<Lanes>::default();
         for lane in 0..LANES {
             let c = group.cosine[lane] * driven.cosine - group.sine[lane] * driven.sine;
@@ -368,11 +368,11 @@ impl Task for OnWaves<'_> {
 
     #[inline(always)]
     fn run(self) -> Defect {
-        let Self { model, driven, motion, acceleration, shares, .. } = self;
+        let Self { model, driven, motion, acceleration, shares, .. } = &self;
         let mut all =
-            model.group::<true>(&model.first, driven, motion, acceleration, shares, &self.heights(&model.first));
+            model.group::<true>(&model.first, driven, motion, *acceleration, *shares, &self.heights(&model.first));
         for group in &model.others {
-            all = all.and(&model.group::<true>(group, driven, motion, acceleration, shares, &self.heights(group)));
+            all = all.and(&model.group::<true>(group, driven, motion, *acceleration, *shares, &self.heights(group)));
         }
         all
     }
@@ -404,7 +404,7 @@ impl EquationsOfMotion for SpindleOnly {
         let force = [driven.force[0] - self.mass * ay, driven.force[1] - self.mass * az];
         let slope = [self.mass, 0.0, self.mass];
         if let Some(waves) = &self.waves {
-            let on = OnWaves { model: self, waves, driven, motion, acceleration, shares };
+            let on = OnWaves { model: self, waves, driven: *driven, motion: *motion, acceleration, shares };
             return Defect { force, slope }.and(&self.on_waves(on));
         }
         let ideal = Heights::default();
