@@ -57,24 +57,14 @@ impl SurfaceProfile {
         }
     }
 
-    /// Height at an azimuth on the ring [rad], with both derivatives.
+    /// Heights with both derivatives at the azimuths of several balls.
     #[inline(always)]
-    fn rise(&self, azimuth: f64) -> Rise {
+    pub(crate) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
         match self {
             Self::None => Rise::default(),
-            Self::Constant(height) => Rise { height: *height, ..Rise::default() },
-            Self::Waves(table) => table.rise(azimuth),
+            Self::Constant(height) => Rise { height: Lanes::all(*height), ..Rise::default() },
+            Self::Waves(table) => table.rises(azimuth),
         }
-    }
-
-    /// Heights with both derivatives at the azimuths of several balls.
-    #[inline(never)]
-    pub(crate) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
-        let mut of = Rise::<Lanes<N>>::default();
-        for lane in 0..N {
-            of.put(lane, self.rise(azimuth[lane]));
-        }
-        of
     }
 
     /// Heights and slopes at the azimuths of several balls. A call of its own: scenes with ideal circles keep their loops as they are.

@@ -6,6 +6,7 @@ use super::Rise;
 use super::waviness::{HIGHEST_ORDER, Wave};
 use crate::numerics::angle::sin_cos;
 use crate::numerics::exponential::ROUND;
+use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
 
 /// Knots to one period of the shortest wave. Between knots the height then errs by less than 6e-6 of that wave.
 const KNOTS_PER_WAVE: usize = 8;
@@ -15,11 +16,12 @@ const MOST: usize = KNOTS_PER_WAVE * HIGHEST_ORDER as usize;
 
 /// Height at one knot with its first and second derivative, over the distance between knots [m].
 #[derive(Debug, Clone, Copy, Default)]
-struct Knot {
-    height: f64,
-    first: f64,
-    second: f64,
+struct Knot<T = f64> {
+    height: T,
+    first: T,
+    second: T,
 }
+side_by_side!(Knot { height, first, second });
 
 /// Heights at equidistant azimuths round a ring. Between two knots stands the polynomial of degree five that has their heights and
 /// derivatives (Hermite).
@@ -63,15 +65,33 @@ impl HeightTable {
     /// Height [m] at an azimuth [rad], and its slope [m/rad].
     #[inline(always)]
     pub(super) fn height_and_slope(&self, azimuth: f64) -> (f64, f64) {
-        let (piece, u) = self.piece(azimuth);
+        let (a, b, u) = self.knots_at(azimuth);
+        let piece = Piece::between(a, b);
         (piece.height(u), piece.slope(u) * self.knots_per_radian())
     }
 
-    /// Height [m] at an azimuth [rad], its slope [m/rad] and its curvature [m/rad²].
+    /// Heights with both derivatives at several azimuths [rad]. Knots are fetched one by one; the arithmetic runs side by side.
     #[inline(always)]
-    pub(super) fn rise(&self, azimuth: f64) -> Rise {
-        let ((piece, u), knots) = (self.piece(azimuth), self.knots_per_radian());
-        Rise { height: piece.height(u), slope: piece.slope(u) * knots, curvature: piece.curvature(u) * (knots * knots) }
+    pub(super) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
+        let (mut ends, mut place) = (<(Knot<Lanes<N>>, Knot<Lanes<N>>)>::default(), Lanes::<N>::default());
+        for lane in 0..N {
+            let (a, b, u) = self.knots_at(azimuth[lane]);
+            ends.put(lane, (*a, *b));
+            place[lane] = u;
+        }
+        let per_radian = self.knots_per_radian();
+        let mut rises = Rise::<Lanes<N>>::default();
+        for lane in 0..N {
+            let ((a, b), u) = (ends.at(lane), place[lane]);
+            let piece = Piece::between(&a, &b);
+            let one = Rise {
+                height: piece.height(u),
+                slope: piece.slope(u) * per_radian,
+                curvature: piece.curvature(u) * (per_radian * per_radian),
+            };
+            rises.put(lane, one);
+        }
+        rises
     }
 
     #[inline(always)]
@@ -79,9 +99,9 @@ impl HeightTable {
         (self.knots.len() - 1) as f64 * (1.0 / TAU)
     }
 
-    /// The polynomial at an azimuth [rad], and the place 0 … 1 between its knots.
+    /// The knots before and after an azimuth [rad], and its place 0 … 1 between them.
     #[inline(always)]
-    fn piece(&self, azimuth: f64) -> (Piece, f64) {
+    fn knots_at(&self, azimuth: f64) -> (&Knot, &Knot, f64) {
         let count = self.knots.len() - 1;
         let turns = azimuth * (1.0 / TAU);
         // The nearest whole number, subtracted in double precision: −½ … ½ turns remain.
@@ -89,7 +109,7 @@ impl HeightTable {
         let part = if part < 0.0 { part + 1.0 } else { part };
         let place = part * count as f64;
         let knot = (place as usize).min(count - 1);
-        (Piece::between(&self.knots[knot], &self.knots[knot + 1]), place - knot as f64)
+        (&self.knots[knot], &self.knots[knot + 1], place - knot as f64)
     }
 }
 
