@@ -137,7 +137,14 @@ fn plain() -> RunSettings {
         fixed_step: None,
         settle: 0.02,
         duration: 0.1,
-        outputs: Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() },
+        outputs: Outputs {
+            vibration: true,
+            contacts: true,
+            cage: true,
+            spectra: Vec::new(),
+            series: Vec::new(),
+            ..Outputs::vibration()
+        },
     }
 }
 

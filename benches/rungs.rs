@@ -60,6 +60,7 @@ fn settings(scene: &Scene, duration: f64) -> RunSettings {
             cage: false,
             spectra: Vec::new(),
             series: CHANNELS.to_vec(),
+            ..Outputs::vibration()
         },
     }
 }
@@ -146,6 +147,7 @@ fn chosen() {
                 cage: all,
                 spectra: CHANNELS[..2].to_vec(),
                 series: Vec::new(),
+                ..Outputs::vibration()
             };
             let settings = RunSettings {
                 rung,

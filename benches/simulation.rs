@@ -26,7 +26,14 @@ fn main() {
 }
 
 fn outputs() -> Outputs {
-    Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() }
+    Outputs {
+        vibration: true,
+        contacts: true,
+        cage: true,
+        spectra: Vec::new(),
+        series: Vec::new(),
+        ..Outputs::vibration()
+    }
 }
 
 /// Median, least and largest time.

@@ -75,7 +75,14 @@ fn settings(duration: f64) -> RunSettings {
         fixed_step: None,
         settle: SETTLE,
         duration,
-        outputs: Outputs { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() },
+        outputs: Outputs {
+            vibration: true,
+            contacts: false,
+            cage: false,
+            spectra: Vec::new(),
+            series: Vec::new(),
+            ..Outputs::vibration()
+        },
     }
 }
 
@@ -228,6 +235,7 @@ fn parts() {
             &scene,
             &recording,
             &spectra,
+            metrics::Spectra::Amplitude,
             &metrics::frequencies(&scene, &recording),
             &AccuracyReport::default(),
         ));

@@ -207,6 +207,14 @@ def case_half_of_the_points(service):
     check(submit(service, B, study)[0] == 202, "the other owner's study is accepted")
 
 
+@with_service("--rate-limit", "0", "--point-limit", "100")
+def case_study_above_the_limit(service):
+    study = SHORT | {"kind": "study", "axes": [{"path": "/operation/speed_rpm", "from": 30000, "to": 60000, "count": 51}]}
+    status, _, answer = ask(service, A, "POST", "/v1/jobs", study)
+    where = [error["pointer"] for error in answer.get("errors", [])] if isinstance(answer, dict) else []
+    check(status == 422 and where == ["/axes"], f"a study above its owner's whole limit is refused for good: {status} {where}")
+
+
 @with_service("--rate-limit", "0")
 def case_half_of_the_waiting_requests(service):
     path = submit(service, A, ARTICLE | {"reuse": False, "duration_s": 10})[1]

@@ -177,9 +177,9 @@ def full_disk():
             accepted = 0
             while (status := jobs.submit(0.02, padding=15)) == 202:
                 accepted += 1
-            is_problem(jobs.answer, 507, "disk-full", status)
+            is_problem(jobs.answer, *((507, "disk-full") if mounted else (503, "database-away")), status)
             check(jobs.headers["Retry-After"] is not None, f"{name}: {accepted} more are accepted, then none")
-            until_not_ready(service, "no space is left")
+            until_not_ready(service, "no space is left" if mounted else "the database")
             # Longer than the run, so that the disk is full at its end.
             deadline = time.monotonic() + 60
             while "the end of a run could not be written" not in service.stderr() and time.monotonic() < deadline:

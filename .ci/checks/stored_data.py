@@ -92,11 +92,11 @@ def case_corrupt_parts():
     with served() as (service, database):
         path = done(service, RESULT)
         judge(checked(database)[0] == 0, "`raceway check` finds nothing wrong")
-        parts = {"metrics": "metrics", "spectrum": "signals", "series": "signals", "plots/orbit.svg": "views"}
+        parts = ["metrics", "spectrum", "series", "plots/orbit.svg"]
         damage = {
             "metrics": ("results", "metrics", "id = (SELECT result_id FROM jobs WHERE id = ?)", (key(path),)),
             "spectrum": ("signals", "answer", OF_JOB + " AND sort = 'amplitude'", (key(path),)),
-            "series": ("signals", "answer", OF_JOB + " AND sort = 'series'", (key(path),)),
+            "series": ("series_chunks", "content", OF_JOB, (key(path),)),
             "plots/orbit.svg": ("views", "answer", OF_JOB, (key(path),)),
         }
         for part in parts:
@@ -192,6 +192,24 @@ def case_label_searches():
         factor = statistics.median(beside) / statistics.median(alone)
         judge(factor < 5, f"searches make a status {factor:.1f} times as slow (goal 2)")
         judge(count > 1000, f"the searches themselves are answered: {count}")
+        # `MAX_LOOKS` of the store: a page that finds nothing takes no longer than the largest page of jobs.
+        labels = [f"{'x' * 198}{n:02}" for n in range(16)]
+        for _ in range(2):
+            service.request("POST", "/v1/jobs/batch", {"jobs": [SHORT | {"labels": labels}] * 150})
+        large, nothing = (statistics.median(times_of_pages(service, query)) for query in ("limit=200", "kind=accuracy"))
+        judge(nothing <= large, f"a page that finds nothing takes {nothing:.1f} ms, the largest page {large:.1f} ms (medians)")
+
+
+def times_of_pages(service, query):
+    """Times of a page of jobs [ms]."""
+    took = []
+    for _ in range(31):
+        begin = time.perf_counter()
+        status, _, page = service.request("GET", f"/v1/jobs?{query}")
+        took.append(1e3 * (time.perf_counter() - begin))
+        if status != 200 or (query.startswith("kind") and page["jobs"]):
+            sys.exit(f"FAILED: a page gives {status}")
+    return took
 
 
 def case_expired():

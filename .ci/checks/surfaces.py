@@ -68,12 +68,12 @@ def case_inner_waves_do_not_repeat_with_the_balls(running):
 
 
 def case_unbuilt_fields_are_named(running):
-    job = preloaded({"inner": {"defects": []}})
+    job = preloaded({"inner": {"axial_waviness": []}})
     status, _, answer = running.request("POST", "/v1/jobs", job)
     errors = answer.get("errors", []) if isinstance(answer, dict) else []
     holds = status == 422 and any(
-        error["pointer"] == "/scene/surfaces/inner/defects" and error["detail"] == "not supported yet" for error in errors)
-    verdict(holds, f"defects are refused by their pointer: {status} {errors}")
+        error["pointer"] == "/scene/surfaces/inner/axial_waviness" and error["detail"] == "not supported yet" for error in errors)
+    verdict(holds, f"axial waviness is refused by its pointer: {status} {errors}")
 
 
 def case_resolve_lists_waves(running):

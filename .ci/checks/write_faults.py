@@ -50,7 +50,8 @@ FAULTS = {
 CALLS = ["", "open", "write", "sync", "truncate", "unlink", "rename"]
 FILES = ["database", "-wal", "-shm", "-journal", "folder"]
 # Problems that a failing disk may cause, by status.
-DOCUMENTED = {(503, "database-away"), (503, "not-ready"), (507, "disk-full")}
+FULL = (507, "disk-full")
+DOCUMENTED = {(503, "database-away"), (503, "not-ready"), FULL}
 
 
 class Broken(Exception):
@@ -123,6 +124,8 @@ class Day:
         self.environment = clean_environment(LD_PRELOAD=library, WRITE_FAULTS_FOLDER=self.folder, WRITE_FAULTS_CONTROL=control)
         self.service = None
         self.kills = fault == "kill"
+        # An error of the disk is not reported as a full disk.
+        self.documented = DOCUMENTED - ({FULL} if fault and FAULTS[fault][0] == IO_ERROR else set())
         # Answers by key: the paths of their jobs.
         self.paths = {}
         # Records of ended jobs as first seen, and the last status of the others.
@@ -200,7 +203,7 @@ class Day:
 
     def refusal(self, status, answer, what):
         kind = str(answer.get("type")).removeprefix("urn:raceway:problem:") if isinstance(answer, dict) else "no problem"
-        hold((status, kind) in DOCUMENTED, f"{what} is answered with {status} {kind}: {answer}")
+        hold((status, kind) in self.documented, f"{what} is answered with {status} {kind}: {answer}")
         hold(self.control.failed > 0, f"{what} is refused before the fault: {status} {kind}")
         self.problems[f"{status} {kind}"] += 1
 

@@ -156,6 +156,30 @@ def case_error_of_a_rejected_run(running):
     verdict(error < 0.1, f"a spindle of one gram has a small level error: {error:.4f} dB")
 
 
+# Scenes of single steps on `full`, and their levels by `gear` at 1e-8 (benches/compare/compare.py, jobs drawn-1-025, -027, -046).
+REPEATED = [
+    ({"bearing": {"preset": "article-integrated", "ball_count": 6},
+      "operation": {"speed_rpm": 7590, "radial_load_y_n": 285, "radial_load_z_n": 107}}, {"y": 55.96745, "z": 63.50749}),
+    ({"bearing": {"preset": "article-integrated", "radial_clearance_um": 5.38},
+      "operation": {"speed_rpm": 10700, "radial_load_y_n": 536}, "spindle": {"mass_kg": 0.17}}, {"y": 48.20170, "z": 69.24840}),
+    ({"bearing": {"preset": "article-deep-groove", "radial_clearance_um": 20.3},
+      "operation": {"speed_rpm": 9110, "radial_load_y_n": 133, "radial_load_z_n": -49.1},
+      "spindle": {"mass_kg": 0.426, "balance_grade": 0.4}}, {"y": 58.97179, "z": 59.49668}),
+]
+
+
+def case_error_of_a_repeated_run(running):
+    """A repetition errs, too: the deviation from it is less than the error of the run."""
+    for scene, levels in REPEATED:
+        job = {"kind": "simulation", "scene": scene, "settle_s": 0.03, "duration_s": 0.1,
+               "outputs": {"metrics": ["vibration", "contacts", "cage"]}}
+        channels = result(running, job)["channels"]
+        for axis, level in levels.items():
+            channel = channels[f"spindle.{axis}.acceleration"]
+            off, stated = abs(channel["level_db"] - level), channel["level_error_db"]
+            verdict(off < stated, f"a level is within its stated error: {off:.5f} dB off, {stated:.5f} stated")
+
+
 def case_push_out_of_the_plane(running):
     """Planar dynamics drop the part of the push along X: loads without a cage were 22 % off."""
     metrics = result(running, {"kind": "simulation", "settle_s": 0.05, "duration_s": 0.02, "scene": {

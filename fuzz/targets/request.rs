@@ -89,7 +89,7 @@ fn signal(media_type: Option<&str>, body: &[u8]) {
             assert!(places.iter().chain(&values).all(Value::is_number));
             assert!(places.windows(2).all(|pair| pair[0].as_f64() < pair[1].as_f64()), "{places:?}");
         }
-        Some("text/csv") => {
+        Some("text/csv; charset=utf-8") => {
             let text = std::str::from_utf8(body).expect("UTF-8");
             let rows: Vec<_> = text.lines().map(|line| line.split(',').collect::<Vec<_>>()).collect();
             assert!(rows.iter().all(|row| row.len() == 2), "{text}");

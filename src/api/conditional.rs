@@ -3,7 +3,7 @@
 
 use axum::body::Body;
 use axum::extract::{Request, State};
-use axum::http::header::{ACCEPT, ACCEPT_ENCODING, CACHE_CONTROL, ETAG, IF_NONE_MATCH, VARY};
+use axum::http::header::{ACCEPT, ACCEPT_ENCODING, CACHE_CONTROL, ETAG, IF_NONE_MATCH, IF_RANGE, RANGE, VARY};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -25,7 +25,7 @@ const TAG_BYTES: usize = 16;
 pub async fn results(
     State(app): State<App>,
     Owner(owner): Owner,
-    request: Request,
+    mut request: Request,
     next: Next,
 ) -> Result<Response, ApiError> {
     let id = request.uri().path().split('/').nth(3).and_then(|id| id.parse::<Uuid>().ok());
@@ -49,11 +49,14 @@ pub async fn results(
         return Ok(not_modified(tag, IMMUTABLE));
     }
     let has_any = has_any(request.headers());
+    if request.headers().get(IF_RANGE).is_some_and(|known| *known != tag) {
+        request.headers_mut().remove(RANGE);
+    }
     let mut response = next.run(request).await;
     if response.status() == StatusCode::OK && has_any {
         return Ok(not_modified(tag, IMMUTABLE));
     }
-    if response.status() == StatusCode::OK {
+    if [StatusCode::OK, StatusCode::PARTIAL_CONTENT].contains(&response.status()) {
         let headers = response.headers_mut();
         headers.insert(ETAG, tag);
         headers.insert(CACHE_CONTROL, IMMUTABLE);

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use axum::http::header::{
-    AUTHORIZATION, CONTENT_TYPE, ETAG, HeaderName, HeaderValue, IF_NONE_MATCH, LINK, LOCATION, RETRY_AFTER,
+    ACCEPT_RANGES, AUTHORIZATION, CONTENT_RANGE, CONTENT_TYPE, ETAG, HeaderName, HeaderValue, IF_NONE_MATCH, IF_RANGE,
+    LINK, LOCATION, RANGE, RETRY_AFTER,
 };
 use axum::http::{Method, Uri};
 use tower_http::cors::CorsLayer;
@@ -37,12 +38,16 @@ pub fn layer(origins: &[HeaderValue]) -> CorsLayer {
             AUTHORIZATION,
             CONTENT_TYPE,
             IF_NONE_MATCH,
+            IF_RANGE,
+            RANGE,
             X_REQUEST_ID,
             name("idempotency-key"),
             name("last-event-id"),
             name("prefer"),
         ])
         .expose_headers([
+            ACCEPT_RANGES,
+            CONTENT_RANGE,
             ETAG,
             LINK,
             LOCATION,

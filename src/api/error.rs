@@ -1,6 +1,6 @@
 //! Errors as problem details (RFC 9457). Only this file maps errors to status codes.
 
-use axum::http::header::{ACCEPT, CONTENT_TYPE, RETRY_AFTER, WWW_AUTHENTICATE};
+use axum::http::header::{ACCEPT, CONTENT_RANGE, CONTENT_TYPE, RETRY_AFTER, WWW_AUTHENTICATE};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use jiff::Timestamp;
@@ -124,6 +124,10 @@ pub enum ApiError {
         limit: usize,
     },
     UnsupportedMediaType(String),
+    /// `Range` begins behind the end of the body.
+    Unsatisfiable {
+        length: u64,
+    },
     ForeignHost(String),
     /// A limit of simultaneous requests is reached.
     Overloaded,
@@ -257,6 +261,10 @@ impl ApiError {
                 );
                 of(S::MISDIRECTED_REQUEST, "foreign-host", "The request was meant for another host", detail)
             }
+            Self::Unsatisfiable { length } => {
+                let detail = format!("`Range` asks for no byte of the {length} bytes of the file");
+                of(S::RANGE_NOT_SATISFIABLE, "range-not-satisfiable", "The file has no such bytes", detail)
+            }
             Self::Overloaded => {
                 let detail = "a limit of simultaneous requests is reached; try again".into();
                 of(S::SERVICE_UNAVAILABLE, "overloaded", "The service is busy", detail)
@@ -282,6 +290,10 @@ impl ApiError {
         match self {
             Self::Unauthorized => drop(set(WWW_AUTHENTICATE, "Bearer")),
             Self::TooOften { wait_s, .. } => drop(headers.insert(RETRY_AFTER, (*wait_s).into())),
+            Self::Unsatisfiable { length } => {
+                let whole = HeaderValue::try_from(format!("bytes */{length}"));
+                headers.extend(whole.ok().map(|whole| (CONTENT_RANGE, whole)));
+            }
             Self::UnsupportedMediaType(_) => drop(set(ACCEPT, "application/json")),
             Self::Job(JobError::QueueFull { .. } | JobError::PointsFull { .. }) => {
                 drop(set(RETRY_AFTER, QUEUE_RETRY_S))
@@ -362,6 +374,10 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
                 whose(*of_owner)
             );
             of(S::TOO_MANY_REQUESTS, "queue-full", "Too many points are unfinished", detail)
+        }
+        JobError::StudyTooLarge { points, limit } => {
+            let detail = format!("a grid of {points} points: at most {limit} may be unfinished at a time");
+            ApiError::from(Refusal::from(FieldError::new("/axes", detail))).status_and_problem()
         }
         JobError::Stopping => {
             let detail = "accepted jobs are not lost; try again".into();

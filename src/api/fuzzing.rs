@@ -3,7 +3,7 @@
 
 use axum::Router;
 use axum::body::{Body, Bytes};
-use axum::http::header::{LINK, LOCATION};
+use axum::http::header::{LINK, LOCATION, RANGE};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, StatusCode};
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
@@ -159,7 +159,7 @@ async fn series(headers: HeaderMap, _: JobId, query: Query<SeriesQuery>) -> Resu
         time_s: (0..40).map(|k| 0.01 * f64::from(k)).collect(),
         value: (0..40).map(|k| f64::from(k * 7 % 11) - 5.0).collect(),
     };
-    SeriesQuery::checked(query)?.formatted(format, &serde_json::to_vec(&stored).unwrap_or_default())
+    SeriesQuery::checked(query)?.part(stored.into()).answer(format, header(&headers, &RANGE)).await
 }
 
 async fn plot(

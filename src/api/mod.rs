@@ -24,10 +24,14 @@ mod list_query;
 mod openapi;
 /// Paths that need no token.
 mod public_paths;
+/// Ranges of bytes.
+mod range;
 /// Requests per second of each owner.
 pub mod rate_limit;
 /// Parts of a request.
 mod request;
+/// Time series, sent chunk by chunk.
+mod series_answer;
 /// The status of a job by its name.
 mod status_name;
 /// Stored answers, read and formatted.

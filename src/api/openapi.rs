@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use axum::http::header::{ACCEPT, HeaderName, HeaderValue, RETRY_AFTER, WWW_AUTHENTICATE};
+use axum::http::header::{ACCEPT, CONTENT_RANGE, HeaderName, HeaderValue, RETRY_AFTER, WWW_AUTHENTICATE};
 use serde_json::Value;
 use utoipa::openapi::example::Example;
 use utoipa::openapi::header::{Header, HeaderBuilder};
@@ -118,6 +118,7 @@ problems! {
         "415" UnsupportedMediaType: "The body is not `application/json`" => [UnsupportedMediaType("send Content-Type: application/json".into())],
         "422" InvalidRequest: "The body is JSON but not a valid request; `errors` lists the invalid fields" => [Refused(wrong_diameter())],
     }
+    BadRange { "416" BadRange: "`Range` begins behind the end of the file" => [Unsatisfiable { length: 163_968 }] }
     BadQuery { "400" BadQuery: "The query is not valid" => [BadRequest("query: limit 0: must be 1 to 200".into())] }
     NoJob {
         "404" UnknownJob: "There is no such job, or it belongs to another owner" => [UnknownJob],
@@ -193,6 +194,7 @@ fn documented((name, value): (Option<HeaderName>, HeaderValue)) -> Option<(&'sta
         RETRY_AFTER => ("Retry-After", Type::Integer, "Seconds after which to try again"),
         WWW_AUTHENTICATE => ("WWW-Authenticate", Type::String, "How to send a token"),
         ACCEPT => ("Accept", Type::String, "Supported media type of the body"),
+        CONTENT_RANGE => ("Content-Range", Type::String, "Length of the file"),
         _ => return None,
     };
     let value = value.to_str().ok()?;

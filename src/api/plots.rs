@@ -153,11 +153,11 @@ async fn view(
 async fn series(app: &App, owner: &str, id: Uuid, quantity: &'static str) -> Result<Response, ApiError> {
     let kept = app.jobs.channels(owner, id, Signal::Series).await?;
     let wanted = kept.iter().filter(|channel| draw::is_of_spindle(channel, quantity));
-    let mut stored = Vec::new();
+    let mut series = Vec::new();
     for channel in wanted {
-        stored.push(series_of(app, owner, id, channel).await?);
+        series.push(series_of(app, owner, id, channel).await?.beginning(draw::LONGEST_SERIES_S).await?);
     }
-    if stored.is_empty() {
+    if series.is_empty() {
         return view(app, owner, id, move |views| {
             let of_quantity = views.traces.into_iter().filter(|trace| draw::is_of_spindle(&trace.channel, quantity));
             let traces: Vec<SeriesAnswer> = of_quantity.map(TraceView::series).collect();
@@ -165,11 +165,7 @@ async fn series(app: &App, owner: &str, id: Uuid, quantity: &'static str) -> Res
         })
         .await;
     }
-    formatted(move || {
-        let series = stored.iter().map(|stored| read(stored)).collect::<Result<Vec<SeriesAnswer>, _>>()?;
-        Ok(svg_response(draw::series(&series)))
-    })
-    .await
+    formatted(move || Ok(svg_response(draw::series(&series)))).await
 }
 
 async fn work_precision(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {

@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderMap;
-use axum::http::header::CONTENT_TYPE;
+use axum::http::header::{CONTENT_TYPE, RANGE};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -13,14 +13,15 @@ use super::app::App;
 use super::concurrency::hold_until_sent;
 use super::credentials::Owner;
 use super::error::ApiError;
-use super::openapi::{self, Anywhere, BadQuery, NoChannel, NoJob, NoResult, NotAccepted, Unchanged};
-use super::request::{JobId, NoQuery, Query, negotiated};
-use super::stored_answer::{CSV, JSON, NPY, formatted, json_text, read, respond, series_of, spectrum_of};
+use super::openapi::{self, Anywhere, BadQuery, BadRange, NoChannel, NoJob, NoResult, NotAccepted, Unchanged};
+use super::request::{JobId, NoQuery, Query, header, negotiated};
+use super::series_answer::Part;
+use super::stored_answer::{CSV, JSON, NPY, formatted, json_text, respond, series_of, spectrum_of};
 use crate::contract::answer::csv;
 use crate::contract::{
     JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind, WorkPrecisionAnswer,
 };
-use crate::jobs::{JobError, Signal};
+use crate::jobs::{JobError, Signal, StoredSeries};
 
 /// Get the metrics
 ///
@@ -109,13 +110,18 @@ pub async fn spectrum(
 ///
 /// Time series of a requested channel, by default the first, thinned to at most `max_points` points so that peaks survive. JSON; CSV with
 /// the header `Accept: text/csv`; NPY, for `numpy.load`, with `Accept: application/x-npy`: an array of records with the fields `time_s` and
-/// `value`, both double.
+/// `value`, both double. NPY is sent without compression, and with `Range` in parts, so that an interrupted transfer can go on.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/series", tag = openapi::RESULTS, operation_id = "getSeries",
-    params(("id" = Uuid, Path, description = "The job"), SeriesQuery),
+    params(
+        ("id" = Uuid, Path, description = "The job"), SeriesQuery,
+        ("Range" = Option<String>, Header, description = "Bytes of the NPY file: one range, such as `bytes=0-1023`; ignored in other formats", example = "bytes=0-1023"),
+        ("If-Range" = Option<String>, Header, description = "`ETag` of an earlier answer: with another one the whole file is sent", example = "\"0123456789abcdef0123456789abcdef\"")
+    ),
     responses(
         (status = 200, description = "The series", content((SeriesAnswer = "application/json"), (String = "text/csv", example = json!("time_s,spindle.y.displacement [µm]\n0.02,0.31\n")), (String = "application/x-npy", example = json!("(bytes) NUMPY {'descr': [('time_s', '<f8'), ('value', '<f8')], …")))),
-        Unchanged, BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
+        (status = 206, description = "The requested bytes of the NPY file", content((String = "application/x-npy", example = json!("(bytes) NUMPY {'descr': [('time_s', '<f8'), ('value', '<f8')], …"))), headers(("Content-Range" = String, description = "Place of the bytes in the file, and its length: `bytes 0-1023/163968`"))),
+        BadRange, Unchanged, BadQuery, NoChannel, NoResult, NotAccepted, Anywhere
     )
 )]
 pub async fn series(
@@ -129,11 +135,8 @@ pub async fn series(
     let query = unless_of_other_kind(&app, &owner, id, query.and_then(SeriesQuery::checked)).await?;
     let permit = app.concurrency.series()?;
     let channel = named_or_first(&app, &owner, id, Signal::Series, query.channel.clone()).await?;
-    let stored = series_of(&app, &owner, id, &channel).await?;
-    if format == JSON && query.from_s.is_none() && query.to_s.is_none() && query.max_points.is_none() {
-        return Ok(hold_until_sent(permit, respond(JSON, stored)));
-    }
-    Ok(hold_until_sent(permit, formatted(move || query.formatted(format, &stored)).await?))
+    let part = query.part(series_of(&app, &owner, id, &channel).await?);
+    Ok(hold_until_sent(permit, part.answer(format, header(&headers, &RANGE)).await?))
 }
 
 /// Get error against run time
@@ -228,19 +231,10 @@ impl SpectrumQuery {
 }
 
 impl SeriesQuery {
-    /// The requested part of a stored series, as a response.
-    pub fn formatted(&self, format: &'static str, stored: &[u8]) -> Result<Response, ApiError> {
-        let (from, to) = (self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY));
-        let series = read::<SeriesAnswer>(stored)?.between(from, to);
-        let series = match self.max_points {
-            Some(most) => series.thinned(most as usize),
-            None => series,
-        };
-        Ok(match format {
-            CSV => respond(CSV, csv::series_csv(&series)),
-            NPY => respond(NPY, csv::series_npy(&series)),
-            _ => respond(JSON, json_text(&series)?),
-        })
+    /// The requested part of a stored series.
+    pub fn part(&self, series: StoredSeries) -> Part {
+        let places = series.between(self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY));
+        Part { series, places, max_points: self.max_points.map(|most| most as usize) }
     }
 
     /// The query, if its values are valid.

@@ -10,6 +10,7 @@ use axum::response::IntoResponse;
 use axum::routing::get;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
+use tower_http::compression::predicate::{DefaultPredicate, NotForContentType, Predicate};
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
@@ -18,6 +19,7 @@ use utoipa_swagger_ui::{Config, SwaggerUi};
 
 use super::app::App;
 use super::error::ApiError;
+use super::stored_answer::NPY;
 use super::{
     auth, batch, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, plots, portal, request,
     request_id, results, scenes, studies,
@@ -111,7 +113,8 @@ fn with_layers(routes: Router<App>, app: App) -> Router {
     shared
         .layer(CatchPanicLayer::custom(error_layers::of_panic))
         .layer(middleware::from_fn(request::limit_header))
-        .layer(CompressionLayer::new())
+        // Parts of a file that is compressed differently each time would not fit together.
+        .layer(CompressionLayer::new().compress_when(DefaultPredicate::new().and(NotForContentType::const_new(NPY))))
         .layer(middleware::from_fn(error_layers::as_problems))
         .layer(middleware::from_fn(request_id::layer))
         // The extractor of bodies has its own limit.

@@ -9,7 +9,7 @@ use uuid::Uuid;
 use super::app::App;
 use super::error::ApiError;
 use crate::contract::{SpectrumAnswer, SpectrumKind};
-use crate::jobs::JobError;
+use crate::jobs::{JobError, StoredSeries};
 
 pub const JSON: &str = "application/json";
 pub const CSV: &str = "text/csv";
@@ -27,8 +27,8 @@ pub async fn spectrum_of(
     app.jobs.spectrum(owner, id, kind, channel).await.map_err(|error| channel_error(error, channel))
 }
 
-/// A stored series as JSON text; the error for an unknown channel lists the kept ones.
-pub async fn series_of(app: &App, owner: &str, id: Uuid, channel: &str) -> Result<Vec<u8>, ApiError> {
+/// A stored series; the error for an unknown channel lists the kept ones.
+pub async fn series_of(app: &App, owner: &str, id: Uuid, channel: &str) -> Result<StoredSeries, ApiError> {
     app.jobs.series(owner, id, channel).await.map_err(|error| channel_error(error, channel))
 }
 

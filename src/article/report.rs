@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::claims::{Finding, Verdict, compared, judged};
 use super::figures::{Compared, Figure, Lines, Subject};
-use crate::contract::{LineAnswer, Metrics, OptimumAnswer, Simulated, TableAnswer};
+use crate::contract::{LineAnswer, Metrics, OptimumAnswer, SeriesAnswer, Simulated, TableAnswer};
 use crate::plots::draw;
 
 /// Results of the jobs of a figure.
@@ -24,7 +24,10 @@ pub enum Evidence {
 pub fn pictures(figure: &Figure, evidence: &Evidence) -> Vec<(String, String)> {
     let name = |part: &str| format!("figure-{}{part}.svg", figure.number);
     match evidence {
-        Evidence::Run(run) => vec![(name(""), draw::series(&run.series))],
+        Evidence::Run(run) => {
+            let series: Vec<SeriesAnswer> = run.series.iter().map(SeriesAnswer::of).collect();
+            vec![(name(""), draw::series(&series))]
+        }
         Evidence::Runs(runs) => {
             let spectrum = |run: &Simulated| {
                 let amplitudes: Vec<_> = run.spectra.iter().filter(|s| s.is_amplitude()).cloned().collect();

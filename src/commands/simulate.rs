@@ -8,7 +8,7 @@ use super::output_directory::OutputDirectory;
 use super::{accuracy, optimum};
 use crate::config::SimulateOptions;
 use crate::contract::answer::csv;
-use crate::contract::{self, JobKind, Outcome, Simulated, SpectrumKind};
+use crate::contract::{self, JobKind, Outcome, SeriesAnswer, Simulated, SpectrumKind};
 use crate::plots::draw;
 
 /// Runs the job and prints its metrics.
@@ -58,9 +58,9 @@ fn write(outcome: &Simulated, directory: &OutputDirectory) -> Result<(), String>
         directory.write(&format!("{kind}.{}.json", spectrum.channel), &json(spectrum))?;
         directory.write(&format!("{kind}.{}.csv", spectrum.channel), &csv::spectrum_csv(spectrum))?;
     }
-    for series in &outcome.series {
-        directory.write(&format!("series.{}.json", series.channel), &json(series))?;
-        directory.write(&format!("series.{}.csv", series.channel), &csv::series_csv(series))?;
+    for series in outcome.series.iter().map(SeriesAnswer::of) {
+        directory.write(&format!("series.{}.json", series.channel), &json(&series))?;
+        directory.write(&format!("series.{}.csv", series.channel), &csv::series_csv(&series))?;
     }
     for (name, picture) in draw::pictures(outcome) {
         directory.write(name, &picture)?;

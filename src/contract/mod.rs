@@ -16,7 +16,7 @@ pub use answer::metrics::{ChannelAnswer, LineAnswer, Metrics};
 pub use answer::optimum::OptimumAnswer;
 pub use answer::point::{PointEnd, PointStatus};
 pub use answer::resolve::{ResolveAnswer, resolve_answer};
-pub use answer::signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
+pub use answer::signals::{SeriesAnswer, SeriesHead, SpectrumAnswer, SpectrumKind, Thinning};
 pub use answer::table::{Row, TableAnswer};
 pub use answer::views::ViewsAnswer;
 pub use answer::work_precision::result::WorkPrecisionAnswer;

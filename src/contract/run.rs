@@ -4,6 +4,7 @@ use raceway_core::simulation::input::control::Control;
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::recording::spectra::ChannelSpectra;
 use raceway_core::simulation::result::run_result::RunResult;
+use raceway_core::simulation::result::series::Series;
 use raceway_core::simulation::solve::run::simulate;
 use raceway_core::simulation::work_precision;
 use serde::Serialize;
@@ -13,7 +14,7 @@ use super::answer::failure::{INTERNAL, NUMERICAL_BLOWUP, RunFailure};
 use super::answer::metrics::Metrics;
 use super::answer::optimum::OptimumAnswer;
 use super::answer::point::PointEnd;
-use super::answer::signals::{SeriesAnswer, SpectrumAnswer, SpectrumKind};
+use super::answer::signals::{SpectrumAnswer, SpectrumKind};
 use super::answer::views::ViewsAnswer;
 use super::answer::work_precision::result::WorkPrecisionAnswer;
 use super::job::checked::Job;
@@ -35,7 +36,7 @@ pub struct Simulated {
     pub metrics: Metrics,
     /// Amplitude and envelope spectrum of each requested channel.
     pub spectra: Vec<SpectrumAnswer>,
-    pub series: Vec<SeriesAnswer>,
+    pub series: Vec<Series>,
     /// Data of the plots.
     pub views: ViewsAnswer,
 }
@@ -76,7 +77,7 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
 /// Runs a simulation. Every number of the result is finite.
 pub fn execute_simulation(simulation: &Simulation, control: &Control<'_>) -> Result<Simulated, RunFailure> {
     let result = simulate(simulation.scene(), &simulation.settings, control)?;
-    let simulated = simulated(simulation, &result);
+    let simulated = simulated(simulation, result);
     match not_finite(&simulated) {
         None => Ok(simulated),
         Some(part) => Err(blowup(&part)),
@@ -104,16 +105,17 @@ fn blowup(part: &str) -> RunFailure {
     RunFailure::Failed { cause: NUMERICAL_BLOWUP, detail: format!("{part} is not finite") }
 }
 
-fn simulated(simulation: &Simulation, result: &RunResult) -> Simulated {
+fn simulated(simulation: &Simulation, mut result: RunResult) -> Simulated {
+    let series = std::mem::take(&mut result.series);
     let solver = &result.summary.solver;
     let of_channel = |of: &ChannelSpectra| {
         [(SpectrumKind::Amplitude, &of.amplitude), (SpectrumKind::Envelope, &of.envelope)]
             .map(|(kind, spectrum)| SpectrumAnswer::of(of.channel, kind, spectrum, solver))
     };
     Simulated {
-        metrics: Metrics::of(result, &simulation.settings.outputs),
+        metrics: Metrics::of(&result, &simulation.settings.outputs),
         spectra: result.spectra.iter().flat_map(of_channel).collect(),
-        series: result.series.iter().map(SeriesAnswer::of).collect(),
+        series,
         views: ViewsAnswer::of(&result.plot_data),
     }
 }
@@ -125,7 +127,7 @@ fn check_finite(kind: &str, answer: &impl Serialize) -> Result<(), RunFailure> {
 /// The first part of the result that is not finite.
 fn not_finite(outcome: &Simulated) -> Option<String> {
     let spectrum = || outcome.spectra.iter().find(|spectrum| !spectrum.is_finite()).map(|s| &s.channel);
-    let series = || outcome.series.iter().find(|series| !series.is_finite()).map(|s| &s.channel);
+    let series = || outcome.series.iter().find(|series| !series.is_finite).map(|s| s.channel);
     null_of(&outcome.metrics)
         .map(|pointer| format!("metric {pointer}"))
         .or_else(|| spectrum().map(|channel| format!("the spectrum of {channel}")))

@@ -43,6 +43,9 @@ pub enum JobError {
     /// A study of `points` beside the `unfinished` ones is more than `limit`, of all owners or of one.
     #[error("{points} points and {unfinished} unfinished ones are more than {limit}")]
     PointsFull { points: usize, unfinished: u64, limit: u64, of_owner: bool },
+    /// A study has more points than its owner may have unfinished: it would never be accepted.
+    #[error("{points} points are more than {limit}")]
+    StudyTooLarge { points: usize, limit: u64 },
     #[error("the service is stopping")]
     Stopping,
     #[error("no space is left for the database")]
@@ -131,8 +134,8 @@ impl JobError {
     }
 }
 
-/// SQLite's "database or disk is full", and the errors of write, sync, truncate and grow that a full disk also causes.
-const SQLITE_FULL: [i64; 7] = [13, 778, 1034, 1290, 1546, 4874, 5386];
+/// SQLite's "database or disk is full". Its other errors of writes have other causes, such as a failing disk.
+const SQLITE_FULL: i64 = 13;
 /// SQLite's "database is locked" (by another connection or within this one), "attempt to write a readonly database", "disk I/O error"
 /// and "unable to open database file". Extended codes hold these in the low byte.
 const SQLITE_AWAY: [i64; 5] = [5, 6, 8, 10, 14];
@@ -163,7 +166,7 @@ fn is_full_disk(error: &sqlx::Error) -> bool {
     if error.try_downcast_ref::<sqlx::postgres::PgDatabaseError>().is_some() {
         return code == POSTGRES_DISK_FULL;
     }
-    code.parse().is_ok_and(|code| SQLITE_FULL.contains(&code))
+    code.parse() == Ok(SQLITE_FULL)
 }
 
 impl From<riverqueue::Error> for JobError {

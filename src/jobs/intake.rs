@@ -12,7 +12,7 @@ use super::job::{JobRecord, NewJob};
 use super::places::{Left, Places, WorkLimits};
 use super::queue::Queue;
 use super::store::database::Store;
-use super::store::pool::{Lock, Tx};
+use super::store::pool::Tx;
 use super::store::{due, idempotency_keys, maintenance, removal, submissions};
 use super::token_cache::TokenCache;
 use super::worker::{InlineRun, Worker};
@@ -49,7 +49,7 @@ pub struct Intake {
 }
 
 /// Limits of submissions.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct IntakeLimits {
     pub work: WorkLimits,
     /// Retention of ended jobs that do not state their own [s].
@@ -146,26 +146,49 @@ async fn write_all(
     limits: IntakeLimits,
     jobs: &[NewJob],
 ) -> Result<Vec<Result<Written, JobError>>, JobError> {
-    let mut tx = store.begin_locked(Lock::Intake).await?;
+    let mut tx = store.begin().await?;
+    let Accepted { answers, started, queued } = write_in(&mut tx, queue, worker, tokens, limits, jobs).await?;
+    tx.commit().await?;
+    started.into_iter().for_each(|run| worker.finish_inline(run));
+    if queued > 0 {
+        queue.wake();
+    }
+    Ok(answers)
+}
+
+/// Submissions in a transaction that is not committed yet.
+pub(super) struct Accepted {
+    answers: Vec<Result<Written, JobError>>,
+    started: Vec<InlineRun>,
+    /// Number of new deliveries.
+    queued: usize,
+}
+
+/// Writes submissions in a transaction. It locks rows of their owners only, so that processes on one server do not wait for each other.
+pub(super) async fn write_in(
+    tx: &mut Tx,
+    queue: &Queue,
+    worker: &Arc<Worker>,
+    tokens: &TokenCache,
+    limits: IntakeLimits,
+    jobs: &[NewJob],
+) -> Result<Accepted, JobError> {
     // A job of a token without owner is found by the list of tokens.
     let has_tokens = !tokens.get().is_empty() || jobs.iter().any(|job| !job.owner.is_empty());
-    let mut places = Places::new(limits.work, has_tokens, submissions::unfinished(&mut tx).await?);
-    let none_waits = !submissions::any_waits(&mut tx).await?;
-    let mut plans = Vec::with_capacity(jobs.len());
-    for job in jobs {
-        plans.push(plan(&mut tx, job, &mut places, limits.keep_s).await?);
-    }
-    let slots = if jobs.iter().any(|job| job.points.is_some()) { maintenance::slots(&mut tx).await? } else { 1 };
+    let mut places = Places::new(limits.work, has_tokens, submissions::unfinished(tx).await?);
+    let none_waits = !submissions::any_waits(tx).await?;
+    let plans = plans(tx, jobs, &mut places, limits.keep_s).await?;
+    let slots = if jobs.iter().any(|job| job.points.is_some()) { maintenance::slots(tx).await? } else { 1 };
     let is_queued = |plan: &Plan| matches!(plan, Plan::Queue);
     let start = |(job, plan): (&NewJob, &Plan)| {
         let may_start = is_queued(plan) && none_waits && job.points.is_none();
         may_start.then(|| worker.start_inline(job)).flatten()
     };
     // The runs start before the jobs are written, so that they overlap with the write.
-    let mut started: Vec<Option<InlineRun>> = jobs.iter().zip(&plans).map(start).collect();
+    let started: Vec<Option<InlineRun>> = jobs.iter().zip(&plans).map(start).collect();
     let queued = jobs.iter().zip(&plans).zip(&started).filter(|((_, plan), run)| is_queued(plan) && run.is_none());
     let queued = queued.map(|((job, _), _)| job.points.map_or(1, |points| shard_count(points, slots))).sum();
-    let mut deliveries = queue.enqueue(&mut tx, queued).await?.into_iter();
+    let mut deliveries = queue.enqueue(tx, queued).await?.into_iter();
     let mut answers = Vec::with_capacity(jobs.len());
     for ((job, plan), run) in jobs.iter().zip(plans).zip(&started) {
         let left = places.left(&job.owner, job.points.is_some());
@@ -179,17 +202,17 @@ async fn write_all(
                 answers.push(Ok(Written::Compare(result)));
                 continue;
             }
-            Plan::Answer(found) => Ok(submissions::insert_answered(&mut tx, job, found, limits.keep_s).await?),
+            Plan::Answer(found) => Ok(submissions::insert_answered(tx, job, found, limits.keep_s).await?),
             Plan::Refuse(reason) => Err(reason),
             Plan::Queue if job.points.is_some() => {
                 let points = job.points.unwrap_or(0);
                 let shards: Vec<i64> = deliveries.by_ref().take(shard_count(points, slots)).collect();
-                Ok(submissions::insert_study(&mut tx, job, points, &shards).await?)
+                Ok(submissions::insert_study(tx, job, points, &shards).await?)
             }
-            Plan::Queue if run.is_some() => Ok(submissions::insert_started(&mut tx, job).await?),
+            Plan::Queue if run.is_some() => Ok(submissions::insert_started(tx, job).await?),
             Plan::Queue => {
                 let delivery = deliveries.next().ok_or_else(|| JobError::Corrupt("a delivery is missing".into()))?;
-                Ok(submissions::insert(&mut tx, job, delivery).await?)
+                Ok(submissions::insert(tx, job, delivery).await?)
             }
         };
         answers.push(record.map(|record| Written::Submitted(Box::new(Submitted { record, replayed: false, left }))));
@@ -197,14 +220,9 @@ async fn write_all(
     let started_owners: BTreeSet<&str> =
         jobs.iter().zip(&started).filter(|(_, run)| run.is_some()).map(|(job, _)| job.owner.as_str()).collect();
     for owner in started_owners {
-        due::begin_turn(&mut tx, owner).await?;
+        due::begin_turn(tx, owner).await?;
     }
-    tx.commit().await?;
-    started.drain(..).flatten().for_each(|run| worker.finish_inline(run));
-    if queued > 0 {
-        queue.wake();
-    }
-    Ok(answers)
+    Ok(Accepted { answers, started: started.into_iter().flatten().collect(), queued })
 }
 
 /// The outcome of a submission in a transaction.
@@ -230,18 +248,22 @@ enum Plan {
     Refuse(JobError),
 }
 
+/// The treatments of submissions.
+async fn plans(tx: &mut Tx, jobs: &[NewJob], places: &mut Places, keep_s: f64) -> Result<Vec<Plan>, JobError> {
+    let mut order: Vec<usize> = (0..jobs.len()).collect();
+    // In the order of their keys: of two processes that record the same keys, one waits for the other, and never both.
+    order.sort_by_key(|place| jobs[*place].key.as_ref().map(|key| (&jobs[*place].owner, &key.key)));
+    let mut plans: Vec<Option<Plan>> = jobs.iter().map(|_| None).collect();
+    for place in order {
+        plans[place] = Some(plan(tx, &jobs[place], places, keep_s).await?);
+    }
+    Ok(plans.into_iter().flatten().collect())
+}
+
 /// Decides the treatment of a submission and records its key at once: the same batch may contain the key again.
 async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Result<Plan, JobError> {
-    if let Some(key) = &job.key
-        && let Some(first_use) = idempotency_keys::first_use(tx, &job.owner, key).await?
-    {
-        let mut answer = first_use.first_answer(job, key);
-        if answer.is_ok()
-            && let Some(expired) = removal::expired(&mut *tx, &job.owner, first_use.job).await?
-        {
-            answer = Err(JobError::Expired(Box::new(expired)));
-        }
-        return Ok(Plan::Replay(Box::new(answer)));
+    if let Some(replay) = replay(tx, job).await? {
+        return Ok(replay);
     }
     let found = if job.reuse { submissions::reusable(tx, job).await? } else { None };
     let (plan, expires) = match found {
@@ -252,8 +274,27 @@ async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Re
             Err(full) => return Ok(Plan::Refuse(full)),
         },
     };
-    if let Some(key) = &job.key {
-        idempotency_keys::record(tx, job, key, expires).await?;
+    if let Some(key) = &job.key
+        && !idempotency_keys::record(tx, job, key, expires).await?
+    {
+        if matches!(plan, Plan::Queue) {
+            places.give_back(&job.owner, job.points);
+        }
+        let replay = replay(tx, job).await?;
+        return replay.ok_or_else(|| JobError::Corrupt("an idempotency key is used and missing".to_owned()));
     }
     Ok(plan)
+}
+
+/// The answer to a submission whose key was used before.
+async fn replay(tx: &mut Tx, job: &NewJob) -> Result<Option<Plan>, JobError> {
+    let Some(key) = &job.key else { return Ok(None) };
+    let Some(first_use) = idempotency_keys::first_use(tx, &job.owner, key).await? else { return Ok(None) };
+    let mut answer = first_use.first_answer(job, key);
+    if answer.is_ok()
+        && let Some(expired) = removal::expired(&mut *tx, &job.owner, first_use.job).await?
+    {
+        answer = Err(JobError::Expired(Box::new(expired)));
+    }
+    Ok(Some(Plan::Replay(Box::new(answer))))
 }

@@ -664,8 +664,12 @@ impl World {
     /// Completes a run, as a worker does.
     async fn finish(&self, here: &Process, claim: &Claim, solved: Solved, holds: bool) -> Result<(), JobError> {
         let run = here.run.as_ref().expect("a run");
-        let result =
-            || StoredResult::Simulation { metrics: Sealed::new("{}".into()), signals: Vec::new(), views: None };
+        let result = || StoredResult::Simulation {
+            metrics: Sealed::new("{}".into()),
+            signals: Vec::new(),
+            chunks: Default::default(),
+            views: None,
+        };
         let failure = || RunFailure::Failed {
             cause: contract::answer::failure::DID_NOT_CONVERGE,
             detail: "intended by the test".into(),

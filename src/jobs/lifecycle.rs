@@ -18,7 +18,7 @@ use super::store::connections;
 use super::store::database::Store;
 use super::store::dialect::Dialect;
 use super::store::location::Location;
-use super::store::notifications::{CANCELLED, ENDED};
+use super::store::notifications::{CANCELLED, ENDED, ENQUEUED};
 use super::store::pool::Pool;
 use super::sweep;
 use super::token_cache::TokenCache;
@@ -29,6 +29,9 @@ const STOP_TIMEOUT: Duration = Duration::from_secs(8);
 
 /// Pause before a lost connection for notifications is opened again.
 const RECONNECT_PAUSE: Duration = Duration::from_secs(1);
+
+/// Shortest time between two notifications of new deliveries.
+const ANNOUNCE_INTERVAL: Duration = Duration::from_millis(10);
 
 impl Jobs {
     /// Opens the database, recovers the jobs of a dead process, and starts to run jobs.
@@ -52,6 +55,7 @@ impl Jobs {
             Arc::new(Parts { worker_id, settings, store, queue, running, worker, tokens, intake, stopping, lock });
         if let Pool::Postgres(pool) = parts.store.writer() {
             listen(pool.clone(), &parts);
+            announce(&parts);
         }
         recover(&parts).await?;
         sweep::start(&parts);
@@ -120,16 +124,41 @@ async fn close(parts: &Parts) -> Result<(), JobError> {
     drained
 }
 
+/// Notifies other processes on the same server of new deliveries, until the service stops.
+fn announce(parts: &Arc<Parts>) {
+    let (store, queue, stopping) = (parts.store.clone(), Arc::clone(&parts.queue), parts.stopping.clone());
+    let announce = async move {
+        loop {
+            queue.enqueued().await;
+            // Without it they find the deliveries by polling.
+            if let Err(error) = store.notify_enqueued().await {
+                tracing::debug!(%error, "other processes could not be notified of new jobs");
+            }
+            tokio::time::sleep(ANNOUNCE_INTERVAL).await;
+        }
+    };
+    tokio::spawn(async move {
+        tokio::select! {
+            () = announce => {}
+            () = stopping.cancelled() => {}
+        }
+    });
+}
+
 /// Listens to notifications of other processes on the same server, until the service stops.
 fn listen(pool: sqlx::PgPool, parts: &Arc<Parts>) {
-    let (running, stopping) = (Arc::clone(&parts.running), parts.stopping.clone());
+    let (running, queue, stopping) = (Arc::clone(&parts.running), Arc::clone(&parts.queue), parts.stopping.clone());
     let receive = async move {
         loop {
             // Reconnects after a lost connection. Notifications that were missed meanwhile are found by polling.
             if let Ok(mut listener) = sqlx::postgres::PgListener::connect_with(&pool).await
-                && listener.listen_all([ENDED, CANCELLED]).await.is_ok()
+                && listener.listen_all([ENDED, CANCELLED, ENQUEUED]).await.is_ok()
             {
                 while let Ok(notification) = listener.recv().await {
+                    if notification.channel() == ENQUEUED {
+                        queue.wake_own();
+                        continue;
+                    }
                     match (notification.channel(), notification.payload().parse()) {
                         // This process completes the job itself, with its end.
                         (ENDED, Ok(job)) if running.get(job).is_some_and(|run| run.concludes()) => {}

@@ -19,6 +19,8 @@ mod places;
 mod queue;
 /// Runs of this process.
 mod running;
+/// Time series of a run on their way to the store.
+mod series_writer;
 /// Submitting, reading, cancelling and deleting jobs.
 mod service;
 /// Counts and times for Prometheus.
@@ -42,9 +44,15 @@ pub mod verification;
 /// One job from claim to result.
 mod worker;
 
+/// Submissions of several processes.
+#[cfg(test)]
+mod acceptance;
 /// Every order of actions of two processes on one job.
 #[cfg(test)]
 mod interleavings;
+/// Time series of runs that end, are rejected or are lost.
+#[cfg(test)]
+mod series_of_runs;
 /// The order of turns of several owners.
 #[cfg(test)]
 mod turn_order;
@@ -61,5 +69,6 @@ pub use store::compression::decompressed;
 pub use store::integrity::Inspection;
 pub use store::location::Location;
 pub use store::records::Filter;
-pub use store::results::Signal;
+pub use store::series_reader::StoredSeries;
+pub use store::signal::Signal;
 pub use store::studies::StoredPoint;

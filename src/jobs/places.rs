@@ -52,6 +52,9 @@ impl Places {
         let places = points.map_or(1, |points| points as u64);
         let (all, of_owner) = self.limits_of(points.is_some());
         let used_by_all: u64 = self.unfinished.values().map(|work| work.of(points.is_some())).sum();
+        if let Some(points) = points.filter(|_| places > of_owner) {
+            return Err(JobError::StudyTooLarge { points, limit: of_owner });
+        }
         let work = self.unfinished.entry(owner.to_owned()).or_default();
         let used = work.of(points.is_some());
         for (used, limit, of_owner) in [(used_by_all, all, false), (used, of_owner, true)] {
@@ -64,6 +67,15 @@ impl Places {
         }
         *(if points.is_some() { &mut work.points } else { &mut work.jobs }) += places;
         Ok(())
+    }
+
+    /// Gives back the places of a single job, or of the points of a study.
+    pub fn give_back(&mut self, owner: &str, points: Option<usize>) {
+        let Some(work) = self.unfinished.get_mut(owner) else { return };
+        match points {
+            Some(points) => work.points = work.points.saturating_sub(points as u64),
+            None => work.jobs = work.jobs.saturating_sub(1),
+        }
     }
 
     /// What is left for an owner, of single jobs or of points.
@@ -114,6 +126,8 @@ mod tests {
             places.take("a", Some(41)),
             Err(JobError::PointsFull { points: 41, unfinished: 60, limit: 100, of_owner: false })
         ));
+        // No wait would make it fit.
+        assert!(matches!(places.take("a", Some(51)), Err(JobError::StudyTooLarge { points: 51, limit: 50 })));
         assert!(places.take("a", Some(40)).is_ok());
         assert_eq!(places.left("a", true), Left { limit: 50, left: 0 });
         assert_eq!(places.left("a", false).left, 2);

@@ -15,7 +15,8 @@ use super::store::database::in_time;
 use super::store::notifications::{notify_cancelled, notify_ended};
 use super::store::pool::Tx;
 use super::store::records::{self, Filter};
-use super::store::results::Signal;
+use super::store::series_reader::StoredSeries;
+use super::store::signal::Signal;
 use super::store::studies::{self, StoredPoint};
 use super::store::tokens::Token;
 use super::store::{maintenance, removal, submissions};
@@ -276,8 +277,8 @@ impl Jobs {
         self.found(owner, id, self.parts.store.spectrum(owner, id, kind, channel).await).await
     }
 
-    /// A series of a succeeded simulation, as JSON text.
-    pub async fn series(&self, owner: &str, id: Uuid, channel: &str) -> Result<Vec<u8>, JobError> {
+    /// A series of a succeeded simulation.
+    pub async fn series(&self, owner: &str, id: Uuid, channel: &str) -> Result<StoredSeries, JobError> {
         self.found(owner, id, self.parts.store.series(owner, id, channel).await).await
     }
 

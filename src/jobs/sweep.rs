@@ -52,6 +52,10 @@ pub async fn expire(parts: &Parts) -> Result<(), JobError> {
     let remembered = parts.settings.remember_expired.try_into().unwrap_or(jiff::SignedDuration::MAX);
     while !parts.is_stopping() && parts.store.expire(remembered).await? {}
     while !parts.is_stopping() && parts.store.forget().await? {}
+    let lost = parts.store.remove_lost_recordings().await?;
+    if lost > 0 {
+        tracing::info!(results = lost, "time series of lost runs were removed");
+    }
     Ok(())
 }
 
@@ -69,6 +73,7 @@ pub async fn sweep(parts: &Parts) -> Result<(), JobError> {
     if parts.store.disk_is_full() {
         parts.store.note(parts.store.try_write().await)?;
     }
+    parts.store.join_counts().await?;
     let delivered = redeliver(parts).await?;
     if delivered > 0 {
         tracing::info!(jobs = delivered, "lost jobs are back in the queue");

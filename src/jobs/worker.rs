@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use raceway_core::simulation::input::control::{Control, Live};
+use raceway_core::simulation::input::series_sink::SeriesSink;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
@@ -19,6 +20,7 @@ use super::error::JobError;
 use super::job::{Failure, INTERNAL, NewJob, Status, TIME_LIMIT, WORKER_LOST};
 use super::queue::{DeliveryOutcome, WorkItem};
 use super::running::{JobEnd, Run, RunGuard, Running, SolverSummary, StopReason};
+use super::series_writer::SeriesWriter;
 use super::service_metrics::ServiceMetrics;
 use super::settings::{Settings, Simulator};
 use super::solver_threads::{Done, SolverThreads, UsedTime};
@@ -86,7 +88,7 @@ impl Worker {
         let claim = Claim::at_acceptance(job);
         // Before the job is written: no sweep may find it without its run.
         let guard = self.running.enter(job.id, Arc::default());
-        let solution = Some(self.solver_thread(job.request.clone(), &guard.run));
+        let solution = Some(self.solver_thread(&claim, &guard.run));
         Some(InlineRun { _slot: slot, claim, guard, solution })
     }
 
@@ -142,7 +144,7 @@ impl Worker {
         let outcome = match self.end_without_run(claim) {
             Some(end) => RunOutcome::Ended(end, 0.0),
             None => {
-                let solution = self.solver_thread(claim.request.clone(), &guard.run);
+                let solution = self.solver_thread(claim, &guard.run);
                 self.run(claim, &guard.run, solution, item.stopping()).await
             }
         };
@@ -197,13 +199,14 @@ impl Worker {
         }
     }
 
-    fn solver_thread(&self, request: String, run: &Arc<Run>) -> Solution {
-        let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
+    fn solver_thread(&self, claim: &Claim, run: &Arc<Run>) -> Solution {
+        let (simulator, run, request) = (Arc::clone(&self.simulator), Arc::clone(run), claim.request.clone());
         let metrics = Arc::clone(&self.store.metrics);
         let time_limit = self.settings.time_limit;
         let (slots, workers) = (Arc::clone(&self.slots), self.settings.workers);
         let other_runs = move || workers.saturating_sub(slots.available_permits() + 1);
-        self.threads.run(move || solve(&simulator, &request, &run, &other_runs, time_limit, &metrics))
+        let series = Arc::new(SeriesWriter::new(self.store.clone(), claim, Arc::clone(&run), time_limit));
+        self.threads.run(move || solve(&simulator, &request, &run, &other_runs, time_limit, &metrics, &series))
     }
 
     /// Writes the end, and retries while the database refuses.
@@ -289,6 +292,7 @@ fn solve(
     other_runs: &dyn Fn() -> usize,
     time_limit: Duration,
     metrics: &ServiceMetrics,
+    series: &Arc<SeriesWriter>,
 ) -> Result<StoredResult, RunFailure> {
     let internal = |detail: String| RunFailure::Failed { cause: INTERNAL, detail };
     let job = contract::parse_job(request.as_bytes()).map_err(|refusal| internal(refusal.to_string()))?;
@@ -305,7 +309,8 @@ fn solve(
         most_other_runs.fetch_max(other_runs(), Ordering::Relaxed);
     };
     let live = |live: &Live<'_>| run.update_view(live);
-    let mut outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live })?;
+    let sink: Arc<dyn SeriesSink> = Arc::clone(series) as _;
+    let mut outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live, series: Some(&sink) })?;
     let solved = begin.elapsed();
     if let contract::Outcome::Accuracy(answer) = &mut outcome {
         answer.timing.most_other_runs = Some(most_other_runs.into_inner() as u64);
@@ -316,7 +321,8 @@ fn solve(
     };
     metrics.succeeded(solved, solver.map(|solver| solver.real_time_factor));
     run.set_summary(SolverSummary { wall_time: solved, rung: solver.map(|solver| solver.rung.clone()) });
-    let stored = StoredResult::of(&outcome).map_err(|error| internal(error.to_string()));
+    let chunks = series.take().map_err(|error| internal(error.to_string()))?;
+    let stored = StoredResult::of(&outcome, chunks).map_err(|error| internal(error.to_string()));
     let ms = |time: Duration| 1e3 * time.as_secs_f64();
     tracing::debug!(solved_ms = ms(solved), encoded_ms = ms(begin.elapsed() - solved), "a result is there");
     stored

@@ -73,13 +73,20 @@ pub fn loads(loads: &LoadsView) -> String {
     loads_svg("Loads of a ball along its way", "ball 1, turns over each other", &curves)
 }
 
-/// Time series, one panel for each channel.
+/// Longest part of a time series that a plot shows, from its beginning [s].
+pub const LONGEST_SERIES_S: f64 = 1.0;
+
+/// The beginning of time series, one panel for each channel.
 pub fn series(series: &[SeriesAnswer]) -> String {
-    let curves = series.iter().map(|series| SeriesCurve {
-        name: &series.channel,
-        unit: &series.unit,
-        time_s: &series.time_s,
-        value: &series.value,
+    let curves = series.iter().map(|series| {
+        let begin = series.time_s.first().copied().unwrap_or_default();
+        let shown = series.time_s.partition_point(|time| time - begin <= LONGEST_SERIES_S).min(series.value.len());
+        SeriesCurve {
+            name: &series.channel,
+            unit: &series.unit,
+            time_s: &series.time_s[..shown],
+            value: &series.value[..shown],
+        }
     });
     series_svg("Motion of the spindle", "time since the start of the run", &curves.collect::<Vec<_>>())
 }
@@ -298,7 +305,7 @@ pub fn pictures(simulated: &Simulated) -> Vec<(&'static str, String)> {
     let amplitudes = kept.iter().filter(|spectrum| spectrum.kind == SpectrumKind::Amplitude);
     let amplitudes: Vec<SpectrumAnswer> = amplitudes.cloned().collect();
     let motion = |quantity| {
-        let whole = whole.iter().filter(|series| is_of_spindle(&series.channel, quantity)).cloned();
+        let whole = whole.iter().map(SeriesAnswer::of).filter(|series| is_of_spindle(&series.channel, quantity));
         let thinned = views.traces.iter().filter(|trace| is_of_spindle(&trace.channel, quantity));
         let shown: Vec<SeriesAnswer> = whole.collect();
         let shown = if shown.is_empty() { thinned.cloned().map(TraceView::series).collect() } else { shown };

@@ -147,6 +147,8 @@ fn the_contract_of_the_metrics_holds() {
         "/kinematics/cage_speed_hz",
         "/frequencies_hz/ball_pass_outer",
         "/lines",
+        "/envelope_lines",
+        "/channels/spindle.y.acceleration/bands/0/velocity_rms_um_s",
         "/solver/method",
         "/solver/wall_time_s",
         "/accuracy/how",
@@ -154,4 +156,36 @@ fn the_contract_of_the_metrics_holds() {
     ] {
         assert!(metrics.pointer(pointer).is_some_and(|value| !value.is_null()), "{pointer}");
     }
+}
+
+/// An interrupted transfer of a series goes on with the bytes that are missing.
+#[test]
+fn a_series_is_sent_in_parts() {
+    let server = start();
+    let path = server.submit(&job_with(json!({ "outputs": { "series": ["spindle.y.velocity"] } })));
+    server.wait_for(&path, &["succeeded"]);
+    let get = |query: &str, more: &[(&str, &str)]| {
+        let headers = [&[("Accept", "application/x-npy"), ("Accept-Encoding", "gzip")], more].concat();
+        request(server.address(), "GET", &format!("{path}/series{query}"), &headers, b"")
+    };
+    let whole = get("", &[]);
+    // 102 values of 1 ms: 16 bytes each, after a head of 128.
+    let length = whole.header("content-length");
+    assert_eq!((whole.status, length, whole.header("content-encoding")), (200, Some("1760"), None));
+    assert_eq!(whole.header("accept-ranges"), Some("bytes"));
+    let tag = whole.header("etag").expect("a result has a tag");
+    for (range, place, length) in [("0-9", "0-9", "10"), ("1000-", "1000-1759", "760"), ("-1", "1759-1759", "1")] {
+        let part = get("", &[("Range", &format!("bytes={range}")), ("If-Range", tag)]);
+        assert_eq!((part.status, part.header("content-length")), (206, Some(length)), "{range}");
+        assert_eq!(part.header("content-range"), Some(&*format!("bytes {place}/1760")));
+        assert_eq!(part.header("etag"), Some(tag));
+    }
+    assert_eq!(get("", &[("Range", "bytes=0-9"), ("If-Range", "\"other\"")]).status, 200);
+    assert_eq!(get("", &[("Range", "bytes=0-9"), ("If-None-Match", tag)]).status, 304);
+    let beyond = get("", &[("Range", "bytes=1760-")]);
+    assert_eq!(beyond.problem(416)["type"], "urn:raceway:problem:range-not-satisfiable");
+    assert_eq!(beyond.header("content-range"), Some("bytes */1760"));
+    assert_eq!(get("?max_points=10", &[("Range", "bytes=0-9")]).header("content-range"), Some("bytes 0-9/288"));
+    let as_text = request(server.address(), "GET", &format!("{path}/series"), &[("Range", "bytes=0-9")], b"");
+    assert_eq!(as_text.status, 200);
 }

@@ -69,6 +69,7 @@ pub struct ServerSettings {
     pub origins: &'static [&'static str],
     pub workers: usize,
     pub queue_limit: u64,
+    pub point_limit: u64,
     pub time_limit: Duration,
     pub max_pages: Option<u32>,
 }
@@ -80,6 +81,7 @@ impl Default for ServerSettings {
             origins: &[],
             workers: 2,
             queue_limit: 1000,
+            point_limit: 1000,
             time_limit: Duration::from_secs(60),
             max_pages: None,
         }
@@ -97,7 +99,7 @@ pub fn start_with(settings: ServerSettings) -> InProcess {
     let database = database(place.path());
     let job_settings = Settings {
         workers: settings.workers,
-        work_limits: WorkLimits { jobs: settings.queue_limit, ..WorkLimits::default() },
+        work_limits: WorkLimits { jobs: settings.queue_limit, points: settings.point_limit, ..WorkLimits::default() },
         time_limit: settings.time_limit,
         max_pages: settings.max_pages,
         sweep_every: Duration::from_millis(200),

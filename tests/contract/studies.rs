@@ -79,6 +79,17 @@ fn an_axis_value_that_is_never_valid_is_refused_with_its_pointer() {
 }
 
 #[test]
+fn a_study_above_the_point_limit_is_refused_for_good() {
+    let server = start_with(ServerSettings { point_limit: 4, ..ServerSettings::default() });
+    let refused = server.post("/v1/jobs", &study_of(5)).problem(422);
+    assert_eq!(
+        refused["errors"],
+        json!([{ "pointer": "/axes", "detail": "a grid of 5 points: at most 4 may be unfinished at a time" }])
+    );
+    server.submit(&study_of(4));
+}
+
+#[test]
 fn a_cancelled_study_keeps_its_points_and_can_be_resumed() {
     let server = start();
     let path = server.submit(&study_of(400));

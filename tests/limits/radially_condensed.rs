@@ -32,6 +32,7 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
             cage: false,
             spectra: Vec::new(),
             series: series.into_iter().flatten().collect(),
+            ..Outputs::vibration()
         },
     }
 }

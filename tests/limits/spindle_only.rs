@@ -37,7 +37,14 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
         fixed_step: None,
         settle,
         duration,
-        outputs: Outputs { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() },
+        outputs: Outputs {
+            vibration: true,
+            contacts: false,
+            cage: false,
+            spectra: Vec::new(),
+            series: Vec::new(),
+            ..Outputs::vibration()
+        },
     }
 }
 

@@ -107,7 +107,7 @@ fn the_stated_error_of_fixed_steps_is_right() {
         // Under the axial load the transient has not decayed, and a second window reveals it.
         let rings = changes.pointer("/operation/axial_load_n").is_some();
         let uneven = accuracy.level_scatter.worst().filter(|_| rings).unwrap_or(0.0);
-        assert!(stated <= uneven.max(0.025) && off < 3.0 * stated + 1e-3, "{changes}: {off} {stated}");
+        assert!(stated <= uneven.max(0.035) && off < 3.0 * stated + 1e-3, "{changes}: {off} {stated}");
     }
 }
 

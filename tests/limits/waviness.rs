@@ -13,7 +13,7 @@ use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Mechanism;
 use raceway::simulation::model::equilibrium::equilibrium;
-use raceway::simulation::model::surfaces::waves;
+use raceway::simulation::model::surfaces::{AveragedSurface, averaged_surfaces};
 use raceway::simulation::result::run_result::RunResult;
 use raceway::simulation::solve::run::simulate;
 use serde_json::{Value, json};
@@ -25,14 +25,15 @@ fn wave(order: u32, amplitude: f64, phase: f64) -> Wave {
     Wave { order, amplitude, phase }
 }
 
-/// Share of the tangential force that acts in the balance of energy: all, none, or its opposite.
-fn energy_lost(lean: f64) -> f64 {
+/// Change of the energy of a ball over its elastic energy, on a surface of the outer raceway. `lean`: share of the tangential force that acts,
+/// all, none, or its opposite.
+pub fn energy_lost(surface: SurfaceProfile, lean: f64) -> f64 {
     const SPEED: f64 = 2058.0;
     const STEP: f64 = 2e-8;
     let frictionless = json!({ "lubricant": { "traction": { "maximum": 0, "limit": 0 } }, "damping": { "raceway": { "law": "none" } } });
     let scene = scene(&changed(article(), frictionless));
     let m = Mechanism::new(&scene, &needs(&scene, Some(ModelLevel::Planar)));
-    let contact = m.raceway.outer.clone().with_surface(SurfaceProfile::of_waves(&[wave(40, 20e-9, 0.0)]));
+    let contact = m.raceway.outer.clone().with_surface(surface);
     let (at_pitch, _) = contact.penetration::<true>(0.0, m.pitch_radius);
     // Radial equilibrium on a circle.
     let load = m.ball_mass * m.pitch_radius * SPEED * SPEED;
@@ -78,7 +79,8 @@ fn energy_lost(lean: f64) -> f64 {
 /// case. Its energy is kept to 1e-8 of the elastic energy; without the lean force it is off by some 30 %, with its opposite by twice that.
 #[test]
 fn the_lean_force_keeps_the_energy_of_a_ball() {
-    let [with, without, opposite] = [1.0, 0.0, -1.0].map(energy_lost);
+    let [with, without, opposite] =
+        [1.0, 0.0, -1.0].map(|lean| energy_lost(SurfaceProfile::of_waves(&[wave(40, 20e-9, 0.0)]), lean));
     assert!(with < 1e-8, "{with:e}");
     assert!((0.2..0.4).contains(&without) && (0.4..0.8).contains(&opposite), "{without} {opposite}");
 }
@@ -210,13 +212,7 @@ fn run_on(scene: &Scene, level: ModelLevel) -> RunResult {
         fixed_step: is_planar.then_some(7.5e-6),
         settle: 0.3,
         duration: 1.0,
-        outputs: Outputs {
-            vibration: true,
-            contacts: false,
-            cage: is_planar,
-            spectra: channels.to_vec(),
-            series: Vec::new(),
-        },
+        outputs: Outputs { cage: is_planar, spectra: channels.to_vec(), ..Outputs::vibration() },
     };
     simulate(scene, &settings, &patient()).unwrap()
 }
@@ -229,7 +225,7 @@ fn simulated(json: &Value, level: ModelLevel, (of_passage, of_shaft): (f64, f64)
     let f = &result.summary.frequencies;
     let frequency = (of_passage * f.ball_pass_outer + of_shaft * f.shaft).abs();
     let terms = needs(&scene, Some(ModelLevel::Planar));
-    let waves = waves(&Mechanism::new(&scene, &terms), &scene).unwrap();
+    let waves = averaged_surfaces(&Mechanism::new(&scene, &terms), &scene).unwrap();
     let kept = waves.inner.waves.kept.iter().chain(&waves.outer.waves.kept).next().unwrap();
     [Axis::Y, Axis::Z].map(|axis| {
         let channel = Channel::Spindle(axis, Motion::Displacement);
@@ -332,7 +328,7 @@ fn levels(scene: &Scene, level: ModelLevel) -> [f64; 2] {
         fixed_step: None,
         settle: 0.03,
         duration: 0.05,
-        outputs: Outputs { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() },
+        outputs: Outputs::vibration(),
     };
     let result = simulate(scene, &settings, &patient()).unwrap();
     [Axis::Y, Axis::Z].map(|axis| {
@@ -386,9 +382,8 @@ fn contacts_average_waves_of_their_width() {
         "surfaces": { "outer": { "random_waviness": { "amplitude_nm": 5 } } }
     });
     let scene = scene(&json);
-    let waves = waves(&Mechanism::new(&scene, &needs(&scene, Some(ModelLevel::Planar))), &scene).unwrap();
-    let zero =
-        |of: &raceway::simulation::model::surfaces::RacewayWaves| of.contact.first_zero() * (of.load / 243.0).cbrt();
+    let waves = averaged_surfaces(&Mechanism::new(&scene, &needs(&scene, Some(ModelLevel::Planar))), &scene).unwrap();
+    let zero = |of: &AveragedSurface| of.contact.first_zero() * (of.load / 243.0).cbrt();
     assert!((zero(&waves.inner) / 565.0 - 1.0).abs() < 0.01, "{}", zero(&waves.inner));
     assert!((zero(&waves.outer) / 635.0 - 1.0).abs() < 0.01, "{}", zero(&waves.outer));
 }

@@ -23,7 +23,14 @@ pub fn scene(json: &Value) -> Scene {
 }
 
 pub fn needs(scene: &Scene) -> ActiveTerms {
-    let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
+    let outputs = Outputs {
+        vibration: true,
+        contacts: true,
+        cage: true,
+        spectra: Vec::new(),
+        series: Vec::new(),
+        ..Outputs::vibration()
+    };
     ActiveTerms::of(scene, &outputs, None).unwrap()
 }
 

@@ -73,7 +73,14 @@ fn simulated() {
         fixed_step: None,
         settle: 0.05,
         duration: 0.2,
-        outputs: Outputs { vibration: true, contacts: false, cage: true, spectra: vec![channel], series: Vec::new() },
+        outputs: Outputs {
+            vibration: true,
+            contacts: false,
+            cage: true,
+            spectra: vec![channel],
+            series: Vec::new(),
+            ..Outputs::vibration()
+        },
     };
     let result = simulate(&scene, &settings, &Control::until(&|| false)).unwrap();
     let strongest = result.summary.lines.iter().find(|(of, line)| *of == channel && line.label == "BPFO");

@@ -1,6 +1,6 @@
 //! Spectra, series and tables as CSV, and series as NumPy array files.
 
-use std::fmt::Write;
+use std::io::Write;
 
 use serde_json::Value;
 
@@ -38,25 +38,32 @@ fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
-/// Two columns, the second headed by channel and unit.
-fn csv(first: &str, (channel, unit): (&str, &str), columns: [&[f64]; 2]) -> String {
-    let mut text = String::with_capacity(32 * columns[0].len());
-    // Writing to a string cannot fail.
-    let _ = writeln!(text, "{first},{}", quoted(&format!("{channel} [{unit}]")));
-    for (a, b) in columns[0].iter().zip(columns[1]) {
-        let _ = writeln!(text, "{a},{b}");
-    }
-    text
+/// The heads of two columns, the second with channel and unit.
+fn heads(first: &str, channel: &str, unit: &str) -> String {
+    format!("{first},{}\n", quoted(&format!("{channel} [{unit}]")))
+}
+
+/// Writes one line of two columns.
+pub fn write_line(first: f64, second: f64, to: &mut Vec<u8>) {
+    // Writing to memory cannot fail.
+    let _ = writeln!(to, "{first},{second}");
+}
+
+/// Two columns under their heads.
+fn csv(heads: String, columns: [&[f64]; 2]) -> String {
+    let mut text = heads.into_bytes();
+    text.reserve(32 * columns[0].len());
+    columns[0].iter().zip(columns[1]).for_each(|(a, b)| write_line(*a, *b, &mut text));
+    String::from_utf8(text).unwrap_or_default()
 }
 
 /// A spectrum as CSV.
 pub fn spectrum_csv(spectrum: &SpectrumAnswer) -> String {
-    csv("frequency_hz", (&spectrum.channel, &spectrum.unit), [&spectrum.frequency_hz, &spectrum.amplitude])
+    csv(heads("frequency_hz", &spectrum.channel, &spectrum.unit), [&spectrum.frequency_hz, &spectrum.amplitude])
 }
 
-/// A series as a NumPy array file, version 1.0: records of `time_s` and `value`.
-pub fn series_npy(series: &SeriesAnswer) -> Vec<u8> {
-    let count = series.time_s.len().min(series.value.len());
+/// The head of a NumPy array file, version 1.0, with records of `time_s` and `value`.
+pub fn npy_head(count: usize) -> Vec<u8> {
     let head =
         format!("{{'descr': [('time_s', '<f8'), ('value', '<f8')], 'fortran_order': False, 'shape': ({count},), }}");
     // Magic number, version and length take ten bytes; the header ends in a line feed, at a multiple of 64 bytes.
@@ -64,14 +71,24 @@ pub fn series_npy(series: &SeriesAnswer) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend((padded as u16).to_le_bytes());
     bytes.extend(format!("{head:<0$}\n", padded - 1).into_bytes());
-    for (time, value) in series.time_s.iter().zip(&series.value) {
-        bytes.extend(time.to_le_bytes());
-        bytes.extend(value.to_le_bytes());
-    }
     bytes
+}
+
+/// Size of a record of a NumPy array file [B].
+pub const NPY_RECORD_BYTES: usize = 2 * size_of::<f64>();
+
+/// Writes one record of a NumPy array file.
+pub fn write_record(time: f64, value: f64, to: &mut Vec<u8>) {
+    to.extend(time.to_le_bytes());
+    to.extend(value.to_le_bytes());
+}
+
+/// The heads of a series as CSV.
+pub fn series_head(channel: &str, unit: &str) -> String {
+    heads("time_s", channel, unit)
 }
 
 /// A series as CSV.
 pub fn series_csv(series: &SeriesAnswer) -> String {
-    csv("time_s", (&series.channel, &series.unit), [&series.time_s, &series.value])
+    csv(series_head(&series.channel, &series.unit), [&series.time_s, &series.value])
 }

@@ -7,9 +7,9 @@ use utoipa::ToSchema;
 
 use super::messages::{self, MessageAnswer};
 use super::report::{AccuracyAnswer, FrequenciesAnswer, LeftOutAnswer, SolverAnswer};
-use raceway_core::simulation::error::report::AccuracyReport;
 use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::input::settings::Outputs;
+use raceway_core::simulation::result::bands::Band;
 use raceway_core::simulation::result::lines::Line;
 use raceway_core::simulation::result::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
 use raceway_core::simulation::result::run_result::RunResult;
@@ -41,6 +41,10 @@ pub struct Metrics {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub lines: Option<Vec<LineAnswer>>,
+    /// Lines of the envelope spectra of accelerations, likewise: at these rates impacts excite resonances.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub envelope_lines: Option<Vec<LineAnswer>>,
     /// The solver that ran, and its work.
     pub solver: SolverAnswer,
     /// Estimated errors of the result.
@@ -97,6 +101,28 @@ pub struct ChannelAnswer {
     /// Share of the power above 20 kHz [-].
     #[schema(minimum = 0, maximum = 1)]
     pub above_band: f64,
+    /// Vibration in the bands of ISO 15242-1, from the spectrum; accelerations with a kept spectrum and a resolved level only. The standard
+    /// measures the outer ring at 1800 r/min; no quality class follows from these numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub bands: Option<Vec<BandAnswer>>,
+}
+
+/// Vibration of a channel in a frequency band.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BandAnswer {
+    /// Lower end of the band [Hz].
+    #[schema(minimum = 0)]
+    pub from_hz: f64,
+    /// Upper end of the band [Hz].
+    #[schema(minimum = 0)]
+    pub to_hz: f64,
+    /// Root mean square of the velocity [µm/s].
+    #[schema(minimum = 0)]
+    pub velocity_rms_um_s: f64,
+    /// Root mean square of the acceleration [m/s²].
+    #[schema(minimum = 0)]
+    pub acceleration_rms_m_s2: f64,
 }
 
 /// Contacts of the balls.
@@ -210,8 +236,10 @@ impl Metrics {
         let channels = summary
             .channels
             .iter()
-            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, &summary.accuracy, *channel)));
-        let lines = summary.lines.iter().map(|(channel, line)| line_answer(channel.to_string(), line));
+            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, summary, *channel)));
+        let lines = |of: &[(Channel, Line)]| {
+            outputs.vibration.then(|| of.iter().map(|(channel, line)| line_answer(channel.to_string(), line)).collect())
+        };
         Self {
             channels: outputs.vibration.then(|| channels.collect()),
             contacts: contacts(summary),
@@ -221,7 +249,8 @@ impl Metrics {
                 .as_ref()
                 .map(|cage| CageAnswer { orbit_radius_um: cage.orbit_radius, whirl_ratio: cage.whirl_ratio }),
             frequencies_hz: summary.frequencies.into(),
-            lines: outputs.vibration.then(|| lines.collect()),
+            lines: lines(&summary.lines),
+            envelope_lines: lines(&summary.envelope_lines),
             solver: SolverAnswer::of(&summary.solver, &summary.accuracy),
             accuracy: AccuracyAnswer::of(&summary.accuracy, outputs)
                 .with_slip_of(summary.cage.as_ref().and_then(|cage| cage.slip)),
@@ -231,7 +260,9 @@ impl Metrics {
     }
 }
 
-fn channel_answer(unit: &str, metrics: &ChannelMetrics, accuracy: &AccuracyReport, channel: Channel) -> ChannelAnswer {
+fn channel_answer(unit: &str, metrics: &ChannelMetrics, summary: &Summary, channel: Channel) -> ChannelAnswer {
+    let accuracy = &summary.accuracy;
+    let bands = summary.bands.iter().find(|(of, _)| *of == channel);
     ChannelAnswer {
         unit: unit.to_owned(),
         rms: metrics.rms,
@@ -243,6 +274,18 @@ fn channel_answer(unit: &str, metrics: &ChannelMetrics, accuracy: &AccuracyRepor
         resolved: accuracy.unresolved.of(channel).map(|_| false),
         level_scatter_db: accuracy.level_scatter.of(channel),
         above_band: metrics.above_band,
+        bands: bands.map(|(_, bands)| bands.iter().map(BandAnswer::from).collect()),
+    }
+}
+
+impl From<&Band> for BandAnswer {
+    fn from(band: &Band) -> Self {
+        Self {
+            from_hz: band.from,
+            to_hz: band.to,
+            velocity_rms_um_s: 1e6 * band.velocity,
+            acceleration_rms_m_s2: band.acceleration,
+        }
     }
 }
 
@@ -282,8 +325,9 @@ impl From<&RacewayContactMetrics> for RacewayAnswer {
         Self {
             max_load_n: m.max_load,
             max_pressure_mpa: m.max_pressure,
-            min_contact_angle_deg: m.contact_angle.map(|range| range.0),
-            max_contact_angle_deg: m.contact_angle.map(|range| range.1),
+            // Adding 0 turns −0 into 0.
+            min_contact_angle_deg: m.contact_angle.map(|range| range.0 + 0.0),
+            max_contact_angle_deg: m.contact_angle.map(|range| range.1 + 0.0),
             max_slip_m_s: m.max_slip,
             min_film_thickness_um: m.min_film_thickness,
             max_load_per_ball_n: m.max_load_per_ball.clone(),

@@ -9,7 +9,7 @@ use super::metrics::Metrics;
 use crate::contract::json::problem::{FieldError, Refusal};
 
 /// Parts of the metrics that a table omits: lists of all points would be large.
-const OMITTED: [&str; 2] = ["lines", "left_out"];
+const OMITTED: [&str; 3] = ["lines", "envelope_lines", "left_out"];
 
 /// Status of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

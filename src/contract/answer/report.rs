@@ -239,7 +239,7 @@ impl From<&LeftOut> for LeftOutAnswer {
         let bound = left_out.bound.filter(|bound| bound.0.is_finite());
         Self {
             term: left_out.term.to_owned(),
-            reason: left_out.reason.clone(),
+            reason: messages::omission(left_out.reason),
             by: match left_out.by {
                 Justification::Identity => GroundsName::Identity,
                 Justification::Judgement => GroundsName::Judgement,

@@ -137,42 +137,85 @@ impl SeriesAnswer {
             value: series.values.clone(),
         }
     }
+}
 
-    /// The part from one time to another [s], both included.
-    pub fn between(mut self, from_s: f64, to_s: f64) -> Self {
-        let end = self.time_s.partition_point(|&time| time <= to_s);
-        let start = self.time_s.partition_point(|&time| time < from_s).min(end);
-        self.time_s = self.time_s[start..end].to_vec();
-        self.value = self.value[start..end].to_vec();
-        self
+/// A series without its values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SeriesHead {
+    pub channel: String,
+    pub unit: String,
+    /// Time of the first value since the start of the run [s].
+    pub start_s: f64,
+    /// Time between values [s].
+    pub step_s: f64,
+    /// Number of values.
+    pub length: usize,
+}
+
+impl SeriesHead {
+    pub fn of(series: &Series) -> Self {
+        Self {
+            channel: series.channel.to_string(),
+            unit: series.channel.unit().to_owned(),
+            start_s: series.start,
+            step_s: series.step,
+            length: series.length,
+        }
     }
 
-    /// At most `max_points` points: minimum and maximum of each interval, so that peaks are kept.
-    pub fn thinned(self, max_points: usize) -> Self {
-        let count = self.value.len();
-        if count <= max_points {
-            return self;
+    /// Time of a value since the start of the run [s].
+    pub fn time(&self, place: usize) -> f64 {
+        self.start_s + place as f64 * self.step_s
+    }
+}
+
+/// Selection of at most `max_points` values of a series that are passed one after another: the least and the greatest of each of half
+/// as many intervals, so that peaks are kept.
+#[derive(Debug, Clone)]
+pub struct Thinning {
+    count: usize,
+    intervals: usize,
+    max_points: usize,
+    /// Number of the current interval.
+    interval: usize,
+    /// Place of the next value.
+    next: usize,
+    /// Places and values of the least and the greatest value of the current interval.
+    extremes: Option<[(usize, f64); 2]>,
+    /// Number of selected values.
+    selected: usize,
+}
+
+impl Thinning {
+    /// Selection among `count` values; all of them if they are no more than `max_points`.
+    pub fn new(count: usize, max_points: usize) -> Self {
+        let intervals = if count > max_points { (max_points / 2).max(1) } else { count };
+        Self { count, intervals, max_points, interval: 0, next: 0, extremes: None, selected: 0 }
+    }
+
+    /// Passes the next value; `select` receives the selected places and values in their order.
+    pub fn pass(&mut self, value: f64, mut select: impl FnMut(usize, f64)) {
+        let this = (self.next, value);
+        let [least, greatest] = self.extremes.get_or_insert([this; 2]);
+        if value.total_cmp(&least.1).is_lt() {
+            *least = this;
         }
-        let intervals = (max_points / 2).max(1);
-        let mut kept = Vec::with_capacity(2 * intervals);
-        for interval in 0..intervals {
-            let range = interval * count / intervals..(interval + 1) * count / intervals;
-            let by_value = |a: &usize, b: &usize| self.value[*a].total_cmp(&self.value[*b]);
-            let extremes = (range.clone().min_by(by_value), range.max_by(by_value));
-            if let (Some(least), Some(greatest)) = extremes {
-                kept.push(least.min(greatest));
-                if least != greatest {
-                    kept.push(least.max(greatest));
-                }
+        if value.total_cmp(&greatest.1).is_ge() {
+            *greatest = this;
+        }
+        self.next += 1;
+        if (self.next + 1) * self.intervals <= (self.interval + 1) * self.count {
+            return;
+        }
+        self.interval += 1;
+        let Some([least, greatest]) = self.extremes.take() else { return };
+        let [first, last] = if least.0 < greatest.0 { [least, greatest] } else { [greatest, least] };
+        for (place, value) in [Some(first), Some(last).filter(|last| last.0 != first.0)].into_iter().flatten() {
+            if self.selected < self.max_points {
+                self.selected += 1;
+                select(place, value);
             }
         }
-        kept.truncate(max_points);
-        let pick = |values: &[f64]| kept.iter().map(|&index| values[index]).collect();
-        Self { time_s: pick(&self.time_s), value: pick(&self.value), channel: self.channel, unit: self.unit }
-    }
-
-    pub fn is_finite(&self) -> bool {
-        self.value.iter().all(|value| value.is_finite())
     }
 }
 
@@ -180,17 +223,41 @@ impl SeriesAnswer {
 mod tests {
     use super::*;
 
+    fn thinned(values: &[f64], max_points: usize) -> Vec<(usize, f64)> {
+        let (mut thinning, mut selected) = (Thinning::new(values.len(), max_points), Vec::new());
+        values.iter().for_each(|value| thinning.pass(*value, |place, value| selected.push((place, value))));
+        selected
+    }
+
     #[test]
     fn thinning_keeps_the_peak() {
-        let mut value = vec![0.0; 10_000];
-        value[4321] = 7.0;
-        value[4322] = -5.0;
-        let time_s = (0..10_000).map(f64::from).collect();
-        let series = SeriesAnswer { channel: String::new(), unit: String::new(), time_s, value };
-        let thin = series.clone().thinned(100);
-        assert!(thin.value.len() <= 100 && thin.time_s.is_sorted());
-        assert!(thin.value.contains(&7.0) && thin.value.contains(&-5.0));
-        assert_eq!(series.clone().thinned(1).value.len(), 1);
-        assert_eq!(series.between(10.0, 12.0).time_s, [10.0, 11.0, 12.0]);
+        let mut values = vec![0.0; 10_000];
+        values[4321] = 7.0;
+        values[4322] = -5.0;
+        let thin = thinned(&values, 100);
+        assert!(thin.len() <= 100 && thin.is_sorted_by(|one, next| one.0 < next.0));
+        assert!(thin.contains(&(4321, 7.0)) && thin.contains(&(4322, -5.0)));
+        assert_eq!(thinned(&values, 1).len(), 1);
+        assert_eq!(thinned(&values[..7], 7).len(), 7);
+        assert_eq!(thinned(&[], 7), []);
+    }
+
+    /// By the definition, interval by interval.
+    #[test]
+    fn each_interval_gives_its_least_and_its_greatest_value() {
+        let values: Vec<f64> = (0..1000).map(|k| f64::from(k * 7919 % 1013)).collect();
+        for max_points in [2, 3, 10, 333, 998, 999] {
+            let intervals = max_points / 2;
+            let mut expected = Vec::new();
+            for interval in 0..intervals {
+                let range = interval * 1000 / intervals..(interval + 1) * 1000 / intervals;
+                let by_value = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
+                expected.extend([range.clone().min_by(by_value), range.max_by(by_value)].into_iter().flatten());
+            }
+            expected.sort_unstable();
+            expected.dedup();
+            let places: Vec<usize> = thinned(&values, max_points).into_iter().map(|(place, _)| place).collect();
+            assert_eq!(places, expected, "{max_points}");
+        }
     }
 }

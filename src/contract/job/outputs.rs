@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::contract::json::defaults::Defaults;
+use crate::contract::json::numbers;
 use raceway_core::physics::spindle::AxialHold;
 use raceway_core::simulation::input::channel::{Axis, BallContact, Channel};
 use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
-use raceway_core::simulation::input::settings::Outputs;
+use raceway_core::simulation::input::settings::{ENVELOPE_BAND, Outputs};
 
 /// Requested results. Results that are not requested are neither computed nor stored.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -24,6 +25,10 @@ pub struct OutputsInput {
     /// Channels whose complete time series are kept. Default: none.
     #[schema(nullable = false, max_items = 64, example = json!(["cage.y.displacement"]))]
     pub series: Option<Vec<String>>,
+    /// Lower and upper end of the frequency band whose envelope is analysed [Hz]; it must hold the resonances that impacts excite. Default:
+    /// 2000 to 20 000.
+    #[schema(nullable = false, example = json!([2000, 20000]))]
+    pub envelope_band_hz: Option<[f64; 2]>,
 }
 
 /// `vibration`: channels and spectral lines. `contacts`: loads, pressure and slip of the raceway contacts. `cage`:
@@ -49,6 +54,8 @@ impl MetricsPart {
 /// Channels whose spectra are kept by default.
 pub const USUAL_SPECTRA: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
 const MAX_CHANNELS: usize = 64;
+/// Limits of the band whose envelope is analysed [Hz].
+const ENVELOPE_LIMITS: [f64; 2] = [10.0, 25_600.0];
 const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
 
 impl OutputsInput {
@@ -61,6 +68,7 @@ impl OutputsInput {
         Outputs {
             spectra: channels(defaults, "/outputs/spectra", &spectra, scene),
             series: channels(defaults, "/outputs/series", &series, scene),
+            envelope_band: envelope_band(defaults, &mut self.envelope_band_hz),
             ..outputs
         }
     }
@@ -79,8 +87,25 @@ impl OutputsInput {
             cage: metrics.contains(&MetricsPart::Cage),
             spectra: Vec::new(),
             series: Vec::new(),
+            ..Outputs::vibration()
         }
     }
+}
+
+/// The band whose envelope is analysed [Hz].
+fn envelope_band(defaults: &mut Defaults, field: &mut Option<[f64; 2]>) -> (f64, f64) {
+    const POINTER: &str = "/outputs/envelope_band_hz";
+    let band = defaults.fill(POINTER, field, ENVELOPE_BAND.into());
+    let [low, high] = ENVELOPE_LIMITS;
+    for (index, edge) in band.into_iter().enumerate() {
+        if !(low..=high).contains(&edge) {
+            defaults.refuse(format!("{POINTER}/{index}"), numbers::out_of_range(edge, low, high, false, "Hz"));
+        }
+    }
+    if band[0] >= band[1] {
+        defaults.refuse(POINTER, format!("{} Hz is not below {} Hz: give the lower end first", band[0], band[1]));
+    }
+    band.into()
 }
 
 fn channels(defaults: &mut Defaults, pointer: &str, names: &[String], scene: Option<&Scene>) -> Vec<Channel> {

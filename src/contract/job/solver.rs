@@ -18,7 +18,7 @@ pub struct SolverInput {
     pub method: Option<String>,
     /// Relative tolerance of the integrator [-]. Default 1e-5; `auto` tightens it where the integration error exceeds the level. With the
     /// method `auto`, without series and with `model_tolerance_db` above 0, the default is adaptive: fixed steps (`semi_implicit`) are tried
-    /// first, then 1e-3, then 1e-5. An attempt is accepted where its stated level error is within half of `model_tolerance_db`. The result
+    /// first, then 1e-3, then 1e-5. An attempt is accepted where its stated level error is within 0.7 of `model_tolerance_db`. The result
     /// reports the accepted one in `solver.method` and `solver.relative_tolerance`; fixed steps have no tolerance.
     #[schema(nullable = false, example = 0.00001)]
     pub relative_tolerance: Option<f64>,

@@ -17,10 +17,10 @@ const MAX_PROFILE: f64 = 10.0;
 /// differ by the speed of the cage.
 const SURFACE_TURNS: f64 = 10.0;
 const MAX_SURFACE: f64 = 20.0;
-/// Longest recorded time with `SERIES_AT_MAX` series [s]: they take 1 GiB, at four doubles for each sample (value, time and copies).
+/// Longest recorded time with `SERIES_AT_MAX` series [s]: they take 512 MiB as NumPy files, two doubles for each value.
 const MAX_SERIES: f64 = 23.4;
 const SERIES_AT_MAX: usize = 14;
-const _: () = assert!(MAX_SERIES * RATE * (SERIES_AT_MAX * 4 * 8) as f64 <= 1_073_741_824.0);
+const _: () = assert!(MAX_SERIES * RATE * (SERIES_AT_MAX * 2 * 8) as f64 <= 536_870_912.0);
 
 /// Default settling time [s]: 3 cage turns, at least 0.02 s, and until the free vibration of the spindle has decayed.
 pub fn default_settle(scene: Option<&Scene>) -> f64 {
@@ -56,7 +56,7 @@ pub fn duration(field: &mut Option<f64>, default: f64, outputs: &Outputs, defaul
     if !(DURATION.lowest..=longest).contains(&duration) {
         let mut detail = numbers::out_of_range(duration, DURATION.lowest, longest, false, DURATION.unit);
         if duration > longest && longest < DURATION.highest {
-            detail += ": /outputs/series would take more than 1 GiB";
+            detail += ": /outputs/series would take more than 512 MiB";
         }
         defaults.refuse("/duration_s", detail);
     }

@@ -46,7 +46,8 @@ fn a_short_run_gives_what_was_asked_for() {
     let kinds: Vec<_> = outcome.spectra.iter().map(|spectrum| spectrum.kind).collect();
     assert_eq!(kinds, [SpectrumKind::Amplitude, SpectrumKind::Envelope].repeat(2));
     assert_eq!(outcome.series.len(), 1);
-    assert_eq!(outcome.series[0].value.len(), outcome.series[0].time_s.len());
+    let series = &outcome.series[0];
+    assert_eq!((series.length, series.values.len(), series.is_finite), (410, 410, true));
 }
 
 /// Whatever spectra are asked for, their lines are named, in their units.

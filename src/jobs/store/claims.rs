@@ -150,7 +150,7 @@ impl Store {
         keep_s: f64,
     ) -> Result<Option<JobRecord>, JobError> {
         let (result, failure) = match end {
-            End::Succeeded(result) => (Some((Uuid::now_v7(), result)), None),
+            End::Succeeded(result) => (Some((result.id(), result)), None),
             End::Failed(failure) => (None, Some(failure)),
             End::Cancelled => (None, None),
         };
@@ -190,7 +190,7 @@ impl Store {
             }
             Dialect::Sqlite => {
                 let mut tx = self.begin().await?;
-                for insert in insertion("") {
+                for insert in insertion(" WHERE TRUE") {
                     insert.run(&mut tx).await?;
                 }
                 let row: Option<Row> = update.optional(&mut tx).await?;

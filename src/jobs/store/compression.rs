@@ -17,9 +17,14 @@ const LEVEL: Compression = Compression::new(3);
 pub fn compressed(answer: &impl Serialize) -> Result<Vec<u8>, JobError> {
     // In one piece: the compressor takes ten times as long for the few bytes at a time that serde_json writes.
     let text = serde_json::to_vec(answer).map_err(|error| JobError::Corrupt(error.to_string()))?;
+    Ok(deflated(&text)?)
+}
+
+/// The bytes in compressed form.
+pub fn deflated(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
     ENCODER.with_borrow_mut(|encoder| {
-        encoder.write_all(&text)?;
-        Ok(encoder.reset(Vec::new())?)
+        encoder.write_all(bytes)?;
+        encoder.reset(Vec::new())
     })
 }
 

@@ -43,23 +43,24 @@ impl FirstUse {
     }
 }
 
+pub(super) const FIRST_USE: &str =
+    "SELECT fingerprint, job, created_at, reused, expires_at FROM idempotency_keys WHERE owner = $1 AND key = $2";
+
 /// The first use of a key; `None`: the key is new.
 pub async fn first_use(tx: &mut Tx, owner: &str, key: &IdempotencyKey) -> Result<Option<FirstUse>, JobError> {
-    let sql =
-        "SELECT fingerprint, job, created_at, reused, expires_at FROM idempotency_keys WHERE owner = $1 AND key = $2";
-    statement(sql).bind(owner).bind(&key.key).optional(&mut *tx).await
+    statement(FIRST_USE).bind(owner).bind(&key.key).optional(&mut *tx).await
 }
 
-/// Records the job that a key creates.
+/// Records the job that a key creates; returns false if another process has just used the key.
 pub async fn record(
     tx: &mut Tx,
     job: &NewJob,
     key: &IdempotencyKey,
     expires: Option<Timestamp>,
-) -> Result<(), JobError> {
+) -> Result<bool, JobError> {
     let sql = "INSERT INTO idempotency_keys (owner, key, fingerprint, job, created_at, reused, expires_at) \
-               VALUES ($1, $2, $3, $4, $5, $6, $7)";
-    statement(sql)
+               VALUES ($1, $2, $3, $4, $5, $6, $7) ON CONFLICT DO NOTHING";
+    let recorded = statement(sql)
         .bind(&job.owner)
         .bind(&key.key)
         .bind(&key.fingerprint)
@@ -69,5 +70,5 @@ pub async fn record(
         .bind(expires.map(stored))
         .run(&mut *tx)
         .await?;
-    Ok(())
+    Ok(recorded == 1)
 }

@@ -8,6 +8,8 @@ use super::dialect::Dialect;
 use super::digest::Sealed;
 use super::part_names::{METRICS, REPORT, VIEWS, point_name, signal_name};
 use super::results::{LONG_ANSWER_BYTES, read_aside};
+use super::series_reader::head_of;
+use super::signal::Signal;
 use super::statement::statement;
 use super::stored_time::stored;
 use crate::jobs::error::JobError;
@@ -151,7 +153,34 @@ impl Store {
             };
             found.merge(read_aside(Sealed::stored(stored), inspect).await?);
         }
+        self.inspect_series(result, &mut found).await?;
         Ok(found)
+    }
+
+    /// Compares the chunks of every series with their digests and with the length of the series.
+    async fn inspect_series(&self, result: Uuid, found: &mut Inspection) -> Result<(), JobError> {
+        // A series in one piece, as earlier versions stored it, is longer.
+        let long = i64::try_from(LONG_ANSWER_BYTES).unwrap_or(i64::MAX);
+        let sql = "SELECT channel, answer FROM signals WHERE result_id = $1 AND sort = $2 AND length(answer) < $3";
+        let heads: Vec<(String, Vec<u8>)> =
+            statement(sql).bind(result).bind(Signal::Series.name()).bind(long).all(&self.readers).await?;
+        for (channel, answer) in heads {
+            // A corrupt head has been found before.
+            let Ok(Some(head)) = head_of(&answer) else { continue };
+            let part = || signal_name(Signal::Series.name(), &channel);
+            let sql = "SELECT number, content, digest FROM series_chunks WHERE result_id = $1 AND series = $2 ORDER BY number";
+            let mut chunks = 0;
+            let add = |(number, content, digest): (i64, Vec<u8>, Option<Vec<u8>>)| {
+                found.add(part, &Sealed::stored((content, digest)));
+                chunks += usize::from(number == i64::try_from(chunks).unwrap_or(i64::MAX));
+                Ok(true)
+            };
+            statement(sql).bind(result).bind(head.number).each(&self.readers, add).await?;
+            if chunks != head.chunks() {
+                found.corrupt.push(part());
+            }
+        }
+        Ok(())
     }
 
     /// Compares every ended point of a study with its digest.

@@ -71,7 +71,7 @@ fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
 }
 
 // A released file is never edited: sqlx compares a checksum of its whole text, comments included, with the applied one.
-const SQLITE_MIGRATIONS: [(i64, &str, &str); 11] = [
+const SQLITE_MIGRATIONS: [(i64, &str, &str); 13] = [
     (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
     (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
     (3, "studies", include_str!("../../../migrations/sqlite/0003_studies.sql")),
@@ -83,13 +83,17 @@ const SQLITE_MIGRATIONS: [(i64, &str, &str); 11] = [
     (9, "digests", include_str!("../../../migrations/sqlite/0009_digests.sql")),
     (10, "job labels", include_str!("../../../migrations/sqlite/0010_job_labels.sql")),
     (11, "removed jobs", include_str!("../../../migrations/sqlite/0011_removed_jobs.sql")),
+    (12, "series chunks", include_str!("../../../migrations/sqlite/0012_series_chunks.sql")),
+    (13, "unfinished", include_str!("../../../migrations/sqlite/0013_unfinished.sql")),
 ];
 
-const POSTGRES_MIGRATIONS: [(i64, &str, &str); 6] = [
+const POSTGRES_MIGRATIONS: [(i64, &str, &str); 8] = [
     (1, "records", include_str!("../../../migrations/postgres/0001_records.sql")),
     (2, "tokens", include_str!("../../../migrations/postgres/0002_tokens.sql")),
     (3, "turns", include_str!("../../../migrations/postgres/0003_turns.sql")),
     (4, "digests", include_str!("../../../migrations/postgres/0004_digests.sql")),
     (5, "job labels", include_str!("../../../migrations/postgres/0005_job_labels.sql")),
     (6, "removed jobs", include_str!("../../../migrations/postgres/0006_removed_jobs.sql")),
+    (7, "series chunks", include_str!("../../../migrations/postgres/0007_series_chunks.sql")),
+    (8, "unfinished", include_str!("../../../migrations/postgres/0008_unfinished.sql")),
 ];

@@ -4,6 +4,8 @@
 //! first and writes later fails as soon as there is another. On PostgreSQL a transaction that decides by a row it has read locks
 //! the row first, by an update.
 
+/// Chunks of time series as they are stored.
+pub mod chunk_codec;
 /// Claims, heartbeats and ends, all fenced.
 pub mod claims;
 /// Compression of stored answers.
@@ -42,6 +44,12 @@ pub mod records;
 pub mod removal;
 /// Results written and read.
 pub mod results;
+/// Time series written chunk by chunk, and the removal of those of lost runs.
+pub mod series_chunks;
+/// Time series read chunk by chunk.
+pub mod series_reader;
+/// Kinds of stored signals.
+pub mod signal;
 /// Spectra as they are stored.
 mod spectrum_codec;
 /// Statements that run on both databases.

@@ -2,6 +2,7 @@
 
 use uuid::Uuid;
 
+use super::database::Store;
 use super::dialect::Dialect;
 use super::pool::Tx;
 use super::statement::statement;
@@ -11,6 +12,8 @@ use crate::jobs::error::JobError;
 pub const ENDED: &str = "raceway_ended";
 /// Channel of jobs whose cancellation was requested; the payload is the job's id.
 pub const CANCELLED: &str = "raceway_cancelled";
+/// Channel of new deliveries.
+pub const ENQUEUED: &str = "raceway_enqueued";
 
 /// Notifies all processes, once the transaction is committed, that a job has ended.
 pub async fn notify_ended(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
@@ -20,6 +23,15 @@ pub async fn notify_ended(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
 /// Notifies all processes, once the transaction is committed, that the cancellation of a job was requested.
 pub async fn notify_cancelled(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
     notify(tx, CANCELLED, job).await
+}
+
+impl Store {
+    /// Notifies all processes of new deliveries. It is no part of a submission: all transactions that notify wait for each other while
+    /// they are written to the disk, and this one writes nothing.
+    pub async fn notify_enqueued(&self) -> Result<(), JobError> {
+        statement("SELECT pg_notify($1, '')").bind(ENQUEUED).run(&self.writer).await?;
+        Ok(())
+    }
 }
 
 async fn notify(tx: &mut Tx, channel: &str, job: Uuid) -> Result<(), JobError> {

@@ -79,8 +79,8 @@ impl Tx {
 pub enum Lock {
     /// Creating or updating the tables.
     Migration = 0x7261_6365,
-    /// Taking submissions: limits and idempotency keys are read before rows are added.
-    Intake,
     /// Finding lost runs.
-    Sweep,
+    Sweep = 0x7261_6367,
+    /// Adding up counts of unfinished work.
+    Counts,
 }

@@ -1,7 +1,8 @@
-//! Results. A simulation has its metrics as JSON text and one row for each spectrum (encoded) and series (compressed). Jobs of
-//! other kinds have one compressed report.
+//! Results. A simulation has its metrics as JSON text and one row for each spectrum (encoded) and series, whose values are chunks.
+//! Jobs of other kinds have one compressed report.
 
 use raceway_core::numerics::parallel::both;
+use raceway_core::simulation::result::series::Series;
 use serde::Serialize;
 use uuid::Uuid;
 
@@ -11,62 +12,47 @@ use super::dialect::Dialect;
 use super::digest::Sealed;
 use super::part_names::{METRICS, REPORT, VIEWS, signal_name};
 use super::pool::Tx;
+use super::series_chunks::{RecordedChunks, completion, insertion_of_chunks};
+use super::series_reader::StoredHead;
+use super::signal::Signal;
 use super::spectrum_codec::{decoded, encoded};
 use super::statement::{Statement, statement};
-use crate::contract::{JobKind, Outcome, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind};
+use crate::contract::{JobKind, Outcome, SeriesHead, Simulated, SpectrumAnswer, SpectrumKind};
 use crate::jobs::error::JobError;
 use crate::jobs::job::Status;
-
-/// Kind of a stored signal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    Amplitude,
-    Envelope,
-    Series,
-}
-
-impl From<SpectrumKind> for Signal {
-    fn from(kind: SpectrumKind) -> Self {
-        match kind {
-            SpectrumKind::Amplitude => Self::Amplitude,
-            SpectrumKind::Envelope => Self::Envelope,
-        }
-    }
-}
-
-impl Signal {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Amplitude => "amplitude",
-            Self::Envelope => "envelope",
-            Self::Series => "series",
-        }
-    }
-}
 
 /// A result as it is written. It is prepared outside any transaction, because compression and digests take time.
 #[derive(Debug)]
 pub enum StoredResult {
-    /// Metrics, signals by channel, and the data of the plots.
+    /// Metrics, signals by channel, chunks of the series, and the data of the plots.
     Simulation {
         metrics: Sealed<String>,
         signals: Signals,
+        chunks: RecordedChunks,
         views: Option<Sealed<Vec<u8>>>,
     },
     Report(Sealed<Vec<u8>>),
 }
 
 impl StoredResult {
-    /// Encodes and compresses the outcome of a job.
-    pub fn of(outcome: &Outcome) -> Result<Self, JobError> {
+    /// Encodes and compresses the outcome of a job; `chunks`: those of its series.
+    pub fn of(outcome: &Outcome, chunks: RecordedChunks) -> Result<Self, JobError> {
         match outcome {
-            Outcome::Simulation(simulated) => Self::of_simulation(simulated),
+            Outcome::Simulation(simulated) => Self::of_simulation(simulated, chunks),
             Outcome::Accuracy(answer) => Ok(Self::Report(sealed(answer)?)),
             Outcome::Optimum(answer) => Ok(Self::Report(sealed(answer)?)),
         }
     }
 
-    fn of_simulation(outcome: &Simulated) -> Result<Self, JobError> {
+    /// Id of the result: a new one, unless its first chunks are stored.
+    pub fn id(&self) -> Uuid {
+        match self {
+            Self::Simulation { chunks: RecordedChunks { result: Some(result), .. }, .. } => *result,
+            _ => Uuid::now_v7(),
+        }
+    }
+
+    fn of_simulation(outcome: &Simulated, chunks: RecordedChunks) -> Result<Self, JobError> {
         let json = || {
             let text = serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()));
             text.map(Sealed::new)
@@ -76,7 +62,8 @@ impl StoredResult {
         let (ahead, behind) = outcome.spectra.split_at(outcome.spectra.len() / 2);
         let ((ahead, views), (behind, series, metrics)) =
             both(|| (spectra_of(ahead), views()), || (spectra_of(behind), series_of(outcome), json()));
-        Ok(Self::Simulation { metrics: metrics?, signals: [ahead?, behind?, series?].concat(), views: views? })
+        let signals = [ahead?, behind?, series?].concat();
+        Ok(Self::Simulation { metrics: metrics?, signals, chunks, views: views? })
     }
 }
 
@@ -95,26 +82,40 @@ fn spectra_of(spectra: &[SpectrumAnswer]) -> Result<Signals, JobError> {
 }
 
 fn series_of(outcome: &Simulated) -> Result<Signals, JobError> {
-    let stored = |series: &SeriesAnswer| Ok((Signal::Series, series.channel.clone(), sealed(series)?));
+    let stored = |series: &Series| series_signal(&StoredHead::new(SeriesHead::of(series), series.number));
     outcome.series.iter().map(stored).collect()
+}
+
+/// The signal of a series whose values are chunks.
+pub fn series_signal(head: &StoredHead) -> Result<(Signal, String, Sealed<Vec<u8>>), JobError> {
+    Ok((Signal::Series, head.head.channel.clone(), sealed(head)?))
 }
 
 /// Statements that insert a result; `provided` is the end of a query that yields one row if the result is to be inserted.
 pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<Statement> {
     let insert = |into: &str| statement(format!("INSERT INTO {into} SELECT $1, $2, $3{provided}")).bind(id);
     let of_metrics = |metrics: &Sealed<String>| {
-        insert("results (id, metrics, digest)").bind(&metrics.content).bind(metrics.digest.as_deref())
+        // It is there if chunks of its series are.
+        let sql = format!(
+            "INSERT INTO results (id, metrics, digest) SELECT $1, $2, $3{provided} \
+             ON CONFLICT (id) DO UPDATE SET metrics = excluded.metrics, digest = excluded.digest"
+        );
+        statement(sql).bind(id).bind(&metrics.content).bind(metrics.digest.as_deref())
     };
     let of_answer = |table: &str, answer: &Sealed<Vec<u8>>| {
         insert(&format!("{table} (result_id, answer, digest)")).bind(&answer.content).bind(answer.digest.as_deref())
     };
     match result {
         StoredResult::Report(answer) => vec![of_metrics(&no_metrics()), of_answer("reports", answer)],
-        StoredResult::Simulation { metrics, signals, views } => {
+        StoredResult::Simulation { metrics, signals, chunks, views } => {
             let mut statements = vec![of_metrics(metrics)];
             if !signals.is_empty() {
                 statements.push(insertion_of_signals(id, signals, provided));
             }
+            if !chunks.rest.is_empty() {
+                statements.push(insertion_of_chunks(id, &chunks.rest, provided));
+            }
+            statements.extend(chunks.result.map(|result| completion(result, provided)));
             statements.extend(views.iter().map(|views| of_answer("views", views)));
             statements
         }
@@ -190,23 +191,19 @@ impl Store {
         kind: SpectrumKind,
         channel: &str,
     ) -> Result<SpectrumAnswer, JobError> {
-        self.signal(owner, job, kind.into(), channel, |stored| decoded(&stored.opened()?)).await
+        let result = self.result_of(owner, job, JobKind::Simulation).await?;
+        self.signal(job, result, kind.into(), channel, |stored| decoded(&stored.opened()?)).await
     }
 
-    /// A series of a succeeded job, as JSON text.
-    pub async fn series(&self, owner: &str, job: Uuid, channel: &str) -> Result<Vec<u8>, JobError> {
-        self.signal(owner, job, Signal::Series, channel, |stored| decompressed(&stored.opened()?)).await
-    }
-
-    async fn signal<T: Send + 'static>(
+    /// A signal of a job's result.
+    pub(super) async fn signal<T: Send + 'static>(
         &self,
-        owner: &str,
         job: Uuid,
+        result: Uuid,
         signal: Signal,
         channel: &str,
         open: fn(Sealed<Vec<u8>>) -> Result<T, JobError>,
     ) -> Result<T, JobError> {
-        let result = self.result_of(owner, job, JobKind::Simulation).await?;
         let sql = "SELECT answer, digest FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
         let query = statement(sql).bind(result).bind(signal.name()).bind(channel);
         let read = async {
@@ -267,7 +264,7 @@ impl Store {
     }
 
     /// The result of a job of the wanted kind; jobs of other kinds never have such a result.
-    async fn result_of(&self, owner: &str, job: Uuid, wanted: JobKind) -> Result<Uuid, JobError> {
+    pub(super) async fn result_of(&self, owner: &str, job: Uuid, wanted: JobKind) -> Result<Uuid, JobError> {
         let sql = "SELECT status, result_id, kind FROM jobs WHERE id = $1 AND owner = $2";
         let row: Option<(String, Option<Uuid>, String)> =
             in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;

@@ -329,7 +329,8 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
     let sql = "UPDATE studies SET ended = ended + 1, succeeded = succeeded + $2 WHERE job = $1";
     statement(sql).bind(job).bind(i64::from(status == "succeeded")).run(&mut *tx).await?;
     let sql = "UPDATE jobs SET heartbeat_at = $2, \
-               progress = (SELECT ended * 1.0 / points FROM studies WHERE job = $1) WHERE id = $1";
+               progress = (SELECT ended * 1.0 / points FROM studies WHERE job = $1), \
+               points_left = (SELECT points - ended FROM studies WHERE job = $1) WHERE id = $1";
     statement(sql).bind(job).bind(stored(Timestamp::now())).run(&mut *tx).await?;
     Ok(())
 }
@@ -439,7 +440,8 @@ pub async fn resume(tx: &mut Tx, job: Uuid) -> Result<bool, JobError> {
         statement("SELECT result_id FROM jobs WHERE id = $1").bind(job).value(&mut *tx).await?;
     let sql = "UPDATE jobs SET status = 'queued', started_at = NULL, finished_at = NULL, expires_at = NULL, \
                cancel_requested_at = NULL, error_cause = NULL, error_detail = NULL, result_id = NULL, \
-               progress = (SELECT ended * 1.0 / points FROM studies WHERE job = $1) WHERE id = $1";
+               progress = (SELECT ended * 1.0 / points FROM studies WHERE job = $1), \
+               points_left = (SELECT points - ended FROM studies WHERE job = $1) WHERE id = $1";
     statement(sql).bind(job).run(&mut *tx).await?;
     if let Some(result) = result.flatten() {
         results::remove_orphan(tx, result).await?;

@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use uuid::Uuid;
 
-use super::pool::Tx;
+use super::database::Store;
+use super::dialect::Dialect;
+use super::pool::{Lock, Tx};
 use super::statement::statement;
 use super::stored_time::{self, stored};
 use super::studies;
@@ -33,38 +35,54 @@ impl Unfinished {
     }
 }
 
-/// Unfinished work by owner.
+/// Unfinished work by owner, as triggers count it.
+pub(in crate::jobs) const UNFINISHED: &str =
+    "SELECT owner, CAST(sum(jobs) AS BIGINT), CAST(sum(points) AS BIGINT) FROM unfinished GROUP BY owner";
+
+/// Unfinished work by owner. On PostgreSQL work that other processes are accepting at the same moment is not counted yet.
 pub async fn unfinished(tx: &mut Tx) -> Result<HashMap<String, Unfinished>, JobError> {
-    let sql = "SELECT owner, count(*), CAST(0 AS BIGINT) FROM jobs \
-               WHERE kind <> 'study' AND status IN ('queued', 'running') GROUP BY kind, owner \
-               UNION ALL SELECT jobs.owner, CAST(0 AS BIGINT), CAST(sum(studies.points - studies.ended) AS BIGINT) \
-               FROM jobs JOIN studies ON studies.job = jobs.id \
-               WHERE jobs.kind = 'study' AND jobs.status IN ('queued', 'running') GROUP BY jobs.owner";
-    let counts: Vec<(String, i64, i64)> = statement(sql).all(&mut *tx).await?;
-    let mut unfinished: HashMap<String, Unfinished> = HashMap::new();
-    for (owner, jobs, points) in counts {
-        let of_owner = unfinished.entry(owner).or_default();
-        of_owner.jobs += jobs.unsigned_abs();
-        of_owner.points += points.unsigned_abs();
-    }
-    Ok(unfinished)
+    let counts: Vec<(String, i64, i64)> = statement(UNFINISHED).all(&mut *tx).await?;
+    let count = |number: i64| u64::try_from(number).unwrap_or(0);
+    let of_owner = |(owner, jobs, points)| (owner, Unfinished { jobs: count(jobs), points: count(points) });
+    Ok(counts.into_iter().map(of_owner).collect())
 }
+
+impl Store {
+    /// Adds the counts of closed connections together, so that their number does not grow, and removes counts of nothing.
+    pub async fn join_counts(&self) -> Result<(), JobError> {
+        let mut tx = self.begin_locked(Lock::Counts).await?;
+        if tx.dialect() == Dialect::Postgres {
+            let sql = "WITH closed AS (DELETE FROM unfinished WHERE part <> 0 \
+                   AND part NOT IN (SELECT pid FROM pg_stat_activity) RETURNING owner, jobs, points) \
+                   INSERT INTO unfinished AS u (owner, part, jobs, points) \
+                   SELECT owner, 0, sum(jobs), sum(points) FROM closed GROUP BY owner \
+                   ON CONFLICT (owner, part) DO UPDATE SET jobs = u.jobs + excluded.jobs, points = u.points + excluded.points";
+            statement(sql).run(&mut tx).await?;
+        }
+        statement("DELETE FROM unfinished WHERE part = 0 AND jobs = 0 AND points = 0").run(&mut tx).await?;
+        tx.commit().await
+    }
+}
+
+const ANY_WAITS: &str = "SELECT EXISTS (SELECT 1 FROM jobs WHERE status = 'queued' AND delivery IS NOT NULL) \
+     OR EXISTS (SELECT 1 FROM strands WHERE waiting_since IS NOT NULL)";
+
+const REUSABLE: &str = "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 \
+     AND NOT EXISTS (SELECT 1 FROM corrupt_results WHERE job = jobs.id) LIMIT 1";
+
+/// The queries of a submission: each reads an index, or the counts of unfinished work.
+#[cfg(test)]
+pub const QUERIES: [&str; 4] = [UNFINISHED, ANY_WAITS, REUSABLE, super::idempotency_keys::FIRST_USE];
 
 /// Returns whether a job or a shard waits for a turn.
 pub async fn any_waits(tx: &mut Tx) -> Result<bool, JobError> {
-    let sql = "SELECT EXISTS (SELECT 1 FROM jobs WHERE status = 'queued' AND delivery IS NOT NULL) \
-               OR EXISTS (SELECT 1 FROM strands WHERE waiting_since IS NOT NULL)";
-    Ok(statement(sql).value(&mut *tx).await?.unwrap_or(false))
+    Ok(statement(ANY_WAITS).value(&mut *tx).await?.unwrap_or(false))
 }
 
 /// The result of identical finished work of the same owner, unless it is known to be corrupt.
 pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, JobError> {
     // A transaction that deletes that job waits until the new job refers to the result.
-    let kept = tx.dialect().for_share();
-    let sql = format!(
-        "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 \
-         AND NOT EXISTS (SELECT 1 FROM corrupt_results WHERE job = jobs.id) LIMIT 1{kept}"
-    );
+    let sql = format!("{REUSABLE}{}", tx.dialect().for_share());
     let result: Option<Uuid> = statement(sql).bind(&job.content_hash).bind(&job.owner).value(&mut *tx).await?;
     Ok(result.map(|result| Reusable { result }))
 }
@@ -124,8 +142,9 @@ async fn insert_row(
     let now = tx.dialect().now();
     let sql = format!(
         "INSERT INTO jobs (id, owner, kind, status, request, labels, priority, keep_for_s, created_at, \
-               started_at, finished_at, expires_at, progress, delivery, content_hash, reused, result_id, claim, heartbeat_at) \
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, \
+               started_at, finished_at, expires_at, progress, delivery, content_hash, reused, result_id, claim, points_left, \
+               heartbeat_at) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, \
          CASE WHEN $4 = 'running' THEN {now} END)"
     );
     let labels = serde_json::to_string(&job.labels).map_err(|error| JobError::Corrupt(error.to_string()))?;
@@ -148,6 +167,7 @@ async fn insert_row(
         .bind(record.reused)
         .bind(result)
         .bind(i64::from(record.status == Status::Running))
+        .bind(i64::try_from(job.points.unwrap_or(0)).unwrap_or(i64::MAX))
         .run(&mut *tx)
         .await?;
     insert_labels(tx, job).await

@@ -41,7 +41,7 @@ pub fn how(basis: &ErrorBasis) -> String {
             time(*window)
         ),
         ErrorBasis::Repetition { refinement, window, recorded } => format!(
-            "Errors are the deviation of the run from a repetition of {} of the recorded {} {}.",
+            "Errors follow from the deviation of the run from a repetition of {} of the recorded {} {}.",
             time(*window),
             time(*recorded),
             refined(refinement)

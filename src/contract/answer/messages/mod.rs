@@ -8,6 +8,7 @@ use raceway_core::simulation::result::metrics::SolverReport;
 mod answer;
 mod basis;
 mod candidates;
+mod omissions;
 mod warnings;
 mod words;
 
@@ -16,6 +17,7 @@ pub use answer::{MessageAnswer, MessageCode, Severity};
 pub use basis::{check, choice_text, how};
 pub use candidates::of_not_eligible;
 use candidates::of_rejection;
+pub use omissions::omission;
 pub use warnings::of_warning;
 
 /// The messages of a result: warnings first, then how it was made.

@@ -96,6 +96,11 @@ impl Twice {
         Some(whole.abs().max(mean_or_luck(&parts)).hypot(unseen * standard_error(&parts)))
     }
 
+    /// Rms of the difference of the signals [m/s²]; `None` if both are silent.
+    pub fn difference(&self) -> Option<f64> {
+        self.level_difference().map(|_| self.difference)
+    }
+
     /// Rms of the difference of the signals over that of the whole run [-].
     pub fn noise(&self) -> f64 {
         self.difference / self.whole.max(SILENCE)
@@ -199,6 +204,14 @@ impl Deviation {
         Self {
             levels: self.levels.zip(&other.levels, f64::max),
             quantities: self.quantities.zip(other.quantities).map(|(one, other)| one.larger(&other)),
+        }
+    }
+
+    /// All errors times a factor.
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            levels: self.levels.map(|error| factor * error),
+            quantities: self.quantities.map(|errors| errors.times(factor)),
         }
     }
 

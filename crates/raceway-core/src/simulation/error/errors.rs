@@ -69,4 +69,16 @@ impl QuantityErrors {
             cage_slip: self.cage_slip.max(other.cage_slip),
         }
     }
+
+    /// Each error times a factor.
+    pub(crate) fn times(&self, factor: f64) -> Self {
+        Self {
+            max_load: factor * self.max_load,
+            cage_speed: factor * self.cage_speed,
+            max_pocket_load: factor * self.max_pocket_load,
+            max_slip: factor * self.max_slip,
+            orbit_radius: factor * self.orbit_radius,
+            cage_slip: factor * self.cage_slip,
+        }
+    }
 }

@@ -7,6 +7,8 @@ pub mod errors;
 
 pub mod comparison;
 
+pub(crate) mod convergence;
+
 pub mod stationarity;
 
 pub mod lyapunov;

@@ -39,8 +39,9 @@ pub const WARNED_ERROR_SHARE: f64 = 0.1;
 /// Largest error of pocket load, slip and cage orbit, independent of the allowed level error [-]; *limits*. Steps that leave levels unchanged move
 /// these numbers by a few per cent.
 pub const DETAIL_SHARE: f64 = 0.03;
-/// Share of `model_tolerance_db` that a stated error may take [-]: an estimate may be off by a factor of two.
-pub const STATED_SHARE: f64 = 0.5;
+/// Share of `model_tolerance_db` that a stated error may take [-]: true errors are up to 1.43 times the stated ones
+/// (`benches/compare/compare.py`).
+pub const STATED_SHARE: f64 = 0.7;
 /// Share of `model_tolerance_db` allowed for a model that is verified by a reduced model, which uses the rest [-].
 pub const LEAN_SHARE: f64 = 0.7;
 

@@ -1,4 +1,8 @@
-//! Callbacks between a run and its caller: cancellation, progress, live levels.
+//! Callbacks between a run and its caller: cancellation, progress, live levels, time series.
+
+use std::sync::Arc;
+
+use crate::simulation::input::series_sink::SeriesSink;
 
 /// Callbacks of a run.
 pub struct Control<'a> {
@@ -8,12 +12,14 @@ pub struct Control<'a> {
     pub progress: &'a dyn Fn(f64),
     /// Receives the phase and the live levels, every few hundred steps.
     pub live: &'a dyn Fn(&Live<'_>),
+    /// Receives the requested series; `None`: the result holds them.
+    pub series: Option<&'a Arc<dyn SeriesSink>>,
 }
 
 impl<'a> Control<'a> {
-    /// Cancellation only: progress and live levels are dropped.
+    /// Cancellation only: progress and live levels are dropped, and the result holds the series.
     pub const fn until(stop: &'a dyn Fn() -> bool) -> Self {
-        Self { stop, progress: &|_| (), live: &|_| () }
+        Self { stop, progress: &|_| (), live: &|_| (), series: None }
     }
 
     /// Runs `work` as a part of the whole, from one share of the progress to another.

@@ -8,4 +8,6 @@ pub mod scene;
 
 pub mod settings;
 
+pub mod series_sink;
+
 pub mod control;

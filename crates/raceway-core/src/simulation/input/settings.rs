@@ -4,6 +4,9 @@ use crate::numerics::ode::Method;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
 
+/// Default of the frequency band whose envelope is analysed [Hz]: above the shaft and ball-pass lines, where impacts excite resonances.
+pub const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
+
 /// Requested outputs. They decide which terms the model must contain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outputs {
@@ -14,12 +17,21 @@ pub struct Outputs {
     pub spectra: Vec<Channel>,
     /// Channels with a full time series.
     pub series: Vec<Channel>,
+    /// Frequency band whose envelope is analysed [Hz].
+    pub envelope_band: (f64, f64),
 }
 
 impl Outputs {
     /// Levels and lines of the spindle's vibration, no signals.
     pub fn vibration() -> Self {
-        Self { vibration: true, contacts: false, cage: false, spectra: Vec::new(), series: Vec::new() }
+        Self {
+            vibration: true,
+            contacts: false,
+            cage: false,
+            spectra: Vec::new(),
+            series: Vec::new(),
+            envelope_band: ENVELOPE_BAND,
+        }
     }
 
     /// Returns whether an output depends on the vibration levels of the spindle.

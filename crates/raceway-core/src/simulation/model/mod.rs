@@ -13,6 +13,8 @@ pub mod failure;
 
 pub mod inapplicable;
 
+pub mod omission;
+
 pub mod dynamics;
 
 pub(crate) mod step_loads;
@@ -26,6 +28,8 @@ pub mod surfaces;
 pub mod loaded_frequencies;
 
 pub mod stiffness;
+
+pub(crate) mod rolling_limit;
 
 pub(crate) mod integrate;
 

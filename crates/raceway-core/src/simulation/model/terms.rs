@@ -13,6 +13,7 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::inapplicable::Inapplicable;
+use crate::simulation::model::omission::OmissionReason;
 
 /// Justification of an omitted term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,11 +27,11 @@ pub enum Justification {
 }
 
 /// A term that is not in the model.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeftOut {
     /// Name of the term.
     pub term: &'static str,
-    pub reason: String,
+    pub reason: OmissionReason,
     pub by: Justification,
     /// Bound of the effect, with its unit.
     pub bound: Option<(f64, &'static str)>,
@@ -80,14 +81,12 @@ impl ActiveTerms {
         let planar = rung == ModelLevel::Planar;
         decision.orientation();
         let conformity = decision.keep(Term::Conformity, true, || None);
-        let spin = decision.keep(Term::Spin, true, || {
-            planar.then(|| "balls that stay in the plane do not turn about their contact normals".into())
-        });
+        let spin = decision.keep(Term::Spin, true, || planar.then_some(OmissionReason::BallsStayInPlane));
         let hydrodynamics = decision.hydrodynamics();
         let film = decision.pocket_film(cage);
         let friction = decision
-            .keep(Term::PocketFriction, true, || (scene.cage.friction == 0.0).then(|| "its coefficient is 0".into()));
-        let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then(|| "nothing fills the bearing".into());
+            .keep(Term::PocketFriction, true, || (scene.cage.friction == 0.0).then_some(OmissionReason::NoFriction));
+        let no_mixture = || (scene.lubricant.mixture_density() == 0.0).then_some(OmissionReason::NothingFills);
         let is_steep = saturation_slip(&scene.lubricant.traction) < decision.slip_variation();
         let needs = Self {
             rung,
@@ -103,15 +102,15 @@ impl ActiveTerms {
                 hydrodynamics,
             },
             pocket: PocketTerms { film, friction, hydrodynamics: hydrodynamics && cage },
-            gravity: decision.keep(Term::Gravity, true, || (scene.gravity == 0.0).then(|| "gravity_m_s2 is 0".into())),
+            gravity: decision.keep(Term::Gravity, true, || (scene.gravity == 0.0).then_some(OmissionReason::NoGravity)),
             drag: decision.keep(Term::Drag, true, no_mixture),
             churning: decision.keep(Term::Churning, true, no_mixture),
             cage,
             land: decision
-                .keep(Term::Land, true, || scene.cage.land.is_none().then(|| "the cage is guided by its balls".into()))
+                .keep(Term::Land, true, || scene.cage.land.is_none().then_some(OmissionReason::GuidedByBalls))
                 && cage,
             unbalance: decision.keep(Term::Unbalance, true, || {
-                (scene.spindle.unbalance == Unbalance::None).then(|| "the spindle has none".into())
+                (scene.spindle.unbalance == Unbalance::None).then_some(OmissionReason::Balanced)
             }),
             axial_spindle,
             film_thickness: decision.film_thickness(outputs),
@@ -154,14 +153,14 @@ struct Decision<'a> {
 }
 
 impl Decision<'_> {
-    fn leave_out(&mut self, term: Term, by: Justification, reason: String) -> bool {
+    fn leave_out(&mut self, term: Term, by: Justification, reason: OmissionReason) -> bool {
         self.left_out.push(LeftOut { term: term.name(), reason, by, bound: None });
         false
     }
 
     /// Returns whether a term is active. A term without effect is omitted by identity even where the request asks for it. Otherwise the
     /// request decides, then the default.
-    fn keep(&mut self, term: Term, default: bool, absent: impl FnOnce() -> Option<String>) -> bool {
+    fn keep(&mut self, term: Term, default: bool, absent: impl FnOnce() -> Option<OmissionReason>) -> bool {
         if let Some(reason) = absent() {
             return self.leave_out(term, Justification::Identity, reason);
         }
@@ -173,7 +172,7 @@ impl Decision<'_> {
     }
 
     fn switched_off(&mut self, term: Term) -> bool {
-        self.leave_out(term, Justification::Convention, format!("switched off by the request (terms.{})", term.name()))
+        self.leave_out(term, Justification::Convention, OmissionReason::SwitchedOff(term))
     }
 
     /// Returns whether the spindle moves along X.
@@ -189,8 +188,7 @@ impl Decision<'_> {
             TermChoice::On if !free => unmet("on", "spindle.axial holds the spindle"),
             _ if free => Ok(true),
             _ => {
-                let reason = "spindle.axial holds the spindle along X; its balls still move there".into();
-                self.leave_out(Term::Axial, Justification::Identity, reason);
+                self.leave_out(Term::Axial, Justification::Identity, OmissionReason::SpindleHeld);
                 Ok(false)
             }
         }
@@ -210,6 +208,8 @@ impl Decision<'_> {
             Some(Inapplicable::SpindleOffCentre)
         } else if scene.operation.misalignment != [0.0; 2] {
             Some(Inapplicable::Misaligned)
+        } else if scene.surfaces.push_along_axis() {
+            Some(Inapplicable::DefectBesideBottom)
         } else {
             None
         };
@@ -235,13 +235,11 @@ impl Decision<'_> {
         // A push at the start moves balls and cage along X, too.
         let stays_in_plane = symmetric_cage && scene.operation.perturbation.is_none();
         if stays_in_plane && choice != TermChoice::On {
-            let reason = "nothing acts along X and the cage is symmetric: no ball or cage leaves the plane";
-            self.leave_out(Term::CageTilt, Justification::Identity, reason.into());
+            self.leave_out(Term::CageTilt, Justification::Identity, OmissionReason::NothingActsAlongX);
             return Ok(ModelLevel::Planar);
         }
         if asked == Some(ModelLevel::Planar) {
-            let reason = "tilt and axial motion of cage and balls: the request asks for the planar rung".into();
-            self.leave_out(Term::CageTilt, Justification::Convention, reason);
+            self.leave_out(Term::CageTilt, Justification::Convention, OmissionReason::PlanarSelected);
             return Ok(ModelLevel::Planar);
         }
         if choice == TermChoice::Off {
@@ -254,7 +252,7 @@ impl Decision<'_> {
     fn orientation(&mut self) {
         self.left_out.push(LeftOut {
             term: "ball_orientation",
-            reason: "a homogeneous ball without surface profile looks the same from every side".into(),
+            reason: OmissionReason::HomogeneousBalls,
             by: Justification::Identity,
             bound: None,
         });
@@ -265,7 +263,7 @@ impl Decision<'_> {
         let lubricant = &self.scene.lubricant;
         let choice = self.scene.terms.get(Term::Hydrodynamics);
         if lubricant.kind == LubricantKind::Dry || lubricant.viscosity == 0.0 {
-            return self.leave_out(Term::Hydrodynamics, Justification::Identity, "there is no viscous film".into());
+            return self.leave_out(Term::Hydrodynamics, Justification::Identity, OmissionReason::NoViscousFilm);
         }
         if choice == TermChoice::Off {
             return self.switched_off(Term::Hydrodynamics);
@@ -273,9 +271,7 @@ impl Decision<'_> {
         if lubricant.kind == LubricantKind::Grease && choice == TermChoice::Auto {
             self.left_out.push(LeftOut {
                 term: Term::Hydrodynamics.name(),
-                reason: "F_R, F_H and pocket rolling friction are neglected for grease, as in the source of the \
-                         model; the bound is F_R of the most loaded ball if its base oil flooded the inlet"
-                    .into(),
+                reason: OmissionReason::NeglectedForGrease,
                 by: Justification::Convention,
                 bound: Some((
                     nominal_rolling_friction(
@@ -326,11 +322,11 @@ impl Decision<'_> {
         let dry = self.scene.lubricant.viscosity == 0.0 && needs_viscosity;
         self.keep(Term::PocketFilm, true, || {
             if film == PocketFilm::None {
-                Some("bearing.cage.film is none".into())
+                Some(OmissionReason::NoPocketFilm)
             } else {
-                dry.then(|| {
-                    if cage { "a wedge needs a viscosity above 0" } else { "a film needs a viscosity above 0" }.into()
-                })
+                let needed =
+                    if cage { OmissionReason::WedgeNeedsViscosity } else { OmissionReason::FilmNeedsViscosity };
+                dry.then_some(needed)
             }
         })
     }
@@ -340,9 +336,9 @@ impl Decision<'_> {
         let viscous = self.scene.lubricant.viscosity > 0.0 && self.scene.lubricant.kind != LubricantKind::Dry;
         self.keep(Term::FilmThickness, true, || {
             if !viscous {
-                Some("there is no viscous film".into())
+                Some(OmissionReason::NoViscousFilm)
             } else {
-                (!outputs.contacts).then(|| "no output asks for it".into())
+                (!outputs.contacts).then_some(OmissionReason::NoOutput)
             }
         })
     }

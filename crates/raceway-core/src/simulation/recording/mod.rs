@@ -4,6 +4,8 @@ pub mod sampling;
 
 pub mod spectra;
 
+pub(crate) mod series;
+
 pub mod windows;
 
 pub(crate) mod load_course;

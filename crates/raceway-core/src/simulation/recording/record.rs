@@ -5,6 +5,7 @@ use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::load_course::BallLoadCourse;
+use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::windows::{Signal, Whirl};
 
 /// Extremes of the contacts of all balls on one raceway [SI].
@@ -52,6 +53,8 @@ pub struct Recording {
     /// Time of the first recorded value [s]; the others follow at `RATE`.
     pub start: f64,
     pub signals: Vec<Signal>,
+    /// The requested series, which their receiver has.
+    pub(crate) series: Option<SeriesRecording>,
     /// Whirl of the cage's centre, where the run has several windows.
     pub whirl: Option<Whirl>,
     /// Whirl of the spindle's centre, likewise.
@@ -102,7 +105,7 @@ impl Recording {
         }
     }
 
-    /// Every recorded value of a channel [SI], in a run of one window or where its series is requested.
+    /// Every recorded value of a channel [SI], in a run of one window.
     pub fn signal(&self, channel: Channel) -> Option<&[f64]> {
         self.of(channel)?.values()
     }

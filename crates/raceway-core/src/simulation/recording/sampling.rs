@@ -7,8 +7,6 @@ use crate::simulation::input::settings::Outputs;
 pub const RATE: f64 = 102_400.0;
 /// Upper end of the frequency band of vibration levels [Hz].
 pub const BAND: f64 = 20_000.0;
-/// Frequency band of the envelope spectrum [Hz]: above the shaft and ball-pass lines, where impacts excite resonances.
-pub(crate) const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
 /// Number of batches of a window, for batch means of a level.
 pub(crate) const BATCHES: usize = 10;
 /// Kept values of a part whose largest load and mean cage speed are noted: eight parts in 10 ms.

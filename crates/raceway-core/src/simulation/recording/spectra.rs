@@ -2,7 +2,7 @@
 
 use crate::numerics::spectrum::{Spectrum, amplitude_and_envelope};
 use crate::simulation::input::channel::Channel;
-use crate::simulation::recording::sampling::{ENVELOPE_BAND, RATE};
+use crate::simulation::recording::sampling::RATE;
 
 /// Spectra of one channel, in the channel's unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,10 +13,10 @@ pub struct ChannelSpectra {
 }
 
 impl ChannelSpectra {
-    /// Spectra of a signal [SI].
-    pub fn of(channel: Channel, signal: &[f64]) -> Self {
+    /// Spectra of a signal [SI], and of its envelope in a band [Hz].
+    pub fn of(channel: Channel, signal: &[f64], envelope_band: (f64, f64)) -> Self {
         let signal: Vec<f64> = signal.iter().map(|value| channel.scale() * value).collect();
-        let (amplitude, envelope) = amplitude_and_envelope(&signal, RATE, ENVELOPE_BAND);
+        let (amplitude, envelope) = amplitude_and_envelope(&signal, RATE, envelope_band);
         Self { channel, amplitude, envelope }
     }
 

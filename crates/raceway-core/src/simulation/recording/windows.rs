@@ -1,6 +1,6 @@
 //! Recorded signals, window by window. A full window adds its moments and spectra to those of the run, and its values are dropped.
-//! So the memory of a run does not grow with its duration, except for requested series. A run of one window keeps its values and
-//! computes moments and spectra on request.
+//! So the memory of a run does not grow with its duration. Requested series go to their receiver with each window. A run of one
+//! window keeps its values and computes moments and spectra on request.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -16,6 +16,7 @@ use crate::simulation::recording::sampling::BATCHES;
 use crate::simulation::recording::sampling::RATE;
 use crate::simulation::recording::sampling::REPEATED;
 use crate::simulation::recording::sampling::kept_values;
+use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::spectra::ChannelSpectra;
 
 /// Longest window [s]: a run of the longest default duration is one.
@@ -24,6 +25,9 @@ const LONGEST: f64 = 1.0;
 /// Values at either end of one window of several that the statistics in the band of levels omit. The band limit takes a window as
 /// periodic and overshoots where the ends do not meet. Further in, the overshoot is below a hundredth of the step between the ends.
 const EDGE: usize = 128;
+
+/// Values of a series outside windows that are passed on together.
+const PASSED_ON: usize = 4096;
 
 /// Length unit of a window where there are several: transforms of other lengths can take three times the time and memory.
 const GRAIN: usize = 64;
@@ -94,8 +98,12 @@ pub struct Signal {
     pub channel: Channel,
     /// Values of the current window.
     window: Vec<f64>,
-    /// All values, where the series is requested and there are several windows.
-    series: Option<Vec<f64>>,
+    /// Whether the windows are needed beside the series.
+    has_windows: bool,
+    /// Number of the requested series of this channel.
+    series: Option<usize>,
+    /// Values of the series that are in no window and have not been passed on.
+    rest: Vec<f64>,
     /// First values of each window, for accelerations; all values in a run of one window.
     pub excerpts: Vec<Vec<f64>>,
     /// Moments at all recorded frequencies; of several windows only where `counts_all`.
@@ -106,6 +114,8 @@ pub struct Signal {
     /// Whether levels or metrics need the statistics in the band.
     counts_in_band: bool,
     asked_for_spectra: bool,
+    /// [Hz]
+    envelope_band: (f64, f64),
     /// Values of the first of several windows, where plots need them.
     first: Option<Vec<f64>>,
 }
@@ -113,11 +123,14 @@ pub struct Signal {
 impl Signal {
     fn new(channel: Channel, outputs: &Outputs, values: usize) -> Self {
         let windows = Windows::of(values);
-        let whole = windows.count > 1 && outputs.series.contains(&channel);
+        let asked_for_spectra = outputs.spectra.contains(&channel);
+        let has_windows = windows.count == 1 || asked_for_spectra || is_evaluated(channel);
         Self {
             channel,
-            window: Vec::with_capacity(windows.length),
-            series: whole.then(|| Vec::with_capacity(values)),
+            window: Vec::with_capacity(if has_windows { windows.length } else { 0 }),
+            has_windows,
+            series: outputs.series.iter().position(|series| *series == channel),
+            rest: Vec::new(),
             excerpts: Vec::new(),
             all: OnceLock::new(),
             counts_all: true,
@@ -125,16 +138,17 @@ impl Signal {
             spectra: OnceLock::new(),
             counts_in_band: ACCELERATIONS.contains(&channel)
                 || (outputs.vibration && matches!(channel, Channel::Spindle(..))),
-            asked_for_spectra: outputs.spectra.contains(&channel),
-            first: (windows.count > 1 && outputs.keep_signals()).then(Vec::new),
+            asked_for_spectra,
+            envelope_band: outputs.envelope_band,
+            first: (windows.count > 1 && outputs.keep_signals() && is_plotted(channel)).then(Vec::new),
         }
     }
 
     /// Every recorded value; `None` where the windows were dropped.
     pub fn values(&self) -> Option<&[f64]> {
-        match &self.series {
-            None if self.excerpts.len() == 1 => self.excerpts.first().map(Vec::as_slice),
-            series => series.as_deref(),
+        match self.excerpts.as_slice() {
+            [only] => Some(only),
+            _ => None,
         }
     }
 
@@ -156,13 +170,17 @@ impl Signal {
     /// Spectra in the channel's unit; `None` where they are not requested.
     pub fn spectra(&self) -> Option<&ChannelSpectra> {
         let values = self.values().unwrap_or_default();
-        self.asked_for_spectra.then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values)))
+        self.asked_for_spectra
+            .then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values, self.envelope_band)))
     }
 
     /// Adds the current window to the statistics of the run, and empties it.
     fn reduce(&mut self, windows: Windows, index: usize) {
         if windows.count == 1 {
             self.excerpts.push(std::mem::take(&mut self.window));
+            return;
+        }
+        if !self.has_windows {
             return;
         }
         if self.counts_all {
@@ -172,7 +190,7 @@ impl Signal {
             join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
         }
         if self.asked_for_spectra {
-            let spectra = ChannelSpectra::of(self.channel, &self.window);
+            let spectra = ChannelSpectra::of(self.channel, &self.window, self.envelope_band);
             join(&mut self.spectra, spectra, |all, window| all.join(&window));
         }
         if ACCELERATIONS.contains(&self.channel) {
@@ -183,6 +201,16 @@ impl Signal {
         }
         self.window.clear();
     }
+}
+
+/// Returns whether metrics or plots are made of the channel. Of the others only spectra and series are asked for.
+fn is_evaluated(channel: Channel) -> bool {
+    matches!(channel, Channel::Spindle(..)) || is_plotted(channel)
+}
+
+/// Returns whether a plot shows the channel over time, or as a part of an orbit.
+fn is_plotted(channel: Channel) -> bool {
+    matches!(channel, Channel::Spindle(Axis::Y | Axis::Z, _) | Channel::CageDisplacement(Axis::Y | Axis::Z))
 }
 
 /// Largest magnitude of a signal, eight values side by side.
@@ -257,6 +285,8 @@ pub(crate) struct Recorder {
     signals: Vec<Signal>,
     /// Whirl of the body whose displacement is recorded, over several windows.
     whirl: Option<Whirl>,
+    /// Receiver of the requested series.
+    series: Option<SeriesRecording>,
 }
 
 impl Recorder {
@@ -268,7 +298,18 @@ impl Recorder {
             done: 0,
             signals: channels.into_iter().map(|channel| Signal::new(channel, outputs, values)).collect(),
             whirl: None,
+            series: None,
         }
+    }
+
+    /// The recorder with a receiver of the requested series.
+    pub(crate) fn with_series(self, series: Option<SeriesRecording>) -> Self {
+        Self { series, ..self }
+    }
+
+    /// The series that it has passed on.
+    pub(crate) fn series(&self) -> Option<SeriesRecording> {
+        self.series.clone()
     }
 
     /// A recorder of signals behind a low-pass filter, whose total variance the observer knows: it computes no moments at all recorded
@@ -303,6 +344,7 @@ impl Recorder {
     #[inline(always)]
     fn take(&mut self, count: usize, value: impl Fn(usize, usize) -> f64) {
         let count = count.min(self.values - self.taken);
+        let has_receiver = self.series.is_some();
         let mut from = 0;
         while from < count {
             let window_end = (self.done + 1) * self.windows.length;
@@ -315,15 +357,28 @@ impl Recorder {
             let to = if counts { count.min(from + window_end - self.taken) } else { count };
             for (channel, signal) in self.signals.iter_mut().enumerate() {
                 let values = (from..to).map(|place| value(place, channel));
-                if let Some(series) = &mut signal.series {
-                    series.extend(values.clone());
-                }
-                if counts {
+                if counts && signal.has_windows {
                     signal.window.extend(values);
+                } else if has_receiver && signal.series.is_some() {
+                    signal.rest.extend(values);
                 }
             }
             self.taken += to - from;
             from = to;
+        }
+        if has_receiver {
+            self.pass_on_rests(PASSED_ON);
+        }
+    }
+
+    /// Passes on the values outside windows of each series that has at least `least` of them.
+    fn pass_on_rests(&mut self, least: usize) {
+        let Some(receiver) = &self.series else { return };
+        for signal in self.signals.iter_mut().filter(|signal| signal.rest.len() >= least) {
+            if let Some(series) = signal.series {
+                receiver.write(series, signal.channel, &signal.rest);
+                signal.rest.clear();
+            }
         }
     }
 
@@ -338,6 +393,9 @@ impl Recorder {
             }
         }
         for signal in &mut self.signals {
+            if let (Some(receiver), Some(series)) = (&self.series, signal.series) {
+                receiver.write(series, signal.channel, &signal.window);
+            }
             signal.reduce(self.windows, self.done);
         }
         self.done += 1;
@@ -348,14 +406,19 @@ impl Recorder {
         if self.done < self.windows.count {
             self.reduce();
         }
+        self.pass_on_rests(1);
         (self.signals, self.whirl)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::simulation::input::channel::Motion;
+    use crate::simulation::input::control::Control;
+    use crate::simulation::input::series_sink::SeriesSink;
+    use crate::simulation::recording::series::SeriesInMemory;
 
     #[test]
     fn the_recorded_time_is_cut_into_few_equal_windows() {
@@ -379,8 +442,14 @@ mod tests {
         };
         let whole: Vec<f64> = (0..values).map(signal).collect();
         let channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
-        let outputs =
-            Outputs { vibration: true, contacts: false, cage: false, spectra: vec![channel], series: Vec::new() };
+        let outputs = Outputs {
+            vibration: true,
+            contacts: false,
+            cage: false,
+            spectra: vec![channel],
+            series: Vec::new(),
+            ..Outputs::vibration()
+        };
         let mut recorder = Recorder::new([channel], &outputs, values + 1);
         whole.iter().chain([&9.0, &9.0]).for_each(|value| recorder.push(&[*value]));
         let (signals, whirl) = recorder.finish();
@@ -394,7 +463,7 @@ mod tests {
         let kurtosis = |moments: &CentralMoments| moments.kurtosis().unwrap();
         assert!((kurtosis(&seen.in_band().moments) / kurtosis(&alone) - 1.0).abs() < 1e-3);
         assert!((seen.all().rms() / statistics::rms(&whole[..3 * 85_312]) - 1.0).abs() < 1e-12);
-        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole));
+        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole, outputs.envelope_band));
         assert_eq!((spectra.amplitude.averages, at_once.amplitude.averages), (3, 1));
         let line = |spectrum: &crate::numerics::spectrum::Spectrum, frequency: f64| {
             let bin = (frequency / spectrum.resolution).round() as usize;
@@ -411,17 +480,29 @@ mod tests {
     }
 
     #[test]
-    fn a_requested_series_is_kept_to_the_last_value() {
+    fn a_requested_series_is_passed_on_to_the_last_value() {
         let values = 2 * kept_values(LONGEST) + 1;
         let channel = Channel::CageSpeed;
-        let outputs =
-            Outputs { vibration: false, contacts: false, cage: false, spectra: Vec::new(), series: vec![channel] };
-        let mut recorder = Recorder::new([channel, Channel::BallSpin(0)], &outputs, values);
+        let outputs = Outputs { vibration: false, series: vec![channel], ..Outputs::vibration() };
+        let memory = Arc::new(SeriesInMemory::default());
+        let sink: Arc<dyn SeriesSink> = memory.clone();
+        let control = Control { series: Some(&sink), ..Control::until(&|| false) };
+        let rejected = SeriesRecording::begin(&outputs, &control).unwrap();
+        rejected.write(0, channel, &[f64::NAN]);
+        assert!(!rejected.is_finite(0));
+        drop(rejected);
+        let recorder = Recorder::new([channel, Channel::BallSpin(0)], &outputs, values);
+        let mut recorder = recorder.with_series(SeriesRecording::begin(&outputs, &control));
         (0..values).for_each(|i| recorder.push(&[i as f64, 0.0]));
+        let series = recorder.series().unwrap();
         let (signals, _) = recorder.finish();
-        let kept = signals[0].values().unwrap();
-        assert_eq!((kept.len(), kept[values - 1]), (values, (values - 1) as f64));
-        assert_eq!((signals[1].values(), signals[1].excerpts.len()), (None, 0));
+        assert_eq!((series.length(0), series.is_finite(0)), (values, true));
+        series.keep();
+        drop(series);
+        let kept = &memory.take()[&0];
+        assert_eq!((kept.len(), kept[values - 1]), (values, channel.scale() * (values - 1) as f64));
+        assert!(memory.take().is_empty(), "the rejected recording is gone");
+        assert!(signals.iter().all(|signal| signal.values().is_none() && signal.excerpts.is_empty()));
     }
 
     #[test]

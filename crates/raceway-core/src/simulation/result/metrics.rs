@@ -15,10 +15,10 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
 use crate::simulation::recording::record::{ContactExtremes, Recording, cage_slip};
-use crate::simulation::recording::sampling::BAND;
-use crate::simulation::recording::sampling::RATE;
+use crate::simulation::recording::sampling::{ACCELERATIONS, BAND, RATE};
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::recording::windows::{InBand, Whirl};
+use crate::simulation::result::bands::{self, Band};
 use crate::simulation::result::lines::{Line, LineSources, find_lines};
 use crate::simulation::result::series::Series;
 
@@ -116,6 +116,10 @@ pub struct Summary {
     pub frequencies: CharacteristicFrequencies,
     /// Strongest first within a channel.
     pub lines: Vec<(Channel, Line)>,
+    /// Lines of the envelopes of accelerations, likewise.
+    pub envelope_lines: Vec<(Channel, Line)>,
+    /// Bands of the accelerations with spectra.
+    pub bands: Vec<(Channel, Vec<Band>)>,
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
 }
@@ -221,12 +225,28 @@ pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpec
     settings.outputs.spectra.iter().filter_map(one).collect()
 }
 
-/// Lines of all spectra. A line has no label where the speed varies, and where it is weaker than the noise that the error of the level allows. A
+/// Bands of the accelerations with spectra. A level that is not resolved has none.
+pub fn bands(spectra: &[ChannelSpectra], accuracy: &AccuracyReport) -> Vec<(Channel, Vec<Band>)> {
+    let is_resolved =
+        |of: &&ChannelSpectra| ACCELERATIONS.contains(&of.channel) && accuracy.unresolved.of(of.channel).is_none();
+    spectra.iter().filter(is_resolved).map(|of| (of.channel, bands::bands(&of.amplitude))).collect()
+}
+
+/// Which spectra of the channels have their lines listed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spectra {
+    Amplitude,
+    /// Of accelerations only: impacts show in them.
+    Envelope,
+}
+
+/// Lines of all spectra of a kind. A line has no label where the speed varies, and where it is weaker than the noise that the error of the level allows. A
 /// spectrum whose level is not resolved has no lines.
 pub fn lines(
     scene: &Scene,
     recording: &Recording,
     spectra: &[ChannelSpectra],
+    kind: Spectra,
     frequencies: &CharacteristicFrequencies,
     accuracy: &AccuracyReport,
 ) -> Vec<(Channel, Line)> {
@@ -239,19 +259,25 @@ pub fn lines(
         frequencies: marked(scene, frequencies),
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
+        inner_defect: scene.surfaces.raceway.inner.has_defects(),
     };
     let of_channel = |spectra: &ChannelSpectra| {
+        let spectrum = match kind {
+            Spectra::Amplitude => &spectra.amplitude,
+            Spectra::Envelope if !ACCELERATIONS.contains(&spectra.channel) => return Vec::new(),
+            Spectra::Envelope => &spectra.envelope,
+        };
         let acceleration = spectra.channel.acceleration();
         if acceleration.is_some_and(|of| accuracy.unresolved.of(of).is_some()) {
             return Vec::new();
         }
         let error_db = acceleration.and_then(|of| accuracy.level_errors.of(of)).unwrap_or(0.0);
-        let noise = allowed_noise(&spectra.amplitude, error_db);
+        let noise = allowed_noise(spectrum, error_db);
         let name = |line: Line| match is_constant && line.amplitude > SQRT_2 * noise {
             true => line,
             false => Line { label: String::new(), deviation: 0.0, ..line },
         };
-        let lines = find_lines(&spectra.amplitude, sources, BAND);
+        let lines = find_lines(spectrum, sources, BAND);
         lines.into_iter().map(|line| (spectra.channel, name(line))).collect::<Vec<_>>()
     };
     spectra.iter().flat_map(of_channel).collect()
@@ -278,13 +304,21 @@ fn marked(scene: &Scene, frequencies: &CharacteristicFrequencies) -> Characteris
     }
 }
 
-/// The asked-for time series, in their units.
+/// The requested time series, whose values their receiver has.
 pub fn series(recording: &Recording, settings: &RunSettings) -> Vec<Series> {
-    let one = |channel: &Channel| {
-        let values = recording.signal(*channel)?.iter().map(|value| channel.scale() * value).collect();
-        Some(Series { channel: *channel, start: recording.start, step: 1.0 / RATE, values })
+    let Some(recorded) = &recording.series else { return Vec::new() };
+    recorded.keep();
+    let one = |(number, channel): (usize, &Channel)| Series {
+        number,
+        channel: *channel,
+        start: recording.start,
+        step: 1.0 / RATE,
+        length: recorded.length(number),
+        is_finite: recorded.is_finite(number),
+        values: Vec::new(),
     };
-    settings.outputs.series.iter().filter_map(one).collect()
+    // A reduced model may lack a channel.
+    settings.outputs.series.iter().enumerate().map(one).filter(|series| series.length > 0).collect()
 }
 
 #[cfg(test)]

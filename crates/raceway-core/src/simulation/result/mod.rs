@@ -2,6 +2,8 @@
 
 pub mod series;
 
+pub mod bands;
+
 pub mod lines;
 
 pub mod metrics;

@@ -8,7 +8,7 @@ use crate::simulation::model::terms::LeftOut;
 use crate::simulation::recording::plot_data::PlotData;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::spectra::ChannelSpectra;
-use crate::simulation::result::metrics::{self, SolverReport, Summary};
+use crate::simulation::result::metrics::{self, SolverReport, Spectra, Summary};
 use crate::simulation::result::series::Series;
 
 /// Result of a run.
@@ -48,16 +48,18 @@ impl RunResult {
             false => (Vec::new(), PlotData::default()),
         };
         let frequencies = metrics::frequencies(scene, recording);
+        let lines = |kind| match outputs.vibration {
+            true => metrics::lines(scene, recording, &spectra, kind, &frequencies, &accuracy),
+            false => Vec::new(),
+        };
         let summary = Summary {
             channels: channels(),
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
             cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
             frequencies,
-            lines: if outputs.vibration {
-                metrics::lines(scene, recording, &spectra, &frequencies, &accuracy)
-            } else {
-                Vec::new()
-            },
+            lines: lines(Spectra::Amplitude),
+            envelope_lines: lines(Spectra::Envelope),
+            bands: if outputs.vibration { metrics::bands(&spectra, &accuracy) } else { Vec::new() },
             solver,
             accuracy,
         };

@@ -18,6 +18,7 @@ use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{periodic, spindle_only};
 use crate::simulation::recording::record::Recording;
+use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::solve::eligibility::{active_terms, window_times};
 use crate::simulation::solve::plan::{Candidate, CandidateSteps};
 use crate::simulation::solve::startup::{InitialState, StartupPhase};
@@ -134,7 +135,8 @@ pub(crate) fn run_from(
     control: &Control<'_>,
 ) -> Result<Attempt, SimulationError> {
     let Dynamics { model, terms, .. } = dynamics;
-    let mut observer = Observer::new(model, terms, settings);
+    let series = SeriesRecording::begin(&settings.outputs, control);
+    let mut observer = Observer::new(model, terms, settings).with_series(series);
     let settle = settings.settle;
     let span = Span { start: start.time, end: observer.end(), checkpoint: settle, share: (0.0, 1.0) };
     let mut steps = 0_u64;

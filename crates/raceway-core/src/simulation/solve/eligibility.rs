@@ -13,6 +13,7 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::inapplicable::Inapplicable;
+use crate::simulation::model::omission::{Condensation, OmissionReason};
 use crate::simulation::model::radially_condensed;
 use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut, UnsupportedChoice};
 use crate::simulation::model::{periodic, spindle_only};
@@ -92,19 +93,19 @@ pub fn active_terms(
 
 /// Terms that a reduced model leaves out; the bound of all together is the error that its verification shows.
 fn omissions(level: ModelLevel, may_tilt: bool) -> Vec<LeftOut> {
-    let one = |term: Term, reason: &str| LeftOut {
+    let one = |term: Term, condensation| LeftOut {
         term: term.name(),
-        reason: format!("rung {}: {reason}", level.name()),
+        reason: OmissionReason::Condensed(level, condensation),
         by: Justification::Judgement,
         bound: None,
     };
-    let mut all = vec![one(Term::BallRadialDynamics, "balls are in radial equilibrium between their raceways")];
+    let mut all = vec![one(Term::BallRadialDynamics, Condensation::RadialEquilibrium)];
     if may_tilt {
-        all.push(one(Term::CageTilt, "no ball or cage leaves the plane"));
+        all.push(one(Term::CageTilt, Condensation::StaysInPlane));
     }
     if level != ModelLevel::RadiallyCondensed {
-        all.push(one(Term::Cage, "balls orbit at equal spacing, at the speed of ideal rolling"));
-        all.push(one(Term::BallSpinDynamics, "balls roll ideally"));
+        all.push(one(Term::Cage, Condensation::EqualSpacing));
+        all.push(one(Term::BallSpinDynamics, Condensation::IdealRolling));
     }
     all
 }
@@ -182,9 +183,18 @@ pub fn ball_passage(scene: &Scene) -> f64 {
     TAU / (scene.bearing.parameters.ball_count as f64 * orbit)
 }
 
+/// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft that carries a defect through the load.
+pub fn longest_passage(scene: &Scene) -> f64 {
+    let turn = match scene.surfaces.raceway.inner.has_defects() {
+        true => TAU / scene.operating_speed().abs(),
+        false => 0.0,
+    };
+    ball_passage(scene).max(turn)
+}
+
 /// Times of a verification against a richer model: before its window, and of the window [s].
 pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
-    let passage = ball_passage(scene);
+    let passage = longest_passage(scene);
     let share = WINDOW_RUN_SHARE * (settings.settle + settings.duration);
     let settle = share.clamp(MIN_WINDOW_SETTLE_S, WINDOW_SETTLE_S);
     let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turn_of_inner_waves(scene));

@@ -149,7 +149,7 @@ fn reduced_report(
     report
 }
 
-/// Verdict on automatic fixed steps: accepted if a quarter of the step deviates by no more than half of `model_tolerance_db`.
+/// Verdict on automatic fixed steps: accepted if the stated error is within its share of `model_tolerance_db`.
 fn chosen_step(
     candidate: &Candidate,
     step: f64,

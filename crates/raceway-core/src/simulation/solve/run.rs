@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::numerics::ode::IntegrationError;
@@ -9,8 +10,10 @@ use crate::simulation::error::codes::{Cause, Rejection};
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::control::Control;
 use crate::simulation::input::scene::Scene;
+use crate::simulation::input::series_sink::SeriesSink;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::recording::series::SeriesInMemory;
 use crate::simulation::result::run_result::RunResult;
 use crate::simulation::solve::assemble::{Solved, assemble};
 use crate::simulation::solve::attempt::{Attempt, MIN_EVALUATIONS, Problem, execute};
@@ -29,11 +32,25 @@ const RUN_SHARE: f64 = 0.6;
 const TIGHTER_EVALUATIONS: u64 = 5;
 const REPETITION_EVALUATIONS: u64 = 50;
 
-/// Simulates the scene. Deterministic: the same arguments give the same bits apart from wall times.
-///
+/// Simulates the scene. Deterministic: the same arguments give the same bits apart from wall times. The result holds the requested
+/// series, unless `control` names a receiver of them.
+pub fn simulate(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
+    if control.series.is_some() || settings.outputs.series.is_empty() {
+        return solve(scene, settings, control);
+    }
+    let memory = Arc::new(SeriesInMemory::default());
+    let sink: Arc<dyn SeriesSink> = memory.clone();
+    let mut result = solve(scene, settings, &Control { series: Some(&sink), ..*control })?;
+    let mut values = memory.take();
+    for series in &mut result.series {
+        series.values = values.remove(&series.number).unwrap_or_default();
+    }
+    Ok(result)
+}
+
 /// The first accepted attempt is the result. A rejection may insert a refined candidate. If no candidate is accepted, the last attempt
 /// with a report is the result, with the errors that it states.
-pub fn simulate(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
+fn solve(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
     let begin = Instant::now();
     let furthest = Cell::new(0.0);
     let report_progress = |share: f64| {

@@ -100,9 +100,14 @@ impl<'a> Comparison<'a> {
         let levels = levels(reference);
         let judged = judged(&levels);
         let mut lines: Vec<(Channel, Line)> = Vec::new();
-        for (channel, line) in
-            metrics::lines(scene, &reference.recording, &spectra, &frequencies, &AccuracyReport::default())
-        {
+        for (channel, line) in metrics::lines(
+            scene,
+            &reference.recording,
+            &spectra,
+            metrics::Spectra::Amplitude,
+            &frequencies,
+            &AccuracyReport::default(),
+        ) {
             if judged.contains(&channel) && lines.iter().filter(|(other, _)| *other == channel).count() < LINES {
                 lines.push((channel, line));
             }

@@ -20,6 +20,7 @@ use crate::simulation::recording::record::{Quantities, Recording, cage_slip};
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
 use crate::simulation::recording::sampling::{PART, RATE};
+use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::windows::Recorder;
 
 /// Samples per recorded value [-], which resolve fast motion; not needed if long fixed steps damp this motion.
@@ -82,7 +83,7 @@ pub struct Observer<'m> {
 }
 
 impl<'m> Observer<'m> {
-    /// Observer that records what metrics, spectra and series of `settings` need.
+    /// Observer that records what metrics and spectra of `settings` need.
     pub fn new(model: &'m Model, needs: &ActiveTerms, settings: &RunSettings) -> Self {
         let layout = model.mechanism().layout;
         let axes = if layout.axial_spindle { &[Axis::X, Axis::Y, Axis::Z][..] } else { &[Axis::Y, Axis::Z] };
@@ -142,6 +143,13 @@ impl<'m> Observer<'m> {
             parts: Vec::with_capacity(values.div_ceil(PART)),
             part_cage: CageMoments::default(),
         }
+    }
+
+    /// The observer with a receiver of the requested series.
+    pub(crate) fn with_series(mut self, series: Option<SeriesRecording>) -> Self {
+        self.picked = self.picked.with_series(series.clone());
+        self.filtered = self.filtered.with_series(series);
+        self
     }
 
     fn sample_time(&self, sample: usize) -> f64 {
@@ -392,12 +400,14 @@ impl<'m> Observer<'m> {
         self.keep_samples_until(f64::INFINITY);
         self.end_part();
         let total_variance = self.spindle.iter().zip(&self.moments).map(|(c, m)| (*c, m.variance())).collect();
+        let series = self.filtered.series();
         let (spindle, spindle_whirl) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
         let largest = |of: fn(&Quantities) -> f64| self.parts.iter().map(of).fold(0.0, f64::max);
         Recording {
             start: self.start,
             signals: spindle.into_iter().chain(picked).collect(),
+            series,
             whirl,
             spindle_whirl,
             total_variance,

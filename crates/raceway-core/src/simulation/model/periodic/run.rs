@@ -14,6 +14,7 @@ use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::spindle_only::{recording, scene_model};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{RATE, SPINDLE_IN_PLANE, kept_values};
+use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::windows::{Recorder, Windows};
 
 /// Values of an extended motion between two polls of `Control`.
@@ -35,7 +36,8 @@ pub fn simulate(
     // The motion repeats: one window shows all of it, unless a series shows every value.
     let all = kept_values(settings.duration);
     let values = if settings.outputs.series.is_empty() { Windows::of(all).length } else { all };
-    let mut recorder = Recorder::new(SPINDLE_IN_PLANE, &settings.outputs, values);
+    let mut recorder = Recorder::new(SPINDLE_IN_PLANE, &settings.outputs, values)
+        .with_series(SeriesRecording::begin(&settings.outputs, control));
     passage.repeated(settings.settle, values, control, |frame| recorder.push(frame))?;
     let total = std::array::from_fn(|i| rms(&passage.signals[i]).powi(2));
     let recording = recording(&model, &mechanism, settings.settle, settings.duration, recorder, Some(total));

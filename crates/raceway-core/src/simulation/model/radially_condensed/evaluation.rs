@@ -488,12 +488,11 @@ mod tests {
         scene.cage.film = PocketFilm::None;
         let surface = |order: u32, phase: f64| RacewaySurface {
             waviness: vec![Wave { order, amplitude: 2e-7, phase }],
-            random_waviness: None,
+            ..RacewaySurface::default()
         };
         let raceway = PerRaceway { inner: surface(9, 0.7), outer: surface(20, -1.0) };
         scene.surfaces = Surfaces { raceway, seed: 1 };
-        let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() };
-        let model = RadiallyCondensed::new(&scene, &outputs).unwrap();
+        let model = RadiallyCondensed::new(&scene, &Outputs::vibration()).unwrap();
         let m = &model.mechanism;
         let waves = model.waves.as_ref().unwrap();
         let stiffness = m.raceway.map(|contact| contact.hertz().stiffness);

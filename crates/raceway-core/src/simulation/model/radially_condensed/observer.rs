@@ -18,6 +18,7 @@ use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::loaded_rolling::LoadedRolling;
 use crate::simulation::recording::record::{ContactExtremes, Quantities, Recording, cage_slip};
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, picked_channels};
+use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::windows::Recorder;
 
 /// Number of signals of the spindle.
@@ -171,9 +172,15 @@ impl Extremes {
 }
 
 impl<'a> Observer<'a> {
-    pub(super) fn new(model: &'a RadiallyCondensed, outputs: &Outputs, schedule: Schedule, primed: bool) -> Self {
+    pub(super) fn new(
+        model: &'a RadiallyCondensed,
+        outputs: &Outputs,
+        schedule: Schedule,
+        primed: bool,
+        series: Option<SeriesRecording>,
+    ) -> Self {
         let channels = picked_channels(outputs, model.mechanism().layout.cage);
-        let recorder = |channels: &[Channel]| Recorder::new(channels.iter().copied(), outputs, schedule.values);
+        let picked = Recorder::new(channels.iter().copied(), outputs, schedule.values).with_series(series.clone());
         let extremes = Extremes::new(model.groups());
         Self {
             model,
@@ -183,8 +190,8 @@ impl<'a> Observer<'a> {
             frames: Vec::with_capacity(FRAMES),
             waiting_from: 0,
             primed,
-            filtered: Recorder::behind_filter(SPINDLE_IN_PLANE, outputs, schedule.values),
-            picked: recorder(&channels),
+            filtered: Recorder::behind_filter(SPINDLE_IN_PLANE, outputs, schedule.values).with_series(series),
+            picked,
             pick: [vec![0.0; channels.len()], vec![0.0; channels.len()]],
             between: Vec::with_capacity(channels.len()),
             next_pick: 0,
@@ -361,6 +368,7 @@ impl<'a> Observer<'a> {
         // Without a cage the mean orbit speed of the balls replaces its speed.
         let cage = if m.layout.cage { self.cage / self.kept / m.pitch_radius } else { orbit };
         let contacts = self.contacts();
+        let series = self.filtered.series();
         let (spindle, spindle_whirl) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
         Recording {
@@ -369,6 +377,7 @@ impl<'a> Observer<'a> {
             contacts,
             max_pocket_load: self.extremes.map_or(0.0, |seen| seen.pocket.0.into_iter().fold(0.0, f32::max).into()),
             signals: spindle.into_iter().chain(picked).collect(),
+            series,
             whirl,
             spindle_whirl,
             direction: if shaft < 0.0 { -1.0 } else { 1.0 },

@@ -15,6 +15,7 @@ use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::kept_values;
+use crate::simulation::recording::series::SeriesRecording;
 
 /// Steps between two polls of `Control`.
 const STEPS_PER_POLL: u64 = 256;
@@ -87,7 +88,8 @@ impl RadiallyCondensed {
         let schedule = Schedule { ratio, first, last, values, delay };
         // A run without settling time has no past for the filter, which then starts from a standstill.
         let primed = first < stepper.steps() + delay as u64;
-        let mut observer = Observer::new(self, &settings.outputs, schedule, primed);
+        let series = SeriesRecording::begin(&settings.outputs, control);
+        let mut observer = Observer::new(self, &settings.outputs, schedule, primed, series);
         let all = last + delay as u64 + 1;
         while stepper.steps() < all {
             if (control.stop)() {

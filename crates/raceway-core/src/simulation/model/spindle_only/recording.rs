@@ -17,6 +17,7 @@ pub(crate) fn recording(
     recorder: Recorder,
     total_variance: Option<[f64; 6]>,
 ) -> Recording {
+    let series = recorder.series();
     let (signals, spindle_whirl) = recorder.finish();
     let balls = mechanism.layout.balls;
     let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
@@ -26,6 +27,7 @@ pub(crate) fn recording(
     Recording {
         start,
         signals,
+        series,
         whirl: None,
         spindle_whirl,
         total_variance: SPINDLE_IN_PLANE.into_iter().zip(total_variance.into_iter().flatten()).collect(),

@@ -16,6 +16,7 @@ use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, kept_values};
+use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::windows::Recorder;
 
 /// Nodes of the Adams–Moulton method.
@@ -50,7 +51,8 @@ pub fn simulate(
     let before = (settings.settle / step).floor() as usize;
     // A step ends at the first recorded value; the run begins up to a step after time 0.
     let begin = settings.settle - before as f64 * step;
-    let mut recorder = Recorder::new(SPINDLE_IN_PLANE, &settings.outputs, values);
+    let mut recorder = Recorder::new(SPINDLE_IN_PLANE, &settings.outputs, values)
+        .with_series(SeriesRecording::begin(&settings.outputs, control));
     // Values between steps need steps on either side; before the first step the spindle stands still.
     let mut interpolator = Interpolator::new(ratio.steps, ratio.values);
     let delay = if ratio.is_long() { Interpolator::<{ SPINDLE_IN_PLANE.len() }>::DELAY } else { 0 };

@@ -48,7 +48,14 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
         fixed_step: None,
         settle,
         duration,
-        outputs: Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new() },
+        outputs: Outputs {
+            vibration: true,
+            contacts: true,
+            cage: true,
+            spectra: Vec::new(),
+            series: Vec::new(),
+            ..Outputs::vibration()
+        },
     }
 }
 
