@@ -17,7 +17,7 @@ def wave(order):
 def preloaded(surfaces, level="planar"):
     """The article's bearing without clearance, load and weight, at 1000 r/min: nothing moves it but its surfaces."""
     return {"kind": "simulation", "settle_s": 0.3, "duration_s": 1.0, "solver": {"rung": level},
-            "outputs": {"spectra": DISPLACEMENTS},
+            "outputs": {"metrics": ["vibration"], "spectra": DISPLACEMENTS},
             "scene": {"bearing": {"preset": "article-integrated", "radial_clearance_um": -4}, "gravity_m_s2": 0,
                       "operation": {"speed_rpm": 1000}, "surfaces": surfaces}}
 
