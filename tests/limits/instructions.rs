@@ -63,7 +63,7 @@ fn every_set_of_instructions_gives_the_same_bits() {
 }
 
 /// A run of the radially condensed model to the bit: two groups of balls, pocket walls, slip beyond the range of the fit,
-/// viscous raceways, every traction law.
+/// viscous raceways, every traction law, waves.
 #[test]
 fn runs_of_the_condensed_rung_have_the_same_bits() {
     let with = |change: Value| changed(article(), change);
@@ -75,6 +75,8 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
         with(json!({ "lubricant": { "traction": { "law": "four_parameter", "at_slip_m_s": 0.01 } } })),
         with(json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 50.0 } } })),
         with(json!({ "lubricant": { "kind": "oil" }, "terms": { "hydrodynamics": "on" } })),
+        with(waves()),
+        with(changed(waves(), json!({ "lubricant": { "traction": { "law": "eyring" } } }))),
     ];
     let settings = RunSettings {
         method: Method::Auto,

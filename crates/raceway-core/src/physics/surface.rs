@@ -42,6 +42,15 @@ pub struct NarrowSurface {
     defects: Vec<NarrowDefect>,
 }
 
+/// Height under a ball [m], with its first and second derivative by the azimuth on the ring [m/rad, m/rad²].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Rise<T = f64> {
+    pub height: T,
+    pub slope: T,
+    pub curvature: T,
+}
+side_by_side!(Rise { height, slope, curvature });
+
 impl SurfaceProfile {
     /// The sum of some waves; ideal without any.
     pub fn of_waves(waves: &[Wave]) -> Self {
@@ -92,6 +101,18 @@ impl SurfaceProfile {
                     across: sum.across + one.across,
                 },
             ),
+        }
+    }
+
+    /// Heights with both derivatives at the azimuths of several balls.
+    #[inline(always)]
+    pub(crate) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
+        match self {
+            Self::None => Rise::default(),
+            Self::Constant(height) => Rise { height: Lanes::all(*height), ..Rise::default() },
+            Self::Table(table) => table.rises(azimuth),
+            // Models that ask for curvatures have no defects.
+            Self::Narrow(surface) => surface.everywhere.rises(azimuth),
         }
     }
 

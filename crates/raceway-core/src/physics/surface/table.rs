@@ -2,10 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use super::Rise;
 use super::defects::{Recess, wrapped};
 use super::waviness::{HIGHEST_ORDER, Wave};
 use crate::numerics::angle::sin_cos;
 use crate::numerics::exponential::ROUND;
+use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
 
 /// Knots to one period of the shortest wave. Between knots the height then errs by less than 6e-6 of that wave.
 const KNOTS_PER_WAVE: usize = 8;
@@ -17,11 +19,12 @@ const MOST: usize = KNOTS_PER_WAVE * HIGHEST_ORDER as usize;
 
 /// Height at one knot with its first and second derivative, over the distance between knots [m].
 #[derive(Debug, Clone, Copy, Default)]
-struct Knot {
-    height: f64,
-    first: f64,
-    second: f64,
+struct Knot<T = f64> {
+    height: T,
+    first: T,
+    second: T,
 }
+side_by_side!(Knot { height, first, second });
 
 /// Heights at equidistant azimuths round a ring. Between two knots stands the polynomial of degree five that has their heights and
 /// derivatives (Hermite).
@@ -71,6 +74,43 @@ impl HeightTable {
     /// Height [m] at an azimuth [rad], and its slope [m/rad].
     #[inline(always)]
     pub(super) fn height_and_slope(&self, azimuth: f64) -> (f64, f64) {
+        let (a, b, u) = self.knots_at(azimuth);
+        let piece = Piece::between(a, b);
+        (piece.height(u), piece.slope(u) * self.knots_per_radian())
+    }
+
+    /// Heights with both derivatives at several azimuths [rad]. Knots are fetched one by one; the arithmetic runs side by side.
+    #[inline(always)]
+    pub(super) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
+        let (mut ends, mut place) = (<(Knot<Lanes<N>>, Knot<Lanes<N>>)>::default(), Lanes::<N>::default());
+        for lane in 0..N {
+            let (a, b, u) = self.knots_at(azimuth[lane]);
+            ends.put(lane, (*a, *b));
+            place[lane] = u;
+        }
+        let per_radian = self.knots_per_radian();
+        let mut rises = Rise::<Lanes<N>>::default();
+        for lane in 0..N {
+            let ((a, b), u) = (ends.at(lane), place[lane]);
+            let piece = Piece::between(&a, &b);
+            let one = Rise {
+                height: piece.height(u),
+                slope: piece.slope(u) * per_radian,
+                curvature: piece.curvature(u) * (per_radian * per_radian),
+            };
+            rises.put(lane, one);
+        }
+        rises
+    }
+
+    #[inline(always)]
+    fn knots_per_radian(&self) -> f64 {
+        (self.knots.len() - 1) as f64 * (1.0 / TAU)
+    }
+
+    /// The knots before and after an azimuth [rad], and its place 0 … 1 between them.
+    #[inline(always)]
+    fn knots_at(&self, azimuth: f64) -> (&Knot, &Knot, f64) {
         let count = self.knots.len() - 1;
         let turns = azimuth * (1.0 / TAU);
         // The nearest whole number, subtracted in double precision: −½ … ½ turns remain.
@@ -78,9 +118,53 @@ impl HeightTable {
         let part = if part < 0.0 { part + 1.0 } else { part };
         let place = part * count as f64;
         let knot = (place as usize).min(count - 1);
-        let u = place - knot as f64;
-        let (height, slope) = between(&self.knots[knot], &self.knots[knot + 1], u);
-        (height, slope * (count as f64 * (1.0 / TAU)))
+        (&self.knots[knot], &self.knots[knot + 1], place - knot as f64)
+    }
+}
+
+/// The polynomial between two knots, h + u h' + u² half + u³ (c₃ + u (c₄ + u c₅)).
+struct Piece {
+    height: f64,
+    first: f64,
+    half: f64,
+    c3: f64,
+    c4: f64,
+    c5: f64,
+    second: f64,
+}
+
+impl Piece {
+    /// p(u) = h₀ + u h₀' + u² h₀''/2 + u³ (10 D − 4 E + F/2 − u (15 D − 7 E + F) + u² (6 D − 3 E + F/2))
+    #[inline(always)]
+    fn between(a: &Knot, b: &Knot) -> Self {
+        let half = 0.5 * a.second;
+        let value = b.height - (a.height + a.first + half);
+        let first = b.first - (a.first + a.second);
+        let second = b.second - a.second;
+        Self {
+            height: a.height,
+            first: a.first,
+            half,
+            c3: 10.0 * value - 4.0 * first + 0.5 * second,
+            c4: -15.0 * value + 7.0 * first - second,
+            c5: 6.0 * value - 3.0 * first + 0.5 * second,
+            second: a.second,
+        }
+    }
+
+    #[inline(always)]
+    fn height(&self, u: f64) -> f64 {
+        self.height + u * (self.first + u * (self.half + u * (self.c3 + u * (self.c4 + u * self.c5))))
+    }
+
+    #[inline(always)]
+    fn slope(&self, u: f64) -> f64 {
+        self.first + u * (self.second + u * (3.0 * self.c3 + u * (4.0 * self.c4 + u * (5.0 * self.c5))))
+    }
+
+    #[inline(always)]
+    fn curvature(&self, u: f64) -> f64 {
+        self.second + u * (6.0 * self.c3 + u * (12.0 * self.c4 + u * (20.0 * self.c5)))
     }
 }
 
@@ -138,25 +222,9 @@ impl PathTable {
             return (0.0, 0.0);
         }
         let knot = (place as usize).min(last);
-        let (fall, slope) = between(&self.knots[knot], &self.knots[knot + 1], place - knot as f64);
-        (fall, slope * self.per_spacing)
+        let (piece, u) = (Piece::between(&self.knots[knot], &self.knots[knot + 1]), place - knot as f64);
+        (piece.height(u), piece.slope(u) * self.per_spacing)
     }
-}
-
-/// Height between two knots at a share of their distance, and its slope over that distance [m].
-#[inline(always)]
-fn between(a: &Knot, b: &Knot, u: f64) -> (f64, f64) {
-    // p(u) = h₀ + u h₀' + u² h₀''/2 + u³ (10 D − 4 E + F/2 − u (15 D − 7 E + F) + u² (6 D − 3 E + F/2))
-    let half = 0.5 * a.second;
-    let value = b.height - (a.height + a.first + half);
-    let first = b.first - (a.first + a.second);
-    let second = b.second - a.second;
-    let c3 = 10.0 * value - 4.0 * first + 0.5 * second;
-    let c4 = -15.0 * value + 7.0 * first - second;
-    let c5 = 6.0 * value - 3.0 * first + 0.5 * second;
-    let height = a.height + u * (a.first + u * (half + u * (c3 + u * (c4 + u * c5))));
-    let slope = a.first + u * (a.second + u * (3.0 * c3 + u * (4.0 * c4 + u * (5.0 * c5))));
-    (height, slope)
 }
 
 /// Replaces coefficients c_n by the sums Σ c_n e^(2πi n k/N), k = 0 … N − 1 (Cooley & Tukey, N a power of two). `circle`: sine and cosine

@@ -115,6 +115,11 @@ impl Surfaces {
         self.raceway.inner.is_ideal() && self.raceway.outer.is_ideal()
     }
 
+    /// Returns true where a raceway has a defect.
+    pub(crate) fn have_defects(&self) -> bool {
+        self.raceway.inner.has_defects() || self.raceway.outer.has_defects()
+    }
+
     /// Returns true where a defect is not symmetric about the groove's bottom, so that its edge pushes balls along the axis.
     pub(crate) fn push_along_axis(&self) -> bool {
         let PerRaceway { inner, outer } = &self.raceway;

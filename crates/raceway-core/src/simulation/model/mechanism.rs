@@ -20,6 +20,9 @@ use crate::simulation::model::failure::Departure;
 use crate::simulation::model::state::Layout;
 use crate::simulation::model::terms::ActiveTerms;
 
+/// Steps in a period of the fastest wave of a raceway [-].
+const STEPS_PER_WAVE: f64 = 10.0;
+
 /// Constants of bodies and contacts during a run, in SI units.
 #[derive(Debug, Clone)]
 pub struct Mechanism {
@@ -115,6 +118,11 @@ impl Mechanism {
         } else {
             None
         }
+    }
+
+    /// Longest step that resolves the waves of the raceways [s]; infinite on ideal circles.
+    pub(crate) fn longest_wave_step(&self) -> f64 {
+        1.0 / (STEPS_PER_WAVE * self.wave_frequency)
     }
 
     /// Orbit speed of ideally rolling balls at constant shaft speed [rad/s]; `None` where the speed changes.

@@ -37,6 +37,8 @@ pub mod observer;
 
 pub(crate) mod condensed_contact;
 
+pub(crate) mod heights;
+
 pub mod step_ratio;
 
 pub mod radially_condensed;

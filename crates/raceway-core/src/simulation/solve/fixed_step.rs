@@ -9,8 +9,6 @@ use crate::simulation::model::system::Model;
 pub const STEP: f64 = 7.5e-6;
 /// First step where the spindle moves along the axis [s]; *steps*: the same errors.
 const AXIAL_STEP: f64 = 5.5e-6;
-/// Steps in a period of the fastest wave of a raceway [-].
-const STEPS_PER_WAVE: f64 = 10.0;
 /// Step of the dynamics that verify a reduced model [s]: a fifth of the error of the first step.
 const VERIFYING_STEP: f64 = 0.5 * STEP;
 /// Shortest step that is tried [s]: below it error control takes no longer.
@@ -34,13 +32,11 @@ pub fn is_eligible(model: &Model, settings: &RunSettings) -> bool {
     is_free(settings) && model.mechanism().raceway.inner.is_damped() && first_step(model) >= SHORTEST
 }
 
-/// The first step that is tried [s]. It divides the period of the fastest wave by `STEPS_PER_WAVE` at least, and
-/// resolves the path over each defect.
+/// The first step that is tried [s]. It resolves the waves of the raceways and the path over each defect.
 pub fn first_step(model: &Model) -> f64 {
     let mechanism = model.mechanism();
     let step = if mechanism.layout.axial_spindle { AXIAL_STEP } else { STEP };
-    // At frequency 0 the quotient is infinite.
-    step.min(1.0 / (STEPS_PER_WAVE * mechanism.wave_frequency)).min(mechanism.defect_step)
+    step.min(mechanism.longest_wave_step()).min(mechanism.defect_step)
 }
 
 /// Steps for a start-up phase, the longest first.
