@@ -6,10 +6,11 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
 use crate::numerics::lanes::{LANES, Lanes, larger};
-use crate::numerics::spectrum::band_limited;
+use crate::numerics::spectrum::filtered;
 use crate::numerics::statistics::{self, CentralMoments};
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::bands::Bands;
 use crate::simulation::recording::sampling::ACCELERATIONS;
 use crate::simulation::recording::sampling::BAND;
 use crate::simulation::recording::sampling::BATCHES;
@@ -65,6 +66,8 @@ pub(crate) struct InBand {
     pub largest: f64,
     /// Mean squares of `BATCHES` batches of each window.
     pub mean_squares: Vec<f64>,
+    /// Bands of an acceleration; without meaning for other signals.
+    pub bands: Bands,
 }
 
 impl InBand {
@@ -75,13 +78,15 @@ impl InBand {
 
     /// Statistics of one window without `edge` values at either end.
     fn within(signal: &[f64], edge: usize) -> Self {
-        let in_band = band_limited(signal, RATE, BAND);
+        let mut bands = Bands::default();
+        let in_band = filtered(signal, RATE, BAND, |bins| bands = Bands::of(bins));
         let in_band = in_band.get(edge..in_band.len().saturating_sub(edge)).unwrap_or_default();
         // The band limit removes the mean, and windows differ in their means.
         Self {
             moments: CentralMoments::of(in_band).shifted(statistics::mean(signal)),
             largest: largest_magnitude(signal),
             mean_squares: statistics::mean_squares(in_band, BATCHES),
+            bands,
         }
     }
 
@@ -89,6 +94,7 @@ impl InBand {
         self.moments = self.moments.joined(other.moments);
         self.largest = self.largest.max(other.largest);
         self.mean_squares.extend(other.mean_squares);
+        self.bands.join(&other.bands);
     }
 }
 
