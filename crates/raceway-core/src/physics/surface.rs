@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use self::defects::Recess;
 pub use self::height::Height;
+pub(crate) use self::height::Rise;
 use self::narrow::NarrowDefect;
 use self::table::HeightTable;
 use self::waviness::Wave;
@@ -41,15 +42,6 @@ pub struct NarrowSurface {
     everywhere: HeightTable,
     defects: Vec<NarrowDefect>,
 }
-
-/// Height under a ball [m], with its first and second derivative by the azimuth on the ring [m/rad, m/rad²].
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Rise<T = f64> {
-    pub height: T,
-    pub slope: T,
-    pub curvature: T,
-}
-side_by_side!(Rise { height, slope, curvature });
 
 impl SurfaceProfile {
     /// The sum of some waves; ideal without any.

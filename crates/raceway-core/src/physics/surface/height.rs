@@ -13,3 +13,12 @@ pub struct Height<T = f64> {
     pub across: T,
 }
 side_by_side!(Height { height, along, across });
+
+/// Height under a ball [m], with its first and second derivative by the azimuth on the ring [m/rad, m/rad²].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Rise<T = f64> {
+    pub height: T,
+    pub slope: T,
+    pub curvature: T,
+}
+side_by_side!(Rise { height, slope, curvature });
