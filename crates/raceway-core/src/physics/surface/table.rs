@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::Rise;
 use super::defects::{Recess, wrapped};
+use super::height::Rise;
 use super::waviness::{HIGHEST_ORDER, Wave};
 use crate::numerics::angle::sin_cos;
 use crate::numerics::exponential::ROUND;
