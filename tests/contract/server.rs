@@ -81,7 +81,7 @@ impl Default for ServerSettings {
             origins: &[],
             workers: 2,
             queue_limit: 1000,
-            point_limit: 1000,
+            point_limit: 100_000,
             time_limit: Duration::from_secs(60),
             max_pages: None,
         }
