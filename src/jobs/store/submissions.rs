@@ -2,12 +2,15 @@
 
 use std::collections::HashMap;
 
+use sqlx::FromRow;
 use uuid::Uuid;
 
 use super::database::Store;
 use super::dialect::Dialect;
+use super::digest::{Place, digest_of};
 use super::pool::{Lock, Tx};
-use super::statement::statement;
+use super::sealed_request::SealedRequest;
+use super::statement::{Executor, statement};
 use super::stored_time::{self, stored};
 use super::studies;
 use crate::jobs::error::JobError;
@@ -16,7 +19,10 @@ use crate::jobs::job::{JobRecord, NewJob, Status};
 /// A finished result of identical work.
 #[derive(Debug, Clone, Copy)]
 pub struct Reusable {
+    pub job: Uuid,
     pub result: Uuid,
+    /// Whether the request of its job is what was written, for this work of this owner.
+    pub is_sound: bool,
 }
 
 /// Unfinished work of one owner.
@@ -67,7 +73,9 @@ impl Store {
 const ANY_WAITS: &str = "SELECT EXISTS (SELECT 1 FROM jobs WHERE status = 'queued' AND delivery IS NOT NULL) \
      OR EXISTS (SELECT 1 FROM strands WHERE waiting_since IS NOT NULL)";
 
-const REUSABLE: &str = "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 \
+/// Without the expression SQLite would choose the index of an owner's succeeded jobs, and read all of them.
+const REUSABLE: &str = "SELECT id, result_id, request, request_digest, content_hash FROM jobs \
+     WHERE content_hash = $1 AND status = 'succeeded' AND owner || '' = $2 \
      AND NOT EXISTS (SELECT 1 FROM corrupt_results WHERE job = jobs.id) LIMIT 1";
 
 /// The queries of a submission: each reads an index, or the counts of unfinished work.
@@ -80,11 +88,29 @@ pub async fn any_waits(tx: &mut Tx) -> Result<bool, JobError> {
 }
 
 /// The result of identical finished work of the same owner, unless it is known to be corrupt.
-pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, JobError> {
-    // A transaction that deletes that job waits until the new job refers to the result.
-    let sql = format!("{REUSABLE}{}", tx.dialect().for_share());
-    let result: Option<Uuid> = statement(sql).bind(&job.content_hash).bind(&job.owner).value(&mut *tx).await?;
-    Ok(result.map(|result| Reusable { result }))
+///
+/// `lock` ends the query: a transaction that deletes the job of the result waits until another job refers to the result.
+pub async fn reusable<'a>(
+    place: impl Into<Executor<'a>>,
+    owner: &str,
+    work: &[u8],
+    lock: &str,
+) -> Result<Option<Reusable>, JobError> {
+    let row: Option<ReusableRow> =
+        statement(format!("{REUSABLE}{lock}")).bind(work).bind(owner).optional(place).await?;
+    Ok(row.map(|ReusableRow { id, result_id, request }| Reusable {
+        job: id,
+        result: result_id,
+        is_sound: request.is_of(id, owner, work),
+    }))
+}
+
+#[derive(FromRow)]
+struct ReusableRow {
+    id: Uuid,
+    result_id: Uuid,
+    #[sqlx(flatten)]
+    request: SealedRequest,
 }
 
 /// Inserts a queued job.
@@ -143,10 +169,11 @@ async fn insert_row(
     let sql = format!(
         "INSERT INTO jobs (id, owner, kind, status, request, labels, priority, keep_for_s, created_at, \
                started_at, finished_at, expires_at, progress, delivery, content_hash, reused, result_id, claim, points_left, \
-               heartbeat_at) \
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, \
+               request_digest, heartbeat_at) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20, \
          CASE WHEN $4 = 'running' THEN {now} END)"
     );
+    let place = Place::of_request(job.id, &job.owner, &job.content_hash);
     let labels = serde_json::to_string(&job.labels).map_err(|error| JobError::Corrupt(error.to_string()))?;
     statement(sql)
         .bind(job.id)
@@ -168,6 +195,7 @@ async fn insert_row(
         .bind(result)
         .bind(i64::from(record.status == Status::Running))
         .bind(i64::try_from(job.points.unwrap_or(0)).unwrap_or(i64::MAX))
+        .bind(digest_of(&place, job.request.as_bytes()))
         .run(&mut *tx)
         .await?;
     insert_labels(tx, job).await
@@ -184,4 +212,25 @@ async fn insert_labels(tx: &mut Tx, job: &NewJob) -> Result<(), JobError> {
     let insert = statement(sql).bind(&job.owner).bind(job.id);
     job.labels.iter().fold(insert, |insert, label| insert.bind(label)).run(&mut *tx).await?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jobs::store::location::Location;
+
+    #[test]
+    fn the_search_for_a_result_reads_the_index_by_content() {
+        let place = tempfile::tempdir().expect("a directory");
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+        runtime.block_on(async {
+            let location = Location::File(place.path().join("jobs.db"));
+            let store = Store::open(&location, 1, None).await.expect("the database opens");
+            store.migrate().await.expect("the tables are made");
+            let query = statement(REUSABLE).bind(vec![0_u8]).bind("a").explained("EXPLAIN QUERY PLAN");
+            let plan: Vec<(i64, i64, i64, String)> = query.all(&store.readers).await.expect("a plan");
+            assert!(plan.iter().any(|step| step.3.contains("jobs_by_content")), "{plan:?}");
+            store.disconnect().await;
+        });
+    }
 }
