@@ -14,7 +14,7 @@ use super::queue::Queue;
 use super::store::database::Store;
 use super::store::part_names::REQUEST;
 use super::store::pool::Tx;
-use super::store::{due, idempotency_keys, maintenance, removal, submissions};
+use super::store::{due, idempotency_keys, maintenance, removal, reuse, submissions};
 use super::token_cache::TokenCache;
 use super::worker::{InlineRun, Worker};
 
@@ -256,7 +256,7 @@ enum Plan {
     Replay(Box<Result<JobRecord, JobError>>),
     Queue,
     /// An existing result answers it.
-    Answer(submissions::Reusable),
+    Answer(reuse::Reusable),
     /// The row that an index finds for its work is not what was written for that work.
     Corrupt(Uuid),
     /// An existing result may answer it, and has not been compared with its digests.
@@ -282,8 +282,7 @@ async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Re
         return Ok(replay);
     }
     let lock = tx.dialect().for_share();
-    let found =
-        if job.reuse { submissions::reusable(&mut *tx, &job.owner, &job.content_hash, lock).await? } else { None };
+    let found = if job.reuse { reuse::reusable(&mut *tx, &job.owner, &job.content_hash, lock).await? } else { None };
     let (plan, expires) = match found {
         Some(found) if !found.is_sound => return Ok(Plan::Corrupt(found.job)),
         Some(found) if job.compared != Some(found.result) => return Ok(Plan::Compare(found.result)),

@@ -61,6 +61,7 @@ impl Worker {
         let begin = Instant::now();
         let mut ended: Option<(PointClaim, PointResult)> = None;
         loop {
+            let since = Instant::now();
             let next = self.advance(shard, ended.as_ref(), begin.elapsed() > TIME_SLICE, item).await?;
             let point = match next {
                 Some(Next::Point(point)) => {
@@ -76,7 +77,7 @@ impl Worker {
                 // The process stops while the database refuses writes: the point is computed again.
                 None => return Ok(DeliveryOutcome::HandedBack),
             };
-            let outcome = self.point(shard, &study, point, &guard.run, item).await?;
+            let outcome = self.point(shard, &study, point, since, &guard.run, item).await?;
             if let PointOutcome::Stopped(used_s) = outcome
                 && let Err(error) = self.store.charge(shard, used_s).await
             {
@@ -126,15 +127,16 @@ impl Worker {
         }
     }
 
+    /// Runs a point that was claimed in a transaction begun at `since`.
     async fn point(
         &self,
         shard: &StudyShard,
         study: &Study,
         point: PointClaim,
+        since: Instant,
         run: &Arc<Run>,
         item: &WorkItem,
     ) -> Result<PointOutcome, JobError> {
-        let begin = Instant::now();
         let simulation = study.point(point.number);
         let hashes = simulation.as_ref().ok().map(point_hashes);
         if study.reuses()
@@ -142,8 +144,8 @@ impl Worker {
             && let Some(end) = self.store.known_end(&shard.owner, hashes).await?
         {
             let content_hash = Some(hashes[0].clone());
-            // The worker is occupied meanwhile.
-            let used_s = begin.elapsed().as_secs_f64();
+            // The worker is occupied by the claim as well, which takes longer than the search.
+            let used_s = since.elapsed().as_secs_f64();
             return Ok(PointOutcome::Ended(PointResult { end, reused: true, content_hash, used_s }));
         }
         let hash = hashes.map(|[hash, _]| hash);

@@ -44,6 +44,8 @@ pub mod records;
 pub mod removal;
 /// Results written and read.
 pub mod results;
+/// The search for a finished result of identical work.
+pub mod reuse;
 /// Requests of jobs with their digests.
 mod sealed_request;
 /// Time series written chunk by chunk, and the removal of those of lost runs.

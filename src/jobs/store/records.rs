@@ -149,7 +149,7 @@ impl Store {
         let takes_more = |row: Row| {
             more = page.len() == filter.limit as usize || bytes > PAGE_BYTES;
             if !more {
-                bytes += row.request.len();
+                bytes += row.request.bytes();
                 let id = row.id;
                 match row.record(id, owner) {
                     Err(error) if error.is_corruption() => corrupt.push((id, error)),

@@ -14,7 +14,7 @@ use super::digest::{Place, Sealed};
 use super::part_names::{METRICS, REPORT, REQUEST, VIEWS, signal_name};
 use super::pool::Tx;
 use super::sealed_request::{SEALED_REQUEST, SealedRequest};
-use super::series_chunks::{RecordedChunks, completion, insertion_of_chunks};
+use super::series_chunks::{RecordedChunks, completion, insertion_of_chunks, no_metrics};
 use super::series_reader::StoredHead;
 use super::signal::Signal;
 use super::spectrum_codec::{decoded, encoded};
@@ -138,11 +138,6 @@ pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<
             statements
         }
     }
-}
-
-/// The metrics of a result that is no simulation's.
-pub(super) fn no_metrics(result: Uuid) -> Sealed<String> {
-    Sealed::new(&Place::of_result(result, METRICS), String::new())
 }
 
 fn insertion_of_signals(id: Uuid, signals: &Signals, provided: &str) -> Statement {

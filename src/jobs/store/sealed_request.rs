@@ -51,7 +51,7 @@ impl SealedRequest {
     }
 
     /// Length of the request [B].
-    pub fn len(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         self.request.len()
     }
 }

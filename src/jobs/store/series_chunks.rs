@@ -6,8 +6,8 @@
 use uuid::Uuid;
 
 use super::database::Store;
-use super::digest::Sealed;
-use super::results::no_metrics;
+use super::digest::{Place, Sealed};
+use super::part_names::METRICS;
 use super::statement::{Statement, statement};
 use crate::jobs::error::JobError;
 
@@ -40,6 +40,11 @@ impl RecordedChunks {
 
 /// Largest number of chunks that one transaction removes: the writer is shared with submissions.
 const MAX_REMOVED: i64 = 32;
+
+/// The metrics of a result that is no simulation's.
+pub(super) fn no_metrics(result: Uuid) -> Sealed<String> {
+    Sealed::new(&Place::of_result(result, METRICS), String::new())
+}
 
 /// Statement that inserts chunks; `provided` is the end of a query that yields one row if they are to be inserted.
 pub(super) fn insertion_of_chunks(result: Uuid, chunks: &[Chunk], provided: &str) -> Statement {
