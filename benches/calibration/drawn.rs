@@ -9,6 +9,7 @@
 //! | `axial` | an axial load |
 //! | `rattling` | cages without film or damping, lighter loads, other restitution of the contacts |
 //! | `crowns` | crown cages of other mass and other axial offset |
+//! | `waves` | waviness of one raceway or both: drawn waves, and in some scenes single ones of low order |
 //!
 //! A result is wrong without a warning where a level of a_y or a_z deviates by more than `FACTOR` times the sum of both
 //! stated errors. Where the motion is not chaotic, the same holds for largest load, pocket load, slip, cage speed and cage
@@ -102,6 +103,26 @@ fn crown(draw: &mut Draw, scene: &mut Value) {
         json!({ "mass_g": draw.between_decades(0.1, 10.0), "offset_mm": draw.between_decades(0.1, 4.0) });
 }
 
+/// Adds waves to one raceway or both.
+fn wave(draw: &mut Draw, scene: &mut Value) {
+    let rings: &[&str] = draw.one_of(&[&["inner"], &["outer"], &["inner", "outer"], &["inner", "outer"]]);
+    for ring in rings {
+        let mut surface = json!({ "random_waviness": {
+            "amplitude_nm": draw.between_decades(1.0, 50.0),
+            "at_order": 10,
+            "exponent": draw.between(0.8, 1.6),
+        } });
+        if draw.chance(0.5) {
+            surface["random_waviness"]["to_order"] = draw.one_of(&[16, 64, 256]).into();
+        }
+        if draw.chance(0.3) {
+            let order = draw.one_of(&[1, 2, 3, 5]);
+            surface["waviness"] = json!([{ "order": order, "amplitude_nm": draw.between_decades(50.0, 1000.0) }]);
+        }
+        scene["surfaces"][ring] = surface;
+    }
+}
+
 fn metrics(scene: &Value, solver: &Value, asked: &[&str]) -> Result<Metrics, String> {
     let job = json!({
         "kind": "simulation", "scene": scene, "solver": solver, "settle_s": 0.03, "duration_s": 0.1,
@@ -188,6 +209,9 @@ pub fn run(words: &[String]) {
     }
     if has(words, "crowns") {
         scenes.iter_mut().for_each(|scene| crown(&mut draw, scene));
+    }
+    if has(words, "waves") {
+        scenes.iter_mut().for_each(|scene| wave(&mut draw, scene));
     }
     let found = in_parallel(2, scenes.len(), |number| judged(&scenes[number]));
     let mut rungs = CASES.map(|_| BTreeMap::<String, (usize, usize, usize, f64)>::new());

@@ -5,7 +5,7 @@
 //! | command | question |
 //! |---|---|
 //! | `settling [SEED COUNT] [chosen\|axial]` | Has the initial transient decayed after the default `settle_s`? |
-//! | `drawn [SEED COUNT] [axial] [rattling] [crowns]` | Is a level or number of a randomly drawn scene off by more than stated? |
+//! | `drawn [SEED COUNT] [axial] [rattling] [crowns] [waves]` | Is a level or number of a randomly drawn scene off by more than stated? |
 //! | `extreme [scene=TEXT] [method=NAME] [budget=N]` | Does every method give a correct or a rejected result at the limits of the input? |
 //!
 //! The same seed gives the same scenes and the same lines.
@@ -23,7 +23,7 @@ use raceway::contract::answer::messages::{MessageCode, Severity};
 
 const USAGE: &str = "usage: cargo bench --bench calibration -- COMMAND …
   settling [SEED COUNT] [chosen|axial]
-  drawn [SEED COUNT] [axial] [rattling] [crowns]
+  drawn [SEED COUNT] [axial] [rattling] [crowns] [waves]
   extreme [scene=TEXT] [method=NAME] [budget=N]";
 
 /// Whether a result carries a warning, apart from vibration of the start.

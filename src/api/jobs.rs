@@ -121,7 +121,7 @@ async fn parsed(body: &Bytes) -> Result<Job, ApiError> {
 
 /// List jobs
 ///
-/// Newest first. `next` is the path of the next page; the header `Link` repeats it. A page looks at 2000 jobs at most: with several
+/// Newest first. `next` is the path of the next page; the header `Link` repeats it. A page looks at 10 000 jobs at most: with several
 /// filters it may have fewer jobs than `limit`, or none, and a next page.
 #[utoipa::path(
     get, path = "/v1/jobs", tag = openapi::JOBS, operation_id = "listJobs", params(ListQuery),

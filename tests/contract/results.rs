@@ -147,6 +147,7 @@ fn the_contract_of_the_metrics_holds() {
         "/kinematics/cage_speed_hz",
         "/frequencies_hz/ball_pass_outer",
         "/lines",
+        "/envelope_lines",
         "/solver/method",
         "/solver/wall_time_s",
         "/accuracy/how",

@@ -140,7 +140,7 @@ fn lost_points_of_a_succeeded_study_can_be_resumed() {
 #[test]
 fn single_jobs_go_before_studies() {
     let server = start_with(ServerSettings { workers: 1, ..ServerSettings::default() });
-    let study = server.submit(&study_of(1000));
+    let study = server.submit(&study_of(900));
     server.wait_for(&study, &["running"]);
     let single = server.submit(&job());
     server.wait_for(&single, &["succeeded"]);

@@ -6,7 +6,7 @@ use raceway::physics::pocket::Pocket;
 use raceway::simulation::model::Model;
 use serde_json::{Value, json};
 
-use crate::scenes::{advance, article, azimuth, changed, disturbed, model, watched, waves};
+use crate::scenes::{advance, article, azimuth, changed, defects, disturbed, model, watched, waves};
 
 /// The article's case without dissipation.
 fn frictionless(changes: Value) -> Value {
@@ -137,6 +137,8 @@ fn energy_is_kept_without_dissipation() {
                 json!({ "operation": { "misalignment_mrad": { "y": 5 } } }),
             )),
         ),
+        ("outer defects", frictionless(json!({ "surfaces": { "outer": defects(0.1)["surfaces"]["outer"] } }))),
+        ("defects at rest", frictionless(changed(defects(0.1), at_rest()))),
         ("strong gravity", frictionless(json!({ "gravity_m_s2": 1000 }))),
     ] {
         let model = model(&json);

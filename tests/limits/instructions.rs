@@ -10,7 +10,7 @@ use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRatio};
 use serde_json::{Value, json};
 
-use crate::scenes::{article, changed, disturbed, everything, model_on, nothing_asked, rates, scene, waves};
+use crate::scenes::{article, changed, defects, disturbed, everything, model_on, nothing_asked, rates, scene, waves};
 
 const TIME: f64 = 2.3e-4;
 
@@ -34,6 +34,8 @@ fn scenes() -> Vec<(Value, ModelLevel)> {
             ModelLevel::Full,
         ),
         (changed(article(), waves()), ModelLevel::Planar),
+        (everything_with(defects(0.1)), ModelLevel::Full),
+        (changed(article(), defects(0.0)), ModelLevel::Planar),
     ]
 }
 
@@ -61,7 +63,7 @@ fn every_set_of_instructions_gives_the_same_bits() {
 }
 
 /// A run of the radially condensed model to the bit: two groups of balls, pocket walls, slip beyond the range of the fit,
-/// viscous raceways, every traction law.
+/// viscous raceways, every traction law, waves.
 #[test]
 fn runs_of_the_condensed_rung_have_the_same_bits() {
     let with = |change: Value| changed(article(), change);
@@ -73,6 +75,8 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
         with(json!({ "lubricant": { "traction": { "law": "four_parameter", "at_slip_m_s": 0.01 } } })),
         with(json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 50.0 } } })),
         with(json!({ "lubricant": { "kind": "oil" }, "terms": { "hydrodynamics": "on" } })),
+        with(waves()),
+        with(changed(waves(), json!({ "lubricant": { "traction": { "law": "eyring" } } }))),
     ];
     let settings = RunSettings {
         method: Method::Auto,

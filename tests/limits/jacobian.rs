@@ -7,7 +7,7 @@ use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::model::equilibrium::start_state;
 use serde_json::json;
 
-use crate::scenes::{article, changed, disturbed, everything, model_on, waves};
+use crate::scenes::{article, changed, defects, disturbed, everything, model_on, waves};
 
 /// Central differences of the whole right-hand side, dense.
 fn dense(system: &impl OdeSystem, state: &[f64], sizes: &[f64]) -> Vec<Vec<f64>> {
@@ -33,8 +33,9 @@ fn the_arrowhead_is_the_whole_jacobian() {
     let oil = changed(everything(), json!({ "operation": { "misalignment_mrad": { "y": 0.3 } } }));
     let wavy = changed(oil.clone(), waves());
     for (json, rung) in [
-        (oil, ModelLevel::Full),
+        (oil.clone(), ModelLevel::Full),
         (wavy, ModelLevel::Full),
+        (changed(oil, defects(0.1)), ModelLevel::Full),
         (article(), ModelLevel::Full),
         (article(), ModelLevel::Planar),
     ] {

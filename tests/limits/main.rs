@@ -6,6 +6,7 @@ mod article_run;
 mod scenes;
 
 mod contact_points;
+mod defects;
 mod dissipation;
 mod energy;
 mod extremes;

@@ -7,7 +7,7 @@ use raceway::simulation::model::state::{BallState, CageState, SpindleState};
 use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
-use crate::scenes::{article, changed, disturbed, everything, model, model_on, rates, scene, waves};
+use crate::scenes::{article, changed, defects, disturbed, everything, model, model_on, rates, scene, waves};
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::solve::run::simulate;
@@ -68,10 +68,13 @@ pub fn mirrored_scene(mut json: Value) -> Value {
     if operation.get("misalignment_mrad").is_some() {
         negate(&mut operation["misalignment_mrad"]["y"]);
     }
-    for ring in ["/surfaces/inner/waviness", "/surfaces/outer/waviness"] {
-        for wave in json.pointer_mut(ring).and_then(Value::as_array_mut).into_iter().flatten() {
-            if wave.get("phase_deg").is_some() {
-                negate(&mut wave["phase_deg"]);
+    for (list, field) in [("waviness", "phase_deg"), ("defects", "azimuth_deg")] {
+        for ring in ["inner", "outer"] {
+            let items = json.pointer_mut(&format!("/surfaces/{ring}/{list}")).and_then(Value::as_array_mut);
+            for item in items.into_iter().flatten() {
+                if item.get(field).is_some() {
+                    negate(&mut item[field]);
+                }
             }
         }
     }
@@ -124,6 +127,7 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
             ),
         ),
         ("waves", of(waves())),
+        ("defects", of(defects(0.1))),
         ("eight balls", of(json!({ "bearing": { "ball_count": 8 } }))),
     ] {
         let (model, image) = (model(&json), model(&mirrored_scene(json)));

@@ -41,6 +41,24 @@ pub fn waves() -> Value {
     })
 }
 
+/// Surfaces with defects over the whole groove, and with narrow ones whose middle lies `across_mm` beside the groove's bottom. Balls of the
+/// article's case are in them at t = 0 and at 0.23 ms.
+pub fn defects(across_mm: f64) -> Value {
+    json!({
+        "surfaces": {
+            "inner": { "defects": [
+                { "azimuth_deg": 52, "length_mm": 0.4, "width_mm": 0.5, "across_mm": across_mm, "depth_um": 2, "shape": "half_sine" },
+                { "azimuth_deg": 10, "length_mm": 0.3, "depth_um": 1 }
+            ] },
+            "outer": { "defects": [
+                { "azimuth_deg": 2, "length_mm": 0.5, "depth_um": 4 },
+                { "azimuth_deg": 26, "length_mm": 0.5, "width_mm": 0.4, "across_mm": across_mm, "depth_um": 10 },
+                { "azimuth_deg": 106, "length_mm": 0.6, "width_mm": 0.3, "across_mm": across_mm, "depth_um": 20 }
+            ] }
+        }
+    })
+}
+
 pub fn scene(json: &Value) -> Scene {
     scene_from_json(&json.to_string()).unwrap_or_else(|refusal| panic!("{refusal:?}\n{json:#}"))
 }

@@ -9,10 +9,12 @@ use raceway::physics::surface::SurfaceProfile;
 use raceway::physics::surface::waviness::Wave;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
 use raceway::simulation::input::model_level::ModelLevel;
+use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::{Outputs, RunSettings};
 use raceway::simulation::model::Mechanism;
 use raceway::simulation::model::equilibrium::equilibrium;
-use raceway::simulation::model::surfaces::waves;
+use raceway::simulation::model::surfaces::{AveragedSurface, averaged_surfaces};
+use raceway::simulation::result::run_result::RunResult;
 use raceway::simulation::solve::run::simulate;
 use serde_json::{Value, json};
 
@@ -23,14 +25,15 @@ fn wave(order: u32, amplitude: f64, phase: f64) -> Wave {
     Wave { order, amplitude, phase }
 }
 
-/// Share of the tangential force that acts in the balance of energy: all, none, or its opposite.
-fn energy_lost(lean: f64) -> f64 {
+/// Change of the energy of a ball over its elastic energy, on a surface of the outer raceway. `lean`: share of the tangential force that acts,
+/// all, none, or its opposite.
+pub fn energy_lost(surface: SurfaceProfile, lean: f64) -> f64 {
     const SPEED: f64 = 2058.0;
     const STEP: f64 = 2e-8;
     let frictionless = json!({ "lubricant": { "traction": { "maximum": 0, "limit": 0 } }, "damping": { "raceway": { "law": "none" } } });
     let scene = scene(&changed(article(), frictionless));
     let m = Mechanism::new(&scene, &needs(&scene, Some(ModelLevel::Planar)));
-    let contact = m.raceway.outer.clone().with_surface(SurfaceProfile::of_waves(&[wave(40, 20e-9, 0.0)]));
+    let contact = m.raceway.outer.clone().with_surface(surface);
     let (at_pitch, _) = contact.penetration::<true>(0.0, m.pitch_radius);
     // Radial equilibrium on a circle.
     let load = m.ball_mass * m.pitch_radius * SPEED * SPEED;
@@ -76,7 +79,8 @@ fn energy_lost(lean: f64) -> f64 {
 /// case. Its energy is kept to 1e-8 of the elastic energy; without the lean force it is off by some 30 %, with its opposite by twice that.
 #[test]
 fn the_lean_force_keeps_the_energy_of_a_ball() {
-    let [with, without, opposite] = [1.0, 0.0, -1.0].map(energy_lost);
+    let [with, without, opposite] =
+        [1.0, 0.0, -1.0].map(|lean| energy_lost(SurfaceProfile::of_waves(&[wave(40, 20e-9, 0.0)]), lean));
     assert!(with < 1e-8, "{with:e}");
     assert!((0.2..0.4).contains(&without) && (0.4..0.8).contains(&opposite), "{without} {opposite}");
 }
@@ -180,42 +184,51 @@ fn a_loaded_bearing_moves_with_every_wave() {
     }
 }
 
-/// Amplitudes [nm] at a frequency over that of the cage and the shaft, from a run of the planar model at 1000 r/min.
-fn simulated(surfaces: Value, multiples: (f64, f64)) -> [f64; 2] {
-    let change = json!({
-        "bearing": { "radial_clearance_um": -4 },
-        "operation": { "speed_rpm": 1000, "radial_load_y_n": 0 },
-        "gravity_m_s2": 0,
-        "surfaces": surfaces
+/// The article's bearing at 1000 r/min, without gravity, with a clearance [µm] and a load [N].
+fn slow(clearance_um: f64, load_n: f64, change: Value) -> Value {
+    let slow = json!({
+        "bearing": { "radial_clearance_um": clearance_um },
+        "operation": { "speed_rpm": 1000, "radial_load_y_n": load_n },
+        "gravity_m_s2": 0
     });
-    let scene = scene(&changed(article(), change));
+    changed(changed(article(), slow), change)
+}
+
+/// One wave of 10 nm on a raceway.
+fn one_wave(ring: &str, order: u32) -> Value {
+    json!({ "surfaces": { ring: { "waviness": [{ "order": order, "amplitude_nm": 10, "phase_deg": 20 }] } } })
+}
+
+/// A run of a scene on a model level, by default steps on the reduced ones, with spectra of the displacements.
+fn run_on(scene: &Scene, level: ModelLevel) -> RunResult {
     let channels = [Axis::Y, Axis::Z].map(|axis| Channel::Spindle(axis, Motion::Displacement));
+    let is_planar = level == ModelLevel::Planar;
     let settings = RunSettings {
-        method: Method::Auto,
-        rung: Some(ModelLevel::Planar),
+        method: if is_planar { Method::SemiImplicit } else { Method::Auto },
+        rung: Some(level),
         relative_tolerance: 1e-5,
-        tightened: None,
+        tightened: (!is_planar).then_some(1e-6),
         model_tolerance_db: 0.05,
-        fixed_step: Some(7.5e-6),
+        fixed_step: is_planar.then_some(7.5e-6),
         settle: 0.3,
         duration: 1.0,
-        outputs: Outputs {
-            vibration: true,
-            contacts: false,
-            cage: true,
-            spectra: channels.to_vec(),
-            series: Vec::new(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs { cage: is_planar, spectra: channels.to_vec(), ..Outputs::vibration() },
     };
-    let settings = RunSettings { method: Method::SemiImplicit, ..settings };
-    let result = simulate(&scene, &settings, &patient()).unwrap();
+    simulate(scene, &settings, &patient()).unwrap()
+}
+
+/// Amplitudes [nm] of the displacements in y and z at a frequency over those of BPFO and the shaft, over the share of the wave that the
+/// contact leaves.
+fn simulated(json: &Value, level: ModelLevel, (of_passage, of_shaft): (f64, f64)) -> [f64; 2] {
+    let scene = scene(json);
+    let result = run_on(&scene, level);
     let f = &result.summary.frequencies;
-    let frequency = (multiples.0 * f.ball_pass_outer + multiples.1 * f.shaft).abs();
+    let frequency = (of_passage * f.ball_pass_outer + of_shaft * f.shaft).abs();
     let terms = needs(&scene, Some(ModelLevel::Planar));
-    let waves = waves(&Mechanism::new(&scene, &terms), &scene).unwrap();
+    let waves = averaged_surfaces(&Mechanism::new(&scene, &terms), &scene).unwrap();
     let kept = waves.inner.waves.kept.iter().chain(&waves.outer.waves.kept).next().unwrap();
-    channels.map(|channel| {
+    [Axis::Y, Axis::Z].map(|axis| {
+        let channel = Channel::Spindle(axis, Motion::Displacement);
         let line = result
             .summary
             .lines
@@ -227,12 +240,126 @@ fn simulated(surfaces: Value, multiples: (f64, f64)) -> [f64; 2] {
     })
 }
 
-/// The same in time: an outer and an inner wave of 10 nm on the planar model.
+/// Model levels that carry waves in a run, with those of the outer raceway alone.
+const LEVELS: [(ModelLevel, bool); 4] = [
+    (ModelLevel::Planar, false),
+    (ModelLevel::RadiallyCondensed, false),
+    (ModelLevel::SpindleOnly, false),
+    (ModelLevel::Periodic, true),
+];
+
+/// The same in time, on each model level: waves of 10 nm of orders beside Z.
 #[test]
 fn a_run_moves_as_its_equilibria() {
-    let waves = |order: u32| json!({ "waviness": [{ "order": order, "amplitude_nm": 10, "phase_deg": 20 }] });
-    assert_near("outer 8", simulated(json!({ "outer": waves(8) }), (1.0, 0.0)), [10.002; 2], 0.01);
-    assert_near("inner 6", simulated(json!({ "inner": waves(6) }), (1.0, -6.0)), [10.002; 2], 0.01);
+    for (level, outer_only) in LEVELS {
+        let moves = |ring: &str, order: u32, multiples: (f64, f64)| {
+            let found = simulated(&slow(-4.0, 0.0, one_wave(ring, order)), level, multiples);
+            assert_near(&format!("{level:?}, {ring} {order}"), found, [10.002; 2], 0.01);
+            found[0]
+        };
+        // The planar runs take longest.
+        let orders: &[(u32, f64)] =
+            if level == ModelLevel::Planar { &[(8, 1.0)] } else { &[(6, 1.0), (8, 1.0), (13, 2.0), (15, 2.0)] };
+        for &(order, q) in orders {
+            moves("outer", order, (q, 0.0));
+        }
+        if !outer_only {
+            let found: Vec<f64> =
+                orders.iter().map(|&(order, q)| moves("inner", order, (q, -f64::from(order)))).collect();
+            // Rolling balls pass on half of the lean, + D n/3r below qZ and − above it.
+            assert!(found.len() == 1 || (found[0] > found[1] && found[2] > found[3]), "{level:?}: {found:?}");
+        }
+    }
+}
+
+/// Where all balls carry alike, waves of other orders than qZ ± 1 do not move the spindle.
+#[test]
+fn waves_of_other_orders_do_not_move_a_preloaded_run() {
+    for (level, outer_only) in LEVELS.into_iter().skip(1) {
+        for order in [5, 7, 9, 14] {
+            for ring in if outer_only { &["outer"][..] } else { &["inner", "outer"][..] } {
+                let result = run_on(&scene(&slow(-4.0, 0.0, one_wave(ring, order))), level);
+                let moved = |axis: Axis| {
+                    let channel = Channel::Spindle(axis, Motion::Displacement);
+                    let lines = result.summary.lines.iter().filter(|(of, _)| *of == channel);
+                    lines.map(|(_, line)| 1e3 * line.amplitude).fold(0.0, f64::max)
+                };
+                let found = [moved(Axis::Y), moved(Axis::Z)];
+                assert!(found.iter().all(|amplitude| *amplitude < 1e-3), "{level:?}, {ring} {order}: {found:?} nm");
+            }
+        }
+    }
+}
+
+/// A spindle of 5 kg on a stiffness Z k/2 of 3.791e7 N/m: 1/(1 − (f/f₀)²) = 1.377 at five passages of the balls, with f₀ 438.2 Hz.
+#[test]
+fn a_heavy_spindle_magnifies_waves() {
+    for (level, _) in LEVELS.into_iter().skip(1) {
+        for order in [34, 36] {
+            let heavy = changed(one_wave("outer", order), json!({ "spindle": { "mass_kg": 5 } }));
+            let found = simulated(&slow(-4.0, 0.0, heavy), level, (5.0, 0.0));
+            assert_near(&format!("{level:?}, order {order}"), found, [10.0 * 1.377; 2], 0.01);
+        }
+    }
+}
+
+/// 200 N and a clearance of 5 µm on the reduced levels: the amplitudes of the equilibria. On the condensed level balls move in their pockets,
+/// and n times their angle changes the phase of a wave of order n; the planar model has the same 10.19 and 9.56 nm at order 6.
+#[test]
+fn a_loaded_run_moves_as_its_equilibria() {
+    for (level, share) in [(ModelLevel::RadiallyCondensed, 0.05), (ModelLevel::SpindleOnly, 0.01)] {
+        for (order, multiples, expected) in
+            [(6, (1.0, -6.0), [10.008, 10.005]), (2, (0.0, 2.0), [5.726, 12.330]), (7, (1.0, -7.0), [11.847, 0.0])]
+        {
+            let found = simulated(&slow(5.0, 200.0, one_wave("inner", order)), level, multiples);
+            assert_near(&format!("{level:?}, inner {order}"), found, expected, share);
+        }
+    }
+}
+
+/// Levels of a_y and a_z [dB] over some hundredths of a second.
+fn levels(scene: &Scene, level: ModelLevel) -> [f64; 2] {
+    let settings = RunSettings {
+        method: Method::Auto,
+        rung: Some(level),
+        relative_tolerance: 1e-6,
+        tightened: None,
+        model_tolerance_db: 0.0,
+        fixed_step: None,
+        settle: 0.03,
+        duration: 0.05,
+        outputs: Outputs::vibration(),
+    };
+    let result = simulate(scene, &settings, &patient()).unwrap();
+    [Axis::Y, Axis::Z].map(|axis| {
+        let channel = Channel::Spindle(axis, Motion::Acceleration);
+        20.0 * result.summary.channels.iter().find(|(of, _)| *of == channel).unwrap().1.rms.log10()
+    })
+}
+
+/// Levels of spindles whose resonance many waves excite: the reduced levels against the planar one. On `spindle_only` balls keep their even
+/// spacing, which inner waves feel as a jitter of their lines.
+#[test]
+fn reduced_levels_are_those_of_the_dynamics() {
+    let random = |amplitude: f64, to: u32| json!({ "random_waviness": { "amplitude_nm": amplitude, "to_order": to } });
+    let condensed = (ModelLevel::RadiallyCondensed, 0.01);
+    for (bearing, speed, load, to, inner, tested) in [
+        ("6205", 6000, 300, 200, 10.0, vec![condensed]),
+        ("6205", 6000, 300, 200, 0.0, vec![condensed, (ModelLevel::SpindleOnly, 0.1)]),
+        ("article-integrated", 30_000, 100, 60, 10.0, vec![condensed, (ModelLevel::SpindleOnly, 0.1)]),
+    ] {
+        let scene = scene(&json!({
+            "bearing": bearing,
+            "operation": { "speed_rpm": speed, "radial_load_y_n": load },
+            "surfaces": { "inner": random(inner, to), "outer": random(20.0, to) }
+        }));
+        let reference = levels(&scene, ModelLevel::Planar);
+        for (level, tolerance) in tested {
+            let found = levels(&scene, level);
+            let off = [0, 1].map(|axis| (found[axis] - reference[axis]).abs());
+            assert!(off.iter().all(|off| *off < tolerance), "{bearing} {inner} {level:?}: {off:?} dB");
+        }
+    }
 }
 
 /// Waves without height change no bit.
@@ -255,9 +382,8 @@ fn contacts_average_waves_of_their_width() {
         "surfaces": { "outer": { "random_waviness": { "amplitude_nm": 5 } } }
     });
     let scene = scene(&json);
-    let waves = waves(&Mechanism::new(&scene, &needs(&scene, Some(ModelLevel::Planar))), &scene).unwrap();
-    let zero =
-        |of: &raceway::simulation::model::surfaces::RacewayWaves| of.contact.first_zero() * (of.load / 243.0).cbrt();
+    let waves = averaged_surfaces(&Mechanism::new(&scene, &needs(&scene, Some(ModelLevel::Planar))), &scene).unwrap();
+    let zero = |of: &AveragedSurface| of.contact.first_zero() * (of.load / 243.0).cbrt();
     assert!((zero(&waves.inner) / 565.0 - 1.0).abs() < 0.01, "{}", zero(&waves.inner));
     assert!((zero(&waves.outer) / 635.0 - 1.0).abs() < 0.01, "{}", zero(&waves.outer));
 }

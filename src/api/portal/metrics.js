@@ -21,36 +21,6 @@ export function usualLimit(metrics) {
   return Math.min(Math.ceil((last * 1.1) / (step / 2)) * (step / 2), 20000);
 }
 
-/** Named peaks of an envelope spectrum at multiples of the bearing's frequencies. The service names no lines of envelopes. */
-export function peaks({ frequency_hz: f, amplitude, resolution_hz: resolution }, known) {
-  const floor = 8 * [...amplitude].sort((a, b) => a - b)[amplitude.length >> 1];
-  const names = [
-    ['f_r', known.shaft],
-    ['FTF', known.cage],
-    ['BPFO', known.ball_pass_outer],
-    ['BPFI', known.ball_pass_inner],
-  ];
-  return names
-    .flatMap(([name, base]) =>
-      [1, 2, 3, 4].map((times) => {
-        const near = Math.round((times * base) / resolution);
-        const at = [near - 1, near, near + 1].reduce((best, i) => (amplitude[i] > (amplitude[best] ?? 0) ? i : best), near);
-        const isPeak =
-          amplitude[at] > floor && amplitude[at] >= (amplitude[at - 1] ?? 0) && amplitude[at] >= (amplitude[at + 1] ?? 0);
-        return (
-          isPeak && {
-            label: times > 1 ? `${times}·${name}` : name,
-            frequency_hz: f[at],
-            amplitude: amplitude[at],
-            deviation_hz: f[at] - times * base,
-          }
-        );
-      }),
-    )
-    .filter(Boolean)
-    .sort((a, b) => b.amplitude - a.amplitude);
-}
-
 /** Messages and key values of a run. */
 export function summary(metrics) {
   const { channels = {}, contacts, kinematics, solver, accuracy, messages = [] } = metrics;
@@ -78,6 +48,22 @@ export function summary(metrics) {
         kinematics?.cage_slip !== undefined && figure('Cage slip', number(kinematics.cage_slip * 100, 2), '%'),
         figure('Model', words(solver.rung), '', `run time ${seconds(solver.wall_time_s)}`),
       ].filter(Boolean),
+    ),
+  ];
+}
+
+/** Velocity of the accelerations in the bands of bearing vibration; nothing without spectra. */
+function bandTable(channels) {
+  const rows = Object.entries(channels).filter(([, { bands }]) => bands?.length);
+  if (rows.length === 0) return [];
+  const edges = rows[0][1].bands.map(({ from_hz: from, to_hz: to }) => `${from}–${to} Hz`);
+  return [
+    h('h3', {}, 'Velocity by band, rms in µm/s'),
+    table(
+      'Bands',
+      ['Channel', ...edges],
+      rows.map(([name, { bands }]) => [channelName(name), ...bands.map((band) => measured(band.velocity_rms_um_s))]),
+      { hidden: true },
     ),
   ];
 }
@@ -133,6 +119,7 @@ export function tables(metrics) {
         ]),
         { hidden: true },
       ),
+      ...bandTable(channels),
       h('h3', {}, 'Contacts, speeds, run'),
       h(
         'dl',

@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { button, h, labelled, labelledRadio, lineName, more, select, small, table, tools } from './dom.js';
 import { command, csv, curl, flat, keep, save } from './download.js';
 import { channelName, number, quantity } from './format.js';
-import { peaks, usualLimit } from './metrics.js';
+import { usualLimit } from './metrics.js';
 import { ballBars, CurvePlot, orbit, picture, SpectrumPlot } from './plots.js';
 
 /** Series for orbit and time plots, which the service keeps only on request. */
@@ -123,10 +123,8 @@ export class Views {
     );
     const path = (limit) => api.spectrumPath(id, this.channel, limit, this.kind);
     const spectrum = await api.get(path(this.limit), { signal });
-    const lines =
-      this.kind === 'envelope'
-        ? peaks(spectrum, this.metrics.frequencies_hz)
-        : (this.metrics.lines?.filter((line) => line.channel === this.channel) ?? []);
+    const all = this.kind === 'envelope' ? this.metrics.envelope_lines : this.metrics.lines;
+    const lines = all?.filter((line) => line.channel === this.channel) ?? [];
     this.stage.replaceChildren(figure);
     const plot = this.spectrumPlot;
     plot.draw({ spectra: [{ name: this.channel, ...spectrum }], lines, unit: spectrum.unit, limit: this.limit });

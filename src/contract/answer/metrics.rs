@@ -7,9 +7,10 @@ use utoipa::ToSchema;
 
 use super::messages::{self, MessageAnswer};
 use super::report::{AccuracyAnswer, FrequenciesAnswer, LeftOutAnswer, SolverAnswer};
+use raceway_core::simulation::error::report::AccuracyReport;
 use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::input::settings::Outputs;
-use raceway_core::simulation::result::bands::Band;
+use raceway_core::simulation::recording::bands::Band;
 use raceway_core::simulation::result::lines::Line;
 use raceway_core::simulation::result::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
 use raceway_core::simulation::result::run_result::RunResult;
@@ -101,8 +102,8 @@ pub struct ChannelAnswer {
     /// Share of the power above 20 kHz [-].
     #[schema(minimum = 0, maximum = 1)]
     pub above_band: f64,
-    /// Vibration in the bands of ISO 15242-1, from the spectrum; accelerations with a kept spectrum and a resolved level only. The standard
-    /// measures the outer ring at 1800 r/min; no quality class follows from these numbers.
+    /// Vibration in the bands of ISO 15242-1, from Hann spectra; accelerations with a resolved level only. Bands that the recorded time does
+    /// not resolve are missing. The standard measures the outer ring at 1800 r/min; no quality class follows from these numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub bands: Option<Vec<BandAnswer>>,
@@ -236,7 +237,7 @@ impl Metrics {
         let channels = summary
             .channels
             .iter()
-            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, summary, *channel)));
+            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, &summary.accuracy, *channel)));
         let lines = |of: &[(Channel, Line)]| {
             outputs.vibration.then(|| of.iter().map(|(channel, line)| line_answer(channel.to_string(), line)).collect())
         };
@@ -260,9 +261,8 @@ impl Metrics {
     }
 }
 
-fn channel_answer(unit: &str, metrics: &ChannelMetrics, summary: &Summary, channel: Channel) -> ChannelAnswer {
-    let accuracy = &summary.accuracy;
-    let bands = summary.bands.iter().find(|(of, _)| *of == channel);
+fn channel_answer(unit: &str, metrics: &ChannelMetrics, accuracy: &AccuracyReport, channel: Channel) -> ChannelAnswer {
+    let has_bands = !metrics.bands.is_empty() && accuracy.unresolved.of(channel).is_none();
     ChannelAnswer {
         unit: unit.to_owned(),
         rms: metrics.rms,
@@ -274,7 +274,7 @@ fn channel_answer(unit: &str, metrics: &ChannelMetrics, summary: &Summary, chann
         resolved: accuracy.unresolved.of(channel).map(|_| false),
         level_scatter_db: accuracy.level_scatter.of(channel),
         above_band: metrics.above_band,
-        bands: bands.map(|(_, bands)| bands.iter().map(BandAnswer::from).collect()),
+        bands: has_bands.then(|| metrics.bands.iter().map(BandAnswer::from).collect()),
     }
 }
 

@@ -1,29 +1,30 @@
-//! Waves of the raceways before a run: what the contacts average, what is kept, and what is left out.
+//! Surfaces of the raceways before a run: waves that the contacts average, keep or leave out, and what a ball feels of each defect.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::contract::json::units::{NM, UM};
+use crate::contract::json::units::{NM, UM, US};
 use raceway_core::physics::bearing::PerRaceway;
+use raceway_core::physics::surface::defects::Recess;
 use raceway_core::physics::surface::waviness::{KeptWave, Omission, SortedWaves};
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::model::Mechanism;
-use raceway_core::simulation::model::surfaces::{RacewayWaves, waves};
+use raceway_core::simulation::model::surfaces::{AveragedSurface, averaged_surfaces, ball_loads_at};
 use raceway_core::simulation::model::terms::ActiveTerms;
 
-/// Waves of both raceways. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
+/// Waves and defects of both raceways. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
 /// static equilibrium at the largest speed, for the whole run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SurfacesAnswer {
-    /// Waves of the inner raceway.
-    pub inner: RacewayWavesAnswer,
-    /// Waves of the outer raceway.
-    pub outer: RacewayWavesAnswer,
+    /// Surface of the inner raceway.
+    pub inner: RacewaySurfaceAnswer,
+    /// Surface of the outer raceway.
+    pub outer: RacewaySurfaceAnswer,
 }
 
-/// Waves of one raceway.
+/// Waves and defects of one raceway.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct RacewayWavesAnswer {
+pub struct RacewaySurfaceAnswer {
     /// Load of the most loaded ball [N].
     #[schema(minimum = 0)]
     pub ball_load_n: f64,
@@ -39,6 +40,49 @@ pub struct RacewayWavesAnswer {
     pub waves: Vec<KeptWaveAnswer>,
     /// Ranges of orders that are not in the model.
     pub left_out: Vec<LeftOutOrdersAnswer>,
+    /// Defects with a depth above 0, in the order of the request.
+    pub defects: Vec<DefectAnswer>,
+}
+
+/// What a ball feels of a defect at the largest speed and ideal rolling. Times are absent at rest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct DefectAnswer {
+    /// Drop of a ball that rests on both edges, by length and relative curvature alone [µm].
+    #[schema(minimum = 0)]
+    pub edge_drop_um: f64,
+    /// True if the ball reaches the floor: the drop exceeds the depth.
+    pub reaches_floor: bool,
+    /// Deepest fall of the ball on its path [µm].
+    #[schema(minimum = 0)]
+    pub fall_um: f64,
+    /// Width over that of the contact [-]; absent if the defect takes the whole groove. Below 1 the raceway beside the defect carries the ball.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub width_over_contact: Option<f64>,
+    /// Speed of the contact along the raceway [m/s].
+    #[schema(minimum = 0)]
+    pub contact_speed_m_s: f64,
+    /// Time from the entry to the last impact [µs], shorter than the time to the other edge.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub entry_to_impact_us: Option<f64>,
+    /// Times of the strongest impacts before and after the middle [µs]; 0 if the ball does not reach the
+    /// floor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub impact_beside_middle_us: Option<f64>,
+    /// Load of a ball in the middle of the defect, on ideal raceways [N]; on the inner raceway, which turns through the load, the largest.
+    #[schema(minimum = 0)]
+    pub ball_load_n: f64,
+    /// True if the inner raceway presses a ball into the defect at some time. Outside the load zone, balls hardly feel a defect.
+    pub in_load_zone: bool,
+    /// Load above which a ball follows an edge and does not fly [N].
+    #[schema(minimum = 0)]
+    pub following_load_n: f64,
+    /// Longest step that resolves the path [µs].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub longest_step_us: Option<f64>,
 }
 
 /// A wave in the model.
@@ -83,13 +127,23 @@ const MOST_LISTED: usize = 64;
 impl SurfacesAnswer {
     /// `None` where all raceways are ideal circles.
     pub fn of(scene: &Scene, terms: &ActiveTerms) -> Option<Self> {
-        let PerRaceway { inner, outer } = waves(&Mechanism::new(scene, terms), scene)?;
-        Some(Self { inner: (&inner).into(), outer: (&outer).into() })
+        let mechanism = Mechanism::new(scene, terms);
+        let PerRaceway { inner, outer } = averaged_surfaces(&mechanism, scene)?;
+        let mass = scene.bearing.ball_mass;
+        let on_inner = inner.defects.iter().map(|recess| DefectAnswer::of(recess, mass, inner.load, inner.load));
+        let on_outer = outer.defects.iter().map(|recess| {
+            let loads = ball_loads_at(&mechanism, scene, recess.defect.azimuth);
+            DefectAnswer::of(recess, mass, loads.outer, loads.inner)
+        });
+        Some(Self {
+            inner: RacewaySurfaceAnswer::of(&inner, on_inner.collect()),
+            outer: RacewaySurfaceAnswer::of(&outer, on_outer.collect()),
+        })
     }
 }
 
-impl From<&RacewayWaves> for RacewayWavesAnswer {
-    fn from(RacewayWaves { load, contact, waves }: &RacewayWaves) -> Self {
+impl RacewaySurfaceAnswer {
+    fn of(AveragedSurface { load, contact, waves, .. }: &AveragedSurface, defects: Vec<DefectAnswer>) -> Self {
         Self {
             ball_load_n: *load,
             half_width_um: UM.to_user(contact.half_width),
@@ -97,6 +151,27 @@ impl From<&RacewayWaves> for RacewayWavesAnswer {
             kept: waves.kept.len(),
             waves: waves.kept.iter().take(MOST_LISTED).map(KeptWaveAnswer::from).collect(),
             left_out: ranges(waves),
+            defects,
+        }
+    }
+}
+
+impl DefectAnswer {
+    /// `ball_mass` [kg], `load` of a ball in its middle [N], `pressed`: by the inner raceway [N].
+    fn of(recess: &Recess, ball_mass: f64, load: f64, pressed: f64) -> Self {
+        let time = |of: fn(&Recess) -> f64| Some(US.to_user(of(recess))).filter(|time| time.is_finite());
+        Self {
+            edge_drop_um: UM.to_user(recess.edge_drop()),
+            reaches_floor: recess.is_bottomed(),
+            fall_um: UM.to_user(recess.deepest()),
+            width_over_contact: recess.width_over_contact(),
+            contact_speed_m_s: recess.contact.speed,
+            entry_to_impact_us: time(Recess::entry_to_impact),
+            impact_beside_middle_us: time(Recess::impact_beside_middle),
+            ball_load_n: load,
+            in_load_zone: pressed > 0.0,
+            following_load_n: ball_mass * recess.edge_acceleration(),
+            longest_step_us: time(Recess::longest_step),
         }
     }
 }

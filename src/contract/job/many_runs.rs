@@ -14,11 +14,16 @@ pub fn already_varied(varied: &Varied, other: &Varied) -> String {
     }
 }
 
-/// Refuses spectra and series: a job of many simulations keeps none.
+/// Refuses spectra, their envelope band, and series: a job of many simulations keeps none.
 pub fn refuse_signals(kind: JobKind, input: &JobInput, defaults: &mut Defaults) {
     let outputs = input.outputs.clone().unwrap_or_default();
-    for (pointer, given) in [("/outputs/spectra", outputs.spectra), ("/outputs/series", outputs.series)] {
-        if given.is_some_and(|channels| !channels.is_empty()) {
+    let keeps = |channels: Option<Vec<String>>| channels.is_some_and(|channels| !channels.is_empty());
+    for (pointer, given) in [
+        ("/outputs/spectra", keeps(outputs.spectra)),
+        ("/outputs/series", keeps(outputs.series)),
+        ("/outputs/envelope_band_hz", outputs.envelope_band_hz.is_some()),
+    ] {
+        if given {
             defaults.refuse(
                 pointer,
                 format!("a job of kind `{}` keeps no signals: run the point as a simulation", kind.name()),

@@ -1,8 +1,11 @@
 //! One simulation, checked. Jobs of every kind have one: the run itself, or what all their runs share.
 
+use raceway_core::physics::surface::defects::Recess;
 use raceway_core::simulation::input::model_level::ModelLevel;
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::input::settings::RunSettings;
+use raceway_core::simulation::model::Mechanism;
+use raceway_core::simulation::model::surfaces::averaged_surfaces;
 use raceway_core::simulation::model::terms::{ActiveTerms, UnsupportedChoice};
 use raceway_core::simulation::solve::eligibility::active_terms;
 use raceway_core::simulation::solve::plan::model_levels;
@@ -16,8 +19,10 @@ use super::times;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::given_fields::given_fields;
 use crate::contract::json::limits;
+use crate::contract::json::numbers::short;
 use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::typed::typed_with_errors;
+use crate::contract::json::units::{MM, US};
 use crate::contract::scene::scene_input::ResolvedScene;
 
 /// A checked simulation: scene, settings and model.
@@ -213,8 +218,39 @@ fn model(
     settings: &RunSettings,
     levels: impl Fn(&Scene, &RunSettings) -> Result<Vec<ModelLevel>, UnsupportedChoice>,
 ) -> Result<(ActiveTerms, Vec<ModelLevel>), FieldError> {
-    let needs = active_terms(scene, &settings.outputs, settings.rung);
-    Ok((needs.map_err(unmet)?, levels(scene, settings).map_err(unmet)?))
+    let needs = active_terms(scene, &settings.outputs, settings.rung).map_err(unmet)?;
+    check_defects(scene, &needs, settings.fixed_step)?;
+    Ok((needs, levels(scene, settings).map_err(unmet)?))
+}
+
+/// Refuses defects that leave no ideal part of their raceway, and steps that would pass over a defect.
+fn check_defects(scene: &Scene, terms: &ActiveTerms, fixed_step: Option<f64>) -> Result<(), FieldError> {
+    let rings = &scene.surfaces.raceway;
+    if rings.inner.defects.is_empty() && rings.outer.defects.is_empty() {
+        return Ok(());
+    }
+    let Some(surfaces) = averaged_surfaces(&Mechanism::new(scene, terms), scene) else { return Ok(()) };
+    for (ring, given, averaged) in [("inner", &rings.inner, &surfaces.inner), ("outer", &rings.outer, &surfaces.outer)]
+    {
+        for recess in &averaged.defects {
+            if recess.leaves_no_raceway() {
+                let index = given.defects.iter().position(|defect| *defect == recess.defect).unwrap_or_default();
+                let (length, longest) = (MM.to_user(recess.defect.length), MM.to_user(recess.longest_length()));
+                let pointer = format!("/scene/surfaces/{ring}/defects/{index}/length_mm");
+                let detail =
+                    format!("{} mm: must be below {} mm, the raceway less two contacts", short(length), short(longest));
+                return Err(FieldError::new(pointer, detail));
+            }
+        }
+        let longest = averaged.defects.iter().map(Recess::longest_step).fold(f64::INFINITY, f64::min);
+        if let Some(step) = fixed_step.filter(|step| *step > longest) {
+            let (step, longest) = (short(US.to_user(step)), short(US.to_user(longest)));
+            let detail =
+                format!("{step} µs: at most {longest} µs resolve the defects of the {ring} raceway at this speed");
+            return Err(FieldError::new("/solver/fixed_step_us", detail));
+        }
+    }
+    Ok(())
 }
 
 /// The field whose value the scene or the outputs exclude.

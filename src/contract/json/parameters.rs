@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 92] = [
+const FIELDS: [(&str, &str, Unit); 104] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -89,6 +89,12 @@ const FIELDS: [(&str, &str, Unit); 92] = [
     ("surfaces.inner.random_waviness.from_order", "/surfaces/inner/random_waviness/from_order", NUMBER),
     ("surfaces.inner.random_waviness.to_order", "/surfaces/inner/random_waviness/to_order", NUMBER),
     ("surfaces.inner.waviness", "/surfaces/inner/waviness", NUMBER),
+    ("surfaces.inner.defects.azimuth", "/surfaces/inner/defects/azimuth_deg", DEG),
+    ("surfaces.inner.defects.length", "/surfaces/inner/defects/length_mm", MM),
+    ("surfaces.inner.defects.width", "/surfaces/inner/defects/width_mm", MM),
+    ("surfaces.inner.defects.depth", "/surfaces/inner/defects/depth_um", UM),
+    ("surfaces.inner.defects.across", "/surfaces/inner/defects/across_mm", MM),
+    ("surfaces.inner.defects", "/surfaces/inner/defects", NUMBER),
     ("surfaces.outer.waviness.order", "/surfaces/outer/waviness/order", NUMBER),
     ("surfaces.outer.waviness.amplitude", "/surfaces/outer/waviness/amplitude_nm", NM),
     ("surfaces.outer.waviness.phase", "/surfaces/outer/waviness/phase_deg", DEG),
@@ -98,6 +104,12 @@ const FIELDS: [(&str, &str, Unit); 92] = [
     ("surfaces.outer.random_waviness.from_order", "/surfaces/outer/random_waviness/from_order", NUMBER),
     ("surfaces.outer.random_waviness.to_order", "/surfaces/outer/random_waviness/to_order", NUMBER),
     ("surfaces.outer.waviness", "/surfaces/outer/waviness", NUMBER),
+    ("surfaces.outer.defects.azimuth", "/surfaces/outer/defects/azimuth_deg", DEG),
+    ("surfaces.outer.defects.length", "/surfaces/outer/defects/length_mm", MM),
+    ("surfaces.outer.defects.width", "/surfaces/outer/defects/width_mm", MM),
+    ("surfaces.outer.defects.depth", "/surfaces/outer/defects/depth_um", UM),
+    ("surfaces.outer.defects.across", "/surfaces/outer/defects/across_mm", MM),
+    ("surfaces.outer.defects", "/surfaces/outer/defects", NUMBER),
     ("surfaces.seed", "/surfaces/seed", NUMBER),
     ("gravity", "/gravity_m_s2", M_S2),
 ];

@@ -9,9 +9,10 @@ use crate::contract::json::numbers::out_of_range;
 use crate::contract::json::shapes::{
     ObjectOnly, optional_object, required_whole_number, whole_number, wide_whole_number,
 };
-use crate::contract::json::units::{DEG, NM, NUMBER, Unit};
+use crate::contract::json::units::{DEG, MM, NM, NUMBER, UM, Unit};
 use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::limits::limits_of;
+use raceway_core::physics::surface::defects::{Defect, Shape};
 use raceway_core::physics::surface::waviness::{RacewaySurface, RandomWaviness, Surfaces, Wave};
 
 /// Order at which the amplitude of random waviness is given, its exponent and its lowest order, where they are not given. Machined
@@ -60,9 +61,44 @@ pub struct RacewaySurfaceInput {
     #[serde(default, skip_serializing, deserialize_with = "not_supported")]
     #[schema(ignore)]
     axial_waviness: (),
-    #[serde(default, skip_serializing, deserialize_with = "not_supported")]
-    #[schema(ignore)]
-    defects: (),
+    /// Local defects, with outlines that do not overlap. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_defects")]
+    #[schema(nullable = false, max_items = 16)]
+    pub defects: Option<Vec<DefectInput>>,
+}
+
+/// A recess of the raceway with a rectangular outline: a spall, a pit or a groove.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DefectInput {
+    /// Azimuth of its middle on the ring, from +Y towards +Z, on the inner ring as at t = 0 [°]. Default 0.
+    #[schema(nullable = false)]
+    pub azimuth_deg: Option<f64>,
+    /// Length along the raceway [mm]. Between both edges a ball falls by the length squared, times the relative curvature, over 8.
+    #[schema(example = 1.0)]
+    pub length_mm: f64,
+    /// Width across the groove [mm]. A defect narrower than the contact is hardly felt. Default: the whole groove.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub width_mm: Option<f64>,
+    /// Depth [µm].
+    #[schema(example = 10.0)]
+    pub depth_um: f64,
+    /// Place of its middle across the groove, from the bottom towards +X [mm]; with `width_mm` only. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub across_mm: Option<f64>,
+    /// Form of its floor. Default `rectangular`.
+    #[schema(nullable = false)]
+    pub shape: Option<DefectShape>,
+}
+
+/// `rectangular`: the full depth from edge to edge. `half_sine`: the depth in the middle, along the raceway as half a sine wave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DefectShape {
+    Rectangular,
+    HalfSine,
 }
 
 /// A wave of the height: amplitude · cos(order · azimuth + phase), azimuth from +Y towards +Z.
@@ -116,6 +152,31 @@ fn optional_waves<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<V
     Ok(Some(waves.into_iter().map(|wave| wave.0).collect()))
 }
 
+fn optional_defects<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<DefectInput>>, D::Error> {
+    let defects = Vec::<ObjectOnly<DefectInput>>::deserialize(deserializer)?;
+    Ok(Some(defects.into_iter().map(|defect| defect.0).collect()))
+}
+
+/// Refuses numbers outside their limits, each by its own pointer. `fields`: the parameter's last name, its field, value and unit.
+fn are_within_limits(
+    defaults: &mut Defaults,
+    (at, parameters): (&str, &str),
+    fields: &[(&str, &str, f64, Unit)],
+) -> bool {
+    let known_errors = defaults.errors.len();
+    for &(parameter, field, value, unit) in fields {
+        let Some(limits) = limits_of(&format!("{parameters}.{parameter}")) else { continue };
+        let si = unit.to_si(value);
+        let is_inside = si <= limits.highest && if limits.exclusive { si > limits.lowest } else { si >= limits.lowest };
+        if !is_inside {
+            let (lowest, highest) = (unit.to_user(limits.lowest), unit.to_user(limits.highest));
+            let detail = out_of_range(value, lowest, highest, limits.exclusive, unit.name);
+            defaults.refuse(format!("{at}/{field}"), detail);
+        }
+    }
+    defaults.errors.len() == known_errors
+}
+
 impl SurfacesInput {
     /// The surfaces of `physics`. A wave with an error is left out.
     pub fn resolve(&mut self, defaults: &mut Defaults) -> Surfaces {
@@ -134,18 +195,12 @@ impl RacewaySurfaceInput {
         for (index, wave) in self.waviness.iter_mut().flatten().enumerate() {
             let at = format!("/scene/surfaces/{name}/waviness/{index}");
             let phase = defaults.fill(format!("{at}/phase_deg"), &mut wave.phase_deg, 0.0);
-            // Each wave is checked by itself, so that the error has its pointer.
-            let fields: [(&str, f64, Unit); 3] =
-                [("order", f64::from(wave.order), NUMBER), ("amplitude", wave.amplitude_nm, NM), ("phase", phase, DEG)];
-            let known_errors = defaults.errors.len();
-            for ((parameter, value, unit), field) in fields.into_iter().zip(["order", "amplitude_nm", "phase_deg"]) {
-                let Some(limits) = limits_of(&format!("surfaces.{name}.waviness.{parameter}")) else { continue };
-                if !(limits.lowest..=limits.highest).contains(&unit.to_si(value)) {
-                    let (lowest, highest) = (unit.to_user(limits.lowest), unit.to_user(limits.highest));
-                    defaults.refuse(format!("{at}/{field}"), out_of_range(value, lowest, highest, false, unit.name));
-                }
-            }
-            if defaults.errors.len() == known_errors {
+            let fields = [
+                ("order", "order", f64::from(wave.order), NUMBER),
+                ("amplitude", "amplitude_nm", wave.amplitude_nm, NM),
+                ("phase", "phase_deg", phase, DEG),
+            ];
+            if are_within_limits(defaults, (&at, &format!("surfaces.{name}.waviness")), &fields) {
                 waves.push(Wave { order: wave.order, amplitude: NM.to_si(wave.amplitude_nm), phase: DEG.to_si(phase) });
             }
         }
@@ -157,6 +212,47 @@ impl RacewaySurfaceInput {
             from_order: defaults.fill(format!("{at}/from_order"), &mut random.from_order, FROM_ORDER),
             to_order: random.to_order,
         });
-        RacewaySurface { waviness: waves, random_waviness }
+        RacewaySurface { waviness: waves, random_waviness, defects: self.resolve_defects(name, defaults) }
+    }
+
+    fn resolve_defects(&mut self, name: &str, defaults: &mut Defaults) -> Vec<Defect> {
+        let mut defects = Vec::new();
+        for (index, defect) in self.defects.iter_mut().flatten().enumerate() {
+            let at = format!("/scene/surfaces/{name}/defects/{index}");
+            let azimuth = defaults.fill(format!("{at}/azimuth_deg"), &mut defect.azimuth_deg, 0.0);
+            let shape = defaults.fill(format!("{at}/shape"), &mut defect.shape, DefectShape::Rectangular);
+            let across = match defect.width_mm {
+                Some(_) => defaults.fill(format!("{at}/across_mm"), &mut defect.across_mm, 0.0),
+                None => defect.across_mm.unwrap_or_default(),
+            };
+            if defect.width_mm.is_none() && across != 0.0 {
+                defaults.refuse(
+                    format!("{at}/across_mm"),
+                    "a defect over the whole groove has no place across: give width_mm",
+                );
+                continue;
+            }
+            let mut fields = vec![
+                ("azimuth", "azimuth_deg", azimuth, DEG),
+                ("length", "length_mm", defect.length_mm, MM),
+                ("depth", "depth_um", defect.depth_um, UM),
+                ("across", "across_mm", across, MM),
+            ];
+            fields.extend(defect.width_mm.map(|width| ("width", "width_mm", width, MM)));
+            if are_within_limits(defaults, (&at, &format!("surfaces.{name}.defects")), &fields) {
+                defects.push(Defect {
+                    azimuth: DEG.to_si(azimuth),
+                    length: MM.to_si(defect.length_mm),
+                    width: defect.width_mm.map(|width| MM.to_si(width)),
+                    depth: UM.to_si(defect.depth_um),
+                    across: MM.to_si(across),
+                    shape: match shape {
+                        DefectShape::Rectangular => Shape::Rectangular,
+                        DefectShape::HalfSine => Shape::HalfSine,
+                    },
+                });
+            }
+        }
+        defects
     }
 }

@@ -230,6 +230,13 @@ fn impossible_jobs_are_refused() {
         (job(r#""outputs":{"spectra":["spindle.q.acceleration"]}"#), "/outputs/spectra/0", "channels are spindle."),
         (job(r#""outputs":{"spectra":["spindle.x.velocity"]}"#), "/outputs/spectra/0", "axial direction is free"),
         (job(r#""outputs":{"series":["cage.speed","cage.speed"]}"#), "/outputs/series/1", "more than once"),
+        (
+            job(r#""outputs":{"envelope_band_hz":[9,20000]}"#),
+            "/outputs/envelope_band_hz/0",
+            "9 Hz: must be from 10 to 25600 Hz",
+        ),
+        (job(r#""outputs":{"envelope_band_hz":[2000,26000]}"#), "/outputs/envelope_band_hz/1", "26000 Hz: must be"),
+        (job(r#""outputs":{"envelope_band_hz":[300,300]}"#), "/outputs/envelope_band_hz", "300 Hz is not below 300 Hz"),
         (job(r#""outputs":{"series":["ball.8.spin"]}"#), "/outputs/series/0", "N = 1…7"),
         (
             job(&format!(r#""outputs":{{"series":[{}]}}"#, vec![r#""cage.speed""#; 65].join(","))),
@@ -271,6 +278,7 @@ fn impossible_accuracy_jobs_are_refused() {
         (job(r#""solver":{"rung":"periodic"}"#), "/solver/rung", "compared on `full` or `planar`, not on `periodic`"),
         (job(r#""outputs":{"spectra":[]}"#), "/outputs/spectra", "keeps no signals"),
         (job(r#""outputs":{"series":["cage.speed"]}"#), "/outputs/series", "keeps no signals"),
+        (job(r#""outputs":{"envelope_band_hz":[100,200]}"#), "/outputs/envelope_band_hz", "keeps no signals"),
         (job(r#""reuse":true"#), "/reuse", "its result is never reused"),
         (job(r#""duration_s":0"#), "/duration_s", "0 s: must be from 1e-6 to 1000 s"),
         (job(r#""duration_s":3000"#), "/duration_s", "3000 s: must be from 1e-6 to 1000 s"),

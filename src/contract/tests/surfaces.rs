@@ -18,6 +18,10 @@ fn wrong_surfaces_are_refused() {
         inner(json!({ "waviness": [good, { "order": order, "amplitude_nm": amplitude, "phase_deg": phase }] }))
     };
     let random = |fields: Value| inner(json!({ "random_waviness": fields }));
+    let defect = |fields: Value| {
+        let good = json!({ "azimuth_deg": 90, "length_mm": 0.2, "depth_um": 10 });
+        inner(json!({ "defects": [good, fields] }))
+    };
     let many = vec![json!({ "order": 8, "amplitude_nm": 10 }); 65];
     for (surfaces, pointer, words) in [
         (wave(json!(0), 1.0, 0.0), "inner/waviness/1/order", "0: must be from 1 to 100000"),
@@ -44,7 +48,45 @@ fn wrong_surfaces_are_refused() {
             "8 is below from_order, 9",
         ),
         (json!({ "seed": -1 }), "seed", "-1: must be a whole number from 0 to 9007199254740991"),
-        (inner(json!({ "defects": [] })), "inner/defects", "not supported yet"),
+        (defect(json!({ "depth_um": 3 })), "inner/defects/1/length_mm", "required, but missing"),
+        (defect(json!({ "length_mm": 1 })), "inner/defects/1/depth_um", "required, but missing"),
+        (
+            defect(json!({ "length_mm": 0, "depth_um": 3 })),
+            "inner/defects/1/length_mm",
+            "0 mm: must be above 0 and at most 10000 mm",
+        ),
+        (
+            defect(json!({ "length_mm": 0.1, "depth_um": 1001 })),
+            "inner/defects/1/depth_um",
+            "1001 µm: must be from 0 to 1000 µm",
+        ),
+        (
+            defect(json!({ "length_mm": 0.1, "depth_um": 3, "azimuth_deg": 361 })),
+            "inner/defects/1/azimuth_deg",
+            "361 °: must be from -360 to 360 °",
+        ),
+        (
+            defect(json!({ "length_mm": 0.1, "depth_um": 3, "width_mm": 0 })),
+            "inner/defects/1/width_mm",
+            "0 mm: must be above 0",
+        ),
+        (
+            defect(json!({ "length_mm": 0.1, "depth_um": 3, "across_mm": 0.2 })),
+            "inner/defects/1/across_mm",
+            "give width_mm",
+        ),
+        (defect(json!({ "length_mm": 0.1, "depth_um": 3, "shape": "round" })), "inner/defects/1/shape", "half_sine"),
+        (
+            defect(json!({ "length_mm": 0.1, "depth_um": 3, "azimuth_deg": 90.2 })),
+            "inner/defects",
+            "the outlines of items 0 and 1 overlap",
+        ),
+        (inner(json!({ "defects": [{ "length_mm": 80, "depth_um": 3 }] })), "inner/defects", "item 0 are no less than"),
+        (
+            inner(json!({ "defects": vec![json!({ "length_mm": 0.1, "depth_um": 3 }); 17] })),
+            "inner/defects",
+            "17 defects: at most 16",
+        ),
         (inner(json!({ "axial_waviness": [] })), "inner/axial_waviness", "not supported yet"),
         (json!({ "balls": [] }), "balls", "not supported yet"),
         (json!({ "every_ball": {} }), "every_ball", "not supported yet"),
@@ -115,6 +157,9 @@ fn a_study_varies_waves() {
         "/surfaces/inner/waviness/0/phase_deg",
         "/surfaces/outer/random_waviness/exponent",
         "/surfaces/outer/random_waviness/to_order",
+        "/surfaces/outer/defects/0/length_mm",
+        "/surfaces/outer/defects/0/depth_um",
+        "/surfaces/outer/defects/0/azimuth_deg",
         "/surfaces/seed",
     ] {
         let request = json!({
@@ -124,7 +169,10 @@ fn a_study_varies_waves() {
                 "operation": { "speed_rpm": 50000 },
                 "surfaces": {
                     "inner": { "waviness": [{ "order": 8, "amplitude_nm": 10 }] },
-                    "outer": { "random_waviness": { "amplitude_nm": 5 } }
+                    "outer": {
+                        "random_waviness": { "amplitude_nm": 5 },
+                        "defects": [{ "length_mm": 0.3, "depth_um": 3 }]
+                    }
                 }
             },
             "axes": [{ "path": path, "values": [2, 3] }]
@@ -132,5 +180,81 @@ fn a_study_varies_waves() {
         let study = parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{path}: {refusal}"));
         let point = study.into_study().unwrap().point(1).unwrap().scene_json();
         assert_eq!(point.pointer(path).and_then(Value::as_f64), Some(3.0), "{path}");
+    }
+}
+
+/// A 6205 with surfaces, and the answer of `resolve`.
+fn resolved(surfaces: Value, speed: f64) -> Value {
+    let operation = json!({ "speed_rpm": speed, "radial_load_y_n": 500 });
+    let request = json!({ "scene": { "bearing": "6205", "operation": operation, "surfaces": surfaces } });
+    serde_json::to_value(resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap())).unwrap()
+}
+
+/// Drop, fall, times, load and step of each defect; only the dynamics are tried.
+#[test]
+fn resolve_tells_of_defects() {
+    let slot = json!({ "length_mm": 1, "depth_um": 10 });
+    let away = json!({ "azimuth_deg": 180, "length_mm": 0.5, "width_mm": 0.5, "depth_um": 100 });
+    let surfaces = json!({ "outer": { "defects": [slot, away] }, "inner": { "defects": [slot] } });
+    let answer = resolved(surfaces.clone(), 1797.0);
+    assert_eq!(answer["rungs"], json!(["full"]));
+    let defects = |ring: &str| answer["derived"]["surfaces"][ring]["defects"].clone();
+    let (outer, inner) = (defects("outer"), defects("inner"));
+    let number = |of: &Value, field: &str| of[field].as_f64().unwrap_or_else(|| panic!("{field}: {of}"));
+    for (of, field, expected) in [
+        (&outer[0], "edge_drop_um", 26.16),
+        (&inner[0], "edge_drop_um", 39.5),
+        (&outer[0], "contact_speed_m_s", 1.7607),
+        (&outer[0], "impact_beside_middle_us", 134.8),
+        (&outer[0], "entry_to_impact_us", 392.5),
+        (&outer[0], "fall_um", 10.0),
+        (&inner[0], "longest_step_us", 12.0),
+        (&outer[0], "longest_step_us", 16.5),
+    ] {
+        assert!((number(of, field) / expected - 1.0).abs() < 0.05, "{field}: {of}");
+    }
+    assert!(outer[0]["reaches_floor"] == true && outer[1]["reaches_floor"] == false);
+    assert!(outer[0]["in_load_zone"] == true && outer[1]["in_load_zone"] == false && inner[0]["in_load_zone"] == true);
+    assert!(
+        (0.2..0.6).contains(&number(&outer[1], "width_over_contact")) && outer[0].get("width_over_contact").is_none()
+    );
+    assert!(number(&outer[1], "fall_um") < 0.3 * number(&outer[1], "edge_drop_um"), "{}", outer[1]);
+    // At rest nothing takes time.
+    let still = resolved(surfaces, 0.0)["derived"]["surfaces"]["outer"]["defects"][0].clone();
+    assert!(still.get("longest_step_us").is_none() && still.get("impact_beside_middle_us").is_none(), "{still}");
+}
+
+/// Defects that leave no ideal raceway, steps that would pass over one, and a planar model of a defect beside the middle.
+#[test]
+fn defects_refuse_what_cannot_resolve_them() {
+    let of = |defect: Value, solver: Value| {
+        json!({
+            "kind": "simulation",
+            "scene": {
+                "bearing": "6205",
+                "operation": { "speed_rpm": 20_000, "radial_load_y_n": 500 },
+                "surfaces": { "outer": { "defects": [defect] } }
+            },
+            "solver": solver
+        })
+    };
+    let slot = json!({ "length_mm": 1, "depth_um": 10 });
+    let aside = json!({ "length_mm": 1, "depth_um": 10, "width_mm": 1, "across_mm": 0.5 });
+    for (job, pointer, words) in [
+        (
+            of(json!({ "length_mm": 147.6, "depth_um": 10 }), json!({})),
+            "/scene/surfaces/outer/defects/0/length_mm",
+            "must be below",
+        ),
+        (
+            of(slot, json!({ "method": "dormand_prince", "fixed_step_us": 5 })),
+            "/solver/fixed_step_us",
+            "5 µs: at most 1.",
+        ),
+        (of(aside, json!({ "rung": "planar" })), "/solver/rung", "across_mm"),
+    ] {
+        let Err(Refusal::Invalid { errors }) = parse_job(job.to_string().as_bytes()) else { panic!("{job}") };
+        let [error] = &errors[..] else { panic!("{job}: {errors:?}") };
+        assert!(error.pointer == pointer && error.detail.contains(words), "{error:?}");
     }
 }

@@ -137,12 +137,44 @@ fn bins_below(bins: usize, is_below: impl Fn(usize) -> bool) -> usize {
 /// An ideal filter in the frequency domain treats the signal as periodic. Different end values would cause an overshoot of a tenth of their
 /// difference. The straight line through the ends, which lies within the band, is therefore subtracted first and added again.
 pub(crate) fn band_limited(signal: &[f64], rate: f64, highest: f64) -> Vec<f64> {
+    filtered(signal, rate, highest, |_| {})
+}
+
+/// Fourier transform of a signal less the straight line through its ends.
+pub(crate) struct Bins<'a> {
+    bins: &'a [Complex64],
+    values: usize,
+    rate: f64,
+}
+
+impl Bins<'_> {
+    /// Frequency between two bins [Hz].
+    pub fn resolution(&self) -> f64 {
+        self.rate / self.values as f64
+    }
+
+    /// Number of the bin after the last one that has two neighbours.
+    pub fn interior(&self) -> usize {
+        self.bins.len().saturating_sub(1)
+    }
+
+    /// Square of the amplitude of a bin that has two neighbours, under a Hann window.
+    pub fn hann_square(&self, bin: usize) -> f64 {
+        let around = &self.bins[bin - 1..=bin + 1];
+        let one_sided = 4.0 / self.values as f64;
+        (one_sided * (0.5 * around[1] - 0.25 * (around[0] + around[2]))).norm_sqr()
+    }
+}
+
+/// [`band_limited`]; `look` sees the whole transform.
+pub(crate) fn filtered(signal: &[f64], rate: f64, highest: f64, look: impl FnOnce(&Bins<'_>)) -> Vec<f64> {
     let (n, [Some(first), Some(last)]) = (signal.len(), [signal.first(), signal.last()]) else { return Vec::new() };
     let rise = if n > 1 { (last - first) / (n - 1) as f64 } else { 0.0 };
     let middle = 0.5 * (n - 1) as f64;
     let line = |i: usize| rise * (i as f64 - middle);
     let mut bent: Vec<f64> = signal.iter().enumerate().map(|(i, value)| value - line(i)).collect();
     let mut bins = forward(&mut bent);
+    look(&Bins { bins: &bins, values: n, rate });
     bins[0] = Complex64::ZERO;
     let cut = bins_below(bins.len(), |k| k as f64 * rate / n as f64 <= highest);
     bins[cut..].fill(Complex64::ZERO);

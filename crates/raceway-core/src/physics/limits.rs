@@ -31,7 +31,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 68] = [
+const LIMITS: [Limits; 73] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -100,6 +100,11 @@ const LIMITS: [Limits; 68] = [
     within(".exponent", 0.0, 4.0),
     within(".from_order", 1.0, MAX_ORDER),
     within(".to_order", 1.0, MAX_ORDER),
+    within(".defects.azimuth", -2.0 * PI, 2.0 * PI),
+    above(".defects.length", 0.0, 10.0),
+    above(".defects.width", 0.0, 10.0),
+    within(".defects.depth", 0.0, 1e-3),
+    within(".defects.across", -0.5, 0.5),
     within("surfaces.seed", 0.0, 9_007_199_254_740_991.0),
 ];
 

@@ -11,7 +11,7 @@ mod strip_sums;
 use std::array::from_fn;
 
 pub(crate) use self::groove::LARGEST_CONTACT;
-use self::groove::{Contact, Groove};
+use self::groove::{Contact, Groove, GroovePlace};
 pub(crate) use self::motion::ContactSlopes;
 pub use self::motion::{RacewayLoad, RelativeMotion};
 use self::strip_sums::{AT_ONCE, MirroredStrips, StripSums};
@@ -25,7 +25,7 @@ use super::contact::traction::{
 };
 use super::kinematics;
 use super::lubricant::Lubricant;
-use super::surface::SurfaceProfile;
+use super::surface::{Height, SurfaceProfile};
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
 
 /// Which parts of the contact a model contains.
@@ -227,21 +227,53 @@ impl RacewayContact {
         if self.surface.is_ideal() {
             return <(Lanes<N>, Lanes<N>)>::default();
         }
-        let (height, slope) = self.surface.heights_and_slopes(&motion.azimuth);
+        let (of, places) = self.heights(motion);
         let mut rise = <Lanes<N>>::default();
         for lane in 0..N {
-            rise[lane] = slope[lane] * motion.at(lane).azimuth_rate();
+            rise[lane] = of.along[lane] * motion.at(lane).azimuth_rate();
         }
-        (height, rise)
+        if self.surface.is_narrow() {
+            for lane in 0..N {
+                rise[lane] += of.across[lane] * places.at(lane).rate(&motion.velocity.at(lane));
+            }
+        }
+        (of.height, rise)
     }
 
-    /// Adds the lean force −Q h_φ/r of a raceway that is not a circle. It acts along the groove through the ball's centre.
+    /// Heights under balls with the places of their contacts, which stay 0 where the height does not change across the groove.
+    #[inline(always)]
+    fn heights<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> (Height<Lanes<N>>, GroovePlace<Lanes<N>>) {
+        let mut places = GroovePlace::<Lanes<N>>::default();
+        if self.surface.is_narrow() {
+            for lane in 0..N {
+                places.put(lane, self.groove.place(motion.axial[lane], motion.radius[lane]));
+            }
+        }
+        (self.surface.under(&motion.azimuth, &places.place), places)
+    }
+
+    /// Adds the lean force of a raceway that is not a circle: −Q h_φ/r along the groove, and across it −Q h_η by the change of η with
+    /// the place of the ball. It acts through the ball's centre.
     #[inline(always)]
     fn add_lean<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>, load: &mut RacewayLoad<Lanes<N>>) {
-        let (_, slope) = self.surface.heights_and_slopes(&motion.azimuth);
+        let (of, places) = self.heights(motion);
         for lane in 0..N {
-            load.force[2][lane] -= load.normal[lane] * slope[lane] / motion.radius[lane];
+            load.force[2][lane] -= load.normal[lane] * of.along[lane] / motion.radius[lane];
         }
+        if self.surface.is_narrow() {
+            for lane in 0..N {
+                let (axial, radial) = places.by_ball.at(lane);
+                load.force[0][lane] -= load.normal[lane] * of.across[lane] * axial;
+                load.force[1][lane] -= load.normal[lane] * of.across[lane] * radial;
+            }
+        }
+    }
+
+    /// Height and slopes of the raceway under a ball at an azimuth on the ring [rad], and the change of the contact's place across the
+    /// groove with the ball's own place, axial and radial [-].
+    pub(crate) fn height(&self, azimuth: f64, axial: f64, radius: f64) -> (Height, (f64, f64)) {
+        let place = if self.surface.is_narrow() { self.groove.place(axial, radius) } else { GroovePlace::default() };
+        (self.surface.at(azimuth, place.place), place.by_ball)
     }
 
     #[inline(always)]

@@ -4,18 +4,34 @@
 //! load Q also pushes the ball along the raceway with −Q h_φ/r, and the ring with the opposite at the same point: the tilt of the
 //! contact normal. Without this lean force the height would do work that no body pays for.
 //!
-//! A profile has a continuous second derivative: a step in slope would be an impact that no step size resolves.
+//! Along the raceway a profile has a continuous second derivative: a step in slope would be an impact that no step size resolves.
 
+pub mod defects;
+mod narrow;
 mod table;
 pub mod waviness;
 
 use std::sync::Arc;
 
+use self::defects::Recess;
+use self::narrow::NarrowDefect;
 use self::table::HeightTable;
 use self::waviness::Wave;
-use crate::numerics::lanes::{Lanes, SideBySide};
+use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
 
-/// Height that is added to the penetration of a contact [m], positive out of the material.
+/// Height of a raceway under a ball, and its slopes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Height<T = f64> {
+    /// Added to the penetration of the contact [m], positive out of the material.
+    pub height: T,
+    /// Change with the azimuth on the ring [m/rad].
+    pub along: T,
+    /// Change with the place of the contact across the groove, towards +X [m/m].
+    pub across: T,
+}
+side_by_side!(Height { height, along, across });
+
+/// Height that is added to the penetration of a contact.
 #[derive(Debug, Clone, Default)]
 pub enum SurfaceProfile {
     /// The ideal circle.
@@ -23,14 +39,47 @@ pub enum SurfaceProfile {
     None,
     /// The same height everywhere [m]: a radius that differs from nominal.
     Constant(f64),
-    /// Waves round the ring.
-    Waves(Arc<HeightTable>),
+    /// Waves round the ring, and defects in the middle of the groove.
+    Table(Arc<HeightTable>),
+    /// Also defects whose path changes across the groove.
+    Narrow(Arc<NarrowSurface>),
 }
+
+/// A surface with defects narrower than the groove.
+#[derive(Debug)]
+pub struct NarrowSurface {
+    everywhere: HeightTable,
+    defects: Vec<NarrowDefect>,
+}
+
+/// Height under a ball [m], with its first and second derivative by the azimuth on the ring [m/rad, m/rad²].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Rise<T = f64> {
+    pub height: T,
+    pub slope: T,
+    pub curvature: T,
+}
+side_by_side!(Rise { height, slope, curvature });
 
 impl SurfaceProfile {
     /// The sum of some waves; ideal without any.
     pub fn of_waves(waves: &[Wave]) -> Self {
-        if waves.is_empty() { Self::None } else { Self::Waves(Arc::new(HeightTable::of_waves(waves))) }
+        Self::new(waves, &[], true)
+    }
+
+    /// Waves and defects; ideal without any. `planar`: all contacts lie in the middle of the groove.
+    pub fn new(waves: &[Wave], recesses: &[Recess], planar: bool) -> Self {
+        if waves.is_empty() && recesses.is_empty() {
+            return Self::None;
+        }
+        let of_table = |recess: &&Recess| planar || recess.defect.width.is_none();
+        let in_table: Vec<Recess> = recesses.iter().filter(of_table).copied().collect();
+        let everywhere = HeightTable::new(waves, &in_table);
+        if in_table.len() == recesses.len() {
+            return Self::Table(Arc::new(everywhere));
+        }
+        let defects = recesses.iter().filter(|recess| !of_table(recess)).filter_map(NarrowDefect::new).collect();
+        Self::Narrow(Arc::new(NarrowSurface { everywhere, defects }))
     }
 
     /// Returns true where the profile has no effect.
@@ -38,22 +87,51 @@ impl SurfaceProfile {
         matches!(self, Self::None)
     }
 
-    /// Height [m] at an azimuth on the ring [rad], and its change with the azimuth [m/rad].
+    /// Returns true where the height changes across the groove.
+    pub fn is_narrow(&self) -> bool {
+        matches!(self, Self::Narrow(_))
+    }
+
+    /// Height and slopes at an azimuth on the ring [rad] and a place across the groove [m].
     #[inline(always)]
-    pub fn height_and_slope(&self, azimuth: f64) -> (f64, f64) {
+    pub fn at(&self, azimuth: f64, place: f64) -> Height {
+        let of_table = |table: &HeightTable| {
+            let (height, along) = table.height_and_slope(azimuth);
+            Height { height, along, across: 0.0 }
+        };
         match self {
-            Self::None => (0.0, 0.0),
-            Self::Constant(height) => (*height, 0.0),
-            Self::Waves(table) => table.height_and_slope(azimuth),
+            Self::None => Height::default(),
+            Self::Constant(height) => Height { height: *height, ..Height::default() },
+            Self::Table(table) => of_table(table),
+            Self::Narrow(surface) => surface.defects.iter().map(|defect| defect.height(azimuth, place)).fold(
+                of_table(&surface.everywhere),
+                |sum, one| Height {
+                    height: sum.height + one.height,
+                    along: sum.along + one.along,
+                    across: sum.across + one.across,
+                },
+            ),
         }
     }
 
-    /// Heights and slopes at the azimuths of several balls. A call of its own: scenes with ideal circles keep their loops as they are.
+    /// Heights with both derivatives at the azimuths of several balls.
+    #[inline(always)]
+    pub(crate) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
+        match self {
+            Self::None => Rise::default(),
+            Self::Constant(height) => Rise { height: Lanes::all(*height), ..Rise::default() },
+            Self::Table(table) => table.rises(azimuth),
+            // Models that ask for curvatures have no defects.
+            Self::Narrow(surface) => surface.everywhere.rises(azimuth),
+        }
+    }
+
+    /// Heights and slopes under several balls. A call of its own: scenes with ideal circles keep their loops as they are.
     #[inline(never)]
-    pub(crate) fn heights_and_slopes<const N: usize>(&self, azimuth: &Lanes<N>) -> (Lanes<N>, Lanes<N>) {
-        let mut of = <(Lanes<N>, Lanes<N>)>::default();
+    pub(crate) fn under<const N: usize>(&self, azimuth: &Lanes<N>, place: &Lanes<N>) -> Height<Lanes<N>> {
+        let mut of = Height::<Lanes<N>>::default();
         for lane in 0..N {
-            of.put(lane, self.height_and_slope(azimuth[lane]));
+            of.put(lane, self.at(azimuth[lane], place[lane]));
         }
         of
     }
@@ -65,8 +143,8 @@ mod tests {
 
     #[test]
     fn a_constant_height_has_no_slope() {
-        assert_eq!(SurfaceProfile::Constant(2e-6).height_and_slope(1.0), (2e-6, 0.0));
-        assert_eq!(SurfaceProfile::None.height_and_slope(1.0), (0.0, 0.0));
+        assert_eq!(SurfaceProfile::Constant(2e-6).at(1.0, 0.0), Height { height: 2e-6, ..Height::default() });
+        assert_eq!(SurfaceProfile::None.at(1.0, 0.0), Height::default());
         assert!(SurfaceProfile::of_waves(&[]).is_ideal() && !SurfaceProfile::Constant(0.0).is_ideal());
     }
 }

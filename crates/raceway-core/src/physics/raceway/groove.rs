@@ -4,6 +4,7 @@ use std::array::from_fn;
 
 use super::motion::{ContactSlopes, RacewayLoad, RelativeMotion};
 use super::strip_sums::{StripSlip, StripSums};
+use crate::numerics::angle::small_angle;
 use crate::numerics::lanes::{larger, side_by_side, smaller};
 use crate::physics::contact::damping::{DampingFactor, normal_load, normal_slopes};
 use crate::physics::contact::film::{Film, Inlet};
@@ -67,6 +68,24 @@ side_by_side!(Contact {
     roll
 });
 
+/// Place of a contact across its groove.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct GroovePlace<T = f64> {
+    /// Arc from the groove's bottom towards +X, η = f d α [m].
+    pub(super) place: T,
+    /// Its change with the place of the ball, axial and radial [-].
+    pub(super) by_ball: (T, T),
+}
+side_by_side!(GroovePlace { place, by_ball });
+
+impl GroovePlace {
+    /// Rate of the place [m/s] where the ball moves with a velocity relative to the raceway.
+    #[inline(always)]
+    pub(super) fn rate(&self, [axial, radial, _]: &[f64; 3]) -> f64 {
+        self.by_ball.0 * axial + self.by_ball.1 * radial
+    }
+}
+
 /// Largest share of the ball's radius that a contact reaches across the groove. Hertz's theory fails long before; the
 /// limit keeps extreme scenes finite.
 pub(crate) const LARGEST_CONTACT: f64 = 0.95;
@@ -92,6 +111,18 @@ impl Groove {
             let inverse = 1.0 / larger(distance, f64::MIN_POSITIVE);
             let reach = if ahead > 0.0 { distance } else { ahead };
             (reach - self.touch_distance, (axial * inverse, radial * inverse))
+        }
+    }
+
+    /// Place of the contact of a ball across the groove.
+    pub(super) fn place(&self, axial: f64, radius: f64) -> GroovePlace {
+        let (penetration, (sine, towards_r)) = self.penetration::<false>(axial, radius);
+        let (cosine, groove_radius) = (self.side * towards_r, self.touch_distance + self.ball_radius);
+        // A ball that touches within a defect is farther from the groove's centre than at touch.
+        let per_distance = groove_radius / (self.touch_distance + larger(penetration, 0.0));
+        GroovePlace {
+            place: groove_radius * small_angle(cosine, sine),
+            by_ball: (per_distance * cosine, -self.side * per_distance * sine),
         }
     }
 

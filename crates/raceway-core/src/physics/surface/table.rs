@@ -1,24 +1,30 @@
-//! A periodic height over azimuth with continuous first and second derivatives, as a table.
+//! Heights with continuous first and second derivatives, as tables: one periodic over azimuth, one of the path over a defect.
 
 use std::f64::consts::TAU;
 
+use super::Rise;
+use super::defects::{Recess, wrapped};
 use super::waviness::{HIGHEST_ORDER, Wave};
 use crate::numerics::angle::sin_cos;
 use crate::numerics::exponential::ROUND;
+use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
 
 /// Knots to one period of the shortest wave. Between knots the height then errs by less than 6e-6 of that wave.
 const KNOTS_PER_WAVE: usize = 8;
+/// Knots to one half width of the contact that passes a defect.
+const KNOTS_PER_HALF_WIDTH: f64 = 8.0;
 /// Knots of the smallest table and of the largest.
 const FEWEST: usize = 64;
 const MOST: usize = KNOTS_PER_WAVE * HIGHEST_ORDER as usize;
 
 /// Height at one knot with its first and second derivative, over the distance between knots [m].
 #[derive(Debug, Clone, Copy, Default)]
-struct Knot {
-    height: f64,
-    first: f64,
-    second: f64,
+struct Knot<T = f64> {
+    height: T,
+    first: T,
+    second: T,
 }
+side_by_side!(Knot { height, first, second });
 
 /// Heights at equidistant azimuths round a ring. Between two knots stands the polynomial of degree five that has their heights and
 /// derivatives (Hermite).
@@ -29,11 +35,14 @@ pub struct HeightTable {
 }
 
 impl HeightTable {
-    /// The sum of waves, its derivatives exact at the knots. Orders beyond the range of the largest table are left out.
-    pub(super) fn of_waves(waves: &[Wave]) -> Self {
+    /// The sum of waves, its derivatives exact at the knots, and of the paths over defects in the middle of the groove. Orders beyond the
+    /// range of the largest table are left out.
+    pub(super) fn new(waves: &[Wave], recesses: &[Recess]) -> Self {
         let waves = || waves.iter().filter(|wave| wave.order <= HIGHEST_ORDER);
-        let highest = waves().map(|wave| wave.order as usize).max().unwrap_or(1);
-        let count = (KNOTS_PER_WAVE * highest).next_power_of_two().clamp(FEWEST, MOST);
+        let of_waves = waves().map(|wave| KNOTS_PER_WAVE * wave.order as usize);
+        let of_defects =
+            recesses.iter().map(|recess| (TAU * recess.contact.radius / spacing_of(recess)).ceil() as usize);
+        let count = of_waves.chain(of_defects).max().unwrap_or(FEWEST).next_power_of_two().clamp(FEWEST, MOST);
         let spacing = TAU / count as f64;
         // Coefficients of e^(i n φ) of the height and of its derivatives by the place between knots.
         let mut sums = [0, 1, 2].map(|_| vec![(0.0, 0.0); count]);
@@ -55,6 +64,9 @@ impl HeightTable {
         let mut knots: Vec<Knot> = (0..count)
             .map(|knot| Knot { height: height[knot].0, first: first[knot].0, second: second[knot].0 })
             .collect();
+        for recess in recesses {
+            add_recess(&mut knots, recess);
+        }
         knots.push(knots[0]);
         Self { knots }
     }
@@ -62,6 +74,43 @@ impl HeightTable {
     /// Height [m] at an azimuth [rad], and its slope [m/rad].
     #[inline(always)]
     pub(super) fn height_and_slope(&self, azimuth: f64) -> (f64, f64) {
+        let (a, b, u) = self.knots_at(azimuth);
+        let piece = Piece::between(a, b);
+        (piece.height(u), piece.slope(u) * self.knots_per_radian())
+    }
+
+    /// Heights with both derivatives at several azimuths [rad]. Knots are fetched one by one; the arithmetic runs side by side.
+    #[inline(always)]
+    pub(super) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
+        let (mut ends, mut place) = (<(Knot<Lanes<N>>, Knot<Lanes<N>>)>::default(), Lanes::<N>::default());
+        for lane in 0..N {
+            let (a, b, u) = self.knots_at(azimuth[lane]);
+            ends.put(lane, (*a, *b));
+            place[lane] = u;
+        }
+        let per_radian = self.knots_per_radian();
+        let mut rises = Rise::<Lanes<N>>::default();
+        for lane in 0..N {
+            let ((a, b), u) = (ends.at(lane), place[lane]);
+            let piece = Piece::between(&a, &b);
+            let one = Rise {
+                height: piece.height(u),
+                slope: piece.slope(u) * per_radian,
+                curvature: piece.curvature(u) * (per_radian * per_radian),
+            };
+            rises.put(lane, one);
+        }
+        rises
+    }
+
+    #[inline(always)]
+    fn knots_per_radian(&self) -> f64 {
+        (self.knots.len() - 1) as f64 * (1.0 / TAU)
+    }
+
+    /// The knots before and after an azimuth [rad], and its place 0 … 1 between them.
+    #[inline(always)]
+    fn knots_at(&self, azimuth: f64) -> (&Knot, &Knot, f64) {
         let count = self.knots.len() - 1;
         let turns = azimuth * (1.0 / TAU);
         // The nearest whole number, subtracted in double precision: −½ … ½ turns remain.
@@ -69,19 +118,112 @@ impl HeightTable {
         let part = if part < 0.0 { part + 1.0 } else { part };
         let place = part * count as f64;
         let knot = (place as usize).min(count - 1);
-        let u = place - knot as f64;
-        let (a, b) = (&self.knots[knot], &self.knots[knot + 1]);
-        // p(u) = h₀ + u h₀' + u² h₀''/2 + u³ (10 D − 4 E + F/2 − u (15 D − 7 E + F) + u² (6 D − 3 E + F/2))
+        (&self.knots[knot], &self.knots[knot + 1], place - knot as f64)
+    }
+}
+
+/// The polynomial between two knots, h + u h' + u² half + u³ (c₃ + u (c₄ + u c₅)).
+struct Piece {
+    height: f64,
+    first: f64,
+    half: f64,
+    c3: f64,
+    c4: f64,
+    c5: f64,
+    second: f64,
+}
+
+impl Piece {
+    /// p(u) = h₀ + u h₀' + u² h₀''/2 + u³ (10 D − 4 E + F/2 − u (15 D − 7 E + F) + u² (6 D − 3 E + F/2))
+    #[inline(always)]
+    fn between(a: &Knot, b: &Knot) -> Self {
         let half = 0.5 * a.second;
         let value = b.height - (a.height + a.first + half);
         let first = b.first - (a.first + a.second);
         let second = b.second - a.second;
-        let c3 = 10.0 * value - 4.0 * first + 0.5 * second;
-        let c4 = -15.0 * value + 7.0 * first - second;
-        let c5 = 6.0 * value - 3.0 * first + 0.5 * second;
-        let height = a.height + u * (a.first + u * (half + u * (c3 + u * (c4 + u * c5))));
-        let slope = a.first + u * (a.second + u * (3.0 * c3 + u * (4.0 * c4 + u * (5.0 * c5))));
-        (height, slope * (count as f64 * (1.0 / TAU)))
+        Self {
+            height: a.height,
+            first: a.first,
+            half,
+            c3: 10.0 * value - 4.0 * first + 0.5 * second,
+            c4: -15.0 * value + 7.0 * first - second,
+            c5: 6.0 * value - 3.0 * first + 0.5 * second,
+            second: a.second,
+        }
+    }
+
+    #[inline(always)]
+    fn height(&self, u: f64) -> f64 {
+        self.height + u * (self.first + u * (self.half + u * (self.c3 + u * (self.c4 + u * self.c5))))
+    }
+
+    #[inline(always)]
+    fn slope(&self, u: f64) -> f64 {
+        self.first + u * (self.second + u * (3.0 * self.c3 + u * (4.0 * self.c4 + u * (5.0 * self.c5))))
+    }
+
+    #[inline(always)]
+    fn curvature(&self, u: f64) -> f64 {
+        self.second + u * (6.0 * self.c3 + u * (12.0 * self.c4 + u * (20.0 * self.c5)))
+    }
+}
+
+/// Longest distance between knots on the path over a defect [m].
+fn spacing_of(recess: &Recess) -> f64 {
+    recess.contact.half_width / KNOTS_PER_HALF_WIDTH
+}
+
+/// A knot of a path with equidistant heights before, at and behind it. Central differences smooth the feet of the path, where its second
+/// derivative has short peaks.
+fn by_differences([before, at, behind]: [f64; 3]) -> Knot {
+    Knot { height: at, first: 0.5 * (behind - before), second: behind - 2.0 * at + before }
+}
+
+/// Adds the path over a defect in the middle of the groove to the knots of one turn.
+fn add_recess(knots: &mut [Knot], recess: &Recess) {
+    let angle = TAU / knots.len() as f64;
+    let spacing = recess.contact.radius * angle;
+    for (index, knot) in knots.iter_mut().enumerate() {
+        let x = recess.contact.radius * wrapped(angle * index as f64 - recess.defect.azimuth);
+        if x.abs() <= recess.half_length() + spacing {
+            let added = by_differences([-1.0, 0.0, 1.0].map(|by| recess.height(x + by * spacing, 0.0)));
+            knot.height += added.height;
+            knot.first += added.first;
+            knot.second += added.second;
+        }
+    }
+}
+
+/// Path over a defect by the distance from its middle, as if the defect took the whole groove.
+#[derive(Debug)]
+pub(super) struct PathTable {
+    /// Distance from the middle to the first knot [m].
+    half_length: f64,
+    per_spacing: f64,
+    knots: Vec<Knot>,
+}
+
+impl PathTable {
+    pub(super) fn new(recess: &Recess) -> Self {
+        let half_length = recess.half_length();
+        let parts = (2.0 * half_length / spacing_of(recess)).ceil();
+        let spacing = 2.0 * half_length / parts;
+        let at = |knot: f64| recess.fall(knot * spacing - half_length);
+        let knots = (0..=parts as usize).map(|knot| knot as f64);
+        let knots = knots.map(|knot| by_differences([knot - 1.0, knot, knot + 1.0].map(at))).collect();
+        Self { half_length, per_spacing: 1.0 / spacing, knots }
+    }
+
+    /// Fall [m] at a distance from the middle [m], and its slope [-]; 0 beside the defect.
+    pub(super) fn fall_and_slope(&self, x: f64) -> (f64, f64) {
+        let place = (x + self.half_length) * self.per_spacing;
+        let last = self.knots.len() - 2;
+        if !(0.0..=(last + 1) as f64).contains(&place) {
+            return (0.0, 0.0);
+        }
+        let knot = (place as usize).min(last);
+        let (piece, u) = (Piece::between(&self.knots[knot], &self.knots[knot + 1]), place - knot as f64);
+        (piece.height(u), piece.slope(u) * self.per_spacing)
     }
 }
 
@@ -113,6 +255,7 @@ fn sum_waves(values: &mut [(f64, f64)], circle: &[(f64, f64)]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::defects::{Defect, PassingContact, Shape};
     use super::*;
 
     fn waves() -> Vec<Wave> {
@@ -123,7 +266,7 @@ mod tests {
     /// Height and slope of the sum, also at knots and many turns away.
     #[test]
     fn the_table_is_the_sum_of_its_waves() {
-        let table = HeightTable::of_waves(&waves());
+        let table = HeightTable::new(&waves(), &[]);
         for step in 0..20_000 {
             let azimuth = -40.0 + 0.004_1 * f64::from(step);
             let (mut height, mut slope) = (0.0, 0.0);
@@ -141,7 +284,7 @@ mod tests {
     /// Height, slope and curvature pass each knot without a step, the seam of the table included.
     #[test]
     fn two_derivatives_are_continuous() {
-        let table = HeightTable::of_waves(&waves());
+        let table = HeightTable::new(&waves(), &[]);
         let count = table.knots.len() - 1;
         for knot in [0, 1, 2, 17, count - 1, count] {
             let at = TAU * knot as f64 / count as f64;
@@ -153,6 +296,37 @@ mod tests {
             let (before, after) = (curvature(at - 1.5 * by), curvature(at + 0.5 * by));
             // The slope of 1e-6 m/rad has sixteen digits; the step is 1e-9 rad.
             assert!((before - after).abs() < 1e-3 * 256.0 * 256.0 * 1e-8, "{knot}: {before:e} {after:e}");
+        }
+    }
+
+    /// Heights between knots are those of the closed form. At the feet, where its second derivative has short peaks, they are smoothed.
+    #[test]
+    fn both_tables_hold_the_path_over_a_defect() {
+        let contact = PassingContact {
+            semi_major: 0.7e-3,
+            half_width: 0.117e-3,
+            approach: 8e-6,
+            curvature: 209.6,
+            radius: 23.5e-3,
+            speed: 1.76,
+        };
+        for (length, depth) in [(0.05e-3, 1e-5), (0.5e-3, 2e-6), (2e-3, 1e-5), (10e-3, 1e-3)] {
+            let shape = Shape::Rectangular;
+            // Across the seam of the table.
+            let defect = Defect { azimuth: 1e-3, length, width: None, depth, across: 0.0, shape };
+            let recess = Recess { defect, contact };
+            let (ring, path) = (HeightTable::new(&[], &[recess]), PathTable::new(&recess));
+            let bound = 2e-3 * recess.deepest();
+            for step in -3000..3000 {
+                let x = 1.1 * recess.half_length() * f64::from(step) / 3000.0;
+                let expected = recess.height(x, 0.0);
+                let (height, slope) = ring.height_and_slope(1e-3 + x / contact.radius);
+                let (fall, fall_slope) = path.fall_and_slope(x);
+                assert!((height - expected).abs() < bound, "{length} {depth}, {x}: {height:e} {expected:e}");
+                assert!((-fall - expected).abs() < bound, "{length} {depth}, {x}: {fall:e} {expected:e}");
+                let largest = contact.curvature * (length + 2.0 * contact.half_width);
+                assert!((slope / contact.radius + fall_slope).abs() < 0.01 * largest, "{slope} {fall_slope}");
+            }
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::defects::{Defect, MOST_DEFECTS};
 use crate::numerics::angle::sin_cos;
 use crate::numerics::exponential::power;
 use crate::numerics::random::SplitMix64;
-use crate::physics::bearing::PerRaceway;
+use crate::physics::bearing::{Bearing, PerRaceway};
 use crate::physics::limits::Faults;
 
 /// A wave of the height, amplitude · cos(order · φ + phase), φ the azimuth on the ring.
@@ -38,6 +39,7 @@ pub struct RacewaySurface {
     pub waviness: Vec<Wave>,
     /// Adds to `waviness`.
     pub random_waviness: Option<RandomWaviness>,
+    pub defects: Vec<Defect>,
 }
 
 /// Surfaces of both raceways.
@@ -62,6 +64,8 @@ struct Names {
     waviness: &'static str,
     wave: [&'static str; 3],
     random: [&'static str; 5],
+    defects: &'static str,
+    defect: [&'static str; 5],
 }
 
 const NAMES: PerRaceway<Names> = PerRaceway {
@@ -75,6 +79,14 @@ const NAMES: PerRaceway<Names> = PerRaceway {
             "surfaces.inner.random_waviness.from_order",
             "surfaces.inner.random_waviness.to_order",
         ],
+        defects: "surfaces.inner.defects",
+        defect: [
+            "surfaces.inner.defects.azimuth",
+            "surfaces.inner.defects.length",
+            "surfaces.inner.defects.width",
+            "surfaces.inner.defects.depth",
+            "surfaces.inner.defects.across",
+        ],
     },
     outer: Names {
         waviness: "surfaces.outer.waviness",
@@ -86,6 +98,14 @@ const NAMES: PerRaceway<Names> = PerRaceway {
             "surfaces.outer.random_waviness.from_order",
             "surfaces.outer.random_waviness.to_order",
         ],
+        defects: "surfaces.outer.defects",
+        defect: [
+            "surfaces.outer.defects.azimuth",
+            "surfaces.outer.defects.length",
+            "surfaces.outer.defects.width",
+            "surfaces.outer.defects.depth",
+            "surfaces.outer.defects.across",
+        ],
     },
 };
 
@@ -95,10 +115,32 @@ impl Surfaces {
         self.raceway.inner.is_ideal() && self.raceway.outer.is_ideal()
     }
 
+    /// Returns true where a raceway has a defect.
+    pub(crate) fn have_defects(&self) -> bool {
+        self.raceway.inner.has_defects() || self.raceway.outer.has_defects()
+    }
+
+    /// Returns true where a defect is not symmetric about the groove's bottom, so that its edge pushes balls along the axis.
+    pub(crate) fn push_along_axis(&self) -> bool {
+        let PerRaceway { inner, outer } = &self.raceway;
+        let is_aside = |defect: &Defect| defect.depth > 0.0 && defect.width.is_some() && defect.across != 0.0;
+        inner.defects.iter().chain(&outer.defects).any(is_aside)
+    }
+
     pub(crate) fn check(&self, faults: &mut Faults) {
         self.raceway.inner.check(&NAMES.inner, faults);
         self.raceway.outer.check(&NAMES.outer, faults);
         faults.check("surfaces.seed", self.seed as f64);
+    }
+
+    /// Refuses defects that do not fit a raceway, or that overlap.
+    pub(crate) fn check_fit(&self, bearing: &Bearing, faults: &mut Faults) {
+        let p = &bearing.parameters;
+        let (centre, curvature) = (&bearing.groove_centre_radius, &p.groove_curvature);
+        let inner = centre.inner - curvature.inner * p.ball_diameter;
+        let outer = centre.outer + curvature.outer * p.ball_diameter;
+        self.raceway.inner.check_fit(inner, NAMES.inner.defects, faults);
+        self.raceway.outer.check_fit(outer, NAMES.outer.defects, faults);
     }
 }
 
@@ -107,6 +149,28 @@ impl RacewaySurface {
     pub fn is_ideal(&self) -> bool {
         self.waviness.iter().all(|wave| wave.amplitude == 0.0)
             && self.random_waviness.is_none_or(|random| random.amplitude == 0.0)
+            && !self.has_defects()
+    }
+
+    /// Returns true where a defect has a depth.
+    pub(crate) fn has_defects(&self) -> bool {
+        self.defects.iter().any(|defect| defect.depth > 0.0)
+    }
+
+    /// `radius`: of the groove's bottom [m].
+    fn check_fit(&self, radius: f64, name: &'static str, faults: &mut Faults) {
+        for (index, defect) in self.defects.iter().enumerate() {
+            if defect.length >= TAU * radius {
+                let (length, turn) = (1e3 * defect.length, 1e3 * TAU * radius);
+                let reason = format!("{length:.4} mm of item {index} are no less than the raceway's {turn:.4} mm");
+                faults.inconsistent(name, reason);
+            }
+            let is_other = |(_, other): &(usize, &Defect)| defect.overlaps(other, radius);
+            if let Some((other, _)) = self.defects.iter().enumerate().take(index).find(is_other) {
+                let reason = format!("the outlines of items {other} and {index} overlap: give them as one defect");
+                faults.inconsistent(name, reason);
+            }
+        }
     }
 
     fn check(&self, names: &Names, faults: &mut Faults) {
@@ -130,6 +194,17 @@ impl RacewaySurface {
                 && to < random.from_order
             {
                 faults.inconsistent(to_order, format!("{to} is below from_order, {}", random.from_order));
+            }
+        }
+        if self.defects.len() > MOST_DEFECTS {
+            faults.inconsistent(names.defects, format!("{} defects: at most {MOST_DEFECTS}", self.defects.len()));
+        }
+        for Defect { azimuth, length, width, depth, across, .. } in &self.defects {
+            let values = [Some(*azimuth), Some(*length), *width, Some(*depth), Some(*across)];
+            for (name, value) in names.defect.iter().zip(values) {
+                if let Some(value) = value {
+                    faults.check(name, value);
+                }
             }
         }
     }
@@ -217,10 +292,15 @@ pub(super) const HIGHEST_ORDER: u32 = 1 << 14;
 /// Smallest share of the circumference that a contact is averaged over [-]: unloaded contacts average nothing.
 const SMALLEST_SHARE: f64 = 1e-4;
 
+/// Smallest half width that a contact averages over [m], on a raceway of some radius [m].
+pub fn smallest_half_width(radius: f64) -> f64 {
+    TAU * radius * SMALLEST_SHARE
+}
+
 impl AveragingContact {
     /// Order of the wave that is as long as the contact, π R/b.
     pub fn first_zero(&self) -> f64 {
-        PI * self.radius / self.half_width.max(TAU * self.radius * SMALLEST_SHARE)
+        PI * self.radius / self.half_width.max(smallest_half_width(self.radius))
     }
 
     /// Share of a wave that is left [-].
@@ -276,7 +356,7 @@ mod tests {
 
     fn random(to_order: Option<u32>) -> RacewaySurface {
         let random = RandomWaviness { amplitude: 1e-8, at_order: 10, exponent: 1.0, from_order: 2, to_order };
-        RacewaySurface { waviness: Vec::new(), random_waviness: Some(random) }
+        RacewaySurface { random_waviness: Some(random), ..RacewaySurface::default() }
     }
 
     /// sin q/q: 1 for long waves, 2/π at half the first zero, 0 at the zero, −2/(3π) at 1½ of it.
@@ -297,7 +377,7 @@ mod tests {
     fn orders_that_are_averaged_away_or_fast_are_left_out() {
         let waves = |order| Wave { order, amplitude: 1e-8, phase: 0.0 };
         let surface =
-            RacewaySurface { waviness: [1, 256, 257, 1885, 90_000].map(waves).to_vec(), random_waviness: None };
+            RacewaySurface { waviness: [1, 256, 257, 1885, 90_000].map(waves).to_vec(), ..RacewaySurface::default() };
         let sorted = CONTACT.sorted(&surface, 0, 1);
         assert_eq!(sorted.kept.iter().map(|kept| kept.wave.order).collect::<Vec<_>>(), [1, 256]);
         assert_eq!(sorted.left_out, [(257, Omission::Fast), (1885, Omission::Averaged), (90_000, Omission::Averaged)]);

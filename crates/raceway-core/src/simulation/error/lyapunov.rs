@@ -9,6 +9,7 @@ use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Model;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{STEPS_PER_LOOK, stops};
+use crate::simulation::model::rolling_limit::end_of_step;
 
 /// Initial time over which the disturbed and the undisturbed trajectory are compared [s].
 const STRETCH: f64 = 0.01;
@@ -157,6 +158,8 @@ pub(crate) fn divergence_rate(
     if model.mechanism().speed.kinks().any(|kink| kink == begin) {
         integrator.restart();
     }
+    // The pair has no fixed steps of its own.
+    let is_controlled = settings.fixed_step.is_none() || settings.method == Method::SemiImplicit;
     let is_at_constant_speed = model.mechanism().speed.is_constant();
     let last = (settings.settle + settings.duration).max(begin + stretch);
     let stretch = if is_at_constant_speed { stretch } else { last - begin };
@@ -168,7 +171,12 @@ pub(crate) fn divergence_rate(
     loop {
         for stop in stops(model, integrator.time(), end) {
             while integrator.time() < stop {
-                step(integrator.as_mut(), stop, model, control)?;
+                let mut end = stop;
+                if model.mechanism().has_defects() && is_controlled {
+                    pair.take(0, integrator.state(), &mut straight);
+                    end = end_of_step(model.mechanism(), integrator.time(), &straight, stop);
+                }
+                step(integrator.as_mut(), end, model, control)?;
                 let (time, evaluations) = (integrator.time(), integrator.statistics().rhs_evaluations);
                 if evaluations > most_evaluations {
                     return Err(SimulationError::EvaluationLimit { time, evaluations });

@@ -127,6 +127,9 @@ impl Scene {
         p.raceway_damping
             .check(["damping.raceway.restitution", "damping.raceway.at_speed", "damping.raceway.viscous"], &mut faults);
         p.surfaces.check(&mut faults);
+        if let Some(bearing) = &bearing {
+            p.surfaces.check_fit(bearing, &mut faults);
+        }
         faults.check("gravity", p.gravity);
         if p.operation.load[0] != 0.0 && p.spindle.axial != AxialHold::Free {
             let load = p.operation.load[0];

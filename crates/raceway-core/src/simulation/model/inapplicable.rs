@@ -6,8 +6,12 @@ use crate::simulation::input::scene::Term;
 /// Reason why a reduced model cannot represent a scene, its outputs or its motion.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Inapplicable {
-    #[error("the raceways are no ideal circles (scene.surfaces), and this model has no heights")]
-    Surfaces,
+    #[error("waves of the inner ring (scene.surfaces.inner) turn with the spindle and not with the balls")]
+    InnerWaves,
+    #[error(
+        "a ball may leave both raceways over a defect (scene.surfaces), and this model keeps it in equilibrium between them"
+    )]
+    Defects,
     #[error("an axial load acts")]
     AxialLoad,
     #[error("the spindle moves along X")]
@@ -16,6 +20,8 @@ pub enum Inapplicable {
     SpindleOffCentre,
     #[error("the spindle is misaligned")]
     Misaligned,
+    #[error("a defect lies beside the groove's bottom (across_mm) and pushes balls along X")]
+    DefectBesideBottom,
     #[error("without a cage balls touch each other, and this model has no contact between balls")]
     NoCage,
     #[error(

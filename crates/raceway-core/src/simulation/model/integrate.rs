@@ -6,6 +6,7 @@ use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::MAX_EVALUATIONS;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::rolling_limit::end_of_step;
 use crate::simulation::model::system::Model;
 
 /// Evaluations before the total number is projected, so that a rough start does not count.
@@ -91,7 +92,11 @@ pub(crate) fn integrate(
     let mut next_poll = EVALUATIONS_PER_POLL;
     for stop in stops {
         while integrator.time() < stop {
-            if let Err(source) = integrator.step(stop) {
+            let end = match stepping.fixed_step {
+                Some(_) => stop,
+                None => end_of_step(model.mechanism(), integrator.time(), integrator.state(), stop),
+            };
+            if let Err(source) = integrator.step(end) {
                 let error = SimulationError::integration(source, &layout);
                 return Err(error.because(watch.as_ref().and_then(StabilityWatch::unstable)));
             }

@@ -12,12 +12,16 @@ use crate::physics::operation::{InitialPerturbation, SpeedProfile};
 use crate::physics::pocket::Pocket;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::AxialHold;
+use crate::physics::surface::defects::DefectReach;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::fading_damping::FadingDamping;
 use crate::simulation::model::failure::Departure;
 use crate::simulation::model::state::Layout;
 use crate::simulation::model::terms::ActiveTerms;
+
+/// Steps in a period of the fastest wave of a raceway [-].
+const STEPS_PER_WAVE: f64 = 10.0;
 
 /// Constants of bodies and contacts during a run, in SI units.
 #[derive(Debug, Clone)]
@@ -38,6 +42,10 @@ pub struct Mechanism {
     pub raceway: PerRaceway<RacewayContact>,
     /// Highest frequency at which waves of the raceways pass a ball [Hz]; 0 on ideal circles.
     pub(crate) wave_frequency: f64,
+    /// Longest step that resolves the path over a defect at the largest speed [s]; infinite without defects and at rest.
+    pub(crate) defect_step: f64,
+    /// Defects of the raceways, as they limit steps.
+    pub(crate) defects: PerRaceway<Vec<DefectReach>>,
     pub pocket: Pocket,
     /// Contact of neighbouring balls; `None`: a cage keeps them apart.
     pub neighbours: Option<NeighbourContact>,
@@ -95,6 +103,11 @@ impl Mechanism {
         self.layout.axial_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
     }
 
+    /// Returns true where a raceway has a defect.
+    pub(crate) fn has_defects(&self) -> bool {
+        self.defect_step.is_finite()
+    }
+
     /// How far the spindle is from the centre of the outer ring where no ball can hold it any more; `None`: a ball may hold it.
     pub(crate) fn departure(&self, [x, y, z]: Vector) -> Option<Departure> {
         let (radial, axial) = ((y * y + z * z).sqrt(), (x + self.axial_offset).abs());
@@ -105,6 +118,11 @@ impl Mechanism {
         } else {
             None
         }
+    }
+
+    /// Longest step that resolves the waves of the raceways [s]; infinite on ideal circles.
+    pub(crate) fn longest_wave_step(&self) -> f64 {
+        1.0 / (STEPS_PER_WAVE * self.wave_frequency)
     }
 
     /// Orbit speed of ideally rolling balls at constant shaft speed [rad/s]; `None` where the speed changes.
@@ -136,6 +154,8 @@ impl Mechanism {
             ball_radius: 0.5 * bearing.parameters.ball_diameter,
             raceway: RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway),
             wave_frequency: 0.0,
+            defect_step: f64::INFINITY,
+            defects: PerRaceway { inner: Vec::new(), outer: Vec::new() },
             pocket: Pocket::new(
                 bearing,
                 &scene.cage,

@@ -29,11 +29,15 @@ pub mod loaded_frequencies;
 
 pub mod stiffness;
 
+pub(crate) mod rolling_limit;
+
 pub(crate) mod integrate;
 
 pub mod observer;
 
 pub(crate) mod condensed_contact;
+
+pub(crate) mod heights;
 
 pub mod step_ratio;
 

@@ -208,6 +208,8 @@ impl Decision<'_> {
             Some(Inapplicable::SpindleOffCentre)
         } else if scene.operation.misalignment != [0.0; 2] {
             Some(Inapplicable::Misaligned)
+        } else if scene.surfaces.push_along_axis() {
+            Some(Inapplicable::DefectBesideBottom)
         } else {
             None
         };

@@ -1,5 +1,7 @@
 //! The recording of a motion: sampled signals, their windows and spectra, extremes, data of plots. Knows no model and no error.
 
+pub mod bands;
+
 pub mod sampling;
 
 pub mod spectra;

@@ -6,10 +6,11 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
 use crate::numerics::lanes::{LANES, Lanes, larger};
-use crate::numerics::spectrum::band_limited;
+use crate::numerics::spectrum::filtered;
 use crate::numerics::statistics::{self, CentralMoments};
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::bands::Bands;
 use crate::simulation::recording::sampling::ACCELERATIONS;
 use crate::simulation::recording::sampling::BAND;
 use crate::simulation::recording::sampling::BATCHES;
@@ -25,6 +26,9 @@ const LONGEST: f64 = 1.0;
 /// Values at either end of one window of several that the statistics in the band of levels omit. The band limit takes a window as
 /// periodic and overshoots where the ends do not meet. Further in, the overshoot is below a hundredth of the step between the ends.
 const EDGE: usize = 128;
+
+/// Values of a series outside windows that are passed on together.
+const PASSED_ON: usize = 4096;
 
 /// Length unit of a window where there are several: transforms of other lengths can take three times the time and memory.
 const GRAIN: usize = 64;
@@ -62,6 +66,8 @@ pub(crate) struct InBand {
     pub largest: f64,
     /// Mean squares of `BATCHES` batches of each window.
     pub mean_squares: Vec<f64>,
+    /// Bands of an acceleration; without meaning for other signals.
+    pub bands: Bands,
 }
 
 impl InBand {
@@ -72,13 +78,15 @@ impl InBand {
 
     /// Statistics of one window without `edge` values at either end.
     fn within(signal: &[f64], edge: usize) -> Self {
-        let in_band = band_limited(signal, RATE, BAND);
+        let mut bands = Bands::default();
+        let in_band = filtered(signal, RATE, BAND, |bins| bands = Bands::of(bins));
         let in_band = in_band.get(edge..in_band.len().saturating_sub(edge)).unwrap_or_default();
         // The band limit removes the mean, and windows differ in their means.
         Self {
             moments: CentralMoments::of(in_band).shifted(statistics::mean(signal)),
             largest: largest_magnitude(signal),
             mean_squares: statistics::mean_squares(in_band, BATCHES),
+            bands,
         }
     }
 
@@ -86,6 +94,7 @@ impl InBand {
         self.moments = self.moments.joined(other.moments);
         self.largest = self.largest.max(other.largest);
         self.mean_squares.extend(other.mean_squares);
+        self.bands.join(&other.bands);
     }
 }
 
@@ -95,9 +104,11 @@ pub struct Signal {
     pub channel: Channel,
     /// Values of the current window.
     window: Vec<f64>,
+    /// Whether the windows are needed beside the series.
+    has_windows: bool,
     /// Number of the requested series of this channel.
     series: Option<usize>,
-    /// Values after the last window, which belong to the series alone.
+    /// Values of the series that are in no window and have not been passed on.
     rest: Vec<f64>,
     /// First values of each window, for accelerations; all values in a run of one window.
     pub excerpts: Vec<Vec<f64>>,
@@ -118,9 +129,12 @@ pub struct Signal {
 impl Signal {
     fn new(channel: Channel, outputs: &Outputs, values: usize) -> Self {
         let windows = Windows::of(values);
+        let asked_for_spectra = outputs.spectra.contains(&channel);
+        let has_windows = windows.count == 1 || asked_for_spectra || is_evaluated(channel);
         Self {
             channel,
-            window: Vec::with_capacity(windows.length),
+            window: Vec::with_capacity(if has_windows { windows.length } else { 0 }),
+            has_windows,
             series: outputs.series.iter().position(|series| *series == channel),
             rest: Vec::new(),
             excerpts: Vec::new(),
@@ -130,7 +144,7 @@ impl Signal {
             spectra: OnceLock::new(),
             counts_in_band: ACCELERATIONS.contains(&channel)
                 || (outputs.vibration && matches!(channel, Channel::Spindle(..))),
-            asked_for_spectra: outputs.spectra.contains(&channel),
+            asked_for_spectra,
             envelope_band: outputs.envelope_band,
             first: (windows.count > 1 && outputs.keep_signals() && is_plotted(channel)).then(Vec::new),
         }
@@ -172,6 +186,9 @@ impl Signal {
             self.excerpts.push(std::mem::take(&mut self.window));
             return;
         }
+        if !self.has_windows {
+            return;
+        }
         if self.counts_all {
             join(&mut self.all, CentralMoments::of(&self.window), |all, window| *all = all.joined(window));
         }
@@ -190,6 +207,11 @@ impl Signal {
         }
         self.window.clear();
     }
+}
+
+/// Returns whether metrics or plots are made of the channel. Of the others only spectra and series are asked for.
+fn is_evaluated(channel: Channel) -> bool {
+    matches!(channel, Channel::Spindle(..)) || is_plotted(channel)
 }
 
 /// Returns whether a plot shows the channel over time, or as a part of an orbit.
@@ -328,6 +350,7 @@ impl Recorder {
     #[inline(always)]
     fn take(&mut self, count: usize, value: impl Fn(usize, usize) -> f64) {
         let count = count.min(self.values - self.taken);
+        let has_receiver = self.series.is_some();
         let mut from = 0;
         while from < count {
             let window_end = (self.done + 1) * self.windows.length;
@@ -340,14 +363,28 @@ impl Recorder {
             let to = if counts { count.min(from + window_end - self.taken) } else { count };
             for (channel, signal) in self.signals.iter_mut().enumerate() {
                 let values = (from..to).map(|place| value(place, channel));
-                if counts {
+                if counts && signal.has_windows {
                     signal.window.extend(values);
-                } else if signal.series.is_some() {
+                } else if has_receiver && signal.series.is_some() {
                     signal.rest.extend(values);
                 }
             }
             self.taken += to - from;
             from = to;
+        }
+        if has_receiver {
+            self.pass_on_rests(PASSED_ON);
+        }
+    }
+
+    /// Passes on the values outside windows of each series that has at least `least` of them.
+    fn pass_on_rests(&mut self, least: usize) {
+        let Some(receiver) = &self.series else { return };
+        for signal in self.signals.iter_mut().filter(|signal| signal.rest.len() >= least) {
+            if let Some(series) = signal.series {
+                receiver.write(series, signal.channel, &signal.rest);
+                signal.rest.clear();
+            }
         }
     }
 
@@ -361,21 +398,13 @@ impl Recorder {
                 self.whirl = Some(self.whirl.unwrap_or_default().joined(Whirl::of(y, z)));
             }
         }
-        self.pass_on(|signal| &signal.window);
         for signal in &mut self.signals {
+            if let (Some(receiver), Some(series)) = (&self.series, signal.series) {
+                receiver.write(series, signal.channel, &signal.window);
+            }
             signal.reduce(self.windows, self.done);
         }
         self.done += 1;
-    }
-
-    /// Passes values of the requested series to their receiver.
-    fn pass_on(&self, values: fn(&Signal) -> &[f64]) {
-        let Some(receiver) = &self.series else { return };
-        for signal in &self.signals {
-            if let Some(series) = signal.series {
-                receiver.write(series, signal.channel, values(signal));
-            }
-        }
     }
 
     /// The signals, and the whirl of cage or spindle over several windows.
@@ -383,7 +412,7 @@ impl Recorder {
         if self.done < self.windows.count {
             self.reduce();
         }
-        self.pass_on(|signal| &signal.rest);
+        self.pass_on_rests(1);
         (self.signals, self.whirl)
     }
 }

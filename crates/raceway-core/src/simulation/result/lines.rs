@@ -46,6 +46,8 @@ const DEVIATION_COST: f64 = 3.0;
 const SHAFT_SIDEBANDS: i32 = 4;
 const OUTER_SIDEBANDS: i32 = 2;
 const CAGE_SIDEBANDS: i32 = 3;
+/// Label of the ball passage of the inner raceway.
+const INNER: &str = "BPFI";
 /// Labels of whirl.
 const CAGE_WHIRL: &str = "cage whirl";
 const SPINDLE_WHIRL: &str = "spindle whirl";
@@ -63,6 +65,8 @@ pub(crate) struct LineSources {
     pub cage_whirl: f64,
     /// Mean rate at which the centre of the spindle orbits its mean position.
     pub spindle_whirl: f64,
+    /// The inner raceway has a defect. It turns through the load, so that its lines have several sidebands of the shaft.
+    pub inner_defect: bool,
 }
 
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
@@ -141,9 +145,10 @@ fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64
         let deviation = frequency - combination.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
         let cost: f64 = combination.iter().map(Term::cost).sum();
         let terms = combination.iter().filter(|term| term.order != 0).count();
-        // A carrier of any order may have one plain sideband, if that fits well.
+        // A carrier of any order may have one plain sideband, if that fits well. So may any sideband of a defect that turns with the shaft.
         let sides: f64 = combination[1..].iter().map(Term::cost).sum();
-        let plain = sides <= PLAIN_SIDEBAND && deviation.abs() <= GOOD_FIT * tolerance;
+        let of_defect = sources.inner_defect && combination[0].name == INNER && combination[2].order == 0;
+        let plain = (sides <= PLAIN_SIDEBAND || of_defect) && deviation.abs() <= GOOD_FIT * tolerance;
         if deviation.abs() > tolerance || (terms > 1 && cost > LARGEST_COST && !plain) {
             continue;
         }
@@ -166,7 +171,7 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
     let shaft = term("f_r", all.shaft, 1.0);
     let cage = term("FTF", all.cage, 1.6);
     let outer = term("BPFO", all.ball_pass_outer, 1.0);
-    let inner = term("BPFI", all.ball_pass_inner, 1.1);
+    let inner = term(INNER, all.ball_pass_inner, 1.1);
     let ball = term("BSF", 2.0 * all.ball_spin, 1.3);
     let usable = |term: &Term| term.frequency >= SEPARATION * tolerance;
     let side = |term: &Term, reach: i32| if usable(term) { -reach..=reach } else { 0..=0 };
@@ -243,7 +248,7 @@ mod tests {
     }
 
     fn without_whirl(frequencies: CharacteristicFrequencies) -> LineSources {
-        LineSources { frequencies, cage_whirl: 0.0, spindle_whirl: 0.0 }
+        LineSources { frequencies, cage_whirl: 0.0, spindle_whirl: 0.0, inner_defect: false }
     }
 
     fn labelled(frequency: f64) -> String {
@@ -331,13 +336,26 @@ mod tests {
             ball_pass_inner: 17.0 * (shaft - cage),
             ball_spin: 0.0,
         };
-        let whirling = LineSources { frequencies, cage_whirl: 13.7 * cage, spindle_whirl: 900.0 };
+        let whirling = LineSources { cage_whirl: 13.7 * cage, spindle_whirl: 900.0, ..without_whirl(frequencies) };
         assert_eq!(label(1962.0, &whirling, 10.0).0, "cage whirl");
         assert_eq!(label(901.0, &whirling, 10.0).0, "spindle whirl");
         let driven = LineSources { spindle_whirl: 1962.0, ..whirling };
         assert_eq!(label(1962.0, &driven, 10.0).0, "cage whirl");
         let together = LineSources { cage_whirl: 17.0 * cage, ..whirling };
         assert_eq!(label(17.0 * cage, &together, 10.0).0, "BPFO", "the ball passage makes this orbit");
+    }
+
+    /// Without the defect, a sideband of second order beside a high harmonic has no label.
+    #[test]
+    fn an_inner_defect_has_sidebands_of_the_shaft() {
+        let f = seven_balls();
+        let defect = LineSources { inner_defect: true, ..without_whirl(f) };
+        for (q, n, text) in [(6.0, -2.0, "6·BPFI − 2·f_r"), (5.0, 3.0, "5·BPFI + 3·f_r")] {
+            let frequency = q * f.ball_pass_inner + n * f.shaft;
+            assert_eq!(label(frequency, &defect, 1.0).0, text);
+            assert_ne!(label(frequency, &without_whirl(f), 1.0).0, text);
+        }
+        assert_eq!(label(6.0 * f.ball_pass_inner - 2.0 * f.shaft + 5.0, &defect, 1.0).0, "");
     }
 
     #[test]

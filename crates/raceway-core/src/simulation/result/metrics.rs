@@ -14,11 +14,11 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
+use crate::simulation::recording::bands::Band;
 use crate::simulation::recording::record::{ContactExtremes, Recording, cage_slip};
 use crate::simulation::recording::sampling::{ACCELERATIONS, BAND, RATE};
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::recording::windows::{InBand, Whirl};
-use crate::simulation::result::bands::{self, Band};
 use crate::simulation::result::lines::{Line, LineSources, find_lines};
 use crate::simulation::result::series::Series;
 
@@ -35,6 +35,8 @@ pub struct ChannelMetrics {
     pub level_db: Option<f64>,
     /// Share of the signal's power above 20 kHz [-].
     pub above_band: f64,
+    /// Of accelerations only.
+    pub bands: Vec<Band>,
 }
 
 /// One kind of raceway contact over all balls and the kept time.
@@ -118,8 +120,6 @@ pub struct Summary {
     pub lines: Vec<(Channel, Line)>,
     /// Lines of the envelopes of accelerations, likewise.
     pub envelope_lines: Vec<(Channel, Line)>,
-    /// Bands of the accelerations with spectra.
-    pub bands: Vec<(Channel, Vec<Band>)>,
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
 }
@@ -156,6 +156,7 @@ pub(crate) fn in_band_metrics(channel: Channel, in_band: &InBand, total_variance
         kurtosis: moments.kurtosis(),
         level_db: if acceleration { level_db(rms) } else { None },
         above_band: above.clamp(0.0, 1.0),
+        bands: if acceleration { in_band.bands.bands() } else { Vec::new() },
     }
 }
 
@@ -225,13 +226,6 @@ pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpec
     settings.outputs.spectra.iter().filter_map(one).collect()
 }
 
-/// Bands of the accelerations with spectra. A level that is not resolved has none.
-pub fn bands(spectra: &[ChannelSpectra], accuracy: &AccuracyReport) -> Vec<(Channel, Vec<Band>)> {
-    let is_resolved =
-        |of: &&ChannelSpectra| ACCELERATIONS.contains(&of.channel) && accuracy.unresolved.of(of.channel).is_none();
-    spectra.iter().filter(is_resolved).map(|of| (of.channel, bands::bands(&of.amplitude))).collect()
-}
-
 /// Which spectra of the channels have their lines listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spectra {
@@ -259,6 +253,7 @@ pub fn lines(
         frequencies: marked(scene, frequencies),
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
+        inner_defect: scene.surfaces.raceway.inner.has_defects(),
     };
     let of_channel = |spectra: &ChannelSpectra| {
         let spectrum = match kind {

@@ -2,8 +2,6 @@
 
 pub mod series;
 
-pub mod bands;
-
 pub mod lines;
 
 pub mod metrics;

@@ -59,7 +59,6 @@ impl RunResult {
             frequencies,
             lines: lines(Spectra::Amplitude),
             envelope_lines: lines(Spectra::Envelope),
-            bands: if outputs.vibration { metrics::bands(&spectra, &accuracy) } else { Vec::new() },
             solver,
             accuracy,
         };

@@ -183,12 +183,28 @@ pub fn ball_passage(scene: &Scene) -> f64 {
     TAU / (scene.bearing.parameters.ball_count as f64 * orbit)
 }
 
+/// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft that carries a defect through the load.
+pub fn longest_passage(scene: &Scene) -> f64 {
+    let turn = match scene.surfaces.raceway.inner.has_defects() {
+        true => TAU / scene.operating_speed().abs(),
+        false => 0.0,
+    };
+    ball_passage(scene).max(turn)
+}
+
 /// Times of a verification against a richer model: before its window, and of the window [s].
 pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
-    let passage = ball_passage(scene);
+    let passage = longest_passage(scene);
     let share = WINDOW_RUN_SHARE * (settings.settle + settings.duration);
     let settle = share.clamp(MIN_WINDOW_SETTLE_S, WINDOW_SETTLE_S);
-    (passage.max(settle), (WINDOW_PASSAGES * passage).max(share.clamp(MIN_WINDOW_S, WINDOW_S)))
+    let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turn_of_inner_waves(scene));
+    (passage.max(settle), (WINDOW_PASSAGES * passage).max(window))
+}
+
+/// Time in which every wave of the inner ring has passed the load, a turn of the shaft [s]; 0 on an ideal inner ring. Waves of the outer ring
+/// repeat with each ball passage.
+fn turn_of_inner_waves(scene: &Scene) -> f64 {
+    if scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { TAU / scene.operating_speed().abs() }
 }
 
 /// Time that the richer model simulates to verify a reduced one [s].

@@ -9,8 +9,6 @@ use crate::simulation::model::system::Model;
 pub const STEP: f64 = 7.5e-6;
 /// First step where the spindle moves along the axis [s]; *steps*: the same errors.
 const AXIAL_STEP: f64 = 5.5e-6;
-/// Steps in a period of the fastest wave of a raceway [-].
-const STEPS_PER_WAVE: f64 = 10.0;
 /// Step of the dynamics that verify a reduced model [s]: a fifth of the error of the first step.
 const VERIFYING_STEP: f64 = 0.5 * STEP;
 /// Shortest step that is tried [s]: below it error control takes no longer.
@@ -28,17 +26,17 @@ pub fn is_free(settings: &RunSettings) -> bool {
     settings.method == Method::Auto && settings.fixed_step.is_none() && settings.tightened.is_some()
 }
 
-/// True if fixed steps can be tried. Undamped contacts keep vibrating, and long steps would damp this vibration.
+/// True if fixed steps can be tried. Undamped contacts keep vibrating, and long steps would damp this vibration. Fast defects need steps
+/// so short that error control takes no longer.
 pub fn is_eligible(model: &Model, settings: &RunSettings) -> bool {
-    is_free(settings) && model.mechanism().raceway.inner.is_damped()
+    is_free(settings) && model.mechanism().raceway.inner.is_damped() && first_step(model) >= SHORTEST
 }
 
-/// The first step that is tried [s]. It divides the period of the fastest wave by `STEPS_PER_WAVE` at least.
+/// The first step that is tried [s]. It resolves the waves of the raceways and the path over each defect.
 pub fn first_step(model: &Model) -> f64 {
     let mechanism = model.mechanism();
     let step = if mechanism.layout.axial_spindle { AXIAL_STEP } else { STEP };
-    // At frequency 0 the quotient is infinite.
-    step.min(1.0 / (STEPS_PER_WAVE * mechanism.wave_frequency))
+    step.min(mechanism.longest_wave_step()).min(mechanism.defect_step)
 }
 
 /// Steps for a start-up phase, the longest first.
@@ -62,6 +60,7 @@ pub fn in_steps(settings: &RunSettings, step: f64) -> RunSettings {
 }
 
 /// Settings of the dynamics that verify a reduced model in fixed steps; `None` if a step was selected.
-pub fn verifying(settings: &RunSettings) -> Option<RunSettings> {
-    is_free(settings).then(|| in_steps(settings, VERIFYING_STEP))
+pub fn verifying(settings: &RunSettings, model: &Model) -> Option<RunSettings> {
+    let step = VERIFYING_STEP.min(model.mechanism().defect_step);
+    (is_free(settings) && step >= SHORTEST).then(|| in_steps(settings, step))
 }

@@ -182,7 +182,9 @@ pub(crate) fn dynamics_window(
         let stepping = Stepping { relative_tolerance: tolerance, ..Stepping::of(short) };
         Ok(run(dynamics, short, &stepping, control)?.recording)
     };
-    let Some(stepped) = fixed_step::verifying(&RunSettings { tightened: settings.tightened, ..short.clone() }) else {
+    let Some(stepped) =
+        fixed_step::verifying(&RunSettings { tightened: settings.tightened, ..short.clone() }, &dynamics.model)
+    else {
         return controlled();
     };
     match run(dynamics, &stepped, &Stepping::of(&stepped), control) {

@@ -104,9 +104,9 @@ impl<'a> Search<'a> {
         let axial = dot(from_centre, axis);
         let radial = subtract(from_centre, scale(axial, axis));
         let radius = dot(radial, radial).sqrt();
-        let (height, slope) = match contact.surface() {
-            SurfaceProfile::None => (0.0, 0.0),
-            surface => surface.height_and_slope(azimuth + turn_about(axis, radial)),
+        let (of, place_by_ball) = match contact.surface() {
+            SurfaceProfile::None => Default::default(),
+            _ => contact.height(azimuth + turn_about(axis, radial), axial, radius),
         };
         let radial = scale(1.0 / radius, radial);
         let (ideal, (a, r)) = if self.mechanism.layout.planar {
@@ -114,11 +114,15 @@ impl<'a> Search<'a> {
         } else {
             contact.penetration::<false>(axial, radius)
         };
-        let penetration = ideal + height;
+        let penetration = ideal + of.height;
         let (load, stiffness) = contact.elastic_load(penetration);
         let mut towards = add(scale(a, axis), scale(r, radial));
-        if slope != 0.0 {
-            towards = add(towards, scale(slope / radius, cross(axis, radial)));
+        if of.along != 0.0 {
+            towards = add(towards, scale(of.along / radius, cross(axis, radial)));
+        }
+        if of.across != 0.0 {
+            let (by_axial, by_radial) = place_by_ball;
+            towards = add(towards, scale(of.across, add(scale(by_axial, axis), scale(by_radial, radial))));
         }
         Touch {
             load,

@@ -8,8 +8,10 @@ use crate::simulation::model::terms::ActiveTerms;
 
 /// Reason why a scene has no motion that repeats with every ball, or cannot show its outputs; `None`: it may have one.
 pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<Inapplicable> {
-    let reason = if !scene.surfaces.are_ideal() {
-        Inapplicable::Surfaces
+    let reason = if scene.surfaces.have_defects() {
+        Inapplicable::Defects
+    } else if !scene.surfaces.raceway.inner.is_ideal() {
+        Inapplicable::InnerWaves
     } else if !scene.operation.speed.is_constant() {
         Inapplicable::SpeedChanges
     } else if scene.operating_speed() == 0.0 {

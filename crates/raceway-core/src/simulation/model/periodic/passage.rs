@@ -105,7 +105,7 @@ pub(super) fn steady(model: &SpindleOnly) -> Result<Passage, SimulationError> {
     }
     let speed = model.speed(0.0).0;
     let length = std::f64::consts::TAU / (model.balls() as f64 * (model.orbit_ratio() * speed).abs());
-    let longest = MAX_STEP.min(MAX_PHASE / frequency);
+    let longest = MAX_STEP.min(MAX_PHASE / frequency).min(model.longest_step());
     let coarse = ((length / longest).ceil() as usize).max(16);
     if coarse > MAX_STEPS_A_PASSAGE {
         return Err(not_applicable(Inapplicable::LongPassage { passage: length, steps: coarse, step: longest }));

@@ -12,8 +12,8 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
     let term_on = |term| scene.terms.get(term) == TermChoice::On;
     let along_x =
         |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
-    if !scene.surfaces.are_ideal() {
-        Some(Inapplicable::Surfaces)
+    if scene.surfaces.have_defects() {
+        Some(Inapplicable::Defects)
     } else if scene.operation.load[0] != 0.0 {
         Some(Inapplicable::AxialLoad)
     } else if scene.spindle.axial == AxialHold::Free {

@@ -7,7 +7,9 @@ use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, larger, si
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::damping::viscous_ramp;
 use crate::physics::frames::Azimuth;
+use crate::physics::surface::Rise;
 use crate::simulation::model::condensed_contact::CondensedContact;
+use crate::simulation::model::heights::{Heights, Lift};
 
 /// Deviations from ideal rolling, as in `state.rs`. The arc along the orbit grows with time and needs double precision; velocities stay
 /// near those of rolling, and single precision suffices.
@@ -103,8 +105,8 @@ pub(super) struct BallInRaceways<T = f32> {
     /// Orbit speed, and its excess over the cage's [rad/s].
     pub orbit: T,
     pub past_cage: T,
-    /// Outward body force: centrifugal force and weight [N].
-    pub centrifugal: T,
+    /// Outward body force: centrifugal force and weight, on wavy raceways with the inertia of the radial motion [N].
+    pub outward: T,
     /// Place and velocity of the spindle along the ball's direction [m, m/s], its velocity across.
     pub along: T,
     pub along_velocity: T,
@@ -133,7 +135,7 @@ side_by_side!(BallInRaceways {
     ahead,
     orbit,
     past_cage,
-    centrifugal,
+    outward,
     along,
     along_velocity,
     across_velocity,
@@ -265,15 +267,16 @@ impl OneBall {
         Azimuth::new(ball.arc * (1.0 / f64::from(self.pitch_radius))).single()
     }
 
-    /// Position and elastic state of the ball; `start`: start azimuth of its pocket.
+    /// Position and elastic state of the ball; `start`: start azimuth of its pocket. `WAVY`: raceways have `heights`.
     #[inline(always)]
-    pub(crate) fn in_raceways(
+    pub(crate) fn in_raceways<const WAVY: bool>(
         &self,
         drive: &Drive,
         start: Azimuth<f32>,
         ahead: Azimuth<f32>,
         border: &Border<f32>,
         ball: &BallState,
+        heights: &Heights<f32>,
     ) -> BallInRaceways {
         let pocket = start.turned(drive.cage);
         let azimuth = pocket.turned(ahead);
@@ -290,31 +293,50 @@ impl OneBall {
         let (along, across) = (y * c + z * s, z * c - y * s);
         let (along_velocity, across_velocity) = (vy * c + vz * s, vz * c - vy * s);
         let lean = across * self.per_nominal * reciprocal_near_one((unloaded.penetration - along) * self.per_nominal);
-        let approach = along - 0.5 * across * lean - self.clearance;
-        let rate = along_velocity + lean * ((self.nominal + unloaded.penetration) * orbit - across_velocity);
+        let mut approach = along - 0.5 * across * lean - self.clearance;
+        let mut rate = along_velocity + lean * ((self.nominal + unloaded.penetration) * orbit - across_velocity);
+        let mut raised = PerRaceway::<Lift<f32>>::default();
+        if WAVY {
+            let turning = (orbit * along - across_velocity) * self.per_nominal;
+            raised = heights.lifts(PerRaceway { inner: orbit + turning - drive.speed, outer: orbit });
+            approach += raised.inner.height + raised.outer.height;
+            rate += raised.inner.rate + raised.outer.rate;
+        }
 
         // Elastic load of both contacts, damping with the dissipation of both, and inertia of the ball's radial motion.
         let contact = self.contact.load(approach, &unloaded);
         let damping = self.chi * contact.damped_load;
         let [ay, az] = drive.spindle_acceleration;
-        let swing = (ay * c + az * s) + orbit * (2.0 * across_velocity - orbit * along);
-        let inertia =
+        let mut swing = (ay * c + az * s) + orbit * (2.0 * across_velocity - orbit * along);
+        if WAVY {
+            swing += raised.inner.acceleration + raised.outer.acceleration;
+        }
+        let mut inertia =
             self.mass * (contact.outer_share * contact.outer_share * swing + contact.outer_share_slope * rate * rate);
+        let (mut outward, mut moved, mut radial_velocity) = (centrifugal, contact.outer, contact.outer_share * rate);
+        if WAVY {
+            // The ball stands on the height of the outer raceway: r = r₀ + δ_e − h_e, r̈ = a_e D̈ − ḧ_e.
+            let lifting = self.mass * raised.outer.acceleration;
+            inertia -= contact.outer_share * lifting;
+            outward += lifting - self.mass * contact.outer_share * swing;
+            moved -= raised.outer.height;
+            radial_velocity -= raised.outer.rate;
+        }
         BallInRaceways {
             azimuth,
             pocket,
             ahead,
             orbit,
             past_cage: (ball.arc_velocity - border.cage_velocity[2]) * self.per_pitch_radius,
-            centrifugal,
+            outward,
             along,
             along_velocity,
             across_velocity,
             lean,
             rate,
-            radius: self.nominal + contact.outer,
-            lift: self.lift + contact.outer,
-            radial_velocity: contact.outer_share * rate,
+            radius: self.nominal + moved,
+            lift: self.lift + moved,
+            radial_velocity,
             inner: contact.inner,
             outer: contact.outer,
             normal: contact.load + damping * rate + inertia,
@@ -347,7 +369,7 @@ impl OneBall {
         let presses = (normal > 0.0) & (held.outer_share > 0.0);
         let pressed = |value: f32| if presses { value } else { 0.0 };
         let inner = pressed(normal);
-        let outer = larger(inner + held.centrifugal + pocket_radial, 0.0);
+        let outer = larger(inner + held.outward + pocket_radial, 0.0);
         let share = pressed(held.outer_share);
         let tangential = held.radius * held.orbit;
         let spin = self.spin_ratio * drive.speed + ball.spin;
@@ -372,6 +394,21 @@ impl OneBall {
             },
             slope: self.mass * share * share
                 + pressed(drive.place_share * held.stiffness + drive.velocity_share * held.damping),
+        }
+    }
+
+    /// The forces along both raceways with those of their heights, −h'/r of the load.
+    #[inline(always)]
+    pub(super) fn with_lean(
+        held: &BallInRaceways,
+        heights: &Heights<f32>,
+        traction: &PerRaceway<Sums>,
+    ) -> PerRaceway<Sums> {
+        let with =
+            |sums: &Sums, rise: &Rise<f32>, radius: f32| Sums { force: sums.force - rise.slope / radius, ..*sums };
+        PerRaceway {
+            inner: with(&traction.inner, &heights.inner, held.radius - held.along),
+            outer: with(&traction.outer, &heights.outer, held.radius),
         }
     }
 

@@ -19,7 +19,9 @@ use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::condensed_contact::CondensedContact;
 use crate::simulation::model::equilibrium::{Equilibrium, equilibrium};
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::heights::Waves;
 use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::surfaces::with_surfaces;
 use crate::simulation::model::terms::ActiveTerms;
 
 /// Largest load over the largest static one up to which a contact has to be narrow [-].
@@ -35,6 +37,7 @@ pub(super) struct Alike {
 /// The equations of the model for a scene.
 #[derive(Debug, Clone)]
 pub struct RadiallyCondensed {
+    /// Raceways are ideal circles, whose heights are apart.
     pub(super) mechanism: Mechanism,
     pub(super) needs: ActiveTerms,
     /// Start azimuths of the balls, eight at a time.
@@ -51,6 +54,8 @@ pub struct RadiallyCondensed {
     pub(super) plain_pocket: bool,
     /// Whether the model has a cage with plain pockets, and raceways without a viscous damper.
     pub(super) is_plain: bool,
+    /// `None`: both raceways are ideal circles.
+    pub(super) waves: Option<Waves>,
     /// Constant speed [rad/s] with the values that depend on it; `None` where the speed changes.
     pub(super) constant: Option<(f64, (LubricantDrag, f32))>,
     /// Whether an output shows the motion of the cage.
@@ -111,9 +116,11 @@ impl RadiallyCondensed {
             return Err(SimulationError::NotApplicable { rung: "radially_condensed", reason });
         }
         let needs = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;
-        let m = Mechanism::new(scene, &needs);
+        let mut m = Mechanism::new(scene, &needs);
+        let surfaced = with_surfaces(m.clone(), scene);
+        m.wave_frequency = surfaced.wave_frequency;
         let balls = m.layout.balls;
-        let rest = equilibrium(&m, m.speed.at(0.0).1)?;
+        let rest = equilibrium(&surfaced, m.speed.at(0.0).1)?;
         let largest = rest.loads.iter().fold(0.0, |most, load| f64::max(most, f64::max(load.inner, load.outer)));
         let damping = scene.raceway_damping.resolve();
         let film_damping = match scene.cage.film {
@@ -172,6 +179,7 @@ impl RadiallyCondensed {
             traction: m.raceway.map(|contact| traction(scene, &needs, contact, LOAD_MARGIN * largest)),
             plain_pocket: !needs.pocket.hydrodynamics,
             is_plain: needs.cage && !needs.pocket.hydrodynamics && damping.viscous == 0.0,
+            waves: Waves::of(&surfaced),
             constant: None,
             shows_cage: outputs.spectra.iter().chain(&outputs.series).any(shows_cage),
             rest: [rest.spindle[1], rest.spindle[2]],

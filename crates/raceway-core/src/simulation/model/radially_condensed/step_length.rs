@@ -21,8 +21,8 @@ const MAX_FILM_PHASE_VERIFIED: f64 = 1.0;
 /// long.
 const MAX_STEP: f64 = 20e-6;
 impl RadiallyCondensed {
-    /// Longest steps that are stable and accurate. The spindle on its loaded contacts, the cage on a stiff film and steep traction bound
-    /// them. Pocket walls need shorter steps than films.
+    /// Longest steps that are stable and accurate. The spindle on its loaded contacts, the cage on a stiff film, steep traction and waves of
+    /// the raceways bound them. Pocket walls need shorter steps than films.
     pub fn step_ratio(&self) -> StepRatio {
         let stable = (self.fastest(MAX_PHASE, MAX_FILM_PHASE) / RATE).ceil().max(1.0) as usize;
         StepRatio::of_steps(stable.max(if self.is_gentle() { 1 } else { 4 }))
@@ -54,7 +54,7 @@ impl RadiallyCondensed {
         !self.mechanism().layout.cage || self.pockets_are_damped()
     }
 
-    /// Reciprocal of the longest step that damping and traction allow [1/s], with given largest phases of the spindle on its contacts and of
+    /// Reciprocal of the longest step that damping, traction and waves allow [1/s], with given largest phases of the spindle on its contacts and of
     /// the cage on its film [rad].
     fn fastest(&self, turn: f64, film_turn: f64) -> f64 {
         let on_film = if self.mechanism().layout.cage { self.film_frequency() } else { 0.0 };
@@ -62,5 +62,6 @@ impl RadiallyCondensed {
             .max(self.spindle_rates[1] / turn)
             .max(on_film / film_turn)
             .max(self.traction_rate / MAX_TRACTION_DECAY)
+            .max(1.0 / self.mechanism().longest_wave_step())
     }
 }

@@ -12,8 +12,8 @@ use crate::simulation::model::terms::ActiveTerms;
 pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<Inapplicable> {
     let channels = || outputs.spectra.iter().chain(&outputs.series);
     let of_spindle = |channel: &Channel| matches!(channel, Channel::Spindle(Axis::Y | Axis::Z, _));
-    let reason = if !scene.surfaces.are_ideal() {
-        Inapplicable::Surfaces
+    let reason = if scene.surfaces.have_defects() {
+        Inapplicable::Defects
     } else if scene.operation.load[0] != 0.0 {
         Inapplicable::AxialLoad
     } else if needs.axial_spindle {

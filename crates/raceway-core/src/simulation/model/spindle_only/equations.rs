@@ -3,12 +3,14 @@
 
 use std::f64::consts::TAU;
 
-use crate::numerics::lanes::{LANES, Lanes, larger};
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, larger};
 use crate::numerics::ode::adams_moulton::{Defect, EquationsOfMotion, Motion, Shares};
+use crate::physics::bearing::PerRaceway;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::unbalance_force;
 use crate::simulation::model::condensed_contact::{CondensedContact, Unloaded};
+use crate::simulation::model::heights::{Heights, Lift, Waves};
 use crate::simulation::model::mechanism::Mechanism;
 
 /// Load at which half of a ball's traction follows the spindle [N]; at a smaller load the ball slips.
@@ -73,6 +75,10 @@ pub(crate) struct SpindleOnly {
     unbalance: f64,
     /// Load and weight [N].
     force: [f64; 2],
+    /// `None`: both raceways are ideal circles.
+    waves: Option<Waves>,
+    /// Longest step that resolves the waves [s].
+    longest_step: f64,
 }
 
 /// Directions of balls side by side; (0, 0) for lanes beyond the last ball.
@@ -80,15 +86,22 @@ pub(crate) struct SpindleOnly {
 struct Group {
     cosine: Lanes,
     sine: Lanes,
+    /// Azimuths in front of the first ball [rad].
+    azimuth: Lanes,
 }
 
-/// Prescribed motion at one time: orbit speed [rad/s], direction of the first pocket, and applied force [N].
+/// Prescribed motion at one time: orbit speed [rad/s], direction of the first pocket, and applied force [N]. Only wavy raceways ask for
+/// the angles.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Driven {
     orbit: f64,
     cosine: f64,
     sine: f64,
     force: [f64; 2],
+    /// Azimuth of the first pocket [rad].
+    first: f64,
+    /// Angle [rad] and speed [rad/s] of the shaft.
+    shaft: (f64, f64),
 }
 
 impl SpindleOnly {
@@ -110,7 +123,11 @@ impl SpindleOnly {
                         if ball < balls { value(ball) } else { 0.0 }
                     }))
                 };
-                Group { cosine: of(&|ball| m.start_azimuth(ball).cos()), sine: of(&|ball| m.start_azimuth(ball).sin()) }
+                Group {
+                    cosine: of(&|ball| m.start_azimuth(ball).cos()),
+                    sine: of(&|ball| m.start_azimuth(ball).sin()),
+                    azimuth: of(&|ball| m.start_azimuth(ball)),
+                }
             })
             .collect();
         let on = |on: bool, value: f64| if on { value } else { 0.0 };
@@ -136,7 +153,14 @@ impl SpindleOnly {
             rolling_approach: (ROLLING_LOAD / m.raceway.inner.hertz().stiffness).powf(2.0 / 3.0),
             unbalance: m.unbalance,
             force: [m.load[1] + m.spindle_mass * m.gravity, m.load[2]],
+            waves: Waves::of(m),
+            longest_step: m.longest_wave_step(),
         }
+    }
+
+    /// Longest step that resolves the waves of the raceways [s].
+    pub(crate) fn longest_step(&self) -> f64 {
+        self.longest_step
     }
 
     /// Sets the centrifugal force to that at another spindle speed [rad/s].
@@ -205,7 +229,7 @@ impl SpindleOnly {
                 (sines[lane], cosines[lane]) = sine_cosine(azimuths[lane]);
             }
             for (lane, drive) in drives.iter_mut().enumerate() {
-                *drive = self.driven(&turnings[lane], (sines[lane], cosines[lane]));
+                *drive = self.driven(&turnings[lane], azimuths[lane], (sines[lane], cosines[lane]));
             }
         }
     }
@@ -227,26 +251,32 @@ impl SpindleOnly {
     }
 
     #[inline(always)]
-    fn driven(&self, &(angle, speed, acceleration): &(f64, f64, f64), (sine, cosine): (f64, f64)) -> Driven {
+    fn driven(
+        &self,
+        &(angle, speed, acceleration): &(f64, f64, f64),
+        first: f64,
+        (sine, cosine): (f64, f64),
+    ) -> Driven {
         let mut force = self.force;
         if self.unbalance != 0.0 {
             let unbalance = unbalance_force(self.unbalance, angle, speed, acceleration);
             force = [force[0] + unbalance[1], force[1] + unbalance[2]];
         }
-        Driven { orbit: self.orbit_ratio * speed, cosine, sine, force }
+        Driven { orbit: self.orbit_ratio * speed, cosine, sine, force, first, shaft: (angle, speed) }
     }
 
-    /// Contribution of a group of balls to the residual.
+    /// Contribution of a group of balls to the residual. `WAVY`: raceways have heights.
     #[inline(always)]
     // The loop is over lane numbers, because five results and two columns have no common iterator.
     #[allow(clippy::needless_range_loop)]
-    fn group(
+    fn group<const WAVY: bool>(
         &self,
         group: &Group,
         driven: &Driven,
         ([y, z], [vy, vz]): &SpindleMotion,
         [ay, az]: [f64; 2],
         shares: Shares,
+        heights: &Heights<Lanes>,
     ) -> Defect {
         let mut of = [Lanes::<LANES>::default(); 5];
         // Local copies, because a store might change values behind a reference.
@@ -258,8 +288,16 @@ impl SpindleOnly {
             let (radial, tangential) = (y * c + z * s, z * c - y * s);
             let (radial_velocity, tangential_velocity) = (vy * c + vz * s, vz * c - vy * s);
             let tilt = self.curvature * tangential;
-            let approach = (self.centred + radial) - half_curvature * (tangential * tangential);
-            let rate = radial_velocity + speed * tangential - tilt * (tangential_velocity - speed * radial);
+            let mut approach = (self.centred + radial) - half_curvature * (tangential * tangential);
+            let mut rate = radial_velocity + speed * tangential - tilt * (tangential_velocity - speed * radial);
+            let mut raised = PerRaceway::<Lift>::default();
+            if WAVY {
+                let turning = self.curvature * (speed * radial - tangential_velocity);
+                let speeds = PerRaceway { inner: speed + turning - driven.shaft.1, outer: speed };
+                raised = heights.at(lane).lifts(speeds);
+                approach += raised.inner.height + raised.outer.height;
+                rate += raised.inner.rate + raised.outer.rate;
+            }
             let load = contact.load(approach, &unloaded);
             // χ (a_i² Q_i + a_e² Q_e) with Q_e = Q_i + F: the factors that do not depend on the load come first.
             let (inner, outer) = (load.inner_share * load.inner_share, load.outer_share * load.outer_share);
@@ -275,8 +313,18 @@ impl SpindleOnly {
             let along = self.rolling_mass * rolls;
             let lean = tilt * (1.0 - self.rolling * rolls);
             let (normal_y, normal_z) = (c + s * lean, s - c * lean);
-            let inertia = moved * (turning + (ay * c + az * s));
-            let dragged = along * (speed * radial_velocity - (az * c - ay * s));
+            let mut inertia = moved * (turning + (ay * c + az * s));
+            let mut dragged = along * (speed * radial_velocity - (az * c - ay * s));
+            if WAVY {
+                let PerRaceway { inner: on_inner, outer: on_outer } = &raised;
+                inertia += moved * (on_inner.acceleration + on_outer.acceleration)
+                    - self.ball_mass * load.outer_share * on_outer.acceleration;
+                // Heights push along the orbit. A rolling ball passes half of the push of either raceway on to the other.
+                let (passed, heights) = (self.rolling * rolls, heights.at(lane));
+                let push = normal * heights.inner.slope * (1.0 - passed)
+                    - (normal + unloaded.force) * heights.outer.slope * passed;
+                dragged += self.curvature * push;
+            }
             let slope = moved + (shares.place * load.stiffness + (shares.velocity * self.damping) * load.damped_load);
             of[0][lane] = -(normal * normal_y) - (inertia * c + dragged * s);
             of[1][lane] = -(normal * normal_z) - (inertia * s - dragged * c);
@@ -289,13 +337,64 @@ impl SpindleOnly {
     }
 }
 
+/// The equations on wavy raceways, compiled for each instruction set.
+struct OnWaves<'a> {
+    model: &'a SpindleOnly,
+    waves: &'a Waves,
+    driven: Driven,
+    motion: SpindleMotion,
+    acceleration: [f64; 2],
+    shares: Shares,
+}
+
+impl OnWaves<'_> {
+    /// Heights under a group of balls. Azimuths are those on the rings, about each ring's axis: an inner one turns with the spindle.
+    #[inline(always)]
+    fn heights(&self, group: &Group) -> Heights<Lanes> {
+        let (driven, ([y, z], _)) = (&self.driven, self.motion);
+        let mut azimuth = PerRaceway::<Lanes>::default();
+        for lane in 0..LANES {
+            let c = group.cosine[lane] * driven.cosine - group.sine[lane] * driven.sine;
+            let s = group.sine[lane] * driven.cosine + group.cosine[lane] * driven.sine;
+            let (tilt, on_outer) = (self.model.curvature * (z * c - y * s), driven.first + group.azimuth[lane]);
+            azimuth.put(lane, PerRaceway { inner: on_outer - tilt - driven.shaft.0, outer: on_outer });
+        }
+        self.waves.at(&azimuth)
+    }
+}
+
+impl Task for OnWaves<'_> {
+    type Answer = Defect;
+
+    #[inline(always)]
+    fn run(self) -> Defect {
+        let Self { model, driven, motion, acceleration, shares, .. } = &self;
+        let mut all =
+            model.group::<true>(&model.first, driven, motion, *acceleration, *shares, &self.heights(&model.first));
+        for group in &model.others {
+            all = all.and(&model.group::<true>(group, driven, motion, *acceleration, *shares, &self.heights(group)));
+        }
+        all
+    }
+}
+
+impl SpindleOnly {
+    /// Load of balls on wavy raceways. A call of its own: scenes with ideal circles keep their loops as they are.
+    #[cold]
+    #[inline(never)]
+    fn on_waves(&self, on: OnWaves<'_>) -> Defect {
+        InstructionSet::best().run(on)
+    }
+}
+
 impl EquationsOfMotion for SpindleOnly {
     type Drive = Driven;
 
     #[inline(always)]
     fn drive(&self, time: f64) -> Driven {
         let turning = self.turning(time);
-        self.driven(&turning, sine_cosine(self.first_ball(&turning)))
+        let first = self.first_ball(&turning);
+        self.driven(&turning, first, sine_cosine(first))
     }
 
     /// Residual of the spindle's equations. Its slope includes that of elastic loads over the approach and of damping over its rate.
@@ -304,10 +403,22 @@ impl EquationsOfMotion for SpindleOnly {
         let [ay, az] = acceleration;
         let force = [driven.force[0] - self.mass * ay, driven.force[1] - self.mass * az];
         let slope = [self.mass, 0.0, self.mass];
+        if let Some(waves) = &self.waves {
+            let on = OnWaves { model: self, waves, driven: *driven, motion: *motion, acceleration, shares };
+            return Defect { force, slope }.and(&self.on_waves(on));
+        }
+        let ideal = Heights::default();
         // The first group stands outside the loop, where the compiler keeps the common constants in registers.
-        let mut all = Defect { force, slope }.and(&self.group(&self.first, driven, motion, acceleration, shares));
+        let mut all = Defect { force, slope }.and(&self.group::<false>(
+            &self.first,
+            driven,
+            motion,
+            acceleration,
+            shares,
+            &ideal,
+        ));
         for group in &self.others {
-            all = all.and(&self.group(group, driven, motion, acceleration, shares));
+            all = all.and(&self.group::<false>(group, driven, motion, acceleration, shares, &ideal));
         }
         all
     }

@@ -40,7 +40,8 @@ pub fn simulate(
 ) -> Result<(Recording, Statistics), SimulationError> {
     let (mut model, mechanism) = scene_model(scene, settings, "spindle_only", inapplicability)?;
     let (rest, frequency) = model.rest();
-    let ratio = StepRatio::of(settings.fixed_step.unwrap_or(MAX_STEP.min(MAX_PHASE / frequency)));
+    let longest = MAX_STEP.min(MAX_PHASE / frequency).min(model.longest_step());
+    let ratio = StepRatio::of(settings.fixed_step.unwrap_or(longest));
     let step = ratio.step();
     if ratio.steps > MAX_STEPS_PER_VALUE {
         let reason = Inapplicable::FastSpindle { step };

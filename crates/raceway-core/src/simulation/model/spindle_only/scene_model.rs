@@ -7,6 +7,7 @@ use crate::simulation::input::settings::{Outputs, RunSettings};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::surfaces::with_surfaces;
 use crate::simulation::model::terms::ActiveTerms;
 
 /// The equations and the mechanism of a scene; an error where `inapplicability` finds a reason against them.
@@ -20,7 +21,7 @@ pub(crate) fn scene_model(
     if let Some(reason) = inapplicability(scene, &needs, &settings.outputs) {
         return Err(SimulationError::NotApplicable { rung, reason });
     }
-    let mechanism = Mechanism::new(scene, &needs);
+    let mechanism = with_surfaces(Mechanism::new(scene, &needs), scene);
     Ok((
         SpindleOnly::new(&mechanism, scene.raceway_damping.resolve().chi, mechanism.orbit_ratio, Corrections::ALL),
         mechanism,
