@@ -26,11 +26,12 @@ pub async fn notify_cancelled(tx: &mut Tx, job: Uuid) -> Result<(), JobError> {
 }
 
 impl Store {
-    /// Notifies all processes of new deliveries. It is no part of a submission: all transactions that notify wait for each other while
-    /// they are written to the disk, and this one writes nothing.
+    /// Notifies all processes of new deliveries. It is no part of a submission: all transactions that notify wait for each other until
+    /// they are on the disk, and this one does not wait for the disk.
     pub async fn notify_enqueued(&self) -> Result<(), JobError> {
-        statement("SELECT pg_notify($1, '')").bind(ENQUEUED).run(&self.writer).await?;
-        Ok(())
+        let mut tx = self.writer.begin_unsynchronized().await?;
+        statement("SELECT pg_notify($1, '')").bind(ENQUEUED).run(&mut tx).await?;
+        tx.commit().await
     }
 }
 

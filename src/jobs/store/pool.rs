@@ -42,6 +42,16 @@ impl Pool {
         }
     }
 
+    /// Begins a write transaction whose end does not wait for the disk, where the server allows that.
+    pub async fn begin_unsynchronized(&self) -> Result<Tx, JobError> {
+        match self {
+            Self::Sqlite(_) => self.begin().await,
+            Self::Postgres(pool) => {
+                Ok(Tx::Postgres(pool.begin_with("BEGIN; SET LOCAL synchronous_commit TO OFF").await?))
+            }
+        }
+    }
+
     pub async fn close(&self) {
         match self {
             Self::Sqlite(pool) => pool.close().await,
