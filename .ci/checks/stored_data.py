@@ -132,6 +132,45 @@ def case_corrupt_is_not_reused():
         judge([row["reused"] for row in rows] == [True, False], "the changed point is computed again, the other one is not")
 
 
+def case_changed_requests():
+    """A changed request is refused, counted and listed; its result answers no other job."""
+    with served() as (service, database):
+        path = done(service, SHORT)
+        with contextlib.closing(sqlite3.connect(database, timeout=30)) as connection:
+            connection.execute("UPDATE jobs SET request = replace(request, '3000', '3001') WHERE id = ?", (key(path),))
+            connection.commit()
+        status, listed = checked(database)
+        judge(status == 1 and f"{path.rsplit('/', 1)[1]} corrupt: request" in listed, "`raceway check` lists a changed request")
+        judge(kind(service.request("GET", path)) == (500, "result-corrupt"), "a job with a changed request is `result-corrupt`")
+        judge(not service.submit(SHORT)[1]["reused"], "its result answers no other job")
+
+
+def case_exchanged_results():
+    """The result of another job is refused, though its digest agrees with it."""
+    with served() as (service, database):
+        path, other = done(service, SHORT), done(service, SHORT | {"reuse": False})
+        result = "(SELECT result_id FROM jobs WHERE id = ?)"
+        with contextlib.closing(sqlite3.connect(database, timeout=30)) as connection:
+            connection.execute(f"UPDATE results SET (metrics, digest) = (SELECT metrics, digest FROM results WHERE id = {result}) WHERE id = {result}", (key(other), key(path)))
+            connection.commit()
+        judge(kind(service.request("GET", f"{path}/metrics")) == (500, "result-corrupt"), "metrics of another job are `result-corrupt`")
+        status, listed = checked(database)
+        judge(status == 1 and path.rsplit("/", 1)[1] in listed, "`raceway check` lists the job")
+
+
+def case_missing_result():
+    """A succeeded job without its metrics is refused, counted and listed."""
+    with served() as (service, database):
+        path = done(service, SHORT)
+        with contextlib.closing(sqlite3.connect(database, timeout=30)) as connection:
+            connection.execute("DELETE FROM results WHERE id = (SELECT result_id FROM jobs WHERE id = ?)", (key(path),))
+            connection.commit()
+        judge(kind(service.request("GET", f"{path}?include=metrics")) == (500, "result-corrupt"), "missing metrics are `result-corrupt`")
+        status, listed = checked(database)
+        judge(status == 1 and path.rsplit("/", 1)[1] in listed, "`raceway check` lists the job")
+        judge(service.request("GET", "/health/ready")[2].get("stored_results", {}).get("corrupt") == 1, "and keeps it in readiness")
+
+
 def case_private_file():
     """A new database and its log are readable for their user only."""
     with served() as (_, database):

@@ -1,5 +1,5 @@
-//! Conditional requests: ETags and answers 304. Results never change, so their tag is a digest of the work and the request. The tag of
-//! a job is a digest of its JSON text.
+//! Conditional requests: ETags and answers 304. Results never change, so their tag is a digest of the work and the request; that of a
+//! study, which can be resumed, also covers when it ended. The tag of a job is a digest of its JSON text.
 
 use axum::body::Body;
 use axum::extract::{Request, State};
@@ -13,6 +13,7 @@ use uuid::Uuid;
 use super::app::App;
 use super::credentials::Owner;
 use super::error::ApiError;
+use crate::jobs::Fingerprint;
 
 /// Caching of results by the client, not by proxies.
 const IMMUTABLE: HeaderValue = HeaderValue::from_static("private, max-age=31536000, immutable");
@@ -33,7 +34,7 @@ pub async fn results(
         Some(id) => app.jobs.fingerprint(&owner, id).await?,
         None => None,
     };
-    let Some(work) = work else {
+    let Some(Fingerprint { work, study_ended }) = work else {
         let mut response = next.run(request).await;
         response.headers_mut().entry(CACHE_CONTROL).or_insert(REVALIDATE);
         return Ok(response);
@@ -43,10 +44,13 @@ pub async fn results(
     let headers = request.headers();
     let accepted = [ACCEPT, ACCEPT_ENCODING].map(|name| headers.get_all(name).iter().cloned().collect::<Vec<_>>());
     let accepted: Vec<&[u8]> = accepted.iter().flatten().map(HeaderValue::as_bytes).collect();
-    let tag = tag("", &[&work, env!("CARGO_PKG_VERSION").as_bytes(), asked.as_bytes(), &accepted.join(&b","[..])]);
+    let version = env!("CARGO_PKG_VERSION").as_bytes();
+    let ended = study_ended.unwrap_or(0).to_le_bytes();
+    let tag = tag("", &[&work, version, asked.as_bytes(), &accepted.join(&b","[..]), &ended]);
+    let caching = if study_ended.is_some() { REVALIDATE } else { IMMUTABLE };
     // A matching tag came with an answer to the same request.
     if has(request.headers(), &tag) {
-        return Ok(not_modified(tag, IMMUTABLE));
+        return Ok(not_modified(tag, caching));
     }
     let has_any = has_any(request.headers());
     if request.headers().get(IF_RANGE).is_some_and(|known| *known != tag) {
@@ -54,12 +58,12 @@ pub async fn results(
     }
     let mut response = next.run(request).await;
     if response.status() == StatusCode::OK && has_any {
-        return Ok(not_modified(tag, IMMUTABLE));
+        return Ok(not_modified(tag, caching));
     }
     if [StatusCode::OK, StatusCode::PARTIAL_CONTENT].contains(&response.status()) {
         let headers = response.headers_mut();
         headers.insert(ETAG, tag);
-        headers.insert(CACHE_CONTROL, IMMUTABLE);
+        headers.insert(CACHE_CONTROL, caching);
         headers.insert(VARY, HeaderValue::from_static("Accept"));
     }
     Ok(response)

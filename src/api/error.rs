@@ -82,6 +82,7 @@ impl Problem {
             "time-limit" => "The run took too long",
             "memory-limit" => "The run needed too much memory",
             "no-metric" => "No run has the requested metric",
+            "result-corrupt" => "The stored request is damaged",
             "worker-lost" => "The process of the run ended repeatedly",
             _ => "Internal error of the service",
         };

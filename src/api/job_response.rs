@@ -43,7 +43,7 @@ pub struct JobAnswer {
     #[schema(value_type = Option<String>, format = DateTime, required = true)]
     pub cancel_requested_at: Option<Timestamp>,
     /// Cause of a failed job. Its `type` ends in `did-not-converge`, `numerical-blowup`, `spindle-left-bearing`, `time-limit`,
-    /// `memory-limit`, `worker-lost` or `internal`.
+    /// `memory-limit`, `worker-lost`, `result-corrupt` or `internal`.
     #[schema(required = true)]
     pub error: Option<Problem>,
     /// Labels of the job.

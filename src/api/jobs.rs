@@ -112,13 +112,8 @@ pub async fn submit(
     Ok((status, left, headers, applied, retry_after, Json(answer)).into_response())
 }
 
-/// Length from which a body is parsed on a thread that delays no other request [B].
-const LONG_BODY_BYTES: usize = 8 << 10;
-
+/// The job of a body, checked on a thread that delays no other request: a short body can describe thousands of scenes.
 async fn parsed(body: &Bytes) -> Result<Job, ApiError> {
-    if body.len() < LONG_BODY_BYTES {
-        return Ok(contract::parse_job(body)?);
-    }
     let body = body.clone();
     let parsed = tokio::task::spawn_blocking(move || contract::parse_job(&body));
     Ok(parsed.await.map_err(|_| ApiError::Internal)??)

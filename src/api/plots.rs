@@ -8,6 +8,7 @@ use utoipa::ToSchema;
 use uuid::Uuid;
 
 use super::app::App;
+use super::concurrency::{RequestPermit, hold_until_sent};
 use super::credentials::Owner;
 use super::error::ApiError;
 use super::openapi::{self, Anywhere, BadQuery, NoPlot, NoResult, NotAccepted, Unchanged};
@@ -78,27 +79,41 @@ const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 pub async fn plot(
     State(app): State<App>,
     Owner(owner): Owner,
+    permit: RequestPermit,
     headers: HeaderMap,
     JobId(id): JobId,
     PlotFile(file): PlotFile,
     _: Query<NoQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[SVG])?;
-    match file.as_str() {
-        "spectrum.svg" => spectra(&app, &owner, id).await,
-        "velocity.svg" => series(&app, &owner, id, "velocity").await,
-        "acceleration.svg" => series(&app, &owner, id, "acceleration").await,
+    // A study has up to a hundred megabytes, and a series a million values.
+    let held = match file.as_str() {
+        "trend.svg" | "map.svg" | "velocity.svg" | "acceleration.svg" => Some(permit.concurrency().series()?),
+        _ => None,
+    };
+    let response = drawn(&app, &owner, id, &file).await?;
+    Ok(match held {
+        Some(held) => hold_until_sent(held, response),
+        None => response,
+    })
+}
+
+async fn drawn(app: &App, owner: &str, id: Uuid, file: &str) -> Result<Response, ApiError> {
+    match file {
+        "spectrum.svg" => spectra(app, owner, id).await,
+        "velocity.svg" => series(app, owner, id, "velocity").await,
+        "acceleration.svg" => series(app, owner, id, "acceleration").await,
         "orbit.svg" => {
-            view(&app, &owner, id, |views| Some(draw::orbits(&views.orbits)).filter(|_| !views.orbits.is_empty())).await
+            view(app, owner, id, |views| Some(draw::orbits(&views.orbits)).filter(|_| !views.orbits.is_empty())).await
         }
-        "loads.svg" => view(&app, &owner, id, |views| views.loads.as_ref().map(draw::loads)).await,
-        "work-precision.svg" => work_precision(&app, &owner, id).await,
-        "optimum.svg" => optimum(&app, &owner, id).await,
-        "trend.svg" => of_study(&app, &owner, id, draw::trend).await,
-        "map.svg" => of_study(&app, &owner, id, draw::map).await,
+        "loads.svg" => view(app, owner, id, |views| views.loads.as_ref().map(draw::loads)).await,
+        "work-precision.svg" => work_precision(app, owner, id).await,
+        "optimum.svg" => optimum(app, owner, id).await,
+        "trend.svg" => of_study(app, owner, id, draw::trend).await,
+        "map.svg" => of_study(app, owner, id, draw::map).await,
         _ => {
             // A missing job is reported first.
-            let record = app.jobs.get(&owner, id).await?;
+            let record = app.jobs.get(owner, id).await?;
             let is = |kind: JobKind| record.kind == kind.name();
             let known = if is(JobKind::Accuracy) {
                 OF_ACCURACY

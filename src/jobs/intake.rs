@@ -12,8 +12,9 @@ use super::job::{JobRecord, NewJob};
 use super::places::{Left, Places, WorkLimits};
 use super::queue::Queue;
 use super::store::database::Store;
+use super::store::part_names::REQUEST;
 use super::store::pool::Tx;
-use super::store::{due, idempotency_keys, maintenance, removal, submissions};
+use super::store::{due, idempotency_keys, maintenance, removal, reuse, submissions};
 use super::token_cache::TokenCache;
 use super::worker::{InlineRun, Worker};
 
@@ -28,6 +29,8 @@ enum Reply {
     Submitted(Box<Submitted>),
     /// An existing result would answer the job, once it is known to be what was written. Nothing was stored.
     Compare(Box<NewJob>, Uuid),
+    /// A job that seemed to have the same work is not what was written. Nothing was stored.
+    Corrupt(Box<NewJob>, Uuid),
 }
 
 /// A submitted job.
@@ -83,6 +86,11 @@ impl Intake {
         loop {
             match self.send(job).await? {
                 Reply::Submitted(submitted) => return Ok(*submitted),
+                Reply::Corrupt(same, other) => {
+                    job = *same;
+                    job.reuse = false;
+                    self.store.found_corrupt(other, REQUEST).await;
+                }
                 Reply::Compare(same, result) => {
                     job = *same;
                     // Outside the transaction, because it reads the whole result.
@@ -118,6 +126,7 @@ async fn write(
             let reply = answer.map(|outcome| match outcome {
                 Written::Submitted(submitted) => Reply::Submitted(submitted),
                 Written::Compare(result) => Reply::Compare(Box::new(job), result),
+                Written::Corrupt(other) => Reply::Corrupt(Box::new(job), other),
             });
             drop(sender.send(reply));
         }),
@@ -202,6 +211,10 @@ pub(super) async fn write_in(
                 answers.push(Ok(Written::Compare(result)));
                 continue;
             }
+            Plan::Corrupt(other) => {
+                answers.push(Ok(Written::Corrupt(other)));
+                continue;
+            }
             Plan::Answer(found) => Ok(submissions::insert_answered(tx, job, found, limits.keep_s).await?),
             Plan::Refuse(reason) => Err(reason),
             Plan::Queue if job.points.is_some() => {
@@ -229,6 +242,7 @@ pub(super) async fn write_in(
 enum Written {
     Submitted(Box<Submitted>),
     Compare(Uuid),
+    Corrupt(Uuid),
 }
 
 /// Number of shards of a study: one for each worker, at most one for each point.
@@ -242,7 +256,9 @@ enum Plan {
     Replay(Box<Result<JobRecord, JobError>>),
     Queue,
     /// An existing result answers it.
-    Answer(submissions::Reusable),
+    Answer(reuse::Reusable),
+    /// The row that an index finds for its work is not what was written for that work.
+    Corrupt(Uuid),
     /// An existing result may answer it, and has not been compared with its digests.
     Compare(Uuid),
     Refuse(JobError),
@@ -265,8 +281,10 @@ async fn plan(tx: &mut Tx, job: &NewJob, places: &mut Places, keep_s: f64) -> Re
     if let Some(replay) = replay(tx, job).await? {
         return Ok(replay);
     }
-    let found = if job.reuse { submissions::reusable(tx, job).await? } else { None };
+    let lock = tx.dialect().for_share();
+    let found = if job.reuse { reuse::reusable(&mut *tx, &job.owner, &job.content_hash, lock).await? } else { None };
     let (plan, expires) = match found {
+        Some(found) if !found.is_sound => return Ok(Plan::Corrupt(found.job)),
         Some(found) if job.compared != Some(found.result) => return Ok(Plan::Compare(found.result)),
         Some(found) => (Plan::Answer(found), Some(submissions::expiry(job, keep_s))),
         None => match places.take(&job.owner, job.points) {

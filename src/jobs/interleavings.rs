@@ -22,9 +22,10 @@ use super::settings::{Settings, Simulator};
 use super::store::claims::{Claim, Heartbeat};
 use super::store::database::Store;
 use super::store::dialect::Dialect;
-use super::store::digest::Sealed;
+use super::store::digest::{Place, Sealed};
 use super::store::location::Location;
 use super::store::results::StoredResult;
+use super::store::series_chunks::RecordedChunks;
 use super::store::statement::statement;
 use super::store::submissions;
 use super::store::test_database::new_on_postgres;
@@ -664,11 +665,14 @@ impl World {
     /// Completes a run, as a worker does.
     async fn finish(&self, here: &Process, claim: &Claim, solved: Solved, holds: bool) -> Result<(), JobError> {
         let run = here.run.as_ref().expect("a run");
-        let result = || StoredResult::Simulation {
-            metrics: Sealed::new("{}".into()),
-            signals: Vec::new(),
-            chunks: Default::default(),
-            views: None,
+        let result = || {
+            let chunks = RecordedChunks::none();
+            StoredResult::Simulation {
+                metrics: Sealed::new(&Place::of_result(chunks.result, "metrics"), "{}".into()),
+                signals: Vec::new(),
+                chunks,
+                views: None,
+            }
         };
         let failure = || RunFailure::Failed {
             cause: contract::answer::failure::DID_NOT_CONVERGE,

@@ -61,6 +61,8 @@ impl Failure {
 /// Causes of failure outside the simulation; `contract` has those of the simulation.
 pub const TIME_LIMIT: &str = "time-limit";
 pub const WORKER_LOST: &str = "worker-lost";
+/// The stored request is not what was written.
+pub const RESULT_CORRUPT: &str = "result-corrupt";
 pub const INTERNAL: &str = "internal";
 
 /// A job as it is stored.

@@ -69,6 +69,7 @@ pub use store::compression::decompressed;
 pub use store::integrity::Inspection;
 pub use store::location::Location;
 pub use store::records::Filter;
+pub use store::results::Fingerprint;
 pub use store::series_reader::StoredSeries;
 pub use store::signal::Signal;
 pub use store::studies::StoredPoint;

@@ -13,7 +13,7 @@ use super::service::Jobs;
 use super::settings::{Settings, Simulator};
 use super::store::claims::{Claim, End};
 use super::store::database::Store;
-use super::store::digest::Sealed;
+use super::store::digest::{Place, Sealed};
 use super::store::location::Location;
 use super::store::results::{StoredResult, series_signal};
 use super::store::series_chunks::RecordedChunks;
@@ -99,8 +99,8 @@ impl World {
     async fn finish(&self, claim: &Claim, chunks: RecordedChunks) -> Result<Option<Uuid>, JobError> {
         let head = SeriesHead { channel: CHANNEL.into(), unit: "Hz".into(), start_s: 0.0, step_s: 1.0, length: VALUES };
         let result = StoredResult::Simulation {
-            metrics: Sealed::new("{}".into()),
-            signals: vec![series_signal(&StoredHead::new(head, 0))?],
+            metrics: Sealed::new(&Place::of_result(chunks.result, "metrics"), "{}".into()),
+            signals: vec![series_signal(chunks.result, &StoredHead::new(head, 0))?],
             chunks,
             views: None,
         };
@@ -130,7 +130,7 @@ fn a_series_returns_bit_for_bit_and_a_changed_chunk_is_found() {
         assert_eq!(run.stopped(), None);
         world.until_one_recording().await;
         let chunks = writer.take()?;
-        assert!(chunks.result.is_some() && chunks.rest.len() < 9, "most chunks are stored during the run");
+        assert!(chunks.is_stored && chunks.rest.len() < 9, "most chunks are stored during the run");
         let job = world.finish(&claim, chunks).await?.expect("the claim holds");
         assert_eq!((world.count("recordings").await, world.count("results").await), (0, 1));
         assert_eq!(world.count("series_chunks").await, 19);

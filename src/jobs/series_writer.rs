@@ -14,7 +14,7 @@ use super::running::{Run, StopReason};
 use super::store::chunk_codec::{CHUNK_VALUES, encoded};
 use super::store::claims::Claim;
 use super::store::database::Store;
-use super::store::digest::Sealed;
+use super::store::digest::{Place, Sealed};
 use super::store::series_chunks::{Chunk, RecordedChunks};
 
 /// Size of compressed chunks from which they are stored [B]. Those of a short run are stored with its result, in one transaction.
@@ -69,9 +69,9 @@ impl SeriesWriter {
 
     /// The chunks of the recording that is the result.
     pub fn take(&self) -> Result<RecordedChunks, JobError> {
-        let Some((_, mut recording)) = self.recordings().pop_last() else { return Ok(RecordedChunks::default()) };
+        let Some((_, mut recording)) = self.recordings().pop_last() else { return Ok(RecordedChunks::none()) };
         recording.end()?;
-        Ok(RecordedChunks { result: recording.is_stored.then_some(recording.result), rest: recording.chunks })
+        Ok(RecordedChunks { result: recording.result, is_stored: recording.is_stored, rest: recording.chunks })
     }
 
     fn recordings(&self) -> MutexGuard<'_, BTreeMap<u64, Recording>> {
@@ -124,10 +124,12 @@ impl Recording {
         let Some(series) = self.series.get_mut(&number).filter(|series| !series.values.is_empty()) else {
             return Ok(());
         };
-        let content = Sealed::new(encoded(&series.values)?);
+        let in_order = i64::try_from(number).unwrap_or(i64::MAX);
+        let place = Place::of_chunk(self.result, in_order, series.chunks);
+        let content = Sealed::new(&place, encoded(&series.values)?);
         series.values.clear();
         self.bytes += content.content.len();
-        self.chunks.push(Chunk { series: i64::try_from(number).unwrap_or(i64::MAX), number: series.chunks, content });
+        self.chunks.push(Chunk { series: in_order, number: series.chunks, content });
         series.chunks += 1;
         Ok(())
     }

@@ -15,6 +15,7 @@ use super::store::database::in_time;
 use super::store::notifications::{notify_cancelled, notify_ended};
 use super::store::pool::Tx;
 use super::store::records::{self, Filter};
+use super::store::results::Fingerprint;
 use super::store::series_reader::StoredSeries;
 use super::store::signal::Signal;
 use super::store::studies::{self, StoredPoint};
@@ -288,7 +289,7 @@ impl Jobs {
     }
 
     /// Digest of everything that determines the result of a succeeded job; `None` for any other job.
-    pub async fn fingerprint(&self, owner: &str, id: Uuid) -> Result<Option<Vec<u8>>, JobError> {
+    pub async fn fingerprint(&self, owner: &str, id: Uuid) -> Result<Option<Fingerprint>, JobError> {
         in_time(self.parts.store.fingerprint(owner, id)).await
     }
 

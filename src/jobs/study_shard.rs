@@ -7,12 +7,13 @@ use raceway_core::simulation::input::control::Control;
 use tokio::sync::oneshot;
 
 use super::error::JobError;
-use super::job::{INTERNAL, Status, TIME_LIMIT, point_hashes};
+use super::job::{Failure, INTERNAL, RESULT_CORRUPT, Status, TIME_LIMIT, point_hashes};
 use super::queue::{DeliveryOutcome, WorkItem};
 use super::running::{Run, StopReason};
 use super::solver_threads::{Done, UsedTime};
+use super::store::part_names::REQUEST;
 use super::store::studies::{Next, PointClaim, PointResult, StudyShard};
-use super::worker::{BROKE_OFF, Worker, apply_heartbeat, time_limit_detail};
+use super::worker::{BROKE_OFF, CORRUPT_REQUEST, Worker, apply_heartbeat, time_limit_detail};
 use crate::contract::answer::point::PointError;
 use crate::contract::{self, Job, PointEnd, Refusal, Simulation, Study, execute_point};
 
@@ -23,7 +24,8 @@ const TIME_SLICE: Duration = Duration::from_secs(1);
 enum PointOutcome {
     Ended(PointResult),
     /// The run had to stop.
-    Stopped,
+    /// With the processor time that no heartbeat has recorded [s].
+    Stopped(f64),
 }
 
 impl Worker {
@@ -42,7 +44,13 @@ impl Worker {
     }
 
     async fn points(&self, item: &WorkItem, shard: &StudyShard) -> Result<DeliveryOutcome, JobError> {
-        let request = shard.request.clone();
+        let Some(request) = shard.request.clone() else {
+            self.store.found_corrupt(shard.job, REQUEST).await;
+            let failure = Failure::new(RESULT_CORRUPT, CORRUPT_REQUEST);
+            self.store.fail_corrupt(shard, &failure, self.settings.keep_s).await?;
+            self.running.ended(shard.job);
+            return Ok(DeliveryOutcome::Done);
+        };
         // Parsing a large request takes some time.
         let job = tokio::task::spawn_blocking(move || contract::parse_job(request.as_bytes()).ok());
         let Some(study) = job.await.ok().flatten().and_then(Job::into_study) else {
@@ -53,6 +61,7 @@ impl Worker {
         let begin = Instant::now();
         let mut ended: Option<(PointClaim, PointResult)> = None;
         loop {
+            let since = Instant::now();
             let next = self.advance(shard, ended.as_ref(), begin.elapsed() > TIME_SLICE, item).await?;
             let point = match next {
                 Some(Next::Point(point)) => {
@@ -68,20 +77,26 @@ impl Worker {
                 // The process stops while the database refuses writes: the point is computed again.
                 None => return Ok(DeliveryOutcome::HandedBack),
             };
-            match self.point(shard, &study, point, &guard.run, item).await? {
+            let outcome = self.point(shard, &study, point, since, &guard.run, item).await?;
+            if let PointOutcome::Stopped(used_s) = outcome
+                && let Err(error) = self.store.charge(shard, used_s).await
+            {
+                tracing::warn!(%error, job = %shard.job, "the time of a stopped point could not be charged");
+            }
+            match outcome {
                 PointOutcome::Ended(result) => ended = Some((point, result)),
-                PointOutcome::Stopped if guard.run.stopped() == Some(StopReason::Cancelled) => {
+                PointOutcome::Stopped(_) if guard.run.stopped() == Some(StopReason::Cancelled) => {
                     // By the stop flag and not by the record: a full disk may have refused to record the request.
                     self.store.cancel_study(shard, self.settings.keep_s).await?;
                     self.running.ended(shard.job);
                     return Ok(DeliveryOutcome::Done);
                 }
                 // Other shards have replaced this one, or one that shares its run and stopped both.
-                PointOutcome::Stopped if guard.run.stopped() == Some(StopReason::ClaimLost) => {
+                PointOutcome::Stopped(_) if guard.run.stopped() == Some(StopReason::ClaimLost) => {
                     self.store.give_back(shard, point).await?;
                     return Ok(DeliveryOutcome::Later);
                 }
-                PointOutcome::Stopped => {
+                PointOutcome::Stopped(_) => {
                     self.store.give_back(shard, point).await?;
                     return Ok(DeliveryOutcome::HandedBack);
                 }
@@ -112,11 +127,13 @@ impl Worker {
         }
     }
 
+    /// Runs a point that was claimed in a transaction begun at `since`.
     async fn point(
         &self,
         shard: &StudyShard,
         study: &Study,
         point: PointClaim,
+        since: Instant,
         run: &Arc<Run>,
         item: &WorkItem,
     ) -> Result<PointOutcome, JobError> {
@@ -127,7 +144,9 @@ impl Worker {
             && let Some(end) = self.store.known_end(&shard.owner, hashes).await?
         {
             let content_hash = Some(hashes[0].clone());
-            return Ok(PointOutcome::Ended(PointResult { end, reused: true, content_hash, used_s: 0.0 }));
+            // The worker is occupied by the claim as well, which takes longer than the search.
+            let used_s = since.elapsed().as_secs_f64();
+            return Ok(PointOutcome::Ended(PointResult { end, reused: true, content_hash, used_s }));
         }
         let hash = hashes.map(|[hash, _]| hash);
         let mut solved = self.point_thread(simulation, Arc::clone(run));
@@ -150,7 +169,7 @@ impl Worker {
                 });
                 PointOutcome::Ended(PointResult { end, reused: false, content_hash: hash, used_s })
             }
-            Ok(None) => PointOutcome::Stopped,
+            Ok(None) => PointOutcome::Stopped(used_s),
             // The log has the message of the panic.
             Err(_) => {
                 let error = PointError { cause: INTERNAL.to_owned(), detail: BROKE_OFF.to_owned(), errors: Vec::new() };

@@ -1,4 +1,4 @@
-//! Every stored result of a database compared with its digests.
+//! Every stored request and result of a database compared with its digests.
 
 use uuid::Uuid;
 
@@ -63,7 +63,16 @@ async fn open(location: &Location) -> Result<Store, JobError> {
 }
 
 async fn verify_in(store: &Store) -> Result<Report, JobError> {
-    let mut report = Report { structure: store.quick_check().await?, ..Report::default() };
+    let mut report = Report { structure: store.structure_faults().await?, ..Report::default() };
+    let mut last = Uuid::nil();
+    loop {
+        let jobs = store.jobs_after(last).await?;
+        let Some(end) = jobs.last() else { break };
+        last = *end;
+        for job in jobs {
+            report.add(&[job], store.inspect_job(job).await?);
+        }
+    }
     let mut last = Uuid::nil();
     loop {
         let results = store.results_after(last).await?;
@@ -93,6 +102,8 @@ async fn verify_in(store: &Store) -> Result<Report, JobError> {
             store.forget_corrupt(job).await?;
         }
     }
+    report.corrupt.sort_unstable();
+    report.corrupt.dedup();
     report.without_digest.sort_unstable();
     report.without_digest.dedup();
     Ok(report)

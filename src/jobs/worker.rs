@@ -17,7 +17,7 @@ use tokio_util::task::TaskTracker;
 use uuid::Uuid;
 
 use super::error::JobError;
-use super::job::{Failure, INTERNAL, NewJob, Status, TIME_LIMIT, WORKER_LOST};
+use super::job::{Failure, INTERNAL, NewJob, RESULT_CORRUPT, Status, TIME_LIMIT, WORKER_LOST};
 use super::queue::{DeliveryOutcome, WorkItem};
 use super::running::{JobEnd, Run, RunGuard, Running, SolverSummary, StopReason};
 use super::series_writer::SeriesWriter;
@@ -27,6 +27,7 @@ use super::solver_threads::{Done, SolverThreads, UsedTime};
 use super::store::claims::{Claim, End, Heartbeat};
 use super::store::database::Store;
 use super::store::dialect::Dialect;
+use super::store::part_names::REQUEST;
 use super::store::results::StoredResult;
 use super::store::turns::{Turn, TurnLimits};
 use crate::contract::{self, RunFailure};
@@ -140,6 +141,9 @@ impl Worker {
 
     async fn run_job(&self, claim: &Claim, item: &WorkItem) -> Result<DeliveryOutcome, JobError> {
         self.store.metrics.claimed();
+        if claim.request.is_none() {
+            self.store.found_corrupt(claim.job, REQUEST).await;
+        }
         let guard = self.running.enter(claim.job, Arc::default());
         let outcome = match self.end_without_run(claim) {
             Some(end) => RunOutcome::Ended(end, 0.0),
@@ -164,6 +168,9 @@ impl Worker {
     pub(super) fn end_without_run(&self, claim: &Claim) -> Option<End> {
         if claim.cancel_requested {
             return Some(End::Cancelled);
+        }
+        if claim.request.is_none() {
+            return Some(End::Failed(Failure::new(RESULT_CORRUPT, CORRUPT_REQUEST)));
         }
         (claim.lost >= self.settings.max_lost_runs).then(|| {
             let detail = format!("the process that ran the job ended {} times during the run", claim.lost);
@@ -200,7 +207,8 @@ impl Worker {
     }
 
     fn solver_thread(&self, claim: &Claim, run: &Arc<Run>) -> Solution {
-        let (simulator, run, request) = (Arc::clone(&self.simulator), Arc::clone(run), claim.request.clone());
+        let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
+        let request = claim.request.clone().unwrap_or_default();
         let metrics = Arc::clone(&self.store.metrics);
         let time_limit = self.settings.time_limit;
         let (slots, workers) = (Arc::clone(&self.slots), self.settings.workers);
@@ -347,6 +355,9 @@ pub(super) fn outcome_of(solved: Solved, used_s: f64, run: &Run, time_limit: Dur
     };
     RunOutcome::Ended(end, used_s)
 }
+
+/// Detail of a job whose stored request is not what was written.
+pub(super) const CORRUPT_REQUEST: &str = "the stored request of the job is not what was written; submit it again";
 
 /// Detail of a run that a panic ended.
 pub(super) const BROKE_OFF: &str = "the simulation ended with an internal error of the service";

@@ -214,3 +214,39 @@ fn only_studies_resume_and_only_queued_ones_wait() {
     assert_eq!(server.post(&format!("{study}/resume"), &json!({})).status, 202);
     server.wait_for(&study, &["succeeded"]);
 }
+
+#[test]
+fn a_table_that_changed_has_another_tag() {
+    let server = start();
+    let path = server.submit(&study_of(3));
+    server.wait_for(&path, &["succeeded"]);
+    let table = |tag: &str| {
+        let headers = [("Accept", "text/csv"), ("If-None-Match", tag)];
+        request(server.address(), "GET", &format!("{path}/table"), &headers, b"")
+    };
+    let first = table("\"none\"");
+    let tag = first.header("etag").expect("a tag").to_owned();
+    assert_eq!(first.header("cache-control"), Some("private, no-cache"));
+    assert_eq!(table(&tag).status, 304);
+    let fail = "UPDATE points SET status = 'failed', cause = 'time-limit', digest = NULL WHERE number = 1; \
+                UPDATE studies SET succeeded = 2";
+    server.sql(fail, fail);
+    assert_eq!(server.post(&format!("{path}/resume"), &json!({})).status, 202);
+    server.wait_for(&path, &["succeeded"]);
+    let second = table(&tag);
+    assert_eq!(second.status, 200);
+    assert_ne!(second.header("etag"), Some(tag.as_str()));
+}
+
+#[test]
+fn a_study_that_is_cancelled_while_it_waits_keeps_its_retention() {
+    let server = start_with(ServerSettings { workers: 1, ..ServerSettings::default() });
+    server.wait_for(&server.submit(&job_with(json!({ "labels": ["slow"] }))), &["running"]);
+    let mut study = study_of(2);
+    study["keep_for_s"] = json!(5);
+    let path = server.submit(&study);
+    let cancelled = request(server.address(), "POST", &format!("{path}/cancel"), &[], b"").json();
+    let time = |field: &str| cancelled[field].as_str().and_then(|time| time.parse::<jiff::Timestamp>().ok());
+    let (end, expiry) = (time("finished_at").expect("an end"), time("expires_at").expect("an expiry"));
+    assert_eq!(expiry.duration_since(end).as_secs(), 5);
+}

@@ -56,8 +56,8 @@ fn assert_upgraded(database: &str) {
     assert_eq!((again.header("idempotent-replayed"), &again.json()["id"]), (Some("true"), &keyed[0]["id"]));
     let (status, listed) = check(database);
     assert_eq!(status, Some(0), "{listed}");
-    // Two simulations, the study and an optimum in the file; what has ended since has digests.
-    assert_eq!(listed.matches("without digest").count(), 3 + optima.len(), "{listed}");
+    // The requests of four simulations, the study and an optimum in the file.
+    assert_eq!(listed.matches("without digest").count(), 5 + optima.len(), "{listed}");
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! A study: a scene and the axes along which it is varied. Each point of the grid is a simulation of its own, made from the request
 //! with the values of the point in it.
 
+use std::collections::HashSet;
+
 use raceway_core::simulation::solve::plan::model_levels;
 use raceway_core::study::Grid;
 use serde_json::{Value, json};
@@ -114,14 +116,15 @@ fn listed_values(values: Vec<Value>, pointer: &str, defaults: &mut Defaults) -> 
         return None;
     }
     let known_errors = defaults.errors.len();
+    let mut known = HashSet::new();
     for (place, value) in values.iter().enumerate() {
-        let same =
-            |other: &Value| other == value || other.as_f64().is_some_and(|number| value.as_f64() == Some(number));
+        // Zero has two signs.
+        let number = value.as_f64().map(|number| (number + 0.0).to_bits());
         let detail = if value.as_str().is_some_and(|name| name.chars().count() > MAX_NAME) {
             format!("more than {MAX_NAME} characters")
         } else if !(value.is_number() || value.is_string()) {
             "must be a number or a name".to_owned()
-        } else if values[..place].iter().any(same) {
+        } else if !known.insert((number, value.as_str())) {
             "given more than once".to_owned()
         } else {
             continue;
@@ -211,7 +214,8 @@ impl Study {
         let (axes, points) = axes(&mut draft.input, &mut draft.defaults);
         let settings = draft.settings();
         let variation = draft.scene_json().map(|scene| Variation::new(&draft.request, scene));
-        if let Some(variation) = &variation {
+        // Of a refused grid no value is checked: each check builds a scene.
+        if let Some(variation) = variation.as_ref().filter(|_| points > 0) {
             refuse_values(&axes, variation, &mut draft.defaults);
         }
         let base = draft.simulation(settings, model_levels)?;

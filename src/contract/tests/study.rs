@@ -149,6 +149,21 @@ fn wrong_axes_are_refused_with_their_place() {
     assert!(refused(&simulation).contains("/axes: goes with the kinds `study` and `optimum`"));
 }
 
+/// Each check of a value builds a scene.
+#[test]
+fn no_value_of_a_refused_grid_is_checked() {
+    let negative = |count: i32| (1..=count).map(|k| -f64::from(k)).collect::<Vec<_>>();
+    let of = |count| {
+        let values = negative(count);
+        refused(&request(json!([
+            { "path": "/spindle/mass_kg", "values": values }, { "path": "/operation/speed_rpm", "values": values },
+        ])))
+    };
+    assert!(of(2).contains("/axes/0/values/0"));
+    let found = of(450);
+    assert!(found.contains("/axes: a grid of 202500 points") && !found.contains("/values/"), "{found}");
+}
+
 /// Values that fit each other only in places make rows; a value that can be nowhere is refused.
 #[test]
 fn a_point_that_cannot_be_built_says_why() {

@@ -2,6 +2,7 @@
 //! took the job last may write, and every other one learns that its claim is lost.
 
 use jiff::Timestamp;
+use sqlx::FromRow;
 use uuid::Uuid;
 
 use super::database::Store;
@@ -11,6 +12,7 @@ use super::notifications::ENDED;
 use super::pool::Tx;
 use super::records::{self, Row};
 use super::results::{self, StoredResult};
+use super::sealed_request::{SEALED_REQUEST, SealedRequest};
 use super::statement::statement;
 use super::stored_time::{expiry, stored};
 use crate::jobs::error::JobError;
@@ -22,7 +24,8 @@ pub struct Claim {
     pub job: Uuid,
     pub owner: String,
     pub number: i64,
-    pub request: String,
+    /// `None`: the stored request is not what was written.
+    pub request: Option<String>,
     pub keep_for_s: Option<f64>,
     /// Number of earlier runs that ended with their process.
     pub lost: u32,
@@ -36,7 +39,7 @@ impl Claim {
             job: job.id,
             owner: job.owner.clone(),
             number: 1,
-            request: job.request.clone(),
+            request: Some(job.request.clone()),
             keep_for_s: job.keep_for_s,
             lost: 0,
             cancel_requested: false,
@@ -89,6 +92,17 @@ impl Heartbeat {
     }
 }
 
+#[derive(FromRow)]
+struct ClaimedRow {
+    owner: String,
+    claim: i64,
+    keep_for_s: Option<f64>,
+    lost: i64,
+    cancel_requested: bool,
+    #[sqlx(flatten)]
+    request: SealedRequest,
+}
+
 /// Claims the job; `None`: it has ended, or another delivery has replaced this one.
 ///
 /// After `max_lost_runs` losses no run starts. A process that ends while it writes the failure is not counted as another loss.
@@ -98,20 +112,19 @@ pub async fn claim(tx: &mut Tx, job: Uuid, delivery: i64, max_lost_runs: u32) ->
          lost = lost + CASE WHEN status = 'running' AND lost < $4 THEN 1 ELSE 0 END, \
          started_at = $3, heartbeat_at = {}, progress = 0 \
          WHERE id = $1 AND delivery = $2 AND status IN ('queued', 'running') \
-         RETURNING owner, claim, request, keep_for_s, lost, cancel_requested_at IS NOT NULL",
+         RETURNING owner, claim, keep_for_s, lost, cancel_requested_at IS NOT NULL AS cancel_requested, {SEALED_REQUEST}",
         tx.dialect().now()
     );
     let claim = statement(sql).bind(job).bind(delivery).bind(stored(Timestamp::now()));
-    let row: Option<(String, i64, String, Option<f64>, i64, bool)> =
-        claim.bind(i64::from(max_lost_runs)).optional(&mut *tx).await?;
-    Ok(row.map(|(owner, number, request, keep_for_s, lost, cancel_requested)| Claim {
+    let row: Option<ClaimedRow> = claim.bind(i64::from(max_lost_runs)).optional(&mut *tx).await?;
+    Ok(row.map(|row| Claim {
         job,
-        owner,
-        number,
-        request,
-        keep_for_s,
-        lost: u32::try_from(lost).unwrap_or(u32::MAX),
-        cancel_requested,
+        request: row.request.opened(job, &row.owner).ok(),
+        owner: row.owner,
+        number: row.claim,
+        keep_for_s: row.keep_for_s,
+        lost: u32::try_from(row.lost).unwrap_or(u32::MAX),
+        cancel_requested: row.cancel_requested,
     }))
 }
 
@@ -205,6 +218,6 @@ impl Store {
                 row
             }
         };
-        row.map(Row::record).transpose()
+        row.map(Row::unchecked_record).transpose()
     }
 }

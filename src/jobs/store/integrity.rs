@@ -1,13 +1,15 @@
 //! Whether stored results are what was written. A part that is not is recorded with its jobs, so that it answers no other job.
 
 use jiff::Timestamp;
+use sqlx::FromRow;
 use uuid::Uuid;
 
 use super::database::Store;
 use super::dialect::Dialect;
-use super::digest::Sealed;
-use super::part_names::{METRICS, REPORT, VIEWS, point_name, signal_name};
+use super::digest::{Place, Sealed};
+use super::part_names::{METRICS, REPORT, REQUEST, VIEWS, point_name, signal_name};
 use super::results::{LONG_ANSWER_BYTES, read_aside};
+use super::sealed_request::{SEALED_REQUEST, SealedRequest};
 use super::series_reader::head_of;
 use super::signal::Signal;
 use super::statement::statement;
@@ -28,11 +30,11 @@ pub struct Inspection {
 }
 
 impl Inspection {
-    fn add<T: AsRef<[u8]>>(&mut self, part: impl FnOnce() -> String, sealed: &Sealed<T>) {
+    fn add<T: AsRef<[u8]>>(&mut self, part: impl FnOnce() -> String, place: &Place, sealed: &Sealed<T>) {
         self.parts += 1;
         self.bytes += sealed.content.as_ref().len();
         self.without_digest += usize::from(sealed.digest.is_none());
-        if !sealed.is_intact() {
+        if !sealed.is_intact(place) {
             self.corrupt.push(part());
         }
     }
@@ -56,7 +58,16 @@ impl Inspection {
     }
 }
 
-/// Largest number of ids that a page of `Store::results_after` and `Store::studies_after` has.
+/// What `Store::inspect_job` compares.
+#[derive(FromRow)]
+struct JobRow {
+    owner: String,
+    lacks_result: bool,
+    #[sqlx(flatten)]
+    request: SealedRequest,
+}
+
+/// Largest number of ids that a page of `Store::jobs_after`, `Store::results_after` and `Store::studies_after` has.
 const PAGE: i64 = 500;
 
 impl Store {
@@ -65,13 +76,18 @@ impl Store {
         match read {
             Err(error) if error.is_corruption() => {
                 tracing::error!(%job, part, %error, "a stored result is corrupt");
-                self.metrics.found_corrupt();
-                if let Err(error) = self.record_corrupt(job, part).await {
-                    tracing::warn!(%error, %job, "the corrupt result could not be recorded");
-                }
+                self.found_corrupt(job, part).await;
                 Err(JobError::ResultCorrupt { part: part.to_owned() })
             }
             read => read,
+        }
+    }
+
+    /// Counts and records a job with a part that is not what was written.
+    pub async fn found_corrupt(&self, job: Uuid, part: &str) {
+        self.metrics.found_corrupt();
+        if let Err(error) = self.record_corrupt(job, part).await {
+            tracing::warn!(%error, %job, "the corrupt result could not be recorded");
         }
     }
 
@@ -120,7 +136,9 @@ impl Store {
         let sql = "SELECT metrics, digest FROM results WHERE id = $1";
         let metrics = statement(sql).bind(result).optional::<(String, Option<Vec<u8>>)>(&self.readers).await;
         match metrics {
-            Ok(Some(metrics)) => found.add(|| METRICS.to_owned(), &Sealed::stored(metrics)),
+            Ok(Some(metrics)) => {
+                found.add(|| METRICS.to_owned(), &Place::of_result(result, METRICS), &Sealed::stored(metrics));
+            }
             Err(error) if !error.is_corruption() => return Err(error),
             // Gone, or no longer text.
             _ => found.corrupt.push(METRICS.to_owned()),
@@ -130,13 +148,14 @@ impl Store {
             let answer: Option<(Vec<u8>, Option<Vec<u8>>)> =
                 statement(sql).bind(result).optional(&self.readers).await?;
             if let Some(answer) = answer {
-                found.add(|| part.to_owned(), &Sealed::stored(answer));
+                found.add(|| part.to_owned(), &Place::of_result(result, part), &Sealed::stored(answer));
             }
         }
         let long = i64::try_from(LONG_ANSWER_BYTES).unwrap_or(i64::MAX);
         let sql = "SELECT sort, channel, answer, digest FROM signals WHERE result_id = $1 AND length(answer) < $2";
         let add = |(sort, channel, answer, digest): (String, String, Vec<u8>, Option<Vec<u8>>)| {
-            found.add(|| signal_name(&sort, &channel), &Sealed::stored((answer, digest)));
+            let place = Place::of_signal(result, &sort, &channel);
+            found.add(|| signal_name(&sort, &channel), &place, &Sealed::stored((answer, digest)));
             Ok(true)
         };
         statement(sql).bind(result).bind(long).each(&self.readers, add).await?;
@@ -148,7 +167,8 @@ impl Store {
                 statement(sql).bind(result).bind(&sort).bind(&channel).one(&self.readers).await?;
             let inspect = move |stored| {
                 let mut found = Inspection::default();
-                found.add(|| signal_name(&sort, &channel), &stored);
+                let place = Place::of_signal(result, &sort, &channel);
+                found.add(|| signal_name(&sort, &channel), &place, &stored);
                 Ok(found)
             };
             found.merge(read_aside(Sealed::stored(stored), inspect).await?);
@@ -171,7 +191,7 @@ impl Store {
             let sql = "SELECT number, content, digest FROM series_chunks WHERE result_id = $1 AND series = $2 ORDER BY number";
             let mut chunks = 0;
             let add = |(number, content, digest): (i64, Vec<u8>, Option<Vec<u8>>)| {
-                found.add(part, &Sealed::stored((content, digest)));
+                found.add(part, &Place::of_chunk(result, head.number, number), &Sealed::stored((content, digest)));
                 chunks += usize::from(number == i64::try_from(chunks).unwrap_or(i64::MAX));
                 Ok(true)
             };
@@ -190,13 +210,44 @@ impl Store {
 
     async fn try_inspect_points(&self, study: Uuid) -> Result<Inspection, JobError> {
         let mut found = Inspection::default();
-        let sql = "SELECT number, answer, digest FROM points WHERE job = $1 AND answer IS NOT NULL ORDER BY number";
-        let add = |(number, answer, digest): (i64, Vec<u8>, Option<Vec<u8>>)| {
-            found.add(|| point_name(number), &Sealed::stored((answer, digest)));
+        let sql = "SELECT number, status, content_hash, answer, digest FROM points \
+                   WHERE job = $1 AND answer IS NOT NULL ORDER BY number";
+        type Row = (i64, String, Option<Vec<u8>>, Vec<u8>, Option<Vec<u8>>);
+        let add = |(number, status, work, answer, digest): Row| {
+            let place = Place::of_point(study, number, &status, work.as_deref());
+            found.add(|| point_name(number), &place, &Sealed::stored((answer, digest)));
             Ok(true)
         };
         statement(sql).bind(study).each(&self.readers, add).await?;
         Ok(found)
+    }
+
+    /// Compares the request of a job with its digest, and finds whether the result of a succeeded job is there.
+    pub async fn inspect_job(&self, job: Uuid) -> Result<Inspection, JobError> {
+        Inspection::or_unreadable(self.try_inspect_job(job).await)
+    }
+
+    async fn try_inspect_job(&self, job: Uuid) -> Result<Inspection, JobError> {
+        let mut found = Inspection::default();
+        let sql = format!(
+            "SELECT owner, result_id IS NOT NULL AND NOT EXISTS (SELECT 1 FROM results WHERE id = jobs.result_id) AS lacks_result, \
+             {SEALED_REQUEST} FROM jobs WHERE id = $1"
+        );
+        let row: Option<JobRow> = statement(sql).bind(job).optional(&self.readers).await?;
+        // It may have been deleted meanwhile.
+        let Some(JobRow { owner, lacks_result, request }) = row else { return Ok(found) };
+        let (place, sealed) = request.sealed(job, &owner);
+        found.add(|| REQUEST.to_owned(), &place, &sealed);
+        if lacks_result {
+            found.corrupt.push(METRICS.to_owned());
+        }
+        Ok(found)
+    }
+
+    /// The next jobs by id.
+    pub async fn jobs_after(&self, last: Uuid) -> Result<Vec<Uuid>, JobError> {
+        let sql = "SELECT id FROM jobs WHERE id > $1 ORDER BY id LIMIT $2";
+        statement(sql).bind(last).bind(PAGE).values(&self.readers).await
     }
 
     /// The next results by id.
@@ -216,12 +267,13 @@ impl Store {
         statement("SELECT id FROM jobs WHERE result_id = $1 ORDER BY id").bind(result).values(&self.readers).await
     }
 
-    /// Faults that SQLite finds in the structure of its file; none on PostgreSQL, which has no such check.
-    pub async fn quick_check(&self) -> Result<Vec<String>, JobError> {
+    /// Faults that SQLite finds in the structure of its file, indexes that disagree with their tables included; none on PostgreSQL,
+    /// which has no such check.
+    pub async fn structure_faults(&self) -> Result<Vec<String>, JobError> {
         if self.dialect() == Dialect::Postgres {
             return Ok(Vec::new());
         }
-        let lines: Vec<String> = statement("PRAGMA quick_check").values(&self.readers).await?;
+        let lines: Vec<String> = statement("PRAGMA integrity_check").values(&self.readers).await?;
         Ok(lines.into_iter().filter(|line| line != "ok").collect())
     }
 }

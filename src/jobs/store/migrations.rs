@@ -71,7 +71,7 @@ fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
 }
 
 // A released file is never edited: sqlx compares a checksum of its whole text, comments included, with the applied one.
-const SQLITE_MIGRATIONS: [(i64, &str, &str); 13] = [
+const SQLITE_MIGRATIONS: [(i64, &str, &str); 14] = [
     (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
     (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
     (3, "studies", include_str!("../../../migrations/sqlite/0003_studies.sql")),
@@ -85,9 +85,10 @@ const SQLITE_MIGRATIONS: [(i64, &str, &str); 13] = [
     (11, "removed jobs", include_str!("../../../migrations/sqlite/0011_removed_jobs.sql")),
     (12, "series chunks", include_str!("../../../migrations/sqlite/0012_series_chunks.sql")),
     (13, "unfinished", include_str!("../../../migrations/sqlite/0013_unfinished.sql")),
+    (14, "request digests", include_str!("../../../migrations/sqlite/0014_request_digests.sql")),
 ];
 
-const POSTGRES_MIGRATIONS: [(i64, &str, &str); 8] = [
+const POSTGRES_MIGRATIONS: [(i64, &str, &str); 9] = [
     (1, "records", include_str!("../../../migrations/postgres/0001_records.sql")),
     (2, "tokens", include_str!("../../../migrations/postgres/0002_tokens.sql")),
     (3, "turns", include_str!("../../../migrations/postgres/0003_turns.sql")),
@@ -96,4 +97,5 @@ const POSTGRES_MIGRATIONS: [(i64, &str, &str); 8] = [
     (6, "removed jobs", include_str!("../../../migrations/postgres/0006_removed_jobs.sql")),
     (7, "series chunks", include_str!("../../../migrations/postgres/0007_series_chunks.sql")),
     (8, "unfinished", include_str!("../../../migrations/postgres/0008_unfinished.sql")),
+    (9, "request digests", include_str!("../../../migrations/postgres/0009_request_digests.sql")),
 ];

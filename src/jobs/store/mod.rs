@@ -35,7 +35,7 @@ mod migrations;
 /// Notifications between processes.
 pub mod notifications;
 /// Names of the parts of a result.
-mod part_names;
+pub mod part_names;
 /// Connection pools and write transactions.
 pub mod pool;
 /// Jobs read, listed and cancelled.
@@ -44,6 +44,10 @@ pub mod records;
 pub mod removal;
 /// Results written and read.
 pub mod results;
+/// The search for a finished result of identical work.
+pub mod reuse;
+/// Requests of jobs with their digests.
+mod sealed_request;
 /// Time series written chunk by chunk, and the removal of those of lost runs.
 pub mod series_chunks;
 /// Time series read chunk by chunk.

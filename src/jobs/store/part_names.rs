@@ -1,5 +1,6 @@
 //! Names of the parts of a stored result in messages.
 
+pub const REQUEST: &str = "request";
 pub const METRICS: &str = "metrics";
 pub const VIEWS: &str = "plot data";
 pub const REPORT: &str = "report";

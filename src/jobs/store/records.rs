@@ -8,9 +8,10 @@ use uuid::Uuid;
 
 use super::database::Store;
 use super::dialect::Dialect;
-use super::digest::Sealed;
-use super::part_names::METRICS;
+use super::digest::{Place, Sealed};
+use super::part_names::{METRICS, REQUEST};
 use super::pool::Tx;
+use super::sealed_request::SealedRequest;
 use super::statement::{Statement, Value, statement};
 use super::stored_time::{stored, time};
 use crate::jobs::error::JobError;
@@ -36,7 +37,7 @@ pub struct Filter {
 const PAGE_BYTES: usize = 1 << 20;
 
 /// Columns of `Row`.
-pub(super) const COLUMNS: &str = "id, kind, status, request, labels, priority, created_at, started_at, finished_at, expires_at, \
+pub(super) const COLUMNS: &str = "id, kind, status, request, request_digest, content_hash, labels, priority, created_at, started_at, finished_at, expires_at, \
                        cancel_requested_at, progress, reused, error_cause, error_detail";
 
 /// A row of the table `jobs`.
@@ -45,7 +46,8 @@ pub(super) struct Row {
     id: Uuid,
     kind: String,
     status: String,
-    request: String,
+    #[sqlx(flatten)]
+    request: SealedRequest,
     labels: String,
     priority: i64,
     created_at: i64,
@@ -63,6 +65,7 @@ pub(super) struct Row {
 struct RowWithMetrics {
     #[sqlx(flatten)]
     row: Row,
+    result_id: Option<Uuid>,
     metrics: Option<String>,
     digest: Option<Vec<u8>>,
 }
@@ -72,7 +75,14 @@ impl Row {
         self.status == Status::Succeeded.name()
     }
 
-    pub(super) fn record(self) -> Result<JobRecord, JobError> {
+    /// The record, if the row is that of this job and its owner.
+    pub(super) fn record(self, job: Uuid, owner: &str) -> Result<JobRecord, JobError> {
+        self.request.check(job, owner)?;
+        self.unchecked_record()
+    }
+
+    /// The record of a row that was compared when its job was claimed.
+    pub(super) fn unchecked_record(self) -> Result<JobRecord, JobError> {
         let corrupt = |what: &str| JobError::Corrupt(format!("{what} of job {}", self.id));
         Ok(JobRecord {
             status: Status::parse(&self.status).ok_or_else(|| corrupt("status"))?,
@@ -86,7 +96,7 @@ impl Row {
             failure: self.error_cause.map(|cause| Failure { cause, detail: self.error_detail.unwrap_or_default() }),
             id: self.id,
             kind: self.kind,
-            request: self.request,
+            request: self.request.unchecked(),
             progress: self.progress,
             reused: self.reused,
         })
@@ -97,23 +107,32 @@ impl Store {
     /// A job of this owner.
     pub async fn job(&self, owner: &str, id: Uuid) -> Result<JobRecord, JobError> {
         let sql = format!("SELECT {COLUMNS} FROM jobs WHERE id = $1 AND owner = $2");
-        let row: Option<Row> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
-        row.ok_or(JobError::NotFound)?.record()
+        let read = async {
+            let row: Option<Row> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
+            row.ok_or(JobError::NotFound)?.record(id, owner)
+        };
+        self.noted(id, REQUEST, read.await).await
     }
 
     /// A job of this owner, with the metrics of a succeeded simulation, as JSON text.
     pub async fn job_with_metrics(&self, owner: &str, id: Uuid) -> Result<(JobRecord, Option<String>), JobError> {
         let sql = format!(
-            "SELECT {COLUMNS}, results.metrics AS metrics, results.digest AS digest \
+            "SELECT {COLUMNS}, result_id, results.metrics AS metrics, results.digest AS digest \
              FROM jobs LEFT JOIN results ON results.id = jobs.result_id WHERE jobs.id = $1 AND owner = $2",
             COLUMNS = COLUMNS.replacen("id", "jobs.id", 1)
         );
         let read = async {
             let found: Option<RowWithMetrics> = statement(sql).bind(id).bind(owner).optional(&self.readers).await?;
-            let RowWithMetrics { row, metrics, digest } = found.ok_or(JobError::NotFound)?;
-            let metrics = metrics.map(|metrics| Sealed::stored((metrics, digest)).opened()).transpose()?;
+            let RowWithMetrics { row, result_id, metrics, digest } = found.ok_or(JobError::NotFound)?;
+            let metrics = match (result_id, metrics) {
+                (Some(result), Some(metrics)) => {
+                    Some(Sealed::stored((metrics, digest)).opened(&Place::of_result(result, METRICS))?)
+                }
+                (Some(_), None) => return Err(JobError::Corrupt("its row is missing".to_owned())),
+                (None, _) => None,
+            };
             // Jobs of other kinds have a report and no metrics.
-            Ok((row.record()?, metrics.filter(|metrics| !metrics.is_empty())))
+            Ok((row.record(id, owner)?, metrics.filter(|metrics| !metrics.is_empty())))
         };
         self.noted(id, METRICS, read.await).await
     }
@@ -126,15 +145,24 @@ impl Store {
             None => None,
         };
         let (mut page, mut bytes, mut more) = (Vec::new(), 0, false);
+        let mut corrupt = Vec::new();
         let takes_more = |row: Row| {
             more = page.len() == filter.limit as usize || bytes > PAGE_BYTES;
             if !more {
-                bytes += row.request.len();
-                page.push(row.record()?);
+                bytes += row.request.bytes();
+                let id = row.id;
+                match row.record(id, owner) {
+                    Err(error) if error.is_corruption() => corrupt.push((id, error)),
+                    record => page.push(record?),
+                }
             }
             Ok(!more)
         };
         list.page(floor).each(&self.lists, takes_more).await?;
+        // They are left out: the other jobs can be read.
+        for (job, error) in corrupt {
+            drop(self.noted::<()>(job, REQUEST, Err(error)).await);
+        }
         let next = if more { page.last().map(|record| record.id) } else { floor };
         Ok((page, next))
     }

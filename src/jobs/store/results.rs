@@ -4,15 +4,17 @@
 use raceway_core::numerics::parallel::both;
 use raceway_core::simulation::result::series::Series;
 use serde::Serialize;
+use sqlx::FromRow;
 use uuid::Uuid;
 
 use super::compression::{compressed, decompressed};
 use super::database::{Store, in_time};
 use super::dialect::Dialect;
-use super::digest::Sealed;
-use super::part_names::{METRICS, REPORT, VIEWS, signal_name};
+use super::digest::{Place, Sealed};
+use super::part_names::{METRICS, REPORT, REQUEST, VIEWS, signal_name};
 use super::pool::Tx;
-use super::series_chunks::{RecordedChunks, completion, insertion_of_chunks};
+use super::sealed_request::{SEALED_REQUEST, SealedRequest};
+use super::series_chunks::{RecordedChunks, completion, insertion_of_chunks, no_metrics};
 use super::series_reader::StoredHead;
 use super::signal::Signal;
 use super::spectrum_codec::{decoded, encoded};
@@ -31,7 +33,7 @@ pub enum StoredResult {
         chunks: RecordedChunks,
         views: Option<Sealed<Vec<u8>>>,
     },
-    Report(Sealed<Vec<u8>>),
+    Report(Uuid, Sealed<Vec<u8>>),
 }
 
 impl StoredResult {
@@ -39,29 +41,37 @@ impl StoredResult {
     pub fn of(outcome: &Outcome, chunks: RecordedChunks) -> Result<Self, JobError> {
         match outcome {
             Outcome::Simulation(simulated) => Self::of_simulation(simulated, chunks),
-            Outcome::Accuracy(answer) => Ok(Self::Report(sealed(answer)?)),
-            Outcome::Optimum(answer) => Ok(Self::Report(sealed(answer)?)),
+            Outcome::Accuracy(answer) => Self::of_report(chunks.result, answer),
+            Outcome::Optimum(answer) => Self::of_report(chunks.result, answer),
         }
     }
 
-    /// Id of the result: a new one, unless its first chunks are stored.
+    /// Id of the result.
     pub fn id(&self) -> Uuid {
         match self {
-            Self::Simulation { chunks: RecordedChunks { result: Some(result), .. }, .. } => *result,
-            _ => Uuid::now_v7(),
+            Self::Simulation { chunks, .. } => chunks.result,
+            Self::Report(result, _) => *result,
         }
+    }
+
+    fn of_report(result: Uuid, answer: &impl Serialize) -> Result<Self, JobError> {
+        Ok(Self::Report(result, sealed(&Place::of_result(result, REPORT), answer)?))
     }
 
     fn of_simulation(outcome: &Simulated, chunks: RecordedChunks) -> Result<Self, JobError> {
+        let result = chunks.result;
         let json = || {
             let text = serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()));
-            text.map(Sealed::new)
+            text.map(|text| Sealed::new(&Place::of_result(result, METRICS), text))
         };
-        let views = || Some(&outcome.views).filter(|views| !views.is_empty()).map(sealed).transpose();
+        let seal = |views| sealed(&Place::of_result(result, VIEWS), views);
+        let views = || Some(&outcome.views).filter(|views| !views.is_empty()).map(seal).transpose();
         // Half of the work on another core: for a short run it takes nearly as long as the run.
         let (ahead, behind) = outcome.spectra.split_at(outcome.spectra.len() / 2);
-        let ((ahead, views), (behind, series, metrics)) =
-            both(|| (spectra_of(ahead), views()), || (spectra_of(behind), series_of(outcome), json()));
+        let ((ahead, views), (behind, series, metrics)) = both(
+            || (spectra_of(result, ahead), views()),
+            || (spectra_of(result, behind), series_of(result, outcome), json()),
+        );
         let signals = [ahead?, behind?, series?].concat();
         Ok(Self::Simulation { metrics: metrics?, signals, chunks, views: views? })
     }
@@ -70,30 +80,36 @@ impl StoredResult {
 /// Signals by kind and channel.
 type Signals = Vec<(Signal, String, Sealed<Vec<u8>>)>;
 
-fn sealed(answer: &impl Serialize) -> Result<Sealed<Vec<u8>>, JobError> {
-    Ok(Sealed::new(compressed(answer)?))
+fn sealed(place: &Place, answer: &impl Serialize) -> Result<Sealed<Vec<u8>>, JobError> {
+    Ok(Sealed::new(place, compressed(answer)?))
 }
 
-fn spectra_of(spectra: &[SpectrumAnswer]) -> Result<Signals, JobError> {
+fn spectra_of(result: Uuid, spectra: &[SpectrumAnswer]) -> Result<Signals, JobError> {
     let stored = |spectrum: &SpectrumAnswer| {
-        Ok((Signal::from(spectrum.kind), spectrum.channel.clone(), Sealed::new(encoded(spectrum)?)))
+        let signal = Signal::from(spectrum.kind);
+        let place = Place::of_signal(result, signal.name(), &spectrum.channel);
+        Ok((signal, spectrum.channel.clone(), Sealed::new(&place, encoded(spectrum)?)))
     };
     spectra.iter().map(stored).collect()
 }
 
-fn series_of(outcome: &Simulated) -> Result<Signals, JobError> {
-    let stored = |series: &Series| series_signal(&StoredHead::new(SeriesHead::of(series), series.number));
+fn series_of(result: Uuid, outcome: &Simulated) -> Result<Signals, JobError> {
+    let stored = |series: &Series| series_signal(result, &StoredHead::new(SeriesHead::of(series), series.number));
     outcome.series.iter().map(stored).collect()
 }
 
 /// The signal of a series whose values are chunks.
-pub fn series_signal(head: &StoredHead) -> Result<(Signal, String, Sealed<Vec<u8>>), JobError> {
-    Ok((Signal::Series, head.head.channel.clone(), sealed(head)?))
+pub fn series_signal(result: Uuid, head: &StoredHead) -> Result<(Signal, String, Sealed<Vec<u8>>), JobError> {
+    let place = Place::of_signal(result, Signal::Series.name(), &head.head.channel);
+    Ok((Signal::Series, head.head.channel.clone(), sealed(&place, head)?))
 }
 
 /// Statements that insert a result; `provided` is the end of a query that yields one row if the result is to be inserted.
 pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<Statement> {
-    let insert = |into: &str| statement(format!("INSERT INTO {into} SELECT $1, $2, $3{provided}")).bind(id);
+    // A row is there if the answer to its commit was lost.
+    let insert = |into: &str| {
+        statement(format!("INSERT INTO {into} SELECT $1, $2, $3{provided} ON CONFLICT DO NOTHING")).bind(id)
+    };
     let of_metrics = |metrics: &Sealed<String>| {
         // It is there if chunks of its series are.
         let sql = format!(
@@ -106,7 +122,7 @@ pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<
         insert(&format!("{table} (result_id, answer, digest)")).bind(&answer.content).bind(answer.digest.as_deref())
     };
     match result {
-        StoredResult::Report(answer) => vec![of_metrics(&no_metrics()), of_answer("reports", answer)],
+        StoredResult::Report(_, answer) => vec![of_metrics(&no_metrics(id)), of_answer("reports", answer)],
         StoredResult::Simulation { metrics, signals, chunks, views } => {
             let mut statements = vec![of_metrics(metrics)];
             if !signals.is_empty() {
@@ -115,22 +131,22 @@ pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<
             if !chunks.rest.is_empty() {
                 statements.push(insertion_of_chunks(id, &chunks.rest, provided));
             }
-            statements.extend(chunks.result.map(|result| completion(result, provided)));
+            if chunks.is_stored {
+                statements.push(completion(id, provided));
+            }
             statements.extend(views.iter().map(|views| of_answer("views", views)));
             statements
         }
     }
 }
 
-/// The metrics of a result that is no simulation's.
-fn no_metrics() -> Sealed<String> {
-    Sealed::new(String::new())
-}
-
 fn insertion_of_signals(id: Uuid, signals: &Signals, provided: &str) -> Statement {
     let row = |k| format!("SELECT $1, ${}, ${}, ${}, ${}{provided}", 4 * k + 2, 4 * k + 3, 4 * k + 4, 4 * k + 5);
     let rows: Vec<String> = (0..signals.len()).map(row).collect();
-    let insert = format!("INSERT INTO signals (result_id, sort, channel, answer, digest) {}", rows.join(" UNION ALL "));
+    let insert = format!(
+        "INSERT INTO signals (result_id, sort, channel, answer, digest) {} ON CONFLICT DO NOTHING",
+        rows.join(" UNION ALL ")
+    );
     signals.iter().fold(statement(insert).bind(id), |insert, (signal, channel, answer)| {
         insert.bind(signal.name()).bind(channel).bind(&answer.content).bind(answer.digest.as_deref())
     })
@@ -139,7 +155,7 @@ fn insertion_of_signals(id: Uuid, signals: &Signals, provided: &str) -> Statemen
 /// Inserts an empty result, for a study, whose points hold their own results.
 pub(super) async fn insert_empty(tx: &mut Tx) -> Result<Uuid, JobError> {
     let id = Uuid::now_v7();
-    let Sealed { content, digest } = no_metrics();
+    let Sealed { content, digest } = no_metrics(id);
     let sql = "INSERT INTO results (id, metrics, digest) VALUES ($1, $2, $3)";
     statement(sql).bind(id).bind(content).bind(digest.as_deref()).run(&mut *tx).await?;
     Ok(id)
@@ -171,14 +187,11 @@ pub(super) async fn remove_orphans(tx: &mut Tx, results: &[Uuid]) -> Result<(), 
 impl Store {
     /// The metrics of a succeeded job, as JSON text.
     pub async fn metrics(&self, owner: &str, job: Uuid) -> Result<String, JobError> {
-        let sql = "SELECT status, result_id, kind, metrics, digest FROM jobs \
-                   LEFT JOIN results ON results.id = jobs.result_id WHERE jobs.id = $1 AND owner = $2";
-        type Row = (String, Option<Uuid>, String, Option<String>, Option<Vec<u8>>);
+        let result = self.result_of(owner, job, JobKind::Simulation).await?;
+        let sql = "SELECT metrics, digest FROM results WHERE id = $1";
         let read = async {
-            let row: Option<Row> = statement(sql).bind(job).bind(owner).optional(&self.readers).await?;
-            let (status, result, kind, metrics, digest) = row.ok_or(JobError::NotFound)?;
-            result_in((status, result, kind), JobKind::Simulation)?;
-            one_part(metrics.map(|metrics| (metrics, digest)))?.opened()
+            one_part(statement(sql).bind(result).optional(&self.readers).await?)?
+                .opened(&Place::of_result(result, METRICS))
         };
         self.noted(job, METRICS, read.await).await
     }
@@ -192,7 +205,7 @@ impl Store {
         channel: &str,
     ) -> Result<SpectrumAnswer, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
-        self.signal(job, result, kind.into(), channel, |stored| decoded(&stored.opened()?)).await
+        self.signal(job, result, kind.into(), channel, decoded).await
     }
 
     /// A signal of a job's result.
@@ -202,13 +215,17 @@ impl Store {
         result: Uuid,
         signal: Signal,
         channel: &str,
-        open: fn(Sealed<Vec<u8>>) -> Result<T, JobError>,
+        open: fn(&[u8]) -> Result<T, JobError>,
     ) -> Result<T, JobError> {
         let sql = "SELECT answer, digest FROM signals WHERE result_id = $1 AND sort = $2 AND channel = $3";
         let query = statement(sql).bind(result).bind(signal.name()).bind(channel);
+        let place = Place::of_signal(result, signal.name(), channel);
         let read = async {
             match query.optional(&self.readers).await? {
-                Some(answer) => read_aside(Sealed::stored(answer), open).await.map(Some),
+                Some(answer) => {
+                    let open = move |stored: Sealed<Vec<u8>>| open(&stored.opened(&place)?);
+                    read_aside(Sealed::stored(answer), open).await.map(Some)
+                }
                 None => Ok(None),
             }
         };
@@ -225,7 +242,8 @@ impl Store {
         let read = async {
             let answer: Option<(Vec<u8>, Option<Vec<u8>>)> =
                 statement(sql).bind(result).optional(&self.readers).await?;
-            answer.map(|answer| decompressed(&Sealed::stored(answer).opened()?)).transpose()
+            let place = Place::of_result(result, VIEWS);
+            answer.map(|answer| decompressed(&Sealed::stored(answer).opened(&place)?)).transpose()
         };
         self.noted(job, VIEWS, read.await).await
     }
@@ -237,7 +255,7 @@ impl Store {
         let read = async {
             let answer: Option<(Vec<u8>, Option<Vec<u8>>)> =
                 statement(sql).bind(result).optional(&self.readers).await?;
-            decompressed(&one_part(answer)?.opened()?)
+            decompressed(&one_part(answer)?.opened(&Place::of_result(result, REPORT))?)
         };
         self.noted(job, REPORT, read.await).await
     }
@@ -258,17 +276,30 @@ impl Store {
     }
 
     /// Digest of everything that determines the result of a succeeded job; `None` for any other job.
-    pub async fn fingerprint(&self, owner: &str, job: Uuid) -> Result<Option<Vec<u8>>, JobError> {
-        let sql = "SELECT content_hash FROM jobs WHERE id = $1 AND owner = $2 AND status = 'succeeded'";
-        statement(sql).bind(job).bind(owner).value(&self.readers).await
+    pub async fn fingerprint(&self, owner: &str, job: Uuid) -> Result<Option<Fingerprint>, JobError> {
+        let sql = "SELECT content_hash AS work, CASE WHEN kind = $3 THEN finished_at END AS study_ended FROM jobs \
+                   WHERE id = $1 AND owner = $2 AND status = 'succeeded'";
+        statement(sql).bind(job).bind(owner).bind(JobKind::Study.name()).optional(&self.readers).await
     }
 
     /// The result of a job of the wanted kind; jobs of other kinds never have such a result.
     pub(super) async fn result_of(&self, owner: &str, job: Uuid, wanted: JobKind) -> Result<Uuid, JobError> {
-        let sql = "SELECT status, result_id, kind FROM jobs WHERE id = $1 AND owner = $2";
-        let row: Option<(String, Option<Uuid>, String)> =
-            in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
-        result_in(row.ok_or(JobError::NotFound)?, wanted)
+        let sql = format!("SELECT status, result_id, kind, {SEALED_REQUEST} FROM jobs WHERE id = $1 AND owner = $2");
+        #[derive(FromRow)]
+        struct Row {
+            status: String,
+            result_id: Option<Uuid>,
+            kind: String,
+            #[sqlx(flatten)]
+            request: SealedRequest,
+        }
+        let read = async {
+            let row: Option<Row> = in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
+            let row = row.ok_or(JobError::NotFound)?;
+            row.request.check(job, owner)?;
+            Ok((row.status, row.result_id, row.kind))
+        };
+        result_in(self.noted(job, REQUEST, read.await).await?, wanted)
     }
 }
 
@@ -282,6 +313,15 @@ fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: Job
         (None, Some(status)) => Err(JobError::NotReady(status)),
         (None, None) => Err(JobError::Corrupt(format!("status {status}"))),
     }
+}
+
+/// What determines the result of a succeeded job.
+#[derive(Debug, Clone, PartialEq, Eq, FromRow)]
+pub struct Fingerprint {
+    /// Digest of the work.
+    pub work: Vec<u8>,
+    /// Of a study, when it ended [µs since 1970]: its table changes when it is resumed.
+    pub study_ended: Option<i64>,
 }
 
 /// The part of a result that every result of its kind has.

@@ -6,7 +6,8 @@
 use uuid::Uuid;
 
 use super::database::Store;
-use super::digest::Sealed;
+use super::digest::{Place, Sealed};
+use super::part_names::METRICS;
 use super::statement::{Statement, statement};
 use crate::jobs::error::JobError;
 
@@ -21,16 +22,29 @@ pub struct Chunk {
 }
 
 /// The chunks of all series of a result.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct RecordedChunks {
-    /// The result whose first chunks are stored already.
-    pub result: Option<Uuid>,
+    pub result: Uuid,
+    /// Whether its first chunks are stored already.
+    pub is_stored: bool,
     /// The chunks that are not stored yet.
     pub rest: Vec<Chunk>,
 }
 
+impl RecordedChunks {
+    /// A new result without series.
+    pub fn none() -> Self {
+        Self { result: Uuid::now_v7(), is_stored: false, rest: Vec::new() }
+    }
+}
+
 /// Largest number of chunks that one transaction removes: the writer is shared with submissions.
 const MAX_REMOVED: i64 = 32;
+
+/// The metrics of a result that is no simulation's.
+pub(super) fn no_metrics(result: Uuid) -> Sealed<String> {
+    Sealed::new(&Place::of_result(result, METRICS), String::new())
+}
 
 /// Statement that inserts chunks; `provided` is the end of a query that yields one row if they are to be inserted.
 pub(super) fn insertion_of_chunks(result: Uuid, chunks: &[Chunk], provided: &str) -> Statement {
@@ -62,7 +76,7 @@ impl Store {
         if held.optional::<(i32,)>(&mut tx).await?.is_none() {
             return Ok(false);
         }
-        let Sealed { content, digest } = Sealed::new(String::new());
+        let Sealed { content, digest } = no_metrics(result);
         let sql = "INSERT INTO results (id, metrics, digest) VALUES ($1, $2, $3) ON CONFLICT DO NOTHING";
         statement(sql).bind(result).bind(content).bind(digest.as_deref()).run(&mut tx).await?;
         let sql = "INSERT INTO recordings (result_id, job, claim) VALUES ($1, $2, $3) ON CONFLICT DO NOTHING";

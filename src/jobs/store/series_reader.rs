@@ -9,7 +9,7 @@ use uuid::Uuid;
 use super::chunk_codec::{CHUNK_VALUES, decoded};
 use super::compression::decompressed;
 use super::database::Store;
-use super::digest::Sealed;
+use super::digest::{Place, Sealed};
 use super::part_names::signal_name;
 use super::signal::Signal;
 use super::statement::statement;
@@ -110,7 +110,7 @@ impl StoredSeries {
             Values::Chunks { head, .. } => {
                 let number = places.start / head.chunk_values;
                 let first = number * head.chunk_values;
-                let chunk = self.chunk(number, |sealed| decoded(&sealed.opened()?)).await?;
+                let chunk = self.chunk(number, |content| decoded(&content)).await?;
                 let expected = head.chunk_values.min(self.head.length.saturating_sub(first));
                 if chunk.len() != expected {
                     return self.noted(Err(JobError::Corrupt("a chunk has another length".to_owned()))).await;
@@ -139,7 +139,7 @@ impl StoredSeries {
     pub async fn check(&self, places: Range<usize>) -> Result<(), JobError> {
         let Values::Chunks { head, .. } = &self.values else { return Ok(()) };
         for number in places.start / head.chunk_values..places.end.div_ceil(head.chunk_values) {
-            self.chunk(number, |sealed| sealed.opened().map(drop)).await?;
+            self.chunk(number, |_| Ok(())).await?;
         }
         Ok(())
     }
@@ -147,17 +147,19 @@ impl StoredSeries {
     async fn chunk<T: Send + 'static>(
         &self,
         number: usize,
-        open: fn(Sealed<Vec<u8>>) -> Result<T, JobError>,
+        read: fn(Vec<u8>) -> Result<T, JobError>,
     ) -> Result<T, JobError> {
         let Values::Chunks { store, result, head, .. } = &self.values else {
             return Err(JobError::Corrupt("a series in one piece has no chunks".to_owned()));
         };
         let sql = "SELECT content, digest FROM series_chunks WHERE result_id = $1 AND series = $2 AND number = $3";
-        let query = statement(sql).bind(*result).bind(head.number).bind(i64::try_from(number).unwrap_or(i64::MAX));
+        let number = i64::try_from(number).unwrap_or(i64::MAX);
+        let place = Place::of_chunk(*result, head.number, number);
+        let query = statement(sql).bind(*result).bind(head.number).bind(number);
         let read = async {
             let chunk: Option<(Vec<u8>, Option<Vec<u8>>)> = query.optional(&store.readers).await?;
             let missing = || JobError::Corrupt("a chunk is missing".to_owned());
-            open(Sealed::stored(chunk.ok_or_else(missing)?))
+            read(Sealed::stored(chunk.ok_or_else(missing)?).opened(&place)?)
         };
         self.noted(read.await).await
     }
@@ -191,7 +193,7 @@ impl Store {
     /// A series of a succeeded job.
     pub async fn series(&self, owner: &str, job: Uuid, channel: &str) -> Result<StoredSeries, JobError> {
         let result = self.result_of(owner, job, JobKind::Simulation).await?;
-        let open = |sealed: Sealed<Vec<u8>>| stored(&decompressed(&sealed.opened()?)?);
+        let open = |content: &[u8]| stored(&decompressed(content)?);
         Ok(match self.signal(job, result, Signal::Series, channel, open).await? {
             Stored::Head(head) => StoredSeries {
                 head: head.head.clone(),

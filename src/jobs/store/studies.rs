@@ -3,18 +3,21 @@
 
 use jiff::{SignedDuration, Timestamp};
 use serde::de::DeserializeOwned;
+use sqlx::FromRow;
 use uuid::Uuid;
 
 use super::claims::Heartbeat;
 use super::compression::{compressed, decompressed};
 use super::database::{Store, in_time};
 use super::dialect::Dialect;
-use super::digest::{Sealed, is_intact};
+use super::digest::{Place, Sealed, is_intact};
 use super::due;
 use super::notifications::notify_ended;
-use super::part_names::{METRICS, point_name};
+use super::part_names::{METRICS, REQUEST, point_name};
 use super::pool::Tx;
 use super::results;
+use super::reuse::{Reusable, reusable};
+use super::sealed_request::{SEALED_REQUEST, SealedRequest};
 use super::statement::statement;
 use super::stored_time::{expiry, micros, stored};
 use crate::contract::answer::point::PointError;
@@ -28,7 +31,8 @@ pub struct StudyShard {
     pub job: Uuid,
     pub delivery: i64,
     pub owner: String,
-    pub request: String,
+    /// `None`: the stored request is not what was written.
+    pub request: Option<String>,
     pub keep_for_s: Option<f64>,
 }
 
@@ -104,10 +108,24 @@ pub async fn take(tx: &mut Tx, delivery: i64) -> Result<Option<StudyShard>, JobE
     let sql =
         format!("UPDATE strands SET waiting_since = NULL, heartbeat_at = {} WHERE delivery = $1", tx.dialect().now());
     statement(sql).bind(delivery).run(&mut *tx).await?;
-    let sql = "SELECT jobs.id, jobs.owner, jobs.request, jobs.keep_for_s FROM strands JOIN jobs ON jobs.id = strands.job \
-               WHERE strands.delivery = $1 AND jobs.status IN ('queued', 'running')";
-    let row: Option<(Uuid, String, String, Option<f64>)> = statement(sql).bind(delivery).optional(&mut *tx).await?;
-    Ok(row.map(|(job, owner, request, keep_for_s)| StudyShard { job, delivery, owner, request, keep_for_s }))
+    let sql = format!(
+        "SELECT strands.job, strands.owner, jobs.keep_for_s, {SEALED_REQUEST} \
+         FROM strands JOIN jobs ON jobs.id = strands.job \
+         WHERE strands.delivery = $1 AND jobs.status IN ('queued', 'running')"
+    );
+    #[derive(FromRow)]
+    struct Row {
+        job: Uuid,
+        owner: String,
+        keep_for_s: Option<f64>,
+        #[sqlx(flatten)]
+        request: SealedRequest,
+    }
+    let row: Option<Row> = statement(sql).bind(delivery).optional(&mut *tx).await?;
+    Ok(row.map(|Row { job, owner, keep_for_s, request }| {
+        let request = request.opened(job, &owner).ok();
+        StudyShard { job, delivery, owner, request, keep_for_s }
+    }))
 }
 
 impl Store {
@@ -147,7 +165,7 @@ impl Store {
         let mut tx = self.begin().await?;
         let sql = "SELECT EXISTS (SELECT 1 FROM strands WHERE delivery = $1)";
         if statement(sql).bind(shard.delivery).value(&mut tx).await?.unwrap_or(false) {
-            cancel(&mut tx, shard.job, shard.keep_for_s.unwrap_or(keep_s)).await?;
+            cancel(&mut tx, shard.job, keep_s).await?;
         }
         tx.commit().await
     }
@@ -179,6 +197,19 @@ impl Store {
         Ok(())
     }
 
+    /// Charges the owner of a shard for processor time that no heartbeat has recorded [s].
+    pub async fn charge(&self, shard: &StudyShard, used_s: f64) -> Result<(), JobError> {
+        due::charge(&shard.owner, used_s).run(&self.writer).await?;
+        Ok(())
+    }
+
+    /// Fails a study whose stored request is not what was written.
+    pub async fn fail_corrupt(&self, shard: &StudyShard, failure: &Failure, keep_s: f64) -> Result<(), JobError> {
+        let mut tx = self.begin().await?;
+        fail(&mut tx, shard.job, failure, keep_s).await?;
+        tx.commit().await
+    }
+
     /// Returns an unfinished point to the queue.
     pub async fn give_back(&self, shard: &StudyShard, point: PointClaim) -> Result<(), JobError> {
         let sql =
@@ -207,43 +238,65 @@ impl Store {
             .optional::<(Uuid, i64, Vec<u8>, Option<Vec<u8>>)>(&self.readers)
             .await?;
         let Some((job, number, answer, digest)) = row else { return Ok(None) };
-        let answer = Sealed::stored((answer, digest)).opened().and_then(|answer| decompressed(&answer));
+        let place = Place::of_point(job, number, "succeeded", Some(hash));
+        let answer = Sealed::stored((answer, digest)).opened(&place).and_then(|answer| decompressed(&answer));
         let end = answer.and_then(|answer| Ok(PointEnd::Succeeded(parsed(&answer)?)));
         unless_corrupt(self.noted(job, &point_name(number), end).await)
     }
 
     async fn known_simulation(&self, owner: &str, hashes: &[Vec<u8>; 2]) -> Result<Option<PointEnd>, JobError> {
-        let sql = "SELECT jobs.id, results.metrics, results.digest FROM jobs JOIN results ON results.id = jobs.result_id \
-                   WHERE jobs.content_hash IN ($1, $2) AND jobs.status = 'succeeded' AND jobs.owner = $3 \
-                   AND NOT EXISTS (SELECT 1 FROM corrupt_results WHERE job = jobs.id) LIMIT 1";
-        let [first, second] = hashes;
-        let row: Option<(Uuid, String, Option<Vec<u8>>)> =
-            statement(sql).bind(first).bind(second).bind(owner).optional(&self.readers).await?;
-        let Some((job, metrics, digest)) = row else { return Ok(None) };
-        let end = Sealed::stored((metrics, digest)).opened();
-        let end = end.and_then(|metrics| Ok(PointEnd::of_stored(parsed(metrics.as_bytes())?)));
-        unless_corrupt(self.noted(job, METRICS, end).await)
+        for work in hashes {
+            let Some(Reusable { job, result, is_sound }) = reusable(&self.readers, owner, work, "").await? else {
+                continue;
+            };
+            if !is_sound {
+                self.found_corrupt(job, REQUEST).await;
+                continue;
+            }
+            let sql = "SELECT metrics, digest FROM results WHERE id = $1";
+            let row: Option<(String, Option<Vec<u8>>)> = statement(sql).bind(result).optional(&self.readers).await?;
+            let missing = || JobError::Corrupt("its row is missing".to_owned());
+            let end = row.ok_or_else(missing).and_then(|row| {
+                let metrics = Sealed::stored(row).opened(&Place::of_result(result, METRICS))?;
+                Ok(PointEnd::of_stored(parsed(metrics.as_bytes())?))
+            });
+            if let Some(end) = unless_corrupt(self.noted(job, METRICS, end).await)? {
+                return Ok(Some(end));
+            }
+        }
+        Ok(None)
     }
 
     /// The request of a study, and its points in order.
     pub async fn points(&self, owner: &str, job: Uuid) -> Result<(String, Vec<StoredPoint>), JobError> {
-        let sql = "SELECT kind, request, status FROM jobs WHERE id = $1 AND owner = $2";
-        let row: Option<(String, String, String)> =
-            in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
-        let (kind, request, study) = row.ok_or(JobError::NotFound)?;
+        let sql = format!("SELECT kind, status, {SEALED_REQUEST} FROM jobs WHERE id = $1 AND owner = $2");
+        #[derive(FromRow)]
+        struct StudyRow {
+            kind: String,
+            status: String,
+            #[sqlx(flatten)]
+            request: SealedRequest,
+        }
+        let row: Option<StudyRow> = in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
+        let StudyRow { kind, status: study, request } = row.ok_or(JobError::NotFound)?;
         if kind != JobKind::Study.name() {
             return Err(JobError::OtherKind { kind });
         }
-        let sql = "SELECT number, status, reused, answer, digest FROM points WHERE job = $1 ORDER BY number";
-        type Row = (i64, String, bool, Option<Vec<u8>>, Option<Vec<u8>>);
+        let request = self.noted(job, REQUEST, request.opened(job, owner)).await?;
+        let sql =
+            "SELECT number, status, reused, answer, digest, content_hash FROM points WHERE job = $1 ORDER BY number";
+        type Row = (i64, String, bool, Option<Vec<u8>>, Option<Vec<u8>>, Option<Vec<u8>>);
         let rows: Result<Vec<Row>, _> = statement(sql).bind(job).all(&self.readers).await;
         let rows = self.noted(job, "points", rows).await?;
-        let damaged = rows.iter().find(|row| row.3.as_ref().is_some_and(|answer| !is_intact(answer, row.4.as_deref())));
+        let damaged = rows.iter().find(|(number, status, _, answer, digest, work)| {
+            let place = || Place::of_point(job, *number, status, work.as_deref());
+            answer.as_ref().is_some_and(|answer| !is_intact(&place(), answer, digest.as_deref()))
+        });
         if let Some((number, ..)) = damaged {
             let part = point_name(*number);
             return self.noted(job, &part, Err(JobError::ResultCorrupt { part: part.clone() })).await;
         }
-        let points = rows.into_iter().map(|(number, status, reused, answer, _)| {
+        let points = rows.into_iter().map(|(number, status, reused, answer, ..)| {
             let status = match status.as_str() {
                 "succeeded" => PointStatus::Succeeded,
                 "failed" => PointStatus::Failed,
@@ -308,18 +361,20 @@ async fn write_end(tx: &mut Tx, job: Uuid, point: PointClaim, result: &PointResu
         PointEnd::Succeeded(metrics) => ("succeeded", None, compressed(metrics)?),
         PointEnd::Failed(error) => ("failed", Some(&error.cause), compressed(error)?),
     };
-    let Sealed { content, digest } = Sealed::new(answer);
+    let number = i64::try_from(point.number).unwrap_or(i64::MAX);
+    let work = result.content_hash.as_deref().filter(|_| status == "succeeded");
+    let Sealed { content, digest } = Sealed::new(&Place::of_point(job, number, status, work), answer);
     let sql = "UPDATE points SET status = $4, cause = $5, answer = $6, reused = $7, content_hash = $8, digest = $9 \
                WHERE job = $1 AND number = $2 AND claim = $3 AND status = 'running'";
     let written = statement(sql)
         .bind(job)
-        .bind(i64::try_from(point.number).unwrap_or(i64::MAX))
+        .bind(number)
         .bind(point.claim)
         .bind(status)
         .bind(cause)
         .bind(content)
         .bind(result.reused)
-        .bind(result.content_hash.as_deref().filter(|_| status == "succeeded"))
+        .bind(work)
         .bind(digest.as_deref())
         .run(&mut *tx)
         .await?;
@@ -348,7 +403,7 @@ async fn next(tx: &mut Tx, shard: &StudyShard, slice_is_over: Option<bool>, keep
         return Ok(Next::Ended);
     }
     if cancel_requested {
-        cancel(tx, shard.job, shard.keep_for_s.unwrap_or(keep_s)).await?;
+        cancel(tx, shard.job, keep_s).await?;
         return Ok(Next::Cancelled);
     }
     if let Some(slice_is_over) = slice_is_over
@@ -401,13 +456,27 @@ async fn end(tx: &mut Tx, job: Uuid, succeeded: bool, keep_s: f64) -> Result<(),
     Ok(())
 }
 
-/// Cancels a study: finished points are kept, running points are queued again.
+/// Fails a study.
+async fn fail(tx: &mut Tx, job: Uuid, failure: &Failure, keep_s: f64) -> Result<(), JobError> {
+    let now = stored(Timestamp::now());
+    let sql = "UPDATE jobs SET status = 'failed', error_cause = $2, error_detail = $3, finished_at = $4, \
+               expires_at = $4 + CAST(coalesce(keep_for_s, $5) * 1e6 AS BIGINT) \
+               WHERE id = $1 AND status IN ('queued', 'running')";
+    let failed = statement(sql).bind(job).bind(&failure.cause).bind(&failure.detail).bind(now).bind(keep_s);
+    failed.run(&mut *tx).await?;
+    let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
+    statement(sql).bind(job).run(&mut *tx).await?;
+    notify_ended(tx, job).await?;
+    remove_shards(tx, job).await
+}
+
+/// Cancels a study, which is kept for `keep_s` unless it states its own retention: finished points are kept, running points are queued again.
 pub async fn cancel(tx: &mut Tx, job: Uuid, keep_s: f64) -> Result<(), JobError> {
     let now = Timestamp::now();
     let sql = "UPDATE jobs SET status = 'cancelled', cancel_requested_at = coalesce(cancel_requested_at, $2), \
-               finished_at = $2, expires_at = $3 WHERE id = $1 AND status IN ('queued', 'running')";
-    let expires = stored(expiry(now, keep_s));
-    statement(sql).bind(job).bind(stored(now)).bind(expires).run(&mut *tx).await?;
+               finished_at = $2, expires_at = $2 + CAST(coalesce(keep_for_s, $3) * 1e6 AS BIGINT) \
+               WHERE id = $1 AND status IN ('queued', 'running')";
+    statement(sql).bind(job).bind(stored(now)).bind(keep_s).run(&mut *tx).await?;
     let sql = "UPDATE points SET status = 'queued' WHERE job = $1 AND status = 'running'";
     statement(sql).bind(job).run(&mut *tx).await?;
     notify_ended(tx, job).await?;
@@ -460,14 +529,14 @@ pub async fn missing_shards(tx: &mut Tx, slots: usize, keep_s: f64) -> Result<Ve
           AND river_job.state NOT IN ('completed', 'cancelled', 'discarded') \
           AND NOT (strands.heartbeat_at IS NULL AND {orphaned})), \
          (SELECT count(*) FROM points WHERE points.job = jobs.id AND points.status = 'queued'), \
-         cancel_requested_at IS NOT NULL, keep_for_s FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running')"
+         cancel_requested_at IS NOT NULL FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running')"
     );
-    let studies: Vec<(Uuid, i64, i64, bool, Option<f64>)> = statement(sql).all(&mut *tx).await?;
+    let studies: Vec<(Uuid, i64, i64, bool)> = statement(sql).all(&mut *tx).await?;
     let mut missing = Vec::new();
-    for (study, shards, waiting, cancel_requested, keep_for_s) in studies {
+    for (study, shards, waiting, cancel_requested) in studies {
         // No shard runs that could end it.
         if cancel_requested && !is_under_way(tx, study).await? {
-            cancel(tx, study, keep_for_s.unwrap_or(keep_s)).await?;
+            cancel(tx, study, keep_s).await?;
             continue;
         }
         if shards == 0 {

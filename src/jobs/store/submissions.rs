@@ -6,18 +6,14 @@ use uuid::Uuid;
 
 use super::database::Store;
 use super::dialect::Dialect;
+use super::digest::{Place, digest_of};
 use super::pool::{Lock, Tx};
+use super::reuse::Reusable;
 use super::statement::statement;
 use super::stored_time::{self, stored};
 use super::studies;
 use crate::jobs::error::JobError;
 use crate::jobs::job::{JobRecord, NewJob, Status};
-
-/// A finished result of identical work.
-#[derive(Debug, Clone, Copy)]
-pub struct Reusable {
-    pub result: Uuid,
-}
 
 /// Unfinished work of one owner.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -67,24 +63,13 @@ impl Store {
 const ANY_WAITS: &str = "SELECT EXISTS (SELECT 1 FROM jobs WHERE status = 'queued' AND delivery IS NOT NULL) \
      OR EXISTS (SELECT 1 FROM strands WHERE waiting_since IS NOT NULL)";
 
-const REUSABLE: &str = "SELECT result_id FROM jobs WHERE content_hash = $1 AND status = 'succeeded' AND owner = $2 \
-     AND NOT EXISTS (SELECT 1 FROM corrupt_results WHERE job = jobs.id) LIMIT 1";
-
 /// The queries of a submission: each reads an index, or the counts of unfinished work.
 #[cfg(test)]
-pub const QUERIES: [&str; 4] = [UNFINISHED, ANY_WAITS, REUSABLE, super::idempotency_keys::FIRST_USE];
+pub const QUERIES: [&str; 4] = [UNFINISHED, ANY_WAITS, super::reuse::REUSABLE, super::idempotency_keys::FIRST_USE];
 
 /// Returns whether a job or a shard waits for a turn.
 pub async fn any_waits(tx: &mut Tx) -> Result<bool, JobError> {
     Ok(statement(ANY_WAITS).value(&mut *tx).await?.unwrap_or(false))
-}
-
-/// The result of identical finished work of the same owner, unless it is known to be corrupt.
-pub async fn reusable(tx: &mut Tx, job: &NewJob) -> Result<Option<Reusable>, JobError> {
-    // A transaction that deletes that job waits until the new job refers to the result.
-    let sql = format!("{REUSABLE}{}", tx.dialect().for_share());
-    let result: Option<Uuid> = statement(sql).bind(&job.content_hash).bind(&job.owner).value(&mut *tx).await?;
-    Ok(result.map(|result| Reusable { result }))
 }
 
 /// Inserts a queued job.
@@ -143,10 +128,11 @@ async fn insert_row(
     let sql = format!(
         "INSERT INTO jobs (id, owner, kind, status, request, labels, priority, keep_for_s, created_at, \
                started_at, finished_at, expires_at, progress, delivery, content_hash, reused, result_id, claim, points_left, \
-               heartbeat_at) \
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, \
+               request_digest, heartbeat_at) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20, \
          CASE WHEN $4 = 'running' THEN {now} END)"
     );
+    let place = Place::of_request(job.id, &job.owner, &job.content_hash);
     let labels = serde_json::to_string(&job.labels).map_err(|error| JobError::Corrupt(error.to_string()))?;
     statement(sql)
         .bind(job.id)
@@ -168,6 +154,7 @@ async fn insert_row(
         .bind(result)
         .bind(i64::from(record.status == Status::Running))
         .bind(i64::try_from(job.points.unwrap_or(0)).unwrap_or(i64::MAX))
+        .bind(digest_of(&place, job.request.as_bytes()))
         .run(&mut *tx)
         .await?;
     insert_labels(tx, job).await
