@@ -79,7 +79,7 @@ fn a_changed_request_is_never_shown_run_or_reused() {
     let server = start_with(ServerSettings { workers: 1, ..ServerSettings::default() });
     let ended = server.submit(&job());
     server.wait_for(&ended, &["succeeded"]);
-    let running = server.submit(&job_with(json!({ "labels": ["slow"] })));
+    let running = server.submit(&job_with(json!({ "reuse": false, "labels": ["slow"] })));
     server.wait_for(&running, &["running"]);
     let waiting = server.submit(&job_with(json!({ "reuse": false, "labels": ["waiting"] })));
     let axes = json!([{ "path": "/operation/speed_rpm", "values": [3000, 3100] }]);
