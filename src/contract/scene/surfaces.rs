@@ -49,6 +49,7 @@ pub struct SurfacesInput {
 /// Surface of one raceway.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[allow(clippy::manual_non_exhaustive, reason = "the empty field names an input that is refused")]
 pub struct RacewaySurfaceInput {
     /// Waves of the height, along the contact normal and out of the material. Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_waves")]

@@ -22,6 +22,8 @@ fn wrong_surfaces_are_refused() {
         let good = json!({ "azimuth_deg": 90, "length_mm": 0.2, "depth_um": 10 });
         inner(json!({ "defects": [good, fields] }))
     };
+    let apart = |index: i32| json!({ "azimuth_deg": 20 * index, "length_mm": 0.1, "depth_um": 3 });
+    let many_defects: Vec<Value> = (0..17).map(apart).collect();
     let many = vec![json!({ "order": 8, "amplitude_nm": 10 }); 65];
     for (surfaces, pointer, words) in [
         (wave(json!(0), 1.0, 0.0), "inner/waviness/1/order", "0: must be from 1 to 100000"),
@@ -82,11 +84,7 @@ fn wrong_surfaces_are_refused() {
             "the outlines of items 0 and 1 overlap",
         ),
         (inner(json!({ "defects": [{ "length_mm": 80, "depth_um": 3 }] })), "inner/defects", "item 0 are no less than"),
-        (
-            inner(json!({ "defects": vec![json!({ "length_mm": 0.1, "depth_um": 3 }); 17] })),
-            "inner/defects",
-            "17 defects: at most 16",
-        ),
+        (inner(json!({ "defects": many_defects })), "inner/defects", "17 defects: at most 16"),
         (inner(json!({ "axial_waviness": [] })), "inner/axial_waviness", "not supported yet"),
         (json!({ "balls": [] }), "balls", "not supported yet"),
         (json!({ "every_ball": {} }), "every_ball", "not supported yet"),

@@ -7,6 +7,7 @@
 //! Along the raceway a profile has a continuous second derivative: a step in slope would be an impact that no step size resolves.
 
 pub mod defects;
+mod height;
 mod narrow;
 mod table;
 pub mod waviness;
@@ -14,22 +15,12 @@ pub mod waviness;
 use std::sync::Arc;
 
 use self::defects::Recess;
+pub use self::height::Height;
+pub(crate) use self::height::Rise;
 use self::narrow::NarrowDefect;
 use self::table::HeightTable;
 use self::waviness::Wave;
-use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
-
-/// Height of a raceway under a ball, and its slopes.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Height<T = f64> {
-    /// Added to the penetration of the contact [m], positive out of the material.
-    pub height: T,
-    /// Change with the azimuth on the ring [m/rad].
-    pub along: T,
-    /// Change with the place of the contact across the groove, towards +X [m/m].
-    pub across: T,
-}
-side_by_side!(Height { height, along, across });
+use crate::numerics::lanes::{Lanes, SideBySide};
 
 /// Height that is added to the penetration of a contact.
 #[derive(Debug, Clone, Default)]
@@ -51,15 +42,6 @@ pub struct NarrowSurface {
     everywhere: HeightTable,
     defects: Vec<NarrowDefect>,
 }
-
-/// Height under a ball [m], with its first and second derivative by the azimuth on the ring [m/rad, m/rad²].
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Rise<T = f64> {
-    pub height: T,
-    pub slope: T,
-    pub curvature: T,
-}
-side_by_side!(Rise { height, slope, curvature });
 
 impl SurfaceProfile {
     /// The sum of some waves; ideal without any.

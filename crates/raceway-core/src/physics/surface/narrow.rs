@@ -1,7 +1,7 @@
 //! Defects that do not take the whole groove: how far a ball falls depends on the place of its contact across the groove.
 
-use super::Height;
 use super::defects::{Across, Recess, wrapped};
+use super::height::Height;
 use super::table::PathTable;
 
 /// A defect whose path changes across the groove.
