@@ -145,6 +145,8 @@ pub(crate) struct Bins<'a> {
     bins: &'a [Complex64],
     values: usize,
     rate: f64,
+    /// Rise of the line from one value to the next.
+    rise: f64,
 }
 
 impl Bins<'_> {
@@ -158,11 +160,14 @@ impl Bins<'_> {
         self.bins.len().saturating_sub(1)
     }
 
-    /// Square of the amplitude of a bin that has two neighbours, under a Hann window.
+    /// Square of the amplitude of a bin of the signal with its line, under a Hann window, from bin 2 to the last that has two neighbours.
     pub fn hann_square(&self, bin: usize) -> f64 {
         let around = &self.bins[bin - 1..=bin + 1];
-        let one_sided = 4.0 / self.values as f64;
-        (one_sided * (0.5 * around[1] - 0.25 * (around[0] + around[2]))).norm_sqr()
+        let (n, k) = (self.values as f64, bin as f64);
+        // The bins of the line are rise · n/2 · (i cot(πk/n) − 1). The cotangent is nearly n/(πk), whose second difference is closed.
+        let line = -self.rise * n * n / (4.0 * std::f64::consts::PI * k * (k * k - 1.0));
+        let windowed = 0.5 * around[1] - 0.25 * (around[0] + around[2]) + Complex64::new(0.0, line);
+        (4.0 / n * windowed).norm_sqr()
     }
 }
 
@@ -174,7 +179,7 @@ pub(crate) fn filtered(signal: &[f64], rate: f64, highest: f64, look: impl FnOnc
     let line = |i: usize| rise * (i as f64 - middle);
     let mut bent: Vec<f64> = signal.iter().enumerate().map(|(i, value)| value - line(i)).collect();
     let mut bins = forward(&mut bent);
-    look(&Bins { bins: &bins, values: n, rate });
+    look(&Bins { bins: &bins, values: n, rate, rise });
     bins[0] = Complex64::ZERO;
     let cut = bins_below(bins.len(), |k| k as f64 * rate / n as f64 <= highest);
     bins[cut..].fill(Complex64::ZERO);
