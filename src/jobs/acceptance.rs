@@ -82,6 +82,8 @@ fn a_submission_locks_its_own_rows_only_and_waits_for_no_other() {
 fn a_submission_sends_no_notification_in_its_transaction() {
     on_a_server(async |[one, _]| {
         let super::store::pool::Pool::Postgres(pool) = one.parts.store.writer() else { panic!("a server") };
+        // River notifies with the first delivery of a process.
+        uncommitted(&one, &[new_job(JOB, "a", None)]).await?.commit().await?;
         let mut of_transaction = sqlx::postgres::PgListener::connect_with(pool).await?;
         of_transaction.listen("public.river_insert").await?;
         uncommitted(&one, &[new_job(JOB, "a", None)]).await?.commit().await?;

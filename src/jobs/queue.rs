@@ -105,7 +105,8 @@ impl Queue {
             Pool::Sqlite(pool) => Client::builder(pool),
             Pool::Postgres(pool) => Client::builder(pool),
         };
-        let inserter = inserter.without_notifications().build()?;
+        // River notifies within the transaction of an insert, at most once in its cooldown: here only with the first delivery.
+        let inserter = inserter.without_notifications().fetch_cooldown(Duration::MAX).build()?;
         let in_hand = InHand::default();
         // A process without workers only inserts deliveries.
         let builder = match workers {
