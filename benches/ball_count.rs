@@ -76,14 +76,7 @@ fn model(balls: u32) -> Model {
         "operation": { "speed_rpm": 50_000.0 / scale, "radial_load_y_n": 200.0 * scale }
     });
     let scene = scene_from_json(&json.to_string()).expect("a scene");
-    let outputs = Outputs {
-        vibration: true,
-        contacts: false,
-        cage: false,
-        spectra: Vec::new(),
-        series: Vec::new(),
-        ..Outputs::vibration()
-    };
+    let outputs = Outputs::vibration();
     Model::new(&scene, &ActiveTerms::of(&scene, &outputs, None).expect("no rung is asked for"))
 }
 

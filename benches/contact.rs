@@ -52,14 +52,7 @@ fn model(balls: usize) -> Model {
         "operation": { "speed_rpm": 50_000.0 / growth, "radial_load_y_n": 200.0 * growth }
     });
     let scene = scene_from_json(&json.to_string()).expect("a grown bearing is a scene");
-    let outputs = Outputs {
-        vibration: true,
-        contacts: true,
-        cage: true,
-        spectra: Vec::new(),
-        series: Vec::new(),
-        ..Outputs::vibration()
-    };
+    let outputs = Outputs { contacts: true, cage: true, ..Outputs::vibration() };
     let needs = ActiveTerms::of(&scene, &outputs, Some(ModelLevel::Full)).expect("the full rung serves every scene");
     Model::new(&scene, &needs)
 }

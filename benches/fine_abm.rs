@@ -58,14 +58,7 @@ fn run(mut method: Box<dyn Integrator + '_>, end: f64) -> Run {
 
 fn bearing(title: &str, json: &str, end: f64) {
     let scene = scene_from_json(json).expect("a scene");
-    let outputs = Outputs {
-        vibration: true,
-        contacts: true,
-        cage: true,
-        spectra: Vec::new(),
-        series: Vec::new(),
-        ..Outputs::vibration()
-    };
+    let outputs = Outputs { contacts: true, cage: true, ..Outputs::vibration() };
     let needs = ActiveTerms::of(&scene, &outputs, Some(ModelLevel::Full)).expect("the full model serves all");
     let model = Model::new(&scene, &needs);
     let start = start_state(&model).expect("an equilibrium");

@@ -137,14 +137,7 @@ fn plain() -> RunSettings {
         fixed_step: None,
         settle: 0.02,
         duration: 0.1,
-        outputs: Outputs {
-            vibration: true,
-            contacts: true,
-            cage: true,
-            spectra: Vec::new(),
-            series: Vec::new(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs { contacts: true, cage: true, ..Outputs::vibration() },
     }
 }
 

@@ -63,14 +63,7 @@ fn main() {
         fixed_step: Some(2.5e-6),
         settle: 0.3,
         duration: 0.3,
-        outputs: Outputs {
-            vibration: true,
-            contacts: false,
-            cage: false,
-            spectra: Vec::new(),
-            series: Vec::new(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs::vibration(),
     };
     let control = Control::until(&|| false);
     println!("krpm, µm, N: radius, worst of the levels of y and z, acceleration and velocity, against rung 3 in time");

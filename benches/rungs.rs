@@ -54,14 +54,7 @@ fn settings(scene: &Scene, duration: f64) -> RunSettings {
         fixed_step: None,
         settle: (3.0 / cage).max(0.02),
         duration,
-        outputs: Outputs {
-            vibration: true,
-            contacts: false,
-            cage: false,
-            spectra: Vec::new(),
-            series: CHANNELS.to_vec(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs { series: CHANNELS.to_vec(), ..Outputs::vibration() },
     }
 }
 
@@ -141,14 +134,7 @@ fn chosen() {
     for (number, (speed, load, clearance, balls, mass, grade)) in SCENES.into_iter().enumerate() {
         let (scene, _) = scene(number);
         let plain = |rung: Option<ModelLevel>, all: bool, tolerance_db: f64| {
-            let outputs = Outputs {
-                vibration: true,
-                contacts: all,
-                cage: all,
-                spectra: CHANNELS[..2].to_vec(),
-                series: Vec::new(),
-                ..Outputs::vibration()
-            };
+            let outputs = Outputs { contacts: all, cage: all, spectra: CHANNELS[..2].to_vec(), ..Outputs::vibration() };
             let settings = RunSettings {
                 rung,
                 relative_tolerance: 1e-5,

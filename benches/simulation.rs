@@ -26,14 +26,7 @@ fn main() {
 }
 
 fn outputs() -> Outputs {
-    Outputs {
-        vibration: true,
-        contacts: true,
-        cage: true,
-        spectra: Vec::new(),
-        series: Vec::new(),
-        ..Outputs::vibration()
-    }
+    Outputs { contacts: true, cage: true, ..Outputs::vibration() }
 }
 
 /// Median, least and largest time.

@@ -75,14 +75,7 @@ fn settings(duration: f64) -> RunSettings {
         fixed_step: None,
         settle: SETTLE,
         duration,
-        outputs: Outputs {
-            vibration: true,
-            contacts: false,
-            cage: false,
-            spectra: Vec::new(),
-            series: Vec::new(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs::vibration(),
     }
 }
 

@@ -72,14 +72,7 @@ fn cases() -> Vec<Case> {
 }
 
 fn outputs() -> Outputs {
-    Outputs {
-        vibration: true,
-        contacts: true,
-        cage: true,
-        spectra: Vec::new(),
-        series: Vec::new(),
-        ..Outputs::vibration()
-    }
+    Outputs { contacts: true, cage: true, ..Outputs::vibration() }
 }
 
 fn settings(case: &Case, method: Method, relative_tolerance: f64) -> RunSettings {

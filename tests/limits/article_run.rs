@@ -30,14 +30,7 @@ pub fn settings() -> RunSettings {
         fixed_step: None,
         settle: 0.02,
         duration: 0.03,
-        outputs: Outputs {
-            vibration: true,
-            contacts: true,
-            cage: true,
-            spectra: vec![Y, Z],
-            series: Vec::new(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs { contacts: true, cage: true, spectra: vec![Y, Z], ..Outputs::vibration() },
     }
 }
 

@@ -39,14 +39,7 @@ fn a_plain_runge_kutta_loop_takes_the_same_path() {
                     "operation": { "speed_rpm": 50000, "radial_load_y_n": 200 },
                     "spindle": { "balance_grade": 6.3 } }"#;
     let scene = scene_from_json(json).unwrap();
-    let outputs = Outputs {
-        vibration: true,
-        contacts: false,
-        cage: false,
-        spectra: Vec::new(),
-        series: Vec::new(),
-        ..Outputs::vibration()
-    };
+    let outputs = Outputs::vibration();
     let model = Model::new(&scene, &ActiveTerms::of(&scene, &outputs, None).unwrap());
     let start = start_state(&model).unwrap();
     let expected = advance(&model, &start, (0.0, 5e-4), 1e-10, |_| {});

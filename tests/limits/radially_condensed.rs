@@ -26,14 +26,7 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
         fixed_step: None,
         settle,
         duration,
-        outputs: Outputs {
-            vibration: true,
-            contacts: false,
-            cage: false,
-            spectra: Vec::new(),
-            series: series.into_iter().flatten().collect(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs { series: series.into_iter().flatten().collect(), ..Outputs::vibration() },
     }
 }
 

@@ -64,14 +64,7 @@ pub fn scene(json: &Value) -> Scene {
 }
 
 pub fn nothing_asked() -> Outputs {
-    Outputs {
-        vibration: true,
-        contacts: true,
-        cage: true,
-        spectra: Vec::new(),
-        series: Vec::new(),
-        ..Outputs::vibration()
-    }
+    Outputs { contacts: true, cage: true, ..Outputs::vibration() }
 }
 
 pub fn needs(scene: &Scene, rung: Option<ModelLevel>) -> ActiveTerms {

@@ -37,14 +37,7 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
         fixed_step: None,
         settle,
         duration,
-        outputs: Outputs {
-            vibration: true,
-            contacts: false,
-            cage: false,
-            spectra: Vec::new(),
-            series: Vec::new(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs::vibration(),
     }
 }
 

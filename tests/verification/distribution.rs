@@ -23,14 +23,7 @@ pub fn scene(json: &Value) -> Scene {
 }
 
 pub fn needs(scene: &Scene) -> ActiveTerms {
-    let outputs = Outputs {
-        vibration: true,
-        contacts: true,
-        cage: true,
-        spectra: Vec::new(),
-        series: Vec::new(),
-        ..Outputs::vibration()
-    };
+    let outputs = Outputs { contacts: true, cage: true, ..Outputs::vibration() };
     ActiveTerms::of(scene, &outputs, None).unwrap()
 }
 

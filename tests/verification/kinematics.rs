@@ -73,14 +73,7 @@ fn simulated() {
         fixed_step: None,
         settle: 0.05,
         duration: 0.2,
-        outputs: Outputs {
-            vibration: true,
-            contacts: false,
-            cage: true,
-            spectra: vec![channel],
-            series: Vec::new(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs { cage: true, spectra: vec![channel], ..Outputs::vibration() },
     };
     let result = simulate(&scene, &settings, &Control::until(&|| false)).unwrap();
     let strongest = result.summary.lines.iter().find(|(of, line)| *of == channel && line.label == "BPFO");

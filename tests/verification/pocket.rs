@@ -27,14 +27,7 @@ fn rows(case: &str) -> Vec<[f64; 3]> {
 fn forces(case: &str, bearing: &str) -> Vec<f64> {
     let scene = format!(r#"{{ "bearing": {bearing}, "operation": {{ "speed_rpm": 10000 }} }}"#);
     let scene = scene_from_json(&scene).unwrap_or_else(|refusal| panic!("{bearing}: {refusal}"));
-    let outputs = Outputs {
-        vibration: true,
-        contacts: false,
-        cage: true,
-        spectra: Vec::new(),
-        series: Vec::new(),
-        ..Outputs::vibration()
-    };
+    let outputs = Outputs { cage: true, ..Outputs::vibration() };
     let needs = ActiveTerms::of(&scene, &outputs, None).expect("a model");
     let model = Model::new(&scene, &needs);
     rows(case).into_iter().map(|[penetration, ..]| model.mechanism().pocket.solid_load(penetration)).collect()

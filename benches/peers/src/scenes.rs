@@ -42,7 +42,7 @@ pub struct Case {
 impl Case {
     pub fn new(scene: Scene, settle: f64, duration: f64) -> Result<Self, String> {
         let scene = scene_from_json(scene.json()).map_err(|error| format!("{error:?}"))?;
-        let outputs = Outputs { vibration: true, contacts: true, cage: true, spectra: Vec::new(), series: Vec::new(), ..Outputs::vibration() };
+        let outputs = Outputs { contacts: true, cage: true, ..Outputs::vibration() };
         let needs = ActiveTerms::of(&scene, &outputs, None).map_err(|error| error.to_string())?;
         let model = Model::new(&scene, &needs);
         let start = start_state(&model).map_err(|error| error.to_string())?;

@@ -85,8 +85,6 @@ impl OutputsInput {
             vibration: metrics.contains(&MetricsPart::Vibration),
             contacts: metrics.contains(&MetricsPart::Contacts),
             cage: metrics.contains(&MetricsPart::Cage),
-            spectra: Vec::new(),
-            series: Vec::new(),
             ..Outputs::vibration()
         }
     }

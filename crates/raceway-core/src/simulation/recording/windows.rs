@@ -448,14 +448,7 @@ mod tests {
         };
         let whole: Vec<f64> = (0..values).map(signal).collect();
         let channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
-        let outputs = Outputs {
-            vibration: true,
-            contacts: false,
-            cage: false,
-            spectra: vec![channel],
-            series: Vec::new(),
-            ..Outputs::vibration()
-        };
+        let outputs = Outputs { spectra: vec![channel], ..Outputs::vibration() };
         let mut recorder = Recorder::new([channel], &outputs, values + 1);
         whole.iter().chain([&9.0, &9.0]).for_each(|value| recorder.push(&[*value]));
         let (signals, whirl) = recorder.finish();

@@ -67,14 +67,7 @@ impl StaticSupport {
     /// Equilibrium under load, weight and centrifugal force at the operating speed; `None` if the spindle has no equilibrium.
     fn of(scene: &Scene) -> Option<Self> {
         // The requested outputs do not change the static support.
-        let outputs = Outputs {
-            vibration: true,
-            contacts: false,
-            cage: false,
-            spectra: vec![],
-            series: vec![],
-            ..Outputs::vibration()
-        };
+        let outputs = Outputs::vibration();
         let mut mechanism = Mechanism::new(scene, &ActiveTerms::of(scene, &outputs, None).ok()?);
         let law = scene.raceway_damping.resolve();
         // The balls orbit. Two positions are averaged: one ball below the load, and half a ball spacing further.

@@ -48,14 +48,7 @@ fn settings(settle: f64, duration: f64) -> RunSettings {
         fixed_step: None,
         settle,
         duration,
-        outputs: Outputs {
-            vibration: true,
-            contacts: true,
-            cage: true,
-            spectra: Vec::new(),
-            series: Vec::new(),
-            ..Outputs::vibration()
-        },
+        outputs: Outputs { contacts: true, cage: true, ..Outputs::vibration() },
     }
 }
 
