@@ -34,6 +34,9 @@ impl Spectrum {
     }
 }
 
+/// Noise bandwidth of the Hann window in bins: the squares of the entries of a line add up to its square times this.
+pub(crate) const HANN_BANDWIDTH: f64 = 1.5;
+
 /// Amplitude spectrum of a signal sampled at `rate` [Hz], mean removed, under a periodic Hann window.
 ///
 /// n values give n/2 + 1 entries, rate/n apart; no values give none. A tone between two bins reads up to 1.4 dB low:

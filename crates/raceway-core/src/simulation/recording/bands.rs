@@ -2,14 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use crate::numerics::spectrum::Bins;
+use crate::numerics::spectrum::{Bins, HANN_BANDWIDTH};
 
 /// Edges of the bands in which bearing vibration is stated as velocity [Hz] (ISO 15242-1).
 pub const EDGES: [f64; 4] = [50.0, 300.0, 1800.0, 10_000.0];
 /// Lowest bin that counts: lower ones hold the mean and drift, which the division by the frequency would raise.
 const LOWEST_BIN: f64 = 2.0;
-/// Noise bandwidth of the Hann window in bins: the sum of squares of a line exceeds its square by this factor.
-const NOISE_BANDWIDTH: f64 = 1.5;
 
 /// Vibration of a channel in one band.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +44,7 @@ impl Bands {
                 edge += 1;
             }
             let Some([acceleration, velocity]) = bands.squares.get_mut(edge) else { break };
-            let square = 0.5 * bins.hann_square(bin) / NOISE_BANDWIDTH;
+            let square = 0.5 * bins.hann_square(bin) / HANN_BANDWIDTH;
             *acceleration += square;
             *velocity += square / (TAU * frequency).powi(2);
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::SQRT_2;
 
 use crate::numerics::ode::{ChoiceReason, Statistics};
-use crate::numerics::spectrum::Spectrum;
+use crate::numerics::spectrum::{HANN_BANDWIDTH, Spectrum};
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
@@ -279,9 +279,8 @@ pub fn lines(
 
 /// Root mean square of the noise that a spectrum may contain beside its signal, if its level is off by `error_db`.
 fn allowed_noise(spectrum: &Spectrum, error_db: f64) -> f64 {
-    // The Hann window spreads the power of a line over one and a half bins.
     let in_band = spectrum.amplitude.iter().take((BAND / spectrum.resolution) as usize);
-    let power = 0.5 * in_band.map(|amplitude| amplitude * amplitude).sum::<f64>() / 1.5;
+    let power = 0.5 * in_band.map(|amplitude| amplitude * amplitude).sum::<f64>() / HANN_BANDWIDTH;
     power.sqrt() * (10_f64.powf(error_db / 20.0) - 1.0)
 }
 
