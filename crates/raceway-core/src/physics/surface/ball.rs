@@ -136,6 +136,20 @@ pub(super) fn check_fit(balls: &[GivenBall], every: &EveryBall, bearing: &Bearin
     }
 }
 
+/// Refuses balls that their pockets clamp. `surfaces`: of each ball, with drawn diameters; `clearance`: of a nominal ball [m].
+pub(super) fn check_pockets(balls: &[GivenBall], surfaces: &[BallSurface], clearance: f64, faults: &mut Faults) {
+    for (index, BallSurface { diameter_deviation, .. }) in surfaces.iter().enumerate() {
+        if *diameter_deviation >= clearance {
+            let (ball, by, clearance) = (index + 1, 1e6 * diameter_deviation, 1e6 * clearance);
+            let reason = format!("ball {ball} is {by:.4} µm larger than nominal, its pocket leaves {clearance:.4} µm");
+            let is_given =
+                balls.iter().any(|given| given.ball as usize == ball && given.surface.diameter_deviation > 0.0);
+            faults
+                .inconsistent(if is_given { "surfaces.balls" } else { "surfaces.every_ball.diameter_spread" }, reason);
+        }
+    }
+}
+
 /// Surface of each ball; empty where all are ideal.
 pub(super) fn surfaces(balls: &[GivenBall], every: &EveryBall, count: usize, seed: u64) -> Vec<BallSurface> {
     let spread = drawn_deviations(every.diameter_spread, count, seed);

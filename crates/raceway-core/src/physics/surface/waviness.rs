@@ -186,6 +186,16 @@ impl SurfaceParameters {
         ball::check_fit(&self.balls, &self.every_ball, bearing, faults);
     }
 
+    /// Refuses balls that their pockets clamp, by the diametral clearance of a nominal ball [m].
+    pub(crate) fn check_pockets(&self, balls: usize, clearance: f64, faults: &mut Faults) {
+        ball::check_pockets(
+            &self.balls,
+            &ball::surfaces(&self.balls, &self.every_ball, balls, self.seed),
+            clearance,
+            faults,
+        );
+    }
+
     /// The surfaces in a bearing of some balls.
     pub(crate) fn of_balls(self, count: usize) -> Surfaces {
         let Self { raceway, balls, every_ball, seed } = self;

@@ -197,7 +197,7 @@ pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
     let passage = longest_passage(scene);
     let share = WINDOW_RUN_SHARE * (settings.settle + settings.duration);
     let settle = share.clamp(MIN_WINDOW_SETTLE_S, WINDOW_SETTLE_S);
-    let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turn_of_inner_waves(scene));
+    let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turn_of_inner_waves(scene)).max(turn_of_unequal_balls(scene));
     (passage.max(settle), (WINDOW_PASSAGES * passage).max(window))
 }
 
@@ -205,6 +205,12 @@ pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
 /// repeat with each ball passage.
 fn turn_of_inner_waves(scene: &Scene) -> f64 {
     if scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { TAU / scene.operating_speed().abs() }
+}
+
+/// Time in which every ball has passed the load, a turn of the cage [s]; 0 where all balls are alike and equally spaced.
+pub fn turn_of_unequal_balls(scene: &Scene) -> f64 {
+    let turn = scene.bearing.parameters.ball_count as f64 * ball_passage(scene);
+    if scene.has_unequal_balls() && turn.is_finite() { turn } else { 0.0 }
 }
 
 /// Time that the richer model simulates to verify a reduced one [s].
