@@ -111,7 +111,9 @@ fn a_run_with_unequal_balls_moves_as_its_equilibria() {
         for (name, change, expected) in [("ball", balls(&[(3, 0.05)]), 14.32), ("pocket", pocket(10.0), 3.810)] {
             let result = run_on(&scene(&slow(-4.0, 0.0, change)), level);
             assert_near(&format!("{level:?}, {name}"), lines(&result, 1.0), [expected; 2], 0.01);
-            assert_eq!(labels(&result), ["FTF"], "{level:?}, {name}");
+            // Single precision does not resolve the acceleration of such a slow motion. Its lines then have no label.
+            let label = if level == ModelLevel::RadiallyCondensed { "" } else { "FTF" };
+            assert_eq!(labels(&result), [label], "{level:?}, {name}");
         }
     }
 }
@@ -122,26 +124,29 @@ fn two_opposite_balls_move_a_loaded_run_twice_a_cage_turn() {
     for level in [ModelLevel::RadiallyCondensed, ModelLevel::SpindleOnly] {
         let result = run_on(&scene(&slow(-4.0, 50.0, two_opposite())), level);
         assert_near(&format!("{level:?}"), lines(&result, 2.0), [62.1, 60.1], 0.02);
+        assert!(labels(&result).contains(&"2·FTF"), "{level:?}: {:?}", labels(&result));
         assert!(lines(&result, 1.0).iter().all(|amplitude| *amplitude < 0.1), "{level:?}: {:?}", lines(&result, 1.0));
     }
 }
 
-/// A larger ball of a 6205 orbits slower, by γ/(1 − γ) of the deviation: 3.2e-5 for 1 µm.
+/// Under equal loads, larger balls of a 6205 orbit slower by γ/(1 − γ) Δd/d: 3.2e-5 for 1 µm, with γ = 0.203 and d = 7.94 mm.
 #[test]
-fn a_larger_ball_lags() {
-    let json = json!({
-        "bearing": { "preset": "6205", "radial_clearance_um": -4 },
-        "operation": { "speed_rpm": 1797 },
-        "terms": { "cage": "off" },
-        "gravity_m_s2": 0
-    });
-    let model = model_on(&changed(json, balls(&[(1, 1.0), (4, -1.0)])), Some(ModelLevel::Planar));
-    let (m, time) = (model.mechanism(), 0.02);
-    let end = advance(&model, &start_state(&model).unwrap(), (0.0, time), 1e-6, |_| {});
-    let turned = m.pitch_radius * m.orbit_ratio * m.speed.at(time).0;
-    let [larger, smaller] = [0, 3].map(|ball| m.layout.ball(&end, ball).arc / turned);
-    let lag = 0.5 * (smaller - larger);
-    assert!((lag / 3.2e-5 - 1.0).abs() < 0.1, "{lag:e}");
+fn larger_balls_orbit_slower() {
+    let orbit_speed = |clearance_um: f64, deviation: f64| {
+        let all: Vec<(u32, f64)> = (1..=9).map(|ball| (ball, deviation)).collect();
+        let json = json!({
+            "bearing": { "preset": "6205", "radial_clearance_um": clearance_um },
+            "operation": { "speed_rpm": 1797 },
+            "terms": { "cage": "off", "drag": "off", "churning": "off" },
+            "gravity_m_s2": 0
+        });
+        let model = model_on(&changed(json, balls(&all)), Some(ModelLevel::Planar));
+        let (m, time) = (model.mechanism(), 0.02);
+        let end = advance(&model, &start_state(&model).unwrap(), (0.0, time), 1e-6, |_| {});
+        1.0 + m.layout.ball(&end, 0).arc_velocity / (m.pitch_radius * m.orbit_ratio * m.speed.at(time).1)
+    };
+    let lag = 1.0 - orbit_speed(-2.0, 1.0) / orbit_speed(-4.0, 0.0);
+    assert!((lag / 3.217e-5 - 1.0).abs() < 0.01, "{lag:e}");
 }
 
 /// Deviations of 0 change no bit.
@@ -220,10 +225,10 @@ fn sixty_four_different_balls_end_well() {
         })
     };
     let planar = levels(ModelLevel::Planar);
-    for level in [ModelLevel::RadiallyCondensed, ModelLevel::SpindleOnly] {
+    // Balls of `spindle_only` do not lag in their pockets.
+    for (level, tolerance) in [(ModelLevel::RadiallyCondensed, 0.15), (ModelLevel::SpindleOnly, 2.0)] {
         let found = levels(level);
         let off = [0, 1].map(|axis| (found[axis] - planar[axis]).abs());
-        println!("{level:?}: {found:?} dB for {planar:?} dB");
-        assert!(off.iter().all(|off| *off < 1.0), "{level:?}: {off:?} dB");
+        assert!(off.iter().all(|off| *off < tolerance), "{level:?}: {found:?} dB for {planar:?} dB");
     }
 }

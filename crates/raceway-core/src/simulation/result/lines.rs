@@ -207,7 +207,15 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
     carry(cage, [shaft, outer]);
     // A whirling cage drives the spindle round at its own rate, so it has precedence.
     let whirls = [term(CAGE_WHIRL, sources.cage_whirl, 1.6), term(SPINDLE_WHIRL, sources.spindle_whirl, 1.6)];
-    let near = |whirl: &Term| usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
+    // Unequal balls drive the spindle round at multiples of the cage speed.
+    let is_driven = |whirl: &Term| {
+        let order = (frequency / cage.frequency).round();
+        sources.unequal_balls
+            && usable(&cage)
+            && order <= HIGHEST_CAGE_ORDER
+            && (whirl.frequency - order * cage.frequency).abs() <= tolerance
+    };
+    let near = |whirl: &Term| usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance && !is_driven(whirl);
     found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
     found
 }
@@ -375,6 +383,8 @@ mod tests {
         }
         for (order, text) in [(1.0, "FTF"), (2.0, "2·FTF"), (3.0, "3·FTF"), (8.0, "BPFO + FTF")] {
             assert_eq!(label(order * f.cage, &unequal, 1.0).0, text);
+            let whirling = LineSources { spindle_whirl: order * f.cage, ..unequal };
+            assert_eq!(label(order * f.cage, &whirling, 1.0).0, text, "the balls drive the spindle round");
         }
     }
 
