@@ -78,6 +78,12 @@ fn unequal_balls_move_the_spindle_at_multiples_of_the_cage_speed() {
     for multiple in [1.0, 2.0, 3.0] {
         assert_near("two opposite", at_rest(&preloaded(two_opposite()), multiple), [0.0; 2], 0.0);
     }
+    // An uneven load gives all multiples of FTF.
+    let [alike, loaded] = [slow(-4.0, 0.0, pocket(10.0)), slow(5.0, 200.0, pocket(10.0))];
+    for multiple in [2.0, 3.0] {
+        assert!(at_rest(&alike, multiple).iter().all(|amplitude| *amplitude < 0.05), "{multiple}·FTF");
+        assert!(at_rest(&loaded, multiple).iter().all(|amplitude| *amplitude > 10.0), "{multiple}·FTF");
+    }
     let loaded = slow(-4.0, 50.0, two_opposite());
     assert_near("two opposite, 50 N", at_rest(&loaded, 2.0), [62.1, 60.1], 3e-3);
     assert_near("two opposite, 50 N, at FTF", at_rest(&loaded, 1.0), [0.0; 2], 0.0);

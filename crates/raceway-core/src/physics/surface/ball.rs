@@ -150,6 +150,21 @@ pub(super) fn check_pockets(balls: &[GivenBall], surfaces: &[BallSurface], clear
     }
 }
 
+/// Refuses balls that overlap. `distances`: between the centres of each ball and the next [m]; `diameter`: the nominal one [m].
+pub(super) fn check_neighbours(surfaces: &[BallSurface], distances: &[f64], diameter: f64, faults: &mut Faults) {
+    for (index, (surface, distance)) in surfaces.iter().zip(distances).enumerate() {
+        let next = (index + 1) % surfaces.len();
+        let radii = diameter + 0.5 * (surface.diameter_deviation + surfaces[next].diameter_deviation);
+        if *distance <= radii {
+            let (ball, next, distance, radii) = (index + 1, next + 1, 1e3 * distance, 1e3 * radii);
+            let reason = format!(
+                "balls {ball} and {next} overlap: their centres are {distance:.4} mm apart, their radii add to {radii:.4} mm"
+            );
+            faults.inconsistent("surfaces.balls", reason);
+        }
+    }
+}
+
 /// Surface of each ball; empty where all are ideal.
 pub(super) fn surfaces(balls: &[GivenBall], every: &EveryBall, count: usize, seed: u64) -> Vec<BallSurface> {
     let spread = drawn_deviations(every.diameter_spread, count, seed);

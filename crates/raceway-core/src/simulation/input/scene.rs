@@ -199,7 +199,7 @@ impl Scene {
     }
 }
 
-/// Refuses pockets that leave no cage between them, and balls that do not fit their pockets.
+/// Refuses pockets that leave no cage between them, balls that overlap, and balls that do not fit their pockets.
 fn check_pockets(p: &SceneParameters, bearing: &Bearing, faults: &mut Faults) {
     const SPACING: &str = "bearing.cage.pocket_deviations";
     let (deviations, BearingParameters { ball_count, ball_diameter, pitch_diameter, .. }) =
@@ -207,22 +207,27 @@ fn check_pockets(p: &SceneParameters, bearing: &Bearing, faults: &mut Faults) {
     let are_inside = deviations.iter().fold(true, |are, &deviation| faults.check(SPACING, deviation) && are);
     if !deviations.is_empty() && deviations.len() != ball_count {
         faults.inconsistent(SPACING, format!("{} values: the cage has {ball_count} pockets", deviations.len()));
-    } else if are_inside && deviations.iter().any(|&deviation| deviation != 0.0) {
-        let least = ball_diameter + 0.5 * p.cage.pocket_clearance;
-        for (pocket, deviation) in deviations.iter().enumerate() {
-            let next = (pocket + 1) % ball_count;
-            let apart = TAU / ball_count as f64 + deviations[next] - deviation;
-            let distance = pitch_diameter * (0.5 * apart).sin();
-            if distance < least {
-                let (pocket, next, distance, least) = (pocket + 1, next + 1, 1e3 * distance, 1e3 * least);
-                let reason = format!(
-                    "the centres of pockets {pocket} and {next} are {distance:.4} mm apart: at least {least:.4} mm, a ball and half \
-                     the clearance"
-                );
-                faults.inconsistent(SPACING, reason);
-            }
-        }
+        return;
     }
+    if !are_inside {
+        return;
+    }
+    let place = |pocket: usize| deviations.get(pocket).copied().unwrap_or_default();
+    let distance = |pocket: usize| {
+        let apart = TAU / ball_count as f64 + place((pocket + 1) % ball_count) - place(pocket);
+        pitch_diameter * (0.5 * apart).sin()
+    };
+    let distances: Vec<f64> = (0..ball_count).map(distance).collect();
+    let least = ball_diameter + 0.5 * p.cage.pocket_clearance;
+    let are_even = deviations.iter().all(|&deviation| deviation == 0.0);
+    for (pocket, distance) in distances.iter().enumerate().filter(|(_, distance)| !are_even && **distance < least) {
+        let (pocket, next, distance, least) = (pocket + 1, (pocket + 1) % ball_count + 1, 1e3 * distance, 1e3 * least);
+        let reason = format!(
+            "the centres of pockets {pocket} and {next} are {distance:.4} mm apart: at least {least:.4} mm, a ball and half the clearance"
+        );
+        faults.inconsistent(SPACING, reason);
+    }
+    p.surfaces.check_neighbours(&distances, ball_diameter, faults);
     if p.terms.get(Term::Cage) != TermChoice::Off {
         p.surfaces.check_pockets(ball_count, p.cage.pocket_clearance, faults);
     }
