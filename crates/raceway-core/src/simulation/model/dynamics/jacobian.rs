@@ -100,7 +100,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 }
             }
             // Effects of cage and spindle, again with the undisplaced border first.
-            let inner = self.inner_part(&balls.motion, &at_rest).0;
+            let inner = self.inner_part(first, &balls.motion, &at_rest).0;
             let pocket = self.pocket_part(first, &balls.motion, &at_rest.pose).0;
             for (column, displaced) in displaced.iter().enumerate() {
                 let mut reaction = balls.reaction;
@@ -109,7 +109,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     (reaction.cage_force, reaction.cage_moment) = (force, moment);
                     (&pocket, wrench)
                 } else {
-                    let (wrench, on_spindle) = self.inner_part(&balls.motion, displaced);
+                    let (wrench, on_spindle) = self.inner_part(first, &balls.motion, displaced);
                     reaction.spindle = on_spindle;
                     (&inner, wrench)
                 };
