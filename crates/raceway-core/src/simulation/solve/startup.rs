@@ -190,7 +190,7 @@ impl InitialState {
     /// State after the shared phase. Attempts and their repetitions only have the rest of the settling time before them. Long fixed steps are tried
     /// first, because they hardly change undamped vibration. Levels that had not settled after a second differed by at most 0.0015 dB between this
     /// step and a quarter of it. If the long steps diverge, shorter ones follow, then error control. `stepping`: only these steps.
-    pub(crate) fn after(
+    pub fn after(
         shared: &StartupPhase,
         stepping: Option<Stepping>,
         model: &Model,
