@@ -22,11 +22,21 @@ const BOTTOM: f64 = 48.0;
 /// Time span below which labels are in milliseconds [s].
 const MILLISECONDS_BELOW: f64 = 2.0;
 
-/// Stacked signals on one time axis, signals of one unit on one scale; thinned so that peaks are kept.
-pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>]) -> String {
+/// A marked time.
+pub struct TimeMark<'a> {
+    pub name: &'a str,
+    pub time_s: f64,
+}
+
+/// Stacked signals on one time axis, signals of one unit on one scale; thinned so that peaks are kept. Marks are named above the first
+/// panel.
+pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>], marks: &[TimeMark<'_>]) -> String {
     let height = TOP + curves.len().max(1) as f64 * PITCH - 46.0 + BOTTOM;
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
-    let description = format!("{subtitle}. Time series of {}.", names.join(", "));
+    let mut description = format!("{subtitle}. Time series of {}.", names.join(", "));
+    for mark in marks {
+        description += &format!(" {} at {:.6} s.", mark.name, mark.time_s);
+    }
     let mut drawing = Drawing::new(WIDTH, height, title, subtitle, &description);
     let times = curves.iter().flat_map(|curve| curve.time_s).copied().filter(|time| time.is_finite());
     let (mut from, mut to) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
@@ -43,6 +53,7 @@ pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>]) -> St
         let y = Scale { values: range_of(alike), positions: (bottom, top) };
         drawing.text("name", Anchor::Start, LEFT, top - 8.0, curve.name);
         frame(&mut drawing, &x, &y, curve.unit);
+        draw_marks(&mut drawing, marks, &x, per_second, (top, bottom), number == 0);
         let points = thin(curve.value, 2 * (WIDTH - LEFT - RIGHT) as usize);
         drawing.curve(
             number,
@@ -55,6 +66,33 @@ pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>]) -> St
     let caption = format!("time in {time_unit}");
     drawing.text("", Anchor::Middle, 0.5 * (LEFT + WIDTH - RIGHT), bottom + 40.0, &caption);
     drawing.finish()
+}
+
+/// Lines at the marked times within a panel; named above it.
+fn draw_marks(
+    drawing: &mut Drawing,
+    marks: &[TimeMark<'_>],
+    x: &Scale,
+    per_second: f64,
+    (top, bottom): (f64, f64),
+    named: bool,
+) {
+    for (row, mark) in marks.iter().enumerate() {
+        let at = x.at(mark.time_s * per_second);
+        if !(x.positions.0..=x.positions.1).contains(&at) {
+            continue;
+        }
+        drawing.line("floor", (at, top), (at, bottom));
+        if named {
+            // The first name stands before its line, the last after it, and those between on it, a row higher.
+            let (anchor, shift, row) = match row {
+                0 => (Anchor::End, -4.0, 0.0),
+                _ if row + 1 == marks.len() => (Anchor::Start, 4.0, 0.0),
+                _ => (Anchor::Middle, 0.0, 1.0),
+            };
+            drawing.text("small", anchor, at + shift, top - 4.0 - 14.0 * row, mark.name);
+        }
+    }
 }
 
 /// Panel, grid and axis labels.
@@ -91,11 +129,15 @@ mod tests {
                 SeriesCurve { name: "spindle.y.velocity", unit: "mm/s", time_s: &time, value: &y },
                 SeriesCurve { name: "spindle.z.velocity", unit: "mm/s", time_s: &time, value: &z },
             ],
+            &[TimeMark { name: "entry", time_s: 0.05 }, TimeMark { name: "exit", time_s: 7.0 }],
         );
         assert_well_formed(&svg);
-        for text in ["mm/s", "time in ms", "spindle.y.velocity", "spindle.z.velocity", "&amp; &lt;more&gt;", ">100<"] {
+        for text in
+            ["mm/s", "time in ms", "spindle.y.velocity", "spindle.z.velocity", "&amp; &lt;more&gt;", ">100<", ">entry<"]
+        {
             assert!(svg.contains(text), "{text}");
         }
+        assert!(!svg.contains(">exit<"), "a mark outside the shown time has no line");
         assert!(svg.len() < 60_000, "thinned: {} bytes", svg.len());
     }
 
@@ -104,8 +146,13 @@ mod tests {
         for (time, value) in
             [(&[][..], &[][..]), (&[1.0], &[2.0]), (&[0.0, 1.0], &[0.0, 0.0]), (&[0.0, 1.0], &[f64::NAN, 5.0])]
         {
-            assert_well_formed(&series_svg("t", "s", &[SeriesCurve { name: "y", unit: "N", time_s: time, value }]));
+            assert_well_formed(&series_svg(
+                "t",
+                "s",
+                &[SeriesCurve { name: "y", unit: "N", time_s: time, value }],
+                &[],
+            ));
         }
-        assert_well_formed(&series_svg("t", "s", &[]));
+        assert_well_formed(&series_svg("t", "s", &[], &[]));
     }
 }

@@ -4,14 +4,17 @@ use serde::de::{Error as _, IgnoredAny};
 use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
+use super::preset_names::SurfaceName;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::out_of_range;
+use crate::contract::json::problem::listed;
 use crate::contract::json::shapes::{
     ObjectOnly, optional_object, required_whole_number, whole_number, wide_whole_number,
 };
 use crate::contract::json::units::{DEG, MM, NM, NUMBER, UM, Unit};
 use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::limits::limits_of;
+use raceway_core::physics::presets::{self, SurfacePreset};
 use raceway_core::physics::surface::defects::{Defect, Shape};
 use raceway_core::physics::surface::waviness::{RacewaySurface, RandomWaviness, Surfaces, Wave};
 
@@ -26,6 +29,12 @@ const SEED: u64 = 1;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfacesInput {
+    /// Quality of both raceways. It gives `random_waviness` of the raceways that have none: an amplitude of 2 nm (`precision`), 10 nm
+    /// (`standard`) or 50 nm (`worn`) at order 10, falling as 1/order. These amplitudes are assumptions; no standard fixes them. Default:
+    /// no waviness but the given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<SurfaceName>, example = "standard")]
+    pub preset: Option<String>,
     /// Raceway of the inner ring. Azimuths turn with the ring and are those about the bearing at t = 0.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
@@ -181,12 +190,52 @@ fn are_within_limits(
 impl SurfacesInput {
     /// The surfaces of `physics`. A wave with an error is left out.
     pub fn resolve(&mut self, defaults: &mut Defaults) -> Surfaces {
+        self.fill_from_preset(defaults);
         let mut of = |name: &str, surface: &mut Option<RacewaySurfaceInput>| {
             surface.as_mut().map(|surface| surface.resolve(name, defaults)).unwrap_or_default()
         };
         let raceway = PerRaceway { inner: of("inner", &mut self.inner), outer: of("outer", &mut self.outer) };
         let seed = defaults.fill("/scene/surfaces/seed", &mut self.seed, SEED);
         Surfaces { raceway, seed }
+    }
+
+    /// Gives raceways without random waviness that of the preset.
+    fn fill_from_preset(&mut self, defaults: &mut Defaults) {
+        let Some(name) = &self.preset else { return };
+        let Some(preset) = presets::surface(name) else {
+            let known = listed(presets::SURFACES.map(|preset| preset.name));
+            defaults.refuse("/scene/surfaces/preset", format!("`{name}` is no preset; known: {known}"));
+            return;
+        };
+        for (ring, surface) in [("inner", &mut self.inner), ("outer", &mut self.outer)] {
+            if defaults.is_unread(&format!("/scene/surfaces/{ring}")) {
+                continue;
+            }
+            let random = &mut surface.get_or_insert_default().random_waviness;
+            if random.is_none() {
+                defaults.filled.push(format!("/scene/surfaces/{ring}/random_waviness/amplitude_nm"));
+                *random = Some(RandomWavinessInput::of(preset));
+            }
+        }
+    }
+}
+
+impl RandomWavinessInput {
+    /// That of a preset, all other fields left to their defaults.
+    pub(super) fn of(preset: &SurfacePreset) -> Self {
+        let amplitude_nm = NM.to_user(preset.amplitude);
+        Self { amplitude_nm, at_order: None, exponent: None, from_order: None, to_order: None }
+    }
+
+    /// The waviness of `physics`, after its defaults have been filled in; `at`: its pointer.
+    pub(super) fn fill(&mut self, at: &str, defaults: &mut Defaults) -> RandomWaviness {
+        RandomWaviness {
+            amplitude: NM.to_si(self.amplitude_nm),
+            at_order: defaults.fill(format!("{at}/at_order"), &mut self.at_order, AT_ORDER),
+            exponent: defaults.fill(format!("{at}/exponent"), &mut self.exponent, EXPONENT),
+            from_order: defaults.fill(format!("{at}/from_order"), &mut self.from_order, FROM_ORDER),
+            to_order: self.to_order,
+        }
     }
 }
 
@@ -206,13 +255,7 @@ impl RacewaySurfaceInput {
             }
         }
         let at = format!("/scene/surfaces/{name}/random_waviness");
-        let random_waviness = self.random_waviness.as_mut().map(|random| RandomWaviness {
-            amplitude: NM.to_si(random.amplitude_nm),
-            at_order: defaults.fill(format!("{at}/at_order"), &mut random.at_order, AT_ORDER),
-            exponent: defaults.fill(format!("{at}/exponent"), &mut random.exponent, EXPONENT),
-            from_order: defaults.fill(format!("{at}/from_order"), &mut random.from_order, FROM_ORDER),
-            to_order: random.to_order,
-        });
+        let random_waviness = self.random_waviness.as_mut().map(|random| random.fill(&at, defaults));
         RacewaySurface { waviness: waves, random_waviness, defects: self.resolve_defects(name, defaults) }
     }
 

@@ -14,6 +14,8 @@ pub(crate) mod load_course;
 
 pub(crate) mod loaded_rolling;
 
+pub mod off_raceway;
+
 pub mod record;
 
 pub mod plot_data;

@@ -5,6 +5,7 @@ use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::load_course::BallLoadCourse;
+use crate::simulation::recording::off_raceway::OffShare;
 use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::windows::{Signal, Whirl};
 
@@ -19,6 +20,8 @@ pub struct ContactExtremes {
     pub max_slip: f64,
     /// Smallest minimum film thickness under load [m]; `None` where it was not requested.
     pub least_film: Option<f64>,
+    /// Share of the time that loaded balls do not touch the raceway; `None` on ideal raceways, and where it was not observed.
+    pub off: Option<OffShare>,
 }
 
 /// Scalar results of a motion, for the comparison with a repeated run [SI].

@@ -16,6 +16,7 @@ use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::loaded_rolling::LoadedRolling;
+use crate::simulation::recording::off_raceway::OffTime;
 use crate::simulation::recording::record::{Quantities, Recording, cage_slip};
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
@@ -80,6 +81,9 @@ pub struct Observer<'m> {
     parts: Vec<Quantities>,
     /// Moments of the cage over the current part.
     part_cage: CageMoments,
+    /// Time of balls off their raceways, where it is observed, and the time until which it is counted [s].
+    off_time: Option<OffTime>,
+    counted_until: Option<f64>,
 }
 
 impl<'m> Observer<'m> {
@@ -142,6 +146,8 @@ impl<'m> Observer<'m> {
             rolling: LoadedRolling::default(),
             parts: Vec::with_capacity(values.div_ceil(PART)),
             part_cage: CageMoments::default(),
+            off_time: (settings.outputs.contacts && model.mechanism().load_zone.is_some()).then(|| OffTime::new(balls)),
+            counted_until: None,
         }
     }
 
@@ -275,6 +281,22 @@ impl<'m> Observer<'m> {
             self.part_cage.y.add(y);
             self.part_cage.z.add(z);
         }
+        self.count_off_time(time);
+    }
+
+    /// Counts the time since the last sample for each ball in the load zone.
+    fn count_off_time(&mut self, time: f64) {
+        let m = self.model.mechanism();
+        let (Some(off_time), Some(zone)) = (&mut self.off_time, &m.load_zone) else { return };
+        let interval = time - self.counted_until.replace(time).unwrap_or(time);
+        let (angle, _, _) = m.speed.at(time);
+        for ball in 0..m.layout.balls {
+            let arc = m.layout.ball(&self.state, ball).arc;
+            if zone.contains(m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius) {
+                let load = PerRaceway { inner: self.snapshot.inner[ball], outer: self.snapshot.outer[ball] };
+                off_time.add(ball, interval, load);
+            }
+        }
     }
 
     /// Returns whether the next sample is at the time of a recorded value.
@@ -404,6 +426,7 @@ impl<'m> Observer<'m> {
         let (spindle, spindle_whirl) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
         let largest = |of: fn(&Quantities) -> f64| self.parts.iter().map(of).fold(0.0, f64::max);
+        let off = self.off_time.as_ref().and_then(OffTime::shares);
         Recording {
             start: self.start,
             signals: spindle.into_iter().chain(picked).collect(),
@@ -412,8 +435,16 @@ impl<'m> Observer<'m> {
             spindle_whirl,
             total_variance,
             contacts: PerRaceway {
-                inner: self.snapshot.extremes.inner.extremes(largest(|part| part.max_slip.inner)),
-                outer: self.snapshot.extremes.outer.extremes(largest(|part| part.max_slip.outer)),
+                inner: self
+                    .snapshot
+                    .extremes
+                    .inner
+                    .extremes(largest(|part| part.max_slip.inner), off.map(|off| off.inner)),
+                outer: self
+                    .snapshot
+                    .extremes
+                    .outer
+                    .extremes(largest(|part| part.max_slip.outer), off.map(|off| off.outer)),
             },
             max_pocket_load: largest(|part| part.max_pocket_load),
             direction: if self.shaft.mean() < 0.0 { -1.0 } else { 1.0 },

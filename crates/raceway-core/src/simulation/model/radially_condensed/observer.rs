@@ -16,6 +16,7 @@ use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::step_ratio::StepRatio;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::loaded_rolling::LoadedRolling;
+use crate::simulation::recording::off_raceway::OffTime;
 use crate::simulation::recording::record::{ContactExtremes, Quantities, Recording, cage_slip};
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, picked_channels};
 use crate::simulation::recording::series::SeriesRecording;
@@ -88,6 +89,8 @@ pub(super) struct Observer<'a> {
     /// Loaded balls of the current part, where the slip of the cage is requested, and rolling in the parts before.
     lift: Option<LoadedLift>,
     rolling: LoadedRolling,
+    /// Time of balls off their raceways [steps], where it is observed.
+    off_time: Option<OffTime>,
 }
 
 /// Largest values of a part of the recorded time, by group of balls.
@@ -215,6 +218,8 @@ impl<'a> Observer<'a> {
             films: model.needs().film_thickness.then(Films::new),
             lift: outputs.cage.then(LoadedLift::default),
             rolling: LoadedRolling::default(),
+            off_time: (outputs.contacts && model.mechanism().load_zone.is_some())
+                .then(|| OffTime::new(model.mechanism().layout.balls)),
         }
     }
 
@@ -314,6 +319,22 @@ impl<'a> Observer<'a> {
         if let Some(films) = &mut self.films {
             films.record(m, stepper.balls(), stepper.ball_loads(), speed);
         }
+        self.count_off_time(stepper);
+    }
+
+    /// Counts this step for each ball in the load zone.
+    #[inline(never)]
+    fn count_off_time(&mut self, stepper: &Stepper<'_>) {
+        let m = self.model.mechanism();
+        let (Some(off_time), Some(zone)) = (&mut self.off_time, &m.load_zone) else { return };
+        let (angle, _, _) = m.speed.at(stepper.time());
+        for ball in 0..m.layout.balls {
+            let (group, lane) = (ball / LANES, ball % LANES);
+            let (arc, load) = (stepper.balls()[group].arc[lane], &stepper.ball_loads()[group].load);
+            if zone.contains(m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius) {
+                off_time.add(ball, 1.0, PerRaceway { inner: load.inner[lane].into(), outer: load.outer[lane].into() });
+            }
+        }
     }
 
     /// Records the extremes and means of the current part.
@@ -393,10 +414,12 @@ impl<'a> Observer<'a> {
 
     fn contacts(&self) -> PerRaceway<ContactExtremes> {
         let balls = self.model.mechanism().layout.balls;
-        let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
+        let none =
+            ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None, off: None };
         let Some(extremes) = &self.extremes else {
             return PerRaceway { inner: none.clone(), outer: none };
         };
+        let off = self.off_time.as_ref().and_then(OffTime::shares);
         let one = |load: &dyn Fn(&PerRaceway<Singles>) -> Singles, slip: &Singles, film: Option<ThinnestFilm>| {
             let max_load: Vec<f64> =
                 (0..balls).map(|ball| load(&extremes.load[ball / LANES])[ball % LANES].into()).collect();
@@ -406,11 +429,16 @@ impl<'a> Observer<'a> {
                 angle: touched.then_some((0.0, 0.0)),
                 max_slip: slip.0.into_iter().fold(0.0, f32::max).into(),
                 least_film: film.map(|film| film.thickness).filter(|film| film.is_finite()),
+                off: None,
             }
         };
+        let film =
+            |of: fn(&PerRaceway<ThinnestFilm>) -> ThinnestFilm| self.films.as_ref().map(|films| of(&films.thinnest));
+        let inner = one(&|load| load.inner, &extremes.slip.inner, film(|thinnest| thinnest.inner));
+        let outer = one(&|load| load.outer, &extremes.slip.outer, film(|thinnest| thinnest.outer));
         PerRaceway {
-            inner: one(&|load| load.inner, &extremes.slip.inner, self.films.as_ref().map(|films| films.thinnest.inner)),
-            outer: one(&|load| load.outer, &extremes.slip.outer, self.films.as_ref().map(|films| films.thinnest.outer)),
+            inner: ContactExtremes { off: off.map(|off| off.inner), ..inner },
+            outer: ContactExtremes { off: off.map(|off| off.outer), ..outer },
         }
     }
 }
